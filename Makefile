@@ -1,0 +1,56 @@
+# make study: set up, build, run the study; make test: set up, build, run every test. See README.md.
+COHORT ?= full
+CASES ?=
+CORES ?= $(shell nproc)
+BUILD ?= build
+PYTHON := /usr/bin/python3
+SNAKEMAKE := /usr/bin/snakemake
+REPORT := results/report/index.html
+
+.DEFAULT_GOAL := study
+.PHONY: setup build validate study test test-cpp test-python sanitize lint format clean help
+
+help: ## show this list
+	@grep -E '^[a-z-]+:.*##' Makefile | sed 's/:.*##/ -/'
+
+setup: ## install the Debian packages that are missing
+	@setup/install.sh
+
+$(BUILD)/build.ninja: CMakeLists.txt | setup
+	cmake -S . -B $(BUILD) -G Ninja -DCMAKE_BUILD_TYPE=Release
+
+build: setup $(BUILD)/build.ninja ## compile the programs into build/
+	@ninja -C $(BUILD) -j $(CORES) $(if $(CI),,--quiet) vci lumen
+
+validate: setup ## check every configuration file
+	@$(PYTHON) -m common validate
+
+study: build ## run a cohort (COHORT=full|quick|real) or single cases (CASES="lad01 rca01"); -j by CORES
+	@$(SNAKEMAKE) --profile config/profiles/local --cores $(CORES) --config cohort=$(COHORT) $(if $(CASES),cases='$(CASES)')
+	@echo "report: $(REPORT)"
+
+test: lint test-cpp sanitize test-python ## every test: formatting, C++ units, sanitizers, Python units, verification, workflow
+
+test-cpp: build
+	@ninja -C $(BUILD) -j $(CORES) $(if $(CI),,--quiet)
+	@mkdir -p results/tests
+	ctest --test-dir $(BUILD) --output-on-failure -j $(CORES) --output-junit $(CURDIR)/results/tests/cpp.xml
+
+# CGAL's headers take longer under the sanitizers than all else together; the anatomy's reader is left to the plain run.
+sanitize: setup ## C++ unit tests of the deployment engine with the address and undefined-behaviour sanitizers
+	@[ -f build-sanitize/build.ninja ] || cmake -S . -B build-sanitize -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DVCI_SANITIZE=ON
+	@ninja -C build-sanitize -j $(CORES) $(if $(CI),,--quiet) vci_unit_tests
+	build-sanitize/vci_unit_tests --gtest_brief=1
+
+test-python: build
+	OMP_NUM_THREADS=1 $(PYTHON) -m pytest -q --junitxml=results/tests/python.xml
+
+lint: setup ## check formatting and run the linters
+	@setup/lint.sh
+
+format: setup ## format C++ and Python sources
+	git ls-files '*.cpp' '*.hpp' | xargs -r clang-format -i
+	black -q .
+
+clean: ## remove what was built and computed
+	rm -rf $(BUILD) build-sanitize results .snakemake
