@@ -1,0 +1,160 @@
+"""The study's configuration: read, checked against its schemas, defaults filled in.
+
+Everything here raises InputError with file, line, key, value and what is allowed.
+"""
+
+import pathlib
+
+from common import schema, yaml_reader
+from common.errors import InputError
+
+SECTIONS = ("anatomy", "deployment", "flow", "reference", "metrics")
+
+
+def load(path, schema_name):
+    """The YAML file `path` checked against config/schemas/<schema_name>.schema.yaml, with defaults filled in.
+
+    Returns plain dicts and lists. Raises InputError for the first value that is not allowed.
+    """
+    return _load(path, schema_name).data
+
+
+def load_study(path):
+    """config/study.yaml: cohorts and the sections `SECTIONS`."""
+    return load(path, "study")
+
+
+def load_case(path):
+    """config/cases/<case>.yaml: patient, vessel (synthetic) or lumen (surface), plan and settings."""
+    document = _load(path, "case")
+    steps = document.data["plan"] if document.data["plan"] != "auto" else []
+    for i, step in enumerate(steps):
+        if step["action"] == "stent" and len(step["devices"]) != 1:
+            _refuse(
+                document, ("plan", i, "devices"), "a stent step places one stent", "give each stent a step of its own"
+            )
+        for j, device in enumerate(step["devices"]):
+            if ("centre_s_mm" in device) == ("lesion" in device):
+                remedy = "give either centre_s_mm or lesion"
+                _refuse(document, ("plan", i, "devices", j), "a device is placed by one of two keys", remedy)
+    return document.data
+
+
+def load_device(path):
+    """config/devices/<family>.yaml: a balloon or stent family, by its key `kind`."""
+    kind = yaml_reader.read(path).data
+    kind = kind.get("kind") if isinstance(kind, dict) else None
+    document = _load(path, kind if kind in ("balloon", "stent") else "device")
+    (_check_balloon if kind == "balloon" else _check_stent)(document)
+    return document.data
+
+
+def load_devices(folder):
+    """All families in a folder, {name: family}; a stent's delivery balloon must be among them at every size."""
+    files = sorted(pathlib.Path(folder).glob("*.yaml"))
+    families = {file.stem: load_device(file) for file in files}
+    for file in files:
+        family = families[file.stem]
+        if family["kind"] != "stent":
+            continue
+        document = yaml_reader.read(file)
+        balloon = families.get(family["delivery_balloon"], {})
+        if balloon.get("kind") != "balloon":
+            names = ", ".join(name for name, other in families.items() if other["kind"] == "balloon")
+            _refuse(document, ("delivery_balloon",), "no such balloon family", f"known balloons: {names}")
+        for sizes in ("diameters_mm", "lengths_mm"):
+            missing = sorted(set(family[sizes]) - set(balloon[sizes]))
+            if missing:
+                _refuse(
+                    document,
+                    (sizes,),
+                    f"the delivery balloon has no {missing}",
+                    f"add them to {family['delivery_balloon']}",
+                )
+    return families
+
+
+def resolve_settings(study, case):
+    """The sections of the study with the case's `settings` laid over them: {section: values}."""
+    return {section: _overlay(study[section], case["settings"].get(section, {})) for section in SECTIONS}
+
+
+def _load(path, schema_name):
+    document = yaml_reader.read(path)
+    if not isinstance(document.data, dict):
+        raise InputError("not a group of keys", path, document.data, "write `key: value` lines")
+    rules = schema.read(schema_name)
+    schema.validate(document, rules)
+    document.data = schema.with_defaults(document.data, rules)
+    return document
+
+
+def _overlay(base, top):
+    merged = dict(base)
+    for key, value in top.items():
+        merged[key] = (
+            _overlay(base[key], value) if isinstance(value, dict) and isinstance(base.get(key), dict) else value
+        )
+    return merged
+
+
+def _refuse(document, path, what, remedy):
+    value = document.data
+    for key in path:
+        value = value[key]
+    raise InputError(what, document.where(path), value, remedy)
+
+
+def _rising(values):
+    return all(a < b for a, b in zip(values, values[1:]))
+
+
+def _check_balloon(document):
+    family, chart = document.data, document.data["chart"]
+    for path in (("diameters_mm",), ("lengths_mm",), ("chart", "pressure_bar"), ("chart", "diameter_percent")):
+        values = chart[path[1]] if len(path) == 2 else family[path[0]]
+        if not _rising(values):
+            _refuse(document, path, "values do not rise", "list them from small to large, each once")
+    if len(chart["pressure_bar"]) != len(chart["diameter_percent"]):
+        _refuse(
+            document,
+            ("chart", "diameter_percent"),
+            "chart columns differ in length",
+            "one percentage for each pressure",
+        )
+    nominal = family["nominal_pressure_bar"]
+    if dict(zip(chart["pressure_bar"], chart["diameter_percent"])).get(nominal) != 100:
+        _refuse(document, ("chart",), "chart is not 100 % at nominal pressure", f"give 100 at {nominal} bar")
+    if not nominal < family["rated_burst_pressure_bar"] <= chart["pressure_bar"][-1]:
+        remedy = f"between nominal ({nominal} bar) and the chart's end ({chart['pressure_bar'][-1]} bar)"
+        _refuse(document, ("rated_burst_pressure_bar",), "rated burst pressure out of place", remedy)
+    if family["crimped_diameter_mm"] >= family["diameters_mm"][0]:
+        _refuse(
+            document,
+            ("crimped_diameter_mm",),
+            "crimped balloon is wider than the smallest size",
+            "give the crossing profile",
+        )
+
+
+def _check_stent(document):
+    family = document.data
+    for path in (("diameters_mm",), ("lengths_mm",)):
+        if not _rising(family[path[0]]):
+            _refuse(document, path, "values do not rise", "list them from small to large, each once")
+    limits = [design["up_to_diameter_mm"] for design in family["designs"]]
+    if not _rising(limits) or limits[-1] != family["diameters_mm"][-1]:
+        _refuse(
+            document,
+            ("designs",),
+            "designs do not cover the diameters",
+            "rising up_to_diameter_mm, the last the largest diameter",
+        )
+    for i, design in enumerate(family["designs"]):
+        if design["maximal_diameter_mm"] <= design["up_to_diameter_mm"]:
+            _refuse(
+                document,
+                ("designs", i, "maximal_diameter_mm"),
+                "not above the design's sizes",
+                "give its expansion limit",
+            )

@@ -1,0 +1,40 @@
+"""Errors that a user sees: what is wrong, where, the value, and the remedy."""
+
+import functools
+import sys
+
+
+class UserError(Exception):
+    """Base of the errors that end a command with one clear message."""
+
+    exit_code = 1
+
+    def __init__(self, what, where, value, remedy):
+        self.what, self.where, self.value, self.remedy = what, str(where), value, remedy
+        super().__init__(f"error: {what}\n  where:  {where}\n  value:  {value}\n  remedy: {remedy}")
+
+
+class InputError(UserError):
+    """Bad input: exit code 2, raised before any long work."""
+
+    exit_code = 2
+
+
+class ComputationError(UserError):
+    """A computation that did not converge or is not to be trusted: exit code 3, no output left."""
+
+    exit_code = 3
+
+
+def guarded(main):
+    """Decorator for a command's main(): prints a UserError without traceback and exits with its code."""
+
+    @functools.wraps(main)
+    def run(*args, **kwargs):
+        try:
+            return main(*args, **kwargs)
+        except UserError as error:
+            print(error, file=sys.stderr)
+            sys.exit(error.exit_code)
+
+    return run

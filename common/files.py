@@ -1,0 +1,28 @@
+"""Files are written whole or not at all: under a temporary name first, then moved into place."""
+
+import contextlib
+import json
+import os
+import pathlib
+
+
+@contextlib.contextmanager
+def replacing(path):
+    """Yields a temporary path (same folder, same suffix) that becomes `path` if the block succeeds.
+
+    The temporary file is removed if the block raises.
+    """
+    path = pathlib.Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_name(f".partial-{os.getpid()}-{path.name}")
+    try:
+        yield partial
+        os.replace(partial, path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def write_json(path, document):
+    """Writes `document` as indented JSON; NaN and infinity are refused (ValueError)."""
+    with replacing(path) as partial:
+        partial.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n")

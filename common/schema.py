@@ -1,0 +1,169 @@
+"""JSON schemas for the configuration: reading them, filling in defaults, and saying what is wrong in plain words.
+
+Schemas are JSON Schema (2020-12) written as YAML in config/schemas/. A `$ref` names another schema file and is
+expanded when read. `x-partial: true` marks a tree of overrides: its keys are checked, nothing in it is required and no
+default is filled in. `unit` gives the unit of a number whose name does not carry it.
+"""
+
+import copy
+import difflib
+import functools
+import pathlib
+
+import jsonschema
+
+from common import yaml_reader
+from common.errors import InputError
+
+FOLDER = pathlib.Path(__file__).resolve().parent.parent / "config" / "schemas"
+
+
+@functools.lru_cache(maxsize=None)
+def read(name):
+    """The schema `config/schemas/<name>.schema.yaml`, its references expanded."""
+    return _expand(yaml_reader.read(FOLDER / f"{name}.schema.yaml").data, partial=False)
+
+
+def _expand(schema, partial):
+    if isinstance(schema, list):
+        return [_expand(item, partial) for item in schema]
+    if not isinstance(schema, dict):
+        return schema
+    if "$ref" in schema:
+        other = read(schema["$ref"].removesuffix(".schema.yaml"))
+        schema = {**other, **{key: value for key, value in schema.items() if key != "$ref"}}
+    inside = partial or schema.get("x-partial") is True
+    expanded = {}
+    for key, value in schema.items():
+        if partial and key in ("required", "default"):
+            continue
+        if key == "properties":  # names of keys, which may well be called "default" or "required"
+            expanded[key] = {name: _expand(item, inside) for name, item in value.items()}
+        else:
+            expanded[key] = _expand(value, inside)
+    return expanded
+
+
+def validate(document, schema):
+    """Raises InputError for the first value of `document` (in file order) that `schema` does not allow."""
+    validator = jsonschema.Draft202012Validator(schema)
+    errors = [_deepest(error) for error in validator.iter_errors(document.data)]
+    if errors:
+        raise _explain(document, min(errors, key=lambda error: _order(document, error)))
+
+
+def _order(document, error):
+    """Errors in the order of the file; on one line an unknown key first, since it is often a missing one misspelt."""
+    return document.line(error.absolute_path), error.validator != "additionalProperties", str(error.message)
+
+
+def with_defaults(data, schema):
+    """A copy of `data` in which every missing key that has a default in `schema` is filled in."""
+    data = copy.deepcopy(data)
+    _fill(data, schema)
+    return data
+
+
+def _fill(data, schema):
+    if isinstance(data, dict):
+        for key, sub in schema.get("properties", {}).items():
+            if key not in data and "default" in sub:
+                data[key] = copy.deepcopy(sub["default"])
+            if key in data:
+                _fill(data[key], sub)
+    elif isinstance(data, list) and "items" in schema:
+        for item in data:
+            _fill(item, schema["items"])
+    for branch in schema.get("anyOf", ()):
+        if jsonschema.Draft202012Validator({"type": branch.get("type", [])}).is_valid(data):
+            _fill(data, branch)
+
+
+def _deepest(error):
+    """For alternatives (anyOf), the complaint of the alternative that came furthest: the one the author meant."""
+    while error.context:
+        error = max(
+            error.context, key=lambda inner: (len(inner.absolute_path), inner.validator not in ("type", "const"))
+        )
+    return error
+
+
+def _explain(document, error):
+    """One jsonschema error as an InputError: file, line, key, value, and what is allowed there."""
+    path, value, rule = list(error.absolute_path), error.instance, error.validator_value
+    allowed = describe(error.schema) if isinstance(error.schema, dict) else ""
+    if error.validator == "additionalProperties":
+        known = sorted(error.schema.get("properties", {}))
+        key = next(key for key in value if key not in known)
+        near = difflib.get_close_matches(str(key), known, n=1, cutoff=0.5)
+        remedy = (f"did you mean {near[0]}? " if near else "") + f"known keys here: {', '.join(known)}"
+        return InputError("unknown key", document.where(path + [key]), _short(value[key]), remedy)
+    if error.validator == "required":
+        missing = next(key for key in rule if key not in value)
+        what_it_is = error.schema.get("properties", {}).get(missing, {})
+        where = document.where(path) + (": " if path else ", ") + f"key {missing} is missing"
+        remedy = (
+            f"add {missing}: {describe(what_it_is)}"
+            if isinstance(what_it_is, dict) and what_it_is
+            else f"add {missing}"
+        )
+        return InputError("key is missing", where, "none", remedy)
+    if error.schema is False or error.validator is None:
+        return InputError("key has no place here", document.where(path), _short(value), "remove it")
+    return InputError("value is not allowed", document.where(path), _short(value), f"allowed: {allowed}")
+
+
+def describe(schema):
+    """What a schema allows, in words: type, range, unit, choices, default and description."""
+    words = []
+    if "enum" in schema:
+        words.append("one of " + ", ".join(map(str, schema["enum"])))
+    elif "const" in schema:
+        words.append(str(schema["const"]))
+    elif "anyOf" in schema:
+        words.append(" or ".join(describe(branch) for branch in schema["anyOf"]))
+    elif "type" in schema:
+        words.append(
+            _TYPES.get(schema["type"], str(schema["type"])) if isinstance(schema["type"], str) else str(schema["type"])
+        )
+    for key, phrase in _LIMITS.items():
+        if key in schema:
+            words.append(phrase.format(schema[key]))
+    if "items" in schema and schema["items"].get("type") in ("number", "integer"):
+        words.append("each " + describe(schema["items"]))
+    if "unit" in schema:
+        words.append(f"in {schema['unit']}")
+    if "default" in schema and not isinstance(schema["default"], (dict, list)):
+        words.append(f"(default {schema['default']})")
+    text = " ".join(words)
+    return (
+        f"{text}: {schema['description']}"
+        if "description" in schema and text
+        else text or schema.get("description", "")
+    )
+
+
+_TYPES = {
+    "number": "a number",
+    "integer": "a whole number",
+    "string": "text",
+    "boolean": "true or false",
+    "array": "a list",
+    "object": "a group of keys",
+}
+_LIMITS = {
+    "minimum": "at least {}",
+    "exclusiveMinimum": "above {}",
+    "maximum": "at most {}",
+    "exclusiveMaximum": "below {}",
+    "minItems": "with at least {} entries",
+    "maxItems": "with at most {} entries",
+    "minLength": "of at least {} characters",
+    "pattern": "that matches {}",
+    "multipleOf": "in multiples of {}",
+}
+
+
+def _short(value):
+    text = str(value)
+    return text if len(text) <= 80 else text[:77] + "..."

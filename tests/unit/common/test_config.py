@@ -1,0 +1,116 @@
+"""Cases, devices and the study: what the schemas cannot say."""
+
+import shutil
+
+import pytest
+import yaml
+
+from common import config
+from common.errors import InputError
+
+
+@pytest.fixture
+def edited(repo_root, tmp_path):
+    """edited("devices/des.yaml", {"diameters_mm": [...]}) -> a copy of config/ with the keys of one file replaced."""
+
+    def edit(name, changes):
+        folder = tmp_path / "config"
+        shutil.copytree(repo_root / "config", folder, dirs_exist_ok=True)
+        file = folder / name
+        file.write_text(yaml.safe_dump({**yaml.safe_load(file.read_text()), **changes}))
+        return folder
+
+    return edit
+
+
+def test_shipped_catalogue(repo_root):
+    families = config.load_devices(repo_root / "config" / "devices")
+    assert {"semi_compliant", "non_compliant", "des", "des_balloon"} <= set(families)
+    for family in families.values():
+        if family["kind"] == "balloon":
+            chart = dict(zip(family["chart"]["pressure_bar"], family["chart"]["diameter_percent"]))
+            assert chart[family["nominal_pressure_bar"]] == 100
+
+
+def test_semi_compliant_grows_more_than_non_compliant(repo_root):
+    """Growth from nominal to rated burst pressure: 5-10 % against at most 4 %."""
+    growth = {}
+    for name in ("semi_compliant", "non_compliant"):
+        family = config.load_device(repo_root / "config" / "devices" / f"{name}.yaml")
+        chart = dict(zip(family["chart"]["pressure_bar"], family["chart"]["diameter_percent"]))
+        growth[name] = chart[family["rated_burst_pressure_bar"]] - 100
+    assert 5 <= growth["semi_compliant"] <= 10
+    assert 1 <= growth["non_compliant"] <= 4
+
+
+def test_settings_of_a_case_lie_over_those_of_the_study(repo_root):
+    study = config.load_study(repo_root / "config" / "study.yaml")
+    case = {"settings": {"deployment": {"wall": {"plaque": {"lipid": {"hardening": 0.5}}}}}}
+    resolved = config.resolve_settings(study, case)
+    lipid = resolved["deployment"]["wall"]["plaque"]["lipid"]
+    assert lipid == {**study["deployment"]["wall"]["plaque"]["lipid"], "hardening": 0.5}
+    assert resolved["flow"] == study["flow"]
+    assert study["deployment"]["wall"]["plaque"]["lipid"]["hardening"] != 0.5
+
+
+@pytest.mark.parametrize(
+    "name, changes, words",
+    [
+        ("des.yaml", {"delivery_balloon": "semi"}, ["delivery_balloon", "semi", "known balloons"]),
+        ("des.yaml", {"lengths_mm": [8, 12, 99]}, ["lengths_mm", "at most 60"]),
+        ("des.yaml", {"lengths_mm": [8, 13]}, ["lengths_mm", "13", "des_balloon"]),
+        ("des.yaml", {"diameters_mm": [3.0, 2.5]}, ["diameters_mm", "rise"]),
+        ("des.yaml", {"diameters_mm": [2.25, 5.0]}, ["designs", "cover"]),
+        ("semi_compliant.yaml", {"rated_burst_pressure_bar": 7}, ["rated_burst_pressure_bar", "7"]),
+        ("semi_compliant.yaml", {"crimped_diameter_mm": 1.6}, ["crimped_diameter_mm", "1.6"]),
+        (
+            "semi_compliant.yaml",
+            {"chart": {"pressure_bar": [4, 8, 18], "diameter_percent": [95, 100]}},
+            ["chart.diameter_percent", "at least 3"],
+        ),
+        (
+            "semi_compliant.yaml",
+            {"chart": {"pressure_bar": [4, 8, 18], "diameter_percent": [95, 100, 99]}},
+            ["chart.diameter_percent", "rise"],
+        ),
+        (
+            "semi_compliant.yaml",
+            {"chart": {"pressure_bar": [4, 8, 16, 18], "diameter_percent": [95, 100, 110]}},
+            ["chart.diameter_percent", "length"],
+        ),
+    ],
+)
+def test_refused_devices(edited, name, changes, words):
+    folder = edited(f"devices/{name}", changes)
+    with pytest.raises(InputError) as error:
+        config.load_devices(folder / "devices")
+    for word in [name, *words]:
+        assert word in str(error.value)
+
+
+@pytest.mark.parametrize(
+    "device, words",
+    [
+        ({"lesion": 1, "centre_s_mm": 3.0}, ["plan[1].devices[1]", "either centre_s_mm or lesion"]),
+        ({}, ["plan[1].devices[1]", "either centre_s_mm or lesion"]),
+        ({"lesion": 1, "branch": "left"}, ["plan[1].devices[1].branch", "left"]),
+        ({"lesion": 0}, ["plan[1].devices[1].lesion", "at least 1"]),
+    ],
+)
+def test_refused_placements(edited, device, words):
+    balloon = {"device": "semi_compliant", "diameter_mm": 2.5, "length_mm": 12, "pressure_bar": 10, **device}
+    plan = [{"action": "predilatation", "devices": [balloon]}]
+    folder = edited("cases/real_artery.yaml", {"plan": plan})
+    with pytest.raises(InputError) as error:
+        config.load_case(folder / "cases" / "real_artery.yaml")
+    for word in words:
+        assert word in str(error.value)
+
+
+def test_vessel_and_lumen_exclude_each_other(edited):
+    folder = edited("cases/real_artery.yaml", {"vessel": {"seed": 1}})
+    with pytest.raises(InputError, match="vessel"):
+        config.load_case(folder / "cases" / "real_artery.yaml")
+    folder = edited("cases/real_artery.yaml", {"kind": "synthetic"})
+    with pytest.raises(InputError, match="vessel is missing|lumen"):
+        config.load_case(folder / "cases" / "real_artery.yaml")

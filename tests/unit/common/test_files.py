@@ -1,0 +1,31 @@
+"""Files are written whole or not at all."""
+
+import json
+
+import pytest
+
+from common.files import replacing, write_json
+
+
+def test_success_puts_the_file_in_place(tmp_path):
+    with replacing(tmp_path / "new" / "a.txt") as partial:
+        assert partial.parent == tmp_path / "new" and partial.suffix == ".txt"
+        partial.write_text("done")
+    assert [file.name for file in (tmp_path / "new").iterdir()] == ["a.txt"]
+
+
+def test_failure_keeps_the_old_file_and_leaves_nothing_else(tmp_path):
+    (tmp_path / "a.txt").write_text("old")
+    with pytest.raises(RuntimeError):
+        with replacing(tmp_path / "a.txt") as partial:
+            partial.write_text("half")
+            raise RuntimeError
+    assert {file.name: file.read_text() for file in tmp_path.iterdir()} == {"a.txt": "old"}
+
+
+def test_json_refuses_numbers_that_are_not_finite(tmp_path):
+    write_json(tmp_path / "a.json", {"a": [1, 2.5]})
+    assert json.loads((tmp_path / "a.json").read_text()) == {"a": [1, 2.5]}
+    with pytest.raises(ValueError):
+        write_json(tmp_path / "b.json", {"a": float("nan")})
+    assert not (tmp_path / "b.json").exists()
