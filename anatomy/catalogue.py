@@ -1,0 +1,84 @@
+"""One device of a family at one size, as scene.json holds it (docs/design.md)."""
+
+import numpy as np
+
+from common.errors import InputError
+
+_BALLOON = ("shoulder_mm", "crimped_diameter_mm", "nominal_pressure_bar", "rated_burst_pressure_bar")
+_STENT = (
+    "crimped_diameter_mm",
+    "strut_thickness_mm",
+    "hoop_stiffness_n_per_mm",
+    "yield_strain",
+    "axial_stiffness_n_per_mm",
+    "bending_stiffness_n_mm2",
+    "radial_strength_mpa",
+    "recoil_percent",
+)
+
+
+def key(family, diameter_mm, length_mm):
+    """Name of a sized device, e.g. des_3.50x18."""
+    return f"{family}_{diameter_mm:.2f}x{length_mm:g}"
+
+
+def entries(families, family, diameter_mm, length_mm, where):
+    """{key: entry} of a sized device, its delivery balloon included; InputError if the catalogue lacks it."""
+    if family not in families:
+        raise InputError("no such device family", where, family, f"known families: {', '.join(families)}")
+    values = families[family]
+    for name, size in (("diameters_mm", diameter_mm), ("lengths_mm", length_mm)):
+        if size not in values[name]:
+            raise InputError(f"size not in the catalogue of {family}", where, size, f"{name}: {values[name]}")
+    if values["kind"] == "balloon":
+        return {key(family, diameter_mm, length_mm): _balloon(values, diameter_mm, length_mm)}
+    delivery = values["delivery_balloon"]
+    return {
+        key(delivery, diameter_mm, length_mm): _balloon(families[delivery], diameter_mm, length_mm),
+        key(family, diameter_mm, length_mm): _stent(values, diameter_mm, length_mm),
+    }
+
+
+def balloon_family(families, family):
+    """Name of the balloon family that a device is inflated with: itself, or a stent's delivery balloon."""
+    values = families[family]
+    return values["delivery_balloon"] if values["kind"] == "stent" else family
+
+
+def diameter_at(balloon, pressure_bar):
+    """Free diameter in mm of a sized balloon at a pressure, by its chart (linear between its points)."""
+    chart = balloon["chart"]
+    return float(np.interp(pressure_bar, chart["pressure_bar"], chart["diameter_mm"]))
+
+
+def pressure_for(balloon, diameter_mm):
+    """Pressure in bar at which a sized balloon reaches a diameter, between its nominal and its rated burst pressure."""
+    chart = balloon["chart"]
+    pressure = float(np.interp(diameter_mm, chart["diameter_mm"], chart["pressure_bar"]))
+    return float(np.clip(round(pressure), balloon["nominal_pressure_bar"], balloon["rated_burst_pressure_bar"]))
+
+
+def _balloon(values, diameter_mm, length_mm):
+    chart = values["chart"]
+    return {
+        "kind": "balloon",
+        "nominal_diameter_mm": diameter_mm,
+        "length_mm": length_mm,
+        **{name: values[name] for name in _BALLOON},
+        "chart": {
+            "pressure_bar": chart["pressure_bar"],
+            "diameter_mm": [round(diameter_mm * percent / 100, 6) for percent in chart["diameter_percent"]],
+        },
+    }
+
+
+def _stent(values, diameter_mm, length_mm):
+    design = next(d for d in values["designs"] if diameter_mm <= d["up_to_diameter_mm"])
+    return {
+        "kind": "stent",
+        "balloon": key(values["delivery_balloon"], diameter_mm, length_mm),
+        "nominal_diameter_mm": diameter_mm,
+        "length_mm": length_mm,
+        **{name: values[name] for name in _STENT},
+        **{name: design[name] for name in ("maximal_diameter_mm", "crowns", "links")},
+    }

@@ -1,0 +1,59 @@
+"""What `lumen process` measured: the summary anatomy.json and the table sections.csv."""
+
+import csv
+import json
+import pathlib
+
+from common.errors import InputError
+
+_NUMBERS = (
+    "s_mm x_mm y_mm z_mm area_mm2 equivalent_diameter_mm min_diameter_mm max_diameter_mm inscribed_radius_mm "
+    "curvature_per_mm"
+).split()
+
+
+def read_summary(folder):
+    """anatomy.json of an anatomy folder as a dict; InputError if it is absent or of another kind."""
+    path = pathlib.Path(folder) / "anatomy.json"
+    try:
+        summary = json.loads(path.read_text())
+    except (OSError, json.JSONDecodeError) as error:
+        raise InputError("no readable anatomy summary", path, error, "run `lumen process` first") from error
+    if not isinstance(summary, dict) or summary.get("schema") != "vci-anatomy-1":
+        raise InputError("not an anatomy summary", path, "no schema vci-anatomy-1", "run `lumen process` again")
+    return summary
+
+
+def read_sections(folder):
+    """sections.csv of an anatomy folder: {branch name: list of rows}, lengths as floats, rows by rising s_mm."""
+    path = pathlib.Path(folder) / "sections.csv"
+    try:
+        with path.open(newline="") as file:
+            rows = list(csv.DictReader(file))
+    except OSError as error:
+        raise InputError("no readable table of sections", path, error, "run `lumen process` first") from error
+    branches = {}
+    for row in rows:
+        branches.setdefault(row["branch"], []).append({**row, **{key: float(row[key]) for key in _NUMBERS}})
+    return branches
+
+
+def branch_named(summary, name, where):
+    """The summary's entry of a branch; InputError (at `where`) with the known names if there is none."""
+    for branch in summary["branches"]:
+        if branch["name"] == name:
+            return branch
+    known = ", ".join(branch["name"] for branch in summary["branches"])
+    raise InputError("no such branch", where, name, f"branches of this lumen: {known}")
+
+
+def lesion_number(summary, number, where):
+    """The summary's n-th most severe lesion (from 1); InputError if there are fewer."""
+    if number > len(summary["lesions"]):
+        raise InputError(
+            "no such lesion",
+            where,
+            f"lesion {number}, {len(summary['lesions'])} found",
+            "place the device by centre_s_mm, or choose a lesion of anatomy.json",
+        )
+    return summary["lesions"][number - 1]

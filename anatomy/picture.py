@@ -1,0 +1,104 @@
+"""A picture of the measured tree: its sections, names and lesions, and the diameter along each branch."""
+
+import matplotlib
+import numpy as np
+
+from common.errors import InputError
+from common.files import replacing
+
+from .measured import read_sections, read_summary
+
+matplotlib.use("Agg")
+from matplotlib import pyplot as plt  # noqa: E402  (the backend comes first)
+from matplotlib.collections import LineCollection  # noqa: E402
+
+
+def run(anatomy_folder, out):
+    """Writes the picture of an anatomy folder as .png or .svg."""
+    if out.suffix not in (".png", ".svg"):
+        raise InputError("unknown picture format", out, out.suffix, "name a .png or .svg file")
+    summary, branches = read_summary(anatomy_folder), read_sections(anatomy_folder)
+    figure, (tree, profile) = plt.subplots(2, 1, figsize=(10, 10), height_ratios=(1.3, 1), layout="constrained")
+    _draw_tree(figure, tree, summary, branches)
+    _draw_profile(profile, summary, branches)
+    with replacing(out) as partial:
+        figure.savefig(partial, dpi=130, metadata={"Software": None} if out.suffix == ".png" else {"Date": None})
+    plt.close(figure)
+
+
+def _plane(points):
+    """Function that projects points (n, 3) on the plane of their two largest principal axes, signs made definite."""
+    centre = points.mean(axis=0)
+    axes = np.linalg.svd(points - centre, full_matrices=False)[2][:2]
+    axes *= np.sign(axes[np.arange(2), np.abs(axes).argmax(axis=1)])[:, None]
+    return lambda p: (np.atleast_2d(p) - centre) @ axes.T
+
+
+def _column(rows, *names):
+    return np.array([[row[name] for name in names] for row in rows])
+
+
+def _draw_tree(figure, axes, summary, branches):
+    project = _plane(np.vstack([_column(rows, "x_mm", "y_mm", "z_mm") for rows in branches.values()]))
+    diameters = np.concatenate([_column(rows, "equivalent_diameter_mm")[:, 0] for rows in branches.values()])
+    colours = matplotlib.colors.Normalize(diameters.min(), diameters.max())
+    for name, rows in branches.items():
+        x = project(_column(rows, "x_mm", "y_mm", "z_mm"))
+        radius = _column(rows, "equivalent_diameter_mm") / 2
+        along = np.gradient(x, axis=0)
+        across = np.column_stack([-along[:, 1], along[:, 0]]) / np.maximum(np.linalg.norm(along, axis=1), 1e-9)[:, None]
+        ticks = np.stack([x - radius * across, x + radius * across], axis=1)
+        lines = LineCollection(ticks, cmap="viridis", norm=colours, linewidths=1.6)
+        lines.set_array(2 * radius[:, 0])
+        axes.add_collection(lines)
+        axes.plot(*x.T, color="k", lw=0.8)
+        axes.annotate(name, x[len(x) // 2], xytext=(14, 10), textcoords="offset points", fontsize=11, weight="bold")
+        _label_arc_length(axes, rows, x)
+    for number, lesion in enumerate(summary["lesions"], 1):
+        rows = branches[lesion["branch"]]
+        part = [r for r in rows if lesion["s_start_mm"] <= r["s_mm"] <= lesion["s_end_mm"]]
+        axes.plot(*project(_column(part, "x_mm", "y_mm", "z_mm")).T, color="crimson", lw=3, zorder=3)
+        throat = min(rows, key=lambda r: abs(r["s_mm"] - lesion["s_mla_mm"]))
+        where = project(_column([throat], "x_mm", "y_mm", "z_mm"))[0]
+        text = f"lesion {number}: {lesion['diameter_stenosis_percent']:.0f} %"
+        axes.annotate(
+            text, where, xytext=(-30, -40), textcoords="offset points", color="crimson", arrowprops={"arrowstyle": "-"}
+        )
+    for end in summary["ends"]:
+        where = project(np.array(end["centre_mm"]))[0]
+        axes.plot(*where, "s" if end["kind"] == "inlet" else "o", color="k", ms=6)
+        label = f"{end['name']} ({end['diameter_mm']:.2f} mm)"
+        axes.annotate(label, where, xytext=(8, -4), textcoords="offset points", fontsize=9)
+    figure.colorbar(lines, ax=axes, label="equivalent diameter (mm)", fraction=0.03)
+    axes.set(aspect="equal", xlabel="mm", ylabel="mm", title="tree, sections and lesions (plane of largest extent)")
+    axes.margins(0.15)
+
+
+def _label_arc_length(axes, rows, x):
+    s = _column(rows, "s_mm")[:, 0]
+    for mark in np.arange(10, s[-1], 10):
+        i = np.abs(s - mark).argmin()
+        axes.plot(*x[i], ".", color="k", ms=5)
+        axes.annotate(f"{mark:.0f}", x[i], xytext=(3, -9), textcoords="offset points", fontsize=7)
+
+
+def _draw_profile(axes, summary, branches):
+    for name, rows in branches.items():
+        s, diameter = _column(rows, "s_mm", "equivalent_diameter_mm").T
+        (line,) = axes.plot(s, diameter, lw=1.6, label=name)
+        axes.fill_between(
+            s, *_column(rows, "min_diameter_mm", "max_diameter_mm").T, color=line.get_color(), alpha=0.15, lw=0
+        )
+        for flag, marker in (("ostium", "x"), ("end", "|")):
+            marked = [r for r in rows if r["flag"] == flag]
+            if marked:
+                axes.plot(*_column(marked, "s_mm", "equivalent_diameter_mm").T, marker, color=line.get_color(), ms=4)
+    for number, lesion in enumerate(summary["lesions"], 1):
+        span = (lesion["s_start_mm"], lesion["s_end_mm"])
+        axes.axvspan(*span, color="crimson", alpha=0.08)
+        references = (lesion["proximal_reference_diameter_mm"], lesion["distal_reference_diameter_mm"])
+        axes.plot(span, references, "--", color="crimson")
+        axes.text(span[0], 0.1 + 0.25 * (number - 1), f"lesion {number} ({lesion['branch']})", color="crimson")
+    axes.set(xlabel="s (mm)", ylabel="diameter (mm)", title="equivalent diameter; band: smallest to largest chord")
+    axes.set_ylim(bottom=0)
+    axes.legend(title="x ostium, | end")

@@ -1,0 +1,142 @@
+"""The case's plan with every device in full: the document of scene.json without wall and numerics."""
+
+import os
+
+from common import config
+from common.errors import InputError
+from common.files import write_json
+
+from . import catalogue, sizing
+from .measured import branch_named, lesion_number, read_summary
+
+PASCAL_PER_MMHG = 133.322387415
+
+
+def run(case_file, anatomy_folder, devices_folder, out):
+    """Writes plan.json. Raises InputError for a plan that the catalogue or the lumen does not allow."""
+    case = config.load_case(case_file)
+    families = config.load_devices(devices_folder)
+    summary = read_summary(anatomy_folder)
+    relative = os.path.relpath(anatomy_folder.resolve(), out.resolve().parent)
+    document = {
+        "schema": "vci-scene-1",
+        "case": case_file.stem,
+        "lumen": f"{relative}/lumen.vtp",
+        "centreline": f"{relative}/centreline.vtp",
+        "patient": {"map_pa": mean_arterial_pressure_pa(case["patient"])},
+        **procedure(case["plan"], families, summary, str(case_file)),
+    }
+    write_json(out, document)
+
+
+def mean_arterial_pressure_pa(patient):
+    """MAP = 0.4 (SBP - DBP) + DBP, in Pa."""
+    systolic, diastolic = patient["sbp_mmhg"], patient["dbp_mmhg"]
+    return round((0.4 * (systolic - diastolic) + diastolic) * PASCAL_PER_MMHG, 3)
+
+
+def procedure(steps, families, summary, where):
+    """{segment, devices, procedure} of a plan ("auto" or steps) in a measured lumen; `where` is for messages."""
+    if steps == "auto":
+        steps = sizing.propose(summary, families, where)
+    devices, done, stents, used = {}, [], [], {}
+    for i, step in enumerate(steps):
+        placed = []
+        for j, wish in enumerate(step["devices"]):
+            at = f"{where}: plan[{i}].devices[{j}]"
+            sized = catalogue.entries(families, wish["device"], wish["diameter_mm"], wish["length_mm"], at)
+            _check_step(step["action"], families[wish["device"]]["kind"], at)
+            device = _placed(wish, summary, at)
+            _check_pressure(wish, sized, families, at)
+            _check_overexpansion(device, wish, sized, families, stents, at)
+            devices.update(sized)
+            placed.append(device)
+            if families[wish["device"]]["kind"] == "stent":
+                stents.append((device, sized[device["device"]]))
+        used[step["action"]] = used.get(step["action"], 0) + 1
+        number = f"_{used[step['action']]}" if used[step["action"]] > 1 else ""
+        done.append({"name": step["action"] + number, "action": step["action"], "devices": placed})
+    return {"segment": _segment(done, devices, stents), "devices": devices, "procedure": done}
+
+
+def _check_step(action, kind, where):
+    if (action == "stent") != (kind == "stent"):
+        raise InputError(
+            "device of the wrong kind for the step", where, f"{kind} in {action}", "a stent step takes one stent family"
+        )
+
+
+def _placed(wish, summary, where):
+    lesion = lesion_number(summary, wish["lesion"], where) if "lesion" in wish else None
+    name = lesion["branch"] if lesion else wish["branch"]
+    branch = branch_named(summary, name, where)
+    centre = round(0.5 * (lesion["s_start_mm"] + lesion["s_end_mm"]), 3) if lesion else wish["centre_s_mm"]
+    half = wish["length_mm"] / 2
+    if centre - half < 0 or centre + half > branch["length_mm"]:
+        raise InputError(
+            "the device reaches beyond its branch",
+            where,
+            f"{centre - half:.1f} to {centre + half:.1f} mm on {name}, {branch['length_mm']:.1f} mm long",
+            "move its centre or choose a shorter one",
+        )
+    return {
+        "device": catalogue.key(wish["device"], wish["diameter_mm"], wish["length_mm"]),
+        "branch": name,
+        "centre_s_mm": centre,
+        "pressure_bar": wish["pressure_bar"],
+    }
+
+
+def _balloon_of(wish, sized, families):
+    family = catalogue.balloon_family(families, wish["device"])
+    return sized[catalogue.key(family, wish["diameter_mm"], wish["length_mm"])]
+
+
+def _check_pressure(wish, sized, families, where):
+    rated = _balloon_of(wish, sized, families)["rated_burst_pressure_bar"]
+    if wish["pressure_bar"] > rated:
+        raise InputError(
+            "pressure above the balloon's rated burst pressure",
+            where,
+            f"{wish['pressure_bar']} bar",
+            f"at most {rated} bar, or a larger balloon",
+        )
+
+
+def _check_overexpansion(device, wish, sized, families, stents, where):
+    diameter = catalogue.diameter_at(_balloon_of(wish, sized, families), wish["pressure_bar"])
+    if families[wish["device"]]["kind"] == "stent":
+        targets = [sized[device["device"]]]
+    else:
+        targets = [stent for placed, stent in stents if _overlap(device, wish["length_mm"], placed, stent["length_mm"])]
+    for stent in targets:
+        if diameter > stent["maximal_diameter_mm"]:
+            raise InputError(
+                "the balloon would over-expand the stent",
+                where,
+                f"{diameter:.2f} mm",
+                f"at most {stent['maximal_diameter_mm']} mm: lower the pressure, or choose a larger stent design",
+            )
+
+
+def _overlap(a, length_a, b, length_b):
+    return a["branch"] == b["branch"] and abs(a["centre_s_mm"] - b["centre_s_mm"]) < (length_a + length_b) / 2
+
+
+def _segment(steps, devices, stents):
+    """Extent of the stents on the first stent's branch; of the balloons where there is no stent."""
+    placed = [device for device, _ in stents] or [device for step in steps for device in step["devices"]]
+    branch = placed[0]["branch"]
+    spans = [
+        (
+            d["centre_s_mm"] - devices[d["device"]]["length_mm"] / 2,
+            d["centre_s_mm"] + devices[d["device"]]["length_mm"] / 2,
+        )
+        for d in placed
+        if d["branch"] == branch
+    ]
+    return {
+        "branch": branch,
+        "s_start_mm": round(min(start for start, _ in spans), 3),
+        "s_end_mm": round(max(end for _, end in spans), 3),
+    }

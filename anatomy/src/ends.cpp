@@ -1,0 +1,162 @@
+#include "ends.hpp"
+#include "common/error.hpp"
+#include "loops.hpp"
+#include <CGAL/AABB_face_graph_triangle_primitive.h>
+#include <CGAL/AABB_traits.h>
+#include <CGAL/AABB_tree.h>
+#include <CGAL/AABB_triangle_primitive.h>
+#include <CGAL/Polygon_mesh_processing/connected_components.h>
+#include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
+#include <algorithm>
+#include <numeric>
+#include <set>
+
+namespace anatomy {
+namespace {
+
+namespace PMP = CGAL::Polygon_mesh_processing;
+using common::InputError;
+
+Vec3 area_vector(const Mesh& mesh, Face f) {
+  const Halfedge h = mesh.halfedge(f);
+  const Vec3 a = vec(mesh.point(mesh.source(h))), b = vec(mesh.point(mesh.target(h))),
+             c = vec(mesh.point(mesh.target(mesh.next(h))));
+  return 0.5 * (b - a).cross(Vec3(c - a));
+}
+
+Vec3 centroid(const Mesh& mesh, Face f) {
+  Vec3 sum = Vec3::Zero();
+  for (Vertex v : mesh.vertices_around_face(mesh.halfedge(f)))
+    sum += vec(mesh.point(v));
+  return sum / 3;
+}
+
+std::map<int, std::vector<Face>> faces_by_region(const Mesh& mesh) {
+  std::map<int, std::vector<Face>> faces;
+  const RegionMap region = region_map(mesh);
+  for (Face f : mesh.faces())
+    if (region[f] != 0)
+      faces[region[f]].push_back(f);
+  return faces;
+}
+
+std::set<Vertex> vertices_of(const Mesh& mesh, const std::vector<Face>& faces) {
+  std::set<Vertex> vertices;
+  for (Face f : faces)
+    for (Vertex v : mesh.vertices_around_face(mesh.halfedge(f)))
+      vertices.insert(v);
+  return vertices;
+}
+
+End measured(const Mesh& mesh, const std::vector<Face>& faces) {
+  End end;
+  Vec3 total = Vec3::Zero();
+  double weight = 0;
+  for (Face f : faces) {
+    const Vec3 a = area_vector(mesh, f);
+    total += a;
+    weight += a.norm();
+    end.centre += a.norm() * centroid(mesh, f);
+  }
+  end.centre /= weight;
+  end.area = total.norm();
+  end.normal = total / end.area;
+  return end;
+}
+
+} // namespace
+
+void cap_open_ends(Mesh& mesh, std::vector<Repair>& repairs) {
+  RegionMap region = region_map(mesh);
+  int next = 0;
+  for (Face f : mesh.faces())
+    next = std::max(next, region[f]);
+  for (const Loop& loop : boundary_loops(mesh)) {
+    const double radius = std::sqrt(loop.area / M_PI);
+    double farthest = 0;
+    for (Vertex v : CGAL::vertices_around_face(loop.halfedge, mesh))
+      farthest = std::max(farthest, std::abs(loop.normal.dot(Vec3(vec(mesh.point(v)) - loop.centre))));
+    if (farthest > 0.25 * radius)
+      throw InputError("an open end is not cut flat", place(loop.centre),
+                       "rim up to " + std::to_string(farthest) + " mm from its plane, radius " +
+                           std::to_string(radius) + " mm",
+                       "cut the end by a plane across the vessel");
+    for (Vertex v : CGAL::vertices_around_face(loop.halfedge, mesh)) {
+      const Vec3 p = vec(mesh.point(v));
+      mesh.point(v) = point(p - loop.normal.dot(Vec3(p - loop.centre)) * loop.normal);
+    }
+    std::vector<Face> faces;
+    std::vector<Vertex> vertices;
+    PMP::triangulate_and_refine_hole(mesh, loop.halfedge, std::back_inserter(faces), std::back_inserter(vertices));
+    if (faces.empty())
+      throw InputError("an open end cannot be closed", place(loop.centre),
+                       std::to_string(loop.halfedges) + " edges round it", "cut the end by a plane across the vessel");
+    ++next;
+    for (Face f : faces)
+      region[f] = next;
+    char detail[128];
+    std::snprintf(detail, sizeof detail, "radius %.3f mm at %s, rim moved %.4f mm", radius, place(loop.centre).c_str(),
+                  farthest);
+    repairs.push_back({"open end capped", 1, detail});
+  }
+}
+
+void tag_from_soup(Mesh& mesh, const Soup& soup) {
+  using Iterator = std::vector<Kernel::Triangle_3>::const_iterator;
+  using Primitive = CGAL::AABB_triangle_primitive<Kernel, Iterator>;
+  std::vector<Kernel::Triangle_3> triangles;
+  for (const Triangle& t : soup.triangles)
+    triangles.emplace_back(soup.points[t[0]], soup.points[t[1]], soup.points[t[2]]);
+  CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>> tree(triangles.begin(), triangles.end());
+  RegionMap region = region_map(mesh);
+  for (Face f : mesh.faces()) {
+    const auto nearest = tree.closest_point_and_primitive(point(centroid(mesh, f))).second;
+    region[f] = soup.region[static_cast<std::size_t>(nearest - triangles.cbegin())];
+  }
+}
+
+double flatten_caps(Mesh& mesh) {
+  double largest = 0;
+  for (const auto& [id, faces] : faces_by_region(mesh)) {
+    const End end = measured(mesh, faces);
+    for (Vertex v : vertices_of(mesh, faces)) {
+      const Vec3 p = vec(mesh.point(v));
+      const double off = end.normal.dot(Vec3(p - end.centre));
+      mesh.point(v) = point(p - off * end.normal);
+      largest = std::max(largest, std::abs(off));
+    }
+  }
+  return largest;
+}
+
+std::vector<End> measured_ends(Mesh& mesh) {
+  RegionMap region = region_map(mesh);
+  auto patch = mesh.add_property_map<Face, std::size_t>("f:patch").first;
+  auto rim = mesh.add_property_map<Edge, bool>("e:rim", false).first;
+  for (Edge e : mesh.edges()) {
+    const Halfedge h = mesh.halfedge(e);
+    rim[e] = region[mesh.face(h)] != region[mesh.face(mesh.opposite(h))];
+  }
+  PMP::connected_components(mesh, patch, CGAL::parameters::edge_is_constrained_map(rim));
+  std::map<std::size_t, std::vector<Face>> caps;
+  for (Face f : mesh.faces())
+    if (region[f] != 0)
+      caps[patch[f]].push_back(f);
+  std::vector<std::pair<End, std::vector<Face>>> found;
+  for (const auto& [id, faces] : caps)
+    found.emplace_back(measured(mesh, faces), faces);
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.first.area > b.first.area; });
+  std::vector<End> ends;
+  for (auto& [end, faces] : found) {
+    end.region = static_cast<int>(ends.size()) + 1;
+    for (Face f : faces)
+      region[f] = end.region;
+    ends.push_back(end);
+  }
+  mesh.remove_property_map(patch);
+  mesh.remove_property_map(rim);
+  return ends;
+}
+
+} // namespace anatomy

@@ -1,0 +1,44 @@
+// The flat ends of the lumen: found, flattened, measured, and named once the tree is known.
+#pragma once
+#include "types.hpp"
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace anatomy {
+
+/// Closes every open end with a flat cap (its rim is moved onto its least-squares plane first) and tags the cap's faces
+/// 1, 2, ... after the regions in use. Throws InputError if a rim is farther than 0.25 of its radius from its plane.
+void cap_open_ends(Mesh& mesh, std::vector<Repair>& repairs);
+
+/// Tags the flat end caps of a closed mesh by shape: planar patches (within 12 degrees and 3 % of their size), round,
+/// from whose rim the wall leaves along the normal. A patch already tagged is left alone.
+void tag_flat_caps(Mesh& mesh);
+
+/// Tags faces with the soup's region_id, by the nearest triangle of the soup.
+void tag_from_soup(Mesh& mesh, const Soup& soup);
+
+/// Moves the vertices of each tagged cap onto the cap's plane; returns the largest move in mm.
+double flatten_caps(Mesh& mesh);
+
+/// The ends by their tags, one per connected cap; retags them 1, 2, ... by falling area.
+std::vector<End> measured_ends(Mesh& mesh);
+
+/// Index of the inlet: nearest to `inlet` if given, else the largest. Throws InputError if the point is farther than
+/// three radii from every end, or if there are fewer than two ends.
+std::size_t inlet_of(const std::vector<End>& ends, const std::optional<Vec3>& inlet);
+
+/// Which end is the inlet, and the branch id of each end (0 main, 1 side1, ...; the inlet's is -1).
+struct Naming {
+  std::size_t inlet = 0;
+  std::vector<int> branch; ///< empty: the tree decides
+};
+
+/// The naming of an earlier state (anatomy.json), each end matched to the nearest one of that state. Throws InputError
+/// if the number differs or two ends match the same one.
+Naming naming_like(const std::vector<End>& ends, const nlohmann::json& like);
+
+/// The inlet as by inlet_of; with `outlets` the outlets in the order of the points (the first is main's). Throws
+/// InputError if a point is not near an end, or if not each outlet has one point.
+Naming naming_given(const std::vector<End>& ends, const std::optional<Vec3>& inlet, const std::vector<Vec3>& outlets);
+
+} // namespace anatomy

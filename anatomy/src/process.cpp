@@ -1,0 +1,112 @@
+#include "process.hpp"
+#include "common/error.hpp"
+#include "ends.hpp"
+#include "local_edge.hpp"
+#include "refine.hpp"
+#include "repair.hpp"
+#include "surface_file.hpp"
+#include <CGAL/Polygon_mesh_processing/measure.h>
+#include <filesystem>
+#include <fstream>
+
+namespace anatomy {
+namespace {
+
+namespace PMP = CGAL::Polygon_mesh_processing;
+using common::InputError;
+
+nlohmann::json read_like(const std::string& path) {
+  std::ifstream file(path);
+  if (!file)
+    throw InputError("no such file", path, "missing", "give the anatomy.json of the earlier state");
+  nlohmann::json like = nlohmann::json::parse(file, nullptr, false);
+  if (like.is_discarded() || like.value("schema", "") != "vci-anatomy-1" || !like.contains("ends"))
+    throw InputError("not an anatomy summary", path, "no schema vci-anatomy-1", "give an anatomy.json");
+  return like;
+}
+
+void check_options(const Options& options) {
+  if (!(options.edge >= 0.05 && options.edge <= 2))
+    throw InputError("edge length out of range", "--edge", std::to_string(options.edge) + " mm", "choose 0.05 to 2 mm");
+  if (!(options.spacing >= 0.05 && options.spacing <= 2))
+    throw InputError("section spacing out of range", "--spacing", std::to_string(options.spacing) + " mm",
+                     "choose 0.05 to 2 mm");
+}
+
+// Tags as numbered by the tree, instead of by area.
+void retag(Mesh& mesh, const std::vector<End>& ends, const std::vector<End>& before) {
+  RegionMap region = region_map(mesh);
+  for (Face f : mesh.faces())
+    for (std::size_t e = 0; e < ends.size(); ++e)
+      if (region[f] == before[e].region) {
+        region[f] = ends[e].region;
+        break;
+      }
+}
+
+} // namespace
+
+Prepared prepare(const Options& options, StepTimer& timer) {
+  check_options(options);
+  Prepared out;
+  timer.start("read");
+  out.input = read_surface(options.input, options.units);
+  const Soup soup = soup_of(out.input);
+  timer.start("repair");
+  out.mesh = repaired(soup, out.repairs);
+  region_map(out.mesh);
+  if (!soup.region.empty())
+    tag_from_soup(out.mesh, soup);
+  timer.start("ends");
+  cap_open_ends(out.mesh, out.repairs);
+  orient_outward(out.mesh, out.repairs);
+  timer.start("self-intersections");
+  remove_self_intersections(out.mesh, out.repairs);
+  timer.start("caps");
+  if (soup.region.empty())
+    tag_flat_caps(out.mesh);
+  out.ends = measured_ends(out.mesh);
+  const double moved = flatten_caps(out.mesh);
+  if (moved > 1e-3)
+    out.repairs.push_back({"caps flattened", out.ends.size(), "moved up to " + std::to_string(moved) + " mm"});
+  check_mean_radius(2 * PMP::volume(out.mesh) / PMP::area(out.mesh), options.units, options.input);
+  if (is_coarse(out.mesh))
+    out.mesh = curved_refined(out.mesh);
+  return out;
+}
+
+Anatomy process(const Options& options, StepTimer& timer) {
+  std::optional<nlohmann::json> like;
+  if (!options.like.empty())
+    like = read_like(options.like);
+  Prepared prepared = prepare(options, timer);
+  Anatomy out;
+  out.source_path = options.input;
+  out.source_sha256 = sha256_of_file(options.input);
+  out.units = options.units;
+  out.edge = options.edge;
+  out.repairs = prepared.repairs;
+  out.ends = prepared.ends;
+  const Naming naming = like ? naming_like(out.ends, *like) : naming_given(out.ends, options.inlet, options.outlets);
+  timer.start("remesh");
+  out.mesh = remeshed(prepared.mesh, options.edge);
+  timer.start("centreline");
+  const std::vector<Path> paths = voronoi_paths(out.mesh, out.ends, naming.inlet);
+  const WallTree wall(prepared.mesh);
+  const std::vector<End> before = out.ends;
+  out.branches = build_tree(paths, out.ends, naming.inlet, wall, options.spacing, naming.branch);
+  retag(out.mesh, out.ends, before);
+  timer.start("sections");
+  out.sections = cut_sections(prepared.mesh, out.branches, out.ends);
+  timer.start("lesions");
+  out.profiles = reference_profiles(out.branches, out.sections, out.repairs);
+  out.lesions = find_lesions(out.branches, out.sections, out.profiles);
+  timer.start("remesh throats");
+  out.mesh = refined_at_throats(out.mesh, prepared.mesh, options.edge, out.branches, out.profiles);
+  out.quality = quality_of(out.mesh);
+  timer.start("arrays");
+  out.arrays = arrays_of(out.mesh, out.branches, out.profiles, prepared.input);
+  return out;
+}
+
+} // namespace anatomy

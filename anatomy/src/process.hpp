@@ -1,0 +1,28 @@
+// The steps of `lumen process`, and the shorter ones of `check` and `remesh`.
+#pragma once
+#include "output.hpp"
+#include <optional>
+
+namespace anatomy {
+
+struct Options {
+  std::string input, units = "mm";
+  double edge = 0.4;     ///< mm
+  double spacing = 0.25; ///< mm between sections
+  std::optional<Vec3> inlet;
+  std::vector<Vec3> outlets; ///< in the order of their names, or empty
+  std::string like;          ///< anatomy.json of an earlier state, or empty
+};
+
+/// The repaired, closed, outward surface with tagged flat caps, and its ends by falling area.
+struct Prepared {
+  vtkSmartPointer<vtkPolyData> input;
+  Mesh mesh;
+  std::vector<End> ends;
+  std::vector<Repair> repairs;
+};
+
+Prepared prepare(const Options& options, StepTimer& timer);
+Anatomy process(const Options& options, StepTimer& timer);
+
+} // namespace anatomy

@@ -1,0 +1,127 @@
+#include "reference.hpp"
+#include <algorithm>
+
+namespace anatomy {
+namespace {
+
+constexpr double flow_exponent = 2.55;
+constexpr double quantile = 0.75;   // of the diameters, where the first fit lies
+constexpr double band = 0.03;       // of the diameter: sections this near to the profile count as healthy
+constexpr std::size_t fewest = 8;   // sections for a profile
+constexpr double least_share = 0.1; // a profile may not lose more than all but this of D^m to its side branches
+
+// What the branches that leave before s carry, in mm^m.
+double carried_off(const std::vector<std::pair<double, double>>& sides, double s) {
+  double sum = 0;
+  for (const auto& [at, diameter] : sides)
+    if (at < s)
+      sum += std::pow(diameter, flow_exponent);
+  return sum;
+}
+
+void fit(ReferenceProfile& profile, const std::vector<Calibre>& trunk, const std::vector<double>& weight) {
+  double w = 0, ws = 0, wd = 0, wss = 0, wsd = 0;
+  for (std::size_t i = 0; i < trunk.size(); ++i) {
+    w += weight[i];
+    ws += weight[i] * trunk[i].s;
+    wd += weight[i] * trunk[i].diameter;
+    wss += weight[i] * trunk[i].s * trunk[i].s;
+    wsd += weight[i] * trunk[i].s * trunk[i].diameter;
+  }
+  const double spread = wss - ws * ws / w;
+  profile.slope = spread > 1e-9 * wss ? (wsd - ws * wd / w) / spread : 0;
+  profile.at_start = (wd - profile.slope * ws) / w;
+}
+
+// Quantile regression by iteratively reweighted least squares, then least squares of the sections near that line.
+ReferenceProfile fitted(const std::vector<Calibre>& measured, std::vector<std::pair<double, double>> sides) {
+  std::vector<Calibre> trunk = measured;
+  for (Calibre& c : trunk)
+    c.diameter = std::pow(std::pow(c.diameter, flow_exponent) + carried_off(sides, c.s), 1 / flow_exponent);
+  std::vector<double> weight(trunk.size(), 1);
+  ReferenceProfile profile;
+  profile.sides = std::move(sides);
+  fit(profile, trunk, weight);
+  const auto residual = [&](const Calibre& c) { return c.diameter - (profile.at_start + profile.slope * c.s); };
+  for (int k = 0; k < 100; ++k) {
+    for (std::size_t i = 0; i < trunk.size(); ++i) {
+      const double r = residual(trunk[i]);
+      weight[i] = (r > 0 ? quantile : 1 - quantile) / std::max(std::abs(r), 1e-4);
+    }
+    fit(profile, trunk, weight);
+  }
+  for (int k = 0; k < 5; ++k) {
+    for (std::size_t i = 0; i < trunk.size(); ++i)
+      weight[i] = std::abs(residual(trunk[i])) < band * trunk[i].diameter ? 1 : 1e-6;
+    fit(profile, trunk, weight);
+  }
+  return profile;
+}
+
+std::size_t healthy(const ReferenceProfile& profile, const std::vector<Calibre>& measured) {
+  return static_cast<std::size_t>(std::count_if(measured.begin(), measured.end(), [&](const Calibre& c) {
+    return std::abs(c.diameter - profile.diameter(c.s)) < band * c.diameter;
+  }));
+}
+
+ReferenceProfile constant(const Branch& branch) {
+  std::vector<double> radius = branch.radius;
+  std::nth_element(radius.begin(), radius.begin() + static_cast<long>(radius.size() / 2), radius.end());
+  return {2 * radius[radius.size() / 2], 0, {}};
+}
+
+} // namespace
+
+double ReferenceProfile::diameter(double s) const {
+  const double line = at_start + slope * s, trunk = std::pow(line, flow_exponent);
+  if (sides.empty())
+    return line;
+  return std::pow(std::max(trunk - carried_off(sides, s), least_share * trunk), 1 / flow_exponent);
+}
+
+std::vector<Calibre> calibres(const std::vector<Branch>& branches, const std::vector<Section>& sections,
+                              std::size_t branch) {
+  std::vector<Calibre> out;
+  for (const Section& section : sections)
+    if (section.branch == branch && section.flag != "end")
+      out.push_back({branches[branch].s[section.sample], section.equivalent_diameter()});
+  return out;
+}
+
+std::vector<ReferenceProfile> reference_profiles(const std::vector<Branch>& branches,
+                                                 const std::vector<Section>& sections, std::vector<Repair>& notes) {
+  std::vector<ReferenceProfile> profiles(branches.size());
+  // a branch comes after its side branches, whose calibre it needs: the deepest generation first
+  std::vector<std::size_t> order(branches.size());
+  const auto generation = [&](std::size_t b) {
+    int n = 0;
+    for (int parent = branches[b].parent; parent >= 0; parent = branches[static_cast<std::size_t>(parent)].parent)
+      ++n;
+    return n;
+  };
+  for (std::size_t b = 0; b < order.size(); ++b)
+    order[b] = b;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return generation(a) > generation(b); });
+  for (std::size_t b : order) {
+    const std::vector<Calibre> measured = calibres(branches, sections, b);
+    if (measured.size() < fewest) {
+      profiles[b] = constant(branches[b]);
+      notes.push_back({"constant reference diameter", 1, branches[b].name + " is too short for a profile"});
+      continue;
+    }
+    std::vector<std::pair<double, double>> sides;
+    for (std::size_t k = 0; k < branches.size(); ++k)
+      if (branches[k].parent == branches[b].id)
+        sides.emplace_back(branches[k].s_on_parent, profiles[k].diameter(branches[k].s_outside));
+    profiles[b] = fitted(measured, {});
+    if (sides.empty())
+      continue;
+    const ReferenceProfile stepped = fitted(measured, sides);
+    if (healthy(stepped, measured) > healthy(profiles[b], measured))
+      profiles[b] = stepped;
+  }
+  return profiles;
+}
+
+} // namespace anatomy

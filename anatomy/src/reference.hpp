@@ -1,0 +1,30 @@
+// The healthy diameter along a branch, from its sections.
+#pragma once
+#include "sections.hpp"
+
+namespace anatomy {
+
+/// Healthy equivalent diameter (mm) along a branch: a straight line that loses, past each side branch k, what that
+/// branch carries: D^m = (at_start + slope s)^m - sum of d_k^m over s_k < s, m = 2.55 (the exponent by which flow is
+/// split).
+struct ReferenceProfile {
+  double at_start = 0, slope = 0;
+  std::vector<std::pair<double, double>> sides; ///< (s_k, d_k), mm; empty where the diameters show no such steps
+  double diameter(double s) const;
+};
+
+/// One profile per branch, fitted robustly to the upper envelope of the sections away from the ends, so that
+/// narrowings, bulges and ostia do not move it; steps at the side branches are kept if they bring more sections to the
+/// profile. A branch with fewer than 8 such sections has a constant profile, twice the median of its inscribed radius;
+/// that is said in `notes`.
+std::vector<ReferenceProfile> reference_profiles(const std::vector<Branch>& branches,
+                                                 const std::vector<Section>& sections, std::vector<Repair>& notes);
+
+/// Arc length and equivalent diameter of a branch's sections away from the ends.
+struct Calibre {
+  double s, diameter;
+};
+std::vector<Calibre> calibres(const std::vector<Branch>& branches, const std::vector<Section>& sections,
+                              std::size_t branch);
+
+} // namespace anatomy

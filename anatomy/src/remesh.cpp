@@ -1,0 +1,90 @@
+#include "remesh.hpp"
+#include "common/error.hpp"
+#include "ends.hpp"
+#include <CGAL/Polygon_mesh_processing/measure.h>
+#include <CGAL/Polygon_mesh_processing/remesh.h>
+#include <CGAL/Polygon_mesh_processing/self_intersections.h>
+#include <algorithm>
+
+namespace anatomy {
+namespace PMP = CGAL::Polygon_mesh_processing;
+
+Mesh::Property_map<Edge, bool> mark_rims(Mesh& mesh) {
+  const RegionMap region = region_map(mesh);
+  auto rim = mesh.add_property_map<Edge, bool>("e:rim", false).first;
+  for (Edge e : mesh.edges()) {
+    const Halfedge h = mesh.halfedge(e);
+    rim[e] = region[mesh.face(h)] != region[mesh.face(mesh.opposite(h))];
+  }
+  return rim;
+}
+
+Mesh remeshed(const Mesh& mesh, double edge) {
+  Mesh out = mesh;
+  RegionMap region = region_map(out);
+  auto rim = mark_rims(out);
+  // relaxing the rims as well shrinks them at every iteration until caps and wall cross
+  PMP::isotropic_remeshing(out.faces(), edge, out,
+                           CGAL::parameters::number_of_iterations(8)
+                               .number_of_relaxation_steps(2)
+                               .edge_is_constrained_map(rim)
+                               .face_patch_map(region)
+                               .protect_constraints(false));
+  out.remove_property_map(rim);
+  out.collect_garbage();
+  flatten_caps(out);
+  check_remeshed(out, edge);
+  return out;
+}
+
+void check_remeshed(const Mesh& out, double edge) {
+  if (!CGAL::is_closed(out))
+    throw common::ComputationError("remeshing left the surface open", "remeshing", std::to_string(edge) + " mm",
+                                   "try a smaller edge");
+  std::vector<std::pair<Face, Face>> pairs;
+  PMP::self_intersections(out, std::back_inserter(pairs));
+  if (!pairs.empty())
+    throw common::ComputationError(
+        "remeshing made the surface cross itself", place(vec(out.point(out.target(out.halfedge(pairs.front().first))))),
+        std::to_string(pairs.size()) + " pairs of triangles at edge " + std::to_string(edge) + " mm",
+        "use a smaller edge");
+}
+
+double smallest_corner(const Mesh& mesh, Face f) {
+  double smallest = 180;
+  for (Halfedge h : mesh.halfedges_around_face(mesh.halfedge(f))) {
+    const Vec3 p = vec(mesh.point(mesh.target(h)));
+    const Vec3 a = vec(mesh.point(mesh.source(h))) - p, b = vec(mesh.point(mesh.target(mesh.next(h)))) - p;
+    smallest = std::min(smallest, std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI);
+  }
+  return smallest;
+}
+
+bool touches_cap(const Mesh& mesh, Face f) {
+  const RegionMap region = region_map(mesh);
+  for (Vertex v : mesh.vertices_around_face(mesh.halfedge(f)))
+    for (Face g : mesh.faces_around_target(mesh.halfedge(v)))
+      if (region[g] != 0)
+        return true;
+  return false;
+}
+
+Quality quality_of(const Mesh& mesh) {
+  Quality quality;
+  quality.min_angle_deg = quality.min_angle_rim_deg = 180;
+  quality.smallest_edge_mm = 1e300;
+  for (Edge e : mesh.edges()) {
+    const double length = (vec(mesh.point(mesh.vertex(e, 0))) - vec(mesh.point(mesh.vertex(e, 1)))).norm();
+    quality.smallest_edge_mm = std::min(quality.smallest_edge_mm, length);
+  }
+  for (Face f : mesh.faces()) {
+    const double angle = smallest_corner(mesh, f);
+    quality.min_angle_rim_deg = std::min(quality.min_angle_rim_deg, angle);
+    if (!touches_cap(mesh, f))
+      quality.min_angle_deg = std::min(quality.min_angle_deg, angle);
+  }
+  quality.volume_mm3 = PMP::volume(mesh);
+  return quality;
+}
+
+} // namespace anatomy

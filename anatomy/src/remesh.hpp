@@ -1,0 +1,31 @@
+// Uniform remeshing that keeps the caps' rims, and the quality of the result.
+#pragma once
+#include "types.hpp"
+
+namespace anatomy {
+
+/// A copy of the closed, tagged `mesh` with edges of about `edge` mm, tags kept and caps flat; new vertices lie on
+/// `mesh`. Throws ComputationError if the result crosses itself or is not closed.
+Mesh remeshed(const Mesh& mesh, double edge);
+
+/// Throws ComputationError if the mesh, remeshed at `edge` mm, crosses itself or is not closed.
+void check_remeshed(const Mesh& mesh, double edge);
+
+/// The property "e:rim": edges between the wall and a cap. The caller removes it.
+Mesh::Property_map<Edge, bool> mark_rims(Mesh& mesh);
+
+/// Smallest corner of a triangle, degrees.
+double smallest_corner(const Mesh& mesh, Face f);
+
+/// Whether a triangle has a vertex on a cap or its rim.
+bool touches_cap(const Mesh& mesh, Face f);
+
+struct Quality {
+  double min_angle_deg = 0;     ///< smallest corner of a wall triangle away from the rims
+  double min_angle_rim_deg = 0; ///< smallest corner of all triangles
+  double smallest_edge_mm = 0;
+  double volume_mm3 = 0;
+};
+Quality quality_of(const Mesh& mesh);
+
+} // namespace anatomy

@@ -1,0 +1,30 @@
+// Surface files: STL (ASCII or binary), VTP, PLY, OBJ.
+#pragma once
+#include "types.hpp"
+#include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
+
+namespace anatomy {
+
+/// Reads a surface as triangles, in mm. Point and cell arrays of a VTP are kept.
+/// units: "mm", "cm" or "m", the file's length unit.
+/// Throws InputError: unknown suffix or unit, missing or unreadable file, no triangles, coordinates that are not
+/// finite, or a size that is not a coronary lumen's (with the likely unit).
+vtkSmartPointer<vtkPolyData> read_surface(const std::string& path, const std::string& units);
+
+/// The triangles and, if present, the cell array region_id.
+Soup soup_of(vtkPolyData* data);
+
+/// SHA-256 of a file's bytes, hexadecimal.
+std::string sha256_of_file(const std::string& path);
+
+/// Millimetres per unit; throws InputError for a unit other than mm, cm, m.
+double millimetres_per(const std::string& units);
+
+/// Throws InputError if a lumen of this bounding diagonal (mm) is not plausible (4 to 500 mm).
+void check_diagonal(double diagonal_mm, const std::string& units, const std::string& path);
+
+/// Throws InputError if the mean radius 2 V/A (mm) is not a coronary lumen's (0.2 to 8 mm).
+void check_mean_radius(double radius_mm, const std::string& units, const std::string& path);
+
+} // namespace anatomy

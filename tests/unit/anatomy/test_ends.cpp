@@ -1,0 +1,124 @@
+#include "common/error.hpp"
+#include "ends.hpp"
+#include "remesh.hpp"
+#include "repair.hpp"
+#include "tube.hpp"
+#include <CGAL/boost/graph/helpers.h>
+#include <gtest/gtest.h>
+
+using namespace anatomy;
+
+namespace {
+
+// A cone from radius 1.6 at x = 0 to 1.2 at x = 12.
+Mesh cone(bool capped) {
+  shapes::Tube tube = shapes::straight(1.6, 12);
+  tube.radius = [](double s) { return 1.6 - s / 30; };
+  tube.capped = capped;
+  std::vector<Repair> repairs;
+  Mesh mesh = repaired(shapes::soup_of(tube), repairs);
+  region_map(mesh);
+  return mesh;
+}
+
+void expect_the_cones_ends(const std::vector<End>& ends) {
+  ASSERT_EQ(ends.size(), 2u);
+  EXPECT_NEAR(ends[0].radius(), 1.6, 0.03); // chords of the rim
+  EXPECT_NEAR(ends[1].radius(), 1.2, 0.03);
+  EXPECT_NEAR((ends[0].centre - Vec3(0, 0, 0)).norm(), 0, 0.005);
+  EXPECT_NEAR((ends[0].normal - Vec3(-1, 0, 0)).norm(), 0, 1e-6);
+  EXPECT_NEAR((ends[1].centre - Vec3(12, 0, 0)).norm(), 0, 0.005);
+  EXPECT_NEAR((ends[1].normal - Vec3(1, 0, 0)).norm(), 0, 1e-6);
+}
+
+TEST(Ends, OpenEndsAreCapped) {
+  Mesh mesh = cone(false);
+  std::vector<Repair> repairs;
+  cap_open_ends(mesh, repairs);
+  orient_outward(mesh, repairs);
+  EXPECT_TRUE(CGAL::is_closed(mesh));
+  EXPECT_TRUE(shapes::reported(repairs, "open end capped"));
+  expect_the_cones_ends(measured_ends(mesh));
+}
+
+TEST(Ends, FlatCapsAreFoundByShape) {
+  Mesh mesh = cone(true);
+  tag_flat_caps(mesh);
+  expect_the_cones_ends(measured_ends(mesh));
+}
+
+TEST(Ends, ASlantedRimIsRefusedWithItsPlace) {
+  Mesh mesh = cone(false);
+  for (Vertex v : mesh.vertices())
+    if (mesh.is_border(v) && mesh.point(v).x() < 1 && mesh.point(v).y() > 0)
+      mesh.point(v) = Point(-1.5, mesh.point(v).y(), mesh.point(v).z());
+  std::vector<Repair> repairs;
+  EXPECT_THROW(cap_open_ends(mesh, repairs), common::InputError);
+}
+
+TEST(Ends, RemeshingKeepsTagsFlatnessAndQuality) {
+  Mesh mesh = cone(true);
+  tag_flat_caps(mesh);
+  measured_ends(mesh);
+  for (double edge : {0.5, 0.25}) {
+    Mesh fine = remeshed(mesh, edge);
+    expect_the_cones_ends(measured_ends(fine));
+    EXPECT_LT(flatten_caps(fine), 1e-12);
+    const Quality quality = quality_of(fine);
+    EXPECT_GT(quality.min_angle_deg, 30) << edge;
+    EXPECT_GT(quality.min_angle_rim_deg, 15) << edge;
+    // chords of the new edges: (e / R)^2 / 6 of the area for the smaller end
+    EXPECT_NEAR(quality.volume_mm3, quality_of(mesh).volume_mm3, edge * edge / 6 * quality.volume_mm3);
+  }
+}
+
+TEST(Ends, TagsAreCarriedFromTheInput) {
+  Soup soup = shapes::soup_of(shapes::straight(1.5, 10));
+  for (const Triangle& t : soup.triangles) {
+    const double x = soup.points[t[0]].x() + soup.points[t[1]].x() + soup.points[t[2]].x();
+    soup.region.push_back(x < 1e-9 ? 7 : x > 30 - 1e-9 ? 4 : 0);
+  }
+  std::vector<Repair> repairs;
+  Mesh mesh = repaired(soup, repairs);
+  tag_from_soup(mesh, soup);
+  EXPECT_EQ(measured_ends(mesh).size(), 2u);
+}
+
+std::vector<End> three_ends() {
+  std::vector<End> ends(3);
+  for (std::size_t e = 0; e < 3; ++e) {
+    ends[e].centre = Vec3(10.0 * static_cast<double>(e), 0, 0);
+    ends[e].area = 3 + static_cast<double>(e);
+  }
+  return ends;
+}
+
+TEST(Naming, TheLargestEndIsTheInletUnlessGiven) {
+  EXPECT_EQ(inlet_of(three_ends(), std::nullopt), 2u);
+  EXPECT_EQ(inlet_of(three_ends(), Vec3(0.5, 0, 0)), 0u);
+  EXPECT_THROW(inlet_of(three_ends(), Vec3(0, 50, 0)), common::InputError);
+  EXPECT_THROW(inlet_of(std::vector<End>(1), std::nullopt), common::InputError);
+}
+
+TEST(Naming, OutletsByPoints) {
+  const Naming naming = naming_given(three_ends(), Vec3(0, 0, 0), {Vec3(20, 0, 0), Vec3(10, 0.5, 0)});
+  EXPECT_EQ(naming.inlet, 0u);
+  EXPECT_EQ(naming.branch, (std::vector<int>{-1, 1, 0}));
+  EXPECT_THROW(naming_given(three_ends(), Vec3(0, 0, 0), {Vec3(20, 0, 0)}), common::InputError);
+  EXPECT_THROW(naming_given(three_ends(), Vec3(0, 0, 0), {Vec3(20, 0, 0), Vec3(20, 0, 0)}), common::InputError);
+}
+
+TEST(Naming, LikeAnEarlierState) {
+  const auto like = nlohmann::json::parse(R"({"ends": [
+    {"name": "inlet", "kind": "inlet", "branch": "main", "centre_mm": [10.2, 0, 0]},
+    {"name": "outlet1", "kind": "outlet", "branch": "main", "centre_mm": [0, 0.3, 0]},
+    {"name": "outlet3", "kind": "outlet", "branch": "side2", "centre_mm": [19, 0, 0]}]})");
+  const Naming naming = naming_like(three_ends(), like);
+  EXPECT_EQ(naming.inlet, 1u);
+  EXPECT_EQ(naming.branch, (std::vector<int>{0, -1, 2}));
+  std::vector<End> two = three_ends();
+  two.pop_back();
+  EXPECT_THROW(naming_like(two, like), common::InputError);
+}
+
+} // namespace

@@ -1,0 +1,60 @@
+"""The picture of the tree: written whole, the same bits each time, refused with a reason."""
+
+import json
+
+import pytest
+
+from anatomy import picture
+from common.errors import InputError
+
+HEADER = (
+    "branch,branch_id,s_mm,x_mm,y_mm,z_mm,tx,ty,tz,area_mm2,equivalent_diameter_mm,min_diameter_mm,max_diameter_mm,"
+    "inscribed_radius_mm,curvature_per_mm,torsion_per_mm,flag"
+)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    rows = [HEADER]
+    for i in range(1, 40):
+        s, d = i / 2, 3.0 - (1.2 if 18 < i < 24 else 0)
+        flag = "end" if i < 4 or i > 36 else "ok"
+        rows.append(f"main,0,{s},{s},{s * s / 50},0,1,0,0,7,{d},{d - 0.1},{d + 0.1},{d / 2},0.04,0,{flag}")
+        if i < 12:
+            rows.append(f"side1,1,{s},{10 + s},{2 - s},1,0,-1,0,2,1.6,1.5,1.7,0.8,0,0,ok")
+    (tmp_path / "sections.csv").write_text("\n".join(rows) + "\n")
+    lesion = {
+        "branch": "main",
+        "s_start_mm": 9.5,
+        "s_mla_mm": 10.5,
+        "s_end_mm": 11.5,
+        "diameter_stenosis_percent": 40,
+        "proximal_reference_diameter_mm": 3.0,
+        "distal_reference_diameter_mm": 3.0,
+    }
+    ends = [{"name": "inlet", "kind": "inlet", "centre_mm": [0, 0, 0], "diameter_mm": 3.0}]
+    (tmp_path / "anatomy.json").write_text(json.dumps({"schema": "vci-anatomy-1", "lesions": [lesion], "ends": ends}))
+    return tmp_path
+
+
+def test_png_is_the_same_each_time(folder):
+    picture.run(folder, folder / "a.png")
+    picture.run(folder, folder / "b.png")
+    content = (folder / "a.png").read_bytes()
+    assert content[:8] == b"\x89PNG\r\n\x1a\n" and content == (folder / "b.png").read_bytes()
+
+
+def test_svg_names_branches_and_lesions(folder, monkeypatch):
+    monkeypatch.setitem(picture.matplotlib.rcParams, "svg.fonttype", "none")
+    picture.run(folder, folder / "a.svg")
+    text = (folder / "a.svg").read_text()
+    assert "side1" in text and "lesion 1: 40 %" in text and "inlet (3.00 mm)" in text
+
+
+def test_refusals(folder):
+    with pytest.raises(InputError, match="picture format"):
+        picture.run(folder, folder / "a.gif")
+    (folder / "sections.csv").unlink()
+    with pytest.raises(InputError, match="sections"):
+        picture.run(folder, folder / "a.png")
+    assert not (folder / "a.png").exists()

@@ -1,0 +1,140 @@
+"""The plan: devices in full, placed on the measured lumen, within what catalogue and stent allow."""
+
+import json
+
+import pytest
+
+from anatomy import catalogue, plan, sizing
+from common import config
+from common.errors import InputError
+
+
+@pytest.fixture(scope="module")
+def families(repo_root):
+    return config.load_devices(repo_root / "config" / "devices")
+
+
+@pytest.fixture
+def summary():
+    lesion = {
+        "name": "lesion1",
+        "branch": "main",
+        "s_start_mm": 16.0,
+        "s_mla_mm": 20.0,
+        "s_end_mm": 26.0,
+        "mld_mm": 1.1,
+        "reference_diameter_mm": 3.1,
+        "proximal_reference_diameter_mm": 3.3,
+        "distal_reference_diameter_mm": 2.9,
+        "diameter_stenosis_percent": 64.0,
+    }
+    branches = [{"name": "main", "length_mm": 50.0}, {"name": "side1", "length_mm": 9.0}]
+    return {"schema": "vci-anatomy-1", "lesions": [lesion], "branches": branches}
+
+
+def wish(device="des", diameter=3.0, length=15, pressure=11, **place):
+    size = {"diameter_mm": diameter, "length_mm": length, "pressure_bar": pressure}
+    return {"device": device, "branch": "main", **size, **(place or {"lesion": 1})}
+
+
+def stent_step(**changes):
+    return [{"action": "stent", "devices": [wish(**changes)]}]
+
+
+def test_stent_comes_with_its_delivery_balloon(families, summary):
+    done = plan.procedure(stent_step(), families, summary, "case")
+    stent = done["devices"]["des_3.00x15"]
+    balloon = done["devices"][stent["balloon"]]
+    assert stent["kind"] == "stent" and stent["maximal_diameter_mm"] == 4.4 and stent["crowns"] == 8
+    assert balloon["kind"] == "balloon" and catalogue.diameter_at(balloon, 11) == pytest.approx(3.0)
+    assert done["procedure"][0]["devices"][0]["centre_s_mm"] == 21.0
+    assert done["segment"] == {"branch": "main", "s_start_mm": 13.5, "s_end_mm": 28.5}
+
+
+def test_segment_covers_all_stents_of_the_branch(families, summary):
+    steps = stent_step(centre_s_mm=15) + stent_step(centre_s_mm=28)
+    done = plan.procedure(steps, families, summary, "case")
+    assert (done["segment"]["s_start_mm"], done["segment"]["s_end_mm"]) == (7.5, 35.5)
+    assert [step["name"] for step in done["procedure"]] == ["stent", "stent_2"]
+
+
+@pytest.mark.parametrize(
+    "steps, what",
+    [
+        (stent_step(device="unknown"), "no such device family"),
+        (stent_step(diameter=3.1), "size not in the catalogue"),
+        (stent_step(length=16), "size not in the catalogue"),
+        (stent_step(pressure=17), "rated burst pressure"),
+        (stent_step(lesion=2), "no such lesion"),
+        (stent_step(branch="side4", centre_s_mm=5), "no such branch"),
+        (stent_step(centre_s_mm=5), "beyond its branch"),
+        (stent_step(centre_s_mm=45), "beyond its branch"),
+        (stent_step(device="semi_compliant"), "wrong kind"),
+        ([{"action": "predilatation", "devices": [wish()]}], "wrong kind"),
+        (
+            stent_step(diameter=2.25) + [{"action": "postdilatation", "devices": [wish("non_compliant", 3.5, 12, 20)]}],
+            "over-expand",
+        ),
+    ],
+)
+def test_refusals(families, summary, steps, what):
+    with pytest.raises(InputError, match=what):
+        plan.procedure(steps, families, summary, "case")
+
+
+def test_balloon_away_from_the_stent_may_be_larger(families, summary):
+    away = {"action": "postdilatation", "devices": [wish("non_compliant", 3.5, 12, 20, centre_s_mm=40)]}
+    steps = stent_step(diameter=2.25, centre_s_mm=15) + [away]
+    assert len(plan.procedure(steps, families, summary, "case")["procedure"]) == 2
+
+
+def test_proposed_plan_follows_the_sizing_rules(families, summary):
+    pre, stent, post = (step["devices"][0] for step in sizing.propose(summary, families, "case"))
+    assert stent["diameter_mm"] == 3.0  # 2.9 rounded up
+    assert stent["length_mm"] == 15  # 10 mm and two margins
+    assert pre["diameter_mm"] == 2.75 and pre["length_mm"] == 12  # not above the distal reference, covers the lesion
+    assert post["diameter_mm"] == 3.25 and post["length_mm"] == 15
+    assert pre["pressure_bar"] == 8 and stent["pressure_bar"] == 11
+    assert 12 <= post["pressure_bar"] <= 20
+    assert {d["centre_s_mm"] for d in (pre, stent, post)} == {21.0}
+    assert plan.procedure("auto", families, summary, "case")["segment"]["s_end_mm"] == 28.5
+
+
+def test_proposed_stent_stays_in_its_branch(families, summary):
+    summary["lesions"][0].update(s_start_mm=2.0, s_end_mm=10.0)
+    stent = sizing.propose(summary, families, "case")[1]["devices"][0]
+    assert stent["centre_s_mm"] == sizing.EDGE_MM + stent["length_mm"] / 2
+
+
+def test_nothing_to_propose(families, summary):
+    with pytest.raises(InputError, match="no lesion"):
+        sizing.propose({**summary, "lesions": []}, families, "case")
+    summary["lesions"][0].update(s_start_mm=2.0, s_end_mm=48.0)
+    with pytest.raises(InputError, match="stent length"):
+        sizing.propose(summary, families, "case")
+
+
+def test_pressure_reaches_the_wanted_diameter(families):
+    balloon = catalogue.entries(families, "non_compliant", 3.0, 12, "case")["non_compliant_3.00x12"]
+    assert catalogue.pressure_for(balloon, 3.054) == 18
+    assert catalogue.pressure_for(balloon, 3.5) == 20
+    assert catalogue.pressure_for(balloon, 2.0) == 12
+
+
+def test_mean_arterial_pressure():
+    assert plan.mean_arterial_pressure_pa({"sbp_mmhg": 120, "dbp_mmhg": 80}) == pytest.approx(96 * 133.322, rel=1e-5)
+
+
+def test_command_writes_a_relative_plan(run_module, repo_root, summary, tmp_path):
+    folder = tmp_path / "anatomy"
+    folder.mkdir()
+    (folder / "anatomy.json").write_text(json.dumps(summary))
+    out = tmp_path / "vci" / "plan.json"
+    case = repo_root / "config" / "cases" / "real_artery.yaml"
+    done = run_module("anatomy", "plan", case, "--anatomy", folder, "--out", out)
+    assert done.returncode == 0, done.stderr
+    document = json.loads(out.read_text())
+    assert document["lumen"] == "../anatomy/lumen.vtp" and document["case"] == "real_artery"
+    (folder / "anatomy.json").write_text("{}")
+    done = run_module("anatomy", "plan", case, "--anatomy", folder, "--out", tmp_path / "other.json")
+    assert done.returncode == 2 and "schema" in done.stderr and not (tmp_path / "other.json").exists()

@@ -1,0 +1,57 @@
+#include "ends.hpp"
+#include "refine.hpp"
+#include "repair.hpp"
+#include "tube.hpp"
+#include <CGAL/Polygon_mesh_processing/measure.h>
+#include <CGAL/boost/graph/helpers.h>
+#include <gtest/gtest.h>
+
+using namespace anatomy;
+
+namespace {
+
+Mesh tube_mesh(const shapes::Tube& tube) {
+  std::vector<Repair> repairs;
+  Mesh mesh = repaired(shapes::soup_of(tube), repairs);
+  tag_flat_caps(mesh);
+  measured_ends(mesh);
+  return mesh;
+}
+
+TEST(Refine, KeepsVerticesTagsAndTopology) {
+  const Mesh mesh = tube_mesh(shapes::straight(1.5, 10));
+  Mesh fine = curved_refined(mesh);
+  EXPECT_EQ(fine.number_of_faces(), 4 * mesh.number_of_faces());
+  EXPECT_TRUE(CGAL::is_closed(fine));
+  for (Vertex v : mesh.vertices())
+    EXPECT_EQ(fine.point(v), mesh.point(v));
+  const std::vector<End> ends = measured_ends(fine);
+  ASSERT_EQ(ends.size(), 2u);
+  EXPECT_NEAR(ends[0].radius(), 1.5, 0.004);
+}
+
+TEST(Refine, MiddlesComeToTheTrueCylinder) {
+  const Mesh mesh = tube_mesh(shapes::straight(1.5, 10));
+  const Mesh fine = curved_refined(mesh);
+  const RegionMap region = region_map(fine);
+  for (Face f : fine.faces())
+    if (region[f] == 0)
+      for (Vertex v : fine.vertices_around_face(fine.halfedge(f))) {
+        const Point& p = fine.point(v);
+        EXPECT_NEAR(std::hypot(p.y(), p.z()), 1.5, 0.002); // the chords' middles lie 0.013 inside
+      }
+  const double truth = M_PI * 1.5 * 1.5 * 10;
+  const auto missing = [&](const Mesh& m) { return 1 - CGAL::Polygon_mesh_processing::volume(m) / truth; };
+  EXPECT_GT(missing(mesh), 0.008);
+  EXPECT_LT(missing(fine), 0.3 * missing(mesh));
+  EXPECT_GT(missing(fine), 0);
+}
+
+TEST(Refine, OnlyCoarseSurfacesNeedIt) {
+  shapes::Tube tube = shapes::straight(1.5, 6);
+  EXPECT_TRUE(is_coarse(tube_mesh(tube)));
+  tube.edge = 0.1;
+  EXPECT_FALSE(is_coarse(tube_mesh(tube)));
+}
+
+} // namespace

@@ -1,0 +1,66 @@
+#include "common/error.hpp"
+#include "surface_file.hpp"
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+
+using namespace anatomy;
+namespace fs = std::filesystem;
+
+namespace {
+
+class SurfaceFile : public ::testing::Test {
+protected:
+  fs::path folder = fs::temp_directory_path() / ("lumen-test-" + std::to_string(::getpid()));
+  void SetUp() override { fs::create_directories(folder); }
+  void TearDown() override { fs::remove_all(folder); }
+
+  // an octahedron of the given radius as OBJ
+  std::string octahedron(double radius, const std::string& name = "o.obj") {
+    std::ofstream file(folder / name);
+    for (double sign : {1.0, -1.0})
+      for (int k = 0; k < 3; ++k)
+        file << "v " << (k == 0) * sign * radius << ' ' << (k == 1) * sign * radius << ' ' << (k == 2) * sign * radius
+             << '\n';
+    file << "f 1 2 3\nf 2 4 3\nf 4 5 3\nf 5 1 3\nf 2 1 6\nf 4 2 6\nf 5 4 6\nf 1 5 6\n";
+    return folder / name;
+  }
+  std::string message(const std::string& path, const std::string& units) {
+    try {
+      read_surface(path, units);
+    } catch (const common::InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+};
+
+TEST_F(SurfaceFile, ScalesToMillimetres) {
+  const Soup soup = soup_of(read_surface(octahedron(2), "cm"));
+  ASSERT_EQ(soup.triangles.size(), 8u);
+  EXPECT_NEAR(vec(soup.points[0]).norm(), 20, 1e-5);
+  EXPECT_TRUE(soup.region.empty());
+}
+
+TEST_F(SurfaceFile, RefusesAnImplausibleScaleWithTheLikelyUnit) {
+  EXPECT_NE(message(octahedron(0.02), "mm").find("declare units m"), std::string::npos);
+  EXPECT_NE(message(octahedron(20), "m").find("declare units mm"), std::string::npos);
+  EXPECT_THROW(check_mean_radius(0.0015, "mm", "file"), common::InputError);
+  EXPECT_NO_THROW(check_mean_radius(1.5, "mm", "file"));
+}
+
+TEST_F(SurfaceFile, RefusesWhatIsNotASurface) {
+  EXPECT_NE(message(folder / "absent.stl", "mm").find("no such surface file"), std::string::npos);
+  EXPECT_NE(message(octahedron(20, "o.xyz"), "mm").find(".xyz"), std::string::npos);
+  EXPECT_NE(message(octahedron(20), "inch").find("inch"), std::string::npos);
+  std::ofstream(folder / "empty.stl") << "solid nothing\nendsolid nothing\n";
+  EXPECT_NE(message(folder / "empty.stl", "mm").find("0 triangles"), std::string::npos);
+}
+
+TEST_F(SurfaceFile, Sha256OfAKnownText) {
+  std::ofstream(folder / "abc") << "abc"; // FIPS 180-2, appendix B.1
+  EXPECT_EQ(sha256_of_file(folder / "abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+} // namespace

@@ -1,0 +1,161 @@
+#include "ends.hpp"
+#include "lesions.hpp"
+#include "remesh.hpp"
+#include "repair.hpp"
+#include "tube.hpp"
+#include <gtest/gtest.h>
+
+using namespace anatomy;
+
+namespace {
+
+struct Measured {
+  Mesh mesh;
+  std::vector<End> ends;
+  std::vector<Branch> branches;
+  std::vector<Section> sections;
+};
+
+Measured measured(const shapes::Tube& tube) {
+  std::vector<Repair> repairs;
+  Measured out;
+  out.mesh = repaired(shapes::soup_of(tube), repairs);
+  tag_flat_caps(out.mesh);
+  out.ends = measured_ends(out.mesh);
+  const std::size_t inlet = inlet_of(out.ends, tube.axis(0));
+  const WallTree wall(out.mesh);
+  out.branches = build_tree(voronoi_paths(out.mesh, out.ends, inlet), out.ends, inlet, wall, 0.25, {});
+  out.sections = cut_sections(out.mesh, out.branches, out.ends);
+  return out;
+}
+
+TEST(Tree, StraightTube) {
+  const Measured tube = measured(shapes::straight(1.5, 20));
+  ASSERT_EQ(tube.branches.size(), 1u);
+  const Branch& main = tube.branches[0];
+  EXPECT_EQ(main.name, "main");
+  EXPECT_EQ(tube.ends[main.end].name, "outlet1");
+  EXPECT_NEAR(main.axis.length(), 20, 1e-3);
+  for (std::size_t i = 0; i < main.x.size(); ++i) {
+    EXPECT_LT(std::hypot(main.x[i].y(), main.x[i].z()), 0.005);
+    EXPECT_LT(main.curvature[i], 0.005);
+    EXPECT_NEAR(main.radius[i], 1.5, 0.03);
+  }
+  for (const Section& section : tube.sections) {
+    if (section.flag == "end")
+      continue;
+    EXPECT_EQ(section.flag, "ok");
+    // 24 to 48 corners on chords of the circle: 0.989 to 0.993 of its area
+    EXPECT_NEAR(section.area / (M_PI * 1.5 * 1.5), 0.991, 0.003);
+    EXPECT_NEAR(section.min_diameter, 2.96, 0.04);
+    EXPECT_NEAR(section.max_diameter, 2.99, 0.02);
+  }
+}
+
+TEST(Tree, BentTubeKeepsItsCurvature) {
+  for (double edge : {0.4, 0.25}) {
+    shapes::Tube tube = shapes::arc(0.3, 1.5, 15);
+    tube.edge = edge;
+    const Branch main = measured(tube).branches.at(0);
+    double sum = 0;
+    int n = 0;
+    for (std::size_t i = 0; i < main.s.size(); ++i)
+      if (main.s[i] > 2.25 && main.s[i] < 12.75) {
+        sum += main.curvature[i];
+        ++n;
+        EXPECT_NEAR((main.x[i] - Vec3(0, 1 / 0.3, 0)).norm(), 1 / 0.3, 0.02);
+      }
+    EXPECT_NEAR(sum / n, 0.3, 0.02 * 0.3) << edge;
+    EXPECT_NEAR(main.axis.length(), 15, 0.05);
+  }
+}
+
+TEST(Tree, EveryEndSectionIsFlagged) {
+  const Measured tube = measured(shapes::straight(1.5, 12));
+  for (const Section& section : tube.sections) {
+    const double s = tube.branches[0].s[section.sample];
+    EXPECT_EQ(section.flag == "end",
+              s < 1.5 * tube.branches[0].radius.front() || s > 12 - 1.5 * tube.branches[0].radius.back())
+        << s;
+  }
+}
+
+TEST(Lesions, FoundWithTheirReference) {
+  shapes::Tube tube = shapes::straight(1.6, 40);
+  const auto healthy = [](double s) { return 1.6 - 0.01 * s; };
+  tube.radius = [&](double s) {
+    return std::abs(s - 22) < 5 ? healthy(s) * (1 - 0.5 * 0.5 * (1 + std::cos(M_PI * (s - 22) / 5))) : healthy(s);
+  };
+  const Measured out = measured(tube);
+  std::vector<Repair> notes;
+  const auto lines = reference_profiles(out.branches, out.sections, notes);
+  EXPECT_TRUE(notes.empty());
+  EXPECT_NEAR(lines[0].diameter(22), 2 * healthy(22), 0.03 * 2 * healthy(22));
+  const auto lesions = find_lesions(out.branches, out.sections, lines);
+  ASSERT_EQ(lesions.size(), 1u);
+  EXPECT_NEAR(lesions[0].diameter_stenosis, 50, 1.5);
+  EXPECT_NEAR(lesions[0].area_stenosis, 75, 1.5);
+  EXPECT_NEAR(lesions[0].s_mla, 22, 0.5);
+  EXPECT_NEAR(lesions[0].s_start, 18, 1);
+  EXPECT_NEAR(lesions[0].s_end, 26, 1);
+  EXPECT_GT(lesions[0].proximal_reference, lesions[0].distal_reference);
+}
+
+TEST(Lesions, NoneInAHealthyTube) {
+  shapes::Tube tube = shapes::straight(1.6, 30);
+  tube.radius = [](double s) { return 1.6 - 0.01 * s; };
+  const Measured out = measured(tube);
+  std::vector<Repair> notes;
+  EXPECT_TRUE(find_lesions(out.branches, out.sections, reference_profiles(out.branches, out.sections, notes)).empty());
+}
+
+// Sections of a main branch with the given diameters, and a side branch of constant diameter that leaves it at s = 15.
+std::vector<Section> sections_of(std::vector<Branch>& branches, const std::function<double(double)>& main,
+                                 double side) {
+  branches.assign(2, Branch());
+  branches[1].id = 1;
+  branches[1].parent = 0;
+  branches[1].s_on_parent = 15;
+  std::vector<Section> sections;
+  for (std::size_t b = 0; b < 2; ++b)
+    for (std::size_t i = 0; i < 80; ++i) {
+      branches[b].s.push_back(0.5 * static_cast<double>(i));
+      const double d = b == 0 ? main(branches[b].s.back()) : side;
+      Section section;
+      section.branch = b;
+      section.sample = i;
+      section.area = M_PI / 4 * d * d;
+      section.flag = "ok";
+      sections.push_back(section);
+    }
+  return sections;
+}
+
+TEST(Reference, StepsDownPastASideBranchByTheFlowSplit) {
+  const auto healthy = [](double s) {
+    const double d = 3.8 - 0.01 * s;
+    return s > 15 ? std::pow(std::pow(d, 2.55) - std::pow(2.2, 2.55), 1 / 2.55) : d;
+  };
+  const auto diseased = [&](double s) { return healthy(s) * (s > 20 && s < 30 ? 0.4 : 1); };
+  std::vector<Branch> branches;
+  std::vector<Repair> notes;
+  const std::vector<Section> sections = sections_of(branches, diseased, 2.2);
+  const auto profiles = reference_profiles(branches, sections, notes);
+  EXPECT_EQ(profiles[0].sides.size(), 1u);
+  for (double s : {5.0, 14.0, 16.0, 25.0, 39.0})
+    EXPECT_NEAR(profiles[0].diameter(s), healthy(s), 0.01) << s;
+  EXPECT_NEAR(find_lesions(branches, sections, profiles).at(0).diameter_stenosis, 60, 0.5);
+}
+
+TEST(Reference, HasNoStepWhereTheVesselHasNone) {
+  std::vector<Branch> branches;
+  std::vector<Repair> notes;
+  const auto profiles = reference_profiles(branches,
+                                           sections_of(
+                                               branches, [](double s) { return 3.8 - 0.01 * s; }, 2.2),
+                                           notes);
+  EXPECT_TRUE(profiles[0].sides.empty());
+  EXPECT_NEAR(profiles[0].diameter(30), 3.5, 1e-3);
+}
+
+} // namespace

@@ -1,0 +1,158 @@
+"""Lumen surfaces whose axis and radius are known, and defects made in them on purpose."""
+
+import numpy as np
+import vtk
+from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+
+
+def polydata(points, triangles):
+    """vtkPolyData of points (n, 3) in double precision and triangles (m, 3)."""
+    data = vtk.vtkPolyData()
+    vertices = vtk.vtkPoints()
+    vertices.SetDataTypeToDouble()
+    vertices.SetData(numpy_to_vtk(np.ascontiguousarray(points, dtype=float), deep=True))
+    cells = vtk.vtkCellArray()
+    for triangle in triangles:
+        cells.InsertNextCell(3, [int(i) for i in triangle])
+    data.SetPoints(vertices)
+    data.SetPolys(cells)
+    return data
+
+
+def arrays(data):
+    """(points, triangles) of a vtkPolyData of triangles."""
+    triangles = vtk_to_numpy(data.GetPolys().GetData()).reshape(-1, 4)[:, 1:]
+    return vtk_to_numpy(data.GetPoints().GetData()).astype(float), triangles.copy()
+
+
+def write(path, points, triangles):
+    """Writes binary STL, VTP, PLY or OBJ by the suffix."""
+    writers = {
+        ".stl": vtk.vtkSTLWriter,
+        ".vtp": vtk.vtkXMLPolyDataWriter,
+        ".ply": vtk.vtkPLYWriter,
+        ".obj": vtk.vtkOBJWriter,
+    }
+    writer = writers[path.suffix]()
+    writer.SetFileName(str(path))
+    writer.SetInputData(polydata(points, triangles))
+    if path.suffix == ".stl":
+        writer.SetFileTypeToBinary()
+    assert writer.Write()
+    return path
+
+
+def read(path):
+    """vtkPolyData of a VTP file."""
+    reader = vtk.vtkXMLPolyDataReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    return reader.GetOutput()
+
+
+def straight(s):
+    """A straight axis along x."""
+    return np.column_stack([s, 0 * s, 0 * s])
+
+
+def arc(curvature):
+    """A circular axis in the plane z = 0."""
+    return lambda s: np.column_stack([np.sin(curvature * s), 1 - np.cos(curvature * s), 0 * s]) / [
+        curvature,
+        curvature,
+        1,
+    ]
+
+
+def helix(radius, pitch_per_rad):
+    """A helical axis by arc length: curvature r / (r^2 + c^2), torsion c / (r^2 + c^2)."""
+
+    def axis(s):
+        angle = s / np.hypot(radius, pitch_per_rad)
+        return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), pitch_per_rad * angle])
+
+    return axis
+
+
+def tube(axis, radius, length, edge=0.4, noise=0.0, seed=1, capped=True):
+    """Swept tube (points, triangles), outward; `radius` is a function of arc length, `noise` radial (mm)."""
+    rings = round(length / edge) + 1
+    around = round(2 * np.pi * float(np.max(radius(np.linspace(0, length, 50)))) / edge)
+    s = np.linspace(0, length, rings)
+    x = axis(s)
+    tangent = (axis(s + 1e-5) - axis(s - 1e-5)) / 2e-5
+    u = np.zeros_like(x)
+    u[0] = np.cross(tangent[0], [0.0, 0.0, 1.0])
+    for i in range(1, rings):  # carried along without turning
+        u[i] = u[i - 1] - tangent[i] * (u[i - 1] @ tangent[i])
+    u /= np.linalg.norm(u, axis=1)[:, None]
+    v = np.cross(tangent, u)
+    angle = 2 * np.pi * (np.arange(around)[None, :] + 0.5 * (np.arange(rings)[:, None] % 2)) / around
+    r = np.broadcast_to(radius(s)[:, None], angle.shape)
+    r = r + noise * np.random.default_rng(seed).standard_normal(angle.shape)
+    ring = np.cos(angle)[..., None] * u[:, None] + np.sin(angle)[..., None] * v[:, None]
+    points = (x[:, None] + r[..., None] * ring).reshape(-1, 3)
+    triangles = []
+    for i in range(rings - 1):
+        k = np.arange(around)
+        shift = i % 2
+        a, b = i * around + k, i * around + (k + 1) % around
+        c, d = (i + 1) * around + (k + shift) % around, (i + 1) * around + (k + shift + 1) % around
+        triangles += [np.column_stack([a, b, c]), np.column_stack([c, b, d])]
+    if capped:
+        points = np.vstack([points, x[[0, -1]]])
+        k = np.arange(around)
+        first, last = len(points) - 2, len(points) - 1
+        triangles.append(np.column_stack([np.full(around, first), (k + 1) % around, k]))
+        k = k + (rings - 1) * around
+        triangles.append(np.column_stack([np.full(around, last), k, (rings - 1) * around + (k + 1) % around]))
+    return points, np.vstack(triangles)
+
+
+def tree(segments, spacing=0.2):
+    """Blended tree (points, triangles) of straight cones (start, end, r0, r1), open at every end, cut flat there.
+
+    Zero level of the distance to the cones by flying edges; each cone runs on past its end by half its radius, and a
+    local cut takes that off (of the first cone at its start, too).
+    """
+    starts, ends = (np.array([s[k] for s in segments], dtype=float) for k in (0, 1))
+    low = np.minimum(starts, ends).min(axis=0) - 4
+    counts = np.ceil((np.maximum(starts, ends).max(axis=0) + 4 - low) / spacing).astype(int) + 1
+    grid = np.stack(np.meshgrid(*[low[k] + spacing * np.arange(counts[k]) for k in range(3)], indexing="ij"), axis=-1)
+    field = np.full(counts, np.inf)
+    cuts = []
+    for number, (a, b, r0, r1) in enumerate(segments):
+        a, b = np.asarray(a, float), np.asarray(b, float)
+        length = np.linalg.norm(b - a)
+        t = (b - a) / length
+        along = (grid - a) @ t
+        radius = r0 + (r1 - r0) * np.clip(along / length, 0, 1)
+        inside = np.clip(along, 0 if number else -0.5 * r0, length + 0.5 * r1)
+        field = np.minimum(field, np.linalg.norm(grid - a - inside[..., None] * t, axis=-1) - radius)
+        cuts += [(b, t, r1)] if number else [(a, -t, r0), (b, t, r1)]
+    image = vtk.vtkImageData()
+    image.SetDimensions(*(int(n) for n in counts))
+    image.SetSpacing(spacing, spacing, spacing)
+    image.SetOrigin(*low)
+    image.GetPointData().SetScalars(numpy_to_vtk(field.ravel(order="F"), deep=True))
+    surface = vtk.vtkFlyingEdges3D()
+    surface.SetInputData(image)
+    surface.SetValue(0, 0.0)
+    surface.ComputeNormalsOff()
+    for centre, normal, radius in cuts:
+        plane, ball, both = vtk.vtkPlane(), vtk.vtkSphere(), vtk.vtkImplicitBoolean()
+        plane.SetOrigin(*centre)
+        plane.SetNormal(*(-normal))
+        ball.SetCenter(*centre)
+        ball.SetRadius(2.5 * radius)
+        both.SetOperationTypeToIntersection()
+        both.AddFunction(plane)
+        both.AddFunction(ball)
+        clip = vtk.vtkClipPolyData()
+        clip.SetInputConnection(surface.GetOutputPort())
+        clip.SetClipFunction(both)
+        surface = clip
+    triangulate = vtk.vtkTriangleFilter()
+    triangulate.SetInputConnection(surface.GetOutputPort())
+    triangulate.Update()
+    return arrays(triangulate.GetOutput())

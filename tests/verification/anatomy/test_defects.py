@@ -1,0 +1,154 @@
+"""Each defect made on purpose in a good tube: the repair that is reported, or the error with its place."""
+
+import json
+import subprocess
+
+import numpy as np
+import pytest
+import surfaces
+
+
+@pytest.fixture(scope="module")
+def lumen(binary):
+    """lumen(surface, out, *options) -> CompletedProcess of `lumen process`."""
+    program = binary("lumen")
+
+    def run(surface, out, *options):
+        command = [str(c) for c in (program, "process", surface, "--out", out, *options)]
+        return subprocess.run(command, text=True, capture_output=True)
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def tube():
+    return surfaces.tube(surfaces.arc(0.1), lambda s: 1.6 - 0.01 * s, 20)
+
+
+def volume(points, triangles):
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    return np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6
+
+
+def wall_triangle(points, triangles):
+    """A triangle half way along the tube."""
+    middle = surfaces.arc(0.1)(np.array([10.0]))[0]
+    return int(np.linalg.norm(points[triangles].mean(axis=1) - middle, axis=1).argmin())
+
+
+def flipped(points, triangles):
+    triangles = triangles.copy()
+    triangles[::4] = triangles[::4, ::-1]
+    return points, triangles
+
+
+def inward(points, triangles):
+    return points, triangles[:, ::-1]
+
+
+def shuffled_soup(points, triangles):
+    order = np.random.default_rng(1).permutation(len(triangles))
+    return points[triangles[order]].reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3)
+
+
+def gaps(points, triangles):
+    points, triangles = shuffled_soup(points, triangles)
+    return points + 1e-6 * np.random.default_rng(1).uniform(-1, 1, points.shape), triangles
+
+
+def duplicates(points, triangles):
+    return points, np.vstack([triangles, triangles[10:40]])
+
+
+def fin(points, triangles):
+    t = wall_triangle(points, triangles)
+    tip = points[triangles[t]].mean(axis=0) + [0, 0, 1.0]
+    return np.vstack([points, tip]), np.vstack([triangles, [*triangles[t][:2], len(points)]])
+
+
+def hole(points, triangles):
+    t = wall_triangle(points, triangles)
+    return points, np.delete(triangles, [t, t + 1, t - 1], axis=0)
+
+
+def open_ends(points, triangles):
+    around = np.count_nonzero(triangles[:, 0] == len(points) - 1)
+    return points, triangles[: -2 * around]
+
+
+def second_component(points, triangles):
+    small = 0.2 * points + [0, 0, 9]
+    return np.vstack([points, small]), np.vstack([triangles, triangles + len(points)])
+
+
+def self_intersection(points, triangles):
+    points = points.copy()
+    v = triangles[wall_triangle(points, triangles)][0]
+    s = np.linspace(0, 20, 2000)
+    centre = surfaces.arc(0.1)(s)
+    nearest = centre[np.linalg.norm(centre - points[v], axis=1).argmin()]
+    points[v] = nearest - 1.3 * (points[v] - nearest)
+    return points, triangles
+
+
+DEFECTS = {
+    flipped: "triangles turned",
+    inward: "normals turned outward",
+    shuffled_soup: "points welded",
+    gaps: "points welded",
+    duplicates: "duplicate triangles dropped",
+    fin: "fins dropped",
+    hole: "hole filled",
+    open_ends: "open end capped",
+    second_component: "components dropped",
+    self_intersection: "self-intersections removed",
+}
+
+
+@pytest.mark.parametrize("defect", DEFECTS, ids=lambda d: d.__name__)
+def test_repaired_and_reported(lumen, tube, tmp_path, defect):
+    surface = surfaces.write(tmp_path / "tube.vtp", *defect(*tube))
+    done = lumen(surface, tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    summary = json.loads((tmp_path / "out" / "anatomy.json").read_text())
+    assert DEFECTS[defect] in [repair["what"] for repair in summary["repairs"]]
+    assert len(summary["ends"]) == 2 and len(summary["branches"]) == 1
+    points, triangles = surfaces.arrays(surfaces.read(tmp_path / "out" / "lumen.vtp"))
+    assert volume(points, triangles) == pytest.approx(volume(*tube), rel=0.01)
+    edges = np.sort(np.vstack([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    assert (np.unique(edges, axis=0, return_counts=True)[1] == 2).all()
+
+
+@pytest.mark.parametrize("suffix", [".stl", ".ply", ".obj"])
+def test_formats_agree(lumen, tube, tmp_path, suffix):
+    done = lumen(surfaces.write(tmp_path / f"tube{suffix}", *tube), tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    summary = json.loads((tmp_path / "out" / "anatomy.json").read_text())
+    assert summary["branches"][0]["length_mm"] == pytest.approx(20, abs=0.05) and not summary["repairs"]
+
+
+@pytest.mark.parametrize("scale, declared, likely", [(0.001, "mm", "m"), (1, "m", "mm"), (0.1, "mm", "cm")])
+def test_implausible_scale_is_refused(lumen, tube, tmp_path, scale, declared, likely):
+    surface = surfaces.write(tmp_path / "tube.vtp", scale * tube[0], tube[1])
+    done = lumen(surface, tmp_path / "out", "--units", declared)
+    assert done.returncode == 2 and f"declare units {likely}" in done.stderr
+    assert not (tmp_path / "out").exists()
+    assert lumen(surface, tmp_path / "out", "--units", likely).returncode == 0
+
+
+def test_rounded_ends_are_refused_with_a_remedy(lumen, tmp_path):
+    sphere = surfaces.vtk.vtkSphereSource()
+    sphere.SetRadius(3)
+    sphere.SetThetaResolution(40)
+    sphere.SetPhiResolution(40)
+    sphere.Update()
+    surface = surfaces.write(tmp_path / "ball.vtp", *surfaces.arrays(sphere.GetOutput()))
+    done = lumen(surface, tmp_path / "out")
+    assert done.returncode == 2 and "cut each end" in done.stderr
+
+
+def test_truncated_file_is_refused(lumen, tube, tmp_path):
+    whole = surfaces.write(tmp_path / "tube.vtp", *tube).read_bytes()
+    (tmp_path / "half.vtp").write_bytes(whole[: len(whole) // 2])
+    done = lumen(tmp_path / "half.vtp", tmp_path / "out")
+    assert done.returncode == 2 and "half.vtp" in done.stderr and not (tmp_path / "out").exists()

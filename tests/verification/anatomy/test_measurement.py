@@ -1,0 +1,144 @@
+"""Axis, sections and names of surfaces whose truth is known, from file to files."""
+
+import csv
+import json
+import subprocess
+
+import numpy as np
+import pytest
+import surfaces
+from vtk.util.numpy_support import vtk_to_numpy
+
+
+@pytest.fixture(scope="module")
+def process(binary):
+    """process(surface, out, *options) runs `lumen process` -> (summary, rows of sections.csv)."""
+    lumen = binary("lumen")
+
+    def run(surface, out, *options):
+        command = [lumen, "process", surface, "--out", out, *options]
+        done = subprocess.run([str(c) for c in command], text=True, capture_output=True)
+        assert done.returncode == 0, done.stderr
+        with (out / "sections.csv").open() as file:
+            rows = list(csv.DictReader(file))
+        return json.loads((out / "anatomy.json").read_text()), rows
+
+    return run
+
+
+def column(rows, name, flag="ok"):
+    return np.array([float(row[name]) for row in rows if row["flag"] == flag])
+
+
+CASES = {
+    "straight": (surfaces.straight, lambda s: 1.5 + 0 * s, 30, 0.0),
+    "arc": (surfaces.arc(0.3), lambda s: 1.5 + 0 * s, 15, 0.3),
+    "tapered": (surfaces.arc(0.1), lambda s: 1.8 - 0.02 * s, 30, 0.1),
+    "helix": (surfaces.helix(4, 3), lambda s: 1.2 + 0 * s, 40, 4 / 25),
+}
+
+
+@pytest.mark.parametrize("edge", [0.2, 0.4])
+@pytest.mark.parametrize("name", CASES)
+def test_clean_tube(process, tmp_path, name, edge):
+    axis, radius, length, curvature = CASES[name]
+    surface = surfaces.write(tmp_path / "tube.stl", *surfaces.tube(axis, radius, length, edge))
+    summary, rows = process(surface, tmp_path / "out", "--inlet", ",".join(map(str, axis(np.zeros(1))[0])))
+    s = column(rows, "s_mm")
+    x = np.column_stack([column(rows, k) for k in ("x_mm", "y_mm", "z_mm")])
+    assert np.linalg.norm(x - axis(s), axis=1).mean() < 0.03  # along the axis included
+    fine = axis(np.linspace(0, length, 4000))
+    off = np.sqrt(((x[:, None] - fine[None]) ** 2).sum(axis=2).min(axis=1))
+    assert off.mean() < 0.01
+    kappa = column(rows, "curvature_per_mm").mean()
+    assert abs(kappa - curvature) < max(0.02 * curvature, 0.003)
+    ratio = column(rows, "area_mm2") / (np.pi * radius(s) ** 2)
+    assert abs(ratio.mean() - 1) < 0.01 and ratio.std() < 0.01
+    assert abs(summary["branches"][0]["length_mm"] - length) < 0.005 * length
+    assert summary["mesh"]["min_angle_deg"] > 30
+    assert not summary["lesions"] and not summary["repairs"]
+    if name == "helix":
+        assert column(rows, "torsion_per_mm").mean() == pytest.approx(3 / 25, rel=0.05)
+
+
+@pytest.mark.parametrize("name", ["arc", "tapered", "helix"])
+def test_noisy_tube(process, tmp_path, name):
+    axis, radius, length, curvature = CASES[name]
+    surface = surfaces.write(tmp_path / "tube.stl", *surfaces.tube(axis, radius, length, 0.4, noise=0.05))
+    _, rows = process(surface, tmp_path / "out", "--inlet", ",".join(map(str, axis(np.zeros(1))[0])))
+    x = np.column_stack([column(rows, k) for k in ("x_mm", "y_mm", "z_mm")])
+    fine = axis(np.linspace(0, length, 4000))
+    off = np.sqrt(((x[:, None] - fine[None]) ** 2).sum(axis=2).min(axis=1))
+    assert off.mean() < 0.05
+    assert column(rows, "curvature_per_mm").mean() == pytest.approx(curvature, rel=0.05)
+
+
+TREE = [
+    ((0, 0, 0), (40, 0, 0), 1.7, 1.4),
+    ((14, 0, 0), (14 + 10 * np.cos(0.9), 10 * np.sin(0.9), 0), 1.0, 0.9),
+    ((27, 0, 0), (27 + 8 * np.cos(1.0), 0, -8 * np.sin(1.0)), 0.8, 0.7),
+]
+
+
+def test_tree(process, tmp_path):
+    surface = surfaces.write(tmp_path / "tree.vtp", *surfaces.tree(TREE))
+    summary, rows = process(surface, tmp_path / "out", "--edge", "0.35")
+    assert [b["name"] for b in summary["branches"]] == ["main", "side1", "side2"]
+    assert [e["name"] for e in summary["ends"]] == ["inlet", "outlet1", "outlet2", "outlet3"]
+    assert [e["region_id"] for e in summary["ends"]] == [1, 2, 3, 4]
+    for entry, (a, b, _, r1) in zip(summary["ends"][1:], TREE):
+        assert np.linalg.norm(np.array(entry["centre_mm"]) - b) < 0.1
+        assert entry["diameter_mm"] == pytest.approx(2 * r1, rel=0.03)
+    for branch, s_on_parent, length in zip(summary["branches"][1:], (14, 27), (10, 8)):
+        assert branch["parent"] == "main"
+        assert branch["s_on_parent_mm"] == pytest.approx(s_on_parent, abs=0.5)
+        assert branch["length_mm"] == pytest.approx(length, abs=0.3)
+    main = [row for row in rows if row["branch"] == "main"]
+    truth = lambda s: np.pi * (1.7 - 0.3 * s / 40) ** 2  # noqa: E731
+    away = column(main, "area_mm2") / truth(column(main, "s_mm"))
+    ostia = column(main, "area_mm2", "ostium") / truth(column(main, "s_mm", "ostium"))
+    assert len(ostia) > 6 and abs(ostia.mean() - 1) < 0.05
+    assert abs(away.mean() - 1) < 0.01 and away.std() < 0.012
+    assert np.hypot(column(main, "y_mm"), column(main, "z_mm")).mean() < 0.02
+    # the arrays of lumen.vtp: cap tags at the caps, branch of each triangle
+    lumen = surfaces.read(tmp_path / "out" / "lumen.vtp")
+    points, triangles = surfaces.arrays(lumen)
+    centres = points[triangles].mean(axis=1)
+    region = vtk_to_numpy(lumen.GetCellData().GetArray("region_id"))
+    branch = vtk_to_numpy(lumen.GetCellData().GetArray("branch_id"))
+    assert set(region) == {0, 1, 2, 3, 4}
+    assert np.abs(centres[region == 2][:, 0] - 40).max() < 0.05
+    assert (branch[centres[:, 1] > 3] == 1).all() and (branch[centres[:, 2] < -3] == 2).all()
+
+
+def test_earlier_names_are_kept(process, tmp_path):
+    surface = surfaces.write(tmp_path / "tree.vtp", *surfaces.tree(TREE))
+    summary, _ = process(surface, tmp_path / "pre", "--inlet", "40,0,0")
+    points, triangles = surfaces.arrays(surfaces.read(tmp_path / "pre" / "lumen.vtp"))
+    moved = surfaces.read(tmp_path / "pre" / "lumen.vtp")
+    near = np.exp(-(((points[:, :1] - 20) / 3) ** 2) - (points[:, 1:] ** 2).sum(axis=1, keepdims=True) / 6)
+    swollen = points + 0.15 * near * points * [0, 1, 1]
+    moved.GetPoints().SetData(surfaces.numpy_to_vtk(swollen, deep=True))
+    writer = surfaces.vtk.vtkXMLPolyDataWriter()
+    writer.SetFileName(str(tmp_path / "moved.vtp"))
+    writer.SetInputData(moved)
+    writer.Write()
+    after, _ = process(tmp_path / "moved.vtp", tmp_path / "vci", "--like", tmp_path / "pre" / "anatomy.json")
+    for a, b in zip(summary["ends"], after["ends"]):
+        assert a["name"] == b["name"] and a["branch"] == b["branch"] and a["region_id"] == b["region_id"]
+        assert np.linalg.norm(np.subtract(a["centre_mm"], b["centre_mm"])) < 0.05
+    # the plaque of the earlier state travels with the surface
+    before = vtk_to_numpy(surfaces.read(tmp_path / "pre" / "lumen.vtp").GetPointData().GetArray("plaque_thickness_mm"))
+    carried = surfaces.read(tmp_path / "vci" / "lumen.vtp").GetPointData().GetArray("plaque_thickness_mm")
+    assert vtk_to_numpy(carried).max() == pytest.approx(before.max(), abs=0.05)
+
+
+def test_same_input_same_bits(process, tmp_path):
+    surface = surfaces.write(tmp_path / "tree.vtp", *surfaces.tree(TREE))
+    for run in ("a", "b"):
+        process(surface, tmp_path / run)
+    for name in ("lumen.vtp", "centreline.vtp", "sections.csv"):
+        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
+    a, b = (json.loads((tmp_path / run / "anatomy.json").read_text()) for run in ("a", "b"))
+    a.pop("timings_s"), b.pop("timings_s")
+    assert a == b

@@ -1,0 +1,75 @@
+"""The public surfaces, from file to anatomy."""
+
+import csv
+import json
+import subprocess
+
+import numpy as np
+import pytest
+import surfaces
+
+
+@pytest.fixture(scope="module")
+def process(binary, shared_data, tmp_path_factory):
+    """process(name) -> (summary, rows, points, triangles); each surface once."""
+    lumen, done = binary("lumen"), {}
+
+    def run(name):
+        if name not in done:
+            out = tmp_path_factory.mktemp(name)
+            command = [str(lumen), "process", str(shared_data / f"{name}.stl"), "--units", "mm", "--out", str(out)]
+            result = subprocess.run(command, text=True, capture_output=True)
+            assert result.returncode == 0, result.stderr
+            with (out / "sections.csv").open() as file:
+                rows = list(csv.DictReader(file))
+            summary = json.loads((out / "anatomy.json").read_text())
+            done[name] = (summary, rows, *surfaces.arrays(surfaces.read(out / "lumen.vtp")))
+        return done[name]
+
+    return run
+
+
+NAMES = ["dfemtoolz_case4_artery", "offset_stenosis_capped_oriented", "vasp_offset_stenosis", "vasp_artery"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_closed_and_well_shaped(process, name):
+    summary, _, points, triangles = process(name)
+    edges = np.vstack([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    forward = {tuple(edge) for edge in edges}
+    assert len(forward) == len(edges) and all((b, a) in forward for a, b in forward)  # closed and oriented
+    assert len(points) - len(edges) // 2 + len(triangles) == 2  # a ball's topology
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    assert np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6 == pytest.approx(summary["mesh"]["volume_mm3"])
+    assert summary["mesh"]["min_angle_deg"] > 30 and summary["mesh"]["min_angle_at_rims_deg"] > 8
+
+
+def test_real_artery(process):
+    summary, rows, *_ = process("dfemtoolz_case4_artery")
+    assert [end["name"] for end in summary["ends"]] == ["inlet", "outlet1"]
+    assert summary["ends"][0]["diameter_mm"] > summary["ends"][1]["diameter_mm"]
+    assert summary["branches"][0]["length_mm"] == pytest.approx(59, abs=1)
+    throat = [lesion for lesion in summary["lesions"] if abs(lesion["s_mla_mm"] - 30) < 2]
+    assert throat and throat[0]["mld_mm"] == pytest.approx(2.60, abs=0.03)  # as its source describes it
+
+
+def test_offset_stenosis(process):
+    summary, rows, *_ = process("offset_stenosis_capped_oriented")
+    assert summary["mesh"]["volume_mm3"] == pytest.approx(601.5, rel=0.005)
+    lesion = summary["lesions"][0]
+    assert lesion["mld_mm"] == pytest.approx(2.545, rel=0.01)
+    assert lesion["diameter_stenosis_percent"] == pytest.approx(60, abs=1)
+    assert lesion["area_stenosis_percent"] == pytest.approx(84, abs=1)
+
+
+def test_open_inconsistent_copy_gives_the_same(process):
+    closed, opened = process("offset_stenosis_capped_oriented")[0], process("vasp_offset_stenosis")[0]
+    assert {"triangles turned", "open end capped"} <= {repair["what"] for repair in opened["repairs"]}
+    assert opened["mesh"]["volume_mm3"] == pytest.approx(closed["mesh"]["volume_mm3"], rel=1e-3)
+    assert opened["lesions"][0]["mla_mm2"] == pytest.approx(closed["lesions"][0]["mla_mm2"], rel=0.005)
+
+
+def test_bifurcation_with_three_open_ends(process):
+    summary, *_ = process("vasp_artery")
+    assert [end["name"] for end in summary["ends"]] == ["inlet", "outlet1", "outlet2"]
+    assert [branch["name"] for branch in summary["branches"]] == ["main", "side1"]
