@@ -1,0 +1,141 @@
+// Closest points, the broad phase and the one-sided contact law.
+#include "vci/closest_point.hpp"
+#include "vci/contact.hpp"
+#include <algorithm>
+#include <gtest/gtest.h>
+#include <random>
+
+namespace {
+
+using namespace vci;
+
+TEST(ClosestPoint, FindsFaceEdgesAndCorners) {
+  const Vec3 a(0, 0, 0), b(1, 0, 0), c(0, 1, 0);
+  const auto foot = [&](const Vec3& p) {
+    const ClosestPoint q = closest_on_triangle(p, a, b, c);
+    return Vec3(q.weights[0] * a + q.weights[1] * b + q.weights[2] * c);
+  };
+  EXPECT_LT((foot({0.2, 0.3, 5}) - Vec3(0.2, 0.3, 0)).norm(), 1e-12);
+  EXPECT_LT((foot({0.5, -1, 1}) - Vec3(0.5, 0, 0)).norm(), 1e-12);
+  EXPECT_LT((foot({-1, 0.4, 1}) - Vec3(0, 0.4, 0)).norm(), 1e-12);
+  EXPECT_LT((foot({1, 1, 1}) - Vec3(0.5, 0.5, 0)).norm(), 1e-12);
+  EXPECT_LT((foot({-1, -1, 0}) - a).norm(), 1e-12);
+  EXPECT_LT((foot({3, -1, 0}) - b).norm(), 1e-12);
+  EXPECT_LT((foot({-1, 3, 0}) - c).norm(), 1e-12);
+}
+
+TEST(BroadPhase, FindsWhatASearchOverAllTrianglesFinds) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> number(0, 10);
+  Vectors x;
+  Triangles triangles;
+  for (int k = 0; k < 200; ++k) {
+    const Vec3 p(number(random), number(random), number(random));
+    const int v = static_cast<int>(x.size());
+    x.insert(x.end(), {p, p + Vec3(0.3, 0, 0), p + Vec3(0, 0.3, 0.1)});
+    triangles.push_back({v, v + 1, v + 2});
+  }
+  BroadPhase boxes(triangles, x);
+  for (Vec3& p : x)
+    p += Vec3(1, -1, 2);
+  boxes.update(triangles, x);
+  std::vector<int> found;
+  for (int k = 0; k < 50; ++k) {
+    const Vec3 p(number(random) + 1, number(random) - 1, number(random) + 2);
+    boxes.near(p, 1.0, found);
+    for (int t = 0; t < 200; ++t) {
+      const Vec3 low = x[3 * t].cwiseMin(x[3 * t + 1]).cwiseMin(x[3 * t + 2]);
+      const Vec3 high = x[3 * t].cwiseMax(x[3 * t + 1]).cwiseMax(x[3 * t + 2]);
+      const bool near = ((low - p).array() <= 1.0).all() && ((p - high).array() <= 1.0).all();
+      EXPECT_EQ(near, std::binary_search(found.begin(), found.end(), t));
+    }
+  }
+}
+
+TEST(ContactRamp, IsSmoothOneSidedAndDerivesFromItsEnergy) {
+  const ContactSettings s;
+  EXPECT_EQ(contact_ramp(s.distance + 1e-9, s).pressure, 0);
+  const double h = 1e-7;
+  for (double gap : {0.005, -0.005, -0.05, -0.3}) {
+    const RampLaw law = contact_ramp(gap, s);
+    EXPECT_GT(law.pressure, 0);
+    EXPECT_NEAR(law.pressure, -(contact_ramp(gap + h, s).energy - contact_ramp(gap - h, s).energy) / (2 * h), 1e-5);
+    EXPECT_NEAR(law.stiffness, -(contact_ramp(gap + h, s).pressure - contact_ramp(gap - h, s).pressure) / (2 * h),
+                1e-4);
+  }
+  EXPECT_LT(contact_ramp(s.distance - 0.9 * s.ramp, s).stiffness, s.stiffness);
+  EXPECT_EQ(contact_ramp(s.distance - 1.1 * s.ramp, s).stiffness, s.stiffness);
+}
+
+/// A flat outer sheet (normal +z) and a smaller inner one whose middle vertex stands at the given height.
+std::vector<ContactPoint> sheets(double height, Vectors& force) {
+  System system;
+  const Vectors outer{{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}, {0, 0, 0}};
+  const Vectors inner{{-.5, -.5, -.4}, {.5, -.5, -.4}, {.5, .5, -.4}, {-.5, .5, -.4}, {0.1, 0, height}};
+  system.add_body("outer", outer, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}, 1, std::vector<char>(5, 0));
+  system.add_body("inner", inner, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}, 1, std::vector<char>(5, 0));
+  SurfaceContact contact(1, 0, {});
+  std::vector<ContactPoint> points;
+  contact.detect(system, area_vectors(system), points);
+  force.assign(system.x.size(), Vec3::Zero());
+  add_contact_forces(points, force);
+  return points;
+}
+
+TEST(SurfaceContact, PushesApartOnBothSidesOfTheSurfaceAndBalances) {
+  Vectors force;
+  EXPECT_TRUE(sheets(-0.05, force).empty());
+  for (double height : {0.0, 0.1, 0.25}) { // through the wall, where an unsigned distance would let go
+    const std::vector<ContactPoint> points = sheets(height, force);
+    Vec3 sum = Vec3::Zero();
+    for (const Vec3& f : force)
+      sum += f;
+    EXPECT_LT(sum.norm(), 1e-12);
+    ASSERT_FALSE(points.empty());
+    EXPECT_EQ(points[0].link.vertex[0], 9);
+    EXPECT_NEAR(points[0].gap, -height, 1e-9);
+    EXPECT_LT(force[9][2], 0);
+  }
+}
+
+TEST(Friction, SticksElasticallyThenSlidesAtTheLimitAndRemembersTheAnchor) {
+  const ContactSettings s;
+  Vec3 slip = Vec3::Zero();
+  ContactPoint p{{{0, 1, 1, 1}, {-1, 1, 0, 0}, Vec3::UnitZ(), 6, 0}, 0.2, 0.0, 0.5, Vec3::Zero(), &slip};
+  const double stiffness = s.friction_stiffness * p.area, limit = s.friction * p.force;
+  const auto slide = [&](double distance) {
+    add_slip({p}, {Vec3::Zero(), Vec3(distance, 0, 0)});
+    add_friction(p, s);
+  };
+  slide(0.4 * limit / stiffness);
+  EXPECT_NEAR(p.drag[0], -0.4 * limit, 1e-12);
+  EXPECT_NEAR(p.link.tangential_stiffness, stiffness, 1e-12);
+  slide(10);
+  EXPECT_NEAR(p.drag[0], -limit, 1e-12);
+  EXPECT_LT(p.link.tangential_stiffness, 0.1 * stiffness);
+  slide(-limit / stiffness); // back by the elastic slip: the anchor has moved along
+  EXPECT_NEAR(p.drag[0], 0, 1e-9);
+  Vectors f(2, Vec3::Zero());
+  slide(-10);
+  p.force = 0;
+  add_contact_forces({p}, f);
+  EXPECT_NEAR(f[1][0], limit, 1e-12); // opposes the motion
+  EXPECT_LT((f[0] + f[1]).norm(), 1e-15);
+}
+
+TEST(Tie, StartsWithTheContactForceAndHoldsBothWays) {
+  const ContactPoint point{
+      {{0, 1, 2, 3}, {-1, 0.5, 0.25, 0.25}, Vec3::UnitZ(), 6, 0}, 0.1, 0.0, 0.3, Vec3::Zero(), nullptr};
+  Vectors x{{0, 0, 0}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const Tie tie = tie_of(point, x, 60);
+  Vectors f(4, Vec3::Zero());
+  add_tie_forces({tie}, x, f);
+  EXPECT_NEAR(f[0][2], -0.3, 1e-12);
+  x[0] += Vec3(0.01, 0, -0.1); // pulled away and aside
+  f.assign(4, Vec3::Zero());
+  add_tie_forces({tie}, x, f);
+  EXPECT_NEAR(f[0][2], -0.3 + 6 * 0.1, 1e-12);
+  EXPECT_NEAR(f[0][0], -6 * 0.01, 1e-12);
+}
+
+} // namespace

@@ -1,0 +1,222 @@
+// Energy, force and stiffness of every force agree with finite differences, on each branch of its law.
+#include "vci/balloon_chart.hpp"
+#include "vci/fibre.hpp"
+#include "vci/foundation.hpp"
+#include "vci/hinge.hpp"
+#include "vci/membrane.hpp"
+#include "vci/pressure.hpp"
+#include <cmath>
+#include <gtest/gtest.h>
+#include <random>
+
+namespace {
+
+using namespace vci;
+
+Vectors perturbed(const Vectors& x, double size, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> shift(-size, size);
+  Vectors y = x;
+  for (Vec3& p : y)
+    for (int k = 0; k < 3; ++k)
+      p[k] += shift(random);
+  return y;
+}
+
+/// Two bent triangles over an edge.
+const Vectors sheet{{0, 0, 0}, {1, 0.1, 0}, {0.2, 0.9, 0.1}, {0.8, -0.7, 0.2}};
+const Triangles sheet_triangles{{0, 1, 2}, {1, 0, 3}};
+/// A tetrahedron, outward.
+const Vectors tetrahedron{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+const Triangles tetrahedron_triangles{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+
+void check_gradient(const Force& force, const Vectors& x) {
+  const double h = 1e-6;
+  Vectors f(x.size(), Vec3::Zero());
+  force.evaluate(x, f, nullptr, true);
+  double size = 1e-3;
+  for (const Vec3& v : f)
+    size = std::max(size, v.norm());
+  for (std::size_t i = 0; i < x.size(); ++i)
+    for (int k = 0; k < 3; ++k) {
+      Vectors plus = x, minus = x;
+      plus[i][k] += h;
+      minus[i][k] -= h;
+      EXPECT_NEAR(f[i][k], -(force.energy(plus) - force.energy(minus)) / (2 * h), 1e-6 * size) << i << ' ' << k;
+    }
+}
+
+void check_hessian(Force& force, const Vectors& x, double tolerance = 1e-6) {
+  const double h = 1e-6;
+  BlockPattern pattern(static_cast<int>(x.size()));
+  std::vector<int> all(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i)
+    all[i] = static_cast<int>(i);
+  pattern.add(all);
+  BlockMatrix matrix(std::move(pattern));
+  force.link(matrix);
+  Vectors f(x.size(), Vec3::Zero());
+  force.evaluate(x, f, &matrix, true);
+  double size = 1e-3;
+  for (int i : all)
+    size = std::max(size, matrix.block(matrix.diagonal_slot(i)).norm());
+  for (std::size_t j = 0; j < x.size(); ++j)
+    for (int k = 0; k < 3; ++k) {
+      Vectors plus = x, minus = x;
+      plus[j][k] += h;
+      minus[j][k] -= h;
+      Vectors fp(x.size(), Vec3::Zero()), fm = fp;
+      force.evaluate(plus, fp, nullptr, true);
+      force.evaluate(minus, fm, nullptr, true);
+      for (std::size_t i = 0; i < x.size(); ++i) {
+        const Vec3 column = matrix.block(matrix.slot(static_cast<int>(i), static_cast<int>(j))).col(k);
+        EXPECT_LT((column + (fp[i] - fm[i]) / (2 * h)).norm(), tolerance * size) << i << ' ' << j << ' ' << k;
+      }
+    }
+}
+
+TEST(Membrane, StiffeningWallMatchesFiniteDifferences) {
+  Membrane force(sheet_triangles, sheet, {{2.0, 0.45, 3.0}, {1.0, 0.3, 10.0}});
+  const Vectors x = perturbed(sheet, 0.25, 1);
+  EXPECT_EQ(force.yielding(x), 0);
+  check_gradient(force, x);
+  check_hessian(force, x);
+}
+
+TEST(Membrane, YieldingPlaqueMatchesFiniteDifferences) {
+  Membrane force(sheet_triangles, sheet, {{2.0, 0.45, 0.0, 0.05, 0.08}, {2.0, 0.45, 0.0, 0.05, 0.3}});
+  const Vectors x = perturbed(sheet, 0.25, 2);
+  EXPECT_EQ(force.yielding(x), 2) << "both triangles must be on the plastic branch";
+  check_gradient(force, x);
+  check_hessian(force, x);
+}
+
+TEST(Membrane, EqualStretchesHaveTheLimitOfTheShearModulus) {
+  Membrane force(sheet_triangles, sheet, {{2.0, 0.45, 3.0}, {2.0, 0.45, 3.0}});
+  Vectors x = sheet;
+  for (Vec3& p : x)
+    p *= 1.3;
+  check_hessian(force, x, 1e-5);
+}
+
+TEST(Membrane, CommitKeepsTheStressAndMakesTheStrainPermanent) {
+  Membrane force(sheet_triangles, sheet, {{2.0, 0.45, 0.0, 0.05, 0.1}, {2.0, 0.45, 0.0, 0.05, 0.1}});
+  Vectors x = sheet;
+  for (Vec3& p : x)
+    p *= 1.5;
+  Vectors before(x.size(), Vec3::Zero()), after = before, back = before;
+  force.evaluate(x, before, nullptr, true);
+  force.commit(x);
+  force.evaluate(x, after, nullptr, true);
+  for (std::size_t i = 0; i < x.size(); ++i)
+    EXPECT_LT((before[i] - after[i]).norm(), 1e-12);
+  Vectors eased = x;
+  for (Vec3& p : eased)
+    p *= 0.999;
+  EXPECT_EQ(force.yielding(eased), 0) << "unloading is elastic";
+  force.evaluate(sheet, back, nullptr, true);
+  EXPECT_GT(back[2].norm(), 1e-3) << "the first shape is no longer free of stress";
+}
+
+TEST(Membrane, PositivePartHasNoNegativeCurvature) {
+  Membrane force(sheet_triangles, sheet, {{2.0, 0.45, 0.0}, {2.0, 0.45, 0.0}});
+  Vectors x = sheet;
+  for (Vec3& p : x)
+    p *= 0.7; // compressed: out-of-plane curvature is negative
+  BlockPattern pattern(4);
+  pattern.add(std::array<int, 4>{0, 1, 2, 3});
+  BlockMatrix exact(pattern), positive(std::move(pattern));
+  Vectors f(4, Vec3::Zero()), y(4);
+  const Vectors up{{0, 0, 1}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+  const auto curvature = [&](BlockMatrix& m, bool is_exact) {
+    force.link(m);
+    force.evaluate(x, f, &m, is_exact);
+    m.multiply(up, y);
+    return y[0][2];
+  };
+  EXPECT_LT(curvature(exact, true), 0);
+  EXPECT_GE(curvature(positive, false), 0);
+}
+
+TEST(Hinges, AngleMatchesFiniteDifferences) {
+  const std::vector<EdgePair> edges = interior_edges(sheet_triangles, sheet);
+  ASSERT_EQ(edges.size(), 1u);
+  Hinges force(edges, sheet, {0.7}, 1e9);
+  const Vectors x = perturbed(sheet, 0.3, 3);
+  EXPECT_GT(force.energy(x), 1e-3);
+  check_gradient(force, x);
+  check_hessian(force, sheet); // exact at the rest angle only
+}
+
+TEST(Hinges, FoldsBeyondTheYieldAngle) {
+  const std::vector<EdgePair> edges = interior_edges(sheet_triangles, sheet);
+  Hinges force(edges, sheet, {1.0}, 0.1);
+  Vectors x = sheet;
+  x[3][2] += 0.8;
+  EXPECT_GT(force.energy(x), 0.5 * 0.1 * 0.1);
+  force.commit(x);
+  EXPECT_NEAR(force.energy(x), 0.5 * 0.1 * 0.1, 1e-12);
+}
+
+TEST(Fibres, EveryBranchMatchesFiniteDifferences) {
+  const Vectors x{{0, 0, 0}, {1.0, 0.2, 0.1}};
+  const double l = (x[1] - x[0]).norm();
+  Fibres elastic({{0, 1, l / 1.01, 3.0, 0.03, 0.01, 0.4}});
+  Fibres stretched({{0, 1, l / 1.2, 3.0, 0.03, 0.01}});
+  Fibres crushed({{0, 1, l * 1.2, 3.0, 0.03, 0.01}});
+  EXPECT_EQ(elastic.yielding(x), 0);
+  EXPECT_EQ(stretched.yielding(x), 1);
+  EXPECT_EQ(crushed.yielding(x), 1);
+  Fibres::Fibre film{0, 1, l * 1.3, 3.0};
+  film.slack = true;
+  film.pretension = 0.2;
+  Fibres slack({film});
+  Vectors f(2, Vec3::Zero());
+  slack.evaluate(x, f, nullptr, true);
+  EXPECT_LT(f[0].norm(), 0.1) << "the slack branch must carry next to nothing";
+  for (Fibres* force : {&elastic, &stretched, &crushed, &slack}) {
+    check_gradient(*force, x);
+    check_hessian(*force, x);
+  }
+}
+
+TEST(HoopChart, EachPieceOfTheChartMatchesFiniteDifferences) {
+  const BalloonChart chart({0.2, 1.0, 2.0}, {2.8, 3.0, 3.1}, 0.9);
+  const int n = 24;
+  HoopChart force({{0, 1, 0.4, 0.8}}, n, chart);
+  const double to_edge = 0.8 / std::sqrt(n / (M_PI * std::tan(M_PI / n)));
+  for (double d : {0.8, 1.5, 2.78, 2.9, 3.05, 3.3}) {
+    const Vectors x{{0, 0, 0}, Vec3(0.6, 0, 0.8) * d * to_edge};
+    check_gradient(force, x);
+    check_hessian(force, x);
+  }
+}
+
+TEST(RingFoundation, OutwardAndInwardMatchFiniteDifferences) {
+  const RingLaw law{0.32, 3.0, 0.055, 0.02, 0.0124, 0.9, 1.6};
+  const Vec3 n = Vec3(1, 2, -1).normalized();
+  RingFoundation force({{0, Vec3(1, 0, 0), n, 0.1, law}});
+  for (double u : {0.7, 0.1, -0.3}) {
+    const Vectors x{Vec3(1, 0, 0) + u * n + 0.05 * n.unitOrthogonal()};
+    check_gradient(force, x);
+    check_hessian(force, x);
+  }
+  Vectors f(1, Vec3::Zero());
+  force.evaluate({Vec3(1, 0, 0)}, f, nullptr, true);
+  EXPECT_EQ(f[0].norm(), 0) << "the lumen as given is in equilibrium under mean blood pressure";
+}
+
+TEST(Anchors, MatchFiniteDifferences) {
+  Anchors force({{0, Vec3(1, 2, 3), 0.7}});
+  const Vectors x{{1.5, 2, 2.5}};
+  check_gradient(force, x);
+  check_hessian(force, x);
+}
+
+TEST(Pressure, IsTheGradientOfTheEnclosedVolume) {
+  const Pressure force(tetrahedron_triangles, 1.3);
+  EXPECT_NEAR(force.energy(tetrahedron), -1.3 / 6, 1e-14);
+  check_gradient(force, perturbed(tetrahedron, 0.2, 4));
+}
+
+} // namespace

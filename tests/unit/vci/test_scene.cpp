@@ -1,0 +1,114 @@
+// Each kind of bad scene is refused with its key; defaults are filled in.
+#include "common/error.hpp"
+#include "vci/scene.hpp"
+#include <fstream>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+namespace {
+
+using namespace vci;
+using nlohmann::json;
+
+json good_scene() {
+  const json balloon{{"kind", "balloon"},
+                     {"nominal_diameter_mm", 3.0},
+                     {"length_mm", 12.0},
+                     {"shoulder_mm", 1.2},
+                     {"crimped_diameter_mm", 0.8},
+                     {"nominal_pressure_bar", 8},
+                     {"rated_burst_pressure_bar", 14},
+                     {"chart", {{"pressure_bar", {2, 8, 14}}, {"diameter_mm", {2.8, 3.0, 3.2}}}}};
+  const json stent{{"kind", "stent"},
+                   {"nominal_diameter_mm", 3.0},
+                   {"length_mm", 12.0},
+                   {"crimped_diameter_mm", 1.0},
+                   {"maximal_diameter_mm", 4.4},
+                   {"strut_thickness_mm", 0.08},
+                   {"crowns", 8},
+                   {"links", 2},
+                   {"balloon", "b"}};
+  return {{"schema", "vci-scene-1"},
+          {"case", "t"},
+          {"lumen", "lumen.vtp"},
+          {"centreline", "centreline.vtp"},
+          {"patient", {{"map_pa", 12000}}},
+          {"devices", {{"b", balloon}, {"s", stent}}},
+          {"procedure",
+           {{{"name", "p"},
+             {"action", "stent"},
+             {"devices", {{{"device", "s"}, {"branch", "main"}, {"centre_s_mm", 10.0}, {"pressure_bar", 8}}}}}}}};
+}
+
+// A text written to a file that is this process's own: ctest runs the tests of this source side by side.
+class SceneFile {
+public:
+  explicit SceneFile(const std::string& text)
+      : path_(std::filesystem::path(testing::TempDir()) / ("vci_scene_" + std::to_string(::getpid()) + ".json")) {
+    std::ofstream(path_) << text;
+  }
+  ~SceneFile() { std::filesystem::remove(path_); }
+  SceneFile(const SceneFile&) = delete;
+  SceneFile& operator=(const SceneFile&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+private:
+  std::filesystem::path path_;
+};
+
+Scene read(const json& document) {
+  return read_scene(SceneFile(document.dump()).path());
+}
+
+std::string refusal(const json& document) {
+  try {
+    read(document);
+  } catch (const common::InputError& e) {
+    return e.what();
+  }
+  return "accepted";
+}
+
+TEST(Scene, FillsInDefaults) {
+  const Scene scene = read(good_scene());
+  EXPECT_EQ(scene.wall.model, "membrane");
+  EXPECT_EQ(scene.numerics.integrator.residual_tolerance, 3e-3);
+  EXPECT_EQ(scene.stents.at("s").hoop_stiffness, 12);
+  EXPECT_TRUE(std::isinf(scene.wall.plaque[3].yield_strain));
+  EXPECT_EQ(scene.settings["numerics"]["region_margin_mm"], 6);
+}
+
+TEST(Scene, RefusesBadValuesWithTheirKey) {
+  const auto expect = [](const char* pointer, const json& value, const char* part) {
+    json d = good_scene();
+    d[json::json_pointer(pointer)] = value;
+    EXPECT_NE(refusal(d).find(part), std::string::npos) << pointer << ": " << refusal(d);
+  };
+  expect("/schema", "vci-scene-0", "schema");
+  expect("/colour", "red", "unknown key");
+  expect("/wall", {{"modell", "membrane"}}, "modell");
+  expect("/wall", {{"model", "jelly"}}, "wall.model");
+  expect("/wall", {{"poisson_ratio", 0.6}}, "poisson_ratio");
+  expect("/numerics", {{"residual_tolerance", 0.5}}, "residual_tolerance");
+  expect("/numerics", {{"maximal_steps_per_stage", 2.5}}, "whole number");
+  expect("/patient/map_pa", 90, "map_pa");
+  expect("/patient/map_pa", "high", "number is expected");
+  expect("/devices/s/balloon", "c", "delivery balloon");
+  expect("/devices/s/kind", "laser", "kind of device");
+  expect("/devices/b/chart/diameter_mm", {2.8, 2.7, 3.2}, "chart");
+  expect("/procedure/0/action", "pray", "action");
+  expect("/procedure/0/devices/0/device", "x", "does not define");
+  expect("/procedure/0/devices/0/pressure_bar", 39, "burst");
+  expect("/procedure", json::array(), "one entry or more");
+}
+
+TEST(Scene, RefusesMissingKeysFilesAndText) {
+  json d = good_scene();
+  d.erase("patient");
+  EXPECT_NE(refusal(d).find("patient"), std::string::npos);
+  EXPECT_THROW(read_scene("no/such/scene.json"), common::InputError);
+  const SceneFile file("{,}");
+  EXPECT_THROW(read_scene(file), common::InputError);
+}
+
+} // namespace

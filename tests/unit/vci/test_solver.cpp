@@ -1,0 +1,76 @@
+// The block matrix and conjugate gradients against a direct solve.
+#include "vci/pcg.hpp"
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
+#include <random>
+
+namespace {
+
+using namespace vci;
+
+TEST(Pcg, MatchesADirectSolveWithLinksAndFixedVertices) {
+  const int n = 12;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> number(-1, 1);
+  BlockPattern pattern(n);
+  for (int i = 0; i + 1 < n; ++i)
+    pattern.add(std::array<int, 2>{i, i + 1});
+  BlockMatrix matrix(std::move(pattern));
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(3 * n, 3 * n);
+  for (int i = 0; i + 1 < n; ++i) {
+    Eigen::Matrix<double, 6, 6> g, a;
+    for (int r = 0; r < 6; ++r)
+      for (int c = 0; c < 6; ++c)
+        g(r, c) = number(random);
+    a = g * g.transpose() + Eigen::Matrix<double, 6, 6>::Identity();
+    for (int p = 0; p < 2; ++p)
+      for (int q = 0; q < 2; ++q)
+        matrix.block(matrix.slot(i + p, i + q)) += a.block<3, 3>(3 * p, 3 * q);
+    dense.block<6, 6>(3 * i, 3 * i) += a;
+  }
+  const PointLink link{{0, 5, 7, 9}, {-1, 0.2, 0.3, 0.5}, Vec3(1, 2, 2) / 3, 7.0, 0.5};
+  Eigen::MatrixXd w = Eigen::MatrixXd::Zero(3, 3 * n);
+  for (int k = 0; k < 4; ++k)
+    w.block<3, 3>(0, 3 * link.vertex[k]) = link.weight[k] * Mat3::Identity();
+  const Mat3 k3 = 0.5 * Mat3::Identity() + 6.5 * link.normal * link.normal.transpose();
+  dense += w.transpose() * k3 * w;
+  std::vector<char> fixed(n, 0);
+  fixed[3] = 1;
+  Vectors b(n), x;
+  Eigen::VectorXd rhs(3 * n);
+  for (int i = 0; i < n; ++i) {
+    b[i] = Vec3(number(random), number(random), number(random));
+    rhs.segment<3>(3 * i) = b[i];
+  }
+  dense.middleRows(9, 3).setZero();
+  dense.middleCols(9, 3).setZero();
+  dense.block<3, 3>(9, 9).setIdentity();
+  rhs.segment<3>(9).setZero();
+  const Eigen::VectorXd exact = dense.ldlt().solve(rhs);
+  const SolveResult result = solve_pcg(matrix, {link}, fixed, b, x, 1e-12, 200);
+  EXPECT_TRUE(result.converged);
+  for (int i = 0; i < n; ++i)
+    EXPECT_LT((x[i] - exact.segment<3>(3 * i)).norm(), 1e-9);
+  EXPECT_EQ(x[3].norm(), 0);
+}
+
+TEST(Pcg, SaysSoWhenItRunsOutOfIterations) {
+  BlockPattern pattern(2);
+  pattern.add(std::array<int, 2>{0, 1});
+  BlockMatrix matrix(std::move(pattern));
+  matrix.block(matrix.diagonal_slot(0)) = Vec3(1, 10, 100).asDiagonal();
+  matrix.block(matrix.diagonal_slot(1)) = Vec3(2, 20, 300).asDiagonal();
+  matrix.block(matrix.slot(0, 1)) = matrix.block(matrix.slot(1, 0)) = 0.9 * Mat3::Identity();
+  Vectors x;
+  const SolveResult result = solve_pcg(matrix, {}, {0, 0}, {Vec3(1, 2, 3), Vec3(4, 5, 6)}, x, 1e-14, 1);
+  EXPECT_FALSE(result.converged);
+  EXPECT_EQ(result.iterations, 1);
+  EXPECT_GT(result.residual, 1e-14);
+}
+
+TEST(BlockMatrix, RefusesABlockOutsideThePattern) {
+  BlockMatrix matrix{BlockPattern(3)};
+  EXPECT_THROW(matrix.slot(0, 2), std::logic_error);
+}
+
+} // namespace

@@ -1,0 +1,135 @@
+#include "vci/centreline.hpp"
+#include "common/error.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <vtkAbstractArray.h>
+#include <vtkCellArray.h>
+#include <vtkCellData.h>
+#include <vtkNew.h>
+#include <vtkStringArray.h>
+#include <vtkXMLPolyDataReader.h>
+
+namespace vci {
+
+Path::Path(Vectors points, double start) : points_(std::move(points)) {
+  s_.push_back(start);
+  for (std::size_t k = 1; k < points_.size(); ++k)
+    s_.push_back(s_.back() + (points_[k] - points_[k - 1]).norm());
+}
+
+std::size_t Path::piece(double s) const {
+  const auto it = std::upper_bound(s_.begin() + 1, s_.end() - 1, s);
+  return static_cast<std::size_t>(it - s_.begin());
+}
+
+Vec3 Path::at(double s) const {
+  const std::size_t k = piece(s);
+  const double t = (s - s_[k - 1]) / (s_[k] - s_[k - 1]);
+  return (1 - t) * points_[k - 1] + t * points_[k];
+}
+
+Vec3 Path::tangent(double s) const {
+  return (at(s + 0.5) - at(s - 0.5)).normalized();
+}
+
+std::vector<Frame> Path::frames(const std::vector<double>& s) const {
+  std::vector<Frame> frames;
+  for (double place : s) {
+    Frame f{at(place), tangent(place), Vec3::Zero(), Vec3::Zero()};
+    f.first = frames.empty() ? f.tangent.unitOrthogonal() : frames.back().first;
+    f.first = (f.first - f.first.dot(f.tangent) * f.tangent).normalized();
+    f.second = f.tangent.cross(f.first);
+    frames.push_back(f);
+  }
+  return frames;
+}
+
+std::map<std::string, Path> read_centreline(const std::filesystem::path& file) {
+  if (!std::filesystem::exists(file))
+    throw common::InputError("the centreline does not exist", file.string(), "no such file",
+                             "run the anatomy step first");
+  vtkNew<vtkXMLPolyDataReader> reader;
+  reader->SetFileName(file.c_str());
+  reader->Update();
+  vtkPolyData* data = reader->GetOutput();
+  auto* names = vtkStringArray::SafeDownCast(data->GetCellData()->GetAbstractArray("branch_name"));
+  if (!names || data->GetNumberOfLines() == 0 || data->GetNumberOfLines() != data->GetNumberOfCells())
+    throw common::InputError("the centreline has no named lines", file.string(), "branch_name",
+                             "make the centreline with the anatomy step");
+  std::map<std::string, Path> paths;
+  std::vector<std::pair<std::string, Vectors>> sides;
+  for (vtkIdType c = 0; c < data->GetNumberOfLines(); ++c) {
+    vtkIdType size;
+    const vtkIdType* ids;
+    data->GetLines()->GetCellAtId(c, size, ids);
+    Vectors points;
+    for (vtkIdType k = 0; k < size; ++k) {
+      Vec3 p;
+      data->GetPoint(ids[k], p.data());
+      if (points.empty() || (p - points.back()).norm() > 1e-9)
+        points.push_back(p);
+    }
+    const std::string name = names->GetValue(c);
+    if (points.size() < 2)
+      throw common::InputError("a centreline branch has fewer than two points", file.string(), name,
+                               "check the anatomy step");
+    if (name == "main")
+      paths["main"] = Path(points, 0);
+    else
+      sides.emplace_back(name, points);
+  }
+  if (!paths.contains("main"))
+    throw common::InputError("the centreline lacks its main branch", file.string(), "main", "check the anatomy step");
+  for (const auto& [name, points] : sides) {
+    // the parent is the branch whose axis comes closest to the first point; its part upstream leads to the branch
+    const Path* parent = nullptr;
+    std::size_t leave = 0;
+    double nearest = 1e300;
+    for (const auto& [other, path] : paths)
+      for (std::size_t k = 0; k < path.points().size(); ++k)
+        if (const double d = (path.points()[k] - points.front()).squaredNorm(); d < nearest) {
+          nearest = d;
+          parent = &path;
+          leave = k;
+        }
+    Vectors joined(parent->points().begin(), parent->points().begin() + static_cast<std::ptrdiff_t>(leave));
+    while (joined.size() > 1 && (joined.back() - points.front()).norm() < 0.2)
+      joined.pop_back();
+    joined.insert(joined.end(), points.begin(), points.end());
+    const std::size_t before = joined.size() - points.size();
+    double upstream = 0;
+    for (std::size_t k = 1; k <= before; ++k)
+      upstream += (joined[k] - joined[k - 1]).norm();
+    paths[name] = Path(joined, -upstream);
+  }
+  return paths;
+}
+
+Path follow_wall(const Path& path, const Lumen& lumen, const Vectors& moved) {
+  Vectors shifted = path.points();
+  for (std::size_t k = 0; k < shifted.size(); ++k) {
+    const Vec3 centre = path.points()[k];
+    const Vec3 along =
+        (path.points()[std::min(k + 1, shifted.size() - 1)] - path.points()[k > 0 ? k - 1 : 0]).normalized();
+    Vec3 sum = Vec3::Zero();
+    double weight = 0;
+    for (std::size_t v = 0; v < lumen.points.size(); ++v) {
+      const Vec3 d = lumen.points[v] - centre;
+      const double z = std::abs(d.dot(along));
+      if (z < 0.5 && d.squaredNorm() < 2.25 * lumen.radius[v] * lumen.radius[v] + 0.25) {
+        sum += (0.5 - z) * (moved[v] - lumen.points[v]);
+        weight += 0.5 - z;
+      }
+    }
+    if (weight > 0)
+      shifted[k] += sum / weight;
+  }
+  // smooth the kinks that single sections leave, without shortening the ends
+  for (int pass = 0; pass < 4; ++pass)
+    for (std::size_t k = 1; k + 1 < shifted.size(); ++k)
+      shifted[k] = 0.5 * shifted[k] + 0.25 * (shifted[k - 1] + shifted[k + 1]);
+  return Path(shifted, path.start());
+}
+
+} // namespace vci

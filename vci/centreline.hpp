@@ -1,0 +1,38 @@
+// Named branches of the centreline, places along them, and how they follow the wall.
+#pragma once
+#include "vci/lumen.hpp"
+#include <map>
+
+namespace vci {
+
+struct Frame {
+  Vec3 origin, tangent, first, second; ///< first and second span the cross-section, carried without twist
+};
+
+/// A polyline with arc length; beyond its ends it goes on straight.
+class Path {
+public:
+  Path() = default;
+  /// @param start arc length of the first point (negative where a parent's axis comes before a side branch's).
+  Path(Vectors points, double start);
+  double start() const { return s_.front(); }
+  double end() const { return s_.back(); }
+  Vec3 at(double s) const;
+  Vec3 tangent(double s) const; ///< unit; a chord over 1 mm
+  std::vector<Frame> frames(const std::vector<double>& s) const;
+  const Vectors& points() const { return points_; }
+
+private:
+  std::size_t piece(double s) const;
+  Vectors points_;
+  std::vector<double> s_;
+};
+
+/// Branch name -> path; a side branch's path starts at the inlet and has s = 0 where the branch leaves its parent.
+std::map<std::string, Path> read_centreline(const std::filesystem::path& file);
+
+/// The path moved by the mean displacement of the wall round it (reference positions within 0.5 mm along the axis
+/// and 1.5 local radii of it); its arc lengths keep the reference's names.
+Path follow_wall(const Path& path, const Lumen& lumen, const Vectors& moved);
+
+} // namespace vci

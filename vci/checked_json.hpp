@@ -1,0 +1,37 @@
+// A JSON object whose keys are all asked for: what is missing, out of range or unknown becomes an InputError.
+#pragma once
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace vci {
+
+class CheckedObject {
+public:
+  CheckedObject(const nlohmann::json& object, std::string where);
+  /// A number within [low, high]; without a default the key must be there. The value used goes to `used`.
+  double number(const std::string& key, double low, double high, std::optional<double> fallback = std::nullopt);
+  int integer(const std::string& key, int low, int high, std::optional<int> fallback = std::nullopt);
+  std::string text(const std::string& key, std::optional<std::string> fallback = std::nullopt);
+  std::vector<double> numbers(const std::string& key);
+  bool has(const std::string& key) const { return object_.contains(key); }
+  /// The value of a key that must be an object, or an empty object where the key may be left out.
+  nlohmann::json child(const std::string& key, bool required);
+  nlohmann::json list(const std::string& key);
+  void ignore(const std::string& key) { known_.insert(key); }
+  /// Refuses keys that nobody asked for.
+  void finish() const;
+  std::string path(const std::string& key) const { return where_ + "." + key; }
+  nlohmann::json used = nlohmann::json::object();
+
+private:
+  const nlohmann::json* find(const std::string& key, bool required);
+  [[noreturn]] void refuse(const std::string& what, const std::string& key, const std::string& remedy) const;
+  nlohmann::json object_;
+  std::string where_;
+  std::set<std::string> known_;
+};
+
+} // namespace vci

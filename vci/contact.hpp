@@ -1,0 +1,87 @@
+// One-sided contact between an inner and an outer surface, and ties that keep a contact point together.
+#pragma once
+#include "vci/broad_phase.hpp"
+#include "vci/pcg.hpp"
+#include "vci/system.hpp"
+
+namespace vci {
+
+struct ContactSettings {
+  double stiffness = 60.0;         ///< kappa, MPa/mm
+  double distance = 0.0125;        ///< delta, mm: contact begins at this gap
+  double ramp = 0.02;              ///< w, mm
+  double skin = 0.1;               ///< mm
+  double friction = 0.1;           ///< Coulomb's mu
+  double friction_stiffness = 5.0; ///< MPa/mm: tangential stress per slip below the limit
+};
+
+/// The ramp: with a = delta - gap, pressure kappa a^2 / (2 w) for a below w, kappa (a - w / 2) above.
+struct RampLaw {
+  double energy, pressure, stiffness; ///< per area: N/mm, MPa, MPa/mm
+};
+RampLaw contact_ramp(double gap, const ContactSettings& settings);
+
+/// A vertex against a triangle. The gap is n . sum(w_k x_k), n the triangle's interpolated normal: it turns negative
+/// when the surfaces cross, so that nothing can tunnel. Normal and weights are held within a step.
+struct ContactPoint {
+  PointLink link;
+  double area;  ///< of the vertex, mm^2
+  double gap;   ///< mm
+  double force; ///< N along the normal
+  Vec3 drag;    ///< friction force, N: opposes the slip, at most mu times the normal force
+  Vec3* slip;   ///< elastic part of the tangential displacement since first touch, mm; kept by the contact
+};
+
+/// Regularised Coulomb friction: elastic slip, mapped back where it passes the limit. Sets slip, drag and the link's
+/// tangential stiffness (secant of the trial state, never negative).
+void add_friction(ContactPoint& point, const ContactSettings& settings);
+
+/// Both directions: inner vertices against outer triangles, outer vertices against inner triangles. Normals of both
+/// surfaces point outwards. Candidates come from the broad phase and are kept until a vertex moved half the skin.
+class SurfaceContact {
+public:
+  SurfaceContact(int inner, int outer, const ContactSettings& settings)
+      : inner_(inner), outer_(outer), settings_(settings) {}
+  int inner() const { return inner_; }
+  int outer() const { return outer_; }
+  /// Appends the active contact points at the system's positions.
+  /// @param normals area vectors of all vertices
+  void detect(const System& system, const Vectors& normals, std::vector<ContactPoint>& points);
+
+private:
+  struct Candidates {
+    int vertex;
+    std::vector<int> triangles;
+  };
+  struct Direction {
+    std::unique_ptr<BroadPhase> boxes;
+    std::vector<Candidates> candidates;
+    Vectors slip; ///< per vertex of the source body
+  };
+  void search(const System& system, const Vectors& normals, int from, int onto, bool vertex_inside, Direction& side);
+  void measure(const System& system, const Vectors& normals, int from, int onto, bool vertex_inside, Direction& side,
+               std::vector<ContactPoint>& points) const;
+
+  int inner_, outer_;
+  ContactSettings settings_;
+  Vectors searched_at_;
+  Direction inner_on_outer_, outer_on_inner_;
+};
+
+/// A contact point kept as it is: force f0 n at the offset r0, with stiffness both ways along n and across it.
+struct Tie {
+  PointLink link;
+  Vec3 offset;  ///< r0, mm
+  double force; ///< f0, N
+};
+Tie tie_of(const ContactPoint& point, const Vectors& x, double stiffness_mpa_per_mm);
+/// Adds the ties' forces.
+void add_tie_forces(const std::vector<Tie>& ties, const Vectors& x, Vectors& force);
+void add_contact_forces(const std::vector<ContactPoint>& points, Vectors& force);
+/// Adds a step's displacements to the slip of the contact points; detect() maps it back to the friction limit.
+void add_slip(const std::vector<ContactPoint>& points, const Vectors& displacement);
+
+/// Area vectors of all vertices of all bodies.
+Vectors area_vectors(const System& system);
+
+} // namespace vci

@@ -1,0 +1,48 @@
+// Runs a scene's procedure on the mechanical system.
+#pragma once
+#include "vci/device.hpp"
+#include "vci/procedure.hpp"
+#include "vci/wall.hpp"
+
+namespace vci {
+
+struct StageReport {
+  std::string step, stage;
+  double seconds;
+  RelaxResult result;
+};
+
+/// A device as it stands when it matters: a balloon inflated, a stent at the end.
+struct DeviceShape {
+  std::string name;
+  Vectors points;
+  Triangles triangles;
+};
+
+/// A deployed stent's numbers along the way.
+struct StentHistory {
+  std::string device, branch;
+  double centre_s;
+  Stent stent;
+  double inflated_diameter = 0; ///< mean over its rings, at the end of the last inflation inside it, mm
+  double final_diameter = 0;    ///< after the last extraction, mm
+  double final_length = 0;      ///< along its ring centres, mm
+};
+
+struct Deployment {
+  std::vector<StageReport> stages;
+  std::vector<StentHistory> stents;
+  std::vector<DeviceShape> balloons;
+  std::vector<std::string> switched_off;
+  Vectors points;                    ///< lumen points at the end
+  std::vector<double> wall_stretch;  ///< per lumen point: largest principal stretch
+  std::vector<double> malapposition; ///< per lumen point: gap between wall and stent, mm; 0 where no stent faces it
+  std::map<std::string, Path> paths; ///< axes at the end
+  int vertices = 0;                  ///< that took part in the wall
+};
+
+/// @param lumen, paths as read; progress goes to standard error.
+/// Throws common::ComputationError naming step, stage, residual and remedy where a stage does not reach force balance.
+Deployment deploy(const Scene& scene, const Lumen& lumen, const std::map<std::string, Path>& paths);
+
+} // namespace vci

@@ -1,0 +1,118 @@
+#include "vci/fibre.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace vci {
+
+double EdgeForce::energy(const Vectors& x) const {
+  double sum = 0;
+  for (std::size_t k = 0; k < edges_.size(); ++k)
+    sum += tension(k, length(k, x)).energy;
+  return sum;
+}
+
+void EdgeForce::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const {
+  for (std::size_t k = 0; k < edges_.size(); ++k) {
+    const auto [i, j] = edges_[k];
+    const Vec3 d = x[j] - x[i];
+    const double l = d.norm();
+    const Vec3 e = d / l;
+    const Tension t = tension(k, l);
+    force[i] += t.force * e;
+    force[j] -= t.force * e;
+    if (!stiffness)
+      continue;
+    const double along = exact ? t.tangent : std::max(t.tangent, 0.0);
+    const double across = exact ? t.force / l : std::max(t.force / l, 0.0);
+    Mat3 h = (along - across) * e * e.transpose();
+    h.diagonal().array() += across;
+    stiffness->block(slots_[k][0]) += h;
+    stiffness->block(slots_[k][1]) -= h;
+    stiffness->block(slots_[k][2]) -= h;
+    stiffness->block(slots_[k][3]) += h;
+  }
+}
+
+void EdgeForce::declare(BlockPattern& pattern) const {
+  for (const auto& edge : edges_)
+    pattern.add(edge);
+}
+
+void EdgeForce::link(const BlockMatrix& matrix) {
+  slots_.clear();
+  for (const auto& edge : edges_)
+    slots_.push_back(slots_of(matrix, edge));
+}
+
+Fibres::Fibres(const std::vector<Fibre>& fibres) : fibres_(fibres) {
+  for (const Fibre& f : fibres_)
+    add_edge(f.i, f.j);
+}
+
+EdgeForce::Tension Fibres::tension(std::size_t k, double length) const {
+  const Fibre& f = fibres_[k];
+  const double eps = std::log(length / f.rest_length), y = f.yield_strain, scale = f.stiffness * f.rest_length;
+  Tension t;
+  if (std::abs(eps) > y) {
+    const double sign = eps > 0 ? 1 : -1, excess = std::abs(eps) - y, stress = sign * (y + f.hardening * excess);
+    t = {scale * (0.5 * y * y + y * excess + 0.5 * f.hardening * excess * excess), scale * stress / length,
+         scale * (f.hardening - stress) / (length * length)};
+  } else {
+    t = {0.5 * scale * eps * eps, scale * eps / length, scale * (1 - eps) / (length * length)};
+  }
+  const double loose = -f.pretension / f.stiffness; // strain at which the tension vanishes, to first order
+  if (f.slack && eps < loose) {
+    const double soft = 0.02, excess = eps - loose;
+    const double stress = loose + soft * excess;
+    t = {scale * (0.5 * loose * loose + loose * excess + 0.5 * soft * excess * excess), scale * stress / length,
+         scale * (soft - stress) / (length * length)};
+  }
+  t.energy += f.pretension * length;
+  t.force += f.pretension;
+  return t;
+}
+
+void Fibres::commit(const Vectors& x) {
+  for (std::size_t k = 0; k < fibres_.size(); ++k) {
+    Fibre& f = fibres_[k];
+    const double l = length(k, x), eps = std::log(l / f.rest_length);
+    if (std::abs(eps) > f.yield_strain) {
+      f.yield_strain += f.hardening * (std::abs(eps) - f.yield_strain);
+      f.rest_length = l * std::exp(-std::copysign(f.yield_strain, eps));
+    }
+  }
+}
+
+void Fibres::set_pretension(const std::vector<double>& tension) {
+  for (std::size_t k = 0; k < fibres_.size(); ++k)
+    fibres_[k].pretension = tension[k];
+}
+
+int Fibres::yielding(const Vectors& x) const {
+  int count = 0;
+  for (std::size_t k = 0; k < fibres_.size(); ++k)
+    count += std::abs(std::log(length(k, x) / fibres_[k].rest_length)) > fibres_[k].yield_strain;
+  return count;
+}
+
+HoopChart::HoopChart(const std::vector<Hoop>& hoops, int edges_per_ring, BalloonChart chart)
+    : hoops_(hoops), chart_(std::move(chart)) {
+  const double tangent = std::tan(std::numbers::pi / edges_per_ring);
+  diameter_per_edge_ = std::sqrt(edges_per_ring / (std::numbers::pi * tangent));
+  half_cotangent_ = 0.5 / tangent;
+  for (const Hoop& h : hoops_)
+    add_edge(h.i, h.j);
+}
+
+EdgeForce::Tension HoopChart::tension(std::size_t k, double length) const {
+  const Hoop& h = hoops_[k];
+  const double to_diameter = diameter_per_edge_ / h.profile, diameter = to_diameter * length;
+  const double scale = half_cotangent_ * h.width;
+  const double pressure = chart_.pressure_at(diameter);
+  // energy: the integral of the tension from the crimped ring, over the chart's straight pieces
+  return {scale * chart_.first_moment(diameter) / (to_diameter * to_diameter), scale * pressure * length,
+          scale * (pressure + length * to_diameter * chart_.slope_at(diameter))};
+}
+
+} // namespace vci

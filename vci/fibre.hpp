@@ -1,0 +1,80 @@
+// Forces along the edges of device grids: elastic-plastic fibres and the hoop law of a balloon.
+#pragma once
+#include "vci/balloon_chart.hpp"
+#include "vci/force.hpp"
+#include <limits>
+
+namespace vci {
+
+/// Two-vertex elements that share everything but the tension law.
+class EdgeForce : public Force {
+public:
+  double energy(const Vectors& x) const override;
+  void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const override;
+  void declare(BlockPattern& pattern) const override;
+  void link(const BlockMatrix& matrix) override;
+
+protected:
+  struct Tension {
+    double energy;  ///< N mm
+    double force;   ///< dE/dl, N
+    double tangent; ///< d2E/dl2, N/mm
+  };
+  virtual Tension tension(std::size_t k, double length) const = 0;
+  void add_edge(int i, int j) { edges_.push_back({i, j}); }
+  double length(std::size_t k, const Vectors& x) const { return (x[edges_[k][1]] - x[edges_[k][0]]).norm(); }
+
+  std::vector<std::array<int, 2>> edges_;
+
+private:
+  std::vector<std::array<int, 4>> slots_;
+};
+
+/// Fibre of stiffness k times width w (N): T = w (k eps + T0), eps = ln(l / l0); yields beyond eps_y with linear
+/// hardening, and l0 follows. Energy k w l_r (...) is per reference length l_r, so the force is T l_r / l with l_r =
+/// l0.
+class Fibres : public EdgeForce {
+public:
+  struct Fibre {
+    int i, j;
+    double rest_length; ///< mm
+    double stiffness;   ///< k w, N
+    double yield_strain = std::numeric_limits<double>::infinity();
+    double hardening = 0;  ///< H: beyond eps_y the elastic strain grows by H times the excess
+    double pretension = 0; ///< N, constant
+    bool slack = false;    ///< a folded film: 2 % of the stiffness once the whole tension would turn negative
+  };
+  explicit Fibres(const std::vector<Fibre>& fibres);
+  /// One pretension (N) per fibre.
+  void set_pretension(const std::vector<double>& tension);
+  void commit(const Vectors& x) override;
+  int yielding(const Vectors& x) const;
+
+protected:
+  Tension tension(std::size_t k, double length) const override;
+
+private:
+  std::vector<Fibre> fibres_;
+};
+
+/// Hoop edges of a balloon ring of n edges: a free ring under pressure p takes the area of a circle of the chart's
+/// diameter D(p). With edge l: D = l sqrt(n / (pi tan(pi/n))), tension p(D) l / (2 tan(pi/n)) per axial length.
+class HoopChart : public EdgeForce {
+public:
+  struct Hoop {
+    int i, j;
+    double width;   ///< axial length that the edge stands for, mm
+    double profile; ///< ring diameter over the balloon's (1 in its body, less in its shoulders)
+  };
+  HoopChart(const std::vector<Hoop>& hoops, int edges_per_ring, BalloonChart chart);
+
+protected:
+  Tension tension(std::size_t k, double length) const override;
+
+private:
+  std::vector<Hoop> hoops_;
+  double diameter_per_edge_, half_cotangent_;
+  BalloonChart chart_;
+};
+
+} // namespace vci

@@ -1,0 +1,67 @@
+// What lies outside the lumen surface: the media and the tissue round it, as a ring foundation at each vertex.
+#pragma once
+#include "vci/force.hpp"
+
+namespace vci {
+
+/// Ring law at a vertex, with u its displacement along the reference normal. The plaque between lumen (radius a) and
+/// media (radius b) keeps its area: a = a0 + u, b^2 = b0^2 + a^2 - a0^2, lambda = b / b0.
+///   p a = E_m t_m (lambda - 1) (1 + beta (lambda - 1)^2) + E_s / (1 + nu) (lambda - 1) b + p0 (a0 - a)
+/// The last part is the prestress: the lumen as given balances the mean blood pressure p0, and a constant hoop tension
+/// p0 a0 holds less pressure, p0 a0 / a, once the ring is wider. Inwards (u < 0) the law goes on with its slope at 0.
+struct RingLaw {
+  double media_stiffness;      ///< E_m t_m, N/mm
+  double stiffening;           ///< beta
+  double tissue_modulus;       ///< E_s / (1 + nu), MPa
+  double tangential_stiffness; ///< MPa/mm
+  double blood_pressure;       ///< p0, MPa
+  double lumen_radius;         ///< a0, mm
+  double media_radius;         ///< b0, mm
+
+  /// Pressure per reference area, p a / a0 (MPa), and its derivative by u (MPa/mm).
+  std::array<double, 2> pressure(double u) const;
+};
+
+/// Also holds each vertex by tangential_stiffness against sliding: a bare membrane is singular on an irregular mesh.
+class RingFoundation : public Force {
+public:
+  struct Element {
+    int vertex;
+    Vec3 origin, normal; ///< reference position (mm) and unit normal out of the lumen
+    double area;         ///< mm^2
+    RingLaw law;
+  };
+  explicit RingFoundation(std::vector<Element> elements) : elements_(std::move(elements)) {}
+
+  ForceKind kind() const override { return ForceKind::foundation; }
+  double energy(const Vectors& x) const override;
+  void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const override;
+  void declare(BlockPattern& pattern) const override;
+  void link(const BlockMatrix& matrix) override;
+
+private:
+  std::vector<Element> elements_;
+  std::vector<int> slots_;
+};
+
+/// Springs that hold vertices at a place: a device's shaft.
+class Anchors : public Force {
+public:
+  struct Element {
+    int vertex;
+    Vec3 place;
+    double stiffness; ///< N/mm
+  };
+  explicit Anchors(std::vector<Element> elements) : elements_(std::move(elements)) {}
+
+  double energy(const Vectors& x) const override;
+  void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const override;
+  void declare(BlockPattern& pattern) const override;
+  void link(const BlockMatrix& matrix) override;
+
+private:
+  std::vector<Element> elements_;
+  std::vector<int> slots_;
+};
+
+} // namespace vci

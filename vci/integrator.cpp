@@ -1,0 +1,129 @@
+#include "vci/integrator.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vci {
+
+namespace {
+
+struct Forces {
+  Vectors elastic, foundation, pressure, contact, total;
+  std::vector<ContactPoint> points;
+  double residual;
+};
+
+double squared_norm(const Vectors& f, const std::vector<char>& fixed) {
+  double sum = 0;
+  for (std::size_t i = 0; i < f.size(); ++i)
+    if (!fixed[i])
+      sum += f[i].squaredNorm();
+  return sum;
+}
+
+void assemble(System& system, Interactions& interactions, Forces& f) {
+  system.evaluate(f.elastic, f.foundation, f.pressure, true);
+  const Vectors normals = area_vectors(system);
+  f.points.clear();
+  for (SurfaceContact& contact : interactions.contacts)
+    contact.detect(system, normals, f.points);
+  f.contact.assign(system.x.size(), Vec3::Zero());
+  add_contact_forces(f.points, f.contact);
+  add_tie_forces(interactions.ties, system.x, f.contact);
+  f.total = f.elastic;
+  for (std::size_t i = 0; i < f.total.size(); ++i)
+    f.total[i] += f.foundation[i] + f.pressure[i] + f.contact[i];
+  const double scale = squared_norm(f.pressure, system.fixed) + squared_norm(f.contact, system.fixed) +
+                       squared_norm(f.foundation, system.fixed);
+  const double total = squared_norm(f.total, system.fixed);
+  f.residual = total == 0 ? 0 : std::sqrt(total / scale);
+}
+
+/// The displacement that one vertex in a hundred exceeds: a single loose vertex does not rule the step.
+double large_displacement(const Vectors& dx) {
+  std::vector<double> length;
+  length.reserve(dx.size());
+  for (const Vec3& d : dx)
+    length.push_back(d.squaredNorm());
+  const auto place = length.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(length.size() - 1));
+  std::nth_element(length.begin(), place, length.end());
+  return std::sqrt(*place);
+}
+
+void read_contact(const Forces& f, RelaxResult& result) {
+  result.contacts = static_cast<int>(f.points.size());
+  result.maximal_penetration = result.mean_penetration = 0;
+  for (const ContactPoint& p : f.points) {
+    const double depth = std::max(0.0, -p.gap);
+    result.maximal_penetration = std::max(result.maximal_penetration, depth);
+    result.mean_penetration += depth / static_cast<double>(f.points.size());
+  }
+}
+
+} // namespace
+
+RelaxResult relax(System& system, Interactions& interactions, const IntegratorSettings& s) {
+  RelaxResult result;
+  Forces f;
+  Vectors dx;
+  std::vector<PointLink> links;
+  double h = s.initial_step, previous_residual = 0;
+  bool settling = false;
+  system.velocity.assign(system.x.size(), Vec3::Zero());
+  while (true) {
+    assemble(system, interactions, f);
+    result.residual = f.residual;
+    read_contact(f, result);
+    if (!std::isfinite(f.residual))
+      return result;
+    if (f.residual <= s.residual_tolerance) {
+      result.converged = true;
+      return result;
+    }
+    if (result.steps == s.maximal_steps)
+      return result;
+    // Near the end, with small displacements, the residual rules the step: contacts that flip are calmed by shorter
+    // ones.
+    if (settling) {
+      h = f.residual > previous_residual ? 0.7 * h : 1.8 * h;
+      h = std::clamp(h, s.initial_step, s.maximal_step);
+    }
+    previous_residual = f.residual;
+
+    BlockMatrix& matrix = system.matrix();
+    const double factor = 1 + s.stiffness_damping / h;
+    links.clear();
+    for (const ContactPoint& p : f.points)
+      links.push_back(p.link);
+    for (const Tie& tie : interactions.ties)
+      links.push_back(tie.link);
+    for (int i = 0; i < system.vertices(); ++i) {
+      matrix.block(matrix.diagonal_slot(i)).diagonal().array() +=
+          (system.mass[i] / (h * h) + s.damping * system.area[i] / h) / factor;
+      f.total[i] = (f.total[i] + system.mass[i] / h * system.velocity[i]) / factor;
+    }
+    const SolveResult solve =
+        solve_pcg(matrix, links, system.fixed, f.total, dx, s.pcg_tolerance, s.pcg_maximal_iterations);
+    result.cg_iterations += solve.iterations;
+    ++result.steps;
+    const double typical = large_displacement(dx);
+    // A vertex that overshoots is held back alone: the others' step is good.
+    const double limit = 1.5 * s.displacement_per_step;
+    const bool inertial = h <= 0.5;
+    for (int i = 0; i < system.vertices(); ++i) {
+      const double length = dx[i].norm();
+      if (length > limit)
+        dx[i] *= limit / length;
+      system.x[i] += dx[i];
+      system.velocity[i] = inertial ? Vec3(dx[i] / h) : Vec3(Vec3::Zero());
+    }
+    add_slip(f.points, dx);
+    system.commit();
+    const double wish = typical > 0 ? s.displacement_per_step / typical : 2.0;
+    settling = f.residual < 0.1 && wish > 4.0;
+    if (!settling)
+      h = std::clamp(h * std::clamp(wish, 0.4, 2.0), 0.1 * s.initial_step, s.maximal_step);
+  }
+}
+
+} // namespace vci

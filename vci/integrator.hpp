@@ -1,0 +1,38 @@
+// Pseudo-transient backward Euler towards force balance.
+#pragma once
+#include "vci/contact.hpp"
+
+namespace vci {
+
+struct IntegratorSettings {
+  double residual_tolerance = 3e-3;
+  double displacement_per_step = 0.12; ///< mm, steers the step
+  double initial_step = 0.3;           ///< ms
+  double maximal_step = 20.0;          ///< ms
+  int maximal_steps = 1500;
+  double pcg_tolerance = 0.1;
+  int pcg_maximal_iterations = 300;
+  double damping = 2.5;           ///< MPa ms/mm, per unit area
+  double stiffness_damping = 0.0; ///< ms
+};
+
+/// What couples the bodies beyond their own forces.
+struct Interactions {
+  std::vector<SurfaceContact> contacts;
+  std::vector<Tie> ties;
+};
+
+struct RelaxResult {
+  bool converged = false;
+  int steps = 0, cg_iterations = 0, contacts = 0;
+  double residual = 0;
+  double maximal_penetration = 0, mean_penetration = 0; ///< mm, over the contact points; gaps above 0 count as 0
+};
+
+/// Steps (M / h^2 + c A / h + (1 + b / h) K) dx = f + M v / h with one PCG solve each, until the residual
+///   ||f|| / sqrt(||f_pressure||^2 + ||f_contact||^2 + ||f_foundation||^2)   over free vertices
+/// is at most the tolerance. h follows the displacement that one vertex in a hundred exceeds; the velocity is dropped
+/// once h > 0.5 ms (quasi-static).
+RelaxResult relax(System& system, Interactions& interactions, const IntegratorSettings& settings);
+
+} // namespace vci

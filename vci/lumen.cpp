@@ -1,0 +1,137 @@
+#include "vci/lumen.hpp"
+#include "common/error.hpp"
+
+#include <vtkCellArray.h>
+#include <vtkCellData.h>
+#include <vtkDoubleArray.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkSTLWriter.h>
+#include <vtkXMLPolyDataReader.h>
+#include <vtkXMLPolyDataWriter.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace vci {
+
+namespace {
+
+vtkDataArray* array_of(vtkDataSetAttributes* attributes, const char* name, const std::filesystem::path& file) {
+  vtkDataArray* array = attributes->GetArray(name);
+  if (!array)
+    throw common::InputError("the lumen lacks an array", file.string(), name, "make the lumen with the anatomy step");
+  return array;
+}
+
+void add_arrays(vtkPolyData* data, const std::vector<PointArray>& arrays) {
+  for (const PointArray& a : arrays) {
+    vtkNew<vtkDoubleArray> array;
+    array->SetName(a.name.c_str());
+    array->SetNumberOfComponents(a.components);
+    array->SetNumberOfTuples(data->GetNumberOfPoints());
+    std::copy(a.values.begin(), a.values.end(), array->GetPointer(0));
+    data->GetPointData()->AddArray(array);
+  }
+}
+
+vtkSmartPointer<vtkPoints> vtk_points(const Vectors& points) {
+  auto result = vtkSmartPointer<vtkPoints>::New();
+  result->SetDataTypeToDouble();
+  for (const Vec3& p : points)
+    result->InsertNextPoint(p.data());
+  return result;
+}
+
+void write_polydata(const std::filesystem::path& file, vtkPolyData* data) {
+  vtkNew<vtkXMLPolyDataWriter> writer;
+  writer->SetFileName(file.c_str());
+  writer->SetInputData(data);
+  writer->SetDataModeToAppended();
+  writer->EncodeAppendedDataOff();
+  if (!writer->Write())
+    throw common::ComputationError("a file cannot be written", file.string(), "", "check the folder and free space");
+}
+
+} // namespace
+
+Lumen read_lumen(const std::filesystem::path& file) {
+  if (!std::filesystem::exists(file))
+    throw common::InputError("the lumen does not exist", file.string(), "no such file", "run the anatomy step first");
+  vtkNew<vtkXMLPolyDataReader> reader;
+  reader->SetFileName(file.c_str());
+  reader->Update();
+  Lumen lumen;
+  lumen.data = reader->GetOutput();
+  const vtkIdType n = lumen.data->GetNumberOfPoints(), m = lumen.data->GetNumberOfPolys();
+  if (n == 0 || m == 0 || m != lumen.data->GetNumberOfCells())
+    throw common::InputError("the lumen is not a surface of polygons", file.string(),
+                             std::to_string(n) + " points, " + std::to_string(m) + " polygons",
+                             "give a triangulated surface");
+  vtkDataArray* region = array_of(lumen.data->GetCellData(), "region_id", file);
+  vtkDataArray* radius = array_of(lumen.data->GetPointData(), "radius_mm", file);
+  vtkDataArray* plaque = array_of(lumen.data->GetPointData(), "plaque_thickness_mm", file);
+  vtkDataArray* type = array_of(lumen.data->GetPointData(), "plaque_type", file);
+  for (vtkIdType i = 0; i < n; ++i) {
+    Vec3 p;
+    lumen.data->GetPoint(i, p.data());
+    const double r = radius->GetTuple1(i), t = plaque->GetTuple1(i), k = type->GetTuple1(i);
+    if (!p.allFinite() || !(r > 0.02 && r < 20) || !(t >= -0.1 && t < 20) || !(k >= 0 && k <= 3))
+      throw common::InputError("a point of the lumen is not plausible (position, radius_mm, plaque)", file.string(),
+                               "point " + std::to_string(i) + ": radius " + std::to_string(r) + ", plaque " +
+                                   std::to_string(t) + ", type " + std::to_string(k),
+                               "radii lie between 0.02 and 20 mm, plaque types between 0 and 3; check the units");
+    lumen.points.push_back(p);
+    lumen.radius.push_back(r);
+    lumen.plaque.push_back(std::max(t, 0.0)); // carried over by interpolation, it may dip below nothing
+    lumen.plaque_type.push_back(static_cast<int>(std::lround(k)));
+  }
+  vtkCellArray* polys = lumen.data->GetPolys();
+  for (vtkIdType k = 0; k < m; ++k) {
+    vtkIdType size;
+    const vtkIdType* ids;
+    polys->GetCellAtId(k, size, ids);
+    if (size != 3)
+      throw common::InputError("the lumen has a polygon that is no triangle", file.string(),
+                               "polygon " + std::to_string(k), "triangulate the surface");
+    lumen.triangles.push_back({static_cast<int>(ids[0]), static_cast<int>(ids[1]), static_cast<int>(ids[2])});
+    lumen.region.push_back(static_cast<int>(region->GetTuple1(k)));
+  }
+  return lumen;
+}
+
+void write_lumen(const std::filesystem::path& vtp, const std::filesystem::path& stl, const Lumen& lumen,
+                 const Vectors& points, const std::vector<PointArray>& arrays) {
+  vtkNew<vtkPolyData> data;
+  data->ShallowCopy(lumen.data);
+  data->SetPoints(vtk_points(points));
+  add_arrays(data, arrays);
+  write_polydata(vtp, data);
+  vtkNew<vtkSTLWriter> writer;
+  writer->SetFileName(stl.c_str());
+  writer->SetInputData(data);
+  writer->SetFileTypeToBinary();
+  if (!writer->Write())
+    throw common::ComputationError("a file cannot be written", stl.string(), "", "check the folder and free space");
+}
+
+void write_shape(const std::filesystem::path& vtp, const Vectors& points, const Triangles& triangles,
+                 const std::vector<std::vector<int>>& lines, const std::vector<PointArray>& arrays) {
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(vtk_points(points));
+  vtkNew<vtkCellArray> polygons, polylines;
+  for (const Triangle& t : triangles)
+    polygons->InsertNextCell({t[0], t[1], t[2]});
+  for (const auto& line : lines) {
+    polylines->InsertNextCell(static_cast<int>(line.size()));
+    for (int v : line)
+      polylines->InsertCellPoint(v);
+  }
+  data->SetPolys(polygons);
+  data->SetLines(polylines);
+  add_arrays(data, arrays);
+  write_polydata(vtp, data);
+}
+
+} // namespace vci

@@ -1,0 +1,173 @@
+// The program vci: deploy, radius-correct, inflate.
+#include "common/error.hpp"
+#include "vci/bench.hpp"
+#include "vci/radius_correction.hpp"
+#include "vci/readouts.hpp"
+#include "vci/strut_pattern.hpp"
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <fstream>
+#include <unistd.h>
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace vci;
+
+/// Writes into a folder beside `out` and moves the files into place at the end, so that a failure leaves nothing.
+class Output {
+public:
+  explicit Output(const fs::path& out) : out_(out), partial_(out.string() + ".partial-" + std::to_string(getpid())) {
+    fs::create_directories(partial_ / "devices");
+  }
+  ~Output() {
+    std::error_code ignored; // a leftover temporary folder is no reason to hide the error under way
+    fs::remove_all(partial_, ignored);
+  }
+  const fs::path& folder() const { return partial_; }
+  void publish() const {
+    fs::create_directories(out_);
+    for (const char* name : {"lumen.vtp", "lumen.stl", "devices", "deployment.json"}) {
+      fs::remove_all(out_ / name);
+      if (fs::exists(partial_ / name))
+        fs::rename(partial_ / name, out_ / name);
+    }
+  }
+
+private:
+  fs::path out_, partial_;
+};
+
+void write_json(const fs::path& file, const nlohmann::json& document) {
+  std::ofstream stream(file);
+  stream << document.dump(1) << '\n';
+  if (!stream)
+    throw common::ComputationError("a file cannot be written", file.string(), "", "check the folder and free space");
+}
+
+void forget(const fs::path& out) {
+  for (const char* name : {"lumen.vtp", "lumen.stl", "devices", "deployment.json"})
+    fs::remove_all(out / name);
+}
+
+void check_branches(const Scene& scene, const std::map<std::string, Path>& paths) {
+  for (const Step& step : scene.procedure)
+    for (const Placement& p : step.devices) {
+      if (!paths.contains(p.branch))
+        throw common::InputError("a branch that the centreline does not have", "step " + step.name, p.branch,
+                                 "use a branch_name of the centreline");
+      const Path& path = paths.at(p.branch);
+      if (p.centre_s < path.start() || p.centre_s > path.end())
+        throw common::InputError("a device is centred beyond its branch", "step " + step.name + ", " + p.device,
+                                 std::to_string(p.centre_s) + " mm",
+                                 "choose centre_s_mm from " + std::to_string(path.start()) + " to " +
+                                     std::to_string(path.end()));
+    }
+  if (scene.segment && !paths.contains(scene.segment->branch))
+    throw common::InputError("a branch that the centreline does not have", "segment", scene.segment->branch,
+                             "use a branch_name of the centreline");
+}
+
+std::vector<PointArray> displacement(const Lumen& lumen, const Vectors& points) {
+  PointArray a{"displacement_mm", 3, {}};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec3 d = points[i] - lumen.points[i];
+    a.values.insert(a.values.end(), d.data(), d.data() + 3);
+  }
+  return {a};
+}
+
+int run_deploy(const fs::path& scene_file, const fs::path& out) {
+  const Scene scene = read_scene(scene_file);
+  const Lumen lumen = read_lumen(scene.lumen);
+  const auto paths = read_centreline(scene.centreline);
+  check_branches(scene, paths);
+  forget(out);
+  const Deployment d = deploy(scene, lumen, paths);
+  const Output output(out);
+  std::vector<PointArray> arrays = displacement(lumen, d.points);
+  arrays.push_back({"wall_stretch", 1, d.wall_stretch});
+  arrays.push_back({"malapposition_mm", 1, d.malapposition});
+  write_lumen(output.folder() / "lumen.vtp", output.folder() / "lumen.stl", lumen, d.points, arrays);
+  std::size_t stent = 0;
+  for (const DeviceShape& shape : d.balloons) {
+    const bool is_stent = scene.stents.contains(shape.name);
+    const std::string name = is_stent ? "stent" + std::to_string(stent + 1) : shape.name;
+    write_shape(output.folder() / "devices" / (name + ".vtp"), shape.points, shape.triangles, {}, {});
+    if (is_stent) {
+      const Struts struts = strut_pattern(scene.stents.at(shape.name), d.stents[stent].stent.grid, shape.points);
+      write_shape(output.folder() / "devices" / (name + "_struts.vtp"), struts.points, {}, struts.lines, {});
+      ++stent;
+    }
+  }
+  write_json(output.folder() / "deployment.json", readouts(scene, lumen, paths, d));
+  output.publish();
+  return 0;
+}
+
+int run_radius_correct(const fs::path& scene_file, const fs::path& out) {
+  const Scene scene = read_scene(scene_file);
+  const Lumen lumen = read_lumen(scene.lumen);
+  const auto paths = read_centreline(scene.centreline);
+  check_branches(scene, paths);
+  forget(out);
+  const auto start = std::chrono::steady_clock::now();
+  const Vectors points = correct_radius(scene, lumen, paths);
+  const Output output(out);
+  write_lumen(output.folder() / "lumen.vtp", output.folder() / "lumen.stl", lumen, points, displacement(lumen, points));
+  const Segment segment = reported_segment(scene);
+  const Path& path = paths.at(segment.branch);
+  const nlohmann::json profile = area_profile(points, lumen.triangles, path, segment.s_start, segment.s_end);
+  write_json(output.folder() / "deployment.json",
+             {{"schema", "vci-deployment-1"},
+              {"case", scene.case_name},
+              {"status", "converged"},
+              {"method", "radius-correct"},
+              {"stages", nlohmann::json::array()},
+              {"settings", scene.settings},
+              {"seconds", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()},
+              {"switched_off", {"mechanics: the radius is set, the axis kept"}},
+              {"segment", {{"branch", segment.branch}, {"s_start_mm", segment.s_start}, {"s_end_mm", segment.s_end}}},
+              {"csa_profile", profile}});
+  output.publish();
+  return 0;
+}
+
+int run_inflate(const fs::path& scene_file, const std::string& device) {
+  const Scene scene = read_scene(scene_file);
+  if (!scene.balloons.contains(device))
+    throw common::InputError("no such balloon in the scene", scene_file.string() + ": devices", device,
+                             "name an entry with kind balloon");
+  const BalloonSpec& spec = scene.balloons.at(device);
+  std::cout << "pressure_bar,chart_diameter_mm,diameter_mm,length_mm,residual,steps\n";
+  for (const InflationPoint& p : inflate(spec, scene.numerics, spec.chart_pressure_bar))
+    std::cout << p.pressure_bar << ',' << p.chart_diameter_mm << ',' << p.diameter_mm << ',' << p.length_mm << ','
+              << p.residual << ',' << p.steps << '\n';
+  return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Virtual coronary intervention: what balloon and stent do to a narrowed artery"};
+  app.require_subcommand(1);
+  std::string scene, out, device;
+  CLI::App* deploy_command = app.add_subcommand("deploy", "run a scene's procedure");
+  CLI::App* correct_command = app.add_subcommand("radius-correct", "the baseline: set the radius to the device's");
+  for (CLI::App* command : {deploy_command, correct_command}) {
+    command->add_option("scene", scene, "scene.json")->required();
+    command->add_option("--out", out, "folder for lumen, devices and deployment.json")->required();
+  }
+  CLI::App* inflate_command = app.add_subcommand("inflate", "free expansion of a balloon against its chart, CSV");
+  inflate_command->add_option("scene", scene, "scene.json that defines the balloon")->required();
+  inflate_command->add_option("--device", device, "key under devices")->required();
+  CLI11_PARSE(app, argc, argv);
+  return common::guarded([&] {
+    if (*deploy_command)
+      return run_deploy(scene, out);
+    if (*correct_command)
+      return run_radius_correct(scene, out);
+    return run_inflate(scene, device);
+  });
+}

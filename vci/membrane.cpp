@@ -1,0 +1,158 @@
+#include "vci/membrane.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <cmath>
+#include <stdexcept>
+
+namespace vci {
+
+namespace {
+
+using Mat32 = Eigen::Matrix<double, 3, 2>;
+
+/// Principal stretches, their material directions (columns of v) and spatial directions (columns of u).
+struct Principal {
+  Vec2 stretch, log_strain;
+  Mat2 v;
+  Mat32 u;
+};
+
+Mat32 edges(const Triangle& t, const Vectors& x) {
+  Mat32 ds;
+  ds.col(0) = x[t[1]] - x[t[0]];
+  ds.col(1) = x[t[2]] - x[t[0]];
+  return ds;
+}
+
+Principal principal(const Mat32& f) {
+  // Smallest stretch allowed: a collapsed triangle keeps a finite, strongly resisting state.
+  constexpr double smallest = 1e-3;
+  const double a = f.col(0).squaredNorm(), b = f.col(0).dot(f.col(1)), d = f.col(1).squaredNorm();
+  const double angle = 0.5 * std::atan2(2 * b, a - d);
+  const double c = std::cos(angle), s = std::sin(angle);
+  Principal p;
+  p.v << c, -s, s, c;
+  const Mat32 fv = f * p.v;
+  for (int i = 0; i < 2; ++i) {
+    p.stretch[i] = std::max(fv.col(i).norm(), smallest);
+    p.log_strain[i] = std::log(p.stretch[i]);
+    p.u.col(i) = fv.col(i) / p.stretch[i];
+  }
+  return p;
+}
+
+} // namespace
+
+Membrane::Membrane(const Triangles& triangles, const Vectors& reference, std::vector<HenckyLaw> laws) {
+  for (std::size_t k = 0; k < triangles.size(); ++k) {
+    const Triangle& t = triangles[k];
+    const Mat32 ds = edges(t, reference);
+    const double area = 0.5 * ds.col(0).cross(ds.col(1)).norm();
+    if (!(area > 0))
+      throw std::invalid_argument("membrane triangle " + std::to_string(k) + " has no area");
+    Mat2 flat; // reference edges in the triangle's plane
+    const double l = ds.col(0).norm();
+    flat << l, ds.col(0).dot(ds.col(1)) / l, 0, 2 * area / l;
+    const Mat2 inverse = flat.inverse();
+    elements_.push_back({t, {}, inverse, inverse, area, laws[k]});
+  }
+}
+
+double Membrane::energy(const Vectors& x) const {
+  double sum = 0;
+  for (const Element& e : elements_)
+    sum += e.area * e.law.response(principal(edges(e.v, x) * e.shape).log_strain).energy;
+  return sum;
+}
+
+void Membrane::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const {
+  for (const Element& e : elements_) {
+    const Principal p = principal(edges(e.v, x) * e.shape);
+    const HenckyLaw::Response r = e.law.response(p.log_strain);
+    // gradients of the shape functions in the principal frame
+    Vec2 g[3];
+    g[1] = p.v.transpose() * e.shape.row(0).transpose();
+    g[2] = p.v.transpose() * e.shape.row(1).transpose();
+    g[0] = -g[1] - g[2];
+    const Vec2 sigma = r.stress.cwiseQuotient(p.stretch); // dpsi / dlambda_i
+    for (int a = 0; a < 3; ++a)
+      force[e.v[a]] -= e.area * (sigma[0] * g[a][0] * p.u.col(0) + sigma[1] * g[a][1] * p.u.col(1));
+    if (!stiffness)
+      continue;
+    // Eigen-system of the Hessian with respect to F: two scalings, in-plane twist and shear, two out of plane.
+    Mat2 scaling;
+    for (int i = 0; i < 2; ++i)
+      for (int j = 0; j < 2; ++j)
+        scaling(i, j) = (r.tangent(i, j) - (i == j ? r.stress[i] : 0.0)) / (p.stretch[i] * p.stretch[j]);
+    const double difference = p.stretch[0] - p.stretch[1];
+    const double shear =
+        std::abs(difference) > 1e-6 ? (sigma[0] - sigma[1]) / difference : scaling(0, 0) - scaling(0, 1);
+    const double twist = (sigma[0] + sigma[1]) / (p.stretch[0] + p.stretch[1]);
+    const Vec2 lift = sigma.cwiseQuotient(p.stretch);
+    const Vec3 normal = p.u.col(0).cross(p.u.col(1));
+    const double angle = 0.5 * std::atan2(2 * scaling(0, 1), scaling(0, 0) - scaling(1, 1));
+    const double c = std::cos(angle), s = std::sin(angle), h = std::sqrt(0.5);
+    const double s0 = c * c * scaling(0, 0) + 2 * c * s * scaling(0, 1) + s * s * scaling(1, 1);
+    const double s1 = s * s * scaling(0, 0) - 2 * c * s * scaling(0, 1) + c * c * scaling(1, 1);
+    const std::array<double, 6> values{s0, s1, shear, twist, lift[0], lift[1]};
+    Eigen::Matrix<double, 3, 6> y[3];
+    for (int a = 0; a < 3; ++a) {
+      const Vec3 y0 = g[a][0] * p.u.col(0), y1 = g[a][1] * p.u.col(1);
+      const Vec3 z0 = g[a][1] * p.u.col(0), z1 = g[a][0] * p.u.col(1);
+      y[a].col(0) = c * y0 + s * y1;
+      y[a].col(1) = c * y1 - s * y0;
+      y[a].col(2) = h * (z0 + z1);
+      y[a].col(3) = h * (z0 - z1);
+      y[a].col(4) = g[a][0] * normal;
+      y[a].col(5) = g[a][1] * normal;
+    }
+    Eigen::Matrix<double, 3, 6> scaled;
+    for (int a = 0; a < 3; ++a) {
+      for (int m = 0; m < 6; ++m)
+        scaled.col(m) = e.area * (exact ? values[m] : std::max(values[m], 0.0)) * y[a].col(m);
+      for (int b = 0; b < 3; ++b)
+        stiffness->block(e.slots[3 * a + b]).noalias() += scaled * y[b].transpose();
+    }
+  }
+}
+
+void Membrane::declare(BlockPattern& pattern) const {
+  for (const Element& e : elements_)
+    pattern.add(e.v);
+}
+
+void Membrane::link(const BlockMatrix& matrix) {
+  for (Element& e : elements_)
+    e.slots = slots_of(matrix, e.v);
+}
+
+void Membrane::commit(const Vectors& x) {
+  for (Element& e : elements_) {
+    const Principal p = principal(edges(e.v, x) * e.shape);
+    const double w = e.law.response(p.log_strain).strain;
+    if (w <= e.law.yield_strain)
+      continue;
+    // Scale the elastic logarithmic strain to the stress reached; the rest becomes permanent.
+    const double elastic = e.law.elastic_part(w);
+    const Vec2 flow = (elastic / w - 1.0) * p.log_strain;
+    e.shape = e.shape * p.v * Eigen::DiagonalMatrix<double, 2>(std::exp(flow[0]), std::exp(flow[1])) * p.v.transpose();
+    e.law.yield_strain = elastic;
+  }
+}
+
+int Membrane::yielding(const Vectors& x) const {
+  int count = 0;
+  for (const Element& e : elements_)
+    count += e.law.response(principal(edges(e.v, x) * e.shape).log_strain).yields;
+  return count;
+}
+
+std::vector<double> Membrane::largest_stretch(const Vectors& x) const {
+  std::vector<double> stretch;
+  for (const Element& e : elements_)
+    stretch.push_back(principal(edges(e.v, x) * e.inverse_edges).stretch.maxCoeff());
+  return stretch;
+}
+
+} // namespace vci

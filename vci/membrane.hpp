@@ -1,0 +1,38 @@
+// Constant-strain membrane triangles with Hencky law and plastic flow.
+#pragma once
+#include "vci/force.hpp"
+#include "vci/hencky_law.hpp"
+
+namespace vci {
+
+/// F = D_s B P (3x2): current edges D_s, inverse reference edges B, inverse plastic part P. Energy A0 E psi(ln lambda).
+class Membrane : public Force {
+public:
+  /// @param law per triangle; @param reference positions of the unstressed state. Throws std::invalid_argument for a
+  /// triangle without area.
+  Membrane(const Triangles& triangles, const Vectors& reference, std::vector<HenckyLaw> laws);
+
+  double energy(const Vectors& x) const override;
+  void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const override;
+  void declare(BlockPattern& pattern) const override;
+  void link(const BlockMatrix& matrix) override;
+  void commit(const Vectors& x) override;
+
+  /// Triangles that yield at x.
+  int yielding(const Vectors& x) const;
+  /// Largest total (elastic and plastic) principal stretch of each triangle.
+  std::vector<double> largest_stretch(const Vectors& x) const;
+
+private:
+  struct Element {
+    Triangle v;
+    std::array<int, 9> slots{};
+    Mat2 inverse_edges; // B
+    Mat2 shape;         // B P
+    double area;
+    HenckyLaw law;
+  };
+  std::vector<Element> elements_;
+};
+
+} // namespace vci

@@ -1,0 +1,124 @@
+#include "vci/readouts.hpp"
+#include "vci/sections.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vtkPointData.h>
+
+namespace vci {
+
+using nlohmann::json;
+
+namespace {
+
+Segment span_of(const Scene& scene, const Placement& p) {
+  const double length =
+      scene.stents.contains(p.device) ? scene.stents.at(p.device).length : scene.balloons.at(p.device).length;
+  return {p.branch, p.centre_s - 0.5 * length, p.centre_s + 0.5 * length};
+}
+
+/// Mean healthy lumen area (mm^2) by the wall's reference radius within the span.
+double reference_area(const Lumen& lumen, const Path& path, const Segment& segment) {
+  vtkDataArray* reference = lumen.data->GetPointData()->GetArray("reference_radius_mm");
+  if (!reference)
+    return 0;
+  double sum = 0;
+  int count = 0;
+  for (std::size_t v = 0; v < lumen.points.size(); ++v)
+    for (double s = segment.s_start; s <= segment.s_end; s += 1.0)
+      if ((lumen.points[v] - path.at(s)).norm() < lumen.radius[v] + 0.5) {
+        const double r = reference->GetTuple1(static_cast<vtkIdType>(v));
+        sum += std::numbers::pi * r * r;
+        ++count;
+        break;
+      }
+  return count > 0 ? sum / count : 0;
+}
+
+double turning(const Path& path, const Segment& s) {
+  const double c = path.tangent(s.s_start).dot(path.tangent(s.s_end));
+  return std::acos(std::clamp(c, -1.0, 1.0)) * 180.0 / std::numbers::pi;
+}
+
+} // namespace
+
+Segment reported_segment(const Scene& scene) {
+  if (scene.segment)
+    return *scene.segment;
+  for (const Step& step : scene.procedure)
+    for (const Placement& p : step.devices)
+      if (scene.stents.contains(p.device))
+        return span_of(scene, p);
+  return span_of(scene, scene.procedure.front().devices.front());
+}
+
+json area_profile(const Vectors& points, const Triangles& triangles, const Path& path, double s_start, double s_end) {
+  json profile = json::array();
+  const int n = std::max(1, static_cast<int>(std::lround((s_end - s_start) / 0.5)));
+  for (int k = 0; k <= n; ++k) {
+    const double s = s_start + (s_end - s_start) * k / n;
+    profile.push_back({{"s_mm", s}, {"area_mm2", section_area(points, triangles, path.at(s), path.tangent(s))}});
+  }
+  return profile;
+}
+
+json readouts(const Scene& scene, const Lumen& lumen, const std::map<std::string, Path>& before, const Deployment& d) {
+  json out{
+      {"schema", "vci-deployment-1"}, {"case", scene.case_name}, {"status", "converged"}, {"method", "vci deploy"}};
+  double total = 0;
+  out["stages"] = json::array();
+  for (const StageReport& s : d.stages) {
+    total += s.seconds;
+    out["stages"].push_back({{"step", s.step},
+                             {"stage", s.stage},
+                             {"seconds", s.seconds},
+                             {"steps", s.result.steps},
+                             {"cg_iterations", s.result.cg_iterations},
+                             {"residual", s.result.residual},
+                             {"contacts", s.result.contacts},
+                             {"max_penetration_mm", s.result.maximal_penetration},
+                             {"mean_penetration_mm", s.result.mean_penetration}});
+  }
+  out["settings"] = scene.settings;
+  out["switched_off"] = d.switched_off;
+  out["wall_vertices"] = d.vertices;
+  out["seconds"] = total;
+
+  const Segment segment = reported_segment(scene);
+  out["segment"] = {{"branch", segment.branch}, {"s_start_mm", segment.s_start}, {"s_end_mm", segment.s_end}};
+  const Path &path_before = before.at(segment.branch), &path_after = d.paths.at(segment.branch);
+  out["csa_profile_before"] = area_profile(lumen.points, lumen.triangles, path_before, segment.s_start, segment.s_end);
+  out["csa_profile"] = area_profile(d.points, lumen.triangles, path_after, segment.s_start, segment.s_end);
+  double smallest = 1e300;
+  for (const json& row : out["csa_profile"])
+    smallest = std::min(smallest, row["area_mm2"].get<double>());
+  out["minimal_lumen_area_mm2"] = smallest;
+  out["straightening_deg"] = turning(path_before, segment) - turning(path_after, segment);
+
+  out["stents"] = json::array();
+  for (const StentHistory& h : d.stents) {
+    const StentSpec& spec = scene.stents.at(h.device);
+    const Segment own = span_of(scene, {h.device, h.branch, h.centre_s, 0});
+    double msa = 1e300;
+    for (const json& row :
+         area_profile(d.points, lumen.triangles, d.paths.at(h.branch), own.s_start + 0.5, own.s_end - 0.5))
+      msa = std::min(msa, row["area_mm2"].get<double>());
+    const double reference = reference_area(lumen, before.at(h.branch), own);
+    out["stents"].push_back({{"device", h.device},
+                             {"branch", h.branch},
+                             {"inflated_diameter_mm", h.inflated_diameter},
+                             {"final_diameter_mm", h.final_diameter},
+                             {"minimal_stent_area_mm2", msa},
+                             {"expansion_index", reference > 0 ? json(msa / reference) : json(nullptr)},
+                             {"recoil_percent", 100 * (1 - h.final_diameter / h.inflated_diameter)},
+                             {"recoil_percent_of_maker", spec.recoil_percent},
+                             {"foreshortening_percent", 100 * (1 - h.final_length / spec.length)}});
+  }
+  for (const char* key : {"minimal_stent_area_mm2", "expansion_index", "recoil_percent", "foreshortening_percent"})
+    out[key] = out["stents"].empty() ? json(nullptr) : out["stents"][0][key];
+  out["maximal_malapposition_mm"] = *std::max_element(d.malapposition.begin(), d.malapposition.end());
+  return out;
+}
+
+} // namespace vci

@@ -1,0 +1,76 @@
+// scene.json: what to deploy where, checked before any work.
+#pragma once
+#include "vci/contact.hpp"
+#include "vci/integrator.hpp"
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace vci {
+
+struct BalloonSpec {
+  double nominal_diameter, length, shoulder, crimped_diameter; ///< mm
+  double rated_burst_pressure_bar;
+  std::vector<double> chart_pressure_bar, chart_diameter; ///< bar, mm
+};
+
+struct StentSpec {
+  double nominal_diameter, length, crimped_diameter, maximal_diameter, strut_thickness; ///< mm
+  int crowns, links;
+  std::string balloon;
+  double hoop_stiffness, yield_strain, axial_stiffness, bending_stiffness; ///< N/mm, -, N/mm, N mm^2
+  double radial_strength_mpa, recoil_percent;                              ///< the maker's, to compare with
+};
+
+struct Placement {
+  std::string device, branch;
+  double centre_s, pressure_bar; ///< mm, bar
+};
+
+struct Step {
+  std::string name, action;
+  std::vector<Placement> devices;
+};
+
+struct PlaqueSpec {
+  double youngs_modulus, yield_strain, hardening;
+};
+
+struct WallSpec {
+  std::string model = "membrane";
+  double youngs_modulus = 0.8, poisson_ratio = 0.45, intima_thickness = 0.2, media_thickness = 0.4, stiffening = 3;
+  double tissue_modulus = 0.08, tangential_stiffness = 0.02, density = 0.0011, hinge_yield = 0.1;
+  std::array<PlaqueSpec, 4> plaque; ///< by plaque_type; 0 unused
+};
+
+struct Numerics {
+  IntegratorSettings integrator;
+  ContactSettings contact;
+  double tie_stiffness = 60, region_margin = 6, device_edge = 0.45, contact_pressure_fraction = 0.25;
+};
+
+struct Segment {
+  std::string branch;
+  double s_start, s_end;
+};
+
+struct Scene {
+  std::filesystem::path lumen, centreline;
+  std::string case_name;
+  double map_pa;
+  std::optional<Segment> segment;
+  WallSpec wall;
+  std::map<std::string, BalloonSpec> balloons;
+  std::map<std::string, StentSpec> stents;
+  std::vector<Step> procedure;
+  Numerics numerics;
+  nlohmann::json settings; ///< wall and numerics as used, defaults filled in
+};
+
+/// Reads and checks a scene. Throws common::InputError naming file, key, value and remedy.
+Scene read_scene(const std::filesystem::path& file);
+BalloonSpec read_balloon(const nlohmann::json& entry, const std::string& where);
+StentSpec read_stent(const nlohmann::json& entry, const std::string& where);
+
+} // namespace vci

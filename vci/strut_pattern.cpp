@@ -1,0 +1,56 @@
+#include "vci/strut_pattern.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vci {
+
+namespace {
+
+/// Point of the deployed cylinder at a share of its length (0 to 1) and of its turn.
+Vec3 on_cylinder(const RingGrid& grid, const Vectors& x, double length_share, double turn_share) {
+  const double r = std::clamp(length_share, 0.0, 1.0) * (grid.rings() - 1);
+  const int r0 = std::min(static_cast<int>(r), grid.rings() - 2);
+  double k = (turn_share - std::floor(turn_share)) * grid.around;
+  const int k0 = static_cast<int>(k) % grid.around, k1 = (k0 + 1) % grid.around;
+  const double u = r - r0, v = k - std::floor(k);
+  const auto at = [&](int ring, int place) { return x[ring * grid.around + place]; };
+  return (1 - u) * ((1 - v) * at(r0, k0) + v * at(r0, k1)) + u * ((1 - v) * at(r0 + 1, k0) + v * at(r0 + 1, k1));
+}
+
+} // namespace
+
+Struts strut_pattern(const StentSpec& spec, const RingGrid& grid, const Vectors& cylinder) {
+  constexpr double row_length = 1.2; // mm
+  constexpr double row_share = 0.8;  // of a row's length taken by its crowns, the rest by links
+  constexpr int points_per_strut = 6;
+  const int rows = std::max(2, static_cast<int>(std::lround(spec.length / row_length)));
+  Struts s;
+  for (int row = 0; row < rows; ++row) {
+    std::vector<int> line;
+    const int n = 2 * spec.crowns * points_per_strut;
+    for (int k = 0; k <= n; ++k) {
+      const double turn = static_cast<double>(k) / n;
+      const double swing = 0.5 - 0.5 * std::cos(2 * 3.14159265358979323846 * spec.crowns * turn);
+      line.push_back(static_cast<int>(s.points.size()));
+      s.points.push_back(on_cylinder(grid, cylinder, (row + row_share * swing) / (rows - 1 + row_share), turn));
+    }
+    s.lines.push_back(line);
+    for (int link = 0; row + 1 < rows && link < spec.links; ++link) {
+      // from a crest of this row to a valley of the next, turned a little from row to row
+      const int crown = (link * spec.crowns / spec.links + row) % spec.crowns;
+      const double from = (crown + 0.5) / spec.crowns, to = (crown + 1.0) / spec.crowns;
+      std::vector<int> bridge;
+      for (int k = 0; k <= 3; ++k) {
+        const double t = k / 3.0;
+        bridge.push_back(static_cast<int>(s.points.size()));
+        const double place = (1 - t) * (row + row_share) + t * (row + 1.0);
+        s.points.push_back(on_cylinder(grid, cylinder, place / (rows - 1 + row_share), (1 - t) * from + t * to));
+      }
+      s.lines.push_back(bridge);
+    }
+  }
+  return s;
+}
+
+} // namespace vci

@@ -1,0 +1,15 @@
+// The stent's struts for pictures: open-cell crowns with links, laid on the deployed grid.
+#pragma once
+#include "vci/device.hpp"
+
+namespace vci {
+
+struct Struts {
+  Vectors points;
+  std::vector<std::vector<int>> lines;
+};
+/// Zigzag rows of `crowns` crowns, one about every 1.2 mm, joined by `links` links; `cylinder` holds the grid's
+/// vertices.
+Struts strut_pattern(const StentSpec& spec, const RingGrid& grid, const Vectors& cylinder);
+
+} // namespace vci

@@ -1,0 +1,71 @@
+#include "vci/surface.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+namespace vci {
+
+namespace {
+
+struct Side {
+  int from, to, opposite;
+};
+
+/// Triangle sides keyed by their two vertices in ascending order; the map keeps a fixed order.
+std::map<std::pair<int, int>, std::vector<Side>> sides_of(const Triangles& triangles) {
+  std::map<std::pair<int, int>, std::vector<Side>> sides;
+  for (const Triangle& t : triangles)
+    for (int k = 0; k < 3; ++k) {
+      const int a = t[k], b = t[(k + 1) % 3];
+      sides[{std::min(a, b), std::max(a, b)}].push_back({a, b, t[(k + 2) % 3]});
+    }
+  return sides;
+}
+
+} // namespace
+
+std::vector<EdgePair> interior_edges(const Triangles& triangles, const Vectors& points) {
+  std::vector<EdgePair> edges;
+  for (const auto& [key, list] : sides_of(triangles)) {
+    if (list.size() != 2 || list[0].from != list[1].to)
+      continue;
+    const double length = (points[key.second] - points[key.first]).norm();
+    edges.push_back({list[0].from, list[0].to, list[0].opposite, list[1].opposite, length});
+  }
+  return edges;
+}
+
+std::vector<char> boundary_vertices(const Triangles& triangles, int vertex_count) {
+  std::vector<char> boundary(vertex_count, 0);
+  for (const auto& [key, list] : sides_of(triangles))
+    if (list.size() == 1)
+      boundary[key.first] = boundary[key.second] = 1;
+  return boundary;
+}
+
+Vectors vertex_area_vectors(const Triangles& triangles, const Vectors& x, int first, int count) {
+  Vectors areas(count, Vec3::Zero());
+  for (const Triangle& t : triangles) {
+    const Vec3 third = area_vector(t, x) / 3.0;
+    for (int v : t)
+      areas[v - first] += third;
+  }
+  return areas;
+}
+
+std::vector<std::vector<int>> vertex_neighbours(const Triangles& triangles, int vertex_count) {
+  std::vector<std::vector<int>> neighbours(vertex_count);
+  for (const Triangle& t : triangles)
+    for (int k = 0; k < 3; ++k) {
+      neighbours[t[k]].push_back(t[(k + 1) % 3]);
+      neighbours[t[k]].push_back(t[(k + 2) % 3]);
+    }
+  for (auto& list : neighbours) {
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+  }
+  return neighbours;
+}
+
+} // namespace vci

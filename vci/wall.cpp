@@ -1,0 +1,129 @@
+#include "vci/wall.hpp"
+#include "common/error.hpp"
+#include "vci/foundation.hpp"
+#include "vci/hinge.hpp"
+
+#include <algorithm>
+
+namespace vci {
+
+namespace {
+
+constexpr double thinnest_plaque = 0.05; // mm: below it the plaque layer is left out
+
+} // namespace
+
+std::vector<char> region_of_interest(const Lumen& lumen, const Scene& scene, const std::map<std::string, Path>& paths) {
+  std::vector<char> free(lumen.points.size(), 0);
+  for (const Step& step : scene.procedure)
+    for (const Placement& p : step.devices) {
+      const bool stent = scene.stents.contains(p.device);
+      const BalloonSpec& balloon = scene.balloons.at(stent ? scene.stents.at(p.device).balloon : p.device);
+      const double half = 0.5 * std::max(balloon.length, stent ? scene.stents.at(p.device).length : 0.0) +
+                          balloon.shoulder + scene.numerics.region_margin;
+      const Path& path = paths.at(p.branch);
+      for (double s = p.centre_s - half; s <= p.centre_s + half; s += 0.5) {
+        const Vec3 centre = path.at(s);
+        for (std::size_t v = 0; v < lumen.points.size(); ++v) {
+          const double reach = lumen.radius[v] + 1.0; // lateral: the branch itself and the mouths of its sides
+          if ((lumen.points[v] - centre).squaredNorm() < reach * reach)
+            free[v] = 1;
+        }
+      }
+    }
+  return free;
+}
+
+Wall add_wall(System& system, const Lumen& lumen, const std::vector<char>& free, const WallSpec& spec, double map_pa) {
+  Wall wall{};
+  std::vector<char> cap(lumen.points.size(), 0);
+  for (std::size_t k = 0; k < lumen.triangles.size(); ++k)
+    if (lumen.region[k] != 0)
+      for (int v : lumen.triangles[k])
+        cap[v] = 1;
+  std::vector<int> local(lumen.points.size(), -1);
+  Triangles triangles;
+  const auto moves = [&](int v) { return free[v] && !cap[v]; };
+  for (std::size_t k = 0; k < lumen.triangles.size(); ++k) {
+    const Triangle& t = lumen.triangles[k];
+    if (lumen.region[k] != 0 || !std::any_of(t.begin(), t.end(), moves))
+      continue;
+    Triangle own;
+    for (int i = 0; i < 3; ++i) {
+      if (local[t[i]] < 0) {
+        local[t[i]] = static_cast<int>(wall.vertex.size());
+        wall.vertex.push_back(t[i]);
+      }
+      own[i] = local[t[i]];
+    }
+    triangles.push_back(own);
+    wall.triangle.push_back(static_cast<int>(k));
+  }
+  if (triangles.empty())
+    throw common::InputError("no wall lies near the devices", "procedure", "0 triangles",
+                             "check branch and centre_s_mm");
+  Vectors points;
+  std::vector<char> fixed;
+  for (int v : wall.vertex) {
+    points.push_back(lumen.points[v]);
+    fixed.push_back(!moves(v));
+  }
+  wall.fixed = static_cast<int>(std::count(fixed.begin(), fixed.end(), 1));
+
+  std::vector<HenckyLaw> intima, plaque;
+  Triangles with_plaque;
+  for (const Triangle& t : triangles) {
+    intima.push_back({spec.youngs_modulus * spec.intima_thickness, spec.poisson_ratio, spec.stiffening});
+    double thickness = 0, modulus = 0, weight = 0;
+    int type = 0;
+    for (int v : t) { // the stiffest type at a corner names the law, the moduli are averaged over the plaque there
+      const int g = wall.vertex[v];
+      thickness += lumen.plaque[g] / 3.0;
+      if (lumen.plaque_type[g] > 0) {
+        modulus += lumen.plaque[g] * spec.plaque[lumen.plaque_type[g]].youngs_modulus;
+        weight += lumen.plaque[g];
+        type = std::max(type, lumen.plaque_type[g]);
+      }
+    }
+    if (thickness < thinnest_plaque || type == 0 || weight <= 0)
+      continue;
+    with_plaque.push_back(t);
+    const PlaqueSpec& p = spec.plaque[type];
+    plaque.push_back({thickness * modulus / weight, spec.poisson_ratio, 0.0, p.yield_strain, p.hardening});
+  }
+  const int body =
+      system.add_body("wall", points, triangles, spec.density * (spec.intima_thickness + spec.media_thickness), fixed);
+  wall.membrane = &system.add_force(body, std::make_unique<Membrane>(triangles, points, intima));
+  if (!with_plaque.empty())
+    system.add_force(body, std::make_unique<Membrane>(with_plaque, points, plaque));
+  const double t = spec.intima_thickness + spec.media_thickness;
+  const double rigidity = spec.youngs_modulus * t * t * t / (12 * (1 - spec.poisson_ratio * spec.poisson_ratio));
+  const std::vector<EdgePair> edges = interior_edges(triangles, points);
+  system.add_force(
+      body, std::make_unique<Hinges>(edges, points, shell_coefficients(edges, points, rigidity), spec.hinge_yield));
+
+  const Vectors areas = vertex_area_vectors(triangles, points, 0, static_cast<int>(points.size()));
+  std::vector<RingFoundation::Element> rings;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const int g = wall.vertex[i];
+    const RingLaw law{spec.youngs_modulus * spec.media_thickness,
+                      spec.stiffening,
+                      spec.tissue_modulus / (1 + spec.poisson_ratio),
+                      spec.tangential_stiffness,
+                      map_pa * mpa_per_pa,
+                      lumen.radius[g],
+                      lumen.radius[g] + lumen.plaque[g]};
+    rings.push_back({static_cast<int>(i), points[i], areas[i].normalized(), system.area[i], law});
+  }
+  system.add_force(body, std::make_unique<RingFoundation>(std::move(rings)));
+  return wall;
+}
+
+Vectors moved_points(const Lumen& lumen, const Wall& wall, const System& system) {
+  Vectors points = lumen.points;
+  for (std::size_t i = 0; i < wall.vertex.size(); ++i)
+    points[wall.vertex[i]] = system.x[i];
+  return points;
+}
+
+} // namespace vci

@@ -1,0 +1,26 @@
+// The arterial wall: the lumen's triangles near the devices with their layers.
+#pragma once
+#include "vci/centreline.hpp"
+#include "vci/membrane.hpp"
+#include "vci/scene.hpp"
+
+namespace vci {
+
+/// The part of the lumen that takes part, as body 0 of a system.
+struct Wall {
+  std::vector<int> vertex;   ///< system vertex -> lumen vertex
+  std::vector<int> triangle; ///< body triangle -> lumen triangle
+  const Membrane* membrane;  ///< the intima layer, for the stretch
+  int fixed;                 ///< vertices held at the region's border
+};
+
+/// Flags lumen vertices within the margin (mm) of a device's span along its branch.
+std::vector<char> region_of_interest(const Lumen& lumen, const Scene& scene, const std::map<std::string, Path>& paths);
+
+/// Adds the wall to an empty system. `free` flags lumen vertices that may move; vertices of caps never do.
+Wall add_wall(System& system, const Lumen& lumen, const std::vector<char>& free, const WallSpec& spec, double map_pa);
+
+/// Lumen positions with the wall's moved vertices put in.
+Vectors moved_points(const Lumen& lumen, const Wall& wall, const System& system);
+
+} // namespace vci
