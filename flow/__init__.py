@@ -1,0 +1,1 @@
+"""Steady coronary flow: boundary values, curved tetrahedral mesh, Navier-Stokes, FFR, and its reduced models."""

@@ -1,0 +1,127 @@
+"""Command line: `python3 -m flow boundary | mesh | solve`."""
+
+import argparse
+import json
+import pathlib
+
+from common import config
+from common.errors import InputError, guarded
+from common.files import write_json
+from flow import settings as settings_module
+
+
+def _read_json(path, schema_name):
+    path = pathlib.Path(path)
+    if not path.is_file():
+        raise InputError("no such file", path, "missing", f"it should be a {schema_name} document")
+    try:
+        document = json.loads(path.read_text())
+    except json.JSONDecodeError as error:
+        raise InputError("not a JSON file", path, error, f"it should be a {schema_name} document") from error
+    return document
+
+
+def _patient(arguments):
+    if arguments.case:
+        return config.load_case(arguments.case)["patient"]
+    given = {key: getattr(arguments, key) for key in ("lvm_g", "sbp_mmhg", "dbp_mmhg")}
+    missing = [key for key, value in given.items() if value is None]
+    if missing:
+        raise InputError(
+            "patient values missing", "command line", missing, "give --case or --lvm-g, --sbp-mmhg, --dbp-mmhg"
+        )
+    return given
+
+
+def boundary_command(arguments):
+    """Boundary values of a patient from the anatomy before the intervention."""
+    from flow import boundary, centreline
+
+    settings = settings_module.from_arguments(arguments)
+    anatomy = _read_json(arguments.anatomy, "anatomy.json")
+    tree = centreline.read(arguments.centreline or pathlib.Path(arguments.anatomy).with_name("centreline.vtp"))
+    write_json(arguments.out, boundary.make(anatomy, tree, _patient(arguments), settings))
+
+
+def mesh_command(arguments):
+    """Fine and coarse volume meshes of a lumen."""
+    from flow import centreline, mesh, surface
+
+    settings = settings_module.from_arguments(arguments)
+    lumen, tree = surface.read(arguments.lumen), centreline.read(arguments.centreline)
+    report = {"schema": "vci-mesh-1"}
+    wanted = [("fine", arguments.out, settings.cells_per_radius)]
+    if arguments.coarse:
+        wanted.append(("coarse", arguments.coarse, settings.coarse_cells_per_radius))
+    for name, path, cells in wanted:
+        built, figures = mesh.build(lumen, tree, cells, settings)
+        mesh.write(built, path)
+        report.update(figures if name == "fine" else {"coarse": figures})
+    write_json(arguments.json or pathlib.Path(arguments.out).with_suffix(".json"), report)
+
+
+def solve_command(arguments):
+    """Steady flow and FFR on a mesh."""
+    from flow import boundary, centreline, reduced, solve
+
+    settings = settings_module.from_arguments(arguments)
+    document = _read_json(arguments.boundary, "boundary.json")
+    boundary.check(document, arguments.boundary)
+    folder = pathlib.Path(arguments.centreline).parent
+    anatomy = _read_json(arguments.anatomy or folder / "anatomy.json", "anatomy.json")
+    sections = reduced.read_sections(arguments.sections or folder / "sections.csv")
+    for path in (arguments.mesh, arguments.coarse):
+        if path and not pathlib.Path(path).is_file():
+            raise InputError("no such mesh", path, "missing", "make it with `flow mesh`")
+    tree = centreline.read(arguments.centreline)
+    network = reduced.Network(anatomy, sections, document, settings.expansion_loss)
+    answer = solve.run(arguments.mesh, arguments.coarse, document, tree, network, settings, arguments.out)
+    print(f"FFR {answer['ffr']:.4f}")
+
+
+def parser():
+    """The argument parser of all commands."""
+    top = argparse.ArgumentParser(prog="python3 -m flow", description=__doc__.splitlines()[0])
+    commands = top.add_subparsers(dest="command", required=True)
+
+    boundary = commands.add_parser("boundary", help=boundary_command.__doc__)
+    boundary.add_argument("--anatomy", required=True, help="anatomy.json before the intervention")
+    boundary.add_argument("--centreline", help="centreline.vtp (default: beside anatomy.json)")
+    boundary.add_argument("--case", help="config/cases/<case>.yaml, for the patient's values; or:")
+    boundary.add_argument("--lvm-g", type=float, help="left ventricular mass, g")
+    boundary.add_argument("--sbp-mmhg", type=float, help="systolic pressure, mmHg")
+    boundary.add_argument("--dbp-mmhg", type=float, help="diastolic pressure, mmHg")
+    boundary.add_argument("--out", required=True, help="boundary.json")
+    boundary.set_defaults(run=boundary_command)
+
+    mesh = commands.add_parser("mesh", help=mesh_command.__doc__)
+    mesh.add_argument("lumen", help="lumen.vtp with cell array region_id")
+    mesh.add_argument("--centreline", required=True, help="centreline.vtp of the same lumen")
+    mesh.add_argument("--out", required=True, help="mesh.msh")
+    mesh.add_argument("--coarse", help="coarse mesh, for the starting guess and the error estimate")
+    mesh.add_argument("--json", help="report (default: mesh.json beside the mesh)")
+    mesh.set_defaults(run=mesh_command)
+
+    solve = commands.add_parser("solve", help=solve_command.__doc__)
+    solve.add_argument("mesh", help="mesh.msh")
+    solve.add_argument("--coarse", help="coarse mesh; without it there is no error estimate")
+    solve.add_argument("--boundary", required=True, help="boundary.json")
+    solve.add_argument("--centreline", required=True, help="centreline.vtp of the same lumen")
+    solve.add_argument("--anatomy", help="anatomy.json of the same lumen (default: beside the centreline)")
+    solve.add_argument("--sections", help="sections.csv of the same lumen (default: beside the centreline)")
+    solve.add_argument("--out", required=True, help="folder for solution.vtu, ffr.json, pullback.csv")
+    solve.set_defaults(run=solve_command)
+    for command in (boundary, mesh, solve):
+        settings_module.add_options(command)
+    return top
+
+
+@guarded
+def main(argv=None):
+    """Runs one command."""
+    arguments = parser().parse_args(argv)
+    arguments.run(arguments)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,104 @@
+"""Centrelines of a tree: polylines with arc length and radius, read from centreline.vtp."""
+
+import dataclasses
+import pathlib
+
+import numpy as np
+import vtk
+from scipy.spatial import cKDTree
+from vtk.util.numpy_support import vtk_to_numpy
+
+from common.errors import InputError
+
+
+@dataclasses.dataclass
+class Branch:
+    """One branch: name, id, points (n, 3) mm, s_mm (n,), radius_mm (n,)."""
+
+    name: str
+    branch_id: int
+    points: np.ndarray
+    s_mm: np.ndarray
+    radius_mm: np.ndarray
+
+    @property
+    def length_mm(self):
+        return float(self.s_mm[-1])
+
+    def point(self, s_mm):
+        """Point (3,) or points (m, 3) at arc length s_mm (clamped to the branch)."""
+        return np.stack([np.interp(s_mm, self.s_mm, self.points[:, k]) for k in range(3)], axis=-1)
+
+    def radius(self, s_mm):
+        """Radius in mm at arc length s_mm (clamped to the branch)."""
+        return np.interp(s_mm, self.s_mm, self.radius_mm)
+
+    def project(self, point):
+        """(s_mm, distance_mm) of the nearest point of the polyline."""
+        a, d = self.points[:-1], np.diff(self.points, axis=0)
+        t = np.clip(np.einsum("ij,ij->i", point - a, d) / np.einsum("ij,ij->i", d, d), 0, 1)
+        gap = np.linalg.norm(a + t[:, None] * d - point, axis=1)
+        k = int(np.argmin(gap))
+        return float(self.s_mm[k] + t[k] * (self.s_mm[k + 1] - self.s_mm[k])), float(gap[k])
+
+
+class Tree:
+    """The branches of an artery; iterates over them, main first, and finds them by name."""
+
+    def __init__(self, branches):
+        self.branches = sorted(branches, key=lambda branch: (branch.name != "main", branch.branch_id))
+
+    def __iter__(self):
+        return iter(self.branches)
+
+    def __getitem__(self, name):
+        for branch in self.branches:
+            if branch.name == name:
+                return branch
+        known = ", ".join(branch.name for branch in self.branches)
+        raise InputError("no such branch", "centreline", name, f"known: {known}")
+
+    @property
+    def main(self):
+        return self.branches[0]
+
+    def nearest(self, points):
+        """For points (m, 3): index of the nearest sample in `samples()`, distance in mm."""
+        if not hasattr(self, "_kd"):
+            self._kd = cKDTree(np.concatenate([branch.points for branch in self.branches]))
+        distance, index = self._kd.query(points)
+        return index, distance
+
+
+def read(path):
+    """Tree from centreline.vtp. Raises InputError."""
+    if not pathlib.Path(path).is_file():
+        raise InputError("no such centreline", path, "missing", "make it with the anatomy step")
+    reader = vtk.vtkXMLPolyDataReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    data = reader.GetOutput()
+    arrays = {}
+    for name in ("s_mm", "radius_mm"):
+        array = data.GetPointData().GetArray(name)
+        if array is None:
+            raise InputError("centreline lacks a point array", path, name, "make it with the anatomy step")
+        arrays[name] = vtk_to_numpy(array).astype(float)
+    ids, names = data.GetCellData().GetArray("branch_id"), data.GetCellData().GetAbstractArray("branch_name")
+    if ids is None or names is None or data.GetNumberOfLines() == 0:
+        raise InputError("centreline lacks branches", path, "branch_id, branch_name", "make it with the anatomy step")
+    points = vtk_to_numpy(data.GetPoints().GetData()).astype(float)
+    branches = []
+    for k in range(data.GetNumberOfCells()):
+        cell = data.GetCell(k).GetPointIds()
+        index = np.array([cell.GetId(i) for i in range(cell.GetNumberOfIds())])
+        branches.append(
+            Branch(
+                names.GetValue(k),
+                int(ids.GetTuple1(k)),
+                points[index],
+                arrays["s_mm"][index],
+                arrays["radius_mm"][index],
+            )
+        )
+    return Tree(branches)

@@ -1,0 +1,84 @@
+"""Everything that differs between FEniCSx versions; written for dolfinx 0.5.2 (Debian 12)."""
+
+import contextlib
+import io
+import logging
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from dolfinx.io import gmshio
+from dolfinx.plot import create_vtk_mesh
+from mpi4py import MPI
+
+logging.getLogger("FFC").setLevel(logging.WARNING)
+logging.getLogger("root").setLevel(logging.WARNING)
+
+JIT = {"cffi_extra_compile_args": ["-O3", "-march=native", "-fno-math-errno"]}
+
+
+def read_gmsh(path, comm=MPI.COMM_SELF):
+    """(mesh, facet tags) of a gmsh file; coordinates as in the file.
+
+    gmshio.read_from_msh of 0.5.2 raises a NameError, hence the detour over gmsh's model.
+    """
+    import gmsh
+
+    gmsh.initialize(["gmsh"], False)
+    try:
+        gmsh.option.setNumber("General.Verbosity", 1)
+        gmsh.open(str(path))
+        with contextlib.redirect_stdout(io.StringIO()):
+            mesh, _, facets = gmshio.model_to_mesh(gmsh.model, comm, 0, gdim=3)
+    finally:
+        gmsh.finalize()
+    return mesh, facets
+
+
+def vector_element(mesh, degree):
+    """Lagrange element with three components."""
+    return ufl.VectorElement("Lagrange", mesh.ufl_cell(), degree)
+
+
+def scalar_element(mesh, degree):
+    """Lagrange element."""
+    return ufl.FiniteElement("Lagrange", mesh.ufl_cell(), degree)
+
+
+def cellwise_element(mesh):
+    """Element with one value a cell, numbered as the cells."""
+    return ufl.FiniteElement("DG", mesh.ufl_cell(), 0)
+
+
+def mixed_element(*elements):
+    """Product of elements."""
+    return ufl.MixedElement(*elements)
+
+
+def function_space(mesh, element):
+    """Finite-element space."""
+    return fem.FunctionSpace(mesh, element)
+
+
+def form(expression):
+    """Compiled form."""
+    return fem.form(expression, jit_params=JIT)
+
+
+def petsc_vector(function):
+    """The PETSc vector behind a Function."""
+    return function.vector
+
+
+def cell_dofs(space):
+    """(cells, dofs of a cell) node numbers of a space that is not mixed."""
+    lists = space.dofmap.list.array
+    return lists.reshape(-1, len(space.dofmap.cell_dofs(0)))
+
+
+def quadratic_cells(space):
+    """(points (n, 3), cells (t, 10)) of a quadratic space: its nodes, cells in the node order of flow.tet10."""
+    topology, _, points = create_vtk_mesh(space)
+    cells = np.asarray(topology).reshape(-1, 11)[:, 1:]
+    # VTK's last two middle nodes are those of the edges 13, 23; gmsh's those of 23, 13
+    return points, cells[:, [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]]

@@ -1,0 +1,71 @@
+"""FFR of a solved flow: at the probes, along every branch, at the outlets.  FFR = p / MAP."""
+
+import numpy as np
+import pandas as pd
+
+from common.errors import ComputationError
+
+M_PER_MM = 1e-3
+SPACING_MM = 0.5
+FAR = 3.0  # a probe further than this many local radii from the centreline belongs to another vessel
+
+
+def along_branch(branch, sampler):
+    """(s_mm (n,), points_mm (n, 3), pressure (n,) Pa) on the branch's centreline, where it runs inside the mesh."""
+    count = max(2, int(round(branch.length_mm / SPACING_MM)) + 1)
+    s = np.linspace(0, branch.length_mm, count)
+    points = branch.point(s)
+    _, pressure, inside = sampler(points * M_PER_MM)
+    return s[inside], points[inside], pressure[inside]
+
+
+def pullback(tree, sampler, map_pa, flow_at):
+    """Table of pullback.csv. flow_at(branch name, s_mm) -> flow in m3/s."""
+    tables = []
+    for branch in tree:
+        s, points, pressure = along_branch(branch, sampler)
+        tables.append(
+            pd.DataFrame(
+                {
+                    "branch": branch.name,
+                    "branch_id": branch.branch_id,
+                    "s_mm": s,
+                    "x_mm": points[:, 0],
+                    "y_mm": points[:, 1],
+                    "z_mm": points[:, 2],
+                    "pressure_pa": pressure,
+                    "ffr": pressure / map_pa,
+                    "flow_m3_per_s": [flow_at(branch.name, x) for x in s],
+                }
+            )
+        )
+    return pd.concat(tables, ignore_index=True)
+
+
+def at_probes(probes, tree, sampler, map_pa):
+    """[{name, branch, s_mm, point_mm, shift_mm, ffr}]: each probe projected on this state's centreline."""
+    found = []
+    for probe in probes:
+        branch = tree[probe["branch"]]
+        s_mm, shift = branch.project(np.array(probe["point_mm"]))
+        point = branch.point(s_mm)
+        if shift > FAR * branch.radius(s_mm):
+            raise ComputationError(
+                "probe is far from this state's vessel", f"probe {probe['name']}", f"{shift:.2f} mm", "check the states"
+            )
+        _, pressure, inside = sampler(point[None] * M_PER_MM)
+        if not inside[0]:
+            raise ComputationError(
+                "probe lies outside the mesh", f"probe {probe['name']}", point.tolist(), "check the centreline"
+            )
+        found.append(
+            {
+                "name": probe["name"],
+                "branch": branch.name,
+                "s_mm": s_mm,
+                "point_mm": point.tolist(),
+                "shift_mm": shift,
+                "ffr": float(pressure[0] / map_pa),
+            }
+        )
+    return found

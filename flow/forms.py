@@ -1,0 +1,87 @@
+"""Steady incompressible Navier-Stokes: strong form, weak form, code.
+
+Strong form, in the lumen with outward normal n:
+
+    rho (u.grad) u - div sigma = 0,   div u = 0,   sigma = mu grad u - p I
+    u = 0 on the wall,   u = Q g on the inlet with the mean of (-sigma n).n weighted by the profile g equal to MAP,
+    sigma n = -P_i n + beta rho (u.n)_- u on outlet i,   P_i = P_v + R_i Q_i,   Q_i = integral of u.n over outlet i.
+
+Weak form: find u, p with, for all v, q,
+
+    rho ((u.grad) u + 1/2 (div u) u, v) + mu (grad u, grad v) - (p, div v) - (q, div u) + gamma (div u, div v)
+      + rho (l^2 |D(u)| grad u, grad v) - beta rho sum_i <(u.n)_- u, v>_i + sum_i P_i <n, v>_i + MAP <n, v>_inlet = 0
+
+1/2 (div u) u makes convection conserve energy for the discrete u; gamma (grad-div) improves its mass balance;
+with beta = 1/2 backflow through an outlet brings no energy in. sigma is the pseudo-stress, so that a developed profile
+leaves undisturbed. l = c l_jet is a mixing length in jets (flow.jet), |D| = sqrt(2 D:D): with c = 0 the equations are
+those above; c > 0 makes the jet's eddy viscosity, by which the way to c = 0 is steady (flow.nonlinear).
+"""
+
+import ufl
+from dolfinx import fem
+from petsc4py import PETSc
+
+from flow import compat
+
+QUADRATURE_DEGREE = 5  # exact for convection of P2 on straight elements, which most are
+JET_QUADRATURE_DEGREE = 3
+SLOWEST, SMALLEST_RATE = 1e-4, 0.1  # m/s, 1/s: keep the roots of |u| and |D| differentiable at rest
+
+
+class NavierStokes:
+    """Compiled residual (without the pressure loads) and tangents of a state w = (u, p) on a LumenSpace, SI units.
+
+    mixing is c, jet_length the Function l_jet in m. picard freezes the convecting velocity and the eddy viscosity and
+    adds the inertia of a backward-Euler step with the local time step h / (|u| `rate`), rate = 1 / CFL number.
+    """
+
+    def __init__(self, space, state, density, viscosity, grad_div, backflow, jet_length):
+        u, p = ufl.split(state)
+        v, q = ufl.TestFunctions(space.W)
+        du, dp = ufl.TrialFunctions(space.W)
+        dx = ufl.Measure("dx", domain=space.mesh, metadata={"quadrature_degree": QUADRATURE_DEGREE})
+        ds = ufl.Measure(
+            "ds",
+            domain=space.mesh,
+            subdomain_data=space.facets,
+            metadata={"quadrature_degree": QUADRATURE_DEGREE + 1},
+        )
+        outlets = ds(tuple(space.outlets))
+        n = ufl.FacetNormal(space.mesh)
+
+        def transport(w, u_):
+            """(w.grad) u + 1/2 (div w) u"""
+            return ufl.dot(ufl.grad(u_), w) + 0.5 * ufl.div(w) * u_
+
+        def stokes(u_, p_):
+            return (
+                viscosity * ufl.inner(ufl.grad(u_), ufl.grad(v))
+                - p_ * ufl.div(v)
+                - q * ufl.div(u_)
+                + grad_div * ufl.div(u_) * ufl.div(v)
+            ) * dx
+
+        inward = 0.5 * (ufl.dot(u, n) - abs(ufl.dot(u, n)))
+
+        def oseen(u_):
+            """Convection of u_ by the state, with the backflow term."""
+            return density * (ufl.inner(transport(u, u_), v) * dx - backflow * inward * ufl.inner(u_, v) * outlets)
+
+        self.mixing = fem.Constant(space.mesh, PETSc.ScalarType(0.0))
+        shear = ufl.sym(ufl.grad(u))
+        eddy_viscosity = (
+            density * (self.mixing * jet_length) ** 2 * ufl.sqrt(2 * ufl.inner(shear, shear) + SMALLEST_RATE**2)
+        )
+
+        def jet(u_):
+            degree = {"quadrature_degree": JET_QUADRATURE_DEGREE}
+            return eddy_viscosity * ufl.inner(ufl.grad(u_), ufl.grad(v)) * ufl.dx(space.mesh, metadata=degree)
+
+        residual = stokes(u, p) + oseen(u) + jet(u)
+        self.residual = compat.form(residual)
+        self.tangent = compat.form(ufl.derivative(residual, state, ufl.TrialFunction(space.W)))
+        self.rate = fem.Constant(space.mesh, PETSc.ScalarType(0.0))
+        width = (6.0 / 8.0) ** 0.5 * abs(ufl.JacobianDeterminant(space.mesh)) ** (1.0 / 3.0)  # about half an edge
+        speed = ufl.sqrt(ufl.inner(u, u) + SLOWEST**2)
+        inertia = density * self.rate * speed / width * ufl.inner(du, v) * dx
+        self.picard = compat.form(stokes(du, dp) + oseen(du) + jet(du) + inertia)

@@ -1,0 +1,74 @@
+"""Linear solves with the tangent, bordered by the few unknowns of the boundaries.
+
+    [A  B] [x]   [f]          x = A^-1 f - (A^-1 B) y,   (D - C A^-1 B) y = g - C A^-1 f
+    [C  D] [y] = [g]
+
+A is sparse (velocity and pressure dofs that no boundary fixes), the border has one row and column for the
+inflow and one
+for each outlet. `DirectSolver` factorizes A by MUMPS; a solver of another kind needs the same three methods.
+"""
+
+import numpy as np
+from petsc4py import PETSc
+
+from common.errors import ComputationError
+
+
+class DirectSolver:
+    """MUMPS factorization of A, its symbolic part reused; one KSP for all steps (a new one each step leaks factors)."""
+
+    def __init__(self, comm):
+        self.ksp = PETSc.KSP().create(comm)
+        self.ksp.setType("preonly")
+        pc = self.ksp.getPC()
+        pc.setType("lu")
+        pc.setFactorSolverType("mumps")
+        options = PETSc.Options()
+        prefix = "flow_direct_"
+        for name, value in (("mat_mumps_icntl_14", 60), ("mat_mumps_icntl_24", 1)):
+            options[prefix + name] = value
+        self.ksp.setOptionsPrefix(prefix)
+        self.ksp.setFromOptions()
+        self.factorizations = 0
+
+    def set_matrix(self, matrix):
+        """Factorizes `matrix`. Raises ComputationError when MUMPS cannot."""
+        self.ksp.setOperators(matrix)
+        try:
+            self.ksp.setUp()
+        except PETSc.Error as error:
+            raise ComputationError("factorization failed", "MUMPS", error, "check memory and the mesh") from error
+        self.factorizations += 1
+
+    def solve(self, right, solution):
+        """solution <- A^-1 right."""
+        self.ksp.solve(right, solution)
+        if self.ksp.getConvergedReason() < 0:
+            reason = self.ksp.getConvergedReason()
+            raise ComputationError("linear solve failed", "MUMPS", f"reason {reason}", "check the mesh and resistances")
+
+    def destroy(self):
+        self.ksp.destroy()
+
+
+def solve_bordered(solver, columns, rows, corner, f, g):
+    """(x, y) of the bordered system; solver holds A, columns and rows are lists of vectors, corner is D, g an array."""
+    x = f.duplicate()
+    solver.solve(f, x)
+    count = len(columns)
+    solved = []
+    for column in columns:
+        vector = f.duplicate()
+        solver.solve(column, vector)
+        solved.append(vector)
+    schur = np.array(corner, float)
+    right = np.array(g, float)
+    for i in range(count):
+        right[i] -= rows[i].dot(x)
+        for j in range(count):
+            schur[i, j] -= rows[i].dot(solved[j])
+    y = np.linalg.solve(schur, right)
+    x.maxpy(-y, solved)
+    for vector in solved:
+        vector.destroy()
+    return x, y

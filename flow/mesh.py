@@ -1,0 +1,82 @@
+"""Volume mesh of a lumen: surface -> refined, extended surface -> linear tetrahedra -> curved tetrahedra -> files."""
+
+import numpy as np
+
+from common.errors import ComputationError
+from common.files import replacing
+from flow import curving, extension, refine, size_field, volume_mesh
+
+LEAST_GAMMA = 0.02  # below it an element is a sliver that spoils the whole solve
+LEAST_JACOBIAN_RATIO = 0.05
+PHYSICAL_WALL, PHYSICAL_INLET, PHYSICAL_OUTLET_BASE, PHYSICAL_VOLUME = 1, 2, 10, 1
+
+
+def physical_tag(region_id):
+    """Physical group of a cap or the wall: wall 1, inlet 2, outlets 10 + region_id."""
+    return {0: PHYSICAL_WALL, 1: PHYSICAL_INLET}.get(region_id, PHYSICAL_OUTLET_BASE + region_id)
+
+
+def build(surface, tree, cells_per_radius, settings):
+    """(QuadraticMesh, report) of the lumen. Raises ComputationError where the mesh is not good enough to be
+    solved on."""
+    sizes = size_field.SizeField(tree, cells_per_radius, settings.jet_spread)
+    surface = refine.refine(surface, sizes)
+    surface, lengths = extension.extend_outlets(surface, settings.outlet_extension_diameters)
+    points, tetrahedra = volume_mesh.fill(surface, sizes, spacing_mm=max(0.25, float(sizes.size.min())))
+    tetrahedra = _positive(points, tetrahedra)
+    mesh = curving.curve(surface, points, tetrahedra)
+    figures = curving.quality(mesh)
+    for name, least in (("gamma_min", LEAST_GAMMA), ("jacobian_ratio_min", LEAST_JACOBIAN_RATIO)):
+        if not figures[name] >= least:
+            raise ComputationError(
+                "volume mesh is not good enough", f"mesh quality {name}", figures[name], f"at least {least} is needed"
+            )
+    report = {
+        "element_order": 2,
+        "cells": len(mesh.tetrahedra),
+        "nodes": len(mesh.points),
+        "dofs": 3 * len(mesh.points) + len(points),
+        "surface_triangles": len(mesh.triangles),
+        "cells_per_radius": cells_per_radius,
+        "quality": figures,
+        "volume_mm3": surface.volume_mm3(),
+        "outlet_extensions_mm": {str(region): length for region, length in lengths.items()},
+    }
+    return mesh, report
+
+
+def _positive(points, tetrahedra):
+    """The tetrahedra with positive volume by orientation (swaps two corners where it is negative)."""
+    a, b, c, d = (points[tetrahedra[:, k]] for k in range(4))
+    negative = np.einsum("ij,ij->i", b - a, np.cross(c - a, d - a)) < 0
+    tetrahedra = tetrahedra.copy()
+    tetrahedra[negative] = tetrahedra[negative][:, [0, 2, 1, 3]]
+    return tetrahedra
+
+
+def write(mesh, path):
+    """Writes a gmsh 4.1 binary file with physical groups (module docstring of flow.mesh)."""
+    import gmsh
+
+    gmsh.initialize(["gmsh"], False)
+    try:
+        gmsh.option.setNumber("General.Verbosity", 2)
+        gmsh.option.setNumber("Mesh.Binary", 1)
+        gmsh.model.add("lumen")
+        volume = gmsh.model.addDiscreteEntity(3, 1)
+        gmsh.model.mesh.addNodes(3, volume, np.arange(1, len(mesh.points) + 1), mesh.points.ravel())
+        # gmsh's tetrahedron of ten nodes has its last two middles in the order 23, 13, as flow.tet10.EDGES
+        gmsh.model.mesh.addElementsByType(volume, 11, [], (mesh.tetrahedra + 1).ravel())
+        gmsh.model.addPhysicalGroup(3, [volume], PHYSICAL_VOLUME)
+        gmsh.model.setPhysicalName(3, PHYSICAL_VOLUME, "lumen")
+        for region in sorted(set(mesh.region.tolist())):
+            entity = gmsh.model.addDiscreteEntity(2, region + 1)
+            chosen = mesh.triangles[mesh.region == region] + 1
+            gmsh.model.mesh.addElementsByType(entity, 9, [], chosen.ravel())
+            name = {0: "wall", 1: "inlet"}.get(region, f"outlet{region - 1}")
+            gmsh.model.addPhysicalGroup(2, [entity], physical_tag(region))
+            gmsh.model.setPhysicalName(2, physical_tag(region), name)
+        with replacing(path) as partial:
+            gmsh.write(str(partial))
+    finally:
+        gmsh.finalize()

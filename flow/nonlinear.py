@@ -1,0 +1,303 @@
+"""Newton's method for the flow with its boundaries, and the path of fading jet viscosity that leads to its start.
+
+Unknowns: the dofs x that no boundary fixes, the inflow Q (the inlet's velocity is Q g), the outlet pressures
+P_i (held at P_v + R_i Q_i, so their equations leave no residual). The inflow's equation is the momentum equation
+tested with g:
+F(w; g) = MAP, in Pa; it enters the norm times the inlet's area, in N as the other residuals.
+
+The path. At a throat Reynolds number of several hundred the jet behind a lesion flaps on a coarse mesh and, where it
+meets a bend, in the vessel too: neither line search nor pseudo-time finds the steady flow from rest. With the eddy
+viscosity of a mixing length c l_jet in the jet's shear layer (flow.forms, flow.jet) the flow is steady and Newton's
+method converges within a few steps. So: backward-Euler Picard steps with a local time step at full flow and large c,
+then Newton's method at c = MIXING[0], MIXING[1], ..., 0, each from the last. Where the steady flow is lost on the
+way, the smallest c that has one is kept and reported.
+"""
+
+import dataclasses
+import sys
+
+import numpy as np
+from dolfinx import fem
+from dolfinx.fem import petsc as fem_petsc
+from petsc4py import PETSc
+
+from common.errors import ComputationError
+from flow import compat, linear, locate
+from flow.forms import NavierStokes
+
+STEPS = (1.0, 0.5, 0.25, 0.125)
+ALLOWED_GROWTH = 2.0  # of the residual in a Newton step: its first step after a change of c often raises it
+ON_THE_WAY = 1e-4  # relative residual on the way to the smallest c
+MIXING = (0.6, 0.4, 0.27, 0.18, 0.12, 0.06, 0.0)
+LARGEST_MIXING = 0.27  # a flow that is not steady at or below it is refused
+LOW_FLOW = 0.1  # of the flow: Newton's method reaches it from rest
+PICARD_STEPS, FIRST_CFL, CFL_GROWTH = 5, 20.0, 1.5
+SMALLEST_DECREASE = 0.02  # of c
+EASY = 24  # factorizations from rest to c = 0 that tell a flow without difficulties
+HARD = 8  # Newton steps at one c, after which the try is given up
+
+
+@dataclasses.dataclass
+class Outcome:
+    """What a solve did: status, iterations (factorizations), residual norms and their history."""
+
+    converged: bool
+    iterations: int
+    residual_absolute: float
+    residual_relative: float
+    history: list
+
+
+class FlowProblem:
+    """The discrete equations of one lumen: state w (Function on space.W) and inflow."""
+
+    def __init__(self, space, boundaries, document, settings, jet_length, log=sys.stderr):
+        self.space, self.boundaries, self.settings, self.log = space, boundaries, settings, log
+        self.jet_length = jet_length
+        self.state = fem.Function(space.W)
+        self.inflow = 0.0
+        self.forms = NavierStokes(
+            space,
+            self.state,
+            document["density_kg_per_m3"],
+            document["viscosity_pa_s"],
+            settings.grad_div_pa_s,
+            settings.backflow_coefficient,
+            jet_length,
+        )
+        self.free = PETSc.IS().createGeneral(space.free, comm=space.mesh.comm)
+        self.matrix = fem_petsc.create_matrix(self.forms.tangent)
+        self.free_matrix = None
+        self.solver = linear.DirectSolver(space.mesh.comm)
+        self.full_residual = compat.petsc_vector(fem.Function(space.W)).copy()
+        self.profile = compat.petsc_vector(boundaries.profile)
+        self.columns_of_outlets = [flux.getSubVector(self.free).copy() for flux in boundaries.flux]
+        self.load = self._load_norm()
+        self.history = []
+        self.passed = []  # (c, values, inflow) of the flows on the path; the last is the answer's
+
+    @property
+    def mixing(self):
+        """Factor c of the jet's mixing length at the present state."""
+        return float(self.forms.mixing.value)
+
+    def _load_norm(self):
+        """Norm of the pressure load at rest: MAP on the inlet, P_v on the outlets; scale of the relative residual."""
+        parts = [vector.norm() * self.boundaries.venous_pa for vector in self.columns_of_outlets]
+        return float(np.linalg.norm(parts + [self.boundaries.map_pa * self.boundaries.inlet_area]))
+
+    def residual(self):
+        """(free part as vector, inflow equation in Pa, norm in N) at the present state."""
+        vector = self.full_residual
+        with vector.localForm() as local:
+            local.set(0.0)
+        fem_petsc.assemble_vector(vector, self.forms.residual)
+        vector.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
+        outflows = self.boundaries.outflows(compat.petsc_vector(self.state))
+        vector.maxpy(self.boundaries.pressures(outflows), self.boundaries.flux)
+        inlet = self.profile.dot(vector) - self.boundaries.map_pa
+        free = vector.getSubVector(self.free).copy()
+        norm = float(np.hypot(free.norm(), inlet * self.boundaries.inlet_area))
+        return free, inlet, norm
+
+    def step(self, form, residual, inlet):
+        """(update of the free dofs as array, of the inflow) of the linearisation `form`."""
+        self.matrix.zeroEntries()
+        fem_petsc.assemble_matrix(self.matrix, form)
+        self.matrix.assemble()
+        self.free_matrix = self.matrix.createSubMatrix(self.free, self.free, self.free_matrix)
+        self.solver.set_matrix(self.free_matrix)
+        forward, backward = self.profile.duplicate(), self.profile.duplicate()
+        self.matrix.mult(self.profile, forward)
+        self.matrix.multTranspose(self.profile, backward)
+        columns = [forward.getSubVector(self.free).copy()] + self.columns_of_outlets
+        rows = [backward.getSubVector(self.free).copy()] + self.columns_of_outlets
+        corner = np.diag(np.concatenate([[self.profile.dot(forward)], -1.0 / self.boundaries.resistance]))
+        right = np.zeros(len(columns))
+        right[0] = -inlet
+        residual.scale(-1.0)
+        x, y = linear.solve_bordered(self.solver, columns, rows, corner, residual, right)
+        update = x.array.copy()
+        for vector in (forward, backward, columns[0], rows[0], x):
+            vector.destroy()
+        return update, float(y[0])
+
+    def _move(self, base, base_inflow, update, inflow_update, factor):
+        self.inflow = base_inflow + factor * inflow_update
+        values = base.copy()
+        values[self.space.free] += factor * update
+        values[self.space.inlet] = self.inflow * self.boundaries.profile.x.array[self.space.inlet]
+        self.state.x.array[:] = values
+
+    def newton(self, absolute, relative, limit):
+        """Newton from the present state; Outcome after at most `limit` factorizations.
+
+        Gives up where no step of 1, 1/2, 1/4, 1/8 of Newton's update keeps the residual below twice the last one.
+        """
+        free, inlet, norm = self.residual()
+        start = self.solver.factorizations
+        while not (norm <= absolute and norm <= relative * self.load):
+            if self.solver.factorizations - start >= limit:
+                break
+            base, base_inflow = self.state.x.array.copy(), self.inflow
+            update, inflow_update = self.step(self.forms.tangent, free, inlet)
+            for factor in STEPS:
+                self._move(base, base_inflow, update, inflow_update, factor)
+                free.destroy()
+                free, inlet, new_norm = self.residual()
+                accepted = np.isfinite(new_norm) and new_norm < ALLOWED_GROWTH * norm
+                if accepted:
+                    break
+            if not accepted:
+                self._move(base, base_inflow, update, inflow_update, 0.0)
+                break
+            norm = new_norm
+            self._report(norm, f"Newton {factor:g}")
+        free.destroy()
+        converged = norm <= absolute and norm <= relative * self.load
+        return Outcome(converged, self.solver.factorizations - start, norm, norm / self.load, self.history)
+
+    def _report(self, norm, kind):
+        self.history.append(norm)
+        print(f"  residual {norm:.3e} N, {kind}, inflow {self.inflow * 6e7:.2f} mL/min", file=self.log, flush=True)
+
+    def settle(self):
+        """Backward-Euler Picard steps with a growing local time step from the present state."""
+        cfl = FIRST_CFL
+        for _ in range(PICARD_STEPS):
+            self.forms.rate.value = 1.0 / cfl
+            free, inlet, _ = self.residual()
+            base, base_inflow = self.state.x.array.copy(), self.inflow
+            update, inflow_update = self.step(self.forms.picard, free, inlet)
+            self._move(base, base_inflow, update, inflow_update, 1.0)
+            free.destroy()
+            free, _, norm = self.residual()
+            free.destroy()
+            self._report(norm, f"Picard, CFL {cfl:.0f}")
+            cfl *= CFL_GROWTH
+
+    def scale_to(self, ratio):
+        """Multiplies velocities by `ratio` and pressure losses by its square."""
+        values, pressure = self.state.x.array, self.space.q_map
+        loss = values[pressure] - self.boundaries.map_pa
+        values *= ratio
+        values[pressure] = self.boundaries.map_pa + ratio**2 * loss
+        self.inflow *= ratio
+
+    def solve(self, resistances_at):
+        """Outcome at full flow from rest. resistances_at(fraction) -> (n,) outlet resistances.
+
+        Raises ComputationError when no flow with c <= LARGEST_MIXING is found.
+        """
+        self.boundaries.resistance = resistances_at(LOW_FLOW)
+        self.newton(np.inf, ON_THE_WAY, HARD)
+        self.scale_to(1.0 / LOW_FLOW)
+        self.boundaries.resistance = self.boundaries.full_resistance.copy()
+        self.forms.mixing.value = MIXING[0]
+        self.settle()
+        self.fade(MIXING)
+        return self.polish()
+
+    def solve_from_guess(self, coarse):
+        """Outcome at full flow from the flow on another mesh of the same lumen (a solved FlowProblem).
+
+        Where c = 0 was reached easily there, Newton's method starts from that flow; else, or where this fails, that
+        flow is the guess from which the whole path begins. Raises ComputationError.
+        """
+        self.boundaries.resistance = self.boundaries.full_resistance.copy()
+        self.set_guess(coarse.space, coarse.state.x.array, coarse.inflow)
+        if coarse.mixing == 0 and coarse.solver.factorizations <= EASY:
+            self.forms.mixing.value = 0.0
+            found = self.newton(self.settings.residual_absolute, self.settings.residual_relative, HARD)
+            if found.converged:
+                found.iterations = self.solver.factorizations
+                return found
+            self.set_guess(coarse.space, coarse.state.x.array, coarse.inflow)
+        self.forms.mixing.value = MIXING[0]
+        self.settle()
+        self.fade(MIXING)
+        return self.polish()
+
+    def fade(self, path):
+        """Lowers c along `path` as far as a steady flow is found within the allowed factorizations; keeps the last.
+
+        Where Newton's method fails it is tried once more after Picard steps, then from a c halfway.
+        """
+        ahead, settled, start = list(path), False, (None, self.state.x.array.copy(), self.inflow)
+        while ahead:
+            self.forms.mixing.value = ahead[0]
+            print(f"jet mixing {self.mixing:.3g}", file=self.log, flush=True)
+            remaining = self.settings.max_newton_iterations - self.solver.factorizations
+            found = self.newton(np.inf, ON_THE_WAY, min(HARD, remaining))
+            if found.converged:
+                settled = False
+                self.passed.append((ahead.pop(0), self.state.x.array.copy(), self.inflow))
+                continue
+            if not settled:
+                _, self.state.x.array[:], self.inflow = self.passed[-1] if self.passed else start
+                self.settle()
+                settled = True
+                continue
+            if not self.passed:
+                raise self.stalled(found)
+            settled = False
+            reached, self.state.x.array[:], self.inflow = self.passed[-1]
+            between = 0.5 * (reached + self.mixing)
+            if reached - between < SMALLEST_DECREASE or remaining <= HARD:
+                break
+            ahead.insert(0, between)
+        if self.passed[-1][0] > LARGEST_MIXING:
+            raise self.stalled(found)
+        self.forms.mixing.value, self.state.x.array[:], self.inflow = self.passed[-1]
+
+    def polish(self):
+        """Outcome of Newton's method from the path's last flow to the residuals asked for.
+
+        A flow that meets the looser residual of the path need not lead there: then the Picard steps are tried, then the
+        flows of larger c, up to LARGEST_MIXING.
+        """
+        while self.passed:
+            mixing, values, inflow = self.passed[-1]
+            if mixing > LARGEST_MIXING:
+                break
+            for settled in (False, True):
+                self.forms.mixing.value, self.state.x.array[:], self.inflow = mixing, values, inflow
+                if settled:
+                    self.settle()
+                print(f"jet mixing {mixing:.3g}, to the end", file=self.log, flush=True)
+                found = self.newton(self.settings.residual_absolute, self.settings.residual_relative, 2 * HARD)
+                if found.converged:
+                    found.iterations = self.solver.factorizations
+                    return found
+            self.passed.pop()
+        raise self.stalled(found)
+
+    def stalled(self, found):
+        return ComputationError(
+            "the flow solver stalled",
+            f"jet mixing {self.mixing:g}, {self.solver.factorizations} factorizations",
+            f"residual {found.residual_absolute:.3e} N, relative {found.residual_relative:.3e}",
+            "raise cells_per_radius, outlet_extension_diameters or max_newton_iterations",
+        )
+
+    def state_vector(self):
+        """The state's PETSc vector."""
+        return compat.petsc_vector(self.state)
+
+    def set_guess(self, space, state, inflow):
+        """Takes the values `state` on another mesh's LumenSpace, sampled at this mesh's nodes."""
+        points, _ = self.space.nodes()
+        velocity, pressure, _ = locate.FieldSampler(space, state)(points)
+        values = self.state.x.array
+        values[self.space.v_map] = velocity.ravel()
+        values[self.space.wall] = 0.0
+        self.inflow = inflow
+        values[self.space.inlet] = inflow * self.boundaries.profile.x.array[self.space.inlet]
+        values[self.space.q_map] = self.space.corner_values(pressure)
+
+    def destroy(self):
+        """Frees PETSc's memory."""
+        self.solver.destroy()
+        for petsc_object in [self.matrix, self.free_matrix, self.free, self.full_residual] + self.columns_of_outlets:
+            if petsc_object is not None:
+                petsc_object.destroy()

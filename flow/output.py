@@ -1,0 +1,43 @@
+"""Files of a solve: solution.vtu (quadratic tetrahedra, mm), ffr.json, pullback.csv."""
+
+import numpy as np
+import vtk
+from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
+
+from common.files import replacing, write_json
+
+MM_PER_M = 1e3
+
+
+def write_vtu(path, points, cells, fields):
+    """points (n, 3) m, cells (t, 10) as flow.tet10, fields {name: (n,) or (n, 3)}."""
+    grid = vtk.vtkUnstructuredGrid()
+    vtk_points = vtk.vtkPoints()
+    vtk_points.SetDataTypeToDouble()
+    vtk_points.SetData(numpy_to_vtk(np.ascontiguousarray(points * MM_PER_M), deep=True))
+    grid.SetPoints(vtk_points)
+    # VTK's last two middle nodes are those of the edges 13, 23
+    order = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
+    array = vtk.vtkCellArray()
+    connectivity = np.ascontiguousarray(cells[:, order]).ravel().astype(np.int64)
+    offsets = np.arange(0, connectivity.size + 1, 10, dtype=np.int64)
+    array.SetData(numpy_to_vtkIdTypeArray(offsets, deep=True), numpy_to_vtkIdTypeArray(connectivity, deep=True))
+    grid.SetCells(vtk.VTK_QUADRATIC_TETRA, array)
+    for name, values in fields.items():
+        data = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
+        data.SetName(name)
+        grid.GetPointData().AddArray(data)
+    writer = vtk.vtkXMLUnstructuredGridWriter()
+    writer.SetInputData(grid)
+    with replacing(path) as partial:
+        writer.SetFileName(str(partial))
+        if writer.Write() != 1:
+            raise OSError(f"cannot write {path}")
+
+
+def write_all(folder, fields, table, document):
+    """Writes the three files; ffr.json last, as the sign that all is there. fields: arguments of write_vtu."""
+    write_vtu(folder / "solution.vtu", *fields)
+    with replacing(folder / "pullback.csv") as partial:
+        table.to_csv(partial, index=False, float_format="%.10g")
+    write_json(folder / "ffr.json", document)

@@ -1,0 +1,193 @@
+"""Reduced model of the same tree: steady 1D flow through the cross-sections, one flow a segment.
+
+Along a segment, with area A(s) and Q constant, static pressure p and U = Q / A:
+
+    p(s) = p(0) - 8 pi mu Q int ds / A^2 - rho/2 (U(s)^2 - U(0)^2) - sum over expansions K rho/2 (U_t - U(s))^2
+
+K = 1.14 behind the narrowest section t of an expansion (Borda-Carnot with the jet's profile). Total pressure is carried
+over at a junction, so that a branch point costs nothing of its own. Outlets close the system: p_i = P_v + R_i Q_i.
+"""
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import least_squares
+
+from common.errors import ComputationError, InputError
+
+M_PER_MM = 1e-3
+PROMINENCE = 1.1  # an area dip below 1/1.1 of both sides counts as a narrowing of its own
+
+
+class Segment:
+    """Piece of a branch between junctions: s (n,) m, area (n,) m2; `outlet` index or None; downstream outlets."""
+
+    def __init__(self, branch, s, area, outlets):
+        self.branch, self.s, self.area, self.outlets = branch, s, area, outlets
+        weight = 1.0 / area**2
+        self.friction = np.concatenate([[0], np.cumsum(0.5 * (weight[1:] + weight[:-1]) * np.diff(s))])
+        self.throat = _throats(area)
+
+    def losses(self, flow, density, viscosity, expansion_loss):
+        """Loss of static pressure from the segment's start to each section, (n,) Pa."""
+        velocity = flow / self.area
+        friction = 8 * np.pi * viscosity * flow * self.friction
+        dynamic = 0.5 * density * (velocity**2 - velocity[0] ** 2)
+        lost = np.zeros_like(velocity)
+        done, current = 0.0, -1
+        for k, throat in enumerate(self.throat):
+            if throat != current:
+                done, current = lost[k - 1] if k else 0.0, throat
+            jet = 0.0 if throat < 0 else max(velocity[throat] - velocity[k], 0.0)
+            lost[k] = done + 0.5 * expansion_loss * density * jet**2
+        return friction + dynamic + np.maximum.accumulate(lost)
+
+
+def _throats(area):
+    """For each section the index of the narrowing whose jet it lies in (-1: none), both ends of a dip being prominent.
+
+    A walk with hysteresis: falling to `low` until the area has grown by PROMINENCE, then rising to `high` until it has
+    shrunk by PROMINENCE; the sections from `low` to `high` lie in the jet of `low`.
+    """
+    throat = np.full(len(area), -1)
+    low = high = 0
+    rising = False
+    for k in range(1, len(area)):
+        if rising:
+            if area[k] > area[high]:
+                high = k
+            if area[k] * PROMINENCE < area[high] or k == len(area) - 1:
+                throat[low : k + 1] = low
+                low, rising = k, False
+        else:
+            if area[k] <= area[low]:
+                low = k
+            if area[k] > PROMINENCE * area[low]:
+                high, rising = k, True
+    if rising:
+        throat[low:] = low
+    return throat
+
+
+class Network:
+    """The tree's segments between branch points."""
+
+    def __init__(self, anatomy, sections, document, expansion_loss):
+        self.document, self.expansion_loss = document, expansion_loss
+        self.outlets = document["outlets"]
+        branches = {branch["name"]: branch for branch in anatomy["branches"]}
+        self.children = {name: [] for name in branches}
+        for branch in branches.values():
+            if branch["parent"]:
+                self.children[branch["parent"]].append((branch["s_on_parent_mm"], branch["name"]))
+        self.profile = {}
+        for name in branches:
+            rows = sections[sections["branch"] == name].sort_values("s_mm")
+            if len(rows) < 2:
+                raise InputError("branch without cross-sections", "sections.csv", name, "run the anatomy step again")
+            self.profile[name] = rows["s_mm"].to_numpy(), rows["area_mm2"].to_numpy()
+        self.names = [outlet["name"] for outlet in self.outlets]
+        self.index = {outlet["branch"]: k for k, outlet in enumerate(self.outlets)}
+        missing = sorted(set(branches) - set(self.index))
+        if missing:
+            raise InputError("branch without an outlet", "boundary.json", missing, "make it from this anatomy")
+        self.segments = []
+        self.root = next(name for name, branch in branches.items() if not branch["parent"])
+        self._build(self.root, 0.0)
+
+    def downstream(self, branch, s_mm):
+        """Indices of the outlets fed through `branch` at s_mm."""
+        found = [self.index[branch]]
+        for where, child in self.children[branch]:
+            if where >= s_mm:
+                found += self.downstream(child, 0.0)
+        return found
+
+    def _build(self, branch, start_mm):
+        s, area = self.profile[branch]
+        cuts = sorted({float(where) for where, _ in self.children[branch] if s[0] < where < s[-1]})
+        bounds = [max(start_mm, s[0])] + cuts + [s[-1]]
+        for a, b in zip(bounds, bounds[1:]):
+            inner = (s > a) & (s < b)
+            here = np.concatenate([[a], s[inner], [b]])
+            values = np.interp(here, s, area)
+            outlets = self.downstream(branch, 0.5 * (a + b))
+            self.segments.append(Segment(branch, here * M_PER_MM, values * M_PER_MM**2, outlets))
+        for _, child in sorted(self.children[branch]):
+            self._build(child, 0.0)
+
+    def pressures(self, flows):
+        """{branch: (s (n,) m, pressure (n,) Pa)} at outlet flows (outlets,) in m3/s."""
+        document, result, total_at = self.document, {}, {}
+        for segment in self.segments:
+            flow = flows[segment.outlets].sum()
+            velocity = flow / segment.area
+            if segment.branch in result:
+                start = result[segment.branch][1][-1] + 0.5 * document["density_kg_per_m3"] * (
+                    total_at[segment.branch] - velocity[0] ** 2
+                )
+            elif segment.branch == self.root:
+                start = document["map_pa"]
+            else:
+                start = self._at_junction(segment, result, flows, velocity[0])
+            loss = segment.losses(flow, document["density_kg_per_m3"], document["viscosity_pa_s"], self.expansion_loss)
+            s, p = result.get(segment.branch, (np.zeros(0), np.zeros(0)))
+            result[segment.branch] = np.concatenate([s, segment.s]), np.concatenate([p, start - loss])
+            total_at[segment.branch] = velocity[-1] ** 2
+        return result
+
+    def _at_junction(self, segment, result, flows, velocity):
+        parent, where = next(
+            (name, s) for name, children in self.children.items() for s, child in children if child == segment.branch
+        )
+        s, p = result[parent]
+        area = np.interp(where, *self.profile[parent]) * M_PER_MM**2
+        upstream = flows[self.downstream(parent, where)].sum() / area
+        static = float(np.interp(where * M_PER_MM, s, p))
+        return static + 0.5 * self.document["density_kg_per_m3"] * (upstream**2 - velocity**2)
+
+    def outlet_pressures(self, flows):
+        """Pressure at each outlet in Pa."""
+        result = self.pressures(flows)
+        return np.array([result[outlet["branch"]][1][-1] for outlet in self.outlets])
+
+    def solve(self):
+        """Outlet flows (outlets,) in m3/s that balance the resistances. Raises ComputationError."""
+        venous = self.document["venous_pressure_pa"]
+        resistance = np.array([outlet["resistance_pa_s_per_m3"] for outlet in self.outlets])
+        planned = (self.document["map_pa"] - venous) / resistance
+
+        def imbalance(fraction):
+            flows = fraction * planned
+            return (self.outlet_pressures(flows) - venous - resistance * flows) / self.document["map_pa"]
+
+        found = least_squares(
+            imbalance, np.full(len(planned), 0.8), bounds=(0, 1.2), xtol=1e-13, ftol=1e-13, gtol=1e-13
+        )
+        if np.abs(found.fun).max() > 1e-6:
+            raise ComputationError(
+                "reduced model did not converge", "reduced network", np.abs(found.fun).max(), "check sections.csv"
+            )
+        return found.x * planned
+
+    def resistances_at(self, flows, fraction):
+        """Outlet resistances at which this model's flows are `fraction` of `flows`."""
+        if fraction == 1.0:
+            return np.array([outlet["resistance_pa_s_per_m3"] for outlet in self.outlets])
+        return (self.outlet_pressures(fraction * flows) - self.document["venous_pressure_pa"]) / (fraction * flows)
+
+
+def read_sections(path):
+    """sections.csv as a table. Raises InputError."""
+    try:
+        table = pd.read_csv(path)
+    except FileNotFoundError as error:
+        raise InputError("no such file of cross-sections", path, "missing", "run the anatomy step") from error
+    lacking = [column for column in ("branch", "s_mm", "area_mm2") if column not in table.columns]
+    if lacking:
+        raise InputError("cross-sections lack columns", path, lacking, "run the anatomy step")
+    if not (table["area_mm2"] > 0).all():
+        row = int((~(table["area_mm2"] > 0)).to_numpy().argmax())
+        raise InputError(
+            "area is not positive", f"{path}, row {row + 2}", table["area_mm2"][row], "run the anatomy step"
+        )
+    return table

@@ -1,0 +1,55 @@
+"""The settings of the flow step: names, defaults and ranges are those of config/schemas/flow.schema.yaml."""
+
+import argparse
+import pathlib
+import types
+
+from common import schema, yaml_reader
+from common.errors import InputError
+
+
+def properties():
+    """{name: JSON schema of the setting} in the schema's order."""
+    return schema.read("flow")["properties"]
+
+
+def add_options(parser):
+    """Adds --settings and one option a setting to an argparse parser; options win over the file."""
+    group = parser.add_argument_group("settings (config section `flow`)")
+    group.add_argument("--settings", metavar="FILE.json", help="file with the keys of the section")
+    for name, rule in properties().items():
+        kind = int if rule["type"] == "integer" else float
+        option = "--" + name.replace("_", "-")
+        group.add_argument(option, dest=name, type=kind, default=argparse.SUPPRESS, help=schema.describe(rule))
+
+
+def from_arguments(arguments):
+    """The settings of parsed arguments as a namespace. Raises InputError for a value that is not allowed."""
+    path = getattr(arguments, "settings", None)
+    values = {}
+    if path:
+        if not pathlib.Path(path).is_file():
+            raise InputError("no such settings file", path, "missing", "give a JSON file with keys of section flow")
+        values = dict(yaml_reader.read(path).data)
+    values.update({name: getattr(arguments, name) for name in properties() if hasattr(arguments, name)})
+    return make(**values)
+
+
+def make(**values):
+    """Settings namespace from keyword values; the rest are defaults. Raises InputError."""
+    rules = schema.read("flow")
+    schema.validate(_Given(values), rules)
+    return types.SimpleNamespace(**schema.with_defaults(values, rules))
+
+
+class _Given:
+    """Values from options, in the shape that common.schema.validate expects of a document."""
+
+    def __init__(self, data):
+        self.data = data
+
+    def where(self, path):
+        return "flow settings: " + ".".join(map(str, path))
+
+    def line(self, path):
+        return list(self.data).index(path[0]) if path and path[0] in self.data else 0

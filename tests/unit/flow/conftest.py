@@ -1,0 +1,16 @@
+"""Fixtures of the flow tests."""
+
+import sys
+import pathlib
+
+import pytest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+
+from flow import settings as settings_module  # noqa: E402
+
+
+@pytest.fixture
+def settings():
+    """Default settings."""
+    return settings_module.make()

@@ -1,0 +1,104 @@
+"""Volume meshes of tubes: volume, tags, quality, extension, and the refusal of bad ones."""
+
+import numpy as np
+import pytest
+
+import tubes
+from common.errors import ComputationError
+from flow import centreline, curving, extension, mesh, refine, spaces, surface, tet10
+
+
+@pytest.fixture(scope="module")
+def built():
+    from flow import settings
+
+    radius = tubes.lesion(1.5, 0.4, 8, 8)
+    tube = tubes.tube(16, radius, 0.5, tubes.arc(0.05))
+    tree = centreline.Tree([tubes.line(16, radius, tubes.arc(0.05))])
+    return tube, mesh.build(tube, tree, 2.0, settings.make())
+
+
+def _volume(quadratic):
+    """Volume by the mean of the cubic det J, exact on the Bezier lattice's nodes."""
+    lattice = tet10._POINTS
+    jacobian = np.einsum("tnx,pnr->tpxr", quadratic.points[quadratic.tetrahedra], tet10.gradients(lattice))
+    bezier = np.linalg.det(jacobian) @ tet10._TO_BEZIER.T
+    return bezier.mean(axis=1).sum() / 6.0
+
+
+def test_curved_volume_is_that_of_the_smooth_vessel(built):
+    tube, (quadratic, _) = built
+    s = np.linspace(0, 16, 4001)
+    exact = np.trapz(np.pi * tubes.lesion(1.5, 0.4, 8, 8)(s) ** 2, s)
+    straight = tube.volume_mm3()
+    assert abs(straight - exact) / exact > 0.01
+    assert abs(_volume(quadratic) - exact) / exact < 0.001
+
+
+def test_quality_is_reported_and_good(built):
+    _, (_, report) = built
+    quality = report["quality"]
+    assert quality["gamma_min"] > 0.1
+    assert quality["jacobian_ratio_min"] > 0.3
+    assert quality["curved_edges"] > 1000 and quality["straightened_edges"] == 0
+
+
+def test_mesh_file_has_the_tags(built, tmp_path):
+    _, (quadratic, report) = built
+    mesh.write(quadratic, tmp_path / "mesh.msh")
+    space = spaces.read(tmp_path / "mesh.msh")
+    assert space.outlets == [mesh.physical_tag(2)]
+    assert len(space.nodes()[1]) == report["cells"]
+    assert space.area(mesh.PHYSICAL_INLET) == pytest.approx(np.pi * 1.5e-3**2, rel=1e-4)
+    assert space.dofs == report["dofs"]
+
+
+def test_a_folded_element_is_straightened(monkeypatch):
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0.05]])
+    faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    flat = surface.Surface(points, faces, np.array([0, 0, 0, 0]))
+    # a wall that bows through the opposite corner
+    bowed = lambda lumen, edges, side: lumen.points[edges].mean(axis=1) + np.array([0, 0, 0.1])  # noqa: E731
+    monkeypatch.setattr(curving, "edge_middles", bowed)
+    quadratic = curving.curve(flat, points, np.array([[0, 1, 2, 3]]))
+    assert quadratic.straightened_edges > 0
+    assert tet10.jacobian_bounds(quadratic.points[quadratic.tetrahedra])[0].min() > 0
+
+
+def test_jacobian_bounds_enclose_samples():
+    rng = np.random.default_rng(3)
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    nodes = np.concatenate([corners, corners[tet10.EDGES].mean(axis=1)])[None] + 0.05 * rng.normal(size=(20, 10, 3))
+    lower, upper = tet10.jacobian_bounds(nodes)
+    lam = rng.dirichlet(np.ones(4), size=200)
+    determinant = np.linalg.det(np.einsum("tnx,pnr->tpxr", nodes, tet10.gradients(lam)))
+    assert (determinant >= lower[:, None] - 1e-12).all() and (determinant <= upper[:, None] + 1e-12).all()
+    assert (lower < upper).all()
+
+
+def test_extension_lengthens_the_outlet():
+    tube = tubes.tube(10, lambda s: 1.5)
+    longer, lengths = extension.extend_outlets(tube, 2.0)
+    surface.check(longer, "extended")
+    area = np.linalg.norm(tube.area_vectors()[tube.region == 2].sum(axis=0))
+    assert lengths[2] == pytest.approx(4 * np.sqrt(area / np.pi))
+    assert longer.volume_mm3() == pytest.approx(tube.volume_mm3() + area * lengths[2], rel=1e-9)
+    assert longer.points[:, 0].max() == pytest.approx(10 + lengths[2])
+
+
+def test_refinement_reaches_its_target_on_the_surface():
+    tube = tubes.tube(10, lambda s: 1.5, 0.8)
+    finer = refine.refine(tube, lambda points: np.full(len(points), 0.3))
+    surface.check(finer, "refined")
+    edges, _ = finer.edges()
+    length = np.linalg.norm(finer.points[edges[:, 0]] - finer.points[edges[:, 1]], axis=1)
+    assert length.max() < 1.4 * 0.3 + 1e-12
+    wall = np.unique(finer.triangles[finer.region == 0])
+    assert np.abs(np.hypot(*finer.points[wall, 1:].T) - 1.5).max() < 0.003
+
+
+def test_a_bad_mesh_is_refused(monkeypatch, settings):
+    monkeypatch.setattr(mesh, "LEAST_GAMMA", 0.99)
+    tree = centreline.Tree([tubes.line(5, lambda s: 1.5)])
+    with pytest.raises(ComputationError, match="gamma_min"):
+        mesh.build(tubes.tube(5, lambda s: 1.5), tree, 2.0, settings)

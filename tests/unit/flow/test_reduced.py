@@ -1,0 +1,97 @@
+"""The reduced network against Poiseuille, a resistor network, and the Borda-Carnot loss."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from common.errors import InputError
+from flow import reduced
+
+MU, RHO = 0.004, 1060.0
+
+
+def _document(resistances, branches, density=RHO):
+    outlets = [
+        {"name": f"outlet{k + 1}", "branch": name, "region_id": k + 2, "resistance_pa_s_per_m3": value}
+        for k, (name, value) in enumerate(zip(branches, resistances))
+    ]
+    return {
+        "map_pa": 12000.0,
+        "venous_pressure_pa": 600.0,
+        "density_kg_per_m3": density,
+        "viscosity_pa_s": MU,
+        "outlets": outlets,
+    }
+
+
+def _sections(profiles):
+    tables = [
+        pd.DataFrame({"branch": name, "s_mm": s, "area_mm2": np.pi * radius**2 + 0 * s})
+        for name, s, radius in profiles
+    ]
+    return pd.concat(tables, ignore_index=True)
+
+
+def _poiseuille(length_mm, radius_mm):
+    return 8 * MU * length_mm * 1e-3 / (np.pi * (radius_mm * 1e-3) ** 4)
+
+
+def test_single_tube_is_poiseuille():
+    anatomy = {"branches": [{"name": "main", "parent": None, "s_on_parent_mm": None}]}
+    network = reduced.Network(
+        anatomy, _sections([("main", np.linspace(0, 50, 101), 1.4)]), _document([4e9], ["main"]), 1.14
+    )
+    assert network.solve()[0] == pytest.approx(11400 / (4e9 + _poiseuille(50, 1.4)), rel=1e-9)
+
+
+def test_two_unequal_outlets_are_a_resistor_network_at_low_inertia():
+    anatomy = {
+        "branches": [
+            {"name": "main", "parent": None, "s_on_parent_mm": None},
+            {"name": "side1", "parent": "main", "s_on_parent_mm": 20.0},
+        ]
+    }
+    s, t = np.linspace(0, 50, 101), np.linspace(0, 30, 61)
+    sections = _sections([("main", s, 1.5), ("side1", t, 0.8)])
+    document = _document([5e9, 4e10], ["main", "side1"], density=1e-9)
+    flows = reduced.Network(anatomy, sections, document, 1.14).solve()
+    r0, r1, r2 = _poiseuille(20, 1.5), _poiseuille(30, 1.5) + 5e9, _poiseuille(30, 0.8) + 4e10
+    parallel = 1 / (1 / r1 + 1 / r2)
+    node = 11400 * parallel / (r0 + parallel)
+    assert flows == pytest.approx([node / r1, node / r2], rel=1e-9)
+
+
+def test_expansion_loss_is_borda_carnot():
+    s = np.linspace(0, 30, 301)
+    radius = 1.5 * (1 - 0.5 * np.exp(-(((s - 10) / 2) ** 2)))
+    anatomy = {"branches": [{"name": "main", "parent": None, "s_on_parent_mm": None}]}
+    network = reduced.Network(anatomy, _sections([("main", s, radius)]), _document([4e9], ["main"]), 1.14)
+    segment, flow = network.segments[0], 2e-6
+    loss = segment.losses(flow, RHO, 0.0, 1.14)[-1]
+    jump = flow / (np.pi * 0.75e-3**2) - flow / (np.pi * 1.5e-3**2)
+    assert loss == pytest.approx(0.5 * 1.14 * RHO * jump**2, rel=1e-3)
+
+
+def test_noise_on_the_areas_costs_little():
+    s = np.linspace(0, 30, 301)
+    area = np.pi * 1.5**2 * (1 + 0.01 * np.random.default_rng(0).normal(size=len(s)))
+    assert (reduced._throats(area) < 0).all()
+
+
+def test_resistances_at_a_fraction_of_the_flow():
+    anatomy = {"branches": [{"name": "main", "parent": None, "s_on_parent_mm": None}]}
+    sections = _sections([("main", np.linspace(0, 50, 101), 1.4)])
+    network = reduced.Network(anatomy, sections, _document([4e9], ["main"]), 1.14)
+    flows = network.solve()
+    document = _document(network.resistances_at(flows, 0.3), ["main"])
+    assert reduced.Network(anatomy, sections, document, 1.14).solve() == pytest.approx(0.3 * flows, rel=1e-8)
+
+
+def test_sections_are_checked(tmp_path):
+    path = tmp_path / "sections.csv"
+    path.write_text("branch,s_mm,area_mm2\nmain,0,2.0\nmain,1,-2.0\n")
+    with pytest.raises(InputError, match="row 3"):
+        reduced.read_sections(path)
+    path.write_text("branch,s_mm\nmain,0\n")
+    with pytest.raises(InputError, match="area_mm2"):
+        reduced.read_sections(path)

@@ -1,0 +1,191 @@
+"""The solver on small tubes: Poiseuille's drop, balances, quadratic convergence, and what it refuses."""
+
+import json
+
+import numpy as np
+import pytest
+
+import tubes
+from common.errors import ComputationError, InputError
+from flow import boundary, centreline, jet, nonlinear, outlets, spaces
+from flow import __main__ as command_line
+from flow import settings as settings_module
+
+LENGTH, RADIUS = 8.0, 1.2
+MU = 0.004
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory):
+    """A straight tube, meshed through the command line, and its boundary values."""
+    folder = tmp_path_factory.mktemp("tube")
+    tubes.write_case(folder, tubes.tube(LENGTH, lambda s: RADIUS, 0.4), [tubes.line(LENGTH, lambda s: RADIUS)])
+    command_line.main(
+        ["mesh", str(folder / "lumen.vtp"), "--centreline", str(folder / "centreline.vtp")]
+        + ["--out", str(folder / "mesh.msh"), "--cells-per-radius", "2.5"]
+    )
+    patient = ["--lvm-g", "60", "--sbp-mmhg", "120", "--dbp-mmhg", "80"]
+    command_line.main(
+        ["boundary", "--anatomy", str(folder / "anatomy.json"), *patient, "--out", str(folder / "boundary.json")]
+    )
+    return folder
+
+
+def _solve(case, out, **changes):
+    document = json.loads((case / "boundary.json").read_text())
+    for key, value in changes.items():
+        document[key] = value
+    path = out / "boundary.json"
+    path.write_text(json.dumps(document))
+    arguments = ["solve", str(case / "mesh.msh"), "--boundary", str(path), "--out", str(out)]
+    command_line.main(arguments + ["--centreline", str(case / "centreline.vtp")])
+    return json.loads((out / "ffr.json").read_text())
+
+
+def test_poiseuille(case, tmp_path):
+    answer = _solve(case, tmp_path)
+    flow = answer["inlet_flow_m3_per_s"]
+    drop = 8 * MU * LENGTH * 1e-3 * flow / (np.pi * (RADIUS * 1e-3) ** 4)
+    found = json.loads((case / "boundary.json").read_text())["map_pa"] - answer["outlets"][0]["pressure_pa"]
+    assert found == pytest.approx(drop, rel=2.5e-3)
+    assert answer["mass_imbalance"] < 1e-8
+    assert answer["residual_absolute"] < 1e-8 and answer["residual_relative"] < 1e-5
+    assert answer["reduced_model"]["ffr"] == pytest.approx(answer["ffr"], abs=2e-4)
+    assert (tmp_path / "solution.vtu").is_file() and (tmp_path / "pullback.csv").is_file()
+
+
+def test_wall_shear_stress_of_poiseuille(case, tmp_path):
+    import vtk
+    from vtk.util.numpy_support import vtk_to_numpy
+
+    flow = _solve(case, tmp_path)["inlet_flow_m3_per_s"]
+    reader = vtk.vtkXMLUnstructuredGridReader()
+    reader.SetFileName(str(tmp_path / "solution.vtu"))
+    reader.Update()
+    data = reader.GetOutput()
+    points = vtk_to_numpy(data.GetPoints().GetData())
+    stress = vtk_to_numpy(data.GetPointData().GetArray("wall_shear_stress_pa"))
+    wall = np.hypot(points[:, 1], points[:, 2]) > 0.999 * RADIUS
+    inner = wall & (np.abs(points[:, 0] - LENGTH / 2) < 2)
+    expected = 4 * MU * flow / (np.pi * (RADIUS * 1e-3) ** 3)
+    assert np.median(stress[inner, 0]) == pytest.approx(expected, rel=0.01)
+    assert np.abs(stress[np.hypot(points[:, 1], points[:, 2]) < 0.5 * RADIUS]).max() == 0
+
+
+def _problem(case, **values):
+    document = json.loads((case / "boundary.json").read_text())
+    space = spaces.read(case / "mesh.msh")
+    bounds = outlets.Boundaries(space, document)
+    jet_length = jet.mixing_length(space, centreline.read(case / "centreline.vtp"), 0.1)
+    return nonlinear.FlowProblem(space, bounds, document, settings_module.make(**values), jet_length)
+
+
+def test_newton_converges_quadratically(case):
+    problem = _problem(case)
+    found = problem.newton(1e-13, 1.0, 8)
+    history = np.array(problem.history)
+    assert found.converged and found.iterations <= 5
+    steep = np.log(history[1:]) - np.log(history[0])
+    assert steep[-1] < -15
+    problem.destroy()
+
+
+@pytest.mark.parametrize("mixing", [0.0, 0.3])
+def test_tangent_is_the_derivative_of_the_residual(case, mixing):
+    from dolfinx.fem import petsc as fem_petsc
+
+    problem = _problem(case)
+    problem.forms.mixing.value = mixing
+    problem.jet_length.x.array[:] = 1e-4
+    values, rng = problem.state.x.array, np.random.default_rng(0)
+    values[:] = 0.1 * rng.normal(size=len(values))  # random: in- and outflow at the outlet, so the backflow term acts
+    direction, base = rng.normal(size=len(values)), values.copy()
+    matrix = fem_petsc.assemble_matrix(problem.forms.tangent)
+    matrix.assemble()
+    x, y = matrix.createVecs()
+    x.array[:] = direction
+    matrix.mult(x, y)
+    difference = []
+    for sign in (1, -1):
+        values[:] = base + sign * 1e-6 * direction
+        difference.append(fem_petsc.assemble_vector(problem.forms.residual).array.copy())
+    numeric = (difference[0] - difference[1]) / 2e-6
+    assert np.linalg.norm(numeric - y.array) < 1e-6 * np.linalg.norm(numeric)
+    problem.destroy()
+
+
+def test_stall_exits_3_and_writes_nothing(case, tmp_path, capsys):
+    arguments = [
+        "solve",
+        str(case / "mesh.msh"),
+        "--boundary",
+        str(case / "boundary.json"),
+        "--out",
+        str(tmp_path / "out"),
+    ]
+    arguments += ["--centreline", str(case / "centreline.vtp"), "--residual-absolute", "1e-20"]
+    with pytest.raises(SystemExit) as stop:
+        command_line.main(arguments)
+    assert stop.value.code == 3
+    assert "stalled" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_negative_resistance_exits_2(case, tmp_path):
+    document = json.loads((case / "boundary.json").read_text())
+    document["outlets"][0]["resistance_pa_s_per_m3"] = -1.0
+    with pytest.raises(SystemExit) as stop:
+        _solve(case, tmp_path, outlets=document["outlets"])
+    assert stop.value.code == 2
+
+
+def test_outlets_that_the_mesh_lacks_are_refused(case):
+    document = json.loads((case / "boundary.json").read_text())
+    document["outlets"].append({**document["outlets"][0], "name": "outlet2", "region_id": 3})
+    with pytest.raises(InputError, match="outlets"):
+        outlets.Boundaries(spaces.read(case / "mesh.msh"), document)
+
+
+def test_mesh_in_metres_is_refused(case, tmp_path):
+    from flow import mesh
+
+    tube = tubes.tube(4, lambda s: 1.2, 0.8)
+    tree = centreline.Tree([tubes.line(4, lambda s: 1.2)])
+    built, _ = mesh.build(tube, tree, 1.5, settings_module.make())
+    built.points *= 1e-3
+    mesh.write(built, tmp_path / "metres.msh")
+    with pytest.raises(InputError, match="mm"):
+        spaces.read(tmp_path / "metres.msh")
+
+
+def test_mesh_without_an_outlet_is_refused(tmp_path):
+    from flow import mesh
+
+    tube = tubes.tube(4, lambda s: 1.2, 0.8)
+    tree = centreline.Tree([tubes.line(4, lambda s: 1.2)])
+    built, _ = mesh.build(tube, tree, 1.5, settings_module.make())
+    built.region = np.where(built.region == 2, 0, built.region)
+    mesh.write(built, tmp_path / "closed.msh")
+    with pytest.raises(InputError, match="physical groups"):
+        spaces.read(tmp_path / "closed.msh")
+
+
+def test_boundary_check_reports_missing_keys():
+    with pytest.raises(InputError, match="venous"):
+        boundary.check({"map_pa": 12000.0})
+
+
+def test_factorization_failure_is_a_computation_error():
+    from petsc4py import PETSc
+    from flow import linear
+
+    solver = linear.DirectSolver(PETSc.COMM_SELF)
+    matrix = PETSc.Mat().createAIJ((2, 2), nnz=2, comm=PETSc.COMM_SELF)
+    matrix.setValues([0, 1], [0, 1], [[np.nan, 1.0], [1.0, np.nan]])
+    matrix.assemble()
+    right, x = matrix.createVecs()
+    right.set(1.0)
+    with pytest.raises(ComputationError):
+        solver.set_matrix(matrix)
+        solver.solve(right, x)
+        assert np.isfinite(x.array).all()

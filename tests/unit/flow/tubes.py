@@ -1,0 +1,188 @@
+"""Analytic tubes as lumen surfaces: the geometry of the flow tests."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import vtk
+from scipy.spatial import Delaunay
+from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
+
+from flow import centreline
+from flow.surface import Surface
+
+
+def tube(length_mm, radius, edge_mm=0.5, axis=None, outlet_region=2):
+    """Closed, tagged tube along +x (or the map `axis`: (s, e1, e2) -> points); radius: function of s in mm."""
+    radius_0 = float(radius(0.0))
+    around = max(8, round(2 * np.pi * radius_0 / edge_mm))
+    rings = max(2, round(length_mm / edge_mm)) + 1
+    s = np.linspace(0, length_mm, rings)
+    axis = axis or (lambda along, e1, e2: np.stack([along, e1, e2], axis=-1))
+    points, triangles, region = [], [], []
+    angle = 2 * np.pi * np.arange(around) / around
+    for k, along in enumerate(s):
+        theta = angle + (k % 2) * np.pi / around
+        points.append(axis(np.full(around, along), radius(along) * np.cos(theta), radius(along) * np.sin(theta)))
+    for k in range(rings - 1):
+        here, there = k * around + np.arange(around), (k + 1) * around + np.arange(around)
+        nxt, there_next = np.roll(here, -1), np.roll(there, -1)
+        if k % 2 == 0:
+            quads = [(here, nxt, there), (nxt, there_next, there)]
+        else:
+            quads = [(here, there_next, there), (here, nxt, there_next)]
+        for a, b, c in quads:
+            triangles.append(np.stack([a, b, c], axis=1)[:, ::-1][:, [0, 2, 1]])
+            region.append(np.zeros(around, int))
+    count = rings * around
+    for k, tag in ((0, 1), (rings - 1, outlet_region)):
+        cap_points, cap_triangles = _disc(around, angle + (k % 2) * np.pi / around)
+        inner = cap_points[around:] * radius(s[k])
+        index = np.concatenate([k * around + np.arange(around), count + np.arange(len(inner))])
+        points.append(axis(np.full(len(inner), s[k]), inner[:, 0], inner[:, 1]))
+        count += len(inner)
+        faces = index[cap_triangles]
+        triangles.append(faces[:, ::-1] if k == 0 else faces)
+        region.append(np.full(len(faces), tag))
+    return Surface(np.concatenate(points), np.concatenate(triangles), np.concatenate(region))
+
+
+def _disc(around, angle):
+    """Unit disc: rim points first, then rings inwards; triangles counter-clockwise by Delaunay."""
+    points = [np.stack([np.cos(angle), np.sin(angle)], axis=1)]
+    rings = max(1, round(around / 6.3))
+    for k in range(rings - 1, 0, -1):
+        number = max(5, round(around * k / rings))
+        phase = angle[0] + 2 * np.pi * (np.arange(number) + 0.5 * (k % 2)) / number
+        points.append(k / rings * np.stack([np.cos(phase), np.sin(phase)], axis=1))
+    points = np.concatenate(points + [np.zeros((1, 2))])
+    faces = Delaunay(points).simplices
+    a, b, c = (points[faces[:, k]] for k in range(3))
+    area = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+    faces = faces[np.abs(area) > 1e-9]
+    area = area[np.abs(area) > 1e-9]
+    faces[area < 0] = faces[area < 0][:, ::-1]
+    return points, faces
+
+
+def line(length_mm, radius, axis=None, name="main", branch_id=0, spacing_mm=0.25):
+    """The tube's centreline as a flow.centreline.Branch."""
+    s = np.linspace(0, length_mm, max(2, round(length_mm / spacing_mm)) + 1)
+    zero = np.zeros_like(s)
+    axis = axis or (lambda along, e1, e2: np.stack([along, e1, e2], axis=-1))
+    return centreline.Branch(name, branch_id, axis(s, zero, zero), s, np.array([radius(x) for x in s], float))
+
+
+def lesion(radius_mm, reduction, centre_mm, length_mm):
+    """Radius profile with a cosine lesion that takes `reduction` of the diameter at its centre."""
+
+    def profile(s):
+        x = np.clip((np.asarray(s, float) - centre_mm) / length_mm, -0.5, 0.5)
+        return radius_mm * (1 - reduction * 0.5 * (1 + np.cos(2 * np.pi * x)))
+
+    return profile
+
+
+def arc(curvature_per_mm):
+    """Axis map of a circular arc in the x-y plane."""
+    bend = 1.0 / curvature_per_mm
+
+    def axis(along, e1, e2):
+        phi = along / bend
+        return np.stack([(bend - e1) * np.sin(phi), bend - (bend - e1) * np.cos(phi), e2], axis=-1)
+
+    return axis
+
+
+def write_case(folder, surface, branches, parents=None, lesions=()):
+    """Writes lumen.vtp, centreline.vtp, sections.csv and anatomy.json as the anatomy step does.
+
+    branches: [flow.centreline.Branch], main first; parents: {name: (parent, s_on_parent_mm)}.
+    """
+    parents = parents or {}
+    folder.mkdir(parents=True, exist_ok=True)
+    write_lumen(folder / "lumen.vtp", surface)
+    write_centreline(folder / "centreline.vtp", branches)
+    tables = []
+    for branch in branches:
+        s = branch.s_mm
+        area = np.pi * branch.radius_mm**2
+        tables.append(pd.DataFrame({"branch": branch.name, "branch_id": branch.branch_id, "s_mm": s, "area_mm2": area}))
+    pd.concat(tables).to_csv(folder / "sections.csv", index=False)
+    ends = [{"name": "inlet", "region_id": 1, "kind": "inlet", "branch": "main", "diameter_mm": 0.0}]
+    ends[0]["diameter_mm"] = 2 * float(branches[0].radius_mm[0])
+    for k, branch in enumerate(branches):
+        diameter = 2 * float(branch.radius_mm[-1])
+        ends.append(
+            {
+                "name": f"outlet{k + 1}",
+                "region_id": k + 2,
+                "kind": "outlet",
+                "branch": branch.name,
+                "diameter_mm": diameter,
+            }
+        )
+    tree = []
+    for branch in branches:
+        parent, where = parents.get(branch.name, (None, None))
+        tree.append(
+            {
+                "name": branch.name,
+                "branch_id": branch.branch_id,
+                "parent": parent,
+                "s_on_parent_mm": where,
+                "length_mm": branch.length_mm,
+            }
+        )
+    document = {"schema": "vci-anatomy-1", "ends": ends, "branches": tree, "lesions": list(lesions)}
+    (folder / "anatomy.json").write_text(json.dumps(document))
+
+
+def write_lumen(path, surface):
+    """Writes a Surface as lumen.vtp."""
+    data = vtk.vtkPolyData()
+    points = vtk.vtkPoints()
+    points.SetDataTypeToDouble()
+    points.SetData(numpy_to_vtk(surface.points, deep=True))
+    data.SetPoints(points)
+    cells = vtk.vtkCellArray()
+    offsets = np.arange(0, surface.triangles.size + 1, 3, dtype=np.int64)
+    connectivity = np.ascontiguousarray(surface.triangles.ravel(), np.int64)
+    cells.SetData(numpy_to_vtkIdTypeArray(offsets, deep=True), numpy_to_vtkIdTypeArray(connectivity, deep=True))
+    data.SetPolys(cells)
+    region = numpy_to_vtk(surface.region.astype(np.int32), deep=True)
+    region.SetName("region_id")
+    data.GetCellData().AddArray(region)
+    _write(path, data)
+
+
+def write_centreline(path, branches):
+    """Writes Branches as centreline.vtp."""
+    data, points, lines = vtk.vtkPolyData(), vtk.vtkPoints(), vtk.vtkCellArray()
+    points.SetDataTypeToDouble()
+    names, ids = vtk.vtkStringArray(), vtk.vtkIntArray()
+    names.SetName("branch_name")
+    ids.SetName("branch_id")
+    for branch in branches:
+        lines.InsertNextCell(len(branch.points))
+        for point in branch.points:
+            lines.InsertCellPoint(points.InsertNextPoint(point))
+        names.InsertNextValue(branch.name)
+        ids.InsertNextValue(branch.branch_id)
+    data.SetPoints(points)
+    data.SetLines(lines)
+    for name in ("s_mm", "radius_mm"):
+        values = np.concatenate([getattr(branch, name) for branch in branches])
+        array = numpy_to_vtk(values, deep=True)
+        array.SetName(name)
+        data.GetPointData().AddArray(array)
+    data.GetCellData().AddArray(names)
+    data.GetCellData().AddArray(ids)
+    _write(path, data)
+
+
+def _write(path, data):
+    writer = vtk.vtkXMLPolyDataWriter()
+    writer.SetFileName(str(path))
+    writer.SetInputData(data)
+    writer.Write()
