@@ -1,0 +1,71 @@
+"""Command line: python3 -m data_synthetic generate|reference|phantom|segment|ct-study."""
+
+import argparse
+import pathlib
+
+from common.errors import guarded
+
+
+def _parser():
+    parser = argparse.ArgumentParser(prog="data_synthetic", description="Virtual patients and their post-PCI truth.")
+    commands = parser.add_subparsers(dest="command", required=True)
+    make = commands.add_parser("generate", help="virtual patient from a case of kind synthetic")
+    make.add_argument("case", type=pathlib.Path, help="case file, config/cases/<case>.yaml")
+    make.add_argument("--out", type=pathlib.Path, required=True, help="folder for lumen.vtp and truth.json")
+    fe = commands.add_parser("reference", help="independent finite-element post-PCI lumen")
+    fe.add_argument("--scene", type=pathlib.Path, required=True, help="scene.json: devices and procedure")
+    fe.add_argument("--anatomy", type=pathlib.Path, required=True, help="folder with the pre-PCI lumen.vtp")
+    fe.add_argument("--truth", type=pathlib.Path, required=True, help="truth.json of the virtual patient")
+    fe.add_argument("--settings", type=pathlib.Path, help="YAML or JSON with the keys of the section `reference`")
+    fe.add_argument("--out", type=pathlib.Path, required=True, help="folder for lumen.vtp, lumen.stl, reference.json")
+    scan = commands.add_parser("phantom", help="CT volume of a lumen")
+    scan.add_argument("lumen", type=pathlib.Path, help="closed lumen.vtp with flat ends")
+    scan.add_argument("--settings", type=pathlib.Path, help="YAML or JSON with the keys of the section `ct`")
+    stents = scan.add_mutually_exclusive_group()
+    stents.add_argument("--struts", type=pathlib.Path, help="vtp of lines: struts of the stents in this lumen")
+    stents.add_argument("--scene", type=pathlib.Path, help="plan.json or scene.json: its stents laid on the wall")
+    scan.add_argument("--centreline", type=pathlib.Path, help="this lumen's centreline.vtp (needed with --scene)")
+    scan.add_argument("--out", type=pathlib.Path, required=True, help="folder for ct.nii.gz and ct.json")
+    find = commands.add_parser("segment", help="lumen from a CT volume and the vessels' end points")
+    find.add_argument("image", type=pathlib.Path, help="CT volume, .nii or .nii.gz, in HU")
+    find.add_argument("--ends", type=pathlib.Path, required=True, help="JSON: ends [{name, centre_mm}], inlet first")
+    find.add_argument("--centreline", type=pathlib.Path, help="centreline.vtp to use instead of one from the image")
+    find.add_argument("--settings", type=pathlib.Path, help="YAML or JSON with the keys of the section `ct`")
+    find.add_argument("--out", type=pathlib.Path, required=True, help="folder for lumen.vtp and segmentation.json")
+    study = commands.add_parser("ct-study", help="table of how well the segmentation finds known lumens")
+    study.add_argument("cases", type=pathlib.Path, nargs="+", help="synthetic cases, config/cases/<case>.yaml")
+    study.add_argument("--voxels", type=float, nargs="+", default=[0.35, 0.5], help="voxel edges in mm")
+    study.add_argument("--seeds", type=int, default=3, help="number of noise seeds")
+    study.add_argument("--settings", type=pathlib.Path, help="YAML or JSON with the keys of the section `ct`")
+    study.add_argument("--out", type=pathlib.Path, required=True, help="table (CSV)")
+    return parser
+
+
+@guarded
+def main(arguments=None):
+    """Runs one command; exit code 2 for bad input, 3 for a computation that failed."""
+    options = _parser().parse_args(arguments)
+    if options.command == "generate":
+        from . import generate
+
+        generate.run(options.case, options.out)
+    elif options.command == "phantom":
+        from .ct import scan
+
+        scan.run(options.lumen, options.out, options.settings, options.struts, options.scene, options.centreline)
+    elif options.command == "segment":
+        from .ct import segment
+
+        segment.run(options.image, options.ends, options.out, options.settings, options.centreline)
+    elif options.command == "ct-study":
+        from .ct import study
+
+        study.run(options.cases, options.voxels, options.seeds, options.out, settings_path=options.settings)
+    else:
+        from .reference import run
+
+        run.run(options.scene, options.anatomy, options.truth, options.out, options.settings)
+
+
+if __name__ == "__main__":
+    main()

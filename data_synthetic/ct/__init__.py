@@ -1,0 +1,1 @@
+"""CT angiogram of a known lumen, and the lumen found in it again."""

@@ -1,0 +1,100 @@
+"""A lumen against the true one: cross-sectional area and resistance in the same sections."""
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+END_RADII = 1.5
+
+
+def section_area(points, triangles, centre, normal):
+    """Area (mm2) of the loop round `centre` in the plane (centre, normal) of a closed surface; NaN if there is none."""
+    height = (points - centre) @ normal
+    above = height > 0
+    cut = triangles[above[triangles].any(axis=1) & ~above[triangles].all(axis=1)]
+    near = np.linalg.norm(points[cut[:, 0]] - centre, axis=1) < 8
+    cut = cut[near]
+    if len(cut) < 3:
+        return np.nan
+    # Each cut triangle gives one segment between two edges; `a` is the edge that rises through the plane.
+    starts, stops = [], []
+    for k in range(3):
+        i, j = cut[:, k], cut[:, (k + 1) % 3]
+        starts.append(np.where(~above[i] & above[j], 1, 0))
+        stops.append(np.where(above[i] & ~above[j], 1, 0))
+    rise, fall = np.argmax(starts, axis=0), np.argmax(stops, axis=0)
+    rows = np.arange(len(cut))
+    ends = []
+    for edge in (rise, fall):
+        i, j = cut[rows, edge], cut[rows, (edge + 1) % 3]
+        share = height[i] / (height[i] - height[j])
+        place = points[i] + share[:, None] * (points[j] - points[i])
+        low, high = np.minimum(i, j), np.maximum(i, j)
+        ends.append((place, low * len(points) + high))
+    keys, number = np.unique(np.concatenate([ends[0][1], ends[1][1]]), return_inverse=True)
+    first, second = number[: len(cut)], number[len(cut) :]
+    _, label = connected_components(coo_matrix((np.ones(len(cut)), (first, second)), shape=(len(keys),) * 2), False)
+    label = label[first]
+    u = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
+    u /= np.linalg.norm(u)
+    v = np.cross(normal, u)
+    a, b = (np.stack([(p - centre) @ u, (p - centre) @ v], axis=1) for p, _ in ends)
+    cross = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    angle = np.arctan2(cross, np.sum(a * b, axis=1))
+    turns = np.bincount(label, angle) / (2 * np.pi)
+    area = 0.5 * np.bincount(label, cross)
+    round_centre = np.abs(turns) > 0.5
+    return float(np.abs(area[round_centre]).min()) if round_centre.any() else np.nan
+
+
+def sections(branches, spacing_mm=0.5):
+    """[(branch name, s_mm, centre (3,), tangent (3,))] clear of the ends and of the ostia of all branches."""
+    found = []
+    for branch in branches:
+        radius = branch.radius_mm
+        start = 0.0 if not branch.parent else None
+        children = [b for b in branches if b.parent == branch.name]
+        s = np.arange(0.0, branch.axis.length_mm, spacing_mm)
+        keep = s < branch.axis.length_mm - END_RADII * radius[-1]
+        if start is not None:
+            keep &= s > END_RADII * radius[0]
+        else:
+            parent = next(b for b in branches if b.name == branch.parent)
+            points = branch.axis.point(s)
+            on_parent = parent.axis.nearest(points)
+            away = np.linalg.norm(points - parent.axis.point(on_parent), axis=1)
+            keep &= away > parent.radius(on_parent) + 2.0 * branch.radius(s)
+        for child in children:
+            # The child's mouth along the parent, with room for the blend and an oblique exit.
+            keep &= np.abs(s - child.s_on_parent_mm - 1.0) > 2.5 * child.radius_mm[0] + 1.0
+        s = s[keep]
+        tangent = branch.axis.frame(s)[0]
+        found += [(branch.name, *row) for row in zip(s, branch.axis.point(s), tangent)]
+    return found
+
+
+def compare(true, found, places, extents=None):
+    """Agreement of two surfaces ((points, triangles) each) at `places` (as from `sections`).
+
+    extents: {branch: (start, end)} to look at only part of it. Returns sections, mean_difference_mm2, sd_mm2,
+    lower_limit_mm2, upper_limit_mm2 (found minus true, +-1.96 sd), resistance_ratio (sum of A^-2, found to true; of
+    sections cut off in `found` there is no area: counted as lost_sections), smallest areas.
+    """
+    if extents:
+        places = [p for p in places if p[0] in extents and extents[p[0]][0] <= p[1] <= extents[p[0]][1]]
+    area = np.array([[section_area(*s, centre, normal) for s in (true, found)] for _, _, centre, normal in places])
+    known = np.isfinite(area).all(axis=1)
+    a, b = area[known].T
+    difference = b - a
+    mean, sd = float(difference.mean()), float(difference.std(ddof=1))
+    return {
+        "sections": int(known.sum()),
+        "lost_sections": int((~known).sum()),
+        "mean_difference_mm2": mean,
+        "sd_mm2": sd,
+        "lower_limit_mm2": mean - 1.96 * sd,
+        "upper_limit_mm2": mean + 1.96 * sd,
+        "resistance_ratio": float(np.sum(b**-2.0) / np.sum(a**-2.0)),
+        "true_minimal_area_mm2": float(a.min()),
+        "found_minimal_area_mm2": float(b.min()),
+    }

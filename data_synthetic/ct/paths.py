@@ -1,0 +1,157 @@
+"""Centrelines from the image and its end points alone: cheapest paths through the contrast, one for each branch."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import splev, splprep
+from scipy.ndimage import distance_transform_edt, gaussian_filter, label
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import dijkstra
+
+from common.errors import ComputationError, InputError
+
+from ..curves import Curve
+
+SEED_RADIUS_MM = 0.6
+# Shares of the blood's CT number: above the first a voxel may be crossed, above the second it counts as lumen.
+PASSABLE, LUMEN = 0.2, 0.5
+BRIGHT = 1.15  # calcium and metal are brighter than this share
+SMOOTHING_MM = 0.15
+
+
+@dataclass
+class Line:
+    """Axis of one branch. parent: index of the branch it leaves (-1: none); end: index of its end point."""
+
+    axis: Curve
+    parent: int
+    end: int
+
+
+def blood_hu(image, inlet_mm):
+    """CT number of the contrast-filled blood: mean over a ball of 0.6 mm about the inlet's point."""
+    reach = np.ceil(SEED_RADIUS_MM / image.spacing_mm).astype(int)
+    index, inside = image.index(inlet_mm)
+    if not inside:
+        place = np.round(inlet_mm, 2).tolist()
+        raise InputError("the end point lies outside the image", "inlet", place, "same frame, mm")
+    box = tuple(slice(max(i - r, 0), i + r + 1) for i, r in zip(index, reach))
+    centres = np.stack(np.meshgrid(*[image.centres(k)[box[k]] for k in range(3)], indexing="ij"), axis=-1)
+    ball = np.linalg.norm(centres - inlet_mm, axis=-1) <= SEED_RADIUS_MM
+    return float(image.values[box][ball].mean())
+
+
+def _graph(cost, spacing_mm):
+    """Graph over the finite cells of cost, edge = distance x mean cost, and the cells' flat index."""
+    number = np.full(cost.shape, -1)
+    cells = np.flatnonzero(np.isfinite(cost))
+    number.flat[cells] = np.arange(len(cells))
+    rows, columns, weights = [], [], []
+    for dx, dy, dz in np.ndindex(3, 3, 3):
+        step = np.array([dx, dy, dz]) - 1
+        if tuple(step) <= (0, 0, 0):
+            continue
+        here = tuple(slice(max(-d, 0), n - max(d, 0)) for d, n in zip(step, cost.shape))
+        there = tuple(slice(max(d, 0), n - max(-d, 0)) for d, n in zip(step, cost.shape))
+        both = (number[here] >= 0) & (number[there] >= 0)
+        rows.append(number[here][both])
+        columns.append(number[there][both])
+        weights.append(np.linalg.norm(step * spacing_mm) * 0.5 * (cost[here][both] + cost[there][both]))
+    rows, columns = np.concatenate(rows), np.concatenate(columns)
+    return csr_matrix((np.concatenate(weights), (rows, columns)), shape=(len(cells),) * 2), cells
+
+
+def find(image, ends):
+    """Lines of all branches, main first: [Line]. ends: [(name, centre (3,) mm)], the inlet first.
+
+    The cost is 1 / depth^2 within the contrast (half the blood's level), high below it, infinite under a fifth of it.
+    Raises InputError for an end point that is not in a vessel, ComputationError if an end cannot be reached.
+    """
+    blood = blood_hu(image, ends[0][1])
+    smooth = gaussian_filter(image.values.astype(np.float32), 0.25 / image.spacing_mm)
+    lumen = (smooth > LUMEN * blood) & (smooth < BRIGHT * blood)
+    depth = distance_transform_edt(lumen, sampling=image.spacing_mm)
+    cost = np.where(lumen, 1 / (0.1 + depth) ** 2, 100.0 * (LUMEN * blood / np.maximum(smooth, 1.0)) ** 2)
+    cost[smooth > BRIGHT * blood] = 400.0
+    cost[smooth < PASSABLE * blood] = np.inf
+    seeds = [_seed(image, smooth, name, centre, blood) for name, centre in ends]
+    parts, _ = label(np.isfinite(cost), np.ones((3, 3, 3)))
+    for (name, _), seed in zip(ends, seeds):
+        if parts[seed] != parts[seeds[0]]:
+            raise ComputationError(
+                "no way through the contrast from the inlet",
+                name,
+                "occluded, or another vessel",
+                "check the end points",
+            )
+    cost[parts != parts[seeds[0]]] = np.inf
+    graph, cells = _graph(cost, image.spacing_mm)
+    place = {cell: number for number, cell in enumerate(cells)}
+    nodes = [place[np.ravel_multi_index(seed, cost.shape)] for seed in seeds]
+    _, before = dijkstra(graph, directed=False, indices=nodes[0], return_predecessors=True)
+    chains = []
+    for node in nodes[1:]:
+        chain = [node]
+        while chain[-1] != nodes[0]:
+            chain.append(before[chain[-1]])
+        index = np.stack(np.unravel_index(cells[chain[::-1]], cost.shape), axis=1)
+        chains.append(image.origin_mm + image.spacing_mm * index)
+    return _branches(chains, [np.asarray(centre, float) for _, centre in ends])
+
+
+def _seed(image, smooth, name, centre, blood):
+    index, inside = image.index(np.asarray(centre, float))
+    if not inside:
+        place = np.round(centre, 2).tolist()
+        raise InputError("the end point lies outside the image", name, place, "same frame, mm")
+    box = tuple(slice(max(i - 1, 0), i + 2) for i in index)
+    best = np.unravel_index(np.argmax(smooth[box]), smooth[box].shape)
+    seed = tuple(int(s.start + b) for s, b in zip(box, best))
+    if smooth[seed] < LUMEN * blood:
+        value = f"{smooth[seed]:.0f} HU where blood is {blood:.0f}"
+        raise InputError("the end point is not in a contrast-filled vessel", name, value, "put it on the vessel's axis")
+    return seed
+
+
+def _length(points):
+    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+
+
+def smoothed(points, spread_mm=SMOOTHING_MM):
+    """Curve through points (n, 3) by a smoothing spline that may miss them by spread_mm rms."""
+    s = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    keep = np.concatenate([[True], np.diff(s) > 1e-6])
+    points, s = points[keep], s[keep]
+    weights = np.ones(len(s))
+    weights[[0, -1]] = 20.0
+    spline, _ = splprep(points.T, u=s, w=weights, k=min(5, len(s) - 1), s=3 * len(s) * spread_mm**2)
+    fine = np.linspace(0, s[-1], max(int(s[-1] / 0.1), 12) + 1)
+    return Curve(np.stack(splev(fine, spline), axis=1))
+
+
+def _branches(chains, centres):
+    """Lines from voxel chains that start at the inlet: the longest is the main vessel, others start on their parent."""
+    order = np.argsort([-_length(chain) for chain in chains], kind="stable")
+    lines, raw = [], []
+    for rank, number in enumerate(order):
+        chain = chains[number].copy()
+        chain[0], chain[-1] = centres[0], centres[number + 1]
+        if rank == 0:
+            lines.append(Line(smoothed(chain), -1, int(number) + 1))
+            raw.append(chain)
+            continue
+        # The parent is the branch with which the chain runs longest.
+        shared = [_shared(chain, other) for other in raw]
+        parent = int(np.argmax(shared))
+        leaves = max(shared[parent] - 1, 0)
+        axis = lines[parent].axis
+        start = axis.point(axis.nearest(chain[leaves : leaves + 1]))[0]
+        lines.append(Line(smoothed(np.concatenate([start[None], chain[leaves + 2 :]])), parent, int(number) + 1))
+        raw.append(chain)
+    return lines
+
+
+def _shared(chain, other):
+    count = min(len(chain), len(other)) - 1
+    same = np.all(np.abs(chain[1:count] - other[1:count]) < 1e-9, axis=1)
+    return int(np.argmin(same)) + 1 if not same.all() else count

@@ -1,0 +1,183 @@
+"""CT volume of a known lumen: partial volumes by supersampling, point spread, noise."""
+
+import sys
+
+import numpy as np
+import vtk
+from scipy.ndimage import gaussian_filter
+from scipy.sparse import csr_matrix
+from scipy.spatial import cKDTree
+from scipy.special import erf
+from vtk.util.numpy_support import vtk_to_numpy
+
+from common.errors import InputError
+
+from .. import disease
+from ..surface import to_poly
+from .image import Image
+
+SIGMA_PER_FWHM = 1 / np.sqrt(8 * np.log(2))
+SLAB = 8  # voxel layers rendered at once; bounds the memory
+TISSUE_SAMPLES = 2  # per voxel edge; walls and plaque are smoother than the lumen's edge matters
+LARGEST_VOXELS = 60e6
+
+
+def grid(vessel, settings):
+    """(origin (3,) mm, shape (3,)) of the box around all pieces. Raises InputError if it is too large for memory."""
+    voxel, margin = np.array(settings["voxel_mm"]), settings["margin_mm"]
+    points = np.concatenate([p for p, _ in vessel.pieces])
+    low = np.floor((points.min(axis=0) - margin) / voxel) * voxel
+    shape = np.ceil((points.max(axis=0) + margin - low) / voxel).astype(int) + 1
+    if np.prod(shape.astype(float)) > LARGEST_VOXELS:
+        raise InputError(
+            "the volume has too many voxels", "ct.phantom.voxel_mm", list(shape), f"at most {LARGEST_VOXELS:.0f} in all"
+        )
+    return np.round(low, 6), shape
+
+
+def blur_matrix(count, voxel_mm, sigma_mm, factor):
+    """Sparse (count, count * factor): a voxel's average of the blurred object, from its samples along one axis.
+
+    Weights: Gaussian convolved with the voxel's box, at the samples' distances; each full row sums to 1.
+    """
+    reach = int(np.ceil((4 * sigma_mm / voxel_mm + 0.5) * factor)) + 1
+    offset = np.arange(-reach, reach + 1)
+    # Samples sit at (j + 0.5) / factor voxels from the voxel's lower face.
+    inside = np.arange(count)[:, None] * factor + factor // 2 + offset[None]
+    distance = ((inside + 0.5) / factor - np.arange(count)[:, None] - 0.5) * voxel_mm
+    edge = np.sqrt(2) * sigma_mm
+    weight = erf((distance + 0.5 * voxel_mm) / edge) - erf((distance - 0.5 * voxel_mm) / edge)
+    weight /= weight.sum(axis=1, keepdims=True)
+    keep = (inside >= 0) & (inside < count * factor)
+    rows = np.broadcast_to(np.arange(count)[:, None], inside.shape)
+    return csr_matrix((weight[keep], (rows[keep], inside[keep])), shape=(count, count * factor))
+
+
+def _stencil(poly, origin, spacing, shape):
+    """Samples (shape) inside a closed surface, bool."""
+    cut = vtk.vtkPolyDataToImageStencil()
+    cut.SetInputData(poly)
+    cut.SetOutputOrigin(*origin)
+    cut.SetOutputSpacing(*spacing)
+    cut.SetOutputWholeExtent(0, shape[0] - 1, 0, shape[1] - 1, 0, shape[2] - 1)
+    to_image = vtk.vtkImageStencilToImage()
+    to_image.SetInputConnection(cut.GetOutputPort())
+    to_image.SetInsideValue(1)
+    to_image.SetOutsideValue(0)
+    to_image.SetOutputScalarTypeToUnsignedChar()
+    to_image.Update()
+    return vtk_to_numpy(to_image.GetOutput().GetPointData().GetScalars()).reshape(shape, order="F").astype(bool)
+
+
+def tissue_hu(depth_mm, plaque_mm, kind, settings):
+    """HU at `depth_mm` behind the lumen's wall: plaque (calcium in its outer half), then healthy wall, then fat.
+
+    depth_mm, plaque_mm, kind: arrays of one shape.
+    """
+    hu = settings["hu"]
+    sheet = (kind == disease.CALCIFIED) & (depth_mm > 0.5 * plaque_mm)
+    plaque = np.where(sheet, hu["calcium"], np.where(kind == disease.LIPID, hu["lipid"], hu["fibrous"]))
+    outside = np.where(depth_mm < plaque_mm + settings["wall_thickness_mm"], hu["wall"], hu["fat"])
+    return np.where(depth_mm < plaque_mm, plaque, outside).astype(np.float32)
+
+
+def render(vessel, settings, metal=None):
+    """Noise-free Image (float HU) of the vessel; metal: (points (n, 3) mm, volumes (n,) mm3) of stent struts."""
+    origin, shape = grid(vessel, settings)
+    voxel, factor, fat = np.array(settings["voxel_mm"]), settings["supersampling"], settings["hu"]["fat"]
+    fine = voxel / factor
+    sigma = settings["psf_fwhm_mm"] * SIGMA_PER_FWHM
+    blur = [blur_matrix(n, v, sigma, factor) for n, v in zip(shape, voxel)]
+    pieces = [(to_poly(*piece), piece[0].min(axis=0), piece[0].max(axis=0)) for piece in vessel.pieces]
+    tree, reach = cKDTree(vessel.places_mm), vessel.plaque_mm.max() + settings["wall_thickness_mm"]
+    planes = np.zeros((shape[0], shape[1], shape[2] * factor), np.float32)
+    for first in range(0, shape[2], SLAB):
+        layers = min(SLAB, shape[2] - first)
+        start, counts = _window(pieces, origin, voxel, shape, reach, first, layers)
+        if counts is None:
+            continue
+        corner = origin + (start - 0.5) * voxel
+        inside = np.zeros(counts * factor, bool)
+        top = corner + counts * voxel
+        for poly, low, high in pieces:
+            if np.all(high > corner) and np.all(low < top):
+                inside |= _stencil(poly, corner + 0.5 * fine, fine, counts * factor)
+        slab = _tissues(tree, vessel, settings, reach, corner, inside)
+        slab[inside] = settings["hu"]["blood"] - fat
+        if metal is not None:
+            _add_metal(slab, metal, settings, corner, fine)
+        along_x, along_y = (blur[k][:, factor * start[k] : factor * (start[k] + counts[k])] for k in (0, 1))
+        flat = (along_x @ slab.reshape(len(slab), -1)).reshape(shape[0], counts[1] * factor, -1)
+        flat = np.moveaxis(flat, 1, 0).reshape(counts[1] * factor, -1)
+        flat = (along_y @ flat).reshape(shape[1], shape[0], -1)
+        planes[:, :, first * factor : (first + layers) * factor] = np.moveaxis(flat, 0, 1)
+        print(f"rendered {first + layers} of {shape[2]} layers", file=sys.stderr)
+    values = (blur[2] @ planes.reshape(-1, planes.shape[2]).T).T.reshape(shape) + fat
+    return Image(values.astype(np.float32), origin, voxel)
+
+
+def _window(pieces, origin, voxel, shape, reach, first, layers):
+    """(first voxel (3,), voxels (3,)) of the part of a slab that a vessel or wall can touch; (None, None) if none."""
+    low_z, high_z = origin[2] + (np.array([first, first + layers]) - 0.5) * voxel[2]
+    low, high = [], []
+    for poly, piece_low, piece_high in pieces:
+        if piece_low[2] - reach < high_z and piece_high[2] + reach > low_z:
+            points = vtk_to_numpy(poly.GetPoints().GetData())
+            near = (points[:, 2] > low_z - reach - 1) & (points[:, 2] < high_z + reach + 1)
+            # A prism's triangles are as long as itself: none of its points need lie within the slab.
+            low.append(points[near].min(axis=0) if poly is pieces[0][0] and near.any() else piece_low)
+            high.append(points[near].max(axis=0) if poly is pieces[0][0] and near.any() else piece_high)
+    if not low:
+        return None, None
+    begin = np.floor((np.min(low, axis=0) - reach - origin) / voxel).astype(int) - 1
+    end = np.ceil((np.max(high, axis=0) + reach - origin) / voxel).astype(int) + 2
+    begin, end = np.maximum(begin, 0), np.minimum(end, shape)
+    begin[2], end[2] = first, first + layers
+    return begin, end - begin
+
+
+def _tissues(tree, vessel, settings, reach, corner, inside):
+    """HU above fat at the samples of `inside` (which are in the lumen: left undefined) of plaque and wall."""
+    counts = np.array(inside.shape) // settings["supersampling"]
+    factor, voxel = settings["supersampling"], np.array(settings["voxel_mm"])
+    samples = min(TISSUE_SAMPLES, factor)
+    values = np.zeros(inside.shape, np.float32)
+    axes = [corner[k] + (np.arange(counts[k]) + 0.5) * voxel[k] for k in range(3)]
+    centres = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    blocks = inside.reshape(counts[0], factor, counts[1], factor, counts[2], factor)
+    outside = np.flatnonzero(~blocks.all(axis=(1, 3, 5)))
+    limit = reach + np.linalg.norm(voxel)
+    near = outside[np.isfinite(tree.query(centres[outside], eps=0.2, distance_upper_bound=limit)[0])]
+    if len(near) == 0:
+        return values
+    steps = (np.stack(np.meshgrid(*[np.arange(samples)] * 3, indexing="ij"), axis=-1).reshape(-1, 3) + 0.5) / samples
+    offsets = (steps - 0.5) * voxel
+    distance, index = tree.query((centres[near][:, None] + offsets[None]).reshape(-1, 3))
+    hu = tissue_hu(distance, vessel.plaque_mm[index], vessel.kind[index], settings) - settings["hu"]["fat"]
+    hu = hu.reshape((len(near),) + (samples,) * 3)
+    # Each sub-sample of a coarse cell takes the cell's value.
+    of = np.minimum(np.arange(factor) * samples // factor, samples - 1)
+    blocks = values.reshape(counts[0], factor, counts[1], factor, counts[2], factor)
+    i, j, k = np.unravel_index(near, counts)
+    blocks.transpose(0, 2, 4, 1, 3, 5)[i, j, k] = hu[:, of][:, :, of][:, :, :, of]
+    return values
+
+
+def _add_metal(slab, metal, settings, corner, fine):
+    """Adds the struts' CT number times their share of each sample's volume (the metal displaces blood or tissue)."""
+    points, volumes = metal
+    at = np.floor((points - corner) / fine).astype(int)
+    keep = np.all((at >= 0) & (at < slab.shape), axis=1)
+    cells, inverse = np.unique(at[keep], axis=0, return_inverse=True)
+    share = np.bincount(inverse.ravel(), volumes[keep]) / np.prod(fine)
+    i, j, k = cells.T
+    slab[i, j, k] += share * (settings["hu"]["metal"] - settings["hu"]["fat"] - slab[i, j, k])
+
+
+def add_noise(image, settings):
+    """The image with Gaussian noise of the asked standard deviation, white or correlated, from the settings' seed."""
+    noise = np.random.default_rng(settings["seed"]).standard_normal(image.values.shape, dtype=np.float32)
+    if settings["noise_correlation_mm"] > 0:
+        noise = gaussian_filter(noise, settings["noise_correlation_mm"] * SIGMA_PER_FWHM / image.spacing_mm)
+        noise /= noise.std()
+    return Image(image.values + np.float32(settings["noise_hu"]) * noise, image.origin_mm, image.spacing_mm)

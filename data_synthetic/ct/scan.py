@@ -1,0 +1,98 @@
+"""From a lumen surface to its CT volume and sidecar."""
+
+import hashlib
+import json
+import pathlib
+
+import numpy as np
+import vtk
+from vtk.util.numpy_support import vtk_to_numpy
+
+from common import config, schema
+from common.errors import InputError
+from common.files import write_json
+
+from ..reference.output import read_lumen
+from . import image, phantom, struts, vessel
+
+SCHEMA = "vci-ct-1"
+
+
+def load_settings(path):
+    """Section `ct` from a YAML or JSON file, or its defaults."""
+    return config.load(path, "ct") if path else schema.with_defaults({}, schema.read("ct"))
+
+
+def run(lumen_path, out, settings_path=None, struts_path=None, scene_path=None, centreline_path=None):
+    """Writes `out`/ct.nii.gz and `out`/ct.json for the lumen at lumen_path; returns the sidecar.
+
+    Struts: lines of struts_path, or the stents of a scene laid on this lumen along its centreline. Raises InputError.
+    """
+    settings = load_settings(settings_path)["phantom"]
+    poly = read_lumen(lumen_path)
+    found = vessel.from_surface(poly, lumen_path)
+    pieces, source = None, "none"
+    if struts_path:
+        pieces, source = struts.from_file(struts_path), "lines of a file"
+    elif scene_path:
+        if not centreline_path:
+            raise InputError("stents need the lumen's centreline", "--centreline", "missing", "give centreline.vtp")
+        scene = _load_scene(scene_path)
+        pieces = struts.of_scene(scene, poly, branches_of(centreline_path), scene_path)
+        source = "rings laid on the wall" if pieces else "none"
+    metal = (pieces[0], pieces[1] * settings["strut_thickness_mm"] ** 2) if pieces else None
+    volume = phantom.add_noise(phantom.render(found, settings, metal), settings)
+    document = sidecar(volume, settings, pathlib.Path(lumen_path), source)
+    text = f"CT angiogram, synthetic; PSF {settings['psf_fwhm_mm']} mm, noise {settings['noise_hu']} HU"
+    image.write(volume, pathlib.Path(out) / "ct.nii.gz", text)
+    write_json(pathlib.Path(out) / "ct.json", document)
+    return document
+
+
+def sidecar(volume, settings, lumen_path, strut_source):
+    """The JSON beside the volume: scanner, tissue, noise, and where it came from."""
+    voxel = np.array(settings["voxel_mm"])
+    sigma = settings["psf_fwhm_mm"] * phantom.SIGMA_PER_FWHM
+    total = np.sqrt(sigma**2 + voxel**2 / 12) / phantom.SIGMA_PER_FWHM
+    return {
+        "schema": SCHEMA,
+        "modality": "CT",
+        "units": "HU",
+        "source": {"lumen": lumen_path.name, "sha256": hashlib.sha256(lumen_path.read_bytes()).hexdigest()},
+        "shape": [int(n) for n in volume.values.shape],
+        "origin_mm": volume.origin_mm.tolist(),
+        "spacing_mm": volume.spacing_mm.tolist(),
+        "effective_fwhm_mm": total.round(4).tolist(),
+        "noise": "white" if settings["noise_correlation_mm"] == 0 else "correlated (Gaussian kernel)",
+        "clipped_hu": [image.LOWEST_HU, image.HIGHEST_HU],
+        "struts": strut_source,
+        "settings": settings,
+    }
+
+
+def _load_scene(path):
+    path = pathlib.Path(path)
+    if not path.is_file():
+        raise InputError("no such file", path, "missing", "write the scene with the planning command")
+    scene = json.loads(path.read_text())
+    if "procedure" not in scene or "devices" not in scene:
+        raise InputError("not a scene", path, "no devices or no procedure", "give vci/plan.json or vci/scene.json")
+    return scene
+
+
+def branches_of(path):
+    """{branch name: points (n, 3) mm} of a centreline.vtp."""
+    path = pathlib.Path(path)
+    if not path.is_file():
+        raise InputError("no such file", path, "missing", "run the anatomy step first")
+    reader = vtk.vtkXMLPolyDataReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    poly = reader.GetOutput()
+    names = poly.GetCellData().GetAbstractArray("branch_name")
+    if poly.GetNumberOfLines() == 0 or names is None:
+        raise InputError("not a centreline", path, "no lines with branch_name", "give the anatomy's centreline.vtp")
+    points = vtk_to_numpy(poly.GetPoints().GetData()).astype(float)
+    lines = poly.GetLines()
+    offsets, corners = vtk_to_numpy(lines.GetOffsetsArray()), vtk_to_numpy(lines.GetConnectivityArray())
+    return {names.GetValue(k): points[corners[offsets[k] : offsets[k + 1]]] for k in range(len(offsets) - 1)}

@@ -1,0 +1,218 @@
+"""From a CT volume and the vessels' end points to a closed lumen, with what was doubtful said."""
+
+import json
+import pathlib
+import sys
+
+import numpy as np
+import vtk
+
+from common.errors import ComputationError, InputError
+from common.files import replacing, write_json
+
+from .. import surface
+from . import edges, image, paths, warnings
+from .phantom import SIGMA_PER_FWHM
+from .scan import branches_of, load_settings
+from .tubes import LevelField, Tube, TubeField
+
+SCHEMA = "vci-segmentation-1"
+CENTRINGS = 3
+USUAL_FWHM_MM = 0.7
+
+
+def load_ends(path):
+    """[(name, centre (3,))] of a JSON file with `ends [{name, centre_mm}]`, the inlet first. Raises InputError."""
+    path = pathlib.Path(path)
+    if not path.is_file():
+        raise InputError("no such file", path, "missing", "give the vessels' end points as JSON")
+    entries = json.loads(path.read_text()).get("ends", [])
+    if len(entries) < 2:
+        raise InputError("too few end points", f"{path}: ends", len(entries), "the inlet first, then each outlet")
+    found = []
+    for number, entry in enumerate(entries):
+        centre = np.array(entry.get("centre_mm", []), dtype=object)
+        if centre.shape != (3,) or not all(isinstance(x, (int, float)) for x in centre):
+            raise InputError("not a point", f"{path}: ends[{number}].centre_mm", list(centre), "three numbers, mm")
+        found.append((str(entry.get("name", f"end{number}")), centre.astype(float)))
+    return found
+
+
+def run(image_path, ends_path, out, settings_path=None, centreline_path=None):
+    """Writes `out`/lumen.vtp and `out`/segmentation.json; returns the document.
+
+    The centreline comes from the image and the end points, or from centreline_path where the user gives one (then it is
+    not moved). Raises InputError, or ComputationError where the contrast is interrupted.
+    """
+    settings = load_settings(settings_path)["segmentation"]
+    volume, ends = image.read(image_path), load_ends(ends_path)
+    print("finding the centreline", file=sys.stderr)
+    given = branches_of(centreline_path) if centreline_path else None
+    found = segment(volume, ends, settings, given)
+    points, triangles, _ = surface.build(found["field"], settings["surface_spacing_mm"])
+    document = _document(found, settings, pathlib.Path(image_path).name, bool(given))
+    writer = vtk.vtkXMLPolyDataWriter()
+    with replacing(pathlib.Path(out) / "lumen.vtp") as partial:
+        writer.SetFileName(str(partial))
+        writer.SetInputData(surface.to_poly(points, triangles))
+        writer.Write()
+    write_json(pathlib.Path(out) / "segmentation.json", document)
+    for warning in document["warnings"]:
+        print(f"warning: {warning['message']}", file=sys.stderr)
+    return document
+
+
+def _given_lines(given, ends):
+    """Lines of the user's centreline; every end point must lie within 2 mm of a line's end."""
+    lines, axes = [], {name: paths.smoothed(points, 0.01) for name, points in given.items()}
+    names = list(axes)
+    for rank, (name, axis) in enumerate(axes.items()):
+        miss = [np.linalg.norm(axis.points_mm[-1] - centre) for _, centre in ends[1:]]
+        if min(miss) > 2:
+            raise InputError("the centreline ends away from every end point", name, f"{min(miss):.1f} mm", "same frame")
+        start = axis.points_mm[0]
+        away = [np.linalg.norm(axes[other].point(axes[other].nearest(start[None])) - start) for other in names[:rank]]
+        lines.append(paths.Line(axis, int(np.argmin(away)) if rank else -1, int(np.argmin(miss)) + 1))
+    return lines
+
+
+def segment(volume, ends, settings, given=None):
+    """The lumen in an image: dict of field, tubes, profiles and levels.
+
+    volume: Image; ends: [(name, centre (3,))], the inlet first; given: {branch: points (n, 3)} or None.
+    """
+    lines = _given_lines(given, ends) if given else paths.find(volume, ends)
+    at, blood = volume.interpolator(), paths.blood_hu(volume, lines[0].axis.points_mm[0])
+    spacing, rays = settings["section_spacing_mm"], settings["rays"]
+    tubes = []
+    for rank, line in enumerate(lines):
+        parent = tubes[line.parent] if rank else None
+        for _ in range(0 if given else CENTRINGS):
+            tube, _, _ = _tube(at, line, parent, "half_maximum", blood, None, spacing, rays)
+            line.axis = _centred(tube, parent)
+        tubes.append(_tube(at, line, parent, "half_maximum", blood, None, spacing, rays)[0])
+    blood = _blood(at, tubes[0], blood)
+    measured = edges.point_spread(edges.sample(at, lines[0].axis, spacing, rays), tubes[0].radii_mm, blood)
+    sigma = measured or USUAL_FWHM_MM * SIGMA_PER_FWHM
+    if settings["psf_fwhm_mm"] != "auto":
+        sigma = np.sqrt((settings["psf_fwhm_mm"] * SIGMA_PER_FWHM) ** 2 + np.mean(volume.spacing_mm**2) / 12)
+    method = "half_maximum" if settings["method"] == "threshold" else settings["method"]
+    result, profiles, replaced = [], [], []
+    for rank, line in enumerate(lines):
+        parent = result[line.parent] if rank else None
+        tube, profile, bad = _tube(at, line, parent, method, blood, sigma, spacing, rays)
+        tube.name = "main" if rank == 0 else f"side{rank}"
+        result.append(tube)
+        profiles.append(profile)
+        replaced.append(bad)
+    tissue = [edges.wall_level(p, t.radii_mm, blood) for p, t in zip(profiles, result)]
+    field, level = TubeField(result), None
+    if settings["method"] == "threshold":
+        level = settings["threshold_hu"]
+        level = 0.5 * (blood + float(np.median(tissue[0]))) if level == "auto" else level
+        field = LevelField(result, at, level, blood / (2.5 * sigma))
+    doubts = warnings.find(lines, result, profiles, ends, blood, settings, measured is None)
+    return {
+        "field": field,
+        "lines": lines,
+        "tubes": result,
+        "replaced": replaced,
+        "ends": ends,
+        "blood_hu": blood,
+        "tissue_hu": float(np.median(tissue[0])),
+        "sigma_mm": float(sigma),
+        "level_hu": level,
+        "warnings": doubts,
+    }
+
+
+def _blood(at, tube, first_guess):
+    """Median CT number on the axis of the main vessel where it is wide enough for the blur not to reach its middle."""
+    wide = tube.radius(tube.s_mm) > 1.0
+    values = at(tube.axis.point(tube.s_mm[wide])) if wide.any() else np.array([first_guess])
+    return float(np.median(values))
+
+
+def _tube(at, line, parent, method, blood, sigma_mm, spacing_mm, rays):
+    """(Tube, Profiles, replaced rays) of one branch; within its parent it keeps the radius of where it comes out."""
+    profiles = edges.sample(at, line.axis, spacing_mm, rays)
+    radii, bad = edges.find(profiles, method, blood, sigma_mm)
+    if parent is not None:
+        inside = _within_parent(line.axis, profiles.s_mm, parent)
+        if inside >= len(radii) - 4:
+            raise ComputationError(
+                "a branch hardly leaves its parent",
+                "end point",
+                np.round(line.axis.points_mm[-1], 1).tolist(),
+                "move it away from the parent",
+            )
+        # Read again from outside the parent, so that no filter mixes in what lies within it.
+        outside = edges.Profiles(
+            profiles.s_mm[inside:],
+            profiles.theta,
+            profiles.r_mm,
+            profiles.hu[inside:],
+            profiles.axis_hu[inside:],
+        )
+        own, own_bad = edges.find(outside, method, blood, sigma_mm)
+        radii = np.concatenate([np.repeat(own[:1], inside, axis=0), own])
+        bad = np.concatenate([np.ones((inside, rays), bool), own_bad])
+    tube = Tube(None if parent is None else parent.name, line.axis, profiles.s_mm, profiles.theta, radii)
+    return tube, profiles, bad
+
+
+def _within_parent(axis, s_mm, parent):
+    """Number of leading sections whose rays would run into the parent."""
+    points = axis.point(s_mm)
+    on_parent = parent.axis.nearest(points)
+    away = np.linalg.norm(points - parent.axis.point(on_parent), axis=1)
+    # A section is clear of the parent when its own disc is, at a usual branching angle and radius.
+    return int(np.argmax(away > 1.35 * parent.radius(on_parent) + 0.3))
+
+
+def _centred(tube, parent):
+    """The axis moved to the centroids of its sections (at most 0.5 mm), smoothed."""
+    theta = np.linspace(0, 2 * np.pi, tube.radii_mm.shape[1], endpoint=False)
+    third, second = tube.radii_mm**3, tube.radii_mm**2
+    u = (third * np.cos(theta)).sum(axis=1) / (1.5 * second.sum(axis=1))
+    v = (third * np.sin(theta)).sum(axis=1) / (1.5 * second.sum(axis=1))
+    shift = edges.along(np.stack([u, v], axis=1), tube.s_mm)
+    size = np.linalg.norm(shift, axis=1, keepdims=True)
+    shift *= np.minimum(1, 0.5 / np.maximum(size, 1e-9))
+    if parent is not None:
+        inside = _within_parent(tube.axis, tube.s_mm, parent)
+        shift[:inside] *= np.linspace(0, 1, inside + 1)[:-1, None]
+    _, normal, binormal = tube.axis.frame(tube.s_mm)
+    points = tube.axis.point(tube.s_mm) + shift[:, :1] * normal + shift[:, 1:] * binormal
+    return paths.smoothed(points, 0.04)
+
+
+def _document(found, settings, image_name, given):
+    branches = []
+    for line, tube, bad in zip(found["lines"], found["tubes"], found["replaced"]):
+        branches.append(
+            {
+                "name": tube.name,
+                "parent": tube.parent,
+                "end": found["ends"][line.end][0],
+                "length_mm": tube.axis.length_mm,
+                "replaced_rays_percent": float(100 * bad.mean()),
+                "s_mm": tube.s_mm.round(4).tolist(),
+                "points_mm": tube.axis.point(tube.s_mm).round(4).tolist(),
+                "equivalent_radius_mm": tube.radius(tube.s_mm).round(5).tolist(),
+            }
+        )
+    return {
+        "schema": SCHEMA,
+        "image": image_name,
+        "centreline": "given by the user" if given else "cheapest paths through the contrast, centred on its sections",
+        "method": settings["method"],
+        "blood_hu": found["blood_hu"],
+        "tissue_hu": found["tissue_hu"],
+        "threshold_hu": found["level_hu"],
+        "point_spread_fwhm_mm": found["sigma_mm"] / SIGMA_PER_FWHM,
+        "settings": settings,
+        "ends": [{"name": name, "centre_mm": centre.tolist()} for name, centre in found["ends"]],
+        "branches": branches,
+        "warnings": found["warnings"],
+    }

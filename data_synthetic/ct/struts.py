@@ -1,0 +1,110 @@
+"""Stent struts in the phantom: rings of waves laid on the lumen's wall, or the lines of a file."""
+
+import pathlib
+
+import numpy as np
+import vtk
+from scipy.interpolate import PchipInterpolator
+from vtk.util.numpy_support import vtk_to_numpy
+
+from common.errors import InputError
+
+from ..curves import Curve
+
+RING_PITCH_MM = 1.3
+WAVE_MM = 0.45  # half the height of a ring's wave
+STEP_MM = 0.02
+
+
+def laid_on(poly, axis_points_mm, start_s_mm, end_s_mm, crowns, links, thickness_mm):
+    """Centre lines (n, 3) mm and lengths (n,) mm of strut pieces of a stent against the wall of a lumen.
+
+    Rings of `crowns` waves every 1.3 mm from start_s_mm to end_s_mm along the axis (m, 3), neighbours joined by
+    `links` straight bars; struts of edge thickness_mm touch the wall from inside.
+    """
+    axis = Curve(axis_points_mm)
+    tree = vtk.vtkOBBTree()
+    tree.SetDataSet(poly)
+    tree.BuildLocator()
+    count = max(int(round((end_s_mm - start_s_mm - 2 * WAVE_MM) / RING_PITCH_MM)), 1) + 1
+    rings = np.linspace(start_s_mm + WAVE_MM, end_s_mm - WAVE_MM, count)
+    paths = []
+    for number, s in enumerate(rings):
+        theta = np.linspace(0, 2 * np.pi, 40 * crowns + 1)
+        paths.append((s + WAVE_MM * np.sin(crowns * theta), theta))
+        if number + 1 < count:
+            for link in range(links):
+                # From a crest of this ring to the same phase of the next.
+                at = 2 * np.pi * (np.floor(link * crowns / links) + 0.25 + 0.5 * (number % 2)) / crowns
+                height = WAVE_MM * np.sin(crowns * at)
+                paths.append((np.linspace(s, rings[number + 1], 40) + height, np.full(40, at)))
+    lines = [_on_wall(tree, axis, s, theta, thickness_mm) for s, theta in paths]
+    return _pieces(lines)
+
+
+def _on_wall(tree, axis, s_mm, theta, thickness_mm):
+    _, normal, binormal = axis.frame(s_mm)
+    rays = np.cos(theta)[:, None] * normal + np.sin(theta)[:, None] * binormal
+    centres, hits, found = axis.point(s_mm), vtk.vtkPoints(), []
+    for centre, ray in zip(centres, rays):
+        tree.IntersectWithLine(centre, centre + 6 * ray, hits, None)
+        reach = np.linalg.norm(np.array(hits.GetPoint(0)) - centre) if hits.GetNumberOfPoints() else np.nan
+        found.append(reach)
+    radius = np.array(found)
+    # A strut bridges an ostium rather than following it into the side branch.
+    usual = np.nanmedian(radius)
+    radius = np.where(np.isnan(radius) | (radius > 1.35 * usual), usual, radius) - 0.5 * thickness_mm
+    return centres + radius[:, None] * rays
+
+
+def _pieces(lines):
+    places, lengths = [], []
+    for line in lines:
+        along = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+        count = max(int(np.ceil(along[-1] / STEP_MM)), 1)
+        middle = (np.arange(count) + 0.5) * along[-1] / count
+        places.append(PchipInterpolator(along, line)(middle))
+        lengths.append(np.full(count, along[-1] / count))
+    return np.concatenate(places), np.concatenate(lengths)
+
+
+def from_file(path):
+    """Strut pieces of a vtp file of lines: centres (n, 3) mm and lengths (n,) mm."""
+    path = pathlib.Path(path)
+    if not path.is_file():
+        raise InputError("no such file", path, "missing", "give the struts of a deployed stent")
+    reader = vtk.vtkXMLPolyDataReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    poly = reader.GetOutput()
+    lines = poly.GetLines()
+    if lines.GetNumberOfCells() == 0:
+        raise InputError("no struts in the file", path, "no lines", "give a file of lines, <stent>_struts.vtp")
+    points = vtk_to_numpy(poly.GetPoints().GetData()).astype(float)
+    offsets = vtk_to_numpy(lines.GetOffsetsArray())
+    corners = vtk_to_numpy(lines.GetConnectivityArray())
+    runs = [points[corners[a:b]] for a, b in zip(offsets[:-1], offsets[1:])]
+    return _pieces([run for run in runs if np.ptp(run, axis=0).max() > 0])
+
+
+def of_scene(scene, poly, centreline, where):
+    """Strut pieces of every stent that the scene's procedure places, laid on the wall: (centres, lengths).
+
+    centreline: {branch name: points (n, 3) mm} of the same lumen. Raises InputError for a branch that it lacks.
+    """
+    found = []
+    for i, step in enumerate(scene["procedure"]):
+        for j, use in enumerate(step["devices"]):
+            device = scene["devices"][use["device"]]
+            if device["kind"] != "stent":
+                continue
+            if use["branch"] not in centreline:
+                key = f"{where}: procedure[{i}].devices[{j}].branch"
+                raise InputError("no such branch", key, use["branch"], ", ".join(centreline))
+            half = 0.5 * device["length_mm"]
+            s, axis = use["centre_s_mm"], centreline[use["branch"]]
+            size = device["strut_thickness_mm"]
+            found.append(laid_on(poly, axis, s - half, s + half, device["crowns"], device["links"], size))
+    if not found:
+        return None
+    return np.concatenate([p for p, _ in found]), np.concatenate([v for _, v in found])

@@ -1,0 +1,58 @@
+"""Lumens found in an image as implicit fields that `surface.build` can mesh."""
+
+import numpy as np
+from scipy.interpolate import RectBivariateSpline
+
+from ..field import BAND_MM, LumenField
+
+
+class Tube:
+    """A branch whose radius depends on arc length and angle.
+
+    axis: Curve; s_mm (n,), theta (m,), radii_mm (n, m). Offers what a tree's branch offers to the field.
+    """
+
+    def __init__(self, parent, axis, s_mm, theta, radii_mm):
+        self.name, self.parent, self.axis = "main", parent, axis
+        wrapped = np.concatenate([radii_mm[:, -3:], radii_mm, radii_mm[:, :3]], axis=1)
+        step = theta[1] - theta[0]
+        angles = np.concatenate([theta[0] + step * np.arange(-3, 0), theta, theta[-1] + step * np.arange(1, 4)])
+        self._spline = RectBivariateSpline(s_mm, angles, wrapped)
+        self.s_mm, self.radii_mm = s_mm, radii_mm
+        self.healthy_mm = radii_mm.max(axis=1)
+        self._mean = np.sqrt(np.mean(radii_mm**2, axis=1))
+
+    def radius(self, s_mm):
+        """Equivalent radius (mm) at arc lengths s_mm."""
+        return np.interp(s_mm, self.s_mm, self._mean)
+
+    def radius_at(self, s_mm, theta):
+        """Radius (mm) at arc lengths and angles (n,)."""
+        s_mm = np.clip(s_mm, 0, self.axis.length_mm)
+        return self._spline.ev(s_mm, np.mod(theta, 2 * np.pi))
+
+
+class TubeField(LumenField):
+    """Smooth union over the tubes of |x - c(s)| - r(s, theta)."""
+
+    def branch_value(self, branch, points_mm, iterations=4):
+        """Field (n,) of one tube alone."""
+        s = branch.axis.nearest(points_mm, iterations)
+        if branch.parent:
+            s = np.maximum(s, 0.0)
+        offset = points_mm - branch.axis.point(s)
+        _, normal, binormal = branch.axis.frame(s)
+        theta = np.arctan2(np.sum(offset * binormal, axis=1), np.sum(offset * normal, axis=1))
+        return np.linalg.norm(offset, axis=1) - branch.radius_at(s, theta)
+
+
+class LevelField(LumenField):
+    """The image's own level set near the tubes' axes: (level - HU) over a typical slope, in about mm."""
+
+    def __init__(self, branches, at, level_hu, slope_hu_per_mm):
+        super().__init__(branches)
+        self._at, self._level, self._slope = at, level_hu, slope_hu_per_mm
+
+    def value(self, points_mm, iterations=4):
+        """Field (n,); limited to the grid's band, where a level set far from the wall means nothing."""
+        return np.clip((self._level - self._at(points_mm)) / self._slope, -BAND_MM, BAND_MM)

@@ -1,0 +1,133 @@
+"""The lumen surface as a scanner meets it: its ends run on, plaque and wall lie behind each place of it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from vtk.util.numpy_support import vtk_to_numpy
+
+from common.errors import InputError
+
+from ..surface import to_arrays
+
+EXTENSION_MM = 4.0  # the vessel goes on beyond the end of the surface; farther than any blur reaches
+COPLANAR = np.cos(np.radians(1.0))
+
+
+@dataclass
+class Vessel:
+    """Closed pieces (points (n, 3) mm, triangles (m, 3)): the surface first, then one prism for each end.
+
+    Samples on the walls: places_mm (k, 3), plaque_mm (k,) thickness behind each, kind (k,) of plaque (disease.*).
+    """
+
+    pieces: list
+    places_mm: np.ndarray
+    plaque_mm: np.ndarray
+    kind: np.ndarray
+    wall_points: np.ndarray  # indices of the surface's wall points, the first of the places
+
+
+def from_surface(poly, where):
+    """Vessel of a closed lumen (vtkPolyData of triangles). Raises InputError if it is open or has no flat ends."""
+    points, triangles = to_arrays(poly)
+    _check_closed(triangles, where)
+    cap_of = _caps(poly, points, triangles)
+    if cap_of.max() < 1:
+        raise InputError("the surface has fewer than two flat ends", where, cap_of.max() + 1, "give a capped lumen")
+    thickness, kind = _plaque(poly, points, triangles)
+    wall = np.unique(triangles[cap_of < 0])
+    pieces, places, plaques, kinds = [(points, triangles)], [points[wall]], [thickness[wall]], [kind[wall]]
+    for number in range(cap_of.max() + 1):
+        prism, rim, normal = _prism(points, triangles[cap_of == number])
+        pieces.append(prism)
+        for height in np.arange(0.25, EXTENSION_MM + 2.0, 0.25):
+            places.append(points[rim] + height * normal)
+            plaques.append(thickness[rim])
+            kinds.append(kind[rim])
+    return Vessel(pieces, np.concatenate(places), np.concatenate(plaques), np.concatenate(kinds), wall)
+
+
+def _check_closed(triangles, where):
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    _, count = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
+    if np.any(count != 2):
+        value = f"{np.sum(count != 2)} loose edges"
+        raise InputError("the lumen surface is not closed", where, value, "close it first")
+
+
+def _area_vectors(points, triangles):
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    return 0.5 * np.cross(b - a, c - a)
+
+
+def _caps(poly, points, triangles):
+    """Number of the flat end that each triangle belongs to, -1 on the wall: by `region_id`, else by flatness."""
+    region = poly.GetCellData().GetArray("region_id")
+    if region is not None:
+        return vtk_to_numpy(region).astype(int) - 1
+    vectors = _area_vectors(points, triangles)
+    area = np.linalg.norm(vectors, axis=1)
+    normals = vectors / np.maximum(area, 1e-30)[:, None]
+    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    order = np.lexsort(edges.T)
+    owner = np.tile(np.arange(len(triangles)), 3)[order]
+    i, j = owner[::2], owner[1::2]
+    flat = np.sum(normals[i] * normals[j], axis=1) > COPLANAR
+    graph = coo_matrix((np.ones(flat.sum()), (i[flat], j[flat])), shape=(len(triangles),) * 2)
+    _, label = connected_components(graph, directed=False)
+    total = np.stack([np.bincount(label, vectors[:, k]) for k in range(3)], axis=1)
+    size = np.linalg.norm(total, axis=1)
+    result, number = np.full(len(triangles), -1), 0
+    for patch in np.argsort(-size, kind="stable"):
+        inside = label == patch
+        if size[patch] < 0.2:
+            break
+        if size[patch] < 0.999 * area[inside].sum():
+            continue  # bent: part of the wall
+        rim = points[np.unique(triangles[inside])]
+        reach = np.linalg.norm(rim - rim.mean(axis=0), axis=1).max()
+        if size[patch] > 0.5 * np.pi * reach**2:  # a disc rather than a strip of a straight wall
+            result[inside] = number
+            number += 1
+    return result
+
+
+def _plaque(poly, points, triangles):
+    """(thickness mm (n,), type (n,)) behind each point; a lumen that was opened has squeezed its plaque thinner.
+
+    The plaque's area in a section is kept: (R + t)^2 - R^2 before = after, R the radius before (`radius_mm`).
+    """
+    data = poly.GetPointData()
+    if data.GetArray("plaque_thickness_mm") is None or data.GetArray("plaque_type") is None:
+        return np.zeros(len(points)), np.zeros(len(points), int)
+    thickness = vtk_to_numpy(data.GetArray("plaque_thickness_mm")).astype(float)
+    kind = vtk_to_numpy(data.GetArray("plaque_type")).astype(int)
+    if data.GetArray("displacement_mm") is not None and data.GetArray("radius_mm") is not None:
+        vectors = _area_vectors(points, triangles)
+        normal = np.zeros_like(points)
+        for k in range(3):
+            np.add.at(normal, triangles[:, k], vectors)
+        normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-30)[:, None]
+        growth = np.sum(vtk_to_numpy(data.GetArray("displacement_mm")) * normal, axis=1)
+        before = vtk_to_numpy(data.GetArray("radius_mm")).astype(float)
+        after = np.maximum(before + growth, 0.05)
+        thickness = np.sqrt(after**2 + (before + thickness) ** 2 - before**2) - after
+    return thickness, kind
+
+
+def _prism(points, cap):
+    """((points, triangles) of the cap drawn out along its normal, indices of its rim, normal (3,))."""
+    normal = _area_vectors(points, cap).sum(axis=0)
+    normal /= np.linalg.norm(normal)
+    used, local = np.unique(cap, return_inverse=True)
+    local, n = local.reshape(-1, 3), len(used)
+    edges = np.concatenate([local[:, [0, 1]], local[:, [1, 2]], local[:, [2, 0]]])
+    codes, twins = edges[:, 0] * n + edges[:, 1], edges[:, 1] * n + edges[:, 0]
+    rim = edges[~np.isin(codes, twins)]
+    a, b = rim[:, 0], rim[:, 1]
+    sides = np.concatenate([np.stack([a, b, b + n], axis=1), np.stack([a, b + n, a + n], axis=1)])
+    triangles = np.concatenate([local[:, ::-1], local + n, sides])
+    start = points[used] - 1e-3 * normal
+    return (np.concatenate([start, points[used] + EXTENSION_MM * normal]), triangles), used[np.unique(a)], normal

@@ -1,0 +1,43 @@
+"""Lesions: how far the plaque narrows the healthy lumen, and what it is made of."""
+
+import numpy as np
+
+NONE, FIBROUS, LIPID, CALCIFIED = 0, 1, 2, 3
+TYPE_OF = {"fibrous": FIBROUS, "lipid": LIPID}
+
+
+def extent(lesion):
+    """Arc lengths (mm) at which a lesion starts and ends."""
+    half = 0.5 * lesion["length_mm"]
+    return lesion["centre_s_mm"] - half, lesion["centre_s_mm"] + half
+
+
+def _cosine(x):
+    return np.where(np.abs(x) < 1, 0.5 * (1 + np.cos(np.pi * np.clip(x, -1, 1))), 0.0)
+
+
+def weight(lesion, s_mm, rng_phase=0.0):
+    """Share (0 ... 1) of the lesion's stenosis at arc lengths s_mm; 1 at its tightest place, 0 outside, C1 throughout.
+
+    rng_phase: phase (rad) of the undulation of a diffuse lesion.
+    """
+    x = (np.asarray(s_mm, float) - lesion["centre_s_mm"]) / (0.5 * lesion["length_mm"])
+    if lesion["shape"] == "focal":
+        return _cosine(x)
+    if lesion["shape"] == "tandem":
+        return _cosine((x + 0.55) / 0.45) + 0.9 * _cosine((x - 0.55) / 0.45)
+    edge = np.clip((1 - np.abs(x)) / 0.35, 0, 1)
+    plateau = edge * edge * (3 - 2 * edge)
+    waves = max(2, int(round(lesion["length_mm"] / 7)))
+    return plateau * (0.86 + 0.14 * np.sin(np.pi * waves * x + rng_phase))
+
+
+def calcium_share(lesion, s_mm, theta_rad):
+    """Share (0 ... 1) of calcium in the outer half of the plaque at (s, theta), smooth over 0.5 mm and 10 degrees."""
+    calcium = lesion.get("calcium")
+    if calcium is None:
+        return np.zeros(np.broadcast(s_mm, theta_rad).shape)
+    along = 0.5 * calcium["length_mm"] - np.abs(np.asarray(s_mm, float) - lesion["centre_s_mm"])
+    turn = np.angle(np.exp(1j * (np.asarray(theta_rad, float) - np.radians(calcium["direction_deg"]))))
+    around = np.radians(0.5 * calcium["arc_deg"]) - np.abs(turn)
+    return 0.25 * (1 + np.tanh(along / 0.5)) * (1 + np.tanh(around / np.radians(10)))

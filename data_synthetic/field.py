@@ -1,0 +1,106 @@
+"""The lumen as an implicit field: negative inside, zero on the wall, about a distance in mm."""
+
+import numpy as np
+
+BLEND_MM = 0.5
+BAND_MM = 0.6
+
+
+def smooth_minimum(a, b, width=BLEND_MM):
+    """Quadratic smooth minimum; below min(a, b) by at most width / 4, equal to it where |a - b| >= width."""
+    h = np.maximum(width - np.abs(a - b), 0) / width
+    return np.minimum(a, b) - 0.25 * width * h * h
+
+
+class LumenField:
+    """Smooth union over the branches of |x - c(s)| - r(s), s the nearest point of the branch's axis.
+
+    Blended between branches only, so the radius of a single branch is exact; ends run straight on beyond the caps.
+    """
+
+    def __init__(self, branches):
+        self.branches = branches
+
+    def branch_value(self, branch, points_mm, iterations=4):
+        """Field (n,) of one branch alone."""
+        s = branch.axis.nearest(points_mm, iterations)
+        if branch.parent:
+            s = np.maximum(s, 0.0)  # a side branch starts in its parent, rounded
+        return np.linalg.norm(points_mm - branch.axis.point(s), axis=1) - branch.radius(s)
+
+    def value(self, points_mm, iterations=4):
+        """Field (n,) in mm at points (n, 3)."""
+        total = self.branch_value(self.branches[0], points_mm, iterations)
+        for branch in self.branches[1:]:
+            # Far from a side branch its value cannot matter; skipping it saves most of the work.
+            near = _within(branch, points_mm, 3.0)
+            if near.any():
+                total[near] = smooth_minimum(total[near], self.branch_value(branch, points_mm[near], iterations))
+        return total
+
+    def gradient(self, points_mm, step_mm=1e-4):
+        """Central differences (n, 3)."""
+        shifts = step_mm * np.eye(3)
+        return np.stack(
+            [(self.value(points_mm + d) - self.value(points_mm - d)) / (2 * step_mm) for d in shifts], axis=1
+        )
+
+    def project(self, points_mm, iterations=3):
+        """Newton projections of points (n, 3) onto the zero level along the gradient."""
+        for _ in range(iterations):
+            gradient = self.gradient(points_mm)
+            value = self.value(points_mm)
+            step = value / np.maximum(np.sum(gradient**2, axis=1), 0.1)
+            points_mm = points_mm - np.clip(step, -0.3, 0.3)[:, None] * gradient
+        return points_mm
+
+
+def _within(branch, points_mm, margin_mm):
+    reach = branch.healthy_mm.max() + margin_mm
+    low, high = branch.axis.points_mm.min(axis=0) - reach, branch.axis.points_mm.max(axis=0) + reach
+    return np.all((points_mm > low) & (points_mm < high), axis=1)
+
+
+def ends(branches):
+    """The open ends, inlet first: (name, centre (3,), outward unit normal (3,), radius mm)."""
+    main = branches[0]
+    first, _, _ = main.axis.frame(0.0)
+    found = [("inlet", main.axis.point(0.0), -first, float(main.radius(0.0)))]
+    for number, branch in enumerate(branches):
+        length = branch.axis.length_mm
+        tangent, _, _ = branch.axis.frame(length)
+        found.append((f"outlet{number + 1}", branch.axis.point(length), tangent, float(branch.radius(length))))
+    return found
+
+
+def sample_grid(field, spacing_mm):
+    """Field on a grid over the narrow band round the wall: (origin (3,), values (nx, ny, nz)).
+
+    Points off the band hold +-BAND_MM, so that no false surface appears; the band covers the ends' extensions.
+    """
+    clouds = []
+    for branch in field.branches:
+        axis, extra = branch.axis, 2 * branch.healthy_mm.max()
+        s = np.arange(-extra if not branch.parent else 0.0, axis.length_mm + extra, spacing_mm)
+        clouds.append((axis.point(s), branch.radius(s)))
+    margin = max(r.max() for _, r in clouds) + BAND_MM + 2 * spacing_mm
+    low = np.min([p.min(axis=0) for p, _ in clouds], axis=0) - margin
+    high = np.max([p.max(axis=0) for p, _ in clouds], axis=0) + margin
+    shape = np.ceil((high - low) / spacing_mm).astype(int) + 1
+    # The wall lies between an inner and an outer tube about each axis; stamp balls of grid points.
+    near = np.zeros(shape, bool)
+    core = np.zeros(shape, bool)
+    for points, radii in clouds:
+        for point, radius in zip(points, radii):
+            reach = radius + BAND_MM
+            i0 = np.maximum(np.floor((point - reach - low) / spacing_mm).astype(int), 0)
+            i1 = np.minimum(np.ceil((point + reach - low) / spacing_mm).astype(int) + 1, shape)
+            x, y, z = (low[k] + spacing_mm * np.arange(i0[k], i1[k]) - point[k] for k in range(3))
+            squared = x[:, None, None] ** 2 + y[None, :, None] ** 2 + z[None, None, :] ** 2
+            box = np.s_[i0[0] : i1[0], i0[1] : i1[1], i0[2] : i1[2]]
+            near[box] |= squared < reach**2
+            core[box] |= squared < max(radius - BAND_MM, 0) ** 2
+    values = np.where(core, -BAND_MM, BAND_MM)
+    band = np.argwhere(near & ~core)
+    values[tuple(band.T)] = field.value(low + spacing_mm * band, iterations=1)
+    return low, values

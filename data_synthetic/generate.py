@@ -1,0 +1,67 @@
+"""From a synthetic case to its source surface and its truth."""
+
+import sys
+
+import numpy as np
+import vtk
+from vtk.util.numpy_support import numpy_to_vtk
+
+from common.errors import ComputationError
+from common.files import replacing, write_json
+
+from . import disease, patient, surface, tree, truth
+from .field import LumenField
+
+SPACING_MM = 0.2
+LARGEST_ERROR_MM = 0.001
+
+
+def plaque_at(branches, points_mm):
+    """(thickness mm (n,), type (n,)) of the plaque behind wall points (n, 3), from the branch nearest to each."""
+    best = np.full(len(points_mm), np.inf)
+    thickness, kind = np.zeros(len(points_mm)), np.zeros(len(points_mm), np.int32)
+    for branch in branches:
+        s = np.clip(branch.axis.nearest(points_mm), 0, branch.axis.length_mm)
+        offset = points_mm - branch.axis.point(s)
+        distance = np.abs(np.linalg.norm(offset, axis=1) - branch.radius(s))
+        _, normal, binormal = branch.axis.frame(s)
+        theta = np.arctan2(np.sum(offset * binormal, axis=1), np.sum(offset * normal, axis=1))
+        t = branch.plaque_thickness(s, theta)
+        k = np.where(branch.calcium_share(s, theta) > 0.5, disease.CALCIFIED, branch.base_type(s))
+        nearer = distance < best
+        best = np.where(nearer, distance, best)
+        thickness, kind = np.where(nearer, t, thickness), np.where(nearer, k, kind)
+    thickness = np.where(thickness > 0.01, thickness, 0.0)
+    return thickness, np.where(thickness > 0, kind, disease.NONE)
+
+
+def run(case_path, out, spacing_mm=SPACING_MM):
+    """Writes `out`/lumen.vtp and `out`/truth.json for the case at `case_path`; returns the document of truth.json.
+
+    Raises InputError for an impossible patient, ComputationError if the surface fails its own checks.
+    """
+    case = patient.load(case_path)
+    print("growing the tree", file=sys.stderr)
+    branches = tree.grow(case["vessel"], str(case_path))
+    field = LumenField(branches)
+    print("meshing the lumen", file=sys.stderr)
+    points, triangles, on_cap = surface.build(field, spacing_mm)
+    rms = float(np.sqrt(np.mean(field.value(points[~on_cap]) ** 2)))
+    if rms > LARGEST_ERROR_MM:
+        raise ComputationError(
+            "the surface misses the implicit lumen", "lumen surface", f"{rms:.2g} mm rms", "a finer generation spacing"
+        )
+    thickness, kind = plaque_at(branches, points)
+    poly = surface.to_poly(points, triangles)
+    for name, values in (("plaque_thickness_mm", thickness), ("plaque_type", kind.astype(np.int32))):
+        array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
+        array.SetName(name)
+        poly.GetPointData().AddArray(array)
+    document = truth.document(case["vessel"], branches, rms, len(points), len(triangles))
+    writer = vtk.vtkXMLPolyDataWriter()
+    with replacing(out / "lumen.vtp") as partial:
+        writer.SetFileName(str(partial))
+        writer.SetInputData(poly)
+        writer.Write()
+    write_json(out / "truth.json", document)
+    return document

@@ -1,0 +1,110 @@
+"""From the slices' lumen displacements to a displacement of any point near the branch."""
+
+import numpy as np
+from scipy.interpolate import CubicSpline, PchipInterpolator, RegularGridInterpolator
+
+FADE_MM = 8.0
+END_MM = 2.0
+FINE_S_MM, FINE_THETA = 0.1, 180
+
+
+class SpanField:
+    """Displacement (in the plane's normal and binormal) over arc length and angle within one span of slices.
+
+    s_mm (n,), theta_rad (m,) evenly from 0, displacement (n, m, 2). Monotone cubic along s, periodic cubic round.
+    coupling_mm: length l of the axial coupling that slices lack, as in a cylindrical shell,
+    u + l^4/4 d^4u/ds^4 = u_slice with free ends; 0 for none. It rounds jumps and leaves a cubic as it is.
+    """
+
+    def __init__(self, s_mm, theta_rad, displacement, coupling_mm=0.0):
+        s_mm = np.asarray(s_mm, float)
+        fine_s = np.linspace(s_mm[0], s_mm[-1], max(int((s_mm[-1] - s_mm[0]) / FINE_S_MM), 1) + 1)
+        along = PchipInterpolator(s_mm, displacement, axis=0)(fine_s)
+        if coupling_mm:
+            along = coupled(along, fine_s[1] - fine_s[0], coupling_mm)
+        closed = np.concatenate([along, along[:, :1]], axis=1)
+        around = CubicSpline(np.append(theta_rad, 2 * np.pi), closed, axis=1, bc_type="periodic")
+        fine_theta = np.linspace(0, 2 * np.pi, FINE_THETA + 1)
+        self.first, self.last = s_mm[0], s_mm[-1]
+        self._grid = RegularGridInterpolator((fine_s, fine_theta), around(fine_theta))
+
+    def at(self, s_mm, theta_rad):
+        """Displacement (k, 2) at points inside the span (clamped to it)."""
+        s = np.clip(s_mm, self.first, self.last)
+        return self._grid(np.stack([s, np.mod(theta_rad, 2 * np.pi)], axis=1))
+
+
+def coupled(values, step_mm, length_mm):
+    """Solution u of u + l^4/4 d^4u/ds^4 = values along the first axis, free ends, spacing step_mm."""
+    count = len(values)
+    second = np.diff(np.eye(count), 2, axis=0) / step_mm**2
+    system = np.eye(count) + 0.25 * length_mm**4 * second.T @ second
+    return np.linalg.solve(system, values.reshape(count, -1)).reshape(values.shape)
+
+
+class LumenDeformation:
+    """Displacement of the lumen by slices without a stent (over everything) and with it (over the stented spans).
+
+    free: SpanField; held: list of SpanField, one a stented span, its ends the stent's ends; outside of them the jump
+    fades as the clamped cylindrical shell does, exp(-x/l) (cos x/l + sin x/l), l = edge_decay_mm (Timoshenko).
+    """
+
+    def __init__(self, free, held, edge_decay_mm):
+        self._free, self._held, self._decay = free, held, edge_decay_mm
+
+    def in_plane(self, s_mm, theta_rad):
+        """Displacement (k, 2) mm of the lumen at (s, theta)."""
+        inside_free = (s_mm >= self._free.first) & (s_mm <= self._free.last)
+        total = np.where(inside_free[:, None], self._free.at(s_mm, theta_rad), 0.0)
+        for span in self._held:
+            covered = (s_mm >= span.first) & (s_mm <= span.last)
+            total = np.where(covered[:, None], span.at(s_mm, theta_rad), total)
+        for span in self._held:
+            for end, away in ((span.first, -1), (span.last, 1)):
+                x = away * (s_mm - end) / self._decay
+                near = (x > 0) & (x < 12) & ~self._covered(s_mm)
+                jump = span.at(np.full_like(s_mm, end), theta_rad) - self._free.at(np.full_like(s_mm, end), theta_rad)
+                fade = np.exp(-np.abs(x)) * (np.cos(x) + np.sin(np.abs(x)))
+                total = total + np.where(near, fade, 0.0)[:, None] * jump
+        return total
+
+    def _covered(self, s_mm):
+        return np.any([(s_mm >= span.first) & (s_mm <= span.last) for span in self._held], axis=0)
+
+
+def smooth_fall(x):
+    """1 for x <= 0, 0 for x >= 1, C2 between."""
+    x = np.clip(x, 0, 1)
+    return 1 - x**3 * (10 - 15 * x + 6 * x * x)
+
+
+def move(points_mm, branch, lumen, straight_s_mm, straight_mm, resting):
+    """Moved points (n, 3).
+
+    Points on the branch's lumen follow it; points outside (side branches) follow as incompressible tissue does,
+    rho' = sqrt(rho^2 + r'^2 - r^2), fading out over FADE_MM. resting: (centre (3,), radius mm) of the vessel's
+    ends; their caps stay, the END_MM round them fade to rest.
+    """
+    axis = branch.axis
+    s = axis.nearest(points_mm)
+    along = np.clip(s, 0, axis.length_mm)
+    offset = points_mm - axis.point(along)
+    _, normal, binormal = axis.frame(along)
+    a, b = np.sum(offset * normal, axis=1), np.sum(offset * binormal, axis=1)
+    theta, rho = np.arctan2(b, a), np.hypot(a, b)
+    r = branch.radius(along)
+    inside = (s > 0) & (s < axis.length_mm)
+    u = lumen.in_plane(along, theta)
+    outwards = np.cos(theta) * u[:, 0] + np.sin(theta) * u[:, 1]
+    opened = r + outwards
+    gap = np.maximum(rho - r, 0)
+    tissue = np.sqrt(np.maximum((r + gap) ** 2 + opened**2 - r**2, 1e-12)) - (r + gap)
+    share = np.where(np.abs(outwards) > 1e-9, tissue / np.where(np.abs(outwards) > 1e-9, outwards, 1), 1.0)
+    fade = smooth_fall(gap / FADE_MM) * inside
+    for centre, radius in resting:
+        fade = fade * (1 - smooth_fall((np.linalg.norm(points_mm - centre, axis=1) - 1.05 * radius) / END_MM))
+    w = np.stack([np.interp(along, straight_s_mm, straight_mm[:, k]) for k in range(3)], axis=1)
+    local = (share * u[:, 0])[:, None] * normal + (share * u[:, 1])[:, None] * binormal
+    # Inside the lumen (points of a cap's disc) the displacement scales with the distance from the axis.
+    core = np.clip(rho / np.maximum(r, 1e-9), 0, 1)[:, None]
+    return points_mm + fade[:, None] * (core * local + w)

@@ -1,0 +1,138 @@
+"""What the slices need of a scene's devices: radius along the axis at the given pressure, stiffness, cap."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from common.errors import InputError
+
+MPA_PER_BAR = 0.1
+
+
+@dataclass(frozen=True)
+class Balloon:
+    """An inflated balloon: radius_mm at its pressure, stiffness_mpa_per_mm from the slope of its chart, cap_mpa."""
+
+    name: str
+    centre_s_mm: float
+    length_mm: float
+    shoulder_mm: float
+    radius_mm: float
+    stiffness_mpa_per_mm: float
+    cap_mpa: float
+
+    def radius_at(self, s_mm):
+        """Free radius (mm) at arc length s: full over its length, linear to 0 over the shoulders."""
+        beyond = np.abs(s_mm - self.centre_s_mm) - 0.5 * self.length_mm
+        return self.radius_mm * np.clip(1 - np.maximum(beyond, 0) / self.shoulder_mm, 0, 1)
+
+    def reach(self):
+        """Arc lengths (mm) between which it can touch."""
+        half = 0.5 * self.length_mm + self.shoulder_mm
+        return self.centre_s_mm - half, self.centre_s_mm + half
+
+
+@dataclass(frozen=True)
+class Stent:
+    """An expanded stent's hold after deflation: recoil_share of the reached radius, cap_mpa its radial strength."""
+
+    name: str
+    start_s_mm: float
+    end_s_mm: float
+    recoil_share: float
+    cap_mpa: float
+    bending_n_mm2: float
+
+    def holds(self, s_mm):
+        """Whether it covers arc length s."""
+        return self.start_s_mm - 1e-9 <= s_mm <= self.end_s_mm + 1e-9
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step of the procedure on one branch: a balloon, and the stent that it carries or None."""
+
+    name: str
+    action: str
+    balloon: Balloon
+    stent: Stent
+
+
+def _need(entry, key, where):
+    if key not in entry:
+        raise InputError("missing key", f"{where}.{key}", "nothing", "write the scene with the planning command")
+    return entry[key]
+
+
+def balloon(entry, name, centre_s_mm, pressure_bar, where):
+    """Balloon of a scene's entry at a pressure. Raises InputError where the pressure is off its chart."""
+    chart = _need(entry, "chart", where)
+    pressures, diameters = np.array(chart["pressure_bar"], float), np.array(chart["diameter_mm"], float)
+    if not pressures[0] <= pressure_bar <= pressures[-1]:
+        raise InputError(
+            "pressure off the balloon's chart",
+            f"{where}: {name}",
+            f"{pressure_bar} bar",
+            f"between {pressures[0]} and {pressures[-1]} bar",
+        )
+    # A wall that holds the balloon below its free diameter carries the pressure that the chart lacks there.
+    low = max(pressure_bar - 2.0, pressures[0])
+    high = low + 2.0
+    growth = np.interp(high, pressures, diameters) - np.interp(low, pressures, diameters)
+    return Balloon(
+        name,
+        centre_s_mm,
+        _need(entry, "length_mm", where),
+        _need(entry, "shoulder_mm", where),
+        0.5 * float(np.interp(pressure_bar, pressures, diameters)),
+        (high - low) * MPA_PER_BAR / max(0.5 * growth, 1e-6),
+        pressure_bar * MPA_PER_BAR,
+    )
+
+
+def steps(scene, where):
+    """(branch name, [Step]) of a scene.
+
+    Raises InputError for what plane-strain slices of one branch cannot answer: several devices at a time, or several
+    branches.
+    """
+    found, branches = [], []
+    for number, step in enumerate(scene["procedure"]):
+        here = f"{where}: procedure[{number}]"
+        if len(step["devices"]) != 1:
+            raise InputError(
+                "the slice-wise reference takes one device at a time",
+                here,
+                f"{len(step['devices'])} devices",
+                "leave the reference out for this plan",
+            )
+        use = step["devices"][0]
+        if use["device"] not in scene["devices"]:
+            raise InputError("no such device", f"{here}.devices[0].device", use["device"], "list it under devices")
+        entry = scene["devices"][use["device"]]
+        key = f"{where}: devices.{use['device']}"
+        branches.append(use["branch"])
+        stent = None
+        name = use["device"]
+        if entry["kind"] == "stent":
+            half = 0.5 * _need(entry, "length_mm", key)
+            stent = Stent(
+                name,
+                use["centre_s_mm"] - half,
+                use["centre_s_mm"] + half,
+                1 - 0.01 * _need(entry, "recoil_percent", key),
+                _need(entry, "radial_strength_mpa", key),
+                _need(entry, "bending_stiffness_n_mm2", key),
+            )
+            name = _need(entry, "balloon", key)
+            entry = scene["devices"][name]
+        used = balloon(entry, name, use["centre_s_mm"], use["pressure_bar"], key)
+        found.append(Step(step["name"], step["action"], used, stent))
+    if len(set(branches)) != 1:
+        raise InputError(
+            "the slice-wise reference treats one branch",
+            f"{where}: procedure",
+            ", ".join(sorted(set(branches))),
+            "leave the reference out for this plan",
+        )
+    return branches[0], found

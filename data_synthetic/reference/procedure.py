@@ -1,0 +1,63 @@
+"""The steps of an intervention in one slice: inflate, deflate, with the stent left behind."""
+
+import numpy as np
+
+DEFLATION_STEPS = 5
+
+
+def treat(model, steps, s_mm, settings, stents_here, name):
+    """Runs the steps in a placed SliceModel at arc length s_mm.
+
+    stents_here: whether stents hold at this slice. Returns a list of {step, inflated_radius_mm, radius_mm}, the lumen's
+    area-equivalent radii at full inflation and after deflation. Raises ComputationError where it does not converge.
+    """
+    history = []
+    held_radius = 0.0
+    model.set_loads({key: 0.0 for key in ("balloon_share", "stent_share", "pressure")})
+    # The laws are evaluated even at share 0, so their constants must be regular.
+    model.set_loads(dict.fromkeys(("balloon_radius", "stent_radius"), 0.0))
+    model.set_loads(dict.fromkeys(("balloon_stiffness", "balloon_cap", "stent_stiffness", "stent_cap"), 1.0))
+    carried = None
+    for step in steps:
+        where = f"slice at s = {s_mm:.2f} mm of {name}, step {step.name}"
+        radius = float(step.balloon.radius_at(s_mm))
+        distance = np.linalg.norm(model.lumen_position(), axis=1)
+        start = max(float(distance.min()) - 0.05, 0.0)
+        if step.stent and step.stent.holds(s_mm) and stents_here:
+            carried = step.stent
+        if radius > start:
+            model.set_loads(
+                {
+                    "balloon_radius": start,
+                    "balloon_stiffness": step.balloon.stiffness_mpa_per_mm,
+                    "balloon_cap": step.balloon.cap_mpa,
+                    "balloon_share": 1.0,
+                }
+            )
+            count = max(int(np.ceil((radius - start) / settings["radius_step_mm"])), 1)
+            for value in np.linspace(start, radius, count + 1)[1:]:
+                model.advance({"balloon_radius": float(value)}, where)
+        inflated = float(np.sqrt(model.lumen_area() / np.pi))
+        if carried:
+            # The stent lies round the balloon: it has been opened to where balloon or wall ended.
+            held_radius = max(held_radius, carried.recoil_share * min(inflated, radius))
+            model.set_loads(
+                {
+                    "stent_radius": held_radius,
+                    "stent_stiffness": settings["stent_stiffness_mpa_per_mm"],
+                    "stent_cap": carried.cap_mpa,
+                }
+            )
+        begin = model.loads()
+        for share in np.linspace(0, 1, DEFLATION_STEPS + 1)[1:]:
+            held = 1.0 if carried else 0.0
+            model.advance(
+                {
+                    "balloon_share": begin["balloon_share"] * (1 - share),
+                    "stent_share": begin["stent_share"] + share * (held - begin["stent_share"]),
+                },
+                where,
+            )
+        final = float(np.sqrt(model.lumen_area() / np.pi))
+        history.append({"step": step.name, "inflated_radius_mm": inflated, "radius_mm": final})
+    return history

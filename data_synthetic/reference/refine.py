@@ -1,0 +1,62 @@
+"""Finer triangles where the lumen is stretched: a throat of few edges would open into a polygon, not a circle."""
+
+import numpy as np
+
+
+def split_edges(points, triangles, long_edge):
+    """Splits edges at their middle, without cracks.
+
+    points (n, 3), triangles (m, 3), long_edge: function of (k, 2) vertex pairs (sorted, unique) to (k,) bool.
+    Returns (new triangles, parents (p, 2): the ends of the edge that each new point halves, numbered from n;
+    cell (m',): the old triangle of each new one).
+    """
+    edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    unique, inverse = np.unique(edges, axis=0, return_inverse=True)
+    marked = long_edge(unique)
+    number = np.full(len(unique), -1)
+    number[marked] = len(points) + np.arange(marked.sum())
+    middle = number[inverse.reshape(-1)].reshape(-1, 3)  # of the edges 01, 12, 20; -1 where whole
+    count = np.sum(middle >= 0, axis=1)
+    out, cell = [triangles[count == 0]], [np.flatnonzero(count == 0)]
+
+    def add(rows, *corners):
+        out.extend(np.stack(c, axis=1) for c in corners)
+        cell.extend([rows] * len(corners))
+
+    for k in range(3):
+        a, b, c = (triangles[:, (k + i) % 3] for i in range(3))
+        ab, bc, ca = (middle[:, (k + i) % 3] for i in range(3))
+        rows = np.flatnonzero((count == 1) & (ab >= 0))
+        add(rows, (a[rows], ab[rows], c[rows]), (ab[rows], b[rows], c[rows]))
+        rows = np.flatnonzero((count == 2) & (ca < 0))
+        add(rows, (ab[rows], b[rows], bc[rows]), (a[rows], ab[rows], bc[rows]), (a[rows], bc[rows], c[rows]))
+    rows = np.flatnonzero(count == 3)
+    a, b, c = triangles[rows].T
+    ab, bc, ca = middle[rows].T
+    add(rows, (a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))
+    return np.concatenate(out), unique[marked], np.concatenate(cell)
+
+
+def refined(points, triangles, move, on_lumen, edge_mm, passes=4):
+    """Halves edges that are longer than edge_mm once moved, where the wall moves at all.
+
+    move: points (n, 3) -> moved (n, 3); on_lumen: puts new points of the wall back on the true lumen, (points (p, 3),
+    parents (p, 2)) -> (p, 3). Returns (points, triangles, parents of all new points, old triangle of each new one).
+    """
+    original = np.arange(len(triangles))
+    all_parents = np.zeros((0, 2), int)
+    for _ in range(passes):
+        moved = move(points)
+        shift = np.linalg.norm(moved - points, axis=1)
+
+        def long_edge(pairs):
+            length = np.linalg.norm(moved[pairs[:, 0]] - moved[pairs[:, 1]], axis=1)
+            return (length > edge_mm) & (shift[pairs].max(axis=1) > 0.02)
+
+        triangles, parents, cell = split_edges(points, triangles, long_edge)
+        if not len(parents):
+            break
+        points = np.concatenate([points, on_lumen(points[parents].mean(axis=1), parents)])
+        all_parents = np.concatenate([all_parents, parents])
+        original = original[cell]
+    return points, triangles, all_parents, original

@@ -1,0 +1,54 @@
+"""Annular mesh of quadratic quadrilaterals between lumen and adventitia; its nodes are moved from slice to slice."""
+
+import numpy as np
+import ufl
+from dolfinx import mesh as dmesh
+from mpi4py import MPI
+
+LUMEN, OUTSIDE = 1, 2
+
+
+class Annulus:
+    """Ring of `around` x `through` biquadratic elements, created on the unit annulus 1 < r < 2.
+
+    mesh: dolfinx mesh with geometry of degree 2; facet_tags: LUMEN, OUTSIDE. theta_rad (2 around,) are the angles of
+    the nodes of a circle, depth (2 through + 1,) their share of the way from lumen (0) to outside (1).
+    """
+
+    def __init__(self, around, through):
+        self.theta_rad = 2 * np.pi * np.arange(2 * around) / (2 * around)
+        self.depth = np.linspace(0, 1, 2 * through + 1)
+        columns, rows = 2 * around, 2 * through + 1
+
+        def node(i, j):
+            return (i % columns) * rows + j
+
+        cells = []
+        for i in range(0, columns, 2):
+            for j in range(0, 2 * through, 2):
+                # Corners (0,0) (1,0) (0,1) (1,1), edges, centre: the order of Basix; first direction along depth.
+                corner = [node(i, j), node(i, j + 2), node(i + 2, j), node(i + 2, j + 2)]
+                edge = [node(i, j + 1), node(i + 1, j), node(i + 1, j + 2), node(i + 2, j + 1)]
+                cells.append(corner + edge + [node(i + 1, j + 1)])
+        radius = 1 + self.depth
+        x = np.stack(
+            [np.outer(np.cos(self.theta_rad), radius).ravel(), np.outer(np.sin(self.theta_rad), radius).ravel()], axis=1
+        )
+        element = ufl.VectorElement("Lagrange", ufl.Cell("quadrilateral", geometric_dimension=2), 2)
+        self.mesh = dmesh.create_mesh(MPI.COMM_SELF, np.array(cells, np.int64), x, ufl.Mesh(element))
+        self._input = np.array(self.mesh.geometry.input_global_indices)
+        self.mesh.topology.create_connectivity(1, 2)
+        inner = dmesh.locate_entities_boundary(self.mesh, 1, lambda p: np.hypot(p[0], p[1]) < 1.2)
+        outer = dmesh.locate_entities_boundary(self.mesh, 1, lambda p: np.hypot(p[0], p[1]) > 1.8)
+        facets = np.concatenate([inner, outer]).astype(np.int32)
+        tags = np.concatenate([np.full(len(inner), LUMEN), np.full(len(outer), OUTSIDE)]).astype(np.int32)
+        order = np.argsort(facets)
+        self.facet_tags = dmesh.meshtags(self.mesh, 1, facets[order], tags[order])
+
+    def place(self, inner_mm, outer_mm):
+        """Moves the nodes so that the rays from the origin run from inner_mm to outer_mm, both (2 around,)."""
+        radius = inner_mm[:, None] + (outer_mm - inner_mm)[:, None] * self.depth[None]
+        x = radius * np.cos(self.theta_rad)[:, None]
+        y = radius * np.sin(self.theta_rad)[:, None]
+        self.mesh.geometry.x[:, 0] = x.ravel()[self._input]
+        self.mesh.geometry.x[:, 1] = y.ravel()[self._input]

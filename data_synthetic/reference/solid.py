@@ -1,0 +1,61 @@
+"""Finite-strain solid in plane strain, as UFL: Yeoh wall mixed with a plaque of multiplicative J2 plasticity.
+
+Source of the return mapping: J. C. Simo, T. J. R. Hughes, Computational Inelasticity (1998), box 9.1: neo-Hookean,
+isochoric-volumetric split, radial return in the Kirchhoff stress; closed form, so the tangent is UFL's derivative.
+"""
+
+import ufl
+
+DEVIATORIC_DEGREE, VOLUMETRIC_DEGREE = 5, 3  # full 3x3 Gauss points, and 2x2 against volumetric locking
+
+
+def deformation_gradient(u):
+    """3x3 deformation gradient of a plane displacement u."""
+    g = ufl.grad(u)
+    return ufl.as_tensor([[1 + g[0, 0], g[0, 1], 0], [g[1, 0], 1 + g[1, 1], 0], [0, 0, 1]])
+
+
+def plane_tensor(v):
+    """Symmetric 3x3 tensor with components (11, 22, 33, 12) of v."""
+    return ufl.as_tensor([[v[0], v[3], 0], [v[3], v[1], 0], [0, 0, v[2]]])
+
+
+def plaque_return(f, plastic, hardening_strain, shear, yield_stress, hardening):
+    """Radial return of the plaque.
+
+    f: 3x3 deformation gradient; plastic: 3x3 inverse plastic metric Cp^-1 at the last step; hardening_strain:
+    equivalent plastic strain. Returns (deviatoric Kirchhoff stress 3x3, new Cp^-1 3x3, new equivalent plastic strain).
+    """
+    volume = ufl.det(f)
+    be_bar = volume ** (-2.0 / 3.0) * f * plastic * f.T
+    trace = ufl.tr(be_bar)
+    trial = shear * ufl.dev(be_bar)
+    size = ufl.sqrt(ufl.inner(trial, trial) + 1e-16)
+    mu_bar = shear * trace / 3
+    excess = size - (2.0 / 3.0) ** 0.5 * (yield_stress + hardening * hardening_strain)
+    flow = ufl.conditional(ufl.gt(excess, 0), excess, 0.0) / (2 * mu_bar * (1 + hardening / (3 * mu_bar)))
+    stress = (1 - 2 * mu_bar * flow / size) * trial
+    inverse = ufl.inv(f)
+    new_plastic = volume ** (2.0 / 3.0) * inverse * (stress / shear + trace / 3 * ufl.Identity(3)) * inverse.T
+    return stress, new_plastic, hardening_strain + (2.0 / 3.0) ** 0.5 * flow
+
+
+def wall_stress(f, c10, c20):
+    """Deviatoric Kirchhoff stress of the Yeoh wall W = c10 (I1 - 3) + c20 (I1 - 3)^2, isochoric I1."""
+    b_bar = ufl.det(f) ** (-2.0 / 3.0) * f * f.T
+    return 2 * (c10 + 2 * c20 * (ufl.tr(b_bar) - 3)) * ufl.dev(b_bar)
+
+
+def volumetric_stress(f, bulk):
+    """Kirchhoff pressure (positive in tension) of U = bulk/4 (J^2 - 1 - 2 ln J)."""
+    return 0.5 * bulk * (ufl.det(f) ** 2 - 1)
+
+
+def device_pressure(distance, radius, stiffness, cap, smoothing_mm=0.004):
+    """Pressure of a round device of `radius` on a wall at `distance` from its axis: smoothcap(k <R - d>).
+
+    The gap is smoothed over smoothing_mm; smoothcap(p) = p c / (p^4 + c^4)^(1/4) tends to the cap c.
+    """
+    gap = radius - distance
+    p = stiffness * 0.5 * (gap + ufl.sqrt(gap**2 + smoothing_mm**2))
+    return p * cap / (p**4 + cap**4) ** 0.25

@@ -1,0 +1,226 @@
+"""The coronary tree of a virtual patient: axes, healthy radii, lumen radii."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from common.errors import InputError
+
+from . import disease, patient
+from .curves import SAMPLE_MM, Curve, integrate
+
+HEART_CURVATURE = {"lad": 1 / 45, "lcx": 1 / 32, "rca": 1 / 26}
+# Bends alternate over about 15 mm: a narrow kernel less a wide one of the same integral, so that none grows to a loop.
+NARROW_MM, WIDE_MM = 3.0, 8.0
+BRANCH_STEP_MM = 2.0
+ATTEMPTS = 60
+
+
+@dataclass
+class Branch:
+    """One branch. All arrays (n,) or (n, 3) are samples along `axis` (the lumen's axis), lengths in mm.
+
+    radius_mm: lumen; healthy_mm: healthy lumen; shift_mm: vector from the healthy vessel's axis to the lumen's.
+    """
+
+    name: str
+    parent: str
+    s_on_parent_mm: float
+    axis: Curve
+    radius_mm: np.ndarray
+    healthy_mm: np.ndarray
+    shift_mm: np.ndarray
+    lesions: list = field(default_factory=list)
+
+    def radius(self, s_mm):
+        """Lumen radius (mm) at arc lengths s_mm, constant beyond the ends."""
+        return _interpolate(s_mm, self.axis.s_mm, self.radius_mm)
+
+    def healthy(self, s_mm):
+        """Healthy radius (mm) at arc lengths s_mm."""
+        return _interpolate(s_mm, self.axis.s_mm, self.healthy_mm)
+
+    def shift(self, s_mm):
+        """Vectors (..., 3) from the healthy vessel's axis to the lumen's, mm."""
+        return np.stack([_interpolate(s_mm, self.axis.s_mm, self.shift_mm[:, k]) for k in range(3)], axis=-1)
+
+    def plaque_thickness(self, s_mm, theta_rad):
+        """Distance (mm) from the lumen wall to the healthy wall along the ray at theta in the section at s."""
+        s_mm, theta_rad = np.broadcast_arrays(np.asarray(s_mm, float), theta_rad)
+        _, normal, binormal = self.axis.frame(s_mm)
+        ray = np.cos(theta_rad)[..., None] * normal + np.sin(theta_rad)[..., None] * binormal
+        shift = self.shift(s_mm)
+        across = np.sum(shift * ray, axis=-1)
+        healthy = self.healthy(s_mm)
+        reach = -across + np.sqrt(np.maximum(healthy**2 - np.sum(shift**2, axis=-1) + across**2, 0))
+        return np.maximum(reach - self.radius(s_mm), 0)
+
+    def calcium_share(self, s_mm, theta_rad):
+        """Largest share of calcium (0 ... 1) of the branch's lesions at (s, theta)."""
+        shares = [disease.calcium_share(lesion, s_mm, theta_rad) for lesion in self.lesions]
+        return np.max(shares, axis=0) if shares else np.zeros(np.broadcast(s_mm, theta_rad).shape)
+
+    def base_type(self, s_mm):
+        """Plaque type (int) but for calcium: that of the nearest lesion, fibrous where there is none."""
+        if not self.lesions:
+            return np.full(np.shape(s_mm), disease.FIBROUS)
+        distance = [np.abs(s_mm - le["centre_s_mm"]) / le["length_mm"] for le in self.lesions]
+        types = np.array([disease.TYPE_OF[le["plaque"]] for le in self.lesions])
+        return types[np.argmin(distance, axis=0)]
+
+
+def _interpolate(s_mm, samples, values):
+    """Cubic Hermite (monotone) interpolation at even samples: C1, so that the field has a gradient."""
+    x = np.clip((np.asarray(s_mm, float) - samples[0]) / (samples[1] - samples[0]), 0, len(samples) - 1)
+    i = np.minimum(x.astype(int), len(samples) - 2)
+    t = x - i
+    slope = np.gradient(values)
+    v0, v1, m0, m1 = values[i], values[i + 1], slope[i], slope[i + 1]
+    return v0 + t * m0 + t * t * (3 * (v1 - v0) - 2 * m0 - m1) + t**3 * (2 * (v0 - v1) + m0 + m1)
+
+
+def _smooth_step(x):
+    x = np.clip(x, 0, 1)
+    return x * x * x * (10 - 15 * x + 6 * x * x)
+
+
+def main_healthy_radius(vessel, s_mm):
+    """Healthy main radius (mm): power law at side branches, eased over 2 x 2 mm, times the taper."""
+    main, exponent = vessel["main"], vessel["murray_exponent"]
+    power = np.full(np.shape(s_mm), (0.5 * main["ostial_diameter_mm"]) ** exponent)
+    for side in patient.ordered_sides(vessel):
+        ease = _smooth_step((s_mm - side["s_mm"] + BRANCH_STEP_MM) / (2 * BRANCH_STEP_MM))
+        power = power - (0.5 * side["diameter_mm"]) ** exponent * ease
+    return power ** (1 / exponent) * (1 - 0.01 * main["taper_percent_per_cm"]) ** (np.asarray(s_mm) / 10)
+
+
+def _gaussian(x, width):
+    return np.exp(-0.5 * (x / width) ** 2) / width
+
+
+def _random_axis(vessel, rng):
+    """Main vessel's axis (Curve): bend over the heart plus smooth random curvature, mean and bound as asked."""
+    main = vessel["main"]
+    count = int(round(main["length_mm"] / SAMPLE_MM)) + 1
+    s = np.linspace(0, main["length_mm"], count)
+    offset = np.subtract.outer(s, np.arange(-3 * WIDE_MM, main["length_mm"] + 3 * WIDE_MM, 2.0))
+    kernel = _gaussian(offset, NARROW_MM) - _gaussian(offset, WIDE_MM)
+    noise = kernel @ rng.standard_normal((offset.shape[1], 2))
+    noise /= np.sqrt(np.mean(noise**2))
+    wanted, bound = main["mean_curvature_per_mm"], main["max_curvature_per_mm"]
+    base = np.array([min(HEART_CURVATURE[vessel["artery"]], wanted), 0.0])
+
+    def curvatures(scale):
+        k = base + scale * noise
+        size = np.linalg.norm(k, axis=1, keepdims=True)
+        return k / (1 + (size / bound) ** 4) ** 0.25  # smooth bound
+
+    low, high = 0.0, 20 * bound
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if np.mean(np.linalg.norm(curvatures(middle), axis=1)) < wanted:
+            low = middle
+        else:
+            high = middle
+    k = curvatures(0.5 * (low + high))
+    return Curve(integrate(k[:, 0], k[:, 1], s[1]))
+
+
+def _side_axis(main, side, main_radius):
+    """Axis of a side branch: leaves at its angle, then follows the main vessel's direction at a distance."""
+    tangent, normal, binormal = main.frame(side["s_mm"])
+    azimuth, angle = np.radians(side["azimuth_deg"]), np.radians(side["angle_deg"])
+    outward = np.cos(azimuth) * normal + np.sin(azimuth) * binormal
+    s = np.linspace(0, side["length_mm"], int(round(side["length_mm"] / SAMPLE_MM)) + 1)
+    # Straight to 3 mm past the main wall, then turns towards the main direction by at most 0.04 /mm down to 30 degrees.
+    straight = main_radius / np.sin(angle) + 3.0
+    turned = np.maximum(angle - 0.04 * np.maximum(s - straight, 0) * _smooth_step((s - straight) / 4), np.radians(30))
+    turned = np.minimum(turned, angle)
+    direction = np.cos(turned)[:, None] * tangent + np.sin(turned)[:, None] * outward
+    steps = 0.5 * (direction[1:] + direction[:-1]) * s[1]
+    return Curve(main.point(side["s_mm"]) + np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)]))
+
+
+def _diseased(name, parent, s_parent, axis, healthy, lesions, rng):
+    """Branch with its lesions: lumen radius, and axis shifted for eccentric plaque."""
+    s = axis.s_mm
+    phases = rng.uniform(0, 2 * np.pi, len(lesions))
+    loss, push = np.zeros_like(s), np.zeros((len(s), 3))
+    for lesion, phase in zip(lesions, phases):
+        w = disease.weight(lesion, s, phase)
+        part = 0.01 * lesion["diameter_stenosis_percent"] * w / max(w.max(), 1e-12)
+        direction = np.radians(lesion["direction_deg"])
+        ray = np.cos(direction) * axis.normals + np.sin(direction) * axis.binormals
+        # Overlapping lesions: the deeper one counts, smoothly enough at this sampling.
+        deeper = part > loss
+        loss = np.maximum(loss, part)
+        push = np.where(deeper[:, None], (lesion["eccentricity"] * part)[:, None] * ray, push)
+    shift = push * healthy[:, None]
+    shifted = Curve(axis.points_mm + shift) if np.any(shift) else axis
+    # The same material points, now at arc lengths of the lumen's axis.
+    s_new = shifted.nearest(axis.points_mm + shift)
+    moved = [dict(le, centre_s_mm=float(np.interp(le["centre_s_mm"], s, s_new))) for le in lesions]
+
+    def at(values):
+        return np.interp(shifted.s_mm, s_new, values)
+
+    radius = at(healthy * (1 - loss))
+    shift_new = np.stack([at(shift[:, k]) for k in range(3)], axis=1)
+    return Branch(name, parent, s_parent, shifted, radius, at(healthy), shift_new, moved)
+
+
+def _clear(branches):
+    """Whether no branch comes near itself or another one away from its root, and no bend is sharper than its radius."""
+    for branch in branches:
+        axis, radius = branch.axis, branch.radius_mm
+        if np.any(axis.curvature(axis.s_mm) * radius > 0.8):
+            return False
+        coarse = slice(None, None, 5)
+        p, s, r = axis.points_mm[coarse], axis.s_mm[coarse], branch.healthy_mm[coarse]
+        apart = np.linalg.norm(p[:, None] - p[None], axis=2)
+        if np.any((np.abs(np.subtract.outer(s, s)) > 8 * r.max()) & (apart < np.add.outer(r, r) + 2.0)):
+            return False
+        for other in branches:
+            if other is branch or other.name < branch.name:
+                continue
+            q, t, ro = other.axis.points_mm[coarse], other.axis.s_mm[coarse], other.healthy_mm[coarse]
+            gap = np.linalg.norm(p[:, None] - q[None], axis=2) - np.add.outer(r, ro)
+            root = other.parent == branch.name
+            # Past 3 mm outside the parent's wall a side branch must keep 1 mm free.
+            free = t > (branch.healthy(other.s_on_parent_mm) / np.sin(np.radians(30)) + 2.5 * ro[0] if root else 0)
+            near_root = 4 * branch.healthy_mm.max() if not root else 0
+            if not root and abs(other.s_on_parent_mm - branch.s_on_parent_mm) < near_root:
+                free = t > 6
+            if np.any(gap[:, free] < 1.0):
+                return False
+    return True
+
+
+def grow(vessel, where="vessel"):
+    """Branches [main, side1, ...] of a checked vessel, lumen's axes from the inlet at the origin.
+
+    The seed's random stream is tried until the tree is clear of itself. Raises InputError if it never is.
+    """
+    rng = np.random.default_rng(vessel["seed"])
+    for _ in range(ATTEMPTS):
+        axis = _random_axis(vessel, rng)
+        healthy = main_healthy_radius(vessel, axis.s_mm)
+        lesions = {"main": []}
+        for lesion in vessel["lesions"]:
+            lesions.setdefault(lesion["branch"], []).append(lesion)
+        main = _diseased("main", "", 0.0, axis, healthy, lesions["main"], rng)
+        branches = [main]
+        for index, side in enumerate(patient.ordered_sides(vessel)):
+            name = f"side{index + 1}"
+            side_axis = _side_axis(axis, side, float(main_healthy_radius(vessel, np.array(side["s_mm"]))))
+            radius = 0.5 * side["diameter_mm"] * (1 - 0.01 * side["taper_percent_per_cm"]) ** (side_axis.s_mm / 10)
+            s_main = float(main.axis.nearest(axis.point(np.array([side["s_mm"]])))[0])
+            branches.append(_diseased(name, "main", s_main, side_axis, radius, lesions.get(name, []), rng))
+        if _clear(branches):
+            return branches
+    raise InputError(
+        f"no tree clear of itself in {ATTEMPTS} draws",
+        f"{where}.seed",
+        vessel["seed"],
+        "another seed, other azimuths, less curvature, or shorter side branches",
+    )

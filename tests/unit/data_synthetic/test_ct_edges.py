@@ -1,0 +1,115 @@
+import numpy as np
+import pytest
+
+from data_synthetic.ct import edges, stented
+from data_synthetic.curves import Curve
+
+SIGMA = 0.31
+
+
+def profiles_of(volume, spacing=0.25):
+    axis = Curve(np.stack([np.full(61, 0.07), np.full(61, -0.11), np.linspace(-6, 6, 61)], axis=1))
+    return edges.sample(volume.interpolator(), axis, spacing, 32)
+
+
+@pytest.mark.parametrize("radius", [0.5, 0.7, 1.0, 1.6])
+@pytest.mark.parametrize("voxel", [0.35, 0.5])
+def test_psf_edge_is_unbiased_on_blurred_tubes(ct_tubes, radius, voxel):
+    volume = ct_tubes.tube_image(radius, voxel, SIGMA)
+    found, replaced = edges.find(profiles_of(volume), "psf_edge", 400.0, SIGMA)
+    assert found[8:-8].mean() == pytest.approx(radius, abs=0.03)
+    assert found[8:-8].std() < 0.02 and not replaced.any()
+
+
+def test_half_maximum_is_biased_in_the_known_direction(ct_tubes):
+    """In a wide tube the level of the true edge is below one half: half maximum lies inside it."""
+    found, _ = edges.find(profiles_of(ct_tubes.tube_image(1.6, 0.35, SIGMA)), "half_maximum", 400.0)
+    assert 1.5 < found.mean() < 1.59
+
+
+def test_edge_share_is_that_of_a_blurred_disc():
+    n, h, radius = 401, 0.015, 0.9
+    x = h * (np.arange(n) - n // 2)
+    inside = np.hypot(x[:, None], x[None]) < radius
+    weight = np.exp(-0.5 * (np.hypot(x[:, None] - radius, x[None]) / SIGMA) ** 2)
+    assert edges.edge_share(radius, SIGMA) == pytest.approx((inside * weight).sum() / weight.sum(), abs=0.003)
+    assert edges.edge_share(50.0, SIGMA) == pytest.approx(0.5, abs=0.01)
+
+
+@pytest.mark.parametrize("sigma", [0.25, 0.31, 0.42])
+def test_point_spread_is_measured(ct_tubes, sigma):
+    volume = ct_tubes.tube_image(1.6, 0.35, sigma)
+    noise = np.random.default_rng(2).normal(0, 25, volume.values.shape)
+    volume.values = volume.values + noise
+    profiles = profiles_of(volume)
+    radius, _ = edges.find(profiles, "half_maximum", 400.0)
+    assert edges.point_spread(profiles, radius, 400.0) == pytest.approx(sigma, rel=0.06)
+
+
+def test_a_narrow_vessel_tells_nothing_of_the_point_spread(ct_tubes):
+    profiles = profiles_of(ct_tubes.tube_image(0.8, 0.35, SIGMA))
+    radius, _ = edges.find(profiles, "half_maximum", 400.0)
+    assert edges.point_spread(profiles, radius, 400.0) is None
+
+
+def test_first_fall_is_linear_and_says_when_there_is_none():
+    r = np.arange(0, 1, 0.1)
+    hu = np.stack([400 - 300 * r, np.full(10, 400.0), np.full(10, 100.0), np.where(r < 0.45, 400, 0)])[None]
+    found = edges.first_fall(hu, r, np.full((1, 4), 250.0))[0]
+    assert found[0] == pytest.approx(0.5) and np.isnan(found[1]) and found[2] == 0
+    assert found[3] == pytest.approx(0.4375)
+
+
+def test_rays_into_a_side_branch_are_replaced_by_their_neighbours():
+    radius = np.full((20, 32), 1.5)
+    radius[8:12, 5:9] = 3.0
+    radius[3, 20] = np.nan
+    tidy, replaced = edges.tidy(radius)
+    assert np.allclose(tidy, 1.5)
+    assert replaced[8:12, 5:9].all() and replaced[3, 20] and replaced.sum() == 17
+
+
+def test_filter_keeps_cubics_and_few_harmonics():
+    s, theta = np.arange(0, 20, 0.25), np.linspace(0, 2 * np.pi, 32, endpoint=False)
+    radius = 1.5 + 0.001 * (s - 9)[:, None] ** 3 + 0.2 * np.cos(3 * theta)
+    assert np.allclose(edges.filtered(radius, s), radius)
+    rough = radius + 0.1 * np.cos(9 * theta)
+    assert np.allclose(edges.filtered(rough, s), radius)
+    assert np.allclose(edges.along(radius, s, derivative=2), (0.006 * (s - 9))[:, None], atol=1e-9)
+
+
+def test_calcium_beside_the_lumen_does_not_count_as_lumen(ct_tubes):
+    volume = ct_tubes.tube_image(1.0, 0.35, SIGMA)
+    x, y = (volume.centres(k)[:, None, None] for k in (0, 1))
+    y = y.reshape(1, -1, 1)
+    stone = np.exp(-0.5 * (((x - 1.55) / 0.35) ** 2 + (y / 0.6) ** 2))
+    volume.values = volume.values + 700 * np.broadcast_to(stone, volume.values.shape)
+    profiles = profiles_of(volume)
+    radius, replaced = edges.find(profiles, "psf_edge", 400.0, SIGMA)
+    assert replaced[:, 0].mean() > 0.9
+    assert np.sqrt((radius**2).mean()) == pytest.approx(1.0, abs=0.1)
+
+
+@pytest.mark.parametrize("metal", [0.0, 150.0, 400.0])
+def test_shell_fit_finds_the_wall_behind_metal(metal):
+    r = np.arange(0, 4, 0.05)
+    true = np.array([[1.4, 1.55, 1.83]])
+    ring = [stented.shell(r, radius - stented.STRUT_CENTRE_MM, SIGMA) for radius in true[0]]
+    blood = [50 + 350 * stented.disc(r, radius, SIGMA) for radius in true[0]]
+    hu = np.stack(blood)[None] + metal * np.stack(ring)[None]
+    found = stented.fit(hu, r, 400.0, 50.0, SIGMA, 2.4)
+    assert np.allclose(found, true, atol=0.004 if metal else 0.02)  # M >= 0 leaves a kink
+    # Without the metal in the model the same rays would be read too wide.
+    clipped = edges.first_fall(np.minimum(hu, 460), r, np.full((1, 3), 225.0))
+    assert (clipped - true).min() > (0.1 if metal else -0.05)
+
+
+def test_disc_and_shell_are_blurred_discs_and_rings():
+    n, h, radius, at = 601, 0.01, 0.9, 1.1
+    x = h * (np.arange(n) - n // 2)
+    distance = np.hypot(x[:, None], x[None])
+    weight = np.exp(-0.5 * (np.hypot(x[:, None] - at, x[None]) / SIGMA) ** 2) * h * h / (2 * np.pi * SIGMA**2)
+    assert stented.disc(at, radius, SIGMA) == pytest.approx((weight * (distance < radius)).sum(), abs=0.003)
+    ring = (np.abs(distance - radius) < 0.03) / 0.06
+    expected = (weight * ring).sum() * np.sqrt(2 * np.pi) * SIGMA
+    assert stented.shell(at, radius, SIGMA) == pytest.approx(expected, rel=0.02)

@@ -1,0 +1,73 @@
+"""What a user may hand over besides the image: a centreline, struts."""
+
+import numpy as np
+import pytest
+import vtk
+
+from common.errors import InputError
+from data_synthetic.ct import phantom, scan, segment, struts, vessel
+
+
+def write_lines(path, lines, names=None):
+    points, cells = vtk.vtkPoints(), vtk.vtkCellArray()
+    points.SetDataTypeToDouble()
+    for line in lines:
+        cells.InsertNextCell(len(line))
+        for point in line:
+            cells.InsertCellPoint(points.InsertNextPoint(*point))
+    poly = vtk.vtkPolyData()
+    poly.SetPoints(points)
+    poly.SetLines(cells)
+    if names:
+        array = vtk.vtkStringArray()
+        array.SetName("branch_name")
+        for name in names:
+            array.InsertNextValue(name)
+        poly.GetCellData().AddArray(array)
+    writer = vtk.vtkXMLPolyDataWriter()
+    writer.SetFileName(str(path))
+    writer.SetInputData(poly)
+    writer.Write()
+    return path
+
+
+def test_struts_of_a_file_have_their_lengths(tmp_path):
+    path = write_lines(tmp_path / "struts.vtp", [[(0, 0, 0), (3, 4, 0)], [(1, 0, 0), (1, 0, 1), (1, 0, 1.5)]])
+    points, lengths = struts.from_file(path)
+    assert lengths.sum() == pytest.approx(6.5) and lengths.max() < 1.01 * struts.STEP_MM
+    assert np.average(points, axis=0, weights=lengths) == pytest.approx(
+        (5 * np.array([1.5, 2, 0]) + 1.5 * np.array([1, 0, 0.75])) / 6.5
+    )
+
+
+def test_files_without_struts_are_refused(tmp_path):
+    with pytest.raises(InputError, match="no such file"):
+        struts.from_file(tmp_path / "none.vtp")
+    with pytest.raises(InputError, match="no struts"):
+        struts.from_file(write_lines(tmp_path / "empty.vtp", []))
+
+
+def test_a_given_centreline_is_used_and_not_moved(ct_tubes, tmp_path):
+    poly, direction = ct_tubes.tube(lambda z: np.full(len(z), 1.5))
+    settings = ct_tubes.settings()
+    volume = phantom.render(vessel.from_surface(poly, "tube"), settings["phantom"])
+    ends = [("inlet", 0 * direction), ("outlet1", 14 * direction)]
+    # A user's line, a little off the middle: the radii see it, the line stays.
+    across = np.cross(direction, [0.0, 1.0, 0.0])
+    across /= np.linalg.norm(across)
+    line = np.linspace(0, 14, 57)[:, None] * direction + 0.2 * across
+    given = scan.branches_of(write_lines(tmp_path / "centreline.vtp", [line], ["main"]))
+    found = segment.segment(volume, ends, settings["segmentation"], given)
+    tube = found["tubes"][0]
+    away = tube.axis.points_mm - (tube.axis.points_mm @ direction)[:, None] * direction
+    assert np.allclose(away, 0.2 * across, atol=0.02)
+    middle = tube.radii_mm[10:-10].mean(axis=0)
+    assert middle.max() - middle.min() == pytest.approx(0.4, abs=0.05)
+    with pytest.raises(InputError, match="away from every end point"):
+        segment.segment(volume, ends, settings["segmentation"], {"main": line[:30]})
+
+
+def test_a_centreline_without_names_is_refused(tmp_path):
+    path = write_lines(tmp_path / "line.vtp", [[(0, 0, 0), (1, 0, 0)]])
+    with pytest.raises(InputError, match="not a centreline"):
+        scan.branches_of(path)

@@ -1,0 +1,201 @@
+import json
+
+import numpy as np
+import pytest
+from vtk.util.numpy_support import numpy_to_vtk
+
+from common.errors import ComputationError, InputError
+from data_synthetic import __main__ as command
+from data_synthetic import surface
+from data_synthetic.ct import evaluate, image, paths, phantom, scan, segment, struts, study, vessel
+from data_synthetic.reference.output import read_lumen
+from data_synthetic.surface import to_arrays
+
+ENDS = {"inlet": 0.0, "outlet1": 14.0}
+
+
+def throat(smallest_mm, width_mm=5.0):
+    """radius_of_z of a tube of 1.4 mm with a throat."""
+
+    def radius(z):
+        x = np.clip(np.abs(z - 7) / width_mm, 0, 1)
+        return 1.4 - (1.4 - smallest_mm) * 0.5 * (1 + np.cos(np.pi * x))
+
+    return radius
+
+
+def scanned(ct_tubes, radius, **changes):
+    """(noisy Image, ends, true surface, settings) of a tube; plaque fills what the throat takes."""
+    poly, direction = ct_tubes.tube(radius)
+    points, _ = to_arrays(poly)
+    thickness = 1.4 - radius(points @ direction)
+    for name, values in (("plaque_thickness_mm", thickness), ("plaque_type", (thickness > 0.01).astype(np.int32))):
+        array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
+        array.SetName(name)
+        poly.GetPointData().AddArray(array)
+    settings = ct_tubes.settings(**changes)
+    volume = phantom.render(vessel.from_surface(poly, "tube"), settings["phantom"])
+    volume = phantom.add_noise(volume, settings["phantom"])
+    return volume, [(name, z * direction) for name, z in ENDS.items()], poly, direction, settings["segmentation"]
+
+
+def places(direction):
+    """Sections every half millimetre, clear of the ends."""
+    return [("main", s, s * direction, direction) for s in np.arange(2.5, 11.6, 0.5)]
+
+
+@pytest.fixture(scope="module")
+def open_throat(ct_tubes):
+    return scanned(ct_tubes, throat(0.7))
+
+
+@pytest.mark.parametrize("method, limit", [("psf_edge", 0.3), ("half_maximum", 0.9), ("threshold", 1.1)])
+def test_area_and_resistance_of_a_throat(open_throat, method, limit):
+    volume, ends, poly, direction, settings = open_throat
+    found = segment.segment(volume, ends, dict(settings, method=method))
+    points, triangles, _ = surface.build(found["field"], 0.2)
+    result = evaluate.compare(to_arrays(poly), (points, triangles), places(direction))
+    assert result["lost_sections"] == 0
+    assert max(-result["lower_limit_mm2"], result["upper_limit_mm2"]) < limit
+    if method == "psf_edge":
+        assert result["resistance_ratio"] == pytest.approx(1, abs=0.12)
+        assert [w["code"] for w in found["warnings"]] == []
+        assert found["sigma_mm"] == pytest.approx(0.314, rel=0.06)
+
+
+def test_the_axis_comes_from_the_image(open_throat):
+    volume, ends, _, direction, settings = open_throat
+    found = segment.segment(volume, ends, settings)
+    points = found["tubes"][0].axis.points_mm
+    away = np.linalg.norm(points - (points @ direction)[:, None] * direction, axis=1)
+    assert away.max() < 0.12
+    assert found["tubes"][0].axis.length_mm == pytest.approx(14, abs=0.3)
+
+
+def test_an_occluded_throat_is_warned_of_at_its_place(ct_tubes):
+    volume, ends, _, _, settings = scanned(ct_tubes, throat(0.28))
+    found = segment.segment(volume, ends, settings)
+    occluded = [w for w in found["warnings"] if w["code"] == "occluded_by_voxels"]
+    assert len(occluded) == 1 and occluded[0]["value"] < 0.6
+    assert 5.5 < occluded[0]["s_start_mm"] < 7 < occluded[0]["s_end_mm"] < 8.5
+    # With the limit below what is left of the contrast there, nothing is said.
+    quiet = segment.segment(volume, ends, dict(settings, occluded_below=0.3))
+    assert "occluded_by_voxels" not in [w["code"] for w in quiet["warnings"]]
+
+
+def test_an_interrupted_vessel_is_an_error(ct_tubes):
+    volume, ends, _, direction, settings = scanned(ct_tubes, throat(0.7), noise_hu=0)
+    centres = np.stack(np.meshgrid(*[volume.centres(k) for k in range(3)], indexing="ij"), axis=-1)
+    volume.values[np.abs(centres @ direction - 7) < 1.0] = -80
+    with pytest.raises(ComputationError, match="no way through"):
+        segment.segment(volume, ends, settings)
+
+
+def test_end_points_beside_the_vessel_or_outside_are_refused(open_throat):
+    volume, ends, _, _, settings = open_throat
+    with pytest.raises(InputError, match="not in a contrast-filled"):
+        segment.segment(volume, [ends[0], ("outlet1", ends[1][1] + [3.0, 0, 0])], settings)
+    with pytest.raises(InputError, match="outside the image"):
+        segment.segment(volume, [ends[0], ("outlet1", ends[1][1] + [30.0, 0, 0])], settings)
+
+
+def test_a_stent_blooms_and_psf_edge_takes_it_off(ct_tubes):
+    poly, direction = ct_tubes.tube(lambda z: np.full(len(z), 1.6))
+    places_mm, lengths = struts.laid_on(poly, np.linspace(0, 14, 141)[:, None] * direction, 3, 11, 8, 2, 0.08)
+    settings = ct_tubes.settings()
+    found = vessel.from_surface(poly, "tube")
+    volume = phantom.add_noise(
+        phantom.render(found, settings["phantom"], (places_mm, lengths * 0.0064)), settings["phantom"]
+    )
+    ends = [(name, z * direction) for name, z in ENDS.items()]
+    inside = [("main", s, s * direction, direction) for s in np.arange(4.5, 9.6, 0.5)]
+    bias = {}
+    for method in ("psf_edge", "half_maximum"):
+        result = segment.segment(volume, ends, dict(settings["segmentation"], method=method))
+        points, triangles, _ = surface.build(result["field"], 0.2)
+        bias[method] = evaluate.compare(to_arrays(poly), (points, triangles), inside)["mean_difference_mm2"]
+        assert "calcium_or_metal" in [w["code"] for w in result["warnings"]]
+    assert bias["half_maximum"] > 2 and abs(bias["psf_edge"]) < 0.6
+
+
+def test_struts_touch_the_wall_and_have_their_length(ct_tubes):
+    poly, direction = ct_tubes.tube(lambda z: np.full(len(z), 1.6), around=96)
+    axis = np.linspace(0, 14, 141)[:, None] * direction
+    points, lengths = struts.laid_on(poly, axis, 3, 11, 6, 2, 0.08)
+    height = points @ direction
+    radius = np.linalg.norm(points - height[:, None] * direction, axis=1)
+    assert np.allclose(radius, 1.56, atol=0.01)
+    assert height.min() == pytest.approx(3, abs=0.1) and height.max() == pytest.approx(11, abs=0.1)
+    theta = np.linspace(0, 2 * np.pi, 20001)
+    speed = np.sqrt(1.56**2 + (6 * struts.WAVE_MM * np.cos(6 * theta)) ** 2)
+    ring = np.sum(0.5 * (speed[1:] + speed[:-1])) * (theta[1] - theta[0])
+    rings = int(round((8 - 2 * struts.WAVE_MM) / struts.RING_PITCH_MM)) + 1
+    links = 2 * (8 - 2 * struts.WAVE_MM)  # two a gap, from the first ring's plane to the last's
+    assert lengths.sum() == pytest.approx(rings * ring + links, rel=0.01)
+
+
+def test_commands_from_a_lumen_to_a_lumen_and_the_same_bits(ct_tubes, tmp_path, capsys):
+    poly, direction = ct_tubes.tube(throat(0.9))
+    import vtk
+
+    writer = vtk.vtkXMLPolyDataWriter()
+    writer.SetFileName(str(tmp_path / "lumen.vtp"))
+    writer.SetInputData(poly)
+    writer.Write()
+    ends = [{"name": name, "centre_mm": (z * direction).tolist()} for name, z in ENDS.items()]
+    (tmp_path / "ends.json").write_text(json.dumps({"ends": ends}))
+    for turn in ("a", "b"):
+        out = tmp_path / turn
+        command.main(["phantom", str(tmp_path / "lumen.vtp"), "--out", str(out)])
+        command.main(["segment", str(out / "ct.nii.gz"), "--ends", str(tmp_path / "ends.json"), "--out", str(out)])
+    for name in ("ct.nii.gz", "ct.json", "lumen.vtp", "segmentation.json"):
+        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
+    document = json.loads((tmp_path / "a" / "segmentation.json").read_text())
+    assert document["blood_hu"] == pytest.approx(400, abs=6) and document["warnings"] == []
+    triangles = to_arrays(read_lumen(tmp_path / "a" / "lumen.vtp"))[1]
+    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    assert np.all(np.unique(edges, axis=0, return_counts=True)[1] == 2)
+
+
+def test_bad_end_points_are_refused_with_their_key(tmp_path, capsys):
+    volume = image.Image(np.zeros((4, 4, 4), np.float32), np.zeros(3), np.ones(3))
+    image.write(volume, tmp_path / "ct.nii", "nothing")
+    (tmp_path / "one.json").write_text('{"ends": [{"name": "inlet", "centre_mm": [0, 0, 0]}]}')
+    (tmp_path / "flat.json").write_text('{"ends": [{"centre_mm": [0, 0, 0]}, {"centre_mm": [0, 1]}]}')
+    for name, key in (("one.json", "ends"), ("flat.json", "ends[1].centre_mm")):
+        with pytest.raises(SystemExit) as caught:
+            arguments = ["segment", tmp_path / "ct.nii", "--ends", tmp_path / name, "--out", tmp_path / "out"]
+            command.main([str(a) for a in arguments])
+        assert caught.value.code == 2 and key in capsys.readouterr().err
+        assert not (tmp_path / "out").exists()
+
+
+def test_a_scene_needs_the_centreline_and_a_known_branch(ct_tubes, tmp_path):
+    import vtk
+
+    poly, direction = ct_tubes.tube(throat(0.9))
+    writer = vtk.vtkXMLPolyDataWriter()
+    writer.SetFileName(str(tmp_path / "lumen.vtp"))
+    writer.SetInputData(poly)
+    writer.Write()
+    device = {"kind": "stent", "length_mm": 8.0, "crowns": 6, "links": 2, "strut_thickness_mm": 0.08}
+    use = {"device": "des", "branch": "side9", "centre_s_mm": 7.0}
+    scene = {"devices": {"des": device}, "procedure": [{"devices": [use]}]}
+    (tmp_path / "scene.json").write_text(json.dumps(scene))
+    with pytest.raises(InputError, match="centreline"):
+        scan.run(tmp_path / "lumen.vtp", tmp_path / "out", scene_path=tmp_path / "scene.json")
+    with pytest.raises(InputError, match=r"procedure\[0\].devices\[0\].branch"):
+        struts.of_scene(scene, poly, {"main": np.zeros((2, 3))}, "scene.json")
+
+
+def test_smoothing_goes_through_both_ends():
+    z = np.linspace(0, 12, 35)
+    rough = np.stack([0.1 * np.sin(9 * z), 0.1 * np.cos(11 * z), z], axis=1)
+    curve = paths.smoothed(rough)
+    assert np.linalg.norm(curve.points_mm[[0, -1]] - rough[[0, -1]], axis=1).max() < 0.06
+    assert curve.curvature(curve.s_mm).max() < 0.5
+
+
+def test_study_refuses_voxels_out_of_range(tmp_path):
+    with pytest.raises(InputError, match="--voxels"):
+        study.run([], [0.05], 1, tmp_path / "table.csv")

@@ -1,0 +1,79 @@
+import json
+import pathlib
+
+import numpy as np
+import pytest
+import vtk
+import yaml
+from vtk.util.numpy_support import vtk_to_numpy
+
+from common.errors import InputError
+from data_synthetic import __main__ as command
+from data_synthetic import disease, generate, truth
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+CASE = ROOT / "config/cases/quick_branch.yaml"
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    out = tmp_path_factory.mktemp("source")
+    generate.run(CASE, out)
+    return out
+
+
+def test_same_case_same_bits(made, tmp_path):
+    generate.run(CASE, tmp_path)
+    for name in ("lumen.vtp", "truth.json"):
+        assert (tmp_path / name).read_bytes() == (made / name).read_bytes()
+
+
+def test_plaque_lies_in_the_lesion_only(made):
+    reader = vtk.vtkXMLPolyDataReader()
+    reader.SetFileName(str(made / "lumen.vtp"))
+    reader.Update()
+    data = reader.GetOutput().GetPointData()
+    thickness, kind = (vtk_to_numpy(data.GetArray(n)) for n in ("plaque_thickness_mm", "plaque_type"))
+    points = vtk_to_numpy(reader.GetOutput().GetPoints().GetData())
+    branches, _ = truth.load(made / "truth.json")
+    main, lesion = branches[0], branches[0].lesions[0]
+    s = main.axis.nearest(points)
+    start, end = disease.extent(lesion)
+    assert thickness.max() > 1 and np.all(thickness[(s < start - 0.2) | (s > end + 0.2)] == 0)
+    assert set(np.unique(kind)) == {disease.NONE, disease.FIBROUS, disease.CALCIFIED}
+    assert np.array_equal(kind > 0, thickness > 0)
+
+
+def test_truth_states_what_was_asked(made):
+    document = json.loads((made / "truth.json").read_text())
+    asked = yaml.safe_load(CASE.read_text())["vessel"]["lesions"][0]
+    lesion = document["branches"][0]["lesions"][0]
+    assert lesion["true_diameter_stenosis_percent"] == pytest.approx(asked["diameter_stenosis_percent"], abs=0.1)
+    assert document["surface"]["wall_error_rms_mm"] < 0.001
+    assert [b["name"] for b in document["branches"]] == ["main", "side1", "side2"]
+
+
+def test_truth_read_back_gives_the_same_radii(made):
+    branches, wall = truth.load(made / "truth.json")
+    document = json.loads((made / "truth.json").read_text())
+    assert wall == 0.7
+    for branch, entry in zip(branches, document["branches"]):
+        assert np.abs(branch.radius(np.array(entry["s_mm"])) - entry["radius_mm"]).max() < 1e-5
+
+
+def test_truth_of_another_kind_is_refused(tmp_path):
+    (tmp_path / "truth.json").write_text('{"schema": "other"}')
+    with pytest.raises(InputError, match="not a truth file"):
+        truth.load(tmp_path / "truth.json")
+    with pytest.raises(InputError, match="no such file"):
+        truth.load(tmp_path / "none.json")
+
+
+def test_a_bad_case_ends_with_code_2_and_writes_nothing(tmp_path, capsys):
+    bad = tmp_path / "bad.yaml"
+    bad.write_text(CASE.read_text().replace("centre_s_mm: 19.5", "centre_s_mm: 38"))
+    with pytest.raises(SystemExit) as caught:
+        command.main(["generate", str(bad), "--out", str(tmp_path / "out")])
+    assert caught.value.code == 2
+    assert "vessel.lesions[0].centre_s_mm" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()

@@ -1,0 +1,85 @@
+import pathlib
+
+import pytest
+import yaml
+
+from common.errors import InputError
+from data_synthetic import patient
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+
+
+def side(**changes):
+    return {"s_mm": 20, "diameter_mm": 1.5, "length_mm": 8, **changes}
+
+
+def lesion(**changes):
+    return {"centre_s_mm": 12, "length_mm": 8, "diameter_stenosis_percent": 60, **changes}
+
+
+def test_the_small_vessel_is_accepted(vessel):
+    patient.check(vessel(), "case.yaml")
+
+
+@pytest.mark.parametrize(
+    "changes, key",
+    [
+        ({"side_branches": [side(s_mm=29)]}, "vessel.side_branches[0].s_mm"),
+        ({"side_branches": [side(s_mm=1)]}, "vessel.side_branches[0].s_mm"),
+        ({"side_branches": [side(diameter_mm=3.4)]}, "vessel.side_branches[0].diameter_mm"),
+        ({"side_branches": [side(length_mm=14)]}, "vessel.side_branches[0].length_mm"),
+        ({"side_branches": [side(length_mm=4)]}, "vessel.side_branches[0].length_mm"),
+        (
+            {"side_branches": [side(s_mm=s, diameter_mm=2.2) for s in (12, 14, 16, 18)]},
+            "vessel.side_branches",
+        ),
+        ({"lesions": [lesion(centre_s_mm=28)]}, "vessel.lesions[0].centre_s_mm"),
+        ({"lesions": [lesion(centre_s_mm=4)]}, "vessel.lesions[0].centre_s_mm"),
+        ({"lesions": [lesion(branch="side2", centre_s_mm=4)]}, "vessel.lesions[0].branch"),
+        (
+            {"lesions": [lesion(calcium={"arc_deg": 90, "length_mm": 9, "direction_deg": 0})]},
+            "vessel.lesions[0].calcium.length_mm",
+        ),
+        (
+            {"main": {"length_mm": 30, "ostial_diameter_mm": 3.4, "mean_curvature_per_mm": 0.2}},
+            "vessel.main.mean_curvature_per_mm",
+        ),
+    ],
+)
+def test_an_impossible_vessel_is_refused_by_its_key(vessel, changes, key):
+    with pytest.raises(InputError) as caught:
+        patient.check(vessel(**changes), "case.yaml")
+    assert caught.value.where.startswith(f"case.yaml: {key}")
+
+
+@pytest.mark.parametrize(
+    "path, value",
+    [
+        (("seed",), "seven"),
+        (("main", "ostial_diameter_mm"), -3.2),
+        (("lesions", 0, "diameter_stenosis_percent"), 99),
+        (("main", "max_curvature_per_mm"), 0.5),
+        (("side_branches", 0, "diametre_mm"), 2),
+    ],
+)
+def test_a_value_off_the_schema_is_refused_by_its_key(tmp_path, path, value):
+    case = yaml.safe_load((ROOT / "config/cases/quick_focal.yaml").read_text())
+    at = case["vessel"]
+    for key in path[:-1]:
+        at = at[key]
+    at[path[-1]] = value
+    file = tmp_path / "broken.yaml"
+    file.write_text(yaml.safe_dump(case))
+    with pytest.raises(InputError) as caught:
+        patient.load(file)
+    assert str(path[-1]) in str(caught.value)
+
+
+def test_a_surface_case_is_refused(tmp_path):
+    with pytest.raises(InputError, match="not a synthetic case"):
+        patient.load(ROOT / "config/cases/real_artery.yaml")
+
+
+@pytest.mark.parametrize("case", ["quick_focal", "quick_branch", "lad01", "rca01", "lcx01"])
+def test_shipped_cases_are_possible(case):
+    patient.load(ROOT / f"config/cases/{case}.yaml")

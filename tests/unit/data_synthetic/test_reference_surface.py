@@ -1,0 +1,120 @@
+"""Slices to surface: interpolation, edges of the stent, refinement, straightening, materials."""
+
+import types
+
+import numpy as np
+import pytest
+
+from common.errors import ComputationError
+from data_synthetic import field, surface
+from data_synthetic.reference import deformation, devices, materials, output, refine, run, straightening
+
+THETA = 2 * np.pi * np.arange(48) / 48
+
+
+def radial(amount):
+    """Displacements (n, 48, 2) that open slices by amount (n,)."""
+    ray = np.stack([np.cos(THETA), np.sin(THETA)], axis=1)
+    return np.asarray(amount)[:, None, None] * ray[None]
+
+
+def test_span_interpolates_radial_opening():
+    s = np.linspace(5, 15, 15)
+    span = deformation.SpanField(s, THETA, radial(0.5 + 0.01 * s))
+    at = np.array([6.3, 9.9, 14.2])
+    u = span.at(at, np.array([0.1, 3.0, 6.2]))
+    assert np.linalg.norm(u, axis=1) == pytest.approx(0.5 + 0.01 * at, abs=1e-4)
+
+
+def test_coupling_keeps_a_line_and_rounds_a_step():
+    x = np.linspace(0, 10, 101)
+    assert deformation.coupled(2 + 0.3 * x, 0.1, 0.6) == pytest.approx(2 + 0.3 * x, abs=1e-8)
+    step = deformation.coupled((x > 5).astype(float), 0.1, 0.6)
+    assert np.abs(np.diff(step)).max() < 0.12 and step[50] == pytest.approx(0.5, abs=0.1)
+    assert step[:20] == pytest.approx(0, abs=0.01) and step[-20:] == pytest.approx(1, abs=0.01)
+
+
+def test_opening_fades_beyond_the_stent():
+    free = deformation.SpanField(np.linspace(0, 30, 10), THETA, radial(np.zeros(10)))
+    held = deformation.SpanField(np.linspace(10, 20, 10), THETA, radial(np.ones(10)), 0.6)
+    lumen = deformation.LumenDeformation(free, [held], 0.6)
+    opened = lumen.in_plane(np.array([15.0, 20.0, 20.001, 20.6, 24.0]), np.zeros(5))[:, 0]
+    assert opened[:3] == pytest.approx(1, abs=1e-3)
+    assert opened[3] == pytest.approx(np.exp(-1) * (np.cos(1) + np.sin(1)), abs=1e-2)
+    assert abs(opened[4]) < 0.01
+
+
+def test_moved_lumen_opens_and_its_ends_rest(branches):
+    main = branches[0]
+    points, triangles, _ = surface.build(field.LumenField(branches), 0.3)
+    span = deformation.SpanField(np.linspace(0, main.axis.length_mm, 30), THETA, radial(np.full(30, 0.2)))
+    lumen = deformation.LumenDeformation(span, [], 0.6)
+    rest = np.zeros((2, 3))
+    ends = field.ends(branches)
+    resting = [(centre, radius) for _, centre, _, radius in ends]
+    moved = deformation.move(points, main, lumen, np.array([0, main.axis.length_mm]), rest, resting)
+    for _, centre, _, radius in ends:
+        near = np.linalg.norm(points - centre, axis=1) < 1.05 * radius
+        assert np.abs(moved - points)[near].max() < 1e-12
+    s = main.axis.nearest(points)
+    wall = (s > 5) & (s < 14)
+    distance = np.linalg.norm(moved[wall] - main.axis.point(s[wall]), axis=1)
+    assert distance == pytest.approx(main.radius(s[wall]) + 0.2, abs=1e-4)
+    output.check_not_folded(triangles, points, moved)
+
+
+def test_a_folded_surface_is_an_error():
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0.0]])
+    triangles = np.array([[0, 1, 2], [1, 3, 2]])
+    with pytest.raises(ComputationError, match="folded"):
+        output.check_not_folded(triangles, points, points * [-1, 1, 1])
+
+
+def test_refinement_is_watertight_keeps_area_and_halves_stretched_edges(branches):
+    points, triangles, _ = surface.build(field.LumenField(branches), 0.4)
+
+    def move(x):
+        return x * [1, 1.0, 2.0]
+
+    new, split, parents, old = refine.refined(points, triangles, move, lambda x, _: x, 0.5)
+    directed = np.concatenate([split[:, [0, 1]], split[:, [1, 2]], split[:, [2, 0]]])
+    assert len(np.unique(directed, axis=0)) == len(directed)
+    assert set(map(tuple, directed)) == set(map(tuple, directed[:, ::-1]))
+    assert len(new) == len(points) + len(parents) and len(old) == len(split)
+
+    def area(x, t):
+        return 0.5 * np.linalg.norm(np.cross(x[t[:, 1]] - x[t[:, 0]], x[t[:, 2]] - x[t[:, 0]]), axis=1)
+
+    assert np.bincount(old, area(new, split)) == pytest.approx(area(points, triangles), rel=1e-9)
+    length = np.linalg.norm(move(new)[directed[:, 0]] - move(new)[directed[:, 1]], axis=1)
+    assert length.max() <= 0.5 + 1e-9
+
+
+def test_stiff_stent_straightens_a_bend(branches):
+    axis = branches[0].axis
+    stent = types.SimpleNamespace(start_s_mm=8.0, end_s_mm=22.0, bending_n_mm2=20.0)
+    s, none = straightening.offset(axis, [], 2.0, 0.08)
+    assert np.all(none == 0)
+    kept = []
+    for stiffness in (2.0, 20.0, 200.0):
+        stent.bending_n_mm2 = stiffness
+        s, w = straightening.offset(axis, [stent], 2.0, 0.08)
+        bent = np.gradient(axis.frame(s)[0], s, axis=0) + np.gradient(np.gradient(w, s, axis=0), s, axis=0)
+        kept.append(np.linalg.norm(bent, axis=1)[(s > 9) & (s < 21)].mean())
+        assert np.all(w[0] == 0) and np.all(w[-1] == 0)
+    assert kept[0] > kept[1] > kept[2]
+
+
+def test_blended_plaque_runs_from_base_to_calcium():
+    shear, yields, _ = materials.blended(materials.FIBROUS, np.array([0.0, 0.5, 1.0]))
+    assert shear == pytest.approx([0.2, np.sqrt(0.4), 2.0])
+    assert yields[[0, 2]] == pytest.approx([0.1, 0.5])
+
+
+def test_slices_sit_at_the_ends_of_the_stent():
+    balloon = devices.Balloon("b", 15.0, 12.0, 1.0, 1.6, 10.0, 1.1)
+    stent = devices.Stent("s", 9.0, 21.0, 0.96, 0.2, 20.0)
+    free, held = run.slice_positions(40.0, [devices.Step("stent", "stent", balloon, stent)], 0.75, 2.5)
+    assert free[0] == pytest.approx(5.5) and free[-1] == pytest.approx(24.5)
+    assert {9.0, 21.0} <= set(free) and not np.any((free > 9) & (free < 21))
+    assert held[0][2][[0, -1]] == pytest.approx([9, 21]) and np.diff(held[0][2]).max() <= 0.75

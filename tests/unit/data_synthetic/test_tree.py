@@ -1,0 +1,73 @@
+import numpy as np
+import pytest
+
+from common.errors import InputError
+from data_synthetic import tree
+
+
+def test_stenosis_is_as_asked(branches):
+    main = branches[0]
+    loss = 1 - main.radius_mm / main.healthy_mm
+    assert 100 * loss.max() == pytest.approx(60, abs=0.1)
+    assert main.lesions[0]["centre_s_mm"] == pytest.approx(main.axis.s_mm[np.argmax(loss)], abs=0.1)
+
+
+@pytest.mark.parametrize("exponent", [2.3, 2.55, 3.0])
+def test_murray_exponent_is_recovered(vessel, exponent):
+    data = vessel(murray_exponent=exponent)
+    data["main"]["taper_percent_per_cm"] = 0
+    side = data["side_branches"][0]
+    before, after = tree.main_healthy_radius(data, np.array([side["s_mm"] - 3, side["s_mm"] + 3]))
+
+    def mismatch(m):
+        return before**m - after**m - (0.5 * side["diameter_mm"]) ** m
+
+    low, high = 1.0, 6.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if mismatch(middle) < 0 else (low, middle)
+    assert low == pytest.approx(exponent, abs=1e-6)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_curvature_has_the_mean_and_the_bound_asked(vessel, seed):
+    data = vessel(seed=seed, side_branches=[], lesions=[])
+    data["main"].update(length_mm=80, mean_curvature_per_mm=0.12, max_curvature_per_mm=0.25)
+    axis = tree.grow(data)[0].axis
+    k = axis.curvature(axis.s_mm)
+    assert k.mean() == pytest.approx(0.12, rel=0.02)
+    assert k.max() < 0.255
+
+
+def test_eccentric_lumen_stays_inside_the_healthy_wall(branches):
+    main = branches[0]
+    theta = np.linspace(0, 2 * np.pi, 90)
+    s = np.linspace(0, main.axis.length_mm, 200)
+    shift = np.linalg.norm(main.shift(s), axis=1)
+    assert shift.max() > 0.3
+    assert np.all(shift + main.radius(s) <= main.healthy(s) + 5e-4)
+    thickness = main.plaque_thickness(main.lesions[0]["centre_s_mm"], theta)
+    assert thickness.min() >= 0 and thickness.max() > 2 * thickness.min()
+
+
+def test_plaque_thickness_of_a_shifted_circle(branches):
+    main = branches[0]
+    s = main.lesions[0]["centre_s_mm"]
+    _, normal, binormal = main.axis.frame(s)
+    for theta in (0.3, 2.0, 4.5):
+        ray = np.cos(theta) * normal + np.sin(theta) * binormal
+        outer = (main.radius(s) + main.plaque_thickness(s, theta)) * ray
+        assert np.linalg.norm(outer + main.shift(s)) == pytest.approx(float(main.healthy(s)), abs=1e-9)
+
+
+def test_same_seed_same_tree_other_seed_other_tree(vessel):
+    a, b, c = (tree.grow(vessel(seed=seed))[0].axis.points_mm for seed in (7, 7, 8))
+    assert np.array_equal(a, b)
+    assert a.shape != c.shape or np.abs(a - c).max() > 0.1
+
+
+def test_a_tree_that_cannot_be_clear_of_itself_is_refused(vessel):
+    crowd = [{"s_mm": s, "diameter_mm": 1.4, "length_mm": 9, "azimuth_deg": 0} for s in (14.0, 15.0)]
+    with pytest.raises(InputError) as caught:
+        tree.grow(vessel(side_branches=crowd, lesions=[]), "case.yaml: vessel")
+    assert caught.value.where == "case.yaml: vessel.seed"

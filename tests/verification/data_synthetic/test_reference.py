@@ -1,0 +1,117 @@
+"""The whole reference on a small patient: plausible, repeatable, refuses what it cannot answer."""
+
+import json
+import pathlib
+
+import numpy as np
+import pytest
+
+from data_synthetic import __main__ as command
+from data_synthetic import generate, truth
+from data_synthetic.reference import output
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+
+
+def balloon(length, diameter, growth):
+    """A balloon of nominal `diameter` at 10 bar, `growth` (share) more or less 6 bar from there."""
+    chart = {"pressure_bar": [4, 10, 16], "diameter_mm": [diameter * (1 - growth), diameter, diameter * (1 + growth)]}
+    return {"kind": "balloon", "length_mm": length, "shoulder_mm": 1.5, "chart": chart}
+
+
+@pytest.fixture(scope="module")
+def patient(tmp_path_factory):
+    """Folder with source/ of the case quick_focal, a scene at its lesion, and coarse settings."""
+    root = tmp_path_factory.mktemp("patient")
+    document = generate.run(ROOT / "tests/verification/data_synthetic/cases/severe_focal.yaml", root / "source")
+    centre = document["branches"][0]["lesions"][0]["true_s_mla_mm"]
+    stent = {
+        "kind": "stent",
+        "balloon": "delivery",
+        "length_mm": 12.0,
+        "recoil_percent": 4.0,
+        "radial_strength_mpa": 0.2,
+        "bending_stiffness_n_mm2": 20.0,
+    }
+
+    def step(action, device, pressure):
+        use = {"device": device, "branch": "main", "centre_s_mm": centre, "pressure_bar": pressure}
+        return {"name": action, "action": action, "devices": [use]}
+
+    scene = {
+        "schema": "vci-scene-1",
+        "case": "quick_focal",
+        "devices": {"sc": balloon(12.0, 2.5, 0.06), "delivery": balloon(12.0, 3.25, 0.04), "des": stent},
+        "procedure": [step("predilatation", "sc", 10), step("stent", "des", 12)],
+    }
+    (root / "scene.json").write_text(json.dumps(scene))
+    (root / "settings.yaml").write_text(
+        "{slice_spacing_mm: 1.5, elements_around: 12, elements_through: 3, radius_step_mm: 0.2, check_slices: 1}\n"
+    )
+    return root
+
+
+def run(root, out, scene="scene.json"):
+    arguments = ["reference", "--scene", root / scene, "--anatomy", root / "source", "--out", root / out]
+    arguments += ["--truth", root / "source/truth.json", "--settings", root / "settings.yaml"]
+    command.main([str(a) for a in arguments])
+    return root / out
+
+
+@pytest.fixture(scope="module")
+def treated(patient):
+    return run(patient, "reference")
+
+
+def test_the_lesion_is_opened_as_in_patients(treated):
+    found = json.loads((treated / "reference.json").read_text())
+    held = [r for r in found["slices"] if r["stented"]]
+    tightest = min(held, key=lambda r: r["radius_before_mm"])
+    inflated = tightest["history"][-1]["inflated_radius_mm"]
+    assert tightest["radius_before_mm"] < 0.6 < 1.2 < tightest["area_mm2"] ** 0.5 / np.pi**0.5 < inflated
+    # Predilatation alone opens it part of the way, and elastic tissue takes some back.
+    after_pre = tightest["history"][0]
+    assert tightest["radius_before_mm"] < after_pre["radius_mm"] < after_pre["inflated_radius_mm"] < 1.25
+    assert 2 < found["recoil_percent"] < 9
+    # A waist over the plaque: the ends of the stent are wider than the middle.
+    assert tightest["area_mm2"] < min(held[0]["area_mm2"], held[-1]["area_mm2"])
+    assert found["error_estimate"]["mesh_and_step_area_percent"] < 2
+
+
+def test_surface_is_closed_moved_in_the_stent_and_at_rest_at_the_ends(treated, patient):
+    poly = output.read_lumen(treated / "lumen.vtp")
+    points, triangles = output.points(poly), output.triangles(poly)
+    directed = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    assert set(map(tuple, directed)) == set(map(tuple, directed[:, ::-1]))
+    main = truth.load(patient / "source/truth.json")[0][0]
+    s = main.axis.nearest(points)
+    ends = (s < 0.01) | (s > main.axis.length_mm - 0.01)
+    before = output.points(output.read_lumen(patient / "source/lumen.vtp"))
+    moved = np.linalg.norm(points[: len(before)] - before, axis=1)
+    assert moved[ends[: len(before)]].max() < 1e-9 and moved.max() > 0.8
+    names = {poly.GetPointData().GetArrayName(i) for i in range(poly.GetPointData().GetNumberOfArrays())}
+    assert {"plaque_thickness_mm", "plaque_type", "displacement_mm"} <= names
+    found = json.loads((treated / "reference.json").read_text())
+    middle = min((r for r in found["slices"] if r["stented"]), key=lambda r: r["radius_before_mm"])
+    near = np.abs(s - middle["s_mm"]) < 0.3
+    centre = points[near].mean(axis=0)
+    radius = np.linalg.norm(points[near] - centre, axis=1).mean()
+    assert radius == pytest.approx(np.sqrt(middle["area_mm2"] / np.pi), rel=0.02)
+
+
+def test_same_input_same_bits(treated, patient):
+    again = run(patient, "again")
+    assert (again / "lumen.vtp").read_bytes() == (treated / "lumen.vtp").read_bytes()
+    one, two = (json.loads((folder / "reference.json").read_text()) for folder in (treated, again))
+    one.pop("seconds"), two.pop("seconds")
+    assert one == two
+
+
+def test_a_device_beyond_the_vessel_is_refused_and_nothing_written(patient, capsys):
+    scene = json.loads((patient / "scene.json").read_text())
+    scene["procedure"][1]["devices"][0]["centre_s_mm"] = 36.0
+    (patient / "bad.json").write_text(json.dumps(scene))
+    with pytest.raises(SystemExit) as caught:
+        run(patient, "bad", "bad.json")
+    assert caught.value.code == 2 and "procedure[1].devices[0].centre_s_mm" in capsys.readouterr().err
+    assert not (patient / "bad").exists()
