@@ -1,0 +1,152 @@
+"""Command line of the reports: `python3 -m reports COMMAND --help`."""
+
+import argparse
+import pathlib
+import sys
+
+from common.errors import InputError, guarded
+from common.files import write_json
+from reports.case_files import STATES, CaseFiles
+from reports.reading import read_json
+
+
+def case_list(args):
+    """The CaseFiles of --case-dir folders, named after the folders."""
+    return [CaseFiles(folder.resolve().name, folder) for folder in args.case_dir]
+
+
+def metrics_list(paths):
+    """The metrics documents at `paths`; InputError for a document of another kind or a case given twice."""
+    documents = []
+    for path in paths:
+        document = read_json(path, "reports metrics")
+        if document.get("schema") != "vci-metrics-1":
+            raise InputError("not a metrics file", path, document.get("schema"), "give files made by `reports metrics`")
+        if document["case"] in [other["case"] for other in documents]:
+            raise InputError("a case is given twice", path, document["case"], "give each case once")
+        documents.append(document)
+    return documents
+
+
+def run_metrics(args):
+    from reports.metrics import case_metrics
+
+    files = CaseFiles(args.case, args.case_dir)
+    write_json(args.out, case_metrics(files, args.margin_mm, args.stations, args.states, args.config))
+
+
+def run_table(args):
+    from reports.agreement import agreement_table
+    from reports.cohort import cohort_table
+    from reports.tables import write_csv
+
+    make = {"agreement": agreement_table, "cohort": cohort_table}[args.command]
+    write_csv(args.out, make(metrics_list(args.metrics)))
+
+
+def run_timings(args):
+    from reports.tables import write_csv
+    from reports.timings import timings_table
+
+    write_csv(args.out, timings_table(case_list(args)))
+
+
+def run_figures(args):
+    from reports.figures.case import case_figures
+    from reports.figures.study import study_figures
+
+    if not args.case_dir and not args.metrics:
+        raise InputError("nothing to draw", "reports figures", "", "give --case-dir for cases, --metrics for the study")
+    for files in case_list(args):
+        case_figures(files, args.out_dir)
+    if args.metrics:
+        study_figures(metrics_list(args.metrics), args.out_dir)
+
+
+def run_software(args):
+    from reports.software import software_versions
+
+    write_json(args.out, software_versions(args.repository))
+
+
+def run_report(args):
+    from reports.page.build import build_report
+
+    build_report(case_list(args), args.study_dir, args.figures_dir, args.out, args.junit, args.software, args.cohort)
+
+
+def run_check(args):
+    from reports.check import check_report
+
+    check_report(args.report, args.screenshot, args.window)
+    print(f"{args.report}: no console error, no external reference")
+
+
+def parser():
+    """The argument parser; every command stores the function that runs it as `run`."""
+    top = argparse.ArgumentParser(prog="reports", description=__doc__)
+    commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    path = pathlib.Path
+
+    command = commands.add_parser("metrics", help="area, curvature and FFR of a case's states -> metrics.json")
+    command.add_argument("--case", required=True, help="the case's name")
+    command.add_argument("--case-dir", required=True, type=path, help="results/cases/<case>")
+    command.add_argument("--margin-mm", type=float, default=2.0, help="added at both ends of the stent (2)")
+    command.add_argument("--stations", type=int, default=101, help="places along the segment (101; at least 50)")
+    command.add_argument("--states", nargs="+", choices=STATES, help="only these (default: all with results)")
+    command.add_argument("--config", type=path, help="config/cases/<case>.yaml, for the patient's measurements")
+    command.add_argument("--out", required=True, type=path, help="metrics.json")
+    command.set_defaults(run=run_metrics)
+
+    for name, text in (
+        ("agreement", "predictions against the reference, beside the published -> agreement.csv"),
+        ("cohort", "one row a case -> cohort.csv"),
+    ):
+        command = commands.add_parser(name, help=text)
+        command.add_argument("--metrics", required=True, nargs="+", type=path, help="metrics.json of each case")
+        command.add_argument("--out", required=True, type=path, help="the CSV file")
+        command.set_defaults(run=run_table)
+
+    command = commands.add_parser("timings", help="seconds and memory of each step -> timings.csv")
+    command.add_argument("--case-dir", required=True, nargs="+", type=path, help="results/cases/<case>, of each case")
+    command.add_argument("--out", required=True, type=path, help="the CSV file")
+    command.set_defaults(run=run_timings)
+
+    command = commands.add_parser("figures", help="figures of cases and of the study -> SVG and PNG")
+    command.add_argument("--case-dir", nargs="+", type=path, default=[], help="cases to draw (with their metrics.json)")
+    command.add_argument("--metrics", nargs="+", type=path, default=[], help="metrics.json of the study's cases")
+    command.add_argument("--out-dir", required=True, type=path, help="results/figures")
+    command.set_defaults(run=run_figures)
+
+    command = commands.add_parser("software", help="versions of what the study runs on, and git revision -> JSON")
+    command.add_argument("--repository", type=path, default=path("."), help="the repository's folder (.)")
+    command.add_argument("--out", required=True, type=path, help="the JSON file")
+    command.set_defaults(run=run_software)
+
+    command = commands.add_parser("report", help="the whole study in one HTML file")
+    command.add_argument("--case-dir", required=True, nargs="+", type=path, help="results/cases/<case>, of each case")
+    command.add_argument("--study-dir", required=True, type=path, help="results/study, with the three CSV files")
+    command.add_argument("--figures-dir", required=True, type=path, help="results/figures")
+    command.add_argument("--cohort", default="", help="the cohort's name, for the summary")
+    command.add_argument("--junit", nargs="*", type=path, default=[], help="test results (JUnit XML) for the evidence")
+    command.add_argument("--software", type=path, help="JSON of `reports software`")
+    command.add_argument("--out", required=True, type=path, help="results/report/index.html")
+    command.set_defaults(run=run_report)
+
+    command = commands.add_parser("check", help="open a report in headless Chromium; fail on any error or reference")
+    command.add_argument("report", type=path, help="the HTML file")
+    command.add_argument("--screenshot", type=path, help="also save a picture (PNG)")
+    command.add_argument("--window", default="1440,900", help="width,height of the picture in pixels (1440,900)")
+    command.set_defaults(run=run_check)
+    return top
+
+
+@guarded
+def main(arguments=None):
+    """Runs one command; exit codes as in docs/design.md."""
+    args = parser().parse_args(arguments)
+    args.run(args)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

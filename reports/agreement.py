@@ -1,0 +1,55 @@
+"""agreement.csv: the predictions against the reference over the cohort, beside the published agreement."""
+
+import dataclasses
+import json
+import pathlib
+
+import pandas as pd
+
+from reports.bland_altman import Agreement, bland_altman
+from reports.metrics import COMPARISONS
+from reports.reading import number
+
+PUBLISHED_PATH = pathlib.Path(__file__).with_name("published.json")
+PUBLISHED_COMPARISON = ("vci", "reference")  # what the study compared: post-VCI minus post-PCI
+
+# name in agreement.csv -> where a state's value is in metrics.json
+QUANTITIES = {"ffr": "ffr.distal", "mean_area": "area.mean_mm2", "mean_curvature": "curvature.mean_per_mm"}
+COLUMNS = ["quantity", "unit", "comparison"] + [field.name for field in dataclasses.fields(Agreement)]
+PUBLISHED_COLUMNS = ["published_n", "published_bias", "published_sd", "published_loa_lower", "published_loa_upper"]
+
+
+def published():
+    """The published agreement: reports/published.json."""
+    return json.loads(PUBLISHED_PATH.read_text())
+
+
+def paired_values(documents, quantity, a, b):
+    """(case names, values of a, values of b) over the metrics documents that have both states."""
+    cases, values_a, values_b = [], [], []
+    for document in documents:
+        states = document["states"]
+        if a in states and b in states:
+            cases.append(document["case"])
+            values_a.append(number(states, f"{a}.{QUANTITIES[quantity]}", f"metrics of {document['case']}"))
+            values_b.append(number(states, f"{b}.{QUANTITIES[quantity]}", f"metrics of {document['case']}"))
+    return cases, values_a, values_b
+
+
+def agreement_table(documents):
+    """DataFrame of agreement.csv, a row for each comparison and quantity that at least one case allows."""
+    rows, paper = [], published()
+    for a, b in COMPARISONS:
+        for quantity in QUANTITIES:
+            cases, values_a, values_b = paired_values(documents, quantity, a, b)
+            if not cases:
+                continue
+            source = paper["quantities"][quantity]
+            row = {"quantity": quantity, "unit": source["unit"], "comparison": f"{a}_minus_{b}"}
+            row.update(dataclasses.asdict(bland_altman(values_a, values_b)))
+            if (a, b) == PUBLISHED_COMPARISON:
+                row["published_n"] = paper["n"]
+                row.update({f"published_{key}": source[key] for key in ("bias", "sd", "loa_lower", "loa_upper")})
+            rows.append(row)
+    table = pd.DataFrame(rows, columns=COLUMNS + PUBLISHED_COLUMNS)
+    return table.astype({"published_n": "Int64"})

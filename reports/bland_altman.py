@@ -1,0 +1,59 @@
+"""Agreement of two methods on the same patients (Bland & Altman, Lancet 1986; 327: 307-310)."""
+
+import dataclasses
+import math
+
+import numpy as np
+from scipy.stats import t as student
+
+from common.errors import InputError
+
+LIMITS = 1.96  # 95 % of normally distributed differences
+FEWEST_FOR_INTERVAL = 3
+
+
+@dataclasses.dataclass(frozen=True)
+class Agreement:
+    """Differences a - b over n patients. What n does not allow is None: sd and limits need 2, the interval 3."""
+
+    n: int
+    bias: float
+    sd: float | None
+    loa_lower: float | None
+    loa_upper: float | None
+    bias_ci_lower: float | None
+    bias_ci_upper: float | None
+    mean_a: float
+    sd_a: float | None
+    mean_b: float
+    sd_b: float | None
+
+
+def bland_altman(a, b):
+    """Agreement of the paired values a and b, each (n,), n >= 1.
+
+    sd is the sample standard deviation (n - 1); limits of agreement bias +- 1.96 sd; the bias's 95 % confidence
+    interval is bias +- t(0.975, n - 1) sd / sqrt(n). Raises InputError for unpaired, missing or non-finite values.
+    """
+    a, b = np.asarray(a, float), np.asarray(b, float)
+    if a.shape != b.shape or a.ndim != 1 or a.size == 0:
+        raise InputError(
+            "paired values are expected", "agreement", f"{a.shape} and {b.shape}", "give one of each a case"
+        )
+    if not (np.isfinite(a).all() and np.isfinite(b).all()):
+        raise InputError("a value to compare is not a number", "agreement", "NaN", "repeat the case's metrics")
+    n, bias = a.size, float(np.mean(a - b))
+    sd = sample_sd(a - b)
+    lower = upper = ci_lower = ci_upper = None
+    if sd is not None:
+        lower, upper = bias - LIMITS * sd, bias + LIMITS * sd
+    if n >= FEWEST_FOR_INTERVAL:
+        half = float(student.ppf(0.975, n - 1)) * sd / math.sqrt(n)
+        ci_lower, ci_upper = bias - half, bias + half
+    means = (float(a.mean()), sample_sd(a), float(b.mean()), sample_sd(b))
+    return Agreement(n, bias, sd, lower, upper, ci_lower, ci_upper, *means)
+
+
+def sample_sd(values):
+    """Sample standard deviation of (n,) values; None for a single one."""
+    return float(np.std(values, ddof=1)) if len(values) > 1 else None

@@ -1,0 +1,66 @@
+"""Where a case keeps the files of each state (docs/design.md)."""
+
+import dataclasses
+import pathlib
+
+from common.errors import InputError
+
+STATES = ("pre", "vci", "rc", "reference")
+
+
+@dataclasses.dataclass(frozen=True)
+class CaseFiles:
+    """The files of one case below its folder."""
+
+    case: str
+    folder: pathlib.Path
+
+    def __post_init__(self):
+        if not self.folder.is_dir():
+            raise InputError("the case's folder is missing", self.folder, "no such folder", "run the case first")
+
+    @property
+    def scene(self):
+        return self.folder / "vci" / "scene.json"
+
+    @property
+    def boundary(self):
+        return self.folder / "flow" / "boundary.json"
+
+    @property
+    def deployment(self):
+        return self.folder / "vci" / "deployment.json"
+
+    @property
+    def metrics(self):
+        return self.folder / "metrics.json"
+
+    @property
+    def truth(self):
+        return self.folder / "source" / "truth.json"
+
+    def anatomy(self, state):
+        """The anatomy folder of a state; that of `pre` is the case's first."""
+        return self.folder / "anatomy" if state == "pre" else self.folder / state / "anatomy"
+
+    def lumen(self, state):
+        """The surface of a state that its anatomy step wrote."""
+        return self.anatomy(state) / "lumen.vtp"
+
+    def flow(self, state):
+        return self.folder / "flow" / state
+
+    def struts(self):
+        """The struts of the stents after deployment, in the order of their names; balloons leave the vessel."""
+        return sorted((self.folder / "vci" / "devices").glob("*_struts.vtp"))
+
+    def states(self):
+        """The states of which there is any result, in the order of STATES.
+
+        A state that has only a part of its results counts as present, so that what is missing is reported.
+        """
+        return [
+            state
+            for state in STATES
+            if (self.anatomy(state) / "sections.csv").exists() or (self.flow(state) / "ffr.json").exists()
+        ]

@@ -1,0 +1,116 @@
+"""Opens a report in headless Chromium and refuses console errors and anything fetched from outside the file."""
+
+import html.parser
+import pathlib
+import re
+import subprocess
+import tempfile
+
+from common.errors import ComputationError, InputError
+from common.files import replacing
+from reports.reading import existing
+
+BROWSER = "chromium"
+FLAGS = (
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--hide-scrollbars",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--enable-logging=stderr",
+    "--v=0",
+)
+SECONDS = 120
+SETTLE_MS = 4000  # of page time, for the viewer's first picture
+TALL = "1440,8000"  # so that cases are in view and start their viewer
+CONSOLE = re.compile(r":CONSOLE[:(]\d+\)?\] (.*)")
+DRIVER = re.compile(r'^"\[\.WebGL-\w+\]GL Driver Message \([^)]*Performance')  # the software renderer's own remarks
+FETCHING = {"src", "srcset", "href", "data", "poster", "action", "formaction", "background", "ping", "manifest"}
+STYLE_FETCH = re.compile(r"url\(\s*['\"]?(?!data:|#)([^'\")]+)|@import\s+([^;]+)", re.IGNORECASE)
+
+
+class References(html.parser.HTMLParser):
+    """Collects references that leave the file: attributes, styles, and whether a policy forbids scripts to fetch."""
+
+    def __init__(self):
+        super().__init__()
+        self.outside, self.policy, self.in_style = [], None, False
+
+    def handle_starttag(self, tag, attrs):
+        attributes = {name: value or "" for name, value in attrs}
+        self.in_style = tag == "style"
+        if tag == "meta" and attributes.get("http-equiv", "").lower() == "content-security-policy":
+            self.policy = attributes.get("content", "")
+        for name, value in attributes.items():
+            if name in FETCHING and not value.startswith(("data:", "#")):
+                self.outside.append(f"<{tag} {name}={value[:80]!r}>")
+            if name == "style":
+                self.style(value)
+
+    def handle_endtag(self, tag):
+        if tag == "style":
+            self.in_style = False
+
+    def handle_data(self, data):
+        if self.in_style:
+            self.style(data)
+
+    def style(self, text):
+        self.outside += [f"style: {(a or b)[:80]!r}" for a, b in STYLE_FETCH.findall(text)]
+
+
+def outside_references(text):
+    """What an HTML text would load from elsewhere: a list of descriptions, empty if it stands alone."""
+    page = References()
+    page.feed(text)
+    if page.policy is None or not page.policy.startswith("default-src 'none'"):
+        page.outside.append("no content security policy that forbids scripts to fetch (default-src 'none')")
+    return page.outside
+
+
+def console_messages(log):
+    """What the page wrote to the console, uncaught exceptions included.
+
+    Headless Chromium logs all of it at one level, so a report has to write nothing at all.
+    """
+    found = (CONSOLE.search(line) for line in log.splitlines())
+    return [match[1].strip() for match in found if match and not DRIVER.match(match[1])]
+
+
+def browse(path, *arguments, size="1440,900"):
+    """Runs Chromium on a file with a fresh profile; returns (standard output, log). ComputationError if it fails."""
+    with tempfile.TemporaryDirectory() as profile:
+        command = [BROWSER, *FLAGS, f"--user-data-dir={profile}", f"--window-size={size}"]
+        command += [f"--virtual-time-budget={SETTLE_MS}", *arguments, pathlib.Path(path).resolve().as_uri()]
+        try:
+            result = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, check=False)
+        except FileNotFoundError as error:
+            raise InputError("no browser to check with", BROWSER, str(error), "install the package chromium") from error
+        except subprocess.TimeoutExpired as error:
+            raise ComputationError("the browser did not finish", path, f"{SECONDS} s", "open it by hand") from error
+    if result.returncode or "</html>" not in result.stdout and "--dump-dom" in arguments:
+        raise ComputationError("the browser failed", path, result.stderr[-500:], "open the report by hand")
+    return result.stdout, result.stderr
+
+
+def check_report(path, screenshot=None, size="1440,900"):
+    """Raises ComputationError for a console error, InputError for an outside reference; saves a picture if asked."""
+    outside = outside_references(existing(path, "reports report").read_text())
+    if outside:
+        raise InputError("the report refers to other files", path, "; ".join(outside[:5]), "put them into the file")
+    page, log = browse(path, "--dump-dom", size=TALL)
+    errors = console_messages(log)
+    if errors:
+        remedy = "open it in a browser and see the console"
+        raise ComputationError("the report writes to the console", path, "; ".join(errors[:5]), remedy)
+    if 'class="viewer"' in page and 'class="stage live"' not in page:
+        raise ComputationError("the 3-D viewer does not start", path, "no live stage", "see the browser's console")
+    if screenshot:
+        with replacing(screenshot) as partial:
+            browse(path, f"--screenshot={partial.resolve()}", size=size)

@@ -1,0 +1,89 @@
+"""What was done, to whom, and what the deployment says of itself: the parts of metrics.json that are carried over."""
+
+from common.config import load_case
+from common.errors import InputError
+from reports.reading import entry, number, read_json
+
+READOUTS = (
+    "status",
+    "seconds",
+    "minimal_stent_area_mm2",
+    "expansion_index",
+    "recoil_percent",
+    "foreshortening_percent",
+    "straightening_deg",
+    "maximal_malapposition_mm",
+)
+LESION = (
+    "name",
+    "branch",
+    "s_start_mm",
+    "s_mla_mm",
+    "s_end_mm",
+    "mla_mm2",
+    "mld_mm",
+    "reference_diameter_mm",
+    "diameter_stenosis_percent",
+    "area_stenosis_percent",
+)
+ML_PER_MIN = 6.0e7  # one m3/s
+
+
+def patient_summary(files, config=None):
+    """Boundary values of the patient, and description and measurements from the case's YAML `config` where given."""
+    boundary = read_json(files.boundary, "flow boundary")
+    patient = {
+        "map_pa": number(boundary, "map_pa", files.boundary),
+        "venous_pressure_pa": number(boundary, "venous_pressure_pa", files.boundary),
+        "q_hyperaemic_ml_per_min": number(boundary, "q_hyperaemic_m3_per_s", files.boundary) * ML_PER_MIN,
+    }
+    if config is not None:
+        document = load_case(config)
+        patient["description"] = document["description"]
+        patient.update({key: float(document["patient"][key]) for key in ("lvm_g", "sbp_mmhg", "dbp_mmhg")})
+    return patient
+
+
+def lesion_summary(files):
+    """The most severe lesion of the pre-PCI anatomy; None if the anatomy found none."""
+    path = files.anatomy("pre") / "anatomy.json"
+    lesions = entry(read_json(path, "anatomy"), "lesions", path)
+    return {key: entry(lesions[0], key, path) for key in LESION} if lesions else None
+
+
+def procedure_summary(files):
+    """The scene's steps: name, action, and for each device its size, place and pressure."""
+    scene = read_json(files.scene, "anatomy plan")
+    catalogue = entry(scene, "devices", files.scene)
+    steps = []
+    for step in entry(scene, "procedure", files.scene):
+        devices = []
+        for use in entry(step, "devices", files.scene):
+            key = entry(use, "device", files.scene)
+            device = catalogue.get(key)
+            if device is None:
+                raise InputError("a device is not in the scene", files.scene, key, "repeat the plan")
+            devices.append(
+                {
+                    "device": key,
+                    "kind": entry(device, "kind", files.scene),
+                    "nominal_diameter_mm": number(device, "nominal_diameter_mm", files.scene),
+                    "length_mm": number(device, "length_mm", files.scene),
+                    "branch": entry(use, "branch", files.scene),
+                    "centre_s_mm": number(use, "centre_s_mm", files.scene),
+                    "pressure_bar": number(use, "pressure_bar", files.scene),
+                }
+            )
+        steps.append({key: entry(step, key, files.scene) for key in ("name", "action")} | {"devices": devices})
+    return steps
+
+
+def deployment_summary(files):
+    """The deployment's read-outs, and the worst residual and penetration of its stages (None without stages)."""
+    document = read_json(files.deployment, "vci deploy")
+    stages = entry(document, "stages", files.deployment)
+    summary = {key: document.get(key) for key in READOUTS}
+    for key in ("residual", "max_penetration_mm"):
+        values = [number(stage, key, files.deployment) for stage in stages]
+        summary[f"worst_{key}"] = max(values) if values else None
+    return summary

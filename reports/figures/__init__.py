@@ -1,0 +1,1 @@
+"""Figures of the cases and of the study, as SVG and PNG; the same input gives the same bytes."""

@@ -1,0 +1,89 @@
+"""A case's curves: pull-back of FFR along the branch, area and curvature along the stented segment."""
+
+import matplotlib.pyplot as plt
+
+from reports.figures.style import SEGMENT_COLOUR, draw_state, save
+from reports.profiles import read_pullback
+
+SIZE = (6.6, 3.4)  # inches
+FFR_THRESHOLD = 0.80  # at or below it a lesion is treated (ESC/EACTS guidelines on myocardial revascularisation)
+
+
+def pullback_figure(files, metrics, folder):
+    """FFR from the inlet to the end of the stented branch, for all states."""
+    figure, axes = plt.subplots(figsize=SIZE)
+    shade_segment(axes, metrics["segment"])
+    lowest = 1.0
+    for state in metrics["states"]:
+        line, ffr = read_pullback(files.flow(state) / "pullback.csv", metrics["segment"]["branch"])
+        draw_state(axes, state, line.s_mm, ffr)
+        lowest = min(lowest, ffr.min())
+    axes.axhline(FFR_THRESHOLD, color="#b0413e", linewidth=0.9, linestyle=(0, (2, 2)))
+    axes.annotate("0.80", (1.0, FFR_THRESHOLD), (3, 0), xycoords=("axes fraction", "data"), textcoords="offset points")
+    axes.texts[-1].set(color="#b0413e", va="center", fontsize=8.5)
+    axes.set(title="FFR pull-back", ylabel="FFR", ylim=(min(0.75, lowest - 0.02), 1.01), xmargin=0.0)
+    axes.set_xlabel(f"distance along {metrics['segment']['branch']} (mm)")
+    legend_below(figure)
+    save(figure, folder, f"{metrics['case']}_pullback")
+
+
+def legend_below(figure):
+    """The legend of a figure's only axes in two columns under it, where it hides no curve."""
+    handles, labels = figure.axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="lower center", ncol=2, fontsize=8.5)
+    figure.get_layout_engine().set(rect=(0, 0.13, 1, 0.87))
+
+
+def shade_segment(axes, segment):
+    """Marks the stented segment (without its margins)."""
+    margin = segment["margin_mm"]
+    axes.axvspan(segment["s_start_mm"] + margin, segment["s_end_mm"] - margin, color=SEGMENT_COLOUR, zorder=0)
+    middle = 0.5 * (segment["s_start_mm"] + segment["s_end_mm"])
+    axes.annotate("stent", (middle, 1.0), (0, -3), xycoords=("data", "axes fraction"), textcoords="offset points")
+    axes.texts[-1].set(ha="center", va="top", color="#8f866c", fontsize=8.5)
+
+
+def segment_figure(metrics, folder, name, title, label, profile, mean):
+    """One quantity of all states along the segment, at equal relative position; the means are in the legend.
+
+    profile, mean: functions of a state's entry in metrics.json; mean returns a text.
+    """
+    figure, axes = plt.subplots(figsize=SIZE)
+    length = metrics["segment"]["s_end_mm"] - metrics["segment"]["s_start_mm"]
+    x = [length * value for value in metrics["stations"]["relative_position"]]
+    margin = metrics["segment"]["margin_mm"]
+    shade_segment(axes, {"s_start_mm": 0.0, "s_end_mm": length, "margin_mm": margin})
+    for state, entry in metrics["states"].items():
+        draw_state(axes, state, x, profile(entry))
+        axes.lines[-1].set_label(f"{axes.lines[-1].get_label()}: mean {mean(entry)}")
+    axes.set(title=title, ylabel=label, xlabel="distance along the segment (mm, length before PCI)", xmargin=0.0)
+    top = max(max(profile(entry)) for entry in metrics["states"].values())
+    axes.set_ylim(0.0, 1.12 * top)
+    legend_below(figure)
+    save(figure, folder, f"{metrics['case']}_{name}")
+
+
+def area_figure(metrics, folder):
+    """Cross-sectional area along the segment."""
+    segment_figure(
+        metrics,
+        folder,
+        "area",
+        "Cross-sectional area of the lumen",
+        "CSA (mm²)",
+        lambda entry: entry["area"]["profile_mm2"],
+        lambda entry: f"{entry['area']['mean_mm2']:.2f} mm²",
+    )
+
+
+def curvature_figure(metrics, folder):
+    """Curvature of the centreline along the segment."""
+    segment_figure(
+        metrics,
+        folder,
+        "curvature",
+        "Curvature of the centreline",
+        "curvature (1/mm)",
+        lambda entry: entry["curvature"]["profile_per_mm"],
+        lambda entry: f"{entry['curvature']['mean_per_mm']:.3f} /mm",
+    )

@@ -1,0 +1,125 @@
+"""Shaded pictures of the lumen before and after, coloured by FFR, with the stent in place."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import Normalize
+from scipy.spatial import cKDTree
+
+from reports.figures.style import LABELS, save
+from reports.reading import read_table
+from reports.profiles import PULLBACK_NUMBERS
+from reports.surface import read_device, read_lumen
+
+MOST_TRIANGLES = 9000
+LIGHT = np.array([0.35, 0.45, 0.82]) / np.linalg.norm([0.35, 0.45, 0.82])  # over the viewer's shoulder
+AMBIENT = 0.35
+FAR_WALL, NEAR_WALL = 1.0, 0.30  # opacity: the near wall lets the struts be seen
+COLOUR_MAP = "viridis"
+FIGURE_WIDTH = 10.0  # inches
+SCALE_BAR_MM = 10.0
+
+
+def lumen_figure(files, metrics, folder):
+    """One panel a state, same view and scale: the lumen coloured by FFR, the devices inside the predicted one."""
+    states = list(metrics["states"])
+    surfaces = {state: read_lumen(files.lumen(state), MOST_TRIANGLES) for state in states}
+    values = {state: nearest_ffr(files, state, surfaces[state].points) for state in states}
+    scale = Normalize(min(0.8, min(v.min() for v in values.values())), 1.0)
+    devices = [device for device in map(read_device, files.struts()) if device] if "vci" in states else []
+    axes3 = view_axes(surfaces["pre"].points)
+    low = np.min([(s.points @ axes3.T).min(0) for s in surfaces.values()], axis=0)[:2] - 1.0
+    high = np.max([(s.points @ axes3.T).max(0) for s in surfaces.values()], axis=0)[:2] + 1.0
+    width, height = high - low
+    rows, columns, size = panel_grid(len(states), width / height)
+    figure, grid = plt.subplots(rows, columns, figsize=size, squeeze=False)
+    for axes in grid.ravel():
+        axes.set_axis_off()
+    for axes, state in zip(grid.ravel(), states):
+        draw_lumen(axes, surfaces[state], values[state], scale, axes3, devices if state == "vci" else [])
+        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+        axes.set_title(f"{LABELS[state]}   FFR {metrics['states'][state]['ffr']['distal']:.2f}")
+    draw_scale_bar(grid.ravel()[len(states) - 1], low)
+    mappable = plt.cm.ScalarMappable(scale, COLOUR_MAP)
+    bar = figure.colorbar(mappable, ax=grid, shrink=0.6, aspect=30, pad=0.01)
+    bar.set_label("FFR")
+    bar.outline.set_visible(False)
+    save(figure, folder, f"{metrics['case']}_lumen")
+
+
+def panel_grid(count, aspect):
+    """Rows, columns and size (inches) of `count` panels of width / height `aspect`: near 16:9, without gaps."""
+    best = None
+    for columns in range(1, count + 1):
+        rows = -(-count // columns)
+        wanted = abs(np.log(columns * aspect / rows / (16 / 9))) + 2.0 * np.log(rows * columns / count)
+        if best is None or wanted < best[0]:
+            best = (wanted, rows, columns)
+    _, rows, columns = best
+    return rows, columns, (FIGURE_WIDTH, (FIGURE_WIDTH - 1.0) / columns / aspect * rows + 0.35 * rows)
+
+
+def nearest_ffr(files, state, points):
+    """FFR of the nearest place on any branch's pull-back, for points (n, 3)."""
+    table = read_table(files.flow(state) / "pullback.csv", PULLBACK_NUMBERS, ("branch",), "flow solve")
+    _, nearest = cKDTree(table[["x_mm", "y_mm", "z_mm"]].to_numpy()).query(points)
+    return table["ffr"].to_numpy()[nearest]
+
+
+def view_axes(points):
+    """Right-handed axes (3, 3) of the view: x along the vessel's longest extent, z, towards the viewer, its least.
+
+    Signs are fixed by the points themselves, so that the same vessel is always seen from the same side.
+    """
+    centred = points - points.mean(0)
+    _, vectors = np.linalg.eigh(centred.T @ centred)
+    axes3 = vectors.T[::-1].copy()
+    for axis in axes3[:2]:
+        skewness = np.sum((centred @ axis) ** 3)
+        largest = axis[np.abs(axis).argmax()]
+        # a symmetric vessel has no skewness to go by
+        if (skewness if abs(skewness) > 1e-6 * np.sum(np.abs(centred @ axis) ** 3) else largest) < 0:
+            axis *= -1.0
+    axes3[2] = np.cross(axes3[0], axes3[1])
+    return axes3
+
+
+def draw_lumen(axes, surface, values, scale, axes3, devices):
+    """Far wall, devices and see-through near wall, each painted from back to front."""
+    colours = plt.get_cmap(COLOUR_MAP)(scale(values[surface.triangles].mean(1)))
+    facing = paint_order(surface, axes3)
+    add_triangles(axes, facing, ~facing["near"], colours, FAR_WALL)
+    for device in devices:
+        strut = paint_order(device, axes3)
+        grey = np.full((len(device.triangles), 4), [0.16, 0.16, 0.2, 1.0])
+        add_triangles(axes, strut, strut["near"], grey, 1.0)
+    add_triangles(axes, facing, facing["near"], colours, NEAR_WALL if devices else 1.0)
+
+
+def paint_order(surface, axes3):
+    """Corners (m, 3, 2) on the page, depth, shade and side of the triangles of a Surface seen along axes3[2]."""
+    corners = (surface.points @ axes3.T)[surface.triangles]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
+    shade = AMBIENT + (1.0 - AMBIENT) * np.abs(normal @ LIGHT)
+    return {"corners": corners[:, :, :2], "depth": corners[:, :, 2].mean(1), "shade": shade, "near": normal[:, 2] > 0}
+
+
+def add_triangles(axes, seen, mask, colours, opacity):
+    """Adds the masked triangles, furthest first; drawn as pixels also in the SVG, which thousands would make huge."""
+    rows = np.flatnonzero(mask)
+    rows = rows[np.argsort(seen["depth"][rows], kind="stable")]
+    faces = colours[rows].copy()
+    faces[:, :3] *= seen["shade"][rows, None]
+    faces[:, 3] = opacity
+    edges = faces if opacity == 1.0 else "none"  # edges close the hairlines between opaque triangles
+    axes.add_collection(
+        PolyCollection(seen["corners"][rows], facecolors=faces, edgecolors=edges, linewidths=0.3, rasterized=True)
+    )
+
+
+def draw_scale_bar(axes, low):
+    """A bar of 10 mm in the lower left corner."""
+    axes.plot([low[0], low[0] + SCALE_BAR_MM], [low[1] + 0.3] * 2, color="#333333", linewidth=2, solid_capstyle="butt")
+    axes.annotate(f"{SCALE_BAR_MM:g} mm", (low[0] + SCALE_BAR_MM, low[1] + 0.3), (4, 0), textcoords="offset points")
+    axes.texts[-1].set(va="center", fontsize=8.5, color="#333333")

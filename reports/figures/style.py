@@ -1,0 +1,63 @@
+"""One look for all figures: a colour and a line style a state (Okabe-Ito, safe for colour-blind readers)."""
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402  (the backend must be chosen first)
+
+from common.files import replacing  # noqa: E402
+
+COLOURS = {"pre": "#6b6b6b", "vci": "#0072b2", "rc": "#d97b00", "reference": "#009e73"}
+DASHES = {"pre": (0, (4, 2)), "vci": "-", "rc": (0, (1.2, 1.2)), "reference": (0, (6, 1.5, 1.2, 1.5))}
+LABELS = {
+    "pre": "Before PCI",
+    "vci": "Virtual PCI (VCI)",
+    "rc": "Radius correction",
+    "reference": "Reference (finite elements)",
+}
+SHORT = {"pre": "before", "vci": "VCI", "rc": "radius", "reference": "reference"}
+SEGMENT_COLOUR = "#f2efe6"
+
+matplotlib.rcParams.update(
+    {
+        "svg.hashsalt": "vci",
+        "svg.fonttype": "none",
+        "font.family": "sans-serif",
+        "font.sans-serif": ["DejaVu Sans", "Arial", "Helvetica", "sans-serif"],
+        "font.size": 9.5,
+        "axes.titlesize": 10.5,
+        "axes.titleweight": "bold",
+        "axes.titlelocation": "left",
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "axes.edgecolor": "#8a8a8a",
+        "axes.labelcolor": "#333333",
+        "axes.linewidth": 0.8,
+        "axes.grid": True,
+        "grid.color": "#e6e6e6",
+        "grid.linewidth": 0.7,
+        "axes.axisbelow": True,
+        "xtick.color": "#555555",
+        "ytick.color": "#555555",
+        "legend.frameon": False,
+        "lines.linewidth": 1.8,
+        "figure.dpi": 100,
+        "savefig.dpi": 160,
+        "figure.constrained_layout.use": True,
+    }
+)
+
+
+def draw_state(axes, state, x, y):
+    """A state's curve in its colour and line style."""
+    axes.plot(x, y, color=COLOURS[state], linestyle=DASHES[state], label=LABELS[state])
+
+
+def save(figure, folder, name):
+    """Writes <name>.svg and <name>.png, without dates, and closes the figure. Returns their paths."""
+    paths = [folder / f"{name}.svg", folder / f"{name}.png"]
+    for path, metadata in zip(paths, ({"Date": None, "Creator": None}, {"Software": None})):
+        with replacing(path) as partial:
+            figure.savefig(partial, format=path.suffix[1:], metadata=metadata)
+    plt.close(figure)
+    return paths

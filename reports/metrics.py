@@ -1,0 +1,132 @@
+"""Metrics of one case: area, curvature and FFR of every state over the stented segment, and their differences."""
+
+import numpy as np
+
+from common.errors import ComputationError, InputError
+from reports.case_files import STATES
+from reports.curvature import mean_over_length
+from reports.device_readouts import deployment_summary, lesion_summary, patient_summary, procedure_summary
+from reports.polyline import read_centreline
+from reports.profiles import error_of, state_profiles
+from reports.segment import read_sections, stented_segment
+
+DEFAULT_MARGIN_MM = 2.0
+DEFAULT_STATIONS = 101
+FEWEST_STATIONS = 50
+LEAST_COVERAGE = 0.5  # of the stations; with fewer the mean is no longer the segment's
+COMPARISONS = (("vci", "reference"), ("rc", "reference"))
+QUANTITIES = ("area_mm2", "curvature_per_mm", "ffr")
+
+
+def case_metrics(files, margin_mm=DEFAULT_MARGIN_MM, stations=DEFAULT_STATIONS, states=None, config=None):
+    """The document of metrics.json (reports/README.md) for the CaseFiles `files`.
+
+    states: those to measure; by default every state with results. config: the case's YAML, for the patient's data.
+    Raises InputError for missing or malformed files, ComputationError for a state that cannot be compared.
+    """
+    if margin_mm < 0.0:
+        raise InputError("a margin is negative", "--margin-mm", margin_mm, "give 0 or more")
+    if stations < FEWEST_STATIONS:
+        raise InputError("too few stations", "--stations", stations, f"give {FEWEST_STATIONS} or more")
+    states = files.states() if states is None else [state for state in STATES if state in states]
+    if "pre" not in states:
+        raise InputError(
+            "the state before the procedure is missing", files.folder, states, "run anatomy and flow of pre"
+        )
+    lines = {}
+    segment = stented_segment(files.scene, files.anatomy("pre") / "centreline.vtp", margin_mm)
+    for state in states:
+        lines[state] = read_centreline(files.anatomy(state) / "centreline.vtp", segment.branch)
+    pre_sections = read_sections(files.anatomy("pre") / "sections.csv", segment.branch)
+    relative = np.linspace(0.0, 1.0, stations)
+    profiles = {state: state_profiles(files, state, segment, lines[state], pre_sections, relative) for state in states}
+    used = common_stations(profiles, files.folder)
+    return {
+        "schema": "vci-metrics-1",
+        "case": files.case,
+        "kind": "synthetic" if files.truth.exists() else "surface",
+        "patient": patient_summary(files, config),
+        "lesion": lesion_summary(files),
+        "procedure": procedure_summary(files),
+        "deployment": deployment_summary(files) if "vci" in states else None,
+        "segment": {
+            "branch": segment.branch,
+            "s_start_mm": segment.s_start_mm,
+            "s_end_mm": segment.s_end_mm,
+            "margin_mm": margin_mm,
+            "proximal_point_mm": segment.proximal_mm.tolist(),
+            "distal_point_mm": segment.distal_mm.tolist(),
+        },
+        "stations": {"count": stations, "used": int(used.sum()), "relative_position": relative[used].tolist()},
+        "states": {state: state_document(profiles[state], used) for state in states},
+        "differences": {
+            f"{a}_minus_{b}": differences(profiles[a], profiles[b], used)
+            for a, b in COMPARISONS
+            if a in states and b in states
+        },
+    }
+
+
+def common_stations(profiles, where):
+    """Mask (n,) of the stations that have sections around them in every state, so that all are averaged alike.
+
+    Raises ComputationError if fewer than half of the stations are left.
+    """
+    used = np.logical_and.reduce([profile.inside for profile in profiles.values()])
+    if used.mean() < LEAST_COVERAGE:
+        remedy = "the segment lies too close to an end of the model: lengthen the vessel, or place the stent further in"
+        raise ComputationError("too few stations can be compared", where, f"{int(used.sum())} of {len(used)}", remedy)
+    return used
+
+
+def state_document(profile, used):
+    """The entry of one state in metrics.json."""
+    s_mm, segment = profile.s_mm[used], profile.segment
+    area, curvature, ffr = (getattr(profile, name)[used] for name in QUANTITIES)
+    within = profile.sections[(profile.sections["s_mm"] >= s_mm[0]) & (profile.sections["s_mm"] <= s_mm[-1])]
+    solution = profile.solution
+    return {
+        "segment": {
+            "s_start_mm": segment.s_start_mm,
+            "s_end_mm": segment.s_end_mm,
+            "length_mm": segment.length_mm,
+            "proximal_shift_mm": segment.proximal_shift_mm,
+            "distal_shift_mm": segment.distal_shift_mm,
+        },
+        "s_mm": s_mm.tolist(),
+        "area": {
+            "mean_mm2": mean_over_length(area, s_mm),
+            "minimum_mm2": float(min(area.min(), within["area_mm2"].min())),
+            "profile_mm2": area.tolist(),
+            "sections": len(within),
+            "ostium_sections": int((within["flag"] == "ostium").sum()),
+        },
+        "curvature": {
+            "mean_per_mm": mean_over_length(curvature, s_mm),
+            "maximum_per_mm": float(curvature.max()),
+            "mean_surveyed_per_mm": profile.surveyed_curvature,
+            "profile_per_mm": curvature.tolist(),
+        },
+        "ffr": {
+            "distal": float(solution["ffr"]),
+            "past_segment": float(profile.ffr[-1]),
+            "profile": ffr.tolist(),
+            "model": solution.get("model"),
+            "error_estimate": error_of(solution),
+            "reduced_model": (solution.get("reduced_model") or {}).get("ffr"),
+        },
+    }
+
+
+def differences(a, b, used):
+    """bias, sd and rmse of a - b along the segment for each quantity; rmse^2 = bias^2 + sd^2 (sd over all stations)."""
+    document = {}
+    for name in QUANTITIES:
+        delta = (getattr(a, name) - getattr(b, name))[used]
+        document[name] = {
+            "bias": float(delta.mean()),
+            "sd": float(delta.std()),
+            "rmse": float(np.sqrt(np.mean(delta**2))),
+        }
+    document["ffr_distal"] = float(a.solution["ffr"]) - float(b.solution["ffr"])
+    return document

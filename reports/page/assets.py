@@ -1,0 +1,31 @@
+"""Files that the report carries inside itself: images, style, scripts and three.js."""
+
+import base64
+import pathlib
+
+from common.errors import InputError
+from reports.reading import existing
+
+TEMPLATES = pathlib.Path(__file__).with_name("templates")
+THREE = pathlib.Path("/usr/share/javascript/three")
+THREE_FILES = ("three.min.js", "examples/js/controls/TrackballControls.js")
+TYPES = {".svg": "image/svg+xml", ".png": "image/png"}
+
+
+def image_uri(path):
+    """An SVG or PNG file as a data URI."""
+    data = existing(path, "reports figures").read_bytes()
+    return f"data:{TYPES[path.suffix]};base64,{base64.b64encode(data).decode('ascii')}"
+
+
+def script(path):
+    """A script's text, fit to stand inside <script>; InputError if it holds the closing tag."""
+    text = existing(path, "setup (Debian package libjs-three)").read_text()
+    if "</script" in text.lower():
+        raise InputError("a script cannot be put in a page", path, "</script", "use another version of it")
+    return text
+
+
+def three_scripts():
+    """The viewer's library: three.js and its trackball controls, from Debian's libjs-three."""
+    return [script(THREE / name) for name in THREE_FILES]

@@ -1,0 +1,156 @@
+"""Puts the report together: context from the study's files, jinja2 templates, one HTML file."""
+
+import json
+import math
+
+import jinja2
+import pandas as pd
+
+from common.files import replacing
+from reports.agreement import published
+from reports.bland_altman import sample_sd
+from reports.case_files import STATES
+from reports.figures.style import COLOURS, LABELS, SHORT
+from reports.page.assets import TEMPLATES, image_uri, script, three_scripts
+from reports.page.case_context import case_context
+from reports.page.evidence import evidence_rows, read_results
+from reports.page.geometry import colour_table
+from reports.reading import existing, read_json
+
+QUANTITY_NAMES = {"ffr": "FFR", "mean_area": "Mean CSA", "mean_curvature": "Mean curvature"}
+QUANTITY_DIGITS = {"ffr": 3, "mean_area": 2, "mean_curvature": 3}
+UNITS = {"1": "", "mm2": "mm²", "1/mm": "/mm"}
+MISSING = "–"
+
+
+def build_report(cases, study_dir, figures_dir, out, junit=(), software=None, cohort=""):
+    """Writes the report of the CaseFiles `cases` to `out`. Raises InputError for anything that is missing."""
+    contexts = [case_context(files, figures_dir) for files in cases]
+    agreement = read_csv(study_dir / "agreement.csv")
+    timings = read_csv(study_dir / "timings.csv")
+    for context in contexts:
+        context["timings"] = [row for row in timings if row["case"] == context["name"]]
+    page = (
+        environment()
+        .get_template("index.html.j2")
+        .render(
+            cohort=cohort,
+            cases=contexts,
+            summary=summary(contexts),
+            agreement=agreement_rows(agreement),
+            agreement_figure=optional_image(figures_dir / "agreement.svg") if agreement else None,
+            scatter=image_uri(figures_dir / "ffr_before_after.svg"),
+            published=published(),
+            evidence=evidence_rows(read_results(junit)),
+            software=read_json(software, "reports software") if software else None,
+            states=STATES,
+            labels=LABELS,
+            short=SHORT,
+            colours=COLOURS,
+            viewer=script_json({"cases": {c["id"]: c["viewer"] for c in contexts}, "colours": colour_table()}),
+            style=(TEMPLATES / "style.css").read_text(),
+            scripts=[*three_scripts(), *(script(TEMPLATES / name) for name in ("viewer.js", "stage.js", "page.js"))],
+        )
+    )
+    with replacing(out) as partial:
+        partial.write_text(page)
+
+
+def environment():
+    """The jinja2 environment: undefined names raise, HTML is escaped."""
+    env = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(TEMPLATES),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    env.filters.update(fixed=fixed, signed=signed, scientific=scientific, percent=percent)
+    return env
+
+
+def read_csv(path):
+    """The rows of a study table as dicts, None where a field is empty."""
+    table = pd.read_csv(existing(path, "reports agreement, cohort, timings"))
+    return [
+        {k: None if isinstance(v, float) and math.isnan(v) else v for k, v in row.items()}
+        for row in table.to_dict("records")
+    ]
+
+
+def optional_image(path):
+    """The image's data URI, None if there is no such file: no case has a reference."""
+    return image_uri(path) if path.exists() else None
+
+
+def script_json(document):
+    """A document as JSON that can stand inside <script>."""
+    return json.dumps(document, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
+
+
+def summary(contexts):
+    """Means over the cohort, for the first lines of the report."""
+    means = {}
+    for state in STATES:
+        of_state = [c["metrics"]["states"][state] for c in contexts if state in c["metrics"]["states"]]
+        if of_state:
+            means[state] = {
+                "n": len(of_state),
+                "ffr": mean_sd([entry["ffr"]["distal"] for entry in of_state]),
+                "area": mean_sd([entry["area"]["mean_mm2"] for entry in of_state]),
+                "minimum": mean_sd([entry["area"]["minimum_mm2"] for entry in of_state]),
+                "curvature": mean_sd([entry["curvature"]["mean_per_mm"] for entry in of_state]),
+            }
+    seconds = [c["deployment"]["seconds"] for c in contexts if c["deployment"]]
+    return {
+        "count": len(contexts),
+        "synthetic": sum(c["metrics"]["kind"] == "synthetic" for c in contexts),
+        "with_reference": sum("reference" in c["metrics"]["states"] for c in contexts),
+        "means": means,
+        "seconds": mean_sd(seconds) if seconds else None,
+    }
+
+
+def mean_sd(values):
+    """(mean, sample standard deviation or None) of a list of numbers."""
+    return sum(values) / len(values), sample_sd(values)
+
+
+def agreement_rows(rows):
+    """The rows of agreement.csv with the names, digits and units of the page."""
+    return [
+        {
+            **row,
+            "name": QUANTITY_NAMES[row["quantity"]],
+            "digits": QUANTITY_DIGITS[row["quantity"]],
+            "unit": UNITS[row["unit"] if isinstance(row["unit"], str) else "1"],
+        }
+        for row in rows
+    ]
+
+
+def fixed(value, digits=2):
+    """A number with fixed digits; a dash where there is none; text stays."""
+    if value is None or isinstance(value, jinja2.Undefined):
+        return MISSING
+    return value if isinstance(value, str) else f"{value:,.{digits}f}"
+
+
+def signed(value, digits=2):
+    """A difference with its sign (a true minus); a dash where there is none."""
+    if value is None:
+        return MISSING
+    text = f"{abs(value):.{digits}f}"
+    if float(text) == 0.0:
+        return text
+    return ("−" if value < 0 else "+") + text
+
+
+def scientific(value):
+    """A small number such as a residual: 2.1e-06; a dash where there is none."""
+    return MISSING if value is None or isinstance(value, jinja2.Undefined) else f"{value:.1e}"
+
+
+def percent(value, digits=1):
+    """A number that already is in per cent, with the sign."""
+    return MISSING if value is None else f"{value:.{digits}f} %"

@@ -1,0 +1,84 @@
+"""What the report says of one case, gathered from its files for the templates."""
+
+import json
+
+from reports.cohort import describe_device, describe_procedure
+from reports.page.assets import image_uri
+from reports.page.geometry import viewer_data
+from reports.profiles import error_of
+from reports.reading import read_json
+
+CURVES = (
+    ("pullback", "FFR along the stented branch, from the inlet to the outlet"),
+    ("area", "Cross-sectional area (CSA) of the lumen along the stented segment and its margins"),
+    ("curvature", "Curvature of the centreline along the stented segment and its margins"),
+)
+
+
+# key of deployment.json, words, digits, unit
+READOUTS = (
+    ("minimal_stent_area_mm2", "Minimal stent area", 2, " mm²"),
+    ("expansion_index", "expansion index", 2, ""),
+    ("recoil_percent", "recoil", 1, " %"),
+    ("foreshortening_percent", "foreshortening", 1, " %"),
+    ("straightening_deg", "straightening", 1, "°"),
+    ("maximal_malapposition_mm", "largest gap between stent and wall", 2, " mm"),
+)
+
+
+def case_context(files, figures_dir):
+    """The context of templates/case.html.j2. Raises InputError for a missing figure or file."""
+    metrics = read_json(files.metrics, "reports metrics")
+    deployment = read_json(files.deployment, "vci deploy") if "vci" in metrics["states"] else None
+    return {
+        "name": files.case,
+        "id": "case-" + files.case,
+        "metrics": metrics,
+        "steps": [
+            {
+                "action": step["action"].replace("_", " "),
+                "brief": describe_procedure([step]),
+                "devices": [
+                    f"{describe_device(use)}, centre at {use['centre_s_mm']:.1f} mm of {use['branch']}"
+                    for use in step["devices"]
+                ],
+            }
+            for step in metrics["procedure"]
+        ],
+        "deployment": deployment,
+        "readouts": [
+            f"{words} {deployment[key]:.{digits}f}{unit}"
+            for key, words, digits, unit in READOUTS
+            if deployment and deployment.get(key) is not None
+        ],
+        "switched_off": [as_text(item) for item in (deployment or {}).get("switched_off", [])],
+        "flow": {state: flow_row(files, state) for state in metrics["states"]},
+        "reference": optional_json(files.folder / "reference" / "reference.json"),
+        "still": image_uri(figures_dir / f"{files.case}_lumen.png"),
+        "curves": [{"uri": image_uri(figures_dir / f"{files.case}_{name}.svg"), "alt": text} for name, text in CURVES],
+        "viewer": viewer_data(files, metrics),
+    }
+
+
+def flow_row(files, state):
+    """ffr.json and mesh.json of a state, the estimated error, and the reduced model beside it."""
+    solution = read_json(files.flow(state) / "ffr.json", "flow solve")
+    reduced = solution.get("reduced_model") or {}
+    mesh = optional_json(files.flow(state) / "mesh.json") or {}
+    return {
+        "solution": solution,
+        "mesh": mesh,
+        "error": error_of(solution),
+        "reduced_ffr": reduced.get("ffr"),
+        "reduced_model": reduced.get("model"),
+    }
+
+
+def optional_json(path):
+    """The JSON object in `path`, None if there is no such file."""
+    return read_json(path, "the study") if path.exists() else None
+
+
+def as_text(value):
+    """A value of free form from a JSON file, in words."""
+    return value if isinstance(value, str) else json.dumps(value)

@@ -1,0 +1,71 @@
+"""Test results for the evidence table, from JUnit XML as pytest, GoogleTest and CTest write it."""
+
+import xml.etree.ElementTree as ElementTree
+
+from common.errors import InputError
+from reports.reading import existing
+
+OUTCOMES = ("passed", "failed", "skipped")
+
+
+def read_results(paths):
+    """[{group, name, outcome, seconds, reason}] of all test cases; InputError for a file that is no JUnit XML."""
+    results = []
+    for path in paths:
+        try:
+            root = ElementTree.parse(existing(path, "make test")).getroot()
+        except ElementTree.ParseError as error:
+            raise InputError("test results cannot be read", path, str(error), "repeat the tests") from error
+        if root.tag not in ("testsuites", "testsuite"):
+            raise InputError("not a file of test results", path, root.tag, "give JUnit XML")
+        for case in root.iter("testcase"):
+            outcome, reason = outcome_of(case)
+            results.append(
+                {
+                    "group": case.get("classname", ""),
+                    "name": case.get("name", ""),
+                    "outcome": outcome,
+                    "reason": reason,
+                    "seconds": float(case.get("time", 0.0)),
+                }
+            )
+    return results
+
+
+def outcome_of(case):
+    """(outcome, reason) of a <testcase>. Any failure or error outweighs the rest; what did not run is skipped."""
+    for tag, outcome in (("failure", "failed"), ("error", "failed"), ("skipped", "skipped")):
+        found = case.find(tag)
+        if found is not None:
+            return outcome, (found.get("message") or found.text or "").strip()
+    if case.get("status") in ("notrun", "disabled"):
+        return "skipped", "not run"
+    return "passed", ""
+
+
+def part_of(group):
+    """(kind, part) of a test group such as "tests.verification.flow.test_poiseuille"."""
+    words = [word for word in group.replace("/", ".").split(".") if word not in ("tests", "")]
+    if words and words[0] in ("unit", "verification", "workflow"):
+        kind, rest = words[0], words[1:]
+    else:
+        kind, rest = "unit", words
+    return kind, rest[0] if rest else ""
+
+
+def evidence_rows(results):
+    """Rows {kind, part, group, passed, failed, skipped, seconds} by group, verification first."""
+    groups = {}
+    for result in results:
+        row = groups.setdefault(
+            result["group"], {"passed": 0, "failed": 0, "skipped": 0, "seconds": 0.0, "reasons": []}
+        )
+        row[result["outcome"]] += 1
+        row["seconds"] += result["seconds"]
+        if result["outcome"] != "passed" and result["reason"] not in row["reasons"]:
+            row["reasons"].append(result["reason"])
+    rows = []
+    for group, row in groups.items():
+        kind, part = part_of(group)
+        rows.append({"group": group, "kind": kind, "part": part, **row})
+    return sorted(rows, key=lambda row: (row["kind"] != "verification", row["kind"], row["part"], row["group"]))

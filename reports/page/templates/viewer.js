@@ -1,0 +1,174 @@
+/* The 3-D viewer. One WebGL canvas serves all cases: browsers allow only a few, so it moves to the case in view. */
+(function () {
+  "use strict";
+
+  const STEPS = 65535;
+  const DEVICE_COLOUR = 0x2b2b33;
+  const PLAIN_COLOUR = 0xb5473c;
+  const SEE_THROUGH = 0.4;  // the outer wall, when a lumen is shown inside it
+
+  function bytes(text) {
+    const raw = atob(text);
+    const out = new Uint8Array(raw.length);
+    for (let k = 0; k < raw.length; k++) out[k] = raw.charCodeAt(k);
+    return out.buffer;
+  }
+
+  function unpack(text, low, high) {
+    return Float32Array.from(new Uint16Array(bytes(text)), (v) => low + (v / STEPS) * (high - low));
+  }
+
+  function geometry(packed, bounds) {
+    const quantised = new Uint16Array(bytes(packed.points));
+    const points = new Float32Array(quantised.length);
+    for (let k = 0; k < points.length; k++) {
+      const low = bounds[0][k % 3];
+      points[k] = low + (quantised[k] / STEPS) * (bounds[1][k % 3] - low);
+    }
+    const buffer = bytes(packed.triangles);
+    const result = new THREE.BufferGeometry();
+    result.setAttribute("position", new THREE.BufferAttribute(points, 3));
+    result.setIndex(new THREE.BufferAttribute(packed.wide ? new Uint32Array(buffer) : new Uint16Array(buffer), 1));
+    result.computeVertexNormals();
+    return result;
+  }
+
+  /* The colours of values over [low, high], from the table the figures use too. */
+  function ramp(values, low, high, table) {
+    const out = new Float32Array(values.length * 3);
+    values.forEach((value, k) => {
+      const at = Math.max(0, Math.min(1, (value - low) / (high - low || 1))) * (table.length - 1);
+      const below = Math.min(Math.floor(at), table.length - 2);
+      for (let c = 0; c < 3; c++) {
+        out[3 * k + c] = table[below][c] + (at - below) * (table[below + 1][c] - table[below][c]);
+      }
+    });
+    return out;
+  }
+
+  /* All of one case: a scene a state, one camera for all of them. */
+  class CaseView {
+    constructor(element, data, table) {
+      this.element = element;
+      this.stage = element.querySelector(".stage");
+      this.data = data;
+      this.table = table;
+      this.roles = {};
+      element.querySelectorAll("[data-role]").forEach((item) => { this.roles[item.dataset.role] = item; });
+      this.states = {};
+      for (const [name, packed] of Object.entries(data.states)) this.states[name] = this.makeState(name, packed);
+      if (Object.keys(this.states).length < 2) this.roles.mode.value = "single";
+      this.camera = new THREE.PerspectiveCamera(25, 1, 0.1, 2000);
+      this.light = new THREE.DirectionalLight(0xffffff, 0.6);
+      this.titles = [0, 1].map(() => this.addLabel("title"));
+      this.readout = this.addLabel("readout");
+      element.querySelectorAll(".tools, .hint").forEach((item) => { item.hidden = false; });
+      element.querySelectorAll("select, input").forEach((item) => item.addEventListener("input", () => this.changed()));
+    }
+
+    addLabel(name) {
+      const label = document.createElement("div");
+      label.className = name;
+      this.stage.appendChild(label);
+      return label;
+    }
+
+    makeState(name, packed) {
+      const { ranges, bounds } = this.data;
+      const values = {};
+      for (const key of Object.keys(ranges)) values[key] = unpack(packed[key], ranges[key][0], ranges[key][1]);
+      const shape = geometry(packed, bounds);
+      shape.setAttribute("color", new THREE.BufferAttribute(new Float32Array(values.ffr.length * 3), 3));
+      const far = new THREE.MeshLambertMaterial({ vertexColors: THREE.VertexColors, side: THREE.BackSide });
+      const near = new THREE.MeshPhongMaterial({
+        vertexColors: THREE.VertexColors, transparent: true, depthWrite: false, shininess: 25, specular: 0x333333,
+      });
+      const wall = new THREE.Group();
+      const front = new THREE.Mesh(shape, near);
+      front.renderOrder = 2;  // after the stent behind it
+      wall.add(new THREE.Mesh(shape, far), front);
+      const scene = new THREE.Scene();
+      scene.add(wall, new THREE.HemisphereLight(0xffffff, 0xb8b8c4, 0.5));
+      const devices = new THREE.Group();
+      if (name === "vci") {
+        for (const device of this.data.devices) {
+          devices.add(new THREE.Mesh(geometry(device, bounds), new THREE.MeshPhongMaterial({ color: DEVICE_COLOUR })));
+        }
+      }
+      scene.add(devices);
+      return { scene, wall, front, far, near, devices, values, shape };
+    }
+
+    /* Looks along the axis of least extent, with the whole vessel in the picture. */
+    reset(controls, aspect) {
+      const [low, high] = this.data.bounds.map((p) => new THREE.Vector3(...p));
+      const middle = low.clone().add(high).multiplyScalar(0.5);
+      const [right, up, towards] = this.data.view.map((p) => new THREE.Vector3(...p));
+      let across = 0, tall = 0;
+      for (const state of Object.values(this.states)) {
+        const at = state.shape.getAttribute("position"), p = new THREE.Vector3();
+        for (let k = 0; k < at.count; k++) {
+          p.fromBufferAttribute(at, k).sub(middle);
+          across = Math.max(across, Math.abs(p.dot(right)));
+          tall = Math.max(tall, Math.abs(p.dot(up)));
+        }
+      }
+      const distance = 1.12 * Math.max(tall, across / aspect) / Math.tan((this.camera.fov * Math.PI) / 360);
+      this.camera.up.copy(up);
+      this.camera.position.copy(middle).addScaledVector(towards, distance + 3);
+      controls.target.copy(middle);
+    }
+
+    /* Applies what the user chose; `changed` is replaced by the stage to draw again. */
+    apply() {
+      const { roles, data } = this;
+      const colour = roles.colour.value;
+      const [low, high] = colour === "plain" ? [0, 1] : data.ranges[colour];
+      for (const state of Object.values(this.states)) {
+        const plain = colour === "plain";
+        if (!plain) {
+          state.shape.getAttribute("color").array.set(ramp(state.values[colour], low, high, this.table));
+          state.shape.getAttribute("color").needsUpdate = true;
+        }
+        [state.far, state.near].forEach((material) => {
+          material.vertexColors = plain ? THREE.NoColors : THREE.VertexColors;
+          material.color.set(plain ? PLAIN_COLOUR : 0xffffff);
+          material.needsUpdate = true;
+        });
+        state.near.opacity = Math.min(Number(roles.opacity.value), this.inside() ? SEE_THROUGH : 1);
+        state.devices.visible = !roles.devices || roles.devices.checked;
+      }
+      roles.second.hidden = roles.mode.value === "single";
+      this.legend(colour, low, high);
+    }
+
+    legend(colour, low, high) {
+      if (colour === "plain") { this.roles.legend.textContent = ""; return; }
+      const stops = this.table.map((c) => `rgb(${c.map((v) => Math.round(255 * v)).join(",")})`).join(",");
+      const digits = colour === "ffr" ? 2 : 1;
+      const bar = document.createElement("span");
+      bar.className = "ramp";
+      bar.style.background = `linear-gradient(90deg,${stops})`;
+      const name = colour === "ffr" ? "FFR " : "Diameter (mm) ";
+      this.roles.legend.replaceChildren(name + low.toFixed(digits), bar, high.toFixed(digits));
+    }
+
+    /* The panes to draw: [{state, from, to}] with horizontal shares of the stage. */
+    panes() {
+      const { left, right, mode } = this.roles;
+      if (mode.value === "side") return [{ state: left.value, from: 0, to: 0.5 }, { state: right.value, from: 0.5, to: 1 }];
+      return [{ state: mode.value === "single" ? left.value : right.value, from: 0, to: 1 }];
+    }
+
+    /* The state drawn inside the other, null in the other modes. */
+    inside() {
+      return this.roles.mode.value === "overlay" ? this.roles.left.value : null;
+    }
+
+    titleOf(state) {
+      return Array.from(this.roles.left.options).find((option) => option.value === state).textContent;
+    }
+  }
+
+  window.vciViewer = { CaseView };
+})();

@@ -1,0 +1,65 @@
+"""A line in space with its arc length, and the projection of points on it."""
+
+import dataclasses
+
+import numpy as np
+
+from common.errors import InputError
+from reports.reading import array_of, points_of, read_polydata
+
+
+@dataclasses.dataclass(frozen=True)
+class Polyline:
+    """Points (n, 3) in mm with increasing arc length s_mm (n,); `source` is the file, for messages.
+
+    surveyed_per_mm: the curvature (n,) that the anatomy step wrote along the line, where there is one.
+    """
+
+    points: np.ndarray
+    s_mm: np.ndarray
+    source: str
+    surveyed_per_mm: np.ndarray = None
+
+    def __post_init__(self):
+        if len(self.s_mm) < 2:
+            raise InputError("a line needs two points", self.source, len(self.s_mm), "repeat the anatomy step")
+        steps = np.diff(self.s_mm)
+        if not np.all(np.isfinite(self.points)) or not np.all(np.isfinite(self.s_mm)):
+            raise InputError("a line holds a value that is not a number", self.source, "NaN", "repeat the anatomy step")
+        if steps.min() <= 0.0:
+            where = f"{self.source}: point {int(steps.argmin()) + 1}"
+            raise InputError("arc length does not increase along a line", where, steps.min(), "repeat the anatomy step")
+
+    def at(self, s_mm):
+        """Points (..., 3) at arc lengths s_mm, by linear interpolation; clamped to the ends."""
+        return np.stack([np.interp(s_mm, self.s_mm, self.points[:, k]) for k in range(3)], axis=-1)
+
+    def project(self, point):
+        """Arc length and distance (mm) of the point of the line nearest to `point` (3,)."""
+        start, span = self.points[:-1], np.diff(self.points, axis=0)
+        squared = np.maximum(np.einsum("ij,ij->i", span, span), 1e-300)
+        t = np.clip(np.einsum("ij,ij->i", point - start, span) / squared, 0.0, 1.0)
+        distance = np.linalg.norm(start + t[:, None] * span - point, axis=1)
+        nearest = int(distance.argmin())
+        s = self.s_mm[nearest] + t[nearest] * (self.s_mm[nearest + 1] - self.s_mm[nearest])
+        return float(s), float(distance[nearest])
+
+
+def read_centreline(path, branch):
+    """The Polyline of the named branch in a centreline.vtp.
+
+    Raises InputError if the file, its arrays or the branch are missing.
+    """
+    polydata = read_polydata(path, "anatomy")
+    names = polydata.GetCellData().GetAbstractArray("branch_name")
+    if names is None:
+        raise InputError("a VTK array is missing", path, "branch_name", "repeat the anatomy step; see docs/design.md")
+    found = [str(names.GetValue(k)) for k in range(polydata.GetNumberOfCells())]
+    if branch not in found:
+        raise InputError("the centreline has no such branch", path, branch, f"branches there: {', '.join(found)}")
+    ids = polydata.GetCell(found.index(branch)).GetPointIds()
+    rows = np.array([ids.GetId(k) for k in range(ids.GetNumberOfIds())])
+    s_mm, surveyed = (
+        array_of(polydata.GetPointData(), key, path).astype(float) for key in ("s_mm", "curvature_per_mm")
+    )
+    return Polyline(points_of(polydata)[rows], s_mm[rows], str(path), surveyed[rows])

@@ -1,0 +1,84 @@
+"""Area, curvature and FFR of one state along its stented segment."""
+
+import dataclasses
+
+import numpy as np
+
+from common.errors import InputError
+from reports.curvature import line_curvature, mean_over_length
+from reports.polyline import Polyline
+from reports.reading import number, read_json, read_table
+from reports.segment import carry, diameters_at, read_sections
+
+PULLBACK_NUMBERS = ("s_mm", "x_mm", "y_mm", "z_mm", "pressure_pa", "ffr", "flow_m3_per_s")
+
+
+@dataclasses.dataclass(frozen=True)
+class StateProfiles:
+    """One state over the segment, one value a station; `inside` marks the stations that have sections around them."""
+
+    segment: object
+    s_mm: np.ndarray
+    inside: np.ndarray
+    area_mm2: np.ndarray
+    curvature_per_mm: np.ndarray
+    ffr: np.ndarray
+    sections: object
+    surveyed_curvature: float
+    solution: dict
+
+
+def read_pullback(path, branch):
+    """A branch's pull-back: (Polyline with the flow's own arc length, FFR (n,)). Raises InputError."""
+    table = read_table(path, PULLBACK_NUMBERS, ("branch",), "flow solve")
+    rows = table[table["branch"] == branch].sort_values("s_mm", kind="stable").reset_index(drop=True)
+    if rows.empty:
+        found = ", ".join(sorted(set(table["branch"])))
+        raise InputError("the pull-back has no such branch", path, branch, f"branches there: {found}")
+    if not 0.0 < rows["ffr"].min() <= rows["ffr"].max() < 1.2:
+        worst = rows["ffr"].min() if rows["ffr"].min() <= 0.0 else rows["ffr"].max()
+        raise InputError("an FFR is not plausible", path, worst, "expected between 0 and 1.2: check the flow solution")
+    line = Polyline(rows[["x_mm", "y_mm", "z_mm"]].to_numpy(), rows["s_mm"].to_numpy(), str(path))
+    return line, rows["ffr"].to_numpy()
+
+
+def read_solution(path):
+    """ffr.json with a finite `ffr`; InputError for one that says it did not converge."""
+    solution = read_json(path, "flow solve")
+    number(solution, "ffr", path)
+    status = str(solution.get("status", ""))
+    if status != "converged":
+        raise InputError("a flow solution is not converged", path, status, "repeat the flow solve of this state")
+    return solution
+
+
+def error_of(solution):
+    """The estimated error of a solution's FFR at the probe `distal`; None if it was solved without an estimate."""
+    estimate = solution.get("error_estimate")
+    return None if estimate is None else float(estimate["ffr"])
+
+
+def state_profiles(files, state, segment, line, pre_sections, relative):
+    """The StateProfiles of one state at the relative positions (n,) of its segment.
+
+    line: this state's centreline; pre_sections: the sections before the procedure, for the vessel's size.
+    Raises InputError or ComputationError (see carry).
+    """
+    size = diameters_at(pre_sections, [segment.s_start_mm, segment.s_end_mm])
+    carried = carry(segment, line, size)
+    s_mm = carried.stations(relative)
+    sections = read_sections(files.anatomy(state) / "sections.csv", segment.branch)
+    s_sections = sections["s_mm"].to_numpy()
+    flow_line, ffr = read_pullback(files.flow(state) / "pullback.csv", segment.branch)
+    flow_ends = [flow_line.project(line.at(s))[0] for s in (carried.s_start_mm, carried.s_end_mm)]
+    return StateProfiles(
+        segment=carried,
+        s_mm=s_mm,
+        inside=(s_mm >= s_sections[0]) & (s_mm <= s_sections[-1]),
+        area_mm2=np.interp(s_mm, s_sections, sections["area_mm2"]),
+        curvature_per_mm=line_curvature(line, s_mm),
+        ffr=np.interp(flow_ends[0] + relative * (flow_ends[1] - flow_ends[0]), flow_line.s_mm, ffr),
+        sections=sections,
+        surveyed_curvature=mean_over_length(np.interp(s_mm, line.s_mm, line.surveyed_per_mm), s_mm),
+        solution=read_solution(files.flow(state) / "ffr.json"),
+    )

@@ -1,0 +1,102 @@
+"""The stented segment: given on the pre-PCI axis, carried to every other state, sampled at equal relative position."""
+
+import dataclasses
+
+import numpy as np
+
+from common.errors import ComputationError, InputError
+from reports.polyline import Polyline, read_centreline
+from reports.reading import entry, number, read_json, read_table
+
+SECTION_NUMBERS = ("s_mm", "area_mm2", "equivalent_diameter_mm")
+USED_FLAGS = ("ok", "ostium")  # `end` sections cut the cap's edge: never used; `ostium` areas are already clipped
+FLAGS = (*USED_FLAGS, "end")
+
+
+@dataclasses.dataclass(frozen=True)
+class StentedSegment:
+    """Branch, arc lengths (mm, margins included) and the two end points (3,) on the pre-PCI centreline."""
+
+    branch: str
+    s_start_mm: float
+    s_end_mm: float
+    proximal_mm: np.ndarray
+    distal_mm: np.ndarray
+
+
+@dataclasses.dataclass(frozen=True)
+class StateSegment:
+    """The segment on one state's centreline: its ends by arc length, and how far they lay from the pre-PCI ones."""
+
+    line: Polyline
+    s_start_mm: float
+    s_end_mm: float
+    proximal_shift_mm: float
+    distal_shift_mm: float
+
+    @property
+    def length_mm(self):
+        return self.s_end_mm - self.s_start_mm
+
+    def stations(self, relative):
+        """Arc lengths (mm) at relative positions 0 (proximal end) to 1 (distal end)."""
+        return self.s_start_mm + np.asarray(relative) * self.length_mm
+
+
+def stented_segment(scene_path, pre_line_path, margin_mm):
+    """The StentedSegment of a scene.json, `margin_mm` longer at both ends and kept on the branch.
+
+    Raises InputError for a segment that is empty or lies outside its branch.
+    """
+    scene = read_json(scene_path, "anatomy plan")
+    branch = entry(scene, "segment.branch", scene_path)
+    start, end = (number(scene, f"segment.{key}", scene_path) for key in ("s_start_mm", "s_end_mm"))
+    line = read_centreline(pre_line_path, branch)
+    low, high = line.s_mm[0], line.s_mm[-1]
+    if not low <= start < end <= high:
+        remedy = f"give a segment within {low:.2f} to {high:.2f} mm of branch {branch}"
+        raise InputError("the stented segment is not on its branch", scene_path, f"{start} to {end} mm", remedy)
+    start, end = max(low, start - margin_mm), min(high, end + margin_mm)
+    return StentedSegment(branch, float(start), float(end), line.at(start), line.at(end))
+
+
+def carry(segment, line, diameter_mm):
+    """`segment` on a state's centreline: each end goes to the nearest point of `line`.
+
+    diameter_mm: the vessel's diameter at the two ends before the procedure. An end that lands further away than that
+    has left the vessel, and a length that changes by more than a half is no longer the same piece of it: both raise
+    ComputationError.
+    """
+    start, start_shift = line.project(segment.proximal_mm)
+    end, end_shift = line.project(segment.distal_mm)
+    for name, shift, limit in zip(("proximal", "distal"), (start_shift, end_shift), diameter_mm):
+        if shift > limit:
+            remedy = (
+                f"expected within the vessel's diameter, {limit:.2f} mm: check this state's centreline and branches"
+            )
+            raise ComputationError(f"the segment's {name} end is off the axis", line.source, f"{shift:.2f} mm", remedy)
+    before = segment.s_end_mm - segment.s_start_mm
+    if not 0.5 * before < end - start < 1.5 * before:
+        remedy = f"expected about {before:.2f} mm: check this state's centreline and branches"
+        raise ComputationError("the segment changed its length", line.source, f"{end - start:.2f} mm", remedy)
+    return StateSegment(line, start, end, start_shift, end_shift)
+
+
+def read_sections(path, branch):
+    """The sections of a branch, in order of s_mm, without those flagged `end`; InputError if none is left."""
+    table = read_table(path, SECTION_NUMBERS, ("branch", "flag"), "anatomy")
+    unknown = sorted(set(table["flag"]) - set(FLAGS))
+    if unknown:
+        raise InputError("a section's flag is not known", path, unknown[0], f"one of {', '.join(FLAGS)}")
+    used = table[(table["branch"] == branch) & table["flag"].isin(USED_FLAGS)]
+    used = used.sort_values("s_mm", kind="stable").reset_index(drop=True)
+    if len(used) < 2:
+        raise InputError("a branch has too few sections", path, f"{branch}: {len(used)}", "repeat the anatomy step")
+    if used["area_mm2"].min() <= 0.0:
+        raise InputError("an area is not positive", path, used["area_mm2"].min(), "repeat the anatomy step")
+    return used
+
+
+def diameters_at(sections, s_mm):
+    """Equivalent diameter (mm) of the sections at the arc lengths s_mm, by linear interpolation."""
+    return np.interp(s_mm, sections["s_mm"], sections["equivalent_diameter_mm"])

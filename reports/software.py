@@ -1,0 +1,61 @@
+"""What a study ran on: operating system, Debian packages and git revision."""
+
+import pathlib
+import subprocess
+
+from common.errors import InputError
+
+PACKAGES = (
+    "g++",
+    "libcgal-dev",
+    "libeigen3-dev",
+    "libfcl-dev",
+    "libvtk9-dev",
+    "nlohmann-json3-dev",
+    "libcli11-dev",
+    "python3",
+    "python3-dolfinx",
+    "python3-dolfinx-real",
+    "python3-petsc4py",
+    "libopenblas0-pthread",
+    "python3-gmsh",
+    "python3-vtk9",
+    "python3-numpy",
+    "python3-scipy",
+    "python3-matplotlib",
+    "snakemake",
+    "libjs-three",
+)
+OS_RELEASE = pathlib.Path("/etc/os-release")
+
+
+def software_versions(repository):
+    """{"system", "revision", "modified", "packages": {name: version}}; packages that are not installed are left out.
+
+    modified: files of the repository differ from its revision. Raises InputError outside a git repository.
+    """
+    release = dict(line.split("=", 1) for line in OS_RELEASE.read_text().splitlines() if "=" in line)
+    listing = subprocess.run(
+        ["dpkg-query", "-W", "-f", "${db:Status-Status}\t${Package}\t${Version}\n", *PACKAGES],
+        capture_output=True,
+        text=True,
+        check=False,  # it reports packages that are not installed by its exit code
+    ).stdout
+    rows = [line.split("\t") for line in listing.splitlines()]
+    return {
+        "schema": "vci-software-1",
+        "system": release["PRETTY_NAME"].strip('"'),
+        "revision": git(repository, "rev-parse", "HEAD"),
+        "modified": bool(git(repository, "status", "--porcelain", "--untracked-files=no")),
+        "packages": {
+            name: version for status, name, version in sorted(rows, key=lambda row: row[1]) if status == "installed"
+        },
+    }
+
+
+def git(repository, *arguments):
+    """Standard output of a git command in the repository's folder; InputError if it fails."""
+    result = subprocess.run(["git", "-C", str(repository), *arguments], capture_output=True, text=True, check=False)
+    if result.returncode:
+        raise InputError("not a git repository", repository, result.stderr.strip(), "give the repository's folder")
+    return result.stdout.strip()

@@ -1,0 +1,69 @@
+"""Surfaces of lumens and devices as plain arrays, thinned to what a picture needs."""
+
+import dataclasses
+
+import numpy as np
+import vtkmodules.vtkFiltersCore as filters
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkFiltersCore import vtkTubeFilter
+
+from reports.reading import points_of, read_polydata
+
+STRUT_RADIUS_MM = 0.045  # of struts that come as lines, for the picture only
+STRUT_SIDES = 5
+
+
+@dataclasses.dataclass(frozen=True)
+class Surface:
+    """Vertices (n, 3) in mm and triangles (m, 3)."""
+
+    points: np.ndarray
+    triangles: np.ndarray
+
+
+def read_lumen(path, most_triangles):
+    """The lumen as a Surface of at most about `most_triangles` triangles (quadric decimation)."""
+    return to_surface(thinned(triangulated(read_polydata(path, "anatomy")), most_triangles))
+
+
+def read_device(path):
+    """A device as a Surface; struts that are lines become thin tubes. None if the file holds neither."""
+    polydata = read_polydata(path, "vci deploy")
+    if polydata.GetNumberOfLines() > 0 and polydata.GetNumberOfPolys() == 0:
+        tube = vtkTubeFilter()
+        tube.SetInputData(polydata)
+        tube.SetRadius(STRUT_RADIUS_MM)
+        tube.SetNumberOfSides(STRUT_SIDES)
+        tube.Update()
+        polydata = tube.GetOutput()
+    polydata = triangulated(polydata)
+    return to_surface(polydata) if polydata.GetNumberOfPolys() else None
+
+
+def triangulated(polydata):
+    """Only the triangles of a vtkPolyData; strips and polygons are cut into triangles."""
+    triangle = filters.vtkTriangleFilter()
+    triangle.SetInputData(polydata)
+    triangle.PassLinesOff()
+    triangle.PassVertsOff()
+    triangle.Update()
+    return triangle.GetOutput()
+
+
+def thinned(polydata, most_triangles):
+    """`polydata` with its triangles reduced to about `most_triangles`."""
+    count = polydata.GetNumberOfPolys()
+    if count <= most_triangles:
+        return polydata
+    decimate = filters.vtkQuadricDecimation()
+    decimate.SetInputData(polydata)
+    decimate.SetTargetReduction(1.0 - most_triangles / count)
+    decimate.VolumePreservationOn()
+    decimate.Update()
+    return decimate.GetOutput()
+
+
+def to_surface(polydata):
+    """A triangulated vtkPolyData as a Surface."""
+    triangles = vtk_to_numpy(polydata.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+    return Surface(points_of(polydata), np.array(triangles, dtype=np.int64))

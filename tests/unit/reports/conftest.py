@@ -1,0 +1,239 @@
+"""A results tree in the formats of docs/design.md, made from bent tubes of known area, curvature and pressure.
+
+Test data: no number here is a result of the study.
+"""
+
+import json
+import pathlib
+
+import numpy as np
+import pytest
+import vtk
+from vtk.util.numpy_support import numpy_to_vtk
+
+LENGTH_MM, CURVATURE_PER_MM, SPACING_MM = 40.0, 0.1, 0.25
+SEGMENT = (12.0, 30.0)
+Q_M3_PER_S, VISCOSITY, MAP_PA, VENOUS_PA = 5.0e-6, 0.004, 12444.0, 667.0
+OPENING = {"pre": 0.7, "vci": 0.05, "rc": 0.0, "reference": 0.09}  # share of the radius that the lesion takes
+
+
+class Tube:
+    """A circular arc of given curvature with a cosine lesion at mid-length; `move` is a rigid motion (4, 4)."""
+
+    def __init__(self, narrowing, curvature=CURVATURE_PER_MM, radius=1.6, move=None):
+        self.narrowing, self.curvature, self.radius = narrowing, curvature, radius
+        self.move = np.eye(4) if move is None else move
+
+    def s(self):
+        return np.linspace(0.0, LENGTH_MM, round(LENGTH_MM / SPACING_MM) + 1)
+
+    def frame(self, s):
+        """Points, tangents and normals (n, 3) of the axis."""
+        angle, big = np.asarray(s) * self.curvature, 1.0 / self.curvature
+        points = np.stack([big * np.sin(angle), big * (1 - np.cos(angle)), 0 * angle], -1)
+        tangents = np.stack([np.cos(angle), np.sin(angle), 0 * angle], -1)
+        normals = np.stack([-np.sin(angle), np.cos(angle), 0 * angle], -1)
+        rotation, shift = self.move[:3, :3], self.move[:3, 3]
+        return points @ rotation.T + shift, tangents @ rotation.T, normals @ rotation.T
+
+    def radii(self, s):
+        z = (np.asarray(s) - 21.0) / 6.0
+        return self.radius * (1.0 - self.narrowing * np.where(np.abs(z) < 1, 0.5 * (1 + np.cos(np.pi * z)), 0.0))
+
+    def pressure(self, s):
+        """Poiseuille: dp/ds = 8 mu Q / (pi r^4), integrated on a fine grid."""
+        fine = np.linspace(0.0, LENGTH_MM, 4001)
+        slope = 8.0 * VISCOSITY * Q_M3_PER_S / (np.pi * (self.radii(fine) * 1e-3) ** 4) * 1e-3
+        drop = np.concatenate([[0.0], np.cumsum(0.5 * (slope[1:] + slope[:-1]) * np.diff(fine))])
+        return MAP_PA - np.interp(s, fine, drop)
+
+
+def add_array(attributes, name, values):
+    array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
+    array.SetName(name)
+    attributes.AddArray(array)
+
+
+def polydata_from(points, triangles=None, lines=None):
+    polydata = vtk.vtkPolyData()
+    vtk_points = vtk.vtkPoints()
+    vtk_points.SetDataTypeToDouble()
+    vtk_points.SetData(numpy_to_vtk(np.ascontiguousarray(points), deep=True))
+    polydata.SetPoints(vtk_points)
+    for cells, setter in ((triangles, polydata.SetPolys), (lines, polydata.SetLines)):
+        if cells is not None:
+            array = vtk.vtkCellArray()
+            for cell in cells:
+                array.InsertNextCell(len(cell), [int(k) for k in cell])
+            setter(array)
+    return polydata
+
+
+def write_vtp(path, polydata):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    writer = vtk.vtkXMLPolyDataWriter()
+    writer.SetFileName(str(path))
+    writer.SetInputData(polydata)
+    assert writer.Write() == 1
+
+
+def write_json(path, document):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(document, indent=1))
+
+
+def tube_surface(tube, around=20, along=64):
+    s = np.linspace(0.0, LENGTH_MM, along + 1)
+    points, tangents, normals = tube.frame(s)
+    theta = 2 * np.pi * np.arange(around) / around
+    binormals = np.cross(tangents, normals)
+    ring = normals[:, None] * np.cos(theta)[None, :, None] + binormals[:, None] * np.sin(theta)[None, :, None]
+    vertices = (points[:, None] + tube.radii(s)[:, None, None] * ring).reshape(-1, 3)
+    triangles, regions = [], []
+    for i in range(along):
+        for j in range(around):
+            a, b = i * around + j, i * around + (j + 1) % around
+            triangles += [(a, b, a + around), (b, b + around, a + around)]
+            regions += [0, 0]
+    vertices = np.vstack([vertices, points[[0, -1]]])
+    last = along * around
+    for j in range(around):
+        k = (j + 1) % around
+        triangles += [(len(vertices) - 2, k, j), (len(vertices) - 1, last + j, last + k)]
+        regions += [1, 2]
+    polydata = polydata_from(vertices, triangles)
+    add_array(polydata.GetCellData(), "region_id", np.array(regions, np.int32))
+    add_array(polydata.GetCellData(), "branch_id", np.zeros(len(regions), np.int32))
+    radii = np.concatenate([np.repeat(tube.radii(s), around), tube.radii(s)[[0, -1]]])
+    add_array(polydata.GetPointData(), "radius_mm", radii)
+    return polydata
+
+
+def write_anatomy(folder, tube):
+    s = tube.s()
+    points, tangents, _ = tube.frame(s)
+    line = polydata_from(points, lines=[range(len(s))])
+    for name, values in (("s_mm", s), ("radius_mm", tube.radii(s)), ("torsion_per_mm", 0 * s)):
+        add_array(line.GetPointData(), name, values)
+    add_array(line.GetPointData(), "curvature_per_mm", np.full(len(s), tube.curvature))
+    add_array(line.GetCellData(), "branch_id", np.zeros(1, np.int32))
+    names = vtk.vtkStringArray()
+    names.SetName("branch_name")
+    names.InsertNextValue("main")
+    line.GetCellData().AddArray(names)
+    write_vtp(folder / "centreline.vtp", line)
+    write_vtp(folder / "lumen.vtp", tube_surface(tube))
+    header = "branch,branch_id,s_mm,x_mm,y_mm,z_mm,tx,ty,tz,area_mm2,equivalent_diameter_mm,min_diameter_mm,"
+    rows = [header + "max_diameter_mm,inscribed_radius_mm,curvature_per_mm,torsion_per_mm,flag"]
+    for k in range(len(s)):
+        r, end = tube.radii(s[k]), s[k] < 2.4 or s[k] > LENGTH_MM - 2.4
+        numbers = [s[k], *points[k], *tangents[k], np.pi * r * r, 2 * r, 2 * r, 2 * r, r, tube.curvature, 0.0]
+        rows.append(",".join(["main", "0", *(repr(float(v)) for v in numbers), "end" if end else "ok"]))
+    (folder / "sections.csv").write_text("\n".join(rows) + "\n")
+    lesion = {"name": "lesion1", "branch": "main", "s_start_mm": 15.0, "s_mla_mm": 21.0, "s_end_mm": 27.0}
+    lesion.update(mla_mm2=1.6, mld_mm=1.4, reference_diameter_mm=3.2, proximal_reference_diameter_mm=3.2)
+    lesion.update(distal_reference_diameter_mm=3.2, diameter_stenosis_percent=55.0, area_stenosis_percent=80.0)
+    write_json(
+        folder / "anatomy.json",
+        {"schema": "vci-anatomy-1", "lesions": [lesion], "timings_s": {"centreline": 0.5, "remesh": 1.25}},
+    )
+
+
+def write_flow(folder, tube):
+    s = tube.s()
+    points, _, _ = tube.frame(s)
+    rows = ["branch,branch_id,s_mm,x_mm,y_mm,z_mm,pressure_pa,ffr,flow_m3_per_s"]
+    for k, pressure in enumerate(tube.pressure(s)):
+        numbers = [s[k], *points[k], pressure, pressure / MAP_PA, Q_M3_PER_S]
+        rows.append(",".join(["main", "0", *(repr(float(v)) for v in numbers)]))
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "pullback.csv").write_text("\n".join(rows) + "\n")
+    ffr = float(tube.pressure(37.0) / MAP_PA)
+    document = {"schema": "vci-ffr-1", "status": "converged", "model": "navier-stokes-3d", "ffr": ffr, "iterations": 9}
+    document.update(residual_absolute=3e-9, residual_relative=2e-6, mass_imbalance=1e-12)
+    document["error_estimate"] = {"ffr": 0.002, "method": "two meshes"}
+    document.update(reduced_model={"ffr": ffr + 0.004}, seconds=12.5, peak_memory_mib=900.0)
+    document["inlet_flow_m3_per_s"] = Q_M3_PER_S
+    document["outlets"] = [{"name": "outlet1", "flow_m3_per_s": Q_M3_PER_S, "pressure_pa": 1e4, "ffr": ffr}]
+    document["probes"] = [{"name": "distal", "ffr": ffr}]
+    write_json(folder / "ffr.json", document)
+    write_json(folder / "mesh.json", {"schema": "vci-mesh-1", "cells": 20000, "dofs": 98000, "element_order": 2})
+
+
+def write_stent(path, tube, crowns=8, rings=9):
+    """Zig-zag rings joined by links, as lines."""
+    points, lines = [], []
+    for ring in range(rings):
+        start, count = len(points), 2 * crowns
+        for k in range(count + 1):
+            s = SEGMENT[0] + 1.0 + ring * 2.0 + (0.5 if k % 2 else -0.5)
+            centre, tangent, normal = (v[0] for v in tube.frame([s]))
+            theta = 2 * np.pi * k / count
+            spoke = normal * np.cos(theta) + np.cross(tangent, normal) * np.sin(theta)
+            points.append(centre + 0.97 * tube.radii(s) * spoke)
+        lines.append(range(start, start + count + 1))
+        if ring:
+            lines.append([start - count, start])
+    write_vtp(path, polydata_from(np.array(points), lines=lines))
+
+
+def write_procedure(folder):
+    balloon = {"kind": "balloon", "nominal_diameter_mm": 3.0, "length_mm": 15.0}
+    stent = {"kind": "stent", "nominal_diameter_mm": 3.5, "length_mm": 18.0, "strut_thickness_mm": 0.081}
+    place = {"branch": "main", "centre_s_mm": 21.0}
+    scene = {"schema": "vci-scene-1", "segment": {"branch": "main", "s_start_mm": SEGMENT[0], "s_end_mm": SEGMENT[1]}}
+    scene["devices"] = {"sc_3.00x15": balloon, "des_3.50x18": stent}
+    scene["procedure"] = [
+        {
+            "name": "pre",
+            "action": "predilatation",
+            "devices": [{"device": "sc_3.00x15", "pressure_bar": 12.0, **place}],
+        },
+        {"name": "stent", "action": "stent", "devices": [{"device": "des_3.50x18", "pressure_bar": 11.0, **place}]},
+    ]
+    write_json(folder / "scene.json", scene)
+    stage = {"seconds": 0.2, "steps": 40, "cg_iterations": 300, "residual": 2e-3, "contacts": 900}
+    stage.update(max_penetration_mm=0.01, mean_penetration_mm=0.0005)
+    steps = [{"step": step, "stage": name, **stage} for step in ("pre", "stent") for name in ("deploy", "extract")]
+    document = {"schema": "vci-deployment-1", "status": "converged", "stages": steps, "seconds": 0.8}
+    document.update(settings={"edge_mm": 0.4}, switched_off=["folding"], minimal_stent_area_mm2=7.3)
+    document.update(expansion_index=0.9, recoil_percent=4.0, foreshortening_percent=1.5, straightening_deg=3.0)
+    write_json(folder / "deployment.json", document)
+
+
+def build_case(root, name, moves=None, states=("pre", "vci", "rc", "reference"), change=0.0):
+    """Writes one case below `root`/cases; `moves` {state: rigid motion}; `change` shifts the openings a little."""
+    folder = pathlib.Path(root) / "cases" / name
+    tubes = {
+        state: Tube(OPENING[state] + (change if state != "rc" else 0.0), move=(moves or {}).get(state))
+        for state in states
+    }
+    for state, tube in tubes.items():
+        write_anatomy(folder / "anatomy" if state == "pre" else folder / state / "anatomy", tube)
+        write_flow(folder / "flow" / state, tube)
+    write_procedure(folder / "vci")
+    write_stent(folder / "vci" / "devices" / "stent1_struts.vtp", tubes["vci"])
+    boundary = {"map_pa": MAP_PA, "venous_pressure_pa": VENOUS_PA, "q_hyperaemic_m3_per_s": Q_M3_PER_S}
+    write_json(folder / "flow" / "boundary.json", {"schema": "vci-boundary-1", **boundary})
+    if "reference" in states:
+        write_json(folder / "source" / "truth.json", {"schema": "vci-truth-1"})
+        write_json(
+            folder / "reference" / "reference.json", {"schema": "vci-reference-1", "model": "slices", "seconds": 60}
+        )
+    (folder / "benchmarks").mkdir()
+    columns = "s\th:m:s\tmax_rss\tmax_vms\tmax_uss\tmax_pss\tio_in\tio_out\tmean_load\tcpu_time"
+    row = "1.5000\t0:00:01\t120.50\t300.00\t100.00\t110.00\t0.00\t0.00\t90.00\t1.40"
+    (folder / "benchmarks" / "deploy.tsv").write_text(f"{columns}\n{row}\n")
+    return folder
+
+
+@pytest.fixture
+def make_case(tmp_path):
+    """make_case(name, **options) -> folder of a new case (see build_case)."""
+    return lambda name="tube", **options: build_case(tmp_path, name, **options)
+
+
+@pytest.fixture
+def tube():
+    """tube(state) -> the Tube of a state, for exact values."""
+    return lambda state: Tube(OPENING[state])

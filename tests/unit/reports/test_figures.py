@@ -1,0 +1,91 @@
+"""Figures: what is written, the same bytes twice, and the geometry of the pictures."""
+
+import numpy as np
+import pytest
+
+from common.errors import InputError
+from reports.__main__ import main
+from reports.figures.lumen import paint_order, panel_grid, view_axes
+from reports.surface import Surface, read_device, read_lumen
+
+
+@pytest.fixture
+def measured_case(make_case):
+    """A case with its metrics.json."""
+
+    def make(name, **options):
+        folder = make_case(name, **options)
+        main(["metrics", "--case", name, "--case-dir", str(folder), "--out", str(folder / "metrics.json")])
+        return folder
+
+    return make
+
+
+def test_the_same_bytes_twice_and_no_dates(measured_case, tmp_path):
+    folder = measured_case("tube")
+    for out in ("a", "b"):
+        arguments = ["--case-dir", str(folder), "--metrics", str(folder / "metrics.json")]
+        main(["figures", *arguments, "--out-dir", str(tmp_path / out)])
+    names = sorted(path.name for path in (tmp_path / "a").iterdir())
+    stems = ["agreement", "ffr_before_after", "tube_area", "tube_curvature", "tube_lumen", "tube_pullback"]
+    assert names == sorted(f"{stem}.{kind}" for stem in stems for kind in ("svg", "png"))
+    for name in names:
+        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes(), name
+    assert "<dc:date>" not in (tmp_path / "a" / "tube_area.svg").read_text()
+
+
+def test_a_study_without_reference_has_no_agreement_plot(measured_case, tmp_path):
+    folder = measured_case("own", states=("pre", "vci"))
+    main(["figures", "--metrics", str(folder / "metrics.json"), "--out-dir", str(tmp_path / "figures")])
+    assert sorted(path.name for path in (tmp_path / "figures").iterdir()) == [
+        "ffr_before_after.png",
+        "ffr_before_after.svg",
+    ]
+
+
+def test_view_looks_along_the_least_extent():
+    rng = np.random.default_rng(1)
+    points = rng.normal(size=(500, 3)) * [1.0, 9.0, 4.0]
+    axes = view_axes(points)
+    assert np.abs(axes @ np.eye(3)).round(0).tolist() == [[0, 1, 0], [0, 0, 1], [1, 0, 0]]
+    assert np.linalg.det(axes) == pytest.approx(1.0)
+    assert view_axes(points[::-1]) == pytest.approx(axes)
+
+
+def test_near_triangles_face_the_viewer():
+    surface = Surface(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2], [0, 2, 1]]))
+    assert paint_order(surface, np.eye(3))["near"].tolist() == [True, False]
+
+
+@pytest.mark.parametrize(
+    "count, aspect, grid", [(4, 2.0, (2, 2)), (2, 5.0, (2, 1)), (2, 0.8, (1, 2)), (1, 1.0, (1, 1))]
+)
+def test_panels(count, aspect, grid):
+    assert panel_grid(count, aspect)[:2] == grid
+
+
+def test_lumen_is_thinned_and_keeps_its_volume(make_case):
+    path = make_case() / "anatomy" / "lumen.vtp"
+    volumes = []
+    for most in (10**6, 1500):
+        surface = read_lumen(path, most)
+        assert len(surface.triangles) <= most
+        corners = surface.points[surface.triangles]
+        volumes.append(np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum() / 6.0)
+    assert volumes[0] > 0 and volumes[1] == pytest.approx(volumes[0], rel=0.01)
+
+
+def test_struts_given_as_lines_become_tubes(make_case):
+    stent = read_device(make_case() / "vci" / "devices" / "stent1_struts.vtp")
+    assert len(stent.triangles) > 1000 and stent.triangles.max() < len(stent.points)
+
+
+def test_nothing_to_draw_is_refused(tmp_path):
+    with pytest.raises(SystemExit):
+        main(["figures", "--out-dir", str(tmp_path)])
+
+
+def test_not_a_vtp_is_refused(tmp_path):
+    (tmp_path / "lumen.vtp").write_text("solid")
+    with pytest.raises(InputError):
+        read_lumen(tmp_path / "lumen.vtp", 10)

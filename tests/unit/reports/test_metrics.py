@@ -1,0 +1,173 @@
+"""Metrics of tubes against their exact area, curvature and pressure; states carried; bad files refused."""
+
+import json
+
+import numpy as np
+import pytest
+
+from common.errors import ComputationError, InputError
+from reports.case_files import CaseFiles
+from reports.metrics import case_metrics
+
+
+def metrics_of(folder, **options):
+    return case_metrics(CaseFiles("tube", folder), **options)
+
+
+def rigid(angle_deg, shift):
+    """Rotation about (1, 2, 2) / 3 by an angle, then a shift: (4, 4)."""
+    x, y, z = np.array([1.0, 2.0, 2.0]) / 3.0
+    k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    angle = np.radians(angle_deg)
+    move = np.eye(4)
+    move[:3, :3] += np.sin(angle) * k + (1 - np.cos(angle)) * k @ k
+    move[:3, 3] = shift
+    return move
+
+
+def test_values_of_a_tube(make_case, tube):
+    document = metrics_of(make_case())
+    s = np.linspace(10.0, 32.0, 20001)
+    for state, entry in document["states"].items():
+        area = np.pi * tube(state).radii(s) ** 2
+        assert entry["area"]["mean_mm2"] == pytest.approx(area.mean(), rel=2e-3)
+        assert entry["area"]["minimum_mm2"] == pytest.approx(area.min(), rel=2e-3)
+        assert entry["curvature"]["mean_per_mm"] == pytest.approx(0.1, rel=1e-5)
+        assert entry["curvature"]["mean_surveyed_per_mm"] == pytest.approx(0.1)
+        assert entry["ffr"]["past_segment"] == pytest.approx(tube(state).pressure(32.0) / 12444.0, abs=1e-6)
+        assert entry["ffr"]["distal"] == pytest.approx(tube(state).pressure(37.0) / 12444.0, abs=1e-9)
+        assert len(entry["ffr"]["profile"]) == document["stations"]["used"] == 101
+
+
+def test_differences_between_states(make_case):
+    document = metrics_of(make_case())
+    a, b = (np.array(document["states"][state]["area"]["profile_mm2"]) for state in ("vci", "reference"))
+    row = document["differences"]["vci_minus_reference"]["area_mm2"]
+    assert row["bias"] == pytest.approx(np.mean(a - b)) and row["bias"] > 0.1
+    assert row["rmse"] ** 2 == pytest.approx(row["bias"] ** 2 + row["sd"] ** 2)
+
+
+def test_a_moved_case_has_the_same_metrics(make_case):
+    move = rigid(73.0, [40.0, -25.0, 60.0])
+    still = metrics_of(make_case("still"))
+    moved = metrics_of(make_case("moved", moves={state: move for state in still["states"]}))
+    for state, entry in still["states"].items():
+        other = moved["states"][state]
+        assert other["s_mm"] == pytest.approx(entry["s_mm"], abs=1e-9)
+        assert other["area"]["profile_mm2"] == pytest.approx(entry["area"]["profile_mm2"], rel=1e-9)
+        assert other["curvature"]["profile_per_mm"] == pytest.approx(entry["curvature"]["profile_per_mm"], rel=1e-6)
+        assert other["ffr"]["profile"] == pytest.approx(entry["ffr"]["profile"], rel=1e-9)
+
+
+def test_a_state_slid_along_its_axis_is_measured_where_the_segment_was(make_case):
+    """Turning the bent tube about its centre of curvature slides it 0.5 mm along itself."""
+    angle, big = -0.05, 10.0
+    move = np.eye(4)
+    move[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+    move[:3, 3] = np.array([0, big, 0]) - move[:3, :3] @ [0, big, 0]
+    entry = metrics_of(make_case(moves={"vci": move}))["states"]["vci"]["segment"]
+    assert entry["s_start_mm"] == pytest.approx(10.5, abs=2e-3)
+    assert entry["s_end_mm"] == pytest.approx(32.5, abs=2e-3)
+
+
+def test_a_state_somewhere_else_is_refused(make_case):
+    with pytest.raises(ComputationError, match="off the axis"):
+        metrics_of(make_case(moves={"vci": rigid(0.0, [0.0, 0.0, 9.0])}))
+
+
+def test_a_case_without_reference_has_no_differences(make_case):
+    document = metrics_of(make_case(states=("pre", "vci")))
+    assert list(document["states"]) == ["pre", "vci"]
+    assert document["differences"] == {} and document["kind"] == "surface"
+
+
+def test_end_sections_are_left_out_in_all_states_alike(make_case):
+    folder = make_case()
+    path = folder / "vci" / "anatomy" / "sections.csv"
+    lines = path.read_text().splitlines()
+    lines = [
+        line.replace(",ok", ",end") if k and float(line.split(",")[2]) > 26.6 else line for k, line in enumerate(lines)
+    ]
+    path.write_text("\n".join(lines) + "\n")
+    document = metrics_of(folder)
+    assert document["stations"]["used"] == 76  # relative positions up to (26.5 - 10) / 22 = 0.75
+    for entry in document["states"].values():
+        assert len(entry["area"]["profile_mm2"]) == 76 and entry["s_mm"][-1] == pytest.approx(26.5)
+
+
+def test_refuses_a_segment_without_enough_sections(make_case):
+    folder = make_case()
+    path = folder / "anatomy" / "sections.csv"
+    lines = path.read_text().splitlines()
+    lines = [
+        line.replace(",ok", ",end") if k and float(line.split(",")[2]) > 15 else line for k, line in enumerate(lines)
+    ]
+    path.write_text("\n".join(lines) + "\n")
+    with pytest.raises(ComputationError, match="too few stations"):
+        metrics_of(folder)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "vci/scene.json",
+        "vci/deployment.json",
+        "flow/boundary.json",
+        "anatomy/anatomy.json",
+        "rc/anatomy/centreline.vtp",
+        "flow/reference/pullback.csv",
+        "vci/anatomy/sections.csv",
+    ],
+)
+def test_a_missing_file_is_named(make_case, name):
+    folder = make_case()
+    (folder / name).unlink()
+    with pytest.raises(InputError, match="missing") as refusal:
+        metrics_of(folder)
+    assert name in str(refusal.value) and "remedy" in str(refusal.value)
+
+
+@pytest.mark.parametrize("name, column", [("vci/anatomy/sections.csv", 9), ("flow/rc/pullback.csv", 7)])
+@pytest.mark.parametrize("bad", ["nan", "", "inf", "wide"])
+def test_what_is_not_a_number_is_refused_with_its_row(make_case, name, column, bad):
+    folder = make_case()
+    lines = (folder / name).read_text().splitlines()
+    fields = lines[60].split(",")
+    fields[column] = bad
+    lines[60] = ",".join(fields)
+    (folder / name).write_text("\n".join(lines) + "\n")
+    with pytest.raises(InputError, match="row 61"):
+        metrics_of(folder)
+
+
+def test_a_nan_in_json_is_refused(make_case):
+    folder = make_case()
+    path = folder / "flow" / "vci" / "ffr.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"ffr": float("nan")}))
+    with pytest.raises(InputError, match="not a number"):
+        metrics_of(folder)
+
+
+def test_a_solution_that_did_not_converge_is_refused(make_case):
+    folder = make_case()
+    path = folder / "flow" / "vci" / "ffr.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"status": "stalled"}))
+    with pytest.raises(InputError, match="not converged"):
+        metrics_of(folder)
+
+
+@pytest.mark.parametrize("options", [{"margin_mm": -1.0}, {"stations": 20}, {"states": ["vci"]}])
+def test_bad_options_are_refused(make_case, options):
+    with pytest.raises(InputError):
+        metrics_of(make_case(), **options)
+
+
+def test_a_pull_back_with_its_own_zero_is_found_by_position(make_case):
+    folder = make_case()
+    before = metrics_of(folder)["states"]["vci"]["ffr"]["profile"]
+    path = folder / "flow" / "vci" / "pullback.csv"
+    lines = [line.split(",") for line in path.read_text().splitlines()]
+    for fields in lines[1:]:
+        fields[2] = repr(float(fields[2]) + 6.5)  # s_mm from the end of an inlet extension
+    path.write_text("\n".join(",".join(fields) for fields in lines) + "\n")
+    assert metrics_of(folder)["states"]["vci"]["ffr"]["profile"] == pytest.approx(before, abs=1e-12)

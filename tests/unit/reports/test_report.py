@@ -1,0 +1,150 @@
+"""The report: what it holds, that it stands alone, and that the check sees what is wrong with a page."""
+
+import base64
+import json
+import shutil
+
+import numpy as np
+import pytest
+
+from common.errors import ComputationError, InputError
+from reports.__main__ import main
+from reports.check import TALL, browse, check_report, console_messages, outside_references
+from reports.page.build import fixed, signed
+from reports.page.evidence import evidence_rows, read_results
+from reports.page.geometry import STEPS, pack, quantise
+
+POLICY = '<meta http-equiv="Content-Security-Policy" content="default-src \'none\'">'
+JUNIT = """<testsuites><testsuite>
+<testcase classname="tests.verification.flow.test_poiseuille" name="test_drop" time="1.5"/>
+<testcase classname="tests.verification.flow.test_poiseuille" name="test_fine"><skipped message="no mesh"/></testcase>
+<testcase classname="tests.unit.vci.test_x" name="a" time="0.1"><failure message="1 != 2">trace</failure></testcase>
+</testsuite></testsuites>"""
+
+needs_chromium = pytest.mark.skipif(shutil.which("chromium") is None, reason="the package chromium is not installed")
+
+
+@pytest.fixture
+def study(make_case, tmp_path):
+    """study(cases...) -> path of the report of cases (name, options)."""
+
+    def make(*cases, junit=()):
+        folders = []
+        for name, options in cases:
+            folders.append(make_case(name, **options))
+            out = str(folders[-1] / "metrics.json")
+            main(["metrics", "--case", name, "--case-dir", str(folders[-1]), "--out", out])
+        metrics = [str(folder / "metrics.json") for folder in folders]
+        dirs = [str(folder) for folder in folders]
+        for name in ("agreement", "cohort"):
+            main([name, "--metrics", *metrics, "--out", str(tmp_path / "study" / f"{name}.csv")])
+        main(["timings", "--case-dir", *dirs, "--out", str(tmp_path / "study" / "timings.csv")])
+        main(["figures", "--case-dir", *dirs, "--metrics", *metrics, "--out-dir", str(tmp_path / "figures")])
+        paths = [tmp_path / "index.html", tmp_path / "again.html"]
+        for path in paths:
+            places = ["--study-dir", str(tmp_path / "study"), "--figures-dir", str(tmp_path / "figures")]
+            more = ["--junit", *map(str, junit)] if junit else []
+            main(["report", "--case-dir", *dirs, *places, *more, "--cohort", "quick", "--out", str(path)])
+        assert paths[0].read_bytes() == paths[1].read_bytes()
+        return paths[0]
+
+    return make
+
+
+def test_report_of_a_case_with_and_one_without_reference(study, tmp_path):
+    (tmp_path / "junit.xml").write_text(JUNIT)
+    path = study(("tube", {}), ("own", {"states": ("pre", "vci")}), junit=[tmp_path / "junit.xml"])
+    text = path.read_text()
+    assert outside_references(text) == []
+    for words in ('id="case-tube"', 'id="case-own"', "−5.22 to +2.12", "test_poiseuille", "its prediction is untested"):
+        assert words in text, words
+    assert text.count('class="viewer"') == 2
+    if shutil.which("chromium"):
+        check_report(path, tmp_path / "shot.png")
+        assert (tmp_path / "shot.png").stat().st_size > 20000
+        page, _ = browse(path, "--dump-dom", size=TALL)
+        assert page.count("<canvas") == 1 and 'class="stage live"' in page
+
+
+def test_report_without_any_reference_or_tests_says_so(study):
+    text = study(("own", {"states": ("pre", "vci")})).read_text()
+    assert "No case of this run has a reference" in text
+    assert "carries no evidence of verification" in text
+
+
+def test_a_missing_figure_is_named(study, tmp_path, capsys):
+    path = study(("tube", {}))
+    (tmp_path / "figures" / "tube_area.svg").unlink()
+    path.unlink()
+    places = ["--study-dir", str(tmp_path / "study"), "--figures-dir", str(tmp_path / "figures")]
+    with pytest.raises(SystemExit):
+        main(["report", "--case-dir", str(tmp_path / "cases" / "tube"), *places, "--out", str(path)])
+    assert "tube_area.svg" in capsys.readouterr().err and not path.exists()
+
+
+@pytest.mark.parametrize(
+    "body, where",
+    [
+        ('<img src="picture.png">', "img"),
+        ('<script src="https://example.org/three.js"></script>', "script"),
+        ('<a href="other.html">x</a>', "other.html"),
+        ("<style>@import 'x.css';</style>", "x.css"),
+        ("<style>p { background: url(tile.png) }</style>", "tile.png"),
+        ('<p style="background: url(tile.png)">', "tile.png"),
+    ],
+)
+def test_outside_references_are_found(body, where):
+    found = outside_references(f"<html><head>{POLICY}</head><body>{body}</body></html>")
+    assert len(found) == 1 and where in found[0]
+
+
+def test_a_page_without_policy_is_refused():
+    assert "policy" in outside_references("<html><body>text</body></html>")[0]
+    page = f'<html>{POLICY}<body><a href="#top">up</a><img src="data:,"></body></html>'
+    assert outside_references(page) == []
+
+
+def test_console_messages_of_a_log():
+    log = (
+        '[1:1:1121/07:INFO:CONSOLE:1] "Uncaught ReferenceError: x", source: file:///a (1)\n'
+        '[1:1:1121/07:INFO:CONSOLE(3)] "boom", source: file:///a (3)\n'
+        '[1:1:1121/07:INFO:CONSOLE:0] "[.WebGL-0xf5]GL Driver Message (OpenGL, Performance, X, High): stall", source\n'
+        "[1:1:1121/07:ERROR:dbus/bus.cc:405] Failed to connect to the bus\n"
+    )
+    messages = console_messages(log)
+    assert len(messages) == 2 and "ReferenceError" in messages[0] and "boom" in messages[1]
+
+
+@needs_chromium
+@pytest.mark.parametrize("script", ["undefined_function()", "console.error('boom')", "fetch('data.json')"])
+def test_a_page_with_a_failing_script_is_refused(tmp_path, script):
+    policy = POLICY.replace("'none'\"", "'none'; script-src 'unsafe-inline'\"")
+    (tmp_path / "page.html").write_text(f"<html>{policy}<body><script>{script}</script></body></html>")
+    with pytest.raises(ComputationError, match="console"):
+        check_report(tmp_path / "page.html")
+
+
+def test_evidence_counts_each_outcome(tmp_path):
+    (tmp_path / "junit.xml").write_text(JUNIT)
+    first, second = evidence_rows(read_results([tmp_path / "junit.xml"]))
+    assert (first["kind"], first["part"], first["passed"], first["skipped"]) == ("verification", "flow", 1, 1)
+    assert (second["kind"], second["part"], second["failed"], second["reasons"]) == ("unit", "vci", 1, ["1 != 2"])
+
+
+@pytest.mark.parametrize("text", ["<html></html>", "not xml"])
+def test_what_is_no_test_result_is_refused(tmp_path, text):
+    (tmp_path / "junit.xml").write_text(text)
+    with pytest.raises(InputError):
+        read_results([tmp_path / "junit.xml"])
+
+
+def test_packed_coordinates_come_back():
+    values = np.linspace(-3.0, 60.0, 1000)
+    raw = np.frombuffer(base64.b64decode(pack(quantise(values, -3.0, 60.0))), "<u2")
+    assert -3.0 + raw / STEPS * 63.0 == pytest.approx(values, abs=0.0005)
+
+
+def test_numbers_as_they_are_shown():
+    assert signed(-0.02) == "−0.02" and signed(0.123, 1) == "+0.1" and signed(-0.001) == "0.00"
+    assert fixed(None) == "–" and fixed(98000, 0) == "98,000"
+    assert json.dumps(fixed(1.005, 1)) == '"1.0"'

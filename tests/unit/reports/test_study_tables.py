@@ -1,0 +1,102 @@
+"""agreement.csv, cohort.csv and timings.csv."""
+
+import pandas as pd
+import pytest
+
+from common.errors import InputError
+from reports.__main__ import main
+from reports.agreement import agreement_table, published
+from reports.case_files import CaseFiles
+from reports.cohort import cohort_table
+from reports.metrics import case_metrics
+from reports.timings import timings_table
+
+
+def documents(make_case, changes):
+    return [
+        case_metrics(CaseFiles(f"tube{k}", make_case(f"tube{k}", change=change))) for k, change in enumerate(changes)
+    ]
+
+
+def test_agreement_of_three_cases(make_case):
+    cases = documents(make_case, [0.0, 0.02, -0.03])
+    table = agreement_table(cases).set_index(["quantity", "comparison"])
+    row = table.loc[("mean_area", "vci_minus_reference")]
+    means = [[case["states"][state]["area"]["mean_mm2"] for case in cases] for state in ("vci", "reference")]
+    assert row["n"] == 3
+    assert row["bias"] == pytest.approx(sum(means[0]) / 3 - sum(means[1]) / 3)
+    assert row["bias_ci_lower"] < row["bias"] < row["bias_ci_upper"]
+    assert (row["published_bias"], row["published_sd"], row["published_n"]) == (-1.55, 1.89, 9)
+    assert table.loc[("ffr", "rc_minus_reference"), "published_bias"] != -0.02
+    assert len(table) == 6
+
+
+def test_published_limits_follow_from_bias_and_sd_where_the_note_says_so():
+    paper = published()["quantities"]
+    for name, tolerance in (("mean_area", 0.06), ("mean_curvature", 0.03)):
+        row = paper[name]
+        assert row["bias"] == pytest.approx(row["predicted"]["mean"] - row["reference"]["mean"], abs=0.011)
+        assert row["loa_lower"] == pytest.approx(row["bias"] - 1.96 * row["sd"], abs=tolerance)
+        assert row["loa_upper"] == pytest.approx(row["bias"] + 1.96 * row["sd"], abs=tolerance)
+
+
+def test_cases_without_reference_leave_an_empty_agreement(make_case, tmp_path):
+    case = case_metrics(CaseFiles("own", make_case("own", states=("pre", "vci"))))
+    assert agreement_table([case]).empty
+    row = cohort_table([case]).iloc[0]
+    assert row["kind"] == "surface" and row["reference_ffr_distal"] is None
+    assert row["procedure"] == "predilatation: 3.00x15 mm balloon at 12 bar; stent: 3.50x18 mm stent at 11 bar"
+
+
+def test_timings_from_benchmarks_and_programs(make_case):
+    table = timings_table([CaseFiles("tube", make_case())]).set_index("step")
+    assert table.loc["deploy", ["source", "seconds", "cpu_s", "peak_memory_mib"]].tolist() == [
+        "workflow",
+        1.5,
+        1.4,
+        120.5,
+    ]
+    assert table.loc["vci/stent/extract", "seconds"] == 0.2
+    assert table.loc["pre/anatomy/remesh", "seconds"] == 1.25
+    assert table.loc["reference/flow", "peak_memory_mib"] == 900.0
+
+
+def test_the_commands_write_the_same_bytes_twice(make_case, tmp_path):
+    folder = make_case("tube")
+    for out in ("a", "b"):
+        main(["metrics", "--case", "tube", "--case-dir", str(folder), "--out", str(tmp_path / out / "metrics.json")])
+        for name in ("agreement", "cohort"):
+            arguments = [
+                "--metrics",
+                str(tmp_path / out / "metrics.json"),
+                "--out",
+                str(tmp_path / out / f"{name}.csv"),
+            ]
+            main([name, *arguments])
+    for name in ("metrics.json", "agreement.csv", "cohort.csv"):
+        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
+    assert pd.read_csv(tmp_path / "a" / "agreement.csv")["n"].tolist() == [1] * 6
+
+
+def test_a_command_ends_with_one_message(make_case, tmp_path, capsys):
+    folder = make_case("tube")
+    (folder / "vci" / "scene.json").unlink()
+    out = tmp_path / "metrics.json"
+    with pytest.raises(SystemExit) as end:
+        main(["metrics", "--case", "tube", "--case-dir", str(folder), "--out", str(out)])
+    assert end.value.code == 2 and not out.exists()
+    assert "scene.json" in capsys.readouterr().err
+
+
+def test_a_case_given_twice_is_refused(make_case, tmp_path):
+    folder, out = make_case("tube"), tmp_path / "metrics.json"
+    main(["metrics", "--case", "tube", "--case-dir", str(folder), "--out", str(out)])
+    with pytest.raises(SystemExit):
+        main(["cohort", "--metrics", str(out), str(out), "--out", str(tmp_path / "cohort.csv")])
+
+
+def test_an_unpaired_value_is_refused(make_case):
+    cases = documents(make_case, [0.0])
+    cases[0]["states"]["vci"]["area"]["mean_mm2"] = None
+    with pytest.raises(InputError, match="finite number"):
+        agreement_table(cases)
