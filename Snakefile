@@ -1,0 +1,59 @@
+# The study: from the cases and devices in config/ to results/report/index.html. docs/workflow.md says how to use it.
+import os
+import sys
+
+from snakemake.utils import min_version
+
+min_version("7.19")
+sys.path.insert(0, workflow.basedir)
+
+from snakemake.exceptions import WorkflowError
+
+from common.errors import UserError
+from workflow.configuration import Configuration
+from workflow.imports import code
+from workflow.inputs import (
+    Inputs,
+    anatomy_folder,
+    case_folder,
+    figures_folder,
+    output_folder,
+    study_folder,
+    test_results,
+)
+
+try:
+    STUDY = Configuration(config.get("folder", "config"))
+    COHORT = config.get("cohort", "full")
+    CASES = STUDY.selected(COHORT, config.get("cases"))
+except UserError as error:
+    raise WorkflowError(str(error)) from None
+
+INPUTS = Inputs(STUDY)
+# Rules take a case's file as `ancient` and the sections they use as parameters: other sections may change freely.
+CASE_FILE = str(STUDY.case_file("{case}"))
+VCI = os.path.join(config.get("build", "build"), "vci")
+LUMEN = os.path.join(config.get("build", "build"), "lumen")
+
+
+wildcard_constraints:
+    case="[a-z][a-z0-9_]*",
+    state="pre|vci|rc|reference",
+    section="anatomy|deployment|flow|reference|metrics",
+
+
+localrules:
+    all,
+    settings,
+
+
+rule all:
+    default_target: True
+    input:
+        "results/report/index.html",
+
+
+include: "workflow/rules/geometry.smk"
+include: "workflow/rules/deployment.smk"
+include: "workflow/rules/flow.smk"
+include: "workflow/rules/study.smk"

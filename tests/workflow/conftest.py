@@ -1,0 +1,97 @@
+"""A copy of the repository in which every product of the quick cohort stands and is up to date, made without computing.
+
+In such a copy a test changes one file and reads from a dry run which jobs Snakemake would run again, and why.
+"""
+
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+
+import pytest
+
+SNAKEMAKE = "/usr/bin/snakemake"
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+LEFT_OUT = shutil.ignore_patterns(
+    ".git", "build", "build-*", "results", ".snakemake", "__pycache__", "data", ".pytest_cache"
+)
+
+
+class Workspace:
+    """A folder with the repository's files, in which Snakemake runs."""
+
+    def __init__(self, folder):
+        self.folder = folder
+
+    def snakemake(self, *arguments, cohort="quick", cases="", environment=()):
+        """Runs Snakemake; returns the CompletedProcess."""
+        selection = [f"cohort={cohort}", f"cases={cases}"]
+        command = [SNAKEMAKE, "--cores", "2", "--nocolor", *arguments, "--config", *selection]
+        variables = {**os.environ, **dict(environment)}
+        return subprocess.run(command, cwd=self.folder, env=variables, text=True, capture_output=True)
+
+    def jobs(self, *arguments, cohort="quick"):
+        """The jobs a dry run plans: dicts with name, wildcards, input, output, log, benchmark, reason."""
+        record = self.folder / "jobs.jsonl"
+        record.unlink(missing_ok=True)
+        handler = ["--log-handler-script", str(ROOT / "tests" / "workflow" / "job_log.py")]
+        run = self.snakemake("--dry-run", *handler, *arguments, cohort=cohort)
+        assert run.returncode == 0, run.stdout + run.stderr
+        return [json.loads(line) for line in record.read_text().splitlines()] if record.exists() else []
+
+    def planned(self, *arguments, cohort="quick"):
+        """{"rule" or "rule case" or "rule case state"} that a dry run would execute, without the rule all."""
+        found = set()
+        for job in self.jobs(*arguments, cohort=cohort):
+            words = [job["name"], *(job["wildcards"].get(key) for key in ("case", "state", "section"))]
+            found.add(" ".join(word for word in words if word))
+        return found - {"all"}
+
+    def edit(self, name, old, new):
+        """Replaces text in a file; the text must be there."""
+        path = self.folder / name
+        text = path.read_text()
+        assert old in text, f"{name} does not hold {old!r}"
+        path.write_text(text.replace(old, new, 1))
+
+    def append(self, name, text):
+        """Adds text at the end of a file."""
+        with open(self.folder / name, "a") as stream:
+            stream.write(text)
+
+
+def copy_repository(folder):
+    """A Workspace with the repository's files and stand-ins for the programs (never run in a dry run)."""
+    shutil.copytree(ROOT, folder, ignore=LEFT_OUT)
+    (folder / "build").mkdir()
+    for program in ("vci", "lumen"):
+        (folder / "build" / program).write_text(f"{program}\n")
+    return Workspace(folder)
+
+
+@pytest.fixture(scope="session")
+def finished_study(tmp_path_factory):
+    """A Workspace whose quick cohort counts as computed; not to be changed (see `finished`)."""
+    workspace = copy_repository(tmp_path_factory.mktemp("finished") / "repository")
+    for job in workspace.jobs():
+        for name in [*job["output"], *job["log"], *([job["benchmark"]] if job["benchmark"] else [])]:
+            path = workspace.folder / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.mkdir(exist_ok=True) if name.endswith("/devices") else path.write_text(f"{name}\n")
+    run = workspace.snakemake("--forceall", "--touch")
+    assert run.returncode == 0, run.stderr
+    return workspace
+
+
+@pytest.fixture
+def finished(finished_study, tmp_path):
+    """A copy of the finished study to change at will; times of change are kept."""
+    shutil.copytree(finished_study.folder, tmp_path / "repository", copy_function=shutil.copy2)
+    return Workspace(tmp_path / "repository")
+
+
+@pytest.fixture
+def fresh(tmp_path):
+    """A copy of the repository without any product."""
+    return copy_repository(tmp_path / "repository")

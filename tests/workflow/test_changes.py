@@ -1,0 +1,129 @@
+"""A change re-runs exactly what depends on it."""
+
+import os
+import time
+
+import pytest
+
+STUDY = {"study_figures", "agreement", "cohort", "timings", "report"}
+CASE = "quick_focal"
+OTHER = "quick_branch"
+STATES = ("pre", "vci", "rc", "reference")
+
+
+def end_of_case(case):
+    """What follows any change of a case's results."""
+    return {f"metrics {case}", f"case_figures {case}"} | STUDY
+
+
+def flow_of(case, states=STATES):
+    """Mesh and solution of the states."""
+    return {f"{rule} {case} {state}" for rule in ("flow_mesh", "flow_solve") for state in states}
+
+
+def after_plan(case):
+    """Everything that follows a new scene."""
+    after = ("vci", "rc", "reference")
+    deformed = {f"scene {case}", f"deploy {case}", f"radius_correct {case}", f"reference {case}"}
+    return deformed | {f"state_anatomy {case} {state}" for state in after} | flow_of(case, after) | end_of_case(case)
+
+
+def after_anatomy(case):
+    """Everything that follows a new lumen before the procedure."""
+    first = {f"anatomy_picture {case}", f"plan {case}", f"boundary {case}"}
+    return first | flow_of(case, ["pre"]) | after_plan(case)
+
+
+def test_nothing_to_do(finished):
+    assert finished.planned() == set()
+
+
+def test_a_touched_file_without_new_content_runs_nothing(finished):
+    time.sleep(0.01)
+    os.utime(finished.folder / "config" / "devices" / "des.yaml")
+    os.utime(finished.folder / "flow" / "boundary.py")
+    assert finished.planned() == set()
+
+
+def test_lumen_program(finished):
+    finished.append("build/lumen", "changed\n")
+    expected = {f"anatomy {case}" for case in (CASE, OTHER)} | {"software"}
+    assert finished.planned() == expected | after_anatomy(CASE) | after_anatomy(OTHER)
+
+
+def test_vci_program(finished):
+    finished.append("build/vci", "changed\n")
+    expected = {"software"}
+    for case in (CASE, OTHER):
+        expected |= {f"deploy {case}", f"radius_correct {case}"}
+        expected |= {f"state_anatomy {case} {state}" for state in ("vci", "rc")} | flow_of(case, ("vci", "rc"))
+        expected |= end_of_case(case)
+    assert finished.planned() == expected
+
+
+def test_module_of_the_reference(finished):
+    finished.append("data_synthetic/reference/materials.py", "# changed\n")
+    expected = set()
+    for case in (CASE, OTHER):
+        expected |= {f"reference {case}", f"state_anatomy {case} reference"} | flow_of(case, ["reference"])
+        expected |= end_of_case(case)
+    assert finished.planned() == expected
+
+
+def test_module_of_one_figure(finished):
+    finished.append("reports/figures/lumen.py", "# changed\n")
+    assert finished.planned() == {f"case_figures {CASE}", f"case_figures {OTHER}", "report"}
+
+
+def test_device_of_a_plan(finished):
+    """The plans of both quick cases name the device."""
+    finished.edit("config/devices/non_compliant.yaml", "shoulder_mm: 1.8", "shoulder_mm: 1.9")
+    planned = finished.planned()
+    assert planned == {f"plan {CASE}", f"plan {OTHER}"} | after_plan(CASE) | after_plan(OTHER)
+
+
+def test_description_of_a_case(finished):
+    """Only the metrics file and the report quote a case's description, and neither number depends on it."""
+    finished.edit(f"config/cases/{CASE}.yaml", "description: ", "description: Renamed. ")
+    assert finished.planned() == set()
+
+
+def test_patient_of_a_case(finished):
+    finished.edit(f"config/cases/{CASE}.yaml", "lvm_g: 130", "lvm_g: 135")
+    expected = {f"plan {CASE}", f"boundary {CASE}", f"flow_solve {CASE} pre"} | after_plan(CASE)
+    assert finished.planned() == expected
+
+
+def test_vessel_of_a_case(finished):
+    finished.edit(f"config/cases/{CASE}.yaml", "seed: 4", "seed: 5")
+    assert finished.planned() == {f"generate {CASE}", f"anatomy {CASE}"} | after_anatomy(CASE)
+
+
+@pytest.mark.parametrize(
+    "section, key, rules",
+    [
+        ("flow", "cells_per_radius: 3.6", ("settings {} flow", "boundary {}")),
+        ("metrics", "margin_mm: 2.5", ()),
+    ],
+)
+def test_section_of_a_case(finished, section, key, rules):
+    """One section of the settings, of one case alone."""
+    finished.append(f"config/cases/{CASE}.yaml", f"settings:\n  {section}:\n    {key}\n")
+    expected = {rule.format(CASE) for rule in rules} | end_of_case(CASE)
+    assert finished.planned() == expected | (flow_of(CASE) if section == "flow" else set())
+
+
+def test_section_of_the_study(finished):
+    finished.append("config/study.yaml", "reference:\n  slice_spacing_mm: 1.5\n")
+    expected = set()
+    for case in (CASE, OTHER):
+        expected |= {f"settings {case} reference", f"reference {case}", f"state_anatomy {case} reference"}
+        expected |= flow_of(case, ["reference"]) | end_of_case(case)
+    assert finished.planned() == expected
+
+
+def test_numerics_of_the_deployment_leave_the_reference_alone(finished):
+    finished.append("config/study.yaml", "deployment:\n  numerics:\n    residual_tolerance: 0.002\n")
+    planned = finished.planned()
+    assert f"deploy {CASE}" in planned
+    assert not {job for job in planned if "reference" in job.split()}

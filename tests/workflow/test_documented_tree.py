@@ -1,0 +1,36 @@
+"""docs/results.md names every product of the workflow, and no other."""
+
+import re
+
+
+def documented(repo_root):
+    """Paths in the first code block of docs/results.md, braces expanded."""
+    block = re.search(r"```\n(results/.*?)```", (repo_root / "docs" / "results.md").read_text(), re.S).group(1)
+    found = set()
+    for line in block.splitlines():
+        path = line.split("  ")[0].strip()
+        found |= set(expand(path)) if path else set()
+    return found
+
+
+def expand(path):
+    """a/{b,c}.d -> a/b.d, a/c.d."""
+    choice = re.search(r"\{([^{}]*)\}", path)
+    if not choice:
+        return [path]
+    return [
+        one
+        for item in choice.group(1).split(",")
+        for one in expand(path[: choice.start()] + item + path[choice.end() :])
+    ]
+
+
+def test_results_page_matches_the_rules(fresh, repo_root):
+    made = set()
+    for job in fresh.jobs():
+        for name in job["output"]:
+            state, section = job["wildcards"].get("state"), job["wildcards"].get("section")
+            name = name.replace("quick_focal", "<case>").replace("quick_branch", "<case>")
+            name = name.replace(f"/{state}/", "/<state>/") if state else name
+            made.add(name.replace(f"/{section}.json", "/<section>.json") if section else name)
+    assert made == documented(repo_root)

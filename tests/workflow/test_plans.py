@@ -1,0 +1,67 @@
+"""What Snakemake plans: whole cohorts, single targets, single cases; no product of two rules."""
+
+import collections
+
+import pytest
+
+
+def test_dry_run_of_a_fresh_clone_plans_every_state(fresh):
+    planned = fresh.planned()
+    for case in ("quick_focal", "quick_branch"):
+        assert {f"flow_solve {case} {state}" for state in ("pre", "vci", "rc", "reference")} <= planned
+    assert "report" in planned
+
+
+def test_no_product_of_two_jobs(fresh):
+    jobs = fresh.jobs(cohort="full")
+    makers = collections.Counter(
+        name for job in jobs for name in [*job["output"], *job["log"], job["benchmark"]] if name
+    )
+    assert [name for name, count in makers.items() if count > 1] == []
+
+
+def test_every_rule_keeps_a_log_and_a_benchmark(fresh):
+    jobs = [job for job in fresh.jobs(cohort="full") if job["name"] != "all"]
+    assert [job["name"] for job in jobs if not job["log"]] == []
+    without = {job["name"] for job in jobs if not job["benchmark"]}
+    assert without == {"settings"}, "only writing down settings is not worth a benchmark"
+
+
+def test_every_rule_has_its_code_or_program_among_its_inputs(fresh):
+    for job in fresh.jobs():
+        if job["name"] in ("all", "settings"):
+            continue
+        programs = [name for name in job["input"] if name.endswith(".py") or name in ("build/vci", "build/lumen")]
+        assert programs, f"{job['name']} would not run again after a change of its program"
+
+
+def test_single_target(fresh):
+    planned = fresh.planned("results/cases/quick_focal/flow/vci/ffr.json")
+    assert "flow_solve quick_focal vci" in planned
+    assert not {job for job in planned if "quick_branch" in job or "reference" in job or "report" in job}
+
+
+def test_forcerun(finished):
+    planned = finished.planned("--forcerun", "radius_correct")
+    assert {"radius_correct quick_focal", "radius_correct quick_branch"} <= planned
+    assert not {job for job in planned if job.startswith(("deploy", "reference", "plan"))}
+
+
+def test_single_case(fresh):
+    run = fresh.snakemake("--dry-run", cases="lad01")
+    text = run.stdout + run.stderr
+    assert run.returncode == 0, text
+    assert "lad01: virtual deployment" in text and "rca01" not in text
+
+
+def test_a_surface_case_has_no_reference(fresh, shared_data):
+    run = fresh.snakemake("--dry-run", cohort="real", environment={"VCI_DATA_DIR": str(shared_data)}.items())
+    text = run.stdout + run.stderr
+    assert run.returncode == 0, text
+    assert "real_artery: flow of vci" in text
+    assert "reference" not in text.replace("agreement with the reference", "")
+
+
+@pytest.mark.parametrize("cohort", ["full", "quick"])
+def test_shipped_cohorts_are_complete(fresh, cohort):
+    assert fresh.planned(cohort=cohort)

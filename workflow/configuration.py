@@ -1,0 +1,120 @@
+"""The whole configuration of a study, checked before any work, and read piece by piece by the rules."""
+
+import json
+import os
+import pathlib
+import re
+
+from common import config, schema, yaml_reader
+from common.errors import InputError
+from data_synthetic import patient
+
+
+class Configuration:
+    """Study, device families and cases of a folder like config/; raises InputError for anything that is not allowed.
+
+    folder: holds study.yaml, devices/ and cases/. data_folder: where surfaces named data/... lie.
+    """
+
+    def __init__(self, folder="config", data_folder=None):
+        self.folder = pathlib.Path(folder)
+        self.data_folder = pathlib.Path(data_folder or os.environ.get("VCI_DATA_DIR") or "data")
+        self.study = config.load_study(self.folder / "study.yaml")
+        self.devices = config.load_devices(self.folder / "devices")
+        self.cases = {file.stem: config.load_case(file) for file in sorted((self.folder / "cases").glob("*.yaml"))}
+        self._check_cohorts()
+        for name, case in self.cases.items():
+            self._check_plan(name, case)
+            self._check_settings(name)
+            if case["kind"] == "synthetic":
+                patient.check(case["vessel"], str(self.case_file(name)))
+
+    def case_file(self, name):
+        """config/cases/<name>.yaml."""
+        return self.folder / "cases" / f"{name}.yaml"
+
+    def device_files(self, name):
+        """Files of the device families a case's plan can use: those it lists, or all when it is proposed."""
+        plan = self.cases[name]["plan"]
+        if plan == "auto":
+            families = set(self.devices)
+        else:
+            families = {device["device"] for step in plan for device in step["devices"]}
+            families |= {
+                self.devices[name]["delivery_balloon"] for name in families if self.devices[name]["kind"] == "stent"
+            }
+        return [str(self.folder / "devices" / f"{family}.yaml") for family in sorted(families)]
+
+    def section(self, name, key):
+        """A part of a case as JSON text in fixed order: a section of its settings, or vessel, patient, lumen, plan."""
+        value = self.settings(name)[key] if key in config.SECTIONS else self.cases[name].get(key)
+        return json.dumps(value, sort_keys=True)
+
+    def settings(self, name):
+        """The sections of the study with the case's own settings laid over them."""
+        return config.resolve_settings(self.study, self.cases[name])
+
+    def lumen_file(self, name):
+        """The surface file of a case of kind surface; InputError with where to put it if it is not there."""
+        given = pathlib.Path(self.cases[name]["lumen"]["path"])
+        file = self.data_folder / given.relative_to("data") if given.parts[0] == "data" else given
+        if not file.is_file():
+            remedy = f"put it there (the case file says whence), or set VCI_DATA_DIR to the folder of {given.name}"
+            raise InputError("lumen surface not found", f"{self.case_file(name)}, key lumen.path", file, remedy)
+        return str(file)
+
+    def selected(self, cohort, cases=None):
+        """Names of the cases to run: `cases` ("a b" or "a,b") if given, else the cohort's."""
+        cohorts = self.study["cohorts"]
+        if cases:
+            names = [name for name in re.split(r"[\s,]+", str(cases)) if name]
+            where = "CASES (or --config cases=)"
+        elif cohort in cohorts:
+            names, where = cohorts[cohort], f"cohort {cohort}"
+        else:
+            raise InputError("no such cohort", "COHORT (or --config cohort=)", cohort, f"one of {', '.join(cohorts)}")
+        for name in names:
+            if name not in self.cases:
+                raise InputError("no such case", where, name, f"one of {', '.join(self.cases)}")
+            if self.cases[name]["kind"] == "surface":
+                self.lumen_file(name)
+        return list(names)
+
+    def _check_cohorts(self):
+        document = yaml_reader.read(self.folder / "study.yaml")
+        for cohort, names in self.study["cohorts"].items():
+            for i, name in enumerate(names):
+                if name not in self.cases:
+                    where = document.where(("cohorts", cohort, i))
+                    raise InputError("no such case", where, name, f"known cases: {', '.join(self.cases)}")
+
+    def _check_plan(self, name, case):
+        if case["plan"] == "auto":
+            return
+        document = yaml_reader.read(self.case_file(name))
+        for i, step in enumerate(case["plan"]):
+            for j, device in enumerate(step["devices"]):
+                self._check_device(document, ("plan", i, "devices", j), step["action"], device)
+
+    def _check_device(self, document, path, action, device):
+        def refuse(key, what, remedy):
+            raise InputError(what, document.where(path + (key,)), device[key], remedy)
+
+        kind = "stent" if action == "stent" else "balloon"
+        family = self.devices.get(device["device"], {})
+        if family.get("kind") != kind:
+            known = ", ".join(key for key, value in self.devices.items() if value["kind"] == kind)
+            refuse("device", f"no such {kind}", f"for a step {action}: {known}")
+        for key, sizes in (("diameter_mm", "diameters_mm"), ("length_mm", "lengths_mm")):
+            if device[key] not in family[sizes]:
+                refuse(key, "size that the family does not have", f"one of {', '.join(map(str, family[sizes]))}")
+        balloon = family if kind == "balloon" else self.devices[family["delivery_balloon"]]
+        limit = balloon["rated_burst_pressure_bar"]
+        if device["pressure_bar"] > limit:
+            refuse("pressure_bar", "above the rated burst pressure", f"at most {limit} bar")
+
+    def _check_settings(self, name):
+        """The merged sections obey the schemas as well (a case may override one key of a pair)."""
+        for section, values in self.settings(name).items():
+            document = yaml_reader.Document(self.case_file(name), values, {(): 1})
+            schema.validate(document, schema.read(section))

@@ -1,0 +1,125 @@
+"""What the rules ask for by wildcards: a case's files, its settings as parameters, its states."""
+
+import os
+import pathlib
+
+SYNTHETIC_STATES = ("pre", "vci", "rc", "reference")
+SURFACE_STATES = ("pre", "vci", "rc")
+
+
+class Inputs:
+    """Answers the rules' questions from a `Configuration`; `results` is the root of the products."""
+
+    def __init__(self, configuration, results="results"):
+        self.configuration, self.results = configuration, results
+
+    def states(self, case):
+        """The states of a case: a user's own surface has no reference."""
+        synthetic = self.configuration.cases[case]["kind"] == "synthetic"
+        return SYNTHETIC_STATES if synthetic else SURFACE_STATES
+
+    def device_files(self, wildcards):
+        """The device families that the case's plan can use."""
+        return self.configuration.device_files(wildcards.case)
+
+    def lumen(self, wildcards):
+        """The lumen before the procedure: the generated one, or the user's file."""
+        if self.configuration.cases[wildcards.case]["kind"] == "synthetic":
+            return f"{self.results}/cases/{wildcards.case}/source/lumen.vtp"
+        return self.configuration.lumen_file(wildcards.case)
+
+    def lumen_options(self, wildcards):
+        """Command-line options of `lumen process` for the surface: its units and, where given, its ends."""
+        case = self.configuration.cases[wildcards.case]
+        given = case["lumen"] if case["kind"] == "surface" else {"units": "mm"}
+        options = f"--units {given['units']}"
+        if "inlet_point_mm" in given:
+            options += " --inlet " + ",".join(map(str, given["inlet_point_mm"]))
+        for point in given.get("outlet_points_mm", ()):
+            options += " --outlet " + ",".join(map(str, point))
+        return options
+
+    def section(self, key):
+        """A function of the wildcards that gives a section of the case's configuration as JSON text.
+
+        As a rule's parameter it makes the rule run again when that section changes, and only then.
+        """
+
+        def text(wildcards):
+            return self.configuration.section(wildcards.case, key)
+
+        return text
+
+    def value(self, section, key):
+        """A function of the wildcards that gives one resolved setting of the case."""
+
+        def value(wildcards):
+            return self.configuration.settings(wildcards.case)[section][key]
+
+        return value
+
+    def anatomy(self, wildcards):
+        """Folder of the anatomy of a state; that of `pre` is the case's first."""
+        case = f"{self.results}/cases/{wildcards.case}"
+        return f"{case}/anatomy" if wildcards.state == "pre" else f"{case}/{wildcards.state}/anatomy"
+
+    def anatomy_files(self, wildcards):
+        """What the anatomy of a state consists of."""
+        folder = self.anatomy(wildcards)
+        return {
+            "lumen": f"{folder}/lumen.vtp",
+            "centreline": f"{folder}/centreline.vtp",
+            "sections": f"{folder}/sections.csv",
+            "anatomy": f"{folder}/anatomy.json",
+        }
+
+    def of_states(self, *names):
+        """A function of the wildcards: <case>/<name> of every state, with {state} and {anatomy} filled in."""
+
+        def files(wildcards):
+            case = f"{self.results}/cases/{wildcards.case}"
+            found = []
+            for state in self.states(wildcards.case):
+                anatomy = "anatomy" if state == "pre" else f"{state}/anatomy"
+                found += [f"{case}/" + name.format(state=state, anatomy=anatomy) for name in names]
+            return found
+
+        return files
+
+    def any_reference(self, cases):
+        """Whether any of the cases has a reference to agree with."""
+        return any("reference" in self.states(case) for case in cases)
+
+    def templates(self):
+        """The page's parts that are not Python."""
+        return sorted(str(file) for file in pathlib.Path("reports/page/templates").rglob("*") if file.is_file())
+
+
+def test_results():
+    """What `make test` left, for the report's evidence table; empty where the tests have not been run."""
+    return sorted(str(file) for file in pathlib.Path("results/tests").glob("*.xml"))
+
+
+def output_folder(wildcards, output):
+    """Folder of a rule's (first) output, for commands that write several files."""
+    return os.path.dirname(output[0])
+
+
+def anatomy_folder(wildcards, input):
+    """Folder of the anatomy that a rule reads files of."""
+    return os.path.dirname(input.get("lumen") or input.anatomy)
+
+
+def case_folder(wildcards, input):
+    """Folder of the case whose metrics or scene a rule reads."""
+    return os.path.dirname(input.metrics if "metrics" in input.keys() else os.path.dirname(input.scene))
+
+
+def study_folder(wildcards, input):
+    """Folder of the study's tables."""
+    return os.path.dirname(input.tables[0])
+
+
+def figures_folder(wildcards, input):
+    """Folder of the figures."""
+    return os.path.dirname(input.figures[0])

@@ -1,0 +1,116 @@
+# The lumen after the procedure, three ways: virtual deployment, radius correction, independent finite elements.
+
+
+rule plan:
+    message:
+        "{wildcards.case}: devices and steps of the procedure"
+    input:
+        case=ancient(CASE_FILE),
+        devices=INPUTS.device_files,
+        lumen="results/cases/{case}/anatomy/lumen.vtp",
+        centreline="results/cases/{case}/anatomy/centreline.vtp",
+        sections="results/cases/{case}/anatomy/sections.csv",
+        anatomy="results/cases/{case}/anatomy/anatomy.json",
+        code=code("anatomy", "anatomy.plan"),
+    output:
+        "results/cases/{case}/vci/plan.json",
+    log:
+        "results/cases/{case}/logs/plan.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/plan.tsv"
+    params:
+        plan=INPUTS.section("plan"),
+        patient=INPUTS.section("patient"),
+        anatomy=anatomy_folder,
+        devices=STUDY.folder / "devices",
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m anatomy plan {input.case} --anatomy {params.anatomy}"
+        " --devices {params.devices} --out {output}"
+
+
+rule scene:
+    message:
+        "{wildcards.case}: scene for the virtual deployment"
+    input:
+        # what is done comes from the plan; a change of the engine's wall or numerics must not re-run the reference
+        plan="results/cases/{case}/vci/plan.json",
+        settings="results/cases/{case}/settings/deployment.json",
+        code=code("workflow", "workflow.scene"),
+    output:
+        "results/cases/{case}/vci/scene.json",
+    log:
+        "results/cases/{case}/logs/scene.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/scene.tsv"
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m workflow scene {input.plan} --settings {input.settings} --out {output}"
+
+
+rule deploy:
+    message:
+        "{wildcards.case}: virtual deployment"
+    input:
+        scene="results/cases/{case}/vci/scene.json",
+        lumen="results/cases/{case}/anatomy/lumen.vtp",
+        centreline="results/cases/{case}/anatomy/centreline.vtp",
+        binary=VCI,
+    output:
+        lumen="results/cases/{case}/vci/lumen.vtp",
+        stl="results/cases/{case}/vci/lumen.stl",
+        deployment="results/cases/{case}/vci/deployment.json",
+        devices=directory("results/cases/{case}/vci/devices"),
+    log:
+        "results/cases/{case}/logs/vci/deploy.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/vci/deploy.tsv"
+    params:
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} {input.binary} deploy {input.scene} --out {params.out}"
+
+
+rule radius_correct:
+    message:
+        "{wildcards.case}: radius-correction baseline"
+    input:
+        scene="results/cases/{case}/vci/plan.json",
+        lumen="results/cases/{case}/anatomy/lumen.vtp",
+        centreline="results/cases/{case}/anatomy/centreline.vtp",
+        binary=VCI,
+    output:
+        lumen="results/cases/{case}/rc/lumen.vtp",
+        stl="results/cases/{case}/rc/lumen.stl",
+        deployment="results/cases/{case}/rc/deployment.json",
+    log:
+        "results/cases/{case}/logs/rc/radius_correct.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/rc/radius_correct.tsv"
+    params:
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} {input.binary} radius-correct {input.scene} --out {params.out}"
+
+
+rule reference:
+    message:
+        "{wildcards.case}: reference lumen by finite elements"
+    input:
+        scene="results/cases/{case}/vci/plan.json",
+        lumen="results/cases/{case}/anatomy/lumen.vtp",
+        truth="results/cases/{case}/source/truth.json",
+        settings="results/cases/{case}/settings/reference.json",
+        code=code("data_synthetic", "data_synthetic.reference.run"),
+    output:
+        lumen="results/cases/{case}/reference/lumen.vtp",
+        stl="results/cases/{case}/reference/lumen.stl",
+        reference="results/cases/{case}/reference/reference.json",
+    log:
+        "results/cases/{case}/logs/reference/finite_elements.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/reference/finite_elements.tsv"
+    params:
+        anatomy=anatomy_folder,
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m data_synthetic reference --scene {input.scene} --anatomy {params.anatomy}"
+        " --truth {input.truth} --settings {input.settings} --out {params.out}"

@@ -1,0 +1,69 @@
+# FFR of every state, with the patient's one set of boundary values.
+
+
+rule boundary:
+    message:
+        "{wildcards.case}: outlet resistances and probes"
+    input:
+        case=ancient(CASE_FILE),
+        centreline="results/cases/{case}/anatomy/centreline.vtp",
+        anatomy="results/cases/{case}/anatomy/anatomy.json",
+        settings="results/cases/{case}/settings/flow.json",
+        code=code("flow", "flow.boundary", "flow.centreline"),
+    output:
+        "results/cases/{case}/flow/boundary.json",
+    log:
+        "results/cases/{case}/logs/boundary.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/boundary.tsv"
+    params:
+        patient=INPUTS.section("patient"),
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m flow boundary --case {input.case} --anatomy {input.anatomy}"
+        " --centreline {input.centreline} --settings {input.settings} --out {output}"
+
+
+rule flow_mesh:
+    message:
+        "{wildcards.case}: volume mesh of {wildcards.state}"
+    input:
+        unpack(INPUTS.anatomy_files),
+        settings="results/cases/{case}/settings/flow.json",
+        code=code("flow", "flow.centreline", "flow.mesh", "flow.surface"),
+    output:
+        mesh="results/cases/{case}/flow/{state}/mesh.msh",
+        coarse="results/cases/{case}/flow/{state}/mesh_coarse.msh",
+        summary="results/cases/{case}/flow/{state}/mesh.json",
+    log:
+        "results/cases/{case}/logs/{state}/flow_mesh.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/{state}/flow_mesh.tsv"
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m flow mesh {input.lumen} --centreline {input.centreline}"
+        " --settings {input.settings} --out {output.mesh} --coarse {output.coarse} --json {output.summary}"
+
+
+rule flow_solve:
+    message:
+        "{wildcards.case}: flow of {wildcards.state}"
+    input:
+        unpack(INPUTS.anatomy_files),
+        mesh="results/cases/{case}/flow/{state}/mesh.msh",
+        coarse="results/cases/{case}/flow/{state}/mesh_coarse.msh",
+        boundary="results/cases/{case}/flow/boundary.json",
+        settings="results/cases/{case}/settings/flow.json",
+        code=code("flow", "flow.boundary", "flow.centreline", "flow.reduced", "flow.solve"),
+    output:
+        solution="results/cases/{case}/flow/{state}/solution.vtu",
+        ffr="results/cases/{case}/flow/{state}/ffr.json",
+        pullback="results/cases/{case}/flow/{state}/pullback.csv",
+    log:
+        "results/cases/{case}/logs/{state}/flow_solve.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/{state}/flow_solve.tsv"
+    params:
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m flow solve {input.mesh} --coarse {input.coarse}"
+        " --boundary {input.boundary} --centreline {input.centreline} --anatomy {input.anatomy}"
+        " --sections {input.sections} --settings {input.settings} --out {params.out}"

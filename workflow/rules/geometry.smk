@@ -1,0 +1,107 @@
+# From a case's surface to its checked lumen, centreline, sections and lesions; the same door for every later state.
+
+
+rule settings:
+    message:
+        "{wildcards.case}: settings of {wildcards.section}"
+    output:
+        "results/cases/{case}/settings/{section}.json",
+    log:
+        "results/cases/{case}/logs/settings/{section}.log",
+    params:
+        text=lambda wildcards: STUDY.section(wildcards.case, wildcards.section),
+    shell:
+        "printf '%s\\n' {params.text:q} >{output} 2>{log}"
+
+
+rule generate:
+    message:
+        "{wildcards.case}: generating the vessel"
+    input:
+        case=ancient(CASE_FILE),
+        code=code("data_synthetic", "data_synthetic.generate"),
+    output:
+        lumen="results/cases/{case}/source/lumen.vtp",
+        truth="results/cases/{case}/source/truth.json",
+    log:
+        "results/cases/{case}/logs/generate.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/generate.tsv"
+    params:
+        vessel=INPUTS.section("vessel"),
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m data_synthetic generate {input.case} --out {params.out}"
+
+
+rule anatomy:
+    message:
+        "{wildcards.case}: lumen, centreline, sections, lesions"
+    input:
+        lumen=INPUTS.lumen,
+        binary=LUMEN,
+    output:
+        lumen="results/cases/{case}/anatomy/lumen.vtp",
+        centreline="results/cases/{case}/anatomy/centreline.vtp",
+        sections="results/cases/{case}/anatomy/sections.csv",
+        anatomy="results/cases/{case}/anatomy/anatomy.json",
+    log:
+        "results/cases/{case}/logs/anatomy.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/pre/anatomy.tsv"
+    params:
+        surface=INPUTS.lumen_options,
+        edge=INPUTS.value("anatomy", "edge_mm"),
+        spacing=INPUTS.value("anatomy", "section_spacing_mm"),
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} {input.binary} process {input.lumen:q} {params.surface} --edge {params.edge}"
+        " --spacing {params.spacing} --out {params.out}"
+
+
+rule state_anatomy:
+    message:
+        "{wildcards.case}: lumen, centreline, sections after {wildcards.state}"
+    input:
+        lumen="results/cases/{case}/{state}/lumen.vtp",
+        like="results/cases/{case}/anatomy/anatomy.json",
+        binary=LUMEN,
+    output:
+        lumen="results/cases/{case}/{state}/anatomy/lumen.vtp",
+        centreline="results/cases/{case}/{state}/anatomy/centreline.vtp",
+        sections="results/cases/{case}/{state}/anatomy/sections.csv",
+        anatomy="results/cases/{case}/{state}/anatomy/anatomy.json",
+    wildcard_constraints:
+        state="vci|rc|reference",
+    log:
+        "results/cases/{case}/logs/{state}/anatomy.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/{state}/anatomy.tsv"
+    params:
+        edge=INPUTS.value("anatomy", "edge_mm"),
+        spacing=INPUTS.value("anatomy", "section_spacing_mm"),
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} {input.binary} process {input.lumen} --units mm --like {input.like} --edge {params.edge}"
+        " --spacing {params.spacing} --out {params.out}"
+
+
+rule anatomy_picture:
+    message:
+        "{wildcards.case}: picture of the tree"
+    input:
+        lumen="results/cases/{case}/anatomy/lumen.vtp",
+        centreline="results/cases/{case}/anatomy/centreline.vtp",
+        sections="results/cases/{case}/anatomy/sections.csv",
+        anatomy="results/cases/{case}/anatomy/anatomy.json",
+        code=code("anatomy", "anatomy.picture"),
+    output:
+        "results/cases/{case}/anatomy/tree.png",
+    log:
+        "results/cases/{case}/logs/anatomy_picture.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/pre/anatomy_picture.tsv"
+    params:
+        anatomy=anatomy_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m anatomy picture --anatomy {params.anatomy} --out {output}"

@@ -1,0 +1,172 @@
+# What the states of a case and the cases of the study say when they are laid side by side.
+CASE_FIGURES = ["lumen", "pullback", "area", "curvature"]
+STUDY_FIGURES = ["ffr_before_after"] + (["agreement"] if INPUTS.any_reference(CASES) else [])
+
+
+rule metrics:
+    message:
+        "{wildcards.case}: area, curvature and FFR over the stented segment"
+    input:
+        INPUTS.of_states(
+            "{anatomy}/lumen.vtp",
+            "{anatomy}/centreline.vtp",
+            "{anatomy}/sections.csv",
+            "{anatomy}/anatomy.json",
+            "flow/{state}/ffr.json",
+            "flow/{state}/pullback.csv",
+        ),
+        case=ancient(CASE_FILE),
+        scene="results/cases/{case}/vci/scene.json",
+        deployment="results/cases/{case}/vci/deployment.json",
+        boundary="results/cases/{case}/flow/boundary.json",
+        code=code("reports", "reports.metrics"),
+    output:
+        "results/cases/{case}/metrics.json",
+    log:
+        "results/cases/{case}/logs/metrics.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/metrics.tsv"
+    params:
+        patient=INPUTS.section("patient"),
+        margin=INPUTS.value("metrics", "margin_mm"),
+        case_dir=case_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m reports metrics --case {wildcards.case} --case-dir {params.case_dir}"
+        " --margin-mm {params.margin} --config {input.case} --out {output}"
+
+
+rule case_figures:
+    message:
+        "{wildcards.case}: figures"
+    input:
+        INPUTS.of_states("{anatomy}/lumen.vtp", "flow/{state}/pullback.csv"),
+        metrics="results/cases/{case}/metrics.json",
+        devices="results/cases/{case}/vci/devices",
+        code=code("reports", "reports.figures.case"),
+    output:
+        expand("results/figures/{{case}}_{name}.{format}", name=CASE_FIGURES, format=["svg", "png"]),
+    log:
+        "results/cases/{case}/logs/figures.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/figures.tsv"
+    params:
+        case_dir=case_folder,
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m reports figures --case-dir {params.case_dir} --out-dir {params.out}"
+
+
+rule study_figures:
+    message:
+        "figures of the study"
+    input:
+        metrics=expand("results/cases/{case}/metrics.json", case=CASES),
+        code=code("reports", "reports.figures.study") + ["reports/published.json"],
+    output:
+        expand("results/figures/{name}.{format}", name=STUDY_FIGURES, format=["svg", "png"]),
+    log:
+        "results/study/logs/figures.log",
+    benchmark:
+        "results/study/benchmarks/figures.tsv"
+    params:
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m reports figures --metrics {input.metrics} --out-dir {params.out}"
+
+
+rule agreement:
+    message:
+        "agreement with the reference"
+    input:
+        metrics=expand("results/cases/{case}/metrics.json", case=CASES),
+        code=code("reports", "reports.agreement", "reports.tables") + ["reports/published.json"],
+    output:
+        "results/study/agreement.csv",
+    log:
+        "results/study/logs/agreement.log",
+    benchmark:
+        "results/study/benchmarks/agreement.tsv"
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m reports agreement --metrics {input.metrics} --out {output}"
+
+
+rule cohort:
+    message:
+        "table of the cohort"
+    input:
+        metrics=expand("results/cases/{case}/metrics.json", case=CASES),
+        code=code("reports", "reports.cohort", "reports.tables"),
+    output:
+        "results/study/cohort.csv",
+    log:
+        "results/study/logs/cohort.log",
+    benchmark:
+        "results/study/benchmarks/cohort.tsv"
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m reports cohort --metrics {input.metrics} --out {output}"
+
+
+rule timings:
+    message:
+        "table of timings"
+    input:
+        # metrics come last in a case: by then every step has left its benchmark
+        metrics=expand("results/cases/{case}/metrics.json", case=CASES),
+        code=code("reports", "reports.timings", "reports.tables"),
+    output:
+        "results/study/timings.csv",
+    log:
+        "results/study/logs/timings.log",
+    benchmark:
+        "results/study/benchmarks/timings.tsv"
+    params:
+        case_dirs=expand("results/cases/{case}", case=CASES),
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m reports timings --case-dir {params.case_dirs} --out {output}"
+
+
+rule software:
+    message:
+        "versions of the software"
+    input:
+        programs=[VCI, LUMEN],
+        code=code("reports", "reports.software"),
+    output:
+        "results/study/software.json",
+    log:
+        "results/study/logs/software.log",
+    benchmark:
+        "results/study/benchmarks/software.tsv"
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m reports software --out {output}"
+
+
+rule report:
+    message:
+        "report"
+    input:
+        metrics=expand("results/cases/{case}/metrics.json", case=CASES),
+        figures=expand(
+            "results/figures/{case}_{name}.{format}", case=CASES, name=CASE_FIGURES, format=["svg", "png"]
+        ),
+        study_figures=expand("results/figures/{name}.{format}", name=STUDY_FIGURES, format=["svg", "png"]),
+        pictures=expand("results/cases/{case}/anatomy/tree.png", case=CASES),
+        tables=expand("results/study/{table}.csv", table=["agreement", "timings", "cohort"]),
+        software="results/study/software.json",
+        code=code("reports", "reports.page.build"),
+        templates=INPUTS.templates(),
+        tests=test_results(),
+    output:
+        "results/report/index.html",
+    log:
+        "results/study/logs/report.log",
+    benchmark:
+        "results/study/benchmarks/report.tsv"
+    params:
+        case_dirs=expand("results/cases/{case}", case=CASES),
+        cohort=COHORT,
+        study=study_folder,
+        figures=figures_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m reports report --case-dir {params.case_dirs} --study-dir {params.study}"
+        " --figures-dir {params.figures} --software {input.software} --cohort {params.cohort:q} --junit {input.tests} --out {output}"
