@@ -1,0 +1,92 @@
+"""The whole configuration: every kind of bad value is refused with file, key, value and what is allowed."""
+
+import json
+import shutil
+
+import pytest
+
+from common.errors import InputError
+from workflow.configuration import Configuration
+
+STUDY, DEVICE, CASE = "study.yaml", "devices/semi_compliant.yaml", "cases/quick_focal.yaml"
+
+
+@pytest.fixture
+def folder(repo_root, tmp_path):
+    """A copy of config/ to spoil."""
+    shutil.copytree(repo_root / "config", tmp_path / "config")
+    return tmp_path / "config"
+
+
+def edit(file, old, new):
+    """Replaces text that must be there."""
+    text = file.read_text()
+    assert old in text
+    file.write_text(text.replace(old, new, 1))
+
+
+@pytest.mark.parametrize(
+    "file, old, new, expected",
+    [
+        (CASE, "lvm_g: 130", "lvm_g: -130", ["patient.lvm_g", "-130", "at least 30"]),
+        (CASE, "lvm_g: 130", "lvm_g: heavy", ["patient.lvm_g", "heavy", "a number"]),
+        (CASE, "lvm_g: 130", "lvm: 130", ["patient.lvm", "did you mean lvm_g?"]),
+        (CASE, "lvm_g: 130, ", "", ["lvm_g is missing", "left ventricular mass"]),
+        (CASE, "kind: synthetic", "kind: synthetic\nkind: synthetic", ["key given twice", "line 2"]),
+        (CASE, "seed: 4", "seed: 4.5", ["vessel.seed", "4.5", "a whole number"]),
+        (CASE, "ostial_diameter_mm: 2.9", "ostial_diameter_mm: -2.9", ["vessel.main.ostial_diameter_mm", "-2.9"]),
+        (CASE, "device: des,", "device: dess,", ["plan[2].devices[1].device", "dess", "des"]),
+        (CASE, "length_mm: 18", "length_mm: 16", ["plan[2].devices[1].length_mm", "16", "15, 18"]),
+        (CASE, "pressure_bar: 16", "pressure_bar: 26", ["plan[3].devices[1].pressure_bar", "26", "at most 20"]),
+        (DEVICE, "nominal_pressure_bar: 8", "nominal_pressure_bar: 7", ["chart", "100 at 7 bar"]),
+        (DEVICE, "shoulder_mm: 2.0", "shoulder_mm: .nan", ["shoulder_mm", "not finite"]),
+        (DEVICE, "kind: balloon", "kind: ballon", ["kind", "ballon", "one of balloon, stent"]),
+        (STUDY, "quick_focal", "quick_fokal", ["cohorts.quick[1]", "quick_fokal", "quick_focal"]),
+        (STUDY, "cohorts:", "flow: {density_kg_per_m3: 1.06}\ncohorts:", ["flow.density_kg_per_m3", "1.06", "900"]),
+        (STUDY, "cohorts:", "flow: [1\ncohorts:", ["not valid YAML", "study.yaml, line"]),
+    ],
+)
+def test_refused(folder, file, old, new, expected):
+    edit(folder / file, old, new)
+    with pytest.raises(InputError) as error:
+        Configuration(folder)
+    for words in [file, *expected]:
+        assert words in str(error.value), str(error.value)
+
+
+def test_shipped_configuration_is_valid(folder):
+    found = Configuration(folder)
+    assert found.selected("quick") == ["quick_focal", "quick_branch"]
+    assert found.selected("quick", "lad01, rca01") == ["lad01", "rca01"]
+
+
+def test_unknown_cohort_and_case(folder):
+    found = Configuration(folder)
+    with pytest.raises(InputError, match="one of full, quick"):
+        found.selected("small")
+    with pytest.raises(InputError, match="lad99"):
+        found.selected("quick", "lad99")
+
+
+def test_surface_is_looked_for_in_the_data_folder(folder, tmp_path):
+    with pytest.raises(InputError, match="VCI_DATA_DIR"):
+        Configuration(folder, tmp_path).selected("real")
+    (tmp_path / "dfemtoolz_case4_artery.stl").write_text("solid")
+    assert Configuration(folder, tmp_path).selected("real") == ["real_artery"]
+    assert Configuration(folder, tmp_path).lumen_file("real_artery") == str(tmp_path / "dfemtoolz_case4_artery.stl")
+
+
+def test_devices_of_a_plan(folder):
+    found = Configuration(folder)
+    listed = [file.rsplit("/", 1)[1] for file in found.device_files("quick_focal")]
+    assert listed == ["des.yaml", "des_balloon.yaml", "non_compliant.yaml", "semi_compliant.yaml"]
+    assert len(found.device_files("real_artery")) == len(found.devices)
+
+
+def test_a_section_changes_only_with_its_own_keys(folder):
+    before = {key: Configuration(folder).section("quick_focal", key) for key in ("flow", "metrics", "vessel", "plan")}
+    with open(folder / CASE, "a") as stream:
+        stream.write("settings: {metrics: {margin_mm: 3}}\n")
+    after = {key: Configuration(folder).section("quick_focal", key) for key in before}
+    assert {key for key in before if before[key] != after[key]} == {"metrics"}
+    assert json.loads(after["metrics"])["margin_mm"] == 3
