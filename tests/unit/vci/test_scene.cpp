@@ -108,7 +108,7 @@ TEST(Scene, RefusesMissingKeysFilesAndText) {
   EXPECT_NE(refusal(d).find("patient"), std::string::npos);
   EXPECT_THROW(read_scene("no/such/scene.json"), common::InputError);
   const SceneFile file("{,}");
-  EXPECT_THROW(read_scene(file), common::InputError);
+  EXPECT_THROW(read_scene(file.path()), common::InputError);
 }
 
 } // namespace
