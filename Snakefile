@@ -18,6 +18,7 @@ from workflow.inputs import (
     case_folder,
     figures_folder,
     output_folder,
+    stent_options,
     study_folder,
     test_results,
 )
@@ -38,8 +39,8 @@ LUMEN = os.path.join(config.get("build", "build"), "lumen")
 
 wildcard_constraints:
     case="[a-z][a-z0-9_]*",
-    state="pre|vci|rc|reference",
-    section="anatomy|deployment|flow|reference|metrics",
+    state="pre|vci|rc|reference|ct",
+    section="anatomy|deployment|flow|reference|ct|metrics",
 
 
 localrules:
@@ -55,5 +56,6 @@ rule all:
 
 include: "workflow/rules/geometry.smk"
 include: "workflow/rules/deployment.smk"
+include: "workflow/rules/ct.smk"
 include: "workflow/rules/flow.smk"
 include: "workflow/rules/study.smk"

@@ -8,7 +8,7 @@ import pathlib
 from common import schema, yaml_reader
 from common.errors import InputError
 
-SECTIONS = ("anatomy", "deployment", "flow", "reference", "metrics")
+SECTIONS = ("anatomy", "deployment", "flow", "reference", "ct", "metrics")
 
 
 def load(path, schema_name):

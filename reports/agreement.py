@@ -11,11 +11,11 @@ from reports.metrics import COMPARISONS
 from reports.reading import number
 
 PUBLISHED_PATH = pathlib.Path(__file__).with_name("published.json")
-PUBLISHED_COMPARISON = ("vci", "reference")  # what the study compared: post-VCI minus post-PCI
+PUBLISHED_COMPARISON = ("vci", "ct")  # what the study compared: post-VCI minus CT after PCI
 
 # name in agreement.csv -> where a state's value is in metrics.json
 QUANTITIES = {"ffr": "ffr.distal", "mean_area": "area.mean_mm2", "mean_curvature": "curvature.mean_per_mm"}
-COLUMNS = ["quantity", "unit", "comparison"] + [field.name for field in dataclasses.fields(Agreement)]
+COLUMNS = ["quantity", "unit", "error", "comparison"] + [field.name for field in dataclasses.fields(Agreement)]
 PUBLISHED_COLUMNS = ["published_n", "published_bias", "published_sd", "published_loa_lower", "published_loa_upper"]
 
 
@@ -39,13 +39,14 @@ def paired_values(documents, quantity, a, b):
 def agreement_table(documents):
     """DataFrame of agreement.csv, a row for each comparison and quantity that at least one case allows."""
     rows, paper = [], published()
-    for a, b in COMPARISONS:
+    for a, b, error in COMPARISONS:
         for quantity in QUANTITIES:
             cases, values_a, values_b = paired_values(documents, quantity, a, b)
             if not cases:
                 continue
             source = paper["quantities"][quantity]
-            row = {"quantity": quantity, "unit": source["unit"], "comparison": f"{a}_minus_{b}"}
+            row = {"quantity": quantity, "unit": source["unit"], "error": error}
+            row["comparison"] = f"{a}_minus_{b}"
             row.update(dataclasses.asdict(bland_altman(values_a, values_b)))
             if (a, b) == PUBLISHED_COMPARISON:
                 row["published_n"] = paper["n"]

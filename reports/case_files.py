@@ -5,7 +5,8 @@ import pathlib
 
 from common.errors import InputError
 
-STATES = ("pre", "vci", "rc", "reference")
+STATES = ("pre", "vci", "rc", "reference", "ct")  # ct: the reference as it is found in its CT
+IMAGED = ("pre", "reference")  # states of which there may be a CT volume
 
 
 @dataclasses.dataclass(frozen=True)
@@ -46,6 +47,10 @@ class CaseFiles:
     def lumen(self, state):
         """The surface of a state that its anatomy step wrote."""
         return self.anatomy(state) / "lumen.vtp"
+
+    def segmentation(self, state):
+        """What the segmentation of the CT of a state says of itself."""
+        return self.folder / "ct" / state / "segmentation.json"
 
     def flow(self, state):
         return self.folder / "flow" / state

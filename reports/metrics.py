@@ -3,18 +3,27 @@
 import numpy as np
 
 from common.errors import ComputationError, InputError
-from reports.case_files import STATES
+from reports.case_files import IMAGED, STATES
 from reports.curvature import mean_over_length
 from reports.device_readouts import deployment_summary, lesion_summary, patient_summary, procedure_summary
 from reports.polyline import read_centreline
 from reports.profiles import error_of, state_profiles
+from reports.reading import entry, read_json
 from reports.segment import read_sections, stented_segment
 
 DEFAULT_MARGIN_MM = 2.0
 DEFAULT_STATIONS = 101
 FEWEST_STATIONS = 50
 LEAST_COVERAGE = 0.5  # of the stations; with fewer the mean is no longer the segment's
-COMPARISONS = (("vci", "reference"), ("rc", "reference"))
+# a minus b, and which error that is: of the method (against the truth), of imaging (the truth seen in CT against the
+# truth), or both at once, as a clinical study sees the method (against the CT of the truth)
+COMPARISONS = (
+    ("vci", "reference", "method"),
+    ("rc", "reference", "method"),
+    ("ct", "reference", "imaging"),
+    ("vci", "ct", "clinical"),
+    ("rc", "ct", "clinical"),
+)
 QUANTITIES = ("area_mm2", "curvature_per_mm", "ffr")
 
 
@@ -61,10 +70,22 @@ def case_metrics(files, margin_mm=DEFAULT_MARGIN_MM, stations=DEFAULT_STATIONS, 
         "states": {state: state_document(profiles[state], used) for state in states},
         "differences": {
             f"{a}_minus_{b}": differences(profiles[a], profiles[b], used)
-            for a, b in COMPARISONS
+            for a, b, _ in COMPARISONS
             if a in states and b in states
         },
+        "imaging": imaging_summary(files) if "ct" in states else {},
     }
+
+
+def imaging_summary(files):
+    """How each CT volume was segmented, and what the segmentation warns of: {state: {...}}; empty without CT."""
+    summary = {}
+    for state in IMAGED:
+        path = files.segmentation(state)
+        if path.exists():
+            document = read_json(path, "data_synthetic segment")
+            summary[state] = {key: entry(document, key, path) for key in ("method", "point_spread_fwhm_mm", "warnings")}
+    return summary
 
 
 def common_stations(profiles, where):

@@ -5,6 +5,10 @@ import pathlib
 
 SYNTHETIC_STATES = ("pre", "vci", "rc", "reference")
 SURFACE_STATES = ("pre", "vci", "rc")
+IMAGED = (
+    "pre",
+    "reference",
+)  # states of which a CT volume is made; the state `ct` is the reference as it is seen there
 
 
 class Inputs:
@@ -14,9 +18,10 @@ class Inputs:
         self.configuration, self.results = configuration, results
 
     def states(self, case):
-        """The states of a case: a user's own surface has no reference."""
-        synthetic = self.configuration.cases[case]["kind"] == "synthetic"
-        return SYNTHETIC_STATES if synthetic else SURFACE_STATES
+        """The states of a case: a user's own surface has no reference, and so no CT of it."""
+        if self.configuration.cases[case]["kind"] != "synthetic":
+            return SURFACE_STATES
+        return SYNTHETIC_STATES + (("ct",) if self.configuration.settings(case)["ct"]["enabled"] else ())
 
     def device_files(self, wildcards):
         """The device families that the case's plan can use."""
@@ -73,6 +78,31 @@ class Inputs:
             "anatomy": f"{folder}/anatomy.json",
         }
 
+    def state_lumen(self, wildcards):
+        """The lumen that a state's anatomy step measures; that of `ct` is found in the CT of the reference."""
+        folder = f"{self.results}/cases/{wildcards.case}/{wildcards.state}"
+        return f"{folder}/reference/lumen.vtp" if wildcards.state == "ct" else f"{folder}/lumen.vtp"
+
+    def imaged(self, wildcards):
+        """What the CT of a state is made of: its lumen; after the procedure also the plan's stents and their line."""
+        case = f"{self.results}/cases/{wildcards.case}"
+        if wildcards.state == "pre":
+            return {"lumen": f"{case}/anatomy/lumen.vtp"}
+        return {
+            "lumen": f"{case}/reference/lumen.vtp",
+            "scene": f"{case}/vci/plan.json",
+            "centreline": f"{case}/reference/anatomy/centreline.vtp",
+        }
+
+    def segmentations(self, wildcards):
+        """The segmentations of a case's CT volumes; empty where it has none."""
+        states = IMAGED if "ct" in self.states(wildcards.case) else ()
+        return [f"{self.results}/cases/{wildcards.case}/ct/{state}/segmentation.json" for state in states]
+
+    def ends(self, wildcards):
+        """The vessels' end points that a reader of the image would click: those of the state's own anatomy."""
+        return self.anatomy_files(wildcards)["anatomy"]
+
     def of_states(self, *names):
         """A function of the wildcards: <case>/<name> of every state, with {state} and {anatomy} filled in."""
 
@@ -113,6 +143,11 @@ def anatomy_folder(wildcards, input):
 def case_folder(wildcards, input):
     """Folder of the case whose metrics or scene a rule reads."""
     return os.path.dirname(input.metrics if "metrics" in input.keys() else os.path.dirname(input.scene))
+
+
+def stent_options(wildcards, input):
+    """Command-line options of `data_synthetic phantom` for the stents; none before the procedure."""
+    return f"--scene {input.scene} --centreline {input.centreline}" if "scene" in input.keys() else ""
 
 
 def study_folder(wildcards, input):

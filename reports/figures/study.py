@@ -6,7 +6,7 @@ import numpy as np
 from reports.agreement import QUANTITIES, paired_values, published
 from reports.bland_altman import bland_altman
 from reports.figures.curves import FFR_THRESHOLD
-from reports.figures.style import COLOURS, LABELS, save
+from reports.figures.style import COLOURS, ERRORS, LABELS, save
 from reports.metrics import COMPARISONS
 
 # title, unit, and the least width of the horizontal axis, lest rounding fill it
@@ -15,7 +15,8 @@ TITLES = {
     "mean_area": ("Mean CSA", " (mm²)", 2.0),
     "mean_curvature": ("Mean curvature", " (1/mm)", 0.04),
 }
-MARKERS = {"vci": "o", "rc": "^"}
+MARKERS = {"vci": "o", "rc": "^", "reference": "s", "ct": "D"}
+ROW_HEIGHT, LEGEND_HEIGHT = 3.0, 0.8  # inches
 PUBLISHED_COLOUR = "#b9b9b9"
 
 
@@ -27,36 +28,50 @@ def study_figures(documents, folder):
 
 
 def agreement_figure(documents, folder):
-    """Bland-Altman plots of FFR, mean area and mean curvature: predictions minus reference against their mean."""
-    figure, grid = plt.subplots(1, 3, figsize=(11.0, 3.6))
-    paper = published()["quantities"]
-    for axes, quantity in zip(grid, QUANTITIES):
-        source = paper[quantity]
-        axes.axhspan(source["loa_lower"], source["loa_upper"], color=PUBLISHED_COLOUR, alpha=0.22, linewidth=0)
-        axes.axhline(source["bias"], color=PUBLISHED_COLOUR, linewidth=1.2)
-        axes.axhline(0.0, color="#555555", linewidth=0.8)
-        for a, b in COMPARISONS:
-            cases, first, second = paired_values(documents, quantity, a, b)
-            if cases:
-                draw_pairs(axes, a, np.array(first), np.array(second))
-        title, unit, least = TITLES[quantity]
-        low, high = axes.get_xlim()
-        if high - low < least:
-            axes.set_xlim(0.5 * (low + high - least), 0.5 * (low + high + least))
-        axes.xaxis.set_major_locator(plt.MaxNLocator(5))
-        axes.set(title=title, xlabel=f"mean of both{unit}", ylabel=f"prediction - reference{unit}")
-    handles, labels = grid[0].get_legend_handles_labels()
-    band = plt.Rectangle((0, 0), 1, 1, color=PUBLISHED_COLOUR, alpha=0.4)
-    names = [*labels, "published bias and limits (n = 9)"]
-    figure.legend([*handles, band], names, loc="lower center", ncol=3)
-    figure.get_layout_engine().set(rect=(0, 0.09, 1, 0.91))
+    """Bland-Altman plots of FFR, mean area and mean curvature, a row for each kind of error that the cases allow.
+
+    The published agreement is drawn where the comparison is of its kind (clinical).
+    """
+    comparisons = {kind: [(a, b) for a, b, error in COMPARISONS if error == kind] for kind in ERRORS}
+    shown = [kind for kind in ERRORS if any(paired_values(documents, "ffr", *pair)[0] for pair in comparisons[kind])]
+    height = ROW_HEIGHT * len(shown) + LEGEND_HEIGHT
+    figure, grid = plt.subplots(len(shown), len(QUANTITIES), figsize=(11.0, height), squeeze=False)
+    for row, kind in zip(grid, shown):
+        for axes, quantity in zip(row, QUANTITIES):
+            agreement_panel(axes, documents, quantity, comparisons[kind], kind == "clinical")
+        row[0].set_ylabel(f"{ERRORS[kind]}\n{row[0].get_ylabel()}")
+    legend = {label: handle for axes in grid[:, 0] for handle, label in zip(*axes.get_legend_handles_labels())}
+    if "clinical" in shown:
+        legend["published bias and limits (n = 9)"] = plt.Rectangle((0, 0), 1, 1, color=PUBLISHED_COLOUR, alpha=0.4)
+    figure.legend(legend.values(), legend.keys(), loc="lower center", ncol=2)
+    bottom = LEGEND_HEIGHT / height
+    figure.get_layout_engine().set(rect=(0, bottom, 1, 1 - bottom))
     save(figure, folder, "agreement")
 
 
-def draw_pairs(axes, state, a, b):
+def agreement_panel(axes, documents, quantity, pairs, with_published):
+    """Differences of one quantity against the mean of both, for the pairs of states (a, b)."""
+    if with_published:
+        source = published()["quantities"][quantity]
+        axes.axhspan(source["loa_lower"], source["loa_upper"], color=PUBLISHED_COLOUR, alpha=0.22, linewidth=0)
+        axes.axhline(source["bias"], color=PUBLISHED_COLOUR, linewidth=1.2)
+    axes.axhline(0.0, color="#555555", linewidth=0.8)
+    for a, b in pairs:
+        cases, first, second = paired_values(documents, quantity, a, b)
+        if cases:
+            draw_pairs(axes, a, b, np.array(first), np.array(second))
+    title, unit, least = TITLES[quantity]
+    low, high = axes.get_xlim()
+    if high - low < least:
+        axes.set_xlim(0.5 * (low + high - least), 0.5 * (low + high + least))
+    axes.xaxis.set_major_locator(plt.MaxNLocator(5))
+    axes.set(title=title, xlabel=f"mean of both{unit}", ylabel=f"difference{unit}")
+
+
+def draw_pairs(axes, state, other, a, b):
     """Points of one comparison, with its bias (solid) and limits of agreement (dashed)."""
     result, colour = bland_altman(a, b), COLOURS[state]
-    label = f"{LABELS[state]} - reference (n = {result.n})"
+    label = f"{LABELS[state]} - {LABELS[other]} (n = {result.n})"
     axes.plot(0.5 * (a + b), a - b, MARKERS[state], color=colour, markersize=6, alpha=0.85, label=label)
     axes.axhline(result.bias, color=colour, linewidth=1.3)
     if result.sd is not None:
@@ -65,10 +80,10 @@ def draw_pairs(axes, state, a, b):
 
 
 def ffr_figure(documents, folder):
-    """FFR after PCI, predicted and reference, against FFR before it."""
+    """FFR after PCI, predicted, reference and in the reference's CT, against FFR before it."""
     figure, axes = plt.subplots(figsize=(4.6, 4.2))
     lowest = 0.78
-    for state, marker in (("vci", "o"), ("rc", "^"), ("reference", "s")):
+    for state, marker in MARKERS.items():
         pairs = [
             (document["states"]["pre"]["ffr"]["distal"], document["states"][state]["ffr"]["distal"])
             for document in documents

@@ -7,15 +7,23 @@ import matplotlib.pyplot as plt  # noqa: E402  (the backend must be chosen first
 
 from common.files import replacing  # noqa: E402
 
-COLOURS = {"pre": "#6b6b6b", "vci": "#0072b2", "rc": "#d97b00", "reference": "#009e73"}
-DASHES = {"pre": (0, (4, 2)), "vci": "-", "rc": (0, (1.2, 1.2)), "reference": (0, (6, 1.5, 1.2, 1.5))}
+COLOURS = {"pre": "#6b6b6b", "vci": "#0072b2", "rc": "#d97b00", "reference": "#009e73", "ct": "#a3478f"}
+DASHES = {
+    "pre": (0, (4, 2)),
+    "vci": "-",
+    "rc": (0, (1.2, 1.2)),
+    "reference": (0, (6, 1.5, 1.2, 1.5)),
+    "ct": (0, (3, 1)),
+}
 LABELS = {
     "pre": "Before PCI",
     "vci": "Virtual PCI (VCI)",
     "rc": "Radius correction",
     "reference": "Reference (finite elements)",
+    "ct": "CT of the reference",
 }
-SHORT = {"pre": "before", "vci": "VCI", "rc": "radius", "reference": "reference"}
+SHORT = {"pre": "before", "vci": "VCI", "rc": "radius", "reference": "reference", "ct": "CT"}
+ERRORS = {"method": "Method", "imaging": "Imaging", "clinical": "As a clinical study sees it"}
 SEGMENT_COLOUR = "#f2efe6"
 
 matplotlib.rcParams.update(

@@ -10,7 +10,7 @@ from common.files import replacing
 from reports.agreement import published
 from reports.bland_altman import sample_sd
 from reports.case_files import STATES
-from reports.figures.style import COLOURS, LABELS, SHORT
+from reports.figures.style import COLOURS, ERRORS, LABELS, SHORT
 from reports.page.assets import TEMPLATES, image_uri, script, three_scripts
 from reports.page.case_context import case_context
 from reports.page.evidence import evidence_rows, read_results
@@ -21,6 +21,7 @@ QUANTITY_NAMES = {"ffr": "FFR", "mean_area": "Mean CSA", "mean_curvature": "Mean
 QUANTITY_DIGITS = {"ffr": 3, "mean_area": 2, "mean_curvature": 3}
 UNITS = {"1": "", "mm2": "mm²", "1/mm": "/mm"}
 MISSING = "–"
+OCCLUDED = "occluded_by_voxels"
 
 
 def build_report(cases, study_dir, figures_dir, out, junit=(), software=None, cohort=""):
@@ -38,6 +39,8 @@ def build_report(cases, study_dir, figures_dir, out, junit=(), software=None, co
             cases=contexts,
             summary=summary(contexts),
             agreement=agreement_rows(agreement),
+            errors={kind: ERRORS[kind] for kind in ERRORS if kind in [row["error"] for row in agreement]},
+            imaging=imaging_warnings(contexts),
             agreement_figure=optional_image(figures_dir / "agreement.svg") if agreement else None,
             scatter=image_uri(figures_dir / "ffr_before_after.svg"),
             published=published(),
@@ -106,9 +109,21 @@ def summary(contexts):
         "count": len(contexts),
         "synthetic": sum(c["metrics"]["kind"] == "synthetic" for c in contexts),
         "with_reference": sum("reference" in c["metrics"]["states"] for c in contexts),
+        "with_ct": sum("ct" in c["metrics"]["states"] for c in contexts),
         "means": means,
         "seconds": mean_sd(seconds) if seconds else None,
     }
+
+
+def imaging_warnings(contexts):
+    """Rows {case, id, state, code, message} of what segmentations warn of; occlusions by the voxel grid first."""
+    rows = [
+        {"case": c["name"], "id": c["id"], "state": state, "code": warning["code"], "message": warning["message"]}
+        for c in contexts
+        for state, found in c["metrics"]["imaging"].items()
+        for warning in found["warnings"]
+    ]
+    return sorted(rows, key=lambda row: row["code"] != OCCLUDED)
 
 
 def mean_sd(values):

@@ -8,7 +8,7 @@ import pytest
 STUDY = {"study_figures", "agreement", "cohort", "timings", "report"}
 CASE = "quick_focal"
 OTHER = "quick_branch"
-STATES = ("pre", "vci", "rc", "reference")
+STATES = ("pre", "vci", "rc", "reference", "ct")
 
 
 def end_of_case(case):
@@ -21,17 +21,29 @@ def flow_of(case, states=STATES):
     return {f"{rule} {case} {state}" for rule in ("flow_mesh", "flow_solve") for state in states}
 
 
+def ct_of(case, states=("pre", "reference")):
+    """The CT of the states; the reference's is a state of its own, `ct`."""
+    jobs = {f"{rule} {case} {state}" for rule in ("ct_phantom", "ct_segment") for state in states}
+    return jobs | ({f"state_anatomy {case} ct"} | flow_of(case, ["ct"]) if "reference" in states else set())
+
+
 def after_plan(case):
     """Everything that follows a new scene."""
     after = ("vci", "rc", "reference")
     deformed = {f"scene {case}", f"deploy {case}", f"radius_correct {case}", f"reference {case}"}
-    return deformed | {f"state_anatomy {case} {state}" for state in after} | flow_of(case, after) | end_of_case(case)
+    return (
+        deformed
+        | {f"state_anatomy {case} {state}" for state in after}
+        | flow_of(case, after)
+        | ct_of(case, ["reference"])
+        | end_of_case(case)
+    )
 
 
 def after_anatomy(case):
     """Everything that follows a new lumen before the procedure."""
     first = {f"anatomy_picture {case}", f"plan {case}", f"boundary {case}"}
-    return first | flow_of(case, ["pre"]) | after_plan(case)
+    return first | flow_of(case, ["pre"]) | ct_of(case) | after_plan(case)
 
 
 def test_nothing_to_do(finished):
@@ -66,7 +78,15 @@ def test_module_of_the_reference(finished):
     expected = set()
     for case in (CASE, OTHER):
         expected |= {f"reference {case}", f"state_anatomy {case} reference"} | flow_of(case, ["reference"])
-        expected |= end_of_case(case)
+        expected |= ct_of(case, ["reference"]) | end_of_case(case)
+    assert finished.planned() == expected
+
+
+def test_module_of_the_segmentation(finished):
+    finished.append("data_synthetic/ct/edges.py", "# changed\n")
+    expected = set()
+    for case in (CASE, OTHER):
+        expected |= (ct_of(case) - {f"ct_phantom {case} {state}" for state in STATES}) | end_of_case(case)
     assert finished.planned() == expected
 
 
@@ -118,7 +138,7 @@ def test_section_of_the_study(finished):
     expected = set()
     for case in (CASE, OTHER):
         expected |= {f"settings {case} reference", f"reference {case}", f"state_anatomy {case} reference"}
-        expected |= flow_of(case, ["reference"]) | end_of_case(case)
+        expected |= flow_of(case, ["reference"]) | ct_of(case, ["reference"]) | end_of_case(case)
     assert finished.planned() == expected
 
 

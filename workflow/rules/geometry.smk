@@ -63,7 +63,7 @@ rule state_anatomy:
     message:
         "{wildcards.case}: lumen, centreline, sections after {wildcards.state}"
     input:
-        lumen="results/cases/{case}/{state}/lumen.vtp",
+        lumen=INPUTS.state_lumen,
         like="results/cases/{case}/anatomy/anatomy.json",
         binary=LUMEN,
     output:
@@ -72,7 +72,7 @@ rule state_anatomy:
         sections="results/cases/{case}/{state}/anatomy/sections.csv",
         anatomy="results/cases/{case}/{state}/anatomy/anatomy.json",
     wildcard_constraints:
-        state="vci|rc|reference",
+        state="vci|rc|reference|ct",
     log:
         "results/cases/{case}/logs/{state}/anatomy.log",
     benchmark:

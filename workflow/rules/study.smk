@@ -15,6 +15,7 @@ rule metrics:
             "flow/{state}/ffr.json",
             "flow/{state}/pullback.csv",
         ),
+        INPUTS.segmentations,
         case=ancient(CASE_FILE),
         scene="results/cases/{case}/vci/scene.json",
         deployment="results/cases/{case}/vci/deployment.json",
@@ -29,10 +30,11 @@ rule metrics:
     params:
         patient=INPUTS.section("patient"),
         margin=INPUTS.value("metrics", "margin_mm"),
+        states=lambda wildcards: " ".join(INPUTS.states(wildcards.case)),
         case_dir=case_folder,
     shell:
         "workflow/run.sh {log} /usr/bin/python3 -m reports metrics --case {wildcards.case} --case-dir {params.case_dir}"
-        " --margin-mm {params.margin} --config {input.case} --out {output}"
+        " --margin-mm {params.margin} --states {params.states} --config {input.case} --out {output}"
 
 
 rule case_figures:

@@ -14,7 +14,13 @@ from vtk.util.numpy_support import numpy_to_vtk
 LENGTH_MM, CURVATURE_PER_MM, SPACING_MM = 40.0, 0.1, 0.25
 SEGMENT = (12.0, 30.0)
 Q_M3_PER_S, VISCOSITY, MAP_PA, VENOUS_PA = 5.0e-6, 0.004, 12444.0, 667.0
-OPENING = {"pre": 0.7, "vci": 0.05, "rc": 0.0, "reference": 0.09}  # share of the radius that the lesion takes
+OPENING = {
+    "pre": 0.7,
+    "vci": 0.05,
+    "rc": 0.0,
+    "reference": 0.09,
+    "ct": 0.12,
+}  # share of the radius that the lesion takes
 
 
 class Tube:
@@ -201,8 +207,11 @@ def write_procedure(folder):
     write_json(folder / "deployment.json", document)
 
 
-def build_case(root, name, moves=None, states=("pre", "vci", "rc", "reference"), change=0.0):
-    """Writes one case below `root`/cases; `moves` {state: rigid motion}; `change` shifts the openings a little."""
+def build_case(root, name, moves=None, states=("pre", "vci", "rc", "reference"), change=0.0, warnings=()):
+    """Writes one case below `root`/cases; `moves` {state: rigid motion}; `change` shifts the openings a little.
+
+    With the state ct: `warnings` of both segmentations.
+    """
     folder = pathlib.Path(root) / "cases" / name
     tubes = {
         state: Tube(OPENING[state] + (change if state != "rc" else 0.0), move=(moves or {}).get(state))
@@ -220,6 +229,9 @@ def build_case(root, name, moves=None, states=("pre", "vci", "rc", "reference"),
         write_json(
             folder / "reference" / "reference.json", {"schema": "vci-reference-1", "model": "slices", "seconds": 60}
         )
+    for state in ("pre", "reference") if "ct" in states else ():
+        found = {"method": "psf_edge", "point_spread_fwhm_mm": 0.73, "warnings": list(warnings)}
+        write_json(folder / "ct" / state / "segmentation.json", {"schema": "vci-segmentation-1", **found})
     (folder / "benchmarks").mkdir()
     columns = "s\th:m:s\tmax_rss\tmax_vms\tmax_uss\tmax_pss\tio_in\tio_out\tmean_load\tcpu_time"
     row = "1.5000\t0:00:01\t120.50\t300.00\t100.00\t110.00\t0.00\t0.00\t90.00\t1.40"

@@ -171,3 +171,11 @@ def test_a_pull_back_with_its_own_zero_is_found_by_position(make_case):
         fields[2] = repr(float(fields[2]) + 6.5)  # s_mm from the end of an inlet extension
     path.write_text("\n".join(",".join(fields) for fields in lines) + "\n")
     assert metrics_of(folder)["states"]["vci"]["ffr"]["profile"] == pytest.approx(before, abs=1e-12)
+
+
+def test_a_ct_left_from_before_does_not_enter_where_it_is_not_asked_for(make_case):
+    folder = make_case(states=("pre", "vci", "rc", "reference", "ct"))
+    with_ct = metrics_of(folder)
+    assert list(with_ct["imaging"]) == ["pre", "reference"] and "ct_minus_reference" in with_ct["differences"]
+    without = metrics_of(folder, states=("pre", "vci", "rc", "reference"))
+    assert without["imaging"] == {} and list(without["differences"]) == ["vci_minus_reference", "rc_minus_reference"]

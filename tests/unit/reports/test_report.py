@@ -56,7 +56,13 @@ def test_report_of_a_case_with_and_one_without_reference(study, tmp_path):
     path = study(("tube", {}), ("own", {"states": ("pre", "vci")}), junit=[tmp_path / "junit.xml"])
     text = path.read_text()
     assert outside_references(text) == []
-    for words in ('id="case-tube"', 'id="case-own"', "−5.22 to +2.12", "test_poiseuille", "its prediction is untested"):
+    for words in (
+        'id="case-tube"',
+        'id="case-own"',
+        "error of the <b>method</b> alone",
+        "test_poiseuille",
+        "its prediction is untested",
+    ):
         assert words in text, words
     assert text.count('class="viewer"') == 2
     if shutil.which("chromium"):
@@ -64,6 +70,23 @@ def test_report_of_a_case_with_and_one_without_reference(study, tmp_path):
         assert (tmp_path / "shot.png").stat().st_size > 20000
         page, _ = browse(path, "--dump-dom", size=TALL)
         assert page.count("<canvas") == 1 and 'class="stage live"' in page
+
+
+def test_report_with_ct_keeps_three_errors_apart_and_shows_the_warnings(study):
+    message = "main 18.0-21.0 mm: contrast on the axis falls to 0.41"
+    warning = {"code": "occluded_by_voxels", "branch": "main", "message": message}
+    states = ("pre", "vci", "rc", "reference", "ct")
+    path = study(("tube", {"states": states, "warnings": [warning]}), ("other", {"states": states, "change": 0.02}))
+    text = path.read_text()
+    for words in ("Three errors are kept apart", "As a clinical study sees it", "CT of the reference − reference"):
+        assert words in text, words
+    assert text.count(message) == 4, "two images: each with its case and among the limits"
+    assert text.count("no warning.") == 2
+    clinical = next(row for row in text.split("<tr>") if "Virtual PCI (VCI) − CT" in row and "Mean CSA" in row)
+    assert "−5.22 to +2.12" in clinical
+    assert text.count("−5.22 to +2.12") == 1
+    if shutil.which("chromium"):
+        check_report(path)
 
 
 def test_report_without_any_reference_or_tests_says_so(study):

@@ -26,9 +26,37 @@ def test_agreement_of_three_cases(make_case):
     assert row["n"] == 3
     assert row["bias"] == pytest.approx(sum(means[0]) / 3 - sum(means[1]) / 3)
     assert row["bias_ci_lower"] < row["bias"] < row["bias_ci_upper"]
-    assert (row["published_bias"], row["published_sd"], row["published_n"]) == (-1.55, 1.89, 9)
-    assert table.loc[("ffr", "rc_minus_reference"), "published_bias"] != -0.02
+    assert table["published_bias"].isna().all(), "the published agreement is not of this kind"
+    assert set(table["error"]) == {"method"}
     assert len(table) == 6
+
+
+def test_three_errors_are_kept_apart(make_case):
+    states = ("pre", "vci", "rc", "reference", "ct")
+    cases = [
+        case_metrics(CaseFiles(f"ct{k}", make_case(f"ct{k}", states=states, change=change)))
+        for k, change in enumerate([0.0, 0.02, -0.03])
+    ]
+    table = agreement_table(cases).set_index(["quantity", "comparison"])
+    assert len(table) == 15
+    kinds = table["error"].xs("mean_area", level="quantity").to_dict()
+    assert kinds == {
+        "vci_minus_reference": "method",
+        "rc_minus_reference": "method",
+        "ct_minus_reference": "imaging",
+        "vci_minus_ct": "clinical",
+        "rc_minus_ct": "clinical",
+    }
+    bias = table["bias"].xs("mean_area", level="quantity")
+    assert bias["vci_minus_ct"] == pytest.approx(bias["vci_minus_reference"] - bias["ct_minus_reference"])
+    assert abs(bias["ct_minus_reference"]) > 0.05
+    row = table.loc[("mean_area", "vci_minus_ct")]
+    assert (row["published_bias"], row["published_sd"], row["published_n"]) == (-1.55, 1.89, 9)
+    assert (
+        table.drop(index=[(q, "vci_minus_ct") for q in ("ffr", "mean_area", "mean_curvature")])["published_bias"]
+        .isna()
+        .all()
+    )
 
 
 def test_published_limits_follow_from_bias_and_sd_where_the_note_says_so():

@@ -1,0 +1,49 @@
+# What a scanner would show of the lumen before the procedure and of the reference after it, and what is found in it.
+
+
+rule ct_phantom:
+    message:
+        "{wildcards.case}: CT of {wildcards.state}"
+    input:
+        unpack(INPUTS.imaged),
+        settings="results/cases/{case}/settings/ct.json",
+        code=code("data_synthetic", "data_synthetic.ct.scan"),
+    output:
+        image="results/cases/{case}/ct/{state}/ct.nii.gz",
+        sidecar="results/cases/{case}/ct/{state}/ct.json",
+    wildcard_constraints:
+        state="pre|reference",
+    log:
+        "results/cases/{case}/logs/ct/{state}_phantom.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/ct/{state}_phantom.tsv"
+    params:
+        stents=stent_options,
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m data_synthetic phantom {input.lumen} --settings {input.settings}"
+        " {params.stents} --out {params.out}"
+
+
+rule ct_segment:
+    message:
+        "{wildcards.case}: lumen in the CT of {wildcards.state}"
+    input:
+        image="results/cases/{case}/ct/{state}/ct.nii.gz",
+        ends=INPUTS.ends,
+        settings="results/cases/{case}/settings/ct.json",
+        code=code("data_synthetic", "data_synthetic.ct.segment"),
+    output:
+        lumen="results/cases/{case}/ct/{state}/lumen.vtp",
+        segmentation="results/cases/{case}/ct/{state}/segmentation.json",
+    wildcard_constraints:
+        state="pre|reference",
+    log:
+        "results/cases/{case}/logs/ct/{state}_segment.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/ct/{state}_segment.tsv"
+    params:
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m data_synthetic segment {input.image} --ends {input.ends}"
+        " --settings {input.settings} --out {params.out}"
