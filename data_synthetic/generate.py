@@ -9,7 +9,7 @@ from vtk.util.numpy_support import numpy_to_vtk
 from common.errors import ComputationError
 from common.files import replacing, write_json
 
-from . import disease, patient, surface, tree, truth
+from . import crossings, disease, patient, surface, tree, truth
 from .field import LumenField
 
 SPACING_MM = 0.2
@@ -51,6 +51,11 @@ def run(case_path, out, spacing_mm=SPACING_MM):
         raise ComputationError(
             "the surface misses the implicit lumen", "lumen surface", f"{rms:.2g} mm rms", "a finer generation spacing"
         )
+    crossing = crossings.crossing_pairs(points, triangles)
+    if len(crossing):
+        place = np.round(points[triangles[crossing[0, 0]]].mean(axis=0), 2).tolist()
+        what, value = "the surface crosses itself", f"{len(crossing)} pairs of triangles, first near {place} mm"
+        raise ComputationError(what, "lumen surface", value, "another seed, or branches farther apart")
     thickness, kind = plaque_at(branches, points)
     poly = surface.to_poly(points, triangles)
     for name, values in (("plaque_thickness_mm", thickness), ("plaque_type", kind.astype(np.int32))):

@@ -9,6 +9,7 @@ from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to
 
 from common.errors import ComputationError
 
+from . import cut
 from . import field as implicit
 
 SMOOTHING_PASSES = 30
@@ -97,15 +98,8 @@ def build(field, spacing_mm):
     triangles = triangles[:, ::-1]  # vtkFlyingEdges3D faces the rising field inwards; ours rises outwards
     points = field.project(points)
     ends = implicit.ends(field.branches)
-    beyond = np.zeros(len(points), bool)
     for _, centre, normal, radius in ends:
-        offset = points - centre
-        height = offset @ normal
-        # Local: a plane alone would cut neighbouring branches.
-        local = np.linalg.norm(offset, axis=1) < 3.5 * radius + 1
-        across = np.linalg.norm(offset - height[:, None] * normal, axis=1)
-        beyond |= local & (across < 1.6 * radius) & (height > -0.25 * spacing_mm)
-    points, triangles = _drop_beyond(points, triangles, ~beyond)
+        points, triangles = cut.at_end(field, points, triangles, centre, normal, radius)
     points, triangles = _largest(points, triangles)
     loops = _boundary_loops(triangles)
     if len(loops) != len(ends):
@@ -115,7 +109,7 @@ def build(field, spacing_mm):
             f"{len(loops)} for {len(ends)} ends",
             "a finer generation spacing, or branches farther apart",
         )
-    return _capped(field, points, triangles, loops, ends)
+    return _capped(points, triangles, loops, ends)
 
 
 def _largest(points, triangles):
@@ -129,66 +123,54 @@ def _largest(points, triangles):
     return _drop_beyond(points, triangles, labels == largest)
 
 
-def _capped(field, points, triangles, loops, ends):
-    """Joins each opening to its cap: a strip of triangles to the rim in the plane, then the flat cap."""
+def _capped(points, triangles, loops, ends):
+    """Closes each opening, a ring of vertices in the plane of its end, with a flat disc."""
     on_cap = np.zeros(len(points), bool)
     for loop in loops:
-        ring = np.array(loop)
-        centre_of_loop = points[ring].mean(axis=0)
-        _, centre, normal, radius = min(ends, key=lambda e: np.linalg.norm(e[1] - centre_of_loop))
-        # The saw-tooth edge gets a rim of its own, as many vertices, on the wall and in the plane.
-        rim_points = points[ring].copy()
-        for _ in range(6):
-            rim_points -= ((rim_points - centre) @ normal)[:, None] * normal
-            rim_points = field.project(rim_points, 1)
-        rim_points -= ((rim_points - centre) @ normal)[:, None] * normal
-        rim_points = _even(rim_points, centre, normal, radius)
-        for _ in range(6):
-            rim_points = field.project(rim_points, 1)
-            rim_points -= ((rim_points - centre) @ normal)[:, None] * normal
-        rim = np.arange(len(points), len(points) + len(ring))
-        inner, cap = _disc(rim_points, centre, normal, radius)
-        numbering = np.concatenate([rim, len(points) + len(ring) + np.arange(len(inner))])
-        points = np.concatenate([points, rim_points, inner])
-        on_cap = np.concatenate([on_cap, np.full(len(numbering), True)])
-        triangles = np.concatenate([triangles, _strip(ring, rim), numbering[cap]])
+        rim = np.array(loop)
+        middle = points[rim].mean(axis=0)
+        _, centre, normal, _ = min(ends, key=lambda e: np.linalg.norm(e[1] - middle))
+        _check_rim(points[rim], centre, normal)
+        inner, cap = _disc(points[rim], centre, normal)
+        numbering = np.concatenate([rim, len(points) + np.arange(len(inner))])
+        points = np.concatenate([points, inner])
+        on_cap[rim] = True
+        on_cap = np.concatenate([on_cap, np.full(len(inner), True)])
+        triangles = np.concatenate([triangles, numbering[cap]])
     return points, triangles, on_cap
 
 
-def _even(rim_points, centre, normal, radius):
-    """Rim vertices at angles half way between their own and even spacing, in the order of the loop."""
+def _check_rim(rim_points, centre, normal):
+    """Raises ComputationError if the closed rim does not go round the centre once, always the same way."""
+    spoke, following = rim_points - centre, np.roll(rim_points, -1, axis=0) - centre
+    turn = np.arctan2(np.cross(spoke, following) @ normal, np.sum(spoke * following, axis=1))
+    if abs(abs(turn.sum()) - 2 * np.pi) > 1e-6 or np.any(turn * turn.sum() <= 0):
+        place = np.round(centre, 2).tolist()
+        raise ComputationError("the edge of an end turns back", "lumen surface", f"near {place} mm", "a finer spacing")
+
+
+def _disc(rim_points, centre, normal):
+    """Flat cap: (inner points (k, 3), triangles that number the rim first, facing along the outward normal).
+
+    The rim may be any closed curve that is seen whole from the centre; it is triangulated as the unit circle that it is
+    in angle, since the hull of a rim with a hollow would leave the rim.
+    """
     u = rim_points[0] - centre
     u /= np.linalg.norm(u)
     v = np.cross(normal, u)
-    angle = np.unwrap(np.arctan2((rim_points - centre) @ v, (rim_points - centre) @ u))
-    turn = np.sign(angle[-1] - angle[0]) * 2 * np.pi
-    even = angle.mean() + turn * (np.arange(len(angle)) / len(angle) - 0.5 * (len(angle) - 1) / len(angle))
-    even = 0.9 * even + 0.1 * angle
-    return centre + radius * (np.cos(even)[:, None] * u + np.sin(even)[:, None] * v)
-
-
-def _strip(outer, inner):
-    """Two triangles a pair of neighbours between two rings of equal length."""
-    o, i = outer, inner
-    o2, i2 = np.roll(o, -1), np.roll(i, -1)
-    return np.concatenate([np.stack([o, o2, i], axis=1), np.stack([o2, i2, i], axis=1)])
-
-
-def _disc(rim_points, centre, normal, radius):
-    """Flat cap: (inner points (k, 3), triangles that number the rim first, facing along the outward normal)."""
-    u = rim_points[0] - centre
-    u /= np.linalg.norm(u)
-    v = np.cross(normal, u)
-    edge = 2 * np.pi * radius / len(rim_points)
-    count = int(radius / edge) + 2
+    x, y = (rim_points - centre) @ u, (rim_points - centre) @ v
+    angle, reach = np.arctan2(y, x), np.hypot(x, y)
+    count = int(len(rim_points) / (2 * np.pi)) + 2
+    edge = 2 * np.pi / len(rim_points)
     i, j = np.meshgrid(np.arange(-count, count + 1), np.arange(-2 * count, 2 * count + 1))
     lattice = edge * np.stack([i + 0.5 * (j % 2), j * np.sqrt(0.75)], axis=-1).reshape(-1, 2)
-    lattice = lattice[np.linalg.norm(lattice, axis=1) < radius - 0.6 * edge]
-    flat = np.concatenate([np.stack([(rim_points - centre) @ u, (rim_points - centre) @ v], axis=1), lattice])
+    lattice = lattice[np.linalg.norm(lattice, axis=1) < 1 - 0.6 * edge]
+    flat = np.concatenate([np.stack([np.cos(angle), np.sin(angle)], axis=1), lattice])
     triangles = Delaunay(flat).simplices
     a, b, c = (flat[triangles[:, k]] for k in range(3))
     area = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
     triangles[area < 0] = triangles[area < 0][:, ::-1]
-    # Rim vertices in one line give the hull flat triangles that are none.
-    triangles = triangles[np.abs(area) > 1e-6 * edge * edge]
-    return centre + lattice[:, :1] * u + lattice[:, 1:] * v, triangles
+    order = np.argsort(angle)
+    scale = np.interp(np.arctan2(lattice[:, 1], lattice[:, 0]), angle[order], reach[order], period=2 * np.pi)
+    inner = lattice * scale[:, None]
+    return centre + inner[:, :1] * u + inner[:, 1:] * v, triangles

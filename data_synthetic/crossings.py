@@ -1,0 +1,58 @@
+"""Pairs of triangles of a surface that cross one another."""
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+CHUNK = 200_000  # pairs tested at once; bounds the memory
+
+
+def crossing_pairs(points, triangles):
+    """Pairs (k, 2) of triangles that share no vertex and cross, sorted; empty for a surface free of itself.
+
+    points (n, 3), triangles (m, 3). Two triangles cross when an edge of one pierces the other; coplanar overlap (of
+    triangles of one flat cap) is not looked for. Neighbours that share a vertex and fold over it cross their further
+    neighbours as well.
+    """
+    corners = points[triangles]
+    middle = corners.mean(axis=1)
+    reach = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
+    found = []
+    # Triangles by size: each looks for those not larger than itself, so that one long triangle costs no one else.
+    tree, limit = cKDTree(middle), np.sort(reach)
+    typical = limit[int(0.99 * (len(limit) - 1))]
+    pairs = [tree.query_pairs(2 * typical, output_type="ndarray")]
+    for large in np.flatnonzero(reach > typical):
+        near = np.array(tree.query_ball_point(middle[large], reach[large] + limit[-1]))
+        pairs.append(np.sort(np.stack([np.full(len(near), large), near], axis=1), axis=1))
+    pairs = np.unique(np.concatenate(pairs), axis=0)
+    pairs = pairs[pairs[:, 0] != pairs[:, 1]]
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    for start in range(0, len(pairs), CHUNK):
+        i, j = pairs[start : start + CHUNK].T
+        near = np.all((low[i] <= high[j]) & (low[j] <= high[i]), axis=1)
+        i, j = i[near], j[near]
+        apart = ~np.any(triangles[i][:, :, None] == triangles[j][:, None, :], axis=(1, 2))
+        i, j = i[apart], j[apart]
+        cross = _pierces(corners[i], corners[j]) | _pierces(corners[j], corners[i])
+        found.append(np.stack([i[cross], j[cross]], axis=1))
+    return np.concatenate(found)
+
+
+def _pierces(a, b):
+    """Whether an edge of triangle a (n, 3, 3) passes through the inside of triangle b (n, 3, 3): (n,) bool."""
+    hit = np.zeros(len(a), bool)
+    u, v = b[:, 1] - b[:, 0], b[:, 2] - b[:, 0]
+    normal = np.cross(u, v)
+    height = np.einsum("nkd,nd->nk", a - b[:, :1], normal)
+    for k in range(3):
+        h0, h1 = height[:, k], height[:, (k + 1) % 3]
+        through = h0 * h1 < 0
+        share = np.where(through, h0 / np.where(through, h0 - h1, 1.0), 0.0)
+        place = a[:, k] + share[:, None] * (a[:, (k + 1) % 3] - a[:, k]) - b[:, 0]
+        # Barycentric coordinates of the place in b.
+        scale = np.einsum("nd,nd->n", normal, normal)
+        scale = np.where(scale > 0, scale, 1.0)
+        s = np.einsum("nd,nd->n", np.cross(place, v), normal) / scale
+        t = np.einsum("nd,nd->n", np.cross(u, place), normal) / scale
+        hit |= through & (s > 0) & (t > 0) & (s + t < 1)
+    return hit

@@ -1,0 +1,85 @@
+"""Cuts a wall surface at the plane of a vessel's end, its new edge in the plane and on the wall."""
+
+import numpy as np
+
+SNAP = 0.3  # share of an edge: nearer vertices move onto the plane, so that no sliver is left beside it
+RIM_PASSES = 8
+
+
+def at_end(field, points, triangles, centre, normal, radius):
+    """(points, triangles) without what lies beyond the plane (centre, outward normal) of one end.
+
+    Every triangle that crosses the plane is split along it. (A rim of its own joined to the saw-tooth edge that whole
+    triangles leave made strips that crossed themselves.) The cut is local: a plane alone would cut other branches too.
+    """
+    offset = points - centre
+    height = offset @ normal
+    across = np.linalg.norm(offset - height[:, None] * normal, axis=1)
+    local = (np.linalg.norm(offset, axis=1) < 3.5 * radius + 1) & (across < 1.6 * radius)
+    edges = _edges(triangles)
+    edges = edges[local[edges].all(axis=1)]
+    snapped = _nearest_ends(edges, height)
+    points = points.copy()
+    points[snapped] = _on_rim(field, points[snapped], centre, normal)
+    height[snapped] = 0.0
+    crossed = edges[height[edges[:, 0]] * height[edges[:, 1]] < 0]
+    h0, h1 = height[crossed].T
+    share = (h0 / (h0 - h1))[:, None]
+    middle = (1 - share) * points[crossed[:, 0]] + share * points[crossed[:, 1]]
+    points = np.concatenate([points, _on_rim(field, middle, centre, normal)])
+    height = np.concatenate([np.where(local, height, -np.inf), np.zeros(len(crossed))])
+    return points, _below(points, triangles, height, crossed)
+
+
+def _edges(triangles):
+    return np.unique(np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
+
+
+def _nearest_ends(edges, height):
+    """Vertices that lie within SNAP of a crossing edge's length from the plane."""
+    h0, h1 = height[edges].T
+    edges, h0, h1 = (x[h0 * h1 < 0] for x in (edges, h0, h1))
+    share = h0 / (h0 - h1)
+    return np.unique(np.concatenate([edges[share < SNAP, 0], edges[share > 1 - SNAP, 1]]))
+
+
+def _on_rim(field, points, centre, normal):
+    """Points (n, 3) moved onto the wall and the plane, by turns; the plane has the last word."""
+    for _ in range(RIM_PASSES):
+        points = field.project(points, 1)
+        points = points - ((points - centre) @ normal)[:, None] * normal
+    return points
+
+
+def _below(points, triangles, height, crossed):
+    """Triangles (m, 3) at or below height 0; those that cross it cut at the new vertices, numbered as `crossed` last.
+
+    height (n + k,): of all vertices, 0 for the new ones; crossed (k, 2): the edges on which these lie.
+    """
+    first = len(height) - len(crossed)
+    number = {(int(a), int(b)): first + index for index, (a, b) in enumerate(crossed)}
+    of = height[triangles]
+    # A triangle with all corners on the rim lies flat against the cap: it is no part of the wall.
+    whole = (of.max(axis=1) <= 0) & (of.min(axis=1) < 0)
+    kept = [triangles[whole]]
+    split = triangles[(of.max(axis=1) > 0) & (of.min(axis=1) < 0) & np.isfinite(of).all(axis=1)]
+    pieces = []
+    for triangle in split.tolist():
+        ring = []
+        for a, b in zip(triangle, triangle[1:] + triangle[:1]):
+            if height[a] <= 0:
+                ring.append(a)
+            if height[a] * height[b] < 0:
+                ring.append(number[min(a, b), max(a, b)])
+        pieces += _fan(points, ring)
+    return np.concatenate(kept + ([np.array(pieces)] if pieces else []))
+
+
+def _fan(points, ring):
+    """A triangle as it is; a quadrilateral as two, along its shorter diagonal."""
+    if len(ring) == 3:
+        return [ring]
+    a, b, c, d = ring
+    if np.linalg.norm(points[a] - points[c]) <= np.linalg.norm(points[b] - points[d]):
+        return [[a, b, c], [a, c, d]]
+    return [[b, c, d], [b, d, a]]
