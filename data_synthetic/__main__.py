@@ -1,4 +1,4 @@
-"""Command line: python3 -m data_synthetic generate|reference|phantom|segment|ct-study."""
+"""Command line: python3 -m data_synthetic generate|draw|reference|phantom|segment|ct-study."""
 
 import argparse
 import pathlib
@@ -12,6 +12,10 @@ def _parser():
     make = commands.add_parser("generate", help="virtual patient from a case of kind synthetic")
     make.add_argument("case", type=pathlib.Path, help="case file, config/cases/<case>.yaml")
     make.add_argument("--out", type=pathlib.Path, required=True, help="folder for lumen.vtp and truth.json")
+    draw = commands.add_parser("draw", help="cases of a random cohort from stated distributions")
+    draw.add_argument("--count", type=int, required=True, help="number of patients, 1 to 999")
+    draw.add_argument("--seed", type=int, required=True, help="patient k of a seed is the same whatever the count")
+    draw.add_argument("--out", type=pathlib.Path, required=True, help="folder for patient001.yaml, ...")
     fe = commands.add_parser("reference", help="independent finite-element post-PCI lumen")
     fe.add_argument("--scene", type=pathlib.Path, required=True, help="scene.json: devices and procedure")
     fe.add_argument("--anatomy", type=pathlib.Path, required=True, help="folder with the pre-PCI lumen.vtp")
@@ -49,6 +53,11 @@ def main(arguments=None):
         from . import generate
 
         generate.run(options.case, options.out)
+    elif options.command == "draw":
+        from . import draw
+
+        for path in draw.run(options.count, options.seed, options.out):
+            print(path)
     elif options.command == "phantom":
         from .ct import scan
 

@@ -4,11 +4,8 @@ import os
 import pathlib
 
 SYNTHETIC_STATES = ("pre", "vci", "rc", "reference")
-SURFACE_STATES = ("pre", "vci", "rc")
-IMAGED = (
-    "pre",
-    "reference",
-)  # states of which a CT volume is made; the state `ct` is the reference as it is seen there
+SURFACE_STATES = ("pre", "vci", "rc")  # without a reference
+IMAGED = ("pre", "reference")  # states with a CT volume; the state `ct` is the reference as it is seen there
 
 
 class Inputs:
@@ -18,10 +15,18 @@ class Inputs:
         self.configuration, self.results = configuration, results
 
     def states(self, case):
-        """The states of a case: a user's own surface has no reference, and so no CT of it."""
-        if self.configuration.cases[case]["kind"] != "synthetic":
+        """The states of a case: the reference where there can be one, its CT where that is wanted."""
+        if not self.has_reference(case):
             return SURFACE_STATES
         return SYNTHETIC_STATES + (("ct",) if self.configuration.settings(case)["ct"]["enabled"] else ())
+
+    def has_reference(self, case):
+        """Whether the reference can treat the case: a synthetic one, by one device at a time in one branch."""
+        description = self.configuration.cases[case]
+        plan = [] if description["plan"] == "auto" else description["plan"]
+        branches = {device["branch"] for step in plan for device in step["devices"]}
+        one_at_a_time = all(len(step["devices"]) == 1 for step in plan)
+        return description["kind"] == "synthetic" and one_at_a_time and len(branches) <= 1
 
     def device_files(self, wildcards):
         """The device families that the case's plan can use."""

@@ -70,6 +70,14 @@ def test_a_case_without_ct_has_none(fresh):
     assert "flow_solve quick_focal ct" not in planned and "flow_solve quick_branch ct" in planned
 
 
-@pytest.mark.parametrize("cohort", ["full", "quick"])
+def test_a_plan_in_two_branches_has_no_reference(fresh):
+    run = fresh.snakemake("--dry-run", cases="culotte_bench")
+    text = run.stdout + run.stderr
+    assert run.returncode == 0, text
+    assert "culotte_bench: flow of vci" in text
+    assert "reference lumen" not in text and "CT of" not in text
+
+
+@pytest.mark.parametrize("cohort", ["full", "quick", "nine", "hard"])
 def test_shipped_cohorts_are_complete(fresh, cohort):
     assert fresh.planned(cohort=cohort)

@@ -1,0 +1,89 @@
+"""The shipped cohorts: nine patients like the published ones, hard anatomies that can be grown, random ones likewise.
+
+FFR before the procedure by the one-dimensional network on the true radii; the flow solver itself comes later.
+"""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from common import config, schema
+from data_synthetic import draw, patient, tree
+from flow import boundary, reduced, settings
+
+PA_PER_MMHG = 133.322
+PROBE_MM = 20.0  # beyond the lesion's middle and half its length, inside the vessel
+
+
+def network_ffr(case, branches):
+    """FFR past the lesion of main from the true radii, with the boundary values of the flow part."""
+    flow = settings.make()
+    tables = []
+    for branch in branches:
+        s = np.arange(0, branch.axis.length_mm, 0.25)
+        tables.append(pd.DataFrame({"branch": branch.name, "s_mm": s, "area_mm2": np.pi * branch.radius(s) ** 2}))
+    names = [{"name": b.name, "parent": b.parent or None, "s_on_parent_mm": b.s_on_parent_mm} for b in branches]
+    map_pa = PA_PER_MMHG * boundary.mean_arterial_pressure_mmhg(
+        case["patient"]["sbp_mmhg"], case["patient"]["dbp_mmhg"]
+    )
+    venous_pa = PA_PER_MMHG * flow.venous_pressure_mmhg
+    total = boundary.hyperaemic_flow_m3_per_s(case["patient"]["lvm_g"], flow.hyperaemia_fraction)
+    ends = [2 * float(branch.radius(branch.axis.length_mm)) for branch in branches]
+    shares = boundary.split_by_diameter(ends, flow.split_exponent)
+    document = {"map_pa": map_pa, "venous_pressure_pa": venous_pa, "density_kg_per_m3": flow.density_kg_per_m3}
+    document["viscosity_pa_s"] = flow.viscosity_pa_s
+    document["outlets"] = [
+        {"name": branch.name, "branch": branch.name, "resistance_pa_s_per_m3": (map_pa - venous_pa) / (share * total)}
+        for branch, share in zip(branches, shares)
+    ]
+    network = reduced.Network({"branches": names}, pd.concat(tables), document, flow.expansion_loss)
+    s, pressure = network.pressures(network.solve())["main"]
+    lesion = max(case["vessel"]["lesions"], key=lambda le: le["diameter_stenosis_percent"])
+    at = min(lesion["centre_s_mm"] + 0.5 * lesion["length_mm"] + PROBE_MM, branches[0].axis.length_mm - 4)
+    return float(np.interp(at * 1e-3, s, pressure)) / map_pa
+
+
+def cases_of(repo_root, cohort):
+    names = config.load_study(repo_root / "config" / "study.yaml")["cohorts"][cohort]
+    return {name: patient.load(repo_root / "config" / "cases" / f"{name}.yaml") for name in names}
+
+
+def test_nine_patients_are_like_the_published_ones(repo_root):
+    cases = cases_of(repo_root, "nine")
+    assert len(cases) == 9
+    both = 0
+    for name, case in cases.items():
+        branches = tree.grow(case["vessel"], name)
+        assert 0.65 < network_ffr(case, branches) < 0.80, name
+        lesion = case["vessel"]["lesions"][0]
+        reach = 0.5 * lesion["length_mm"] + 2.5
+        place = np.linspace(lesion["centre_s_mm"] - reach, lesion["centre_s_mm"] + reach, 80)
+        assert 0.1 <= branches[0].axis.curvature(place).mean() <= 0.2, name
+        if case["plan"] == "auto":
+            both += 1  # predilatation, stent, post-dilatation
+            continue
+        actions = [step["action"] for step in case["plan"]]
+        both += {"predilatation", "postdilatation"} <= set(actions)
+        widest = max(device["diameter_mm"] for step in case["plan"] for device in step["devices"])
+        assert 12 <= np.pi / 4 * widest**2 <= 22, name
+    assert both == 7
+
+
+def test_hard_anatomies_can_be_grown(repo_root):
+    cases = cases_of(repo_root, "hard")
+    assert len(cases) >= 8 and "culotte_bench" in cases
+    for name, case in cases.items():
+        assert tree.grow(case["vessel"], name), name
+    worst = max(le["diameter_stenosis_percent"] for case in cases.values() for le in case["vessel"]["lesions"])
+    assert worst > 80
+
+
+def test_random_patients_have_lesions_of_every_grade():
+    found = []
+    for number in range(1, 21):
+        case = draw.one(11, number)
+        case = {**case, "vessel": schema.with_defaults(case["vessel"], schema.read("vessel"))}
+        found.append(network_ffr(case, tree.grow(case["vessel"])))
+    assert 0.3 < np.mean(np.array(found) < 0.8) < 0.8
+    assert 0.4 < min(found) < max(found) < 0.97
+    assert np.mean(found) == pytest.approx(0.79, abs=0.08)
