@@ -43,35 +43,62 @@ def _draw_tree(figure, axes, summary, branches):
     diameters = np.concatenate([_column(rows, "equivalent_diameter_mm")[:, 0] for rows in branches.values()])
     colours = matplotlib.colors.Normalize(diameters.min(), diameters.max())
     for name, rows in branches.items():
+        lines = _draw_branch(axes, project, rows, colours)
         x = project(_column(rows, "x_mm", "y_mm", "z_mm"))
-        radius = _column(rows, "equivalent_diameter_mm") / 2
-        along = np.gradient(x, axis=0)
-        across = np.column_stack([-along[:, 1], along[:, 0]]) / np.maximum(np.linalg.norm(along, axis=1), 1e-9)[:, None]
-        ticks = np.stack([x - radius * across, x + radius * across], axis=1)
-        lines = LineCollection(ticks, cmap="viridis", norm=colours, linewidths=1.6)
-        lines.set_array(2 * radius[:, 0])
-        axes.add_collection(lines)
-        axes.plot(*x.T, color="k", lw=0.8)
-        axes.annotate(name, x[len(x) // 2], xytext=(14, 10), textcoords="offset points", fontsize=11, weight="bold")
-        _label_arc_length(axes, rows, x)
+        _label(axes, name, x[len(x) // 3], (16, 12), fontsize=11, weight="bold")
+    _draw_roots(axes, project, summary, branches)
     for number, lesion in enumerate(summary["lesions"], 1):
-        rows = branches[lesion["branch"]]
-        part = [r for r in rows if lesion["s_start_mm"] <= r["s_mm"] <= lesion["s_end_mm"]]
-        axes.plot(*project(_column(part, "x_mm", "y_mm", "z_mm")).T, color="crimson", lw=3, zorder=3)
-        throat = min(rows, key=lambda r: abs(r["s_mm"] - lesion["s_mla_mm"]))
-        where = project(_column([throat], "x_mm", "y_mm", "z_mm"))[0]
-        text = f"lesion {number}: {lesion['diameter_stenosis_percent']:.0f} %"
-        axes.annotate(
-            text, where, xytext=(-30, -40), textcoords="offset points", color="crimson", arrowprops={"arrowstyle": "-"}
-        )
+        _draw_lesion(axes, project, number, lesion, branches[lesion["branch"]])
+    middle = project(np.mean([end["centre_mm"] for end in summary["ends"]], axis=0))[0]
     for end in summary["ends"]:
         where = project(np.array(end["centre_mm"]))[0]
-        axes.plot(*where, "s" if end["kind"] == "inlet" else "o", color="k", ms=6)
-        label = f"{end['name']} ({end['diameter_mm']:.2f} mm)"
-        axes.annotate(label, where, xytext=(8, -4), textcoords="offset points", fontsize=9)
+        axes.plot(*where, "s" if end["kind"] == "inlet" else "o", color="k", ms=6, zorder=4)
+        side = -1 if where[0] < middle[0] else 1  # away from the tree
+        text = f"{end['name']} ({end['diameter_mm']:.2f} mm)"
+        _label(axes, text, where, (9 * side, -4), fontsize=9, ha="left" if side > 0 else "right")
     figure.colorbar(lines, ax=axes, label="equivalent diameter (mm)", fraction=0.03)
     axes.set(aspect="equal", xlabel="mm", ylabel="mm", title="tree, sections and lesions (plane of largest extent)")
-    axes.margins(0.15)
+    axes.margins(0.25, 0.15)
+
+
+def _draw_branch(axes, project, rows, colours):
+    """The branch's silhouette, its sections by diameter and its axis; returns the sections' collection."""
+    x = project(_column(rows, "x_mm", "y_mm", "z_mm"))
+    radius = _column(rows, "equivalent_diameter_mm") / 2
+    along = np.gradient(x, axis=0)
+    across = np.column_stack([-along[:, 1], along[:, 0]]) / np.maximum(np.linalg.norm(along, axis=1), 1e-9)[:, None]
+    left, right = x - radius * across, x + radius * across
+    axes.fill(*np.vstack([left, right[::-1]]).T, color="0.9", ec="0.6", lw=0.6, zorder=0)
+    lines = LineCollection(np.stack([left, right], axis=1), cmap="viridis", norm=colours, linewidths=1.4)
+    lines.set_array(2 * radius[:, 0])
+    axes.add_collection(lines)
+    axes.plot(*x.T, color="k", lw=0.8)
+    _label_arc_length(axes, rows, x)
+    return lines
+
+
+def _draw_roots(axes, project, summary, branches):
+    """A dotted line from each side branch's first section to where its axis leaves its parent's."""
+    for branch in summary.get("branches", ()):
+        if branch["parent"] is None or not {branch["name"], branch["parent"]} <= branches.keys():
+            continue
+        root = min(branches[branch["parent"]], key=lambda row: abs(row["s_mm"] - branch["s_on_parent_mm"]))
+        ends = project(_column([root, branches[branch["name"]][0]], "x_mm", "y_mm", "z_mm"))
+        axes.plot(*ends.T, ":", color="k", lw=0.9)
+
+
+def _draw_lesion(axes, project, number, lesion, rows):
+    part = [r for r in rows if lesion["s_start_mm"] <= r["s_mm"] <= lesion["s_end_mm"]]
+    axes.plot(*project(_column(part, "x_mm", "y_mm", "z_mm")).T, color="crimson", lw=3, zorder=3)
+    throat = min(rows, key=lambda r: abs(r["s_mm"] - lesion["s_mla_mm"]))
+    where = project(_column([throat], "x_mm", "y_mm", "z_mm"))[0]
+    text = f"lesion {number}: {lesion['diameter_stenosis_percent']:.0f} %"
+    _label(axes, text, where, (-30, -44), color="crimson", arrowprops={"arrowstyle": "-", "color": "crimson"})
+
+
+def _label(axes, text, where, offset, **style):
+    box = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.75}
+    axes.annotate(text, where, xytext=offset, textcoords="offset points", bbox=box, zorder=5, **style)
 
 
 def _label_arc_length(axes, rows, x):
