@@ -36,6 +36,9 @@ public:
   int rows() const { return static_cast<int>(start_.size()) - 1; }
   /// Position of block (i, j); throws std::logic_error where the pattern has none.
   int slot(int i, int j) const;
+  int entries() const { return static_cast<int>(column_.size()); }
+  int row_start(int i) const { return start_[i]; }
+  int column(int slot) const { return column_[slot]; }
   int diagonal_slot(int i) const { return diagonal_[i]; }
   Mat3& block(int slot) { return values_[slot]; }
   const Mat3& block(int slot) const { return values_[slot]; }

@@ -1,6 +1,8 @@
 #include "vci/broad_phase.hpp"
+#include "vci/closest_point.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <fcl/broadphase/detail/hierarchy_tree.h>
 #include <fcl/math/bv/AABB.h>
@@ -21,16 +23,42 @@ Box box_of(const Triangle& t, const Vectors& x) {
   return Box(x[t[0]], x[t[1]], x[t[2]]);
 }
 
-void collect(const Node* node, const Box& query, std::vector<int>& found) {
-  if (!node->bv.overlap(query))
-    return;
-  if (node->isLeaf()) {
-    found.push_back(static_cast<int>(reinterpret_cast<std::intptr_t>(node->data)));
-    return;
-  }
-  collect(node->children[0], query, found);
-  collect(node->children[1], query, found);
+double squared_distance(const Box& box, const Vec3& p) {
+  return (box.min_ - p).cwiseMax(p - box.max_).cwiseMax(0.0).squaredNorm();
 }
+
+/// A search under way: its reach shrinks as nearer triangles turn up.
+struct Search {
+  const Vec3& p;
+  const Triangles& triangles;
+  const Vectors& x;
+  double slack, reach;
+  std::vector<NearTriangle>& found;
+
+  void visit(const Node* node) {
+    if (node->isLeaf()) {
+      const int k = static_cast<int>(reinterpret_cast<std::intptr_t>(node->data));
+      const Triangle& t = triangles[k];
+      const ClosestPoint c = closest_on_triangle(p, x[t[0]], x[t[1]], x[t[2]]);
+      const double distance = std::sqrt(c.distance_squared);
+      if (distance <= reach) {
+        found.push_back({k, distance, c.weights});
+        reach = std::min(reach, distance + slack);
+      }
+      return;
+    }
+    const Node *near = node->children[0], *far = node->children[1];
+    double d_near = squared_distance(near->bv, p), d_far = squared_distance(far->bv, p);
+    if (d_far < d_near) {
+      std::swap(near, far);
+      std::swap(d_near, d_far);
+    }
+    if (d_near <= reach * reach)
+      visit(near);
+    if (d_far <= reach * reach)
+      visit(far);
+  }
+};
 
 } // namespace
 
@@ -50,13 +78,15 @@ void BroadPhase::update(const Triangles& triangles, const Vectors& x) {
   tree_->hierarchy.refit();
 }
 
-void BroadPhase::near(const Vec3& p, double reach, std::vector<int>& found) const {
+void BroadPhase::near(const Vec3& p, const Triangles& triangles, const Vectors& x, double reach, double slack,
+                      std::vector<NearTriangle>& found) const {
   found.clear();
   if (tree_->leaves.empty())
     return;
-  const Vec3 r = Vec3::Constant(reach);
-  collect(tree_->hierarchy.getRoot(), Box(p - r, p + r), found);
-  std::sort(found.begin(), found.end());
+  Search search{p, triangles, x, slack, reach, found};
+  search.visit(tree_->hierarchy.getRoot());
+  std::erase_if(found, [&](const NearTriangle& f) { return f.distance > search.reach; });
+  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.triangle < b.triangle; });
 }
 
 } // namespace vci

@@ -5,6 +5,12 @@
 
 namespace vci {
 
+struct NearTriangle {
+  int triangle;
+  double distance; ///< mm
+  Vec3 weights;    ///< barycentric, of the closest point
+};
+
 class BroadPhase {
 public:
   /// Boxes round the triangles at positions x.
@@ -15,8 +21,10 @@ public:
 
   /// Fits the boxes to new positions.
   void update(const Triangles& triangles, const Vectors& x);
-  /// Triangles whose box comes within `reach` (mm) of p along each axis, in ascending order.
-  void near(const Vec3& p, double reach, std::vector<int>& found) const;
+  /// Triangles no further than `reach` from p, and no further than the nearest of them plus `slack`; by index.
+  /// @param triangles, x as given to the last update
+  void near(const Vec3& p, const Triangles& triangles, const Vectors& x, double reach, double slack,
+            std::vector<NearTriangle>& found) const;
 
 private:
   struct Tree;

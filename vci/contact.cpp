@@ -18,10 +18,10 @@ struct Foot {
   double distance_squared = 1e300;
 };
 
-Vec3 interpolated_normal(const Triangle& t, const Vec3& weights, const Vectors& normals) {
+Vec3 interpolated_normal(const Triangle& t, const Vec3& weights, const Vectors& units) {
   Vec3 n = Vec3::Zero();
   for (int k = 0; k < 3; ++k)
-    n += weights[k] * normals[t[k]].normalized();
+    n += weights[k] * units[t[k]];
   return n.normalized();
 }
 
@@ -37,11 +37,11 @@ double share_inside(const Triangle& t, const Vec3& weights, const Body& body) {
 
 /// The point of a triangle from which p lies along the interpolated normal: unlike the closest point it moves
 /// continuously across edges on both sides of a folded surface. Returns false where it lies outside the triangle.
-bool project_along_normals(const Vec3& p, const Triangle& t, const System& system, const Vectors& normals,
+bool project_along_normals(const Vec3& p, const Triangle& t, const System& system, const Vectors& units,
                            Vec3& weights) {
   const Vec3 &a = system.x[t[0]], ab = system.x[t[1]] - a, ac = system.x[t[2]] - a;
   const Vec3 face = ab.cross(ac);
-  Vec3 n = interpolated_normal(t, weights, normals);
+  Vec3 n = interpolated_normal(t, weights, units);
   for (int iteration = 0; iteration < 4; ++iteration) {
     const double slope = n.dot(face);
     if (slope <= 0.2 * face.norm())
@@ -51,14 +51,14 @@ bool project_along_normals(const Vec3& p, const Triangle& t, const System& syste
     weights = Vec3(1 - v - w, v, w);
     if (weights.minCoeff() < -0.5)
       return false;
-    n = interpolated_normal(t, weights, normals);
+    n = interpolated_normal(t, weights, units);
   }
   return weights.minCoeff() >= -1e-6;
 }
 
 /// Where a vertex meets a surface: along the interpolated normal if some triangle near has such a point, else the
 /// closest.
-Foot foot_of(const Vec3& p, const std::vector<int>& candidates, const System& system, const Vectors& normals,
+Foot foot_of(const Vec3& p, const std::vector<int>& candidates, const System& system, const Vectors& units,
              const Body& target) {
   constexpr double near = 0.05; // mm beyond the closest triangle
   std::array<Foot, 16> feet;
@@ -80,7 +80,7 @@ Foot foot_of(const Vec3& p, const std::vector<int>& candidates, const System& sy
       continue;
     const Triangle& t = target.triangles[feet[k].triangle];
     Vec3 weights = feet[k].weights;
-    if (!project_along_normals(p, t, system, normals, weights))
+    if (!project_along_normals(p, t, system, units, weights))
       continue;
     const double d2 =
         (p - weights[0] * system.x[t[0]] - weights[1] * system.x[t[1]] - weights[2] * system.x[t[2]]).squaredNorm();
@@ -110,7 +110,7 @@ void add_friction(ContactPoint& point, const ContactSettings& s) {
   point.link.tangential_stiffness = share * stiffness;
 }
 
-void SurfaceContact::search(const System& system, const Vectors& normals, int from, int onto, bool vertex_inside,
+void SurfaceContact::search(const System& system, const Vectors& units, int from, int onto, bool vertex_inside,
                             Direction& side) {
   const Body &source = system.body(from), &target = system.body(onto);
   if (side.boxes)
@@ -118,39 +118,28 @@ void SurfaceContact::search(const System& system, const Vectors& normals, int fr
   else
     side.boxes = std::make_unique<BroadPhase>(target.triangles, system.x);
   side.candidates.clear();
-  std::vector<int> found;
-  std::vector<double> distance;
+  std::vector<NearTriangle> found;
   for (int v = source.first; v < source.first + source.count; ++v) {
-    side.boxes->near(system.x[v], search_reach, found);
-    Foot foot;
-    distance.clear();
-    for (int k : found) {
-      const Triangle& t = target.triangles[k];
-      const ClosestPoint c = closest_on_triangle(system.x[v], system.x[t[0]], system.x[t[1]], system.x[t[2]]);
-      distance.push_back(std::sqrt(c.distance_squared));
-      if (c.distance_squared < foot.distance_squared)
-        foot = {k, c.weights, c.distance_squared};
-    }
-    if (foot.triangle < 0)
+    side.boxes->near(system.x[v], target.triangles, system.x, search_reach, 2 * settings_.skin, found);
+    if (found.empty())
       continue;
-    const double nearest = std::sqrt(foot.distance_squared);
+    const NearTriangle& foot = *std::min_element(found.begin(), found.end(),
+                                                 [](const auto& p, const auto& q) { return p.distance < q.distance; });
     const Triangle& t = target.triangles[foot.triangle];
     const Vec3 q =
         foot.weights[0] * system.x[t[0]] + foot.weights[1] * system.x[t[1]] + foot.weights[2] * system.x[t[2]];
-    const double side_of =
-        (vertex_inside ? 1 : -1) * interpolated_normal(t, foot.weights, normals).dot(q - system.x[v]);
-    if (side_of > 0 && nearest > settings_.distance + settings_.skin)
+    const double side_of = (vertex_inside ? 1 : -1) * interpolated_normal(t, foot.weights, units).dot(q - system.x[v]);
+    if (side_of > 0 && foot.distance > settings_.distance + settings_.skin)
       continue;
     Candidates c{v, {}};
-    for (std::size_t k = 0; k < found.size(); ++k)
-      if (distance[k] <= nearest + 2 * settings_.skin)
-        c.triangles.push_back(found[k]);
+    for (const NearTriangle& f : found)
+      c.triangles.push_back(f.triangle);
     side.candidates.push_back(std::move(c));
   }
 }
 
-void SurfaceContact::measure(const System& system, const Vectors& normals, int from, int onto, bool vertex_inside,
-                             Direction& side, std::vector<ContactPoint>& points) const {
+void SurfaceContact::measure(const System& system, const Vectors& normals, const Vectors& units, int from, int onto,
+                             bool vertex_inside, Direction& side, std::vector<ContactPoint>& points) const {
   const Body& target = system.body(onto);
   Vectors slip(system.body(from).count, Vec3::Zero());
   side.slip.resize(slip.size(), Vec3::Zero());
@@ -158,14 +147,14 @@ void SurfaceContact::measure(const System& system, const Vectors& normals, int f
   const double sign = vertex_inside ? 1.0 : -1.0; // gap = sign (foot - vertex) . n
   for (const Candidates& c : side.candidates) {
     const Vec3& p = system.x[c.vertex];
-    const Foot foot = foot_of(p, c.triangles, system, normals, target);
+    const Foot foot = foot_of(p, c.triangles, system, units, target);
     if (foot.triangle < 0)
       continue; // positions are no longer finite; the integrator reports it
     const Triangle& t = target.triangles[foot.triangle];
     const double share = share_inside(t, foot.weights, target);
     if (share <= 1e-9)
       continue;
-    const Vec3 n = interpolated_normal(t, foot.weights, normals);
+    const Vec3 n = interpolated_normal(t, foot.weights, units);
     if (n.dot(normals[c.vertex]) <= 0)
       continue; // the surfaces do not face each other here
     const Vec3 q =
@@ -190,18 +179,22 @@ void SurfaceContact::measure(const System& system, const Vectors& normals, int f
 }
 
 void SurfaceContact::detect(const System& system, const Vectors& normals, std::vector<ContactPoint>& points) {
+  Vectors units(system.x.size());
+  for (int b : {inner_, outer_})
+    for (int v = system.body(b).first; v < system.body(b).first + system.body(b).count; ++v)
+      units[v] = normals[v].normalized();
   double moved = 0;
   if (searched_at_.size() == system.x.size())
     for (int b : {inner_, outer_})
       for (int v = system.body(b).first; v < system.body(b).first + system.body(b).count; ++v)
         moved = std::max(moved, (system.x[v] - searched_at_[v]).squaredNorm());
   if (searched_at_.size() != system.x.size() || moved > 0.25 * settings_.skin * settings_.skin) {
-    search(system, normals, inner_, outer_, true, inner_on_outer_);
-    search(system, normals, outer_, inner_, false, outer_on_inner_);
+    search(system, units, inner_, outer_, true, inner_on_outer_);
+    search(system, units, outer_, inner_, false, outer_on_inner_);
     searched_at_ = system.x;
   }
-  measure(system, normals, inner_, outer_, true, inner_on_outer_, points);
-  measure(system, normals, outer_, inner_, false, outer_on_inner_, points);
+  measure(system, normals, units, inner_, outer_, true, inner_on_outer_, points);
+  measure(system, normals, units, outer_, inner_, false, outer_on_inner_, points);
 }
 
 Tie tie_of(const ContactPoint& point, const Vectors& x, double stiffness_mpa_per_mm) {

@@ -10,9 +10,9 @@ struct ContactSettings {
   double stiffness = 60.0;         ///< kappa, MPa/mm
   double distance = 0.0125;        ///< delta, mm: contact begins at this gap
   double ramp = 0.02;              ///< w, mm
-  double skin = 0.1;               ///< mm
+  double skin = 0.2;               ///< mm
   double friction = 0.1;           ///< Coulomb's mu
-  double friction_stiffness = 5.0; ///< MPa/mm: tangential stress per slip below the limit
+  double friction_stiffness = 2.0; ///< MPa/mm: tangential stress per slip below the limit
 };
 
 /// The ramp: with a = delta - gap, pressure kappa a^2 / (2 w) for a below w, kappa (a - w / 2) above.
@@ -58,9 +58,9 @@ private:
     std::vector<Candidates> candidates;
     Vectors slip; ///< per vertex of the source body
   };
-  void search(const System& system, const Vectors& normals, int from, int onto, bool vertex_inside, Direction& side);
-  void measure(const System& system, const Vectors& normals, int from, int onto, bool vertex_inside, Direction& side,
-               std::vector<ContactPoint>& points) const;
+  void search(const System& system, const Vectors& units, int from, int onto, bool vertex_inside, Direction& side);
+  void measure(const System& system, const Vectors& normals, const Vectors& units, int from, int onto,
+               bool vertex_inside, Direction& side, std::vector<ContactPoint>& points) const;
 
   int inner_, outer_;
   ContactSettings settings_;

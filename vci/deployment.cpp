@@ -68,6 +68,8 @@ public:
         h.final_length += (centres[k] - centres[k - 1]).norm();
     }
     read_malapposition();
+    result_.forces = {on_lumen(balance_.pressure), on_lumen(balance_.contact), on_lumen(balance_.foundation),
+                      on_lumen(balance_.residual)};
     for (StentHistory& h : result_.stents)
       shapes_.push_back(shape_of(h.stent.body, h.device));
     return std::move(result_);
@@ -75,9 +77,23 @@ public:
   std::vector<DeviceShape> take_shapes() { return std::move(shapes_); }
 
 private:
+  Vectors on_lumen(const Vectors& force) const {
+    Vectors all(lumen_.points.size(), Vec3::Zero());
+    for (std::size_t i = 0; i < wall_.vertex.size(); ++i)
+      all[wall_.vertex[i]] = force[i];
+    return all;
+  }
+
   DeviceShape shape_of(int body, const std::string& name) const {
     const Body& b = system_.body(body);
-    DeviceShape shape{name, Vectors(system_.x.begin() + b.first, system_.x.begin() + b.first + b.count), b.triangles};
+    const auto part = [&](const Vectors& all) {
+      return Vectors(all.begin() + b.first, all.begin() + b.first + b.count);
+    };
+    DeviceShape shape{
+        name,
+        part(system_.x),
+        b.triangles,
+        {part(balance_.pressure), part(balance_.contact), part(balance_.foundation), part(balance_.residual)}};
     for (Triangle& t : shape.triangles)
       for (int& v : t)
         v -= b.first;
@@ -173,7 +189,7 @@ private:
     // during an inflation stents slide and open along the wall; ties are made anew at its end
     if (stage.with_balloons)
       interactions_.ties.clear();
-    const RelaxResult r = relax(system_, interactions_, scene_.numerics.integrator);
+    const RelaxResult r = relax(system_, interactions_, scene_.numerics.integrator, &balance_);
     result_.stages.push_back({step.name, stage.name, seconds_since(start), r});
     std::cerr << step.name << " / " << stage.name << ": " << r.steps << " steps, " << r.cg_iterations
               << " cg iterations, residual " << r.residual << ", " << r.contacts << " contacts, penetration "
@@ -248,6 +264,7 @@ private:
   System system_;
   Wall wall_;
   Interactions interactions_;
+  Balance balance_; ///< of the last stage
   std::vector<Balloon> balloons_;
   std::vector<DeviceShape> shapes_;
   Deployment result_;

@@ -17,6 +17,7 @@ struct DeviceShape {
   std::string name;
   Vectors points;
   Triangles triangles;
+  Balance forces; ///< at these points, N
 };
 
 /// A deployed stent's numbers along the way.
@@ -37,6 +38,7 @@ struct Deployment {
   Vectors points;                    ///< lumen points at the end
   std::vector<double> wall_stretch;  ///< per lumen point: largest principal stretch
   std::vector<double> malapposition; ///< per lumen point: gap between wall and stent, mm; 0 where no stent faces it
+  Balance forces;                    ///< per lumen point at the end, N; 0 where the wall is fixed
   std::map<std::string, Path> paths; ///< axes at the end
   int vertices = 0;                  ///< that took part in the wall
 };

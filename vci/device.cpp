@@ -158,7 +158,7 @@ Balloon add_balloon(System& system, const BalloonSpec& spec, RingGrid grid, cons
                        std::numeric_limits<double>::infinity(), 0.0, 0.0, true});
     }
   Fibres& fibres = system.add_force(body, std::make_unique<Fibres>(axial));
-  Pressure& pressure = system.add_force(body, std::make_unique<Pressure>(system.body(body).triangles, 0.0));
+  Pressure& pressure = system.add_force(body, std::make_unique<Pressure>(system.body(body).triangles, system.x, 0.0));
 
   const Vectors rest = straight_grid(grid, 0.5 * spec.nominal_diameter);
   std::vector<EdgePair> edges = interior_edges(grid.triangles(), rest);

@@ -13,14 +13,6 @@ struct Forces {
   double residual;
 };
 
-double squared_norm(const Vectors& f, const std::vector<char>& fixed) {
-  double sum = 0;
-  for (std::size_t i = 0; i < f.size(); ++i)
-    if (!fixed[i])
-      sum += f[i].squaredNorm();
-  return sum;
-}
-
 void assemble(System& system, Interactions& interactions, Forces& f) {
   system.evaluate(f.elastic, f.foundation, f.pressure, true);
   const Vectors normals = area_vectors(system);
@@ -31,12 +23,25 @@ void assemble(System& system, Interactions& interactions, Forces& f) {
   add_contact_forces(f.points, f.contact);
   add_tie_forces(interactions.ties, system.x, f.contact);
   f.total = f.elastic;
-  for (std::size_t i = 0; i < f.total.size(); ++i)
-    f.total[i] += f.foundation[i] + f.pressure[i] + f.contact[i];
-  const double scale = squared_norm(f.pressure, system.fixed) + squared_norm(f.contact, system.fixed) +
-                       squared_norm(f.foundation, system.fixed);
-  const double total = squared_norm(f.total, system.fixed);
-  f.residual = total == 0 ? 0 : std::sqrt(total / scale);
+  double applied = 0, left = 0;
+  for (std::size_t i = 0; i < f.total.size(); ++i) {
+    const Vec3 outside = f.foundation[i] + f.pressure[i] + f.contact[i];
+    f.total[i] += outside;
+    if (!system.fixed[i]) {
+      applied += outside.squaredNorm();
+      left += f.total[i].squaredNorm();
+    }
+  }
+  f.residual = left == 0 ? 0 : std::sqrt(left / applied);
+}
+
+/// Hands over the forces of the state reached; what a fixed vertex's support carries is no part of the balance.
+void hand_over(Forces& f, const std::vector<char>& fixed, Balance& balance) {
+  balance = {std::move(f.pressure), std::move(f.contact), std::move(f.foundation), std::move(f.total)};
+  for (Vectors* part : {&balance.pressure, &balance.contact, &balance.foundation, &balance.residual})
+    for (std::size_t i = 0; i < fixed.size(); ++i)
+      if (fixed[i])
+        (*part)[i].setZero();
 }
 
 /// The displacement that one vertex in a hundred exceeds: a single loose vertex does not rule the step.
@@ -62,7 +67,7 @@ void read_contact(const Forces& f, RelaxResult& result) {
 
 } // namespace
 
-RelaxResult relax(System& system, Interactions& interactions, const IntegratorSettings& s) {
+RelaxResult relax(System& system, Interactions& interactions, const IntegratorSettings& s, Balance* balance) {
   RelaxResult result;
   Forces f;
   Vectors dx;
@@ -78,14 +83,16 @@ RelaxResult relax(System& system, Interactions& interactions, const IntegratorSe
       return result;
     if (f.residual <= s.residual_tolerance) {
       result.converged = true;
+      if (balance)
+        hand_over(f, system.fixed, *balance);
       return result;
     }
     if (result.steps == s.maximal_steps)
       return result;
-    // Near the end, with small displacements, the residual rules the step: contacts that flip are calmed by shorter
-    // ones.
+    // Near the end, with small displacements, the residual rules the step: contacts that flip make it jump and are
+    // calmed by shorter steps. A slow rise is a shape that gives way (a balloon that slides or bends): go on.
     if (settling) {
-      h = f.residual > previous_residual ? 0.7 * h : 1.8 * h;
+      h *= f.residual > 1.4 * previous_residual ? 0.5 : 1.8;
       h = std::clamp(h, s.initial_step, s.maximal_step);
     }
     previous_residual = f.residual;
@@ -102,8 +109,7 @@ RelaxResult relax(System& system, Interactions& interactions, const IntegratorSe
           (system.mass[i] / (h * h) + s.damping * system.area[i] / h) / factor;
       f.total[i] = (f.total[i] + system.mass[i] / h * system.velocity[i]) / factor;
     }
-    const SolveResult solve =
-        solve_pcg(matrix, links, system.fixed, f.total, dx, s.pcg_tolerance, s.pcg_maximal_iterations);
+    const SolveResult solve = solve_pcg(matrix, links, system.fixed, f.total, dx, s.pcg);
     result.cg_iterations += solve.iterations;
     ++result.steps;
     const double typical = large_displacement(dx);

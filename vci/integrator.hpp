@@ -8,10 +8,9 @@ struct IntegratorSettings {
   double residual_tolerance = 3e-3;
   double displacement_per_step = 0.12; ///< mm, steers the step
   double initial_step = 0.3;           ///< ms
-  double maximal_step = 20.0;          ///< ms
+  double maximal_step = 200.0;         ///< ms
   int maximal_steps = 1500;
-  double pcg_tolerance = 0.1;
-  int pcg_maximal_iterations = 300;
+  PcgSettings pcg{0.1, 300, 24, true};
   double damping = 2.5;           ///< MPa ms/mm, per unit area
   double stiffness_damping = 0.0; ///< ms
 };
@@ -29,10 +28,17 @@ struct RelaxResult {
   double maximal_penetration = 0, mean_penetration = 0; ///< mm, over the contact points; gaps above 0 count as 0
 };
 
+/// The forces (N) that balance at the end, 0 at fixed vertices; elastic = residual - pressure - contact - foundation.
+struct Balance {
+  Vectors pressure, contact, foundation, residual;
+};
+
 /// Steps (M / h^2 + c A / h + (1 + b / h) K) dx = f + M v / h with one PCG solve each, until the residual
-///   ||f|| / sqrt(||f_pressure||^2 + ||f_contact||^2 + ||f_foundation||^2)   over free vertices
+///   ||f|| / ||f_pressure + f_contact + f_foundation||   over free vertices
 /// is at most the tolerance. h follows the displacement that one vertex in a hundred exceeds; the velocity is dropped
 /// once h > 0.5 ms (quasi-static).
-RelaxResult relax(System& system, Interactions& interactions, const IntegratorSettings& settings);
+/// @param balance where given, takes the forces of the state reached
+RelaxResult relax(System& system, Interactions& interactions, const IntegratorSettings& settings,
+                  Balance* balance = nullptr);
 
 } // namespace vci

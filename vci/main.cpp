@@ -69,13 +69,23 @@ void check_branches(const Scene& scene, const std::map<std::string, Path>& paths
                              "use a branch_name of the centreline");
 }
 
-std::vector<PointArray> displacement(const Lumen& lumen, const Vectors& points) {
-  PointArray a{"displacement_mm", 3, {}};
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vec3 d = points[i] - lumen.points[i];
-    a.values.insert(a.values.end(), d.data(), d.data() + 3);
-  }
-  return {a};
+PointArray vectors(const std::string& name, const Vectors& values) {
+  PointArray a{name, 3, {}};
+  for (const Vec3& v : values)
+    a.values.insert(a.values.end(), v.data(), v.data() + 3);
+  return a;
+}
+
+PointArray displacement(const Lumen& lumen, const Vectors& points) {
+  Vectors moved = points;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    moved[i] -= lumen.points[i];
+  return vectors("displacement_mm", moved);
+}
+
+std::vector<PointArray> forces(const Balance& balance) {
+  return {vectors("pressure_n", balance.pressure), vectors("contact_n", balance.contact),
+          vectors("foundation_n", balance.foundation), vectors("residual_n", balance.residual)};
 }
 
 int run_deploy(const fs::path& scene_file, const fs::path& out) {
@@ -86,7 +96,8 @@ int run_deploy(const fs::path& scene_file, const fs::path& out) {
   forget(out);
   const Deployment d = deploy(scene, lumen, paths);
   const Output output(out);
-  std::vector<PointArray> arrays = displacement(lumen, d.points);
+  std::vector<PointArray> arrays = forces(d.forces);
+  arrays.push_back(displacement(lumen, d.points));
   arrays.push_back({"wall_stretch", 1, d.wall_stretch});
   arrays.push_back({"malapposition_mm", 1, d.malapposition});
   write_lumen(output.folder() / "lumen.vtp", output.folder() / "lumen.stl", lumen, d.points, arrays);
@@ -94,7 +105,7 @@ int run_deploy(const fs::path& scene_file, const fs::path& out) {
   for (const DeviceShape& shape : d.balloons) {
     const bool is_stent = scene.stents.contains(shape.name);
     const std::string name = is_stent ? "stent" + std::to_string(stent + 1) : shape.name;
-    write_shape(output.folder() / "devices" / (name + ".vtp"), shape.points, shape.triangles, {}, {});
+    write_shape(output.folder() / "devices" / (name + ".vtp"), shape.points, shape.triangles, {}, forces(shape.forces));
     if (is_stent) {
       const Struts struts = strut_pattern(scene.stents.at(shape.name), d.stents[stent].stent.grid, shape.points);
       write_shape(output.folder() / "devices" / (name + "_struts.vtp"), struts.points, {}, struts.lines, {});
@@ -115,7 +126,8 @@ int run_radius_correct(const fs::path& scene_file, const fs::path& out) {
   const auto start = std::chrono::steady_clock::now();
   const Vectors points = correct_radius(scene, lumen, paths);
   const Output output(out);
-  write_lumen(output.folder() / "lumen.vtp", output.folder() / "lumen.stl", lumen, points, displacement(lumen, points));
+  write_lumen(output.folder() / "lumen.vtp", output.folder() / "lumen.stl", lumen, points,
+              {displacement(lumen, points)});
   const Segment segment = reported_segment(scene);
   const Path& path = paths.at(segment.branch);
   const nlohmann::json profile = area_profile(points, lumen.triangles, path, segment.s_start, segment.s_end);

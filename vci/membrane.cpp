@@ -25,12 +25,24 @@ Mat32 edges(const Triangle& t, const Vectors& x) {
   return ds;
 }
 
+/// Cosine and sine of the direction of the larger eigenvalue of [a b; b d], without trigonometry.
+std::array<double, 2> principal_direction(double a, double b, double d) {
+  const double difference = a - d, length = std::sqrt(difference * difference + 4 * b * b);
+  if (length == 0)
+    return {1, 0};
+  if (difference >= 0) { // the half angle from its better conditioned side
+    const double c = std::sqrt(0.5 * (1 + difference / length));
+    return {c, b / (length * c)};
+  }
+  const double s = std::copysign(std::sqrt(0.5 * (1 - difference / length)), b);
+  return {b / (length * s), s};
+}
+
 Principal principal(const Mat32& f) {
   // Smallest stretch allowed: a collapsed triangle keeps a finite, strongly resisting state.
   constexpr double smallest = 1e-3;
   const double a = f.col(0).squaredNorm(), b = f.col(0).dot(f.col(1)), d = f.col(1).squaredNorm();
-  const double angle = 0.5 * std::atan2(2 * b, a - d);
-  const double c = std::cos(angle), s = std::sin(angle);
+  const auto [c, s] = principal_direction(a, b, d);
   Principal p;
   p.v << c, -s, s, c;
   const Mat32 fv = f * p.v;
@@ -91,8 +103,8 @@ void Membrane::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness
     const double twist = (sigma[0] + sigma[1]) / (p.stretch[0] + p.stretch[1]);
     const Vec2 lift = sigma.cwiseQuotient(p.stretch);
     const Vec3 normal = p.u.col(0).cross(p.u.col(1));
-    const double angle = 0.5 * std::atan2(2 * scaling(0, 1), scaling(0, 0) - scaling(1, 1));
-    const double c = std::cos(angle), s = std::sin(angle), h = std::sqrt(0.5);
+    const auto [c, s] = principal_direction(scaling(0, 0), scaling(0, 1), scaling(1, 1));
+    const double h = std::sqrt(0.5);
     const double s0 = c * c * scaling(0, 0) + 2 * c * s * scaling(0, 1) + s * s * scaling(1, 1);
     const double s1 = s * s * scaling(0, 0) - 2 * c * s * scaling(0, 1) + c * c * scaling(1, 1);
     const std::array<double, 6> values{s0, s1, shear, twist, lift[0], lift[1]};

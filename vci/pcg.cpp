@@ -1,33 +1,15 @@
 #include "vci/pcg.hpp"
+#include "vci/coarse_space.hpp"
 
 #include <Eigen/LU>
 #include <cmath>
+#include <optional>
 
 namespace vci {
 
 namespace {
 
-double dot(const Vectors& a, const Vectors& b) {
-  double sum = 0; // one running sum: the same order, hence the same bits, each time
-  for (std::size_t i = 0; i < a.size(); ++i)
-    sum += a[i].dot(b[i]);
-  return sum;
-}
-
-void add_links(const std::vector<PointLink>& links, const Vectors& x, Vectors& y) {
-  for (const PointLink& link : links) {
-    Vec3 r = Vec3::Zero();
-    for (int k = 0; k < 4; ++k)
-      if (link.vertex[k] >= 0)
-        r += link.weight[k] * x[link.vertex[k]];
-    const double normal_part = (link.normal_stiffness - link.tangential_stiffness) * link.normal.dot(r);
-    const Vec3 f = normal_part * link.normal + link.tangential_stiffness * r;
-    for (int k = 0; k < 4; ++k)
-      if (link.vertex[k] >= 0)
-        y[link.vertex[k]] += link.weight[k] * f;
-  }
-}
-
+/// Inverse diagonal blocks, 0 at fixed vertices.
 std::vector<Mat3> inverse_diagonal(const BlockMatrix& matrix, const std::vector<PointLink>& links,
                                    const std::vector<char>& fixed) {
   std::vector<Mat3> diagonal(matrix.rows());
@@ -36,60 +18,119 @@ std::vector<Mat3> inverse_diagonal(const BlockMatrix& matrix, const std::vector<
   for (const RankOne& term : matrix.rank_ones())
     for (std::size_t k = 0; k < term.vertex.size(); ++k)
       diagonal[term.vertex[k]] += term.stiffness * term.gradient[k] * term.gradient[k].transpose();
-  for (const PointLink& link : links)
+  for (const PointLink& link : links) {
+    const Mat3 stiffness = link.stiffness();
     for (int k = 0; k < 4; ++k)
-      if (link.vertex[k] >= 0) {
-        const double w2 = link.weight[k] * link.weight[k];
-        Mat3& d = diagonal[link.vertex[k]];
-        d += w2 * (link.normal_stiffness - link.tangential_stiffness) * link.normal * link.normal.transpose();
-        d.diagonal().array() += w2 * link.tangential_stiffness;
-      }
+      if (link.vertex[k] >= 0)
+        diagonal[link.vertex[k]] += link.weight[k] * link.weight[k] * stiffness;
+  }
   for (int i = 0; i < matrix.rows(); ++i)
     diagonal[i] = fixed[i] ? Mat3::Zero() : Mat3(diagonal[i].inverse());
   return diagonal;
 }
 
+template <class Real> class Solver {
+public:
+  using Operator = LinearOperator<Real>;
+  using Field = typename Operator::Field;
+  using Four = typename Operator::Four;
+
+  Solver(const BlockMatrix& matrix, const std::vector<PointLink>& links, const std::vector<char>& fixed,
+         const PcgSettings& settings)
+      : settings_(settings), operator_(matrix, links, fixed) {
+    for (const Mat3& m : inverse_diagonal(matrix, links, fixed))
+      inverse_.push_back(Operator::padded(m));
+    if (settings.patch_size > 0)
+      coarse_.emplace(matrix, links, fixed, settings.patch_size);
+    if (coarse_ && !coarse_->usable())
+      coarse_.reset();
+  }
+
+  SolveResult solve(const Field& b, Field& x) const {
+    const std::size_t n = b.size();
+    Field r = b, z(n), p, q(n);
+    const double b_norm = std::sqrt(dot(r, r));
+    x.assign(n, Four::Zero());
+    if (b_norm == 0)
+      return {true, 0, 0};
+    precondition(r, z);
+    p = z;
+    double rz = dot(r, z), residual = 1;
+    for (int iteration = 1; iteration <= settings_.maximal_iterations; ++iteration) {
+      operator_.multiply(p, q);
+      const double curvature = dot(p, q);
+      if (curvature <= 0) { // not positive along p: what was found before it still leads downhill
+        if (iteration == 1)
+          x = p;
+        return {false, iteration, residual};
+      }
+      const Real alpha = static_cast<Real>(rz / curvature);
+      for (std::size_t i = 0; i < n; ++i) {
+        x[i] += alpha * p[i];
+        r[i] -= alpha * q[i];
+      }
+      residual = std::sqrt(dot(r, r)) / b_norm;
+      if (!(residual > settings_.tolerance))
+        return {std::isfinite(residual), iteration, residual};
+      precondition(r, z);
+      const double rz_new = dot(r, z);
+      const Real beta = static_cast<Real>(rz_new / rz);
+      rz = rz_new;
+      for (std::size_t i = 0; i < n; ++i)
+        p[i] = z[i] + beta * p[i];
+    }
+    return {false, settings_.maximal_iterations, residual};
+  }
+
+private:
+  /// Four running sums in a fixed order: the same bits each time.
+  static double dot(const Field& a, const Field& b) {
+    Four sum = Four::Zero();
+    double total = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      sum += a[i] * b[i];
+      if (i % 256 == 255) { // single precision would lose the small terms of a long sum
+        total += sum.template cast<double>().sum();
+        sum.setZero();
+      }
+    }
+    return total + sum.template cast<double>().sum();
+  }
+  void precondition(const Field& r, Field& z) const {
+    for (std::size_t i = 0; i < r.size(); ++i)
+      z[i] = Operator::product(inverse_[i], r[i]);
+    if (coarse_)
+      coarse_->apply(r, z);
+  }
+
+  PcgSettings settings_;
+  Operator operator_;
+  std::vector<typename Operator::Block> inverse_;
+  std::optional<CoarseSpace> coarse_;
+};
+
+template <class Real>
+SolveResult solve_in(const BlockMatrix& matrix, const std::vector<PointLink>& links, const std::vector<char>& fixed,
+                     const Vectors& right_hand_side, Vectors& x, const PcgSettings& settings) {
+  using Operator = LinearOperator<Real>;
+  const Solver<Real> solver(matrix, links, fixed, settings);
+  typename Operator::Field b, solution;
+  b.reserve(right_hand_side.size());
+  for (std::size_t i = 0; i < right_hand_side.size(); ++i)
+    b.push_back(fixed[i] ? Operator::padded(Vec3(Vec3::Zero())) : Operator::padded(right_hand_side[i]));
+  const SolveResult result = solver.solve(b, solution);
+  x.resize(b.size());
+  for (std::size_t i = 0; i < b.size(); ++i)
+    x[i] = solution[i].template head<3>().template cast<double>().matrix();
+  return result;
+}
+
 } // namespace
 
 SolveResult solve_pcg(const BlockMatrix& matrix, const std::vector<PointLink>& links, const std::vector<char>& fixed,
-                      const Vectors& right_hand_side, Vectors& x, double relative_tolerance, int maximal_iterations) {
-  const std::size_t n = right_hand_side.size();
-  const std::vector<Mat3> inverse = inverse_diagonal(matrix, links, fixed);
-  Vectors r = right_hand_side, z(n), p(n), q(n);
-  for (std::size_t i = 0; i < n; ++i)
-    if (fixed[i])
-      r[i].setZero();
-  x.assign(n, Vec3::Zero());
-  const double b_norm = std::sqrt(dot(r, r));
-  if (b_norm == 0)
-    return {true, 0, 0};
-  for (std::size_t i = 0; i < n; ++i)
-    z[i] = inverse[i] * r[i];
-  p = z;
-  double rz = dot(r, z);
-  double residual = 1;
-  for (int iteration = 1; iteration <= maximal_iterations; ++iteration) {
-    matrix.multiply(p, q);
-    add_links(links, p, q);
-    for (std::size_t i = 0; i < n; ++i)
-      if (fixed[i])
-        q[i].setZero();
-    const double alpha = rz / dot(p, q);
-    for (std::size_t i = 0; i < n; ++i) {
-      x[i] += alpha * p[i];
-      r[i] -= alpha * q[i];
-      z[i] = inverse[i] * r[i];
-    }
-    residual = std::sqrt(dot(r, r)) / b_norm;
-    if (!(residual > relative_tolerance))
-      return {std::isfinite(residual), iteration, residual};
-    const double rz_new = dot(r, z);
-    const double beta = rz_new / rz;
-    rz = rz_new;
-    for (std::size_t i = 0; i < n; ++i)
-      p[i] = z[i] + beta * p[i];
-  }
-  return {false, maximal_iterations, residual};
+                      const Vectors& right_hand_side, Vectors& x, const PcgSettings& settings) {
+  return settings.single_precision ? solve_in<float>(matrix, links, fixed, right_hand_side, x, settings)
+                                   : solve_in<double>(matrix, links, fixed, right_hand_side, x, settings);
 }
 
 } // namespace vci

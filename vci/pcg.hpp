@@ -1,17 +1,14 @@
-// Filtered conjugate gradients (eq 12) with a 3x3 block-Jacobi preconditioner.
+// Filtered conjugate gradients (eq 12) with a two-level preconditioner: 3x3 block Jacobi and shifts of patches.
 #pragma once
-#include "vci/block_matrix.hpp"
+#include "vci/linear_operator.hpp"
 
 namespace vci {
 
-/// A stiffness k n n^T + k_t (I - n n^T) on a weighted sum of up to four vertices: contacts and ties, kept out of the
-/// sparse pattern because they come and go.
-struct PointLink {
-  std::array<int, 4> vertex; ///< -1 marks an unused place
-  std::array<double, 4> weight;
-  Vec3 normal;
-  double normal_stiffness;     ///< N/mm
-  double tangential_stiffness; ///< N/mm
+struct PcgSettings {
+  double tolerance = 0.1; ///< of the residual, relative
+  int maximal_iterations = 300;
+  int patch_size = 0;            ///< vertices to a patch of the second level; 0: block Jacobi alone
+  bool single_precision = false; ///< the iterations; good for tolerances of 1e-4 and more
 };
 
 struct SolveResult {
@@ -20,9 +17,9 @@ struct SolveResult {
   double residual; ///< ||b - A x|| / ||b|| over the free vertices
 };
 
-/// Solves (A + links) x = b with x = 0 at fixed vertices; x enters as zero and leaves as the solution.
-/// @param relative_tolerance on the residual; @param maximal_iterations after which converged is false.
+/// Stops with converged false where the matrix turns out not to be positive; x then holds what was found before.
+/// Solves (A + links) x = b with x = 0 at fixed vertices; x leaves as the solution.
 SolveResult solve_pcg(const BlockMatrix& matrix, const std::vector<PointLink>& links, const std::vector<char>& fixed,
-                      const Vectors& right_hand_side, Vectors& x, double relative_tolerance, int maximal_iterations);
+                      const Vectors& right_hand_side, Vectors& x, const PcgSettings& settings);
 
 } // namespace vci

@@ -74,8 +74,13 @@ Numerics read_numerics(const json& entry, const std::string& where, json& used) 
   i.initial_step = o.number("initial_step_ms", 1e-4, 1e4, i.initial_step);
   i.maximal_step = o.number("maximal_step_ms", 1e-3, 1e6, i.maximal_step);
   i.maximal_steps = o.integer("maximal_steps_per_stage", 1, 1000000, i.maximal_steps);
-  i.pcg_tolerance = o.number("pcg_tolerance", 1e-12, 0.5, i.pcg_tolerance);
-  i.pcg_maximal_iterations = o.integer("pcg_maximal_iterations", 1, 100000, i.pcg_maximal_iterations);
+  i.pcg.tolerance = o.number("pcg_tolerance", 1e-12, 0.5, i.pcg.tolerance);
+  i.pcg.maximal_iterations = o.integer("pcg_maximal_iterations", 1, 100000, i.pcg.maximal_iterations);
+  i.pcg.patch_size = o.integer("pcg_patch_vertices", 0, 10000, i.pcg.patch_size);
+  const std::string precision = o.text("pcg_precision", i.pcg.single_precision ? "single" : "double");
+  if (precision != "single" && precision != "double")
+    throw common::InputError("an unknown precision", o.path("pcg_precision"), precision, "use single or double");
+  i.pcg.single_precision = precision == "single";
   c.stiffness = o.number("contact_stiffness_mpa_per_mm", 1, 1e5, c.stiffness);
   c.distance = o.number("contact_distance_mm", 0, 0.2, c.distance);
   c.ramp = o.number("contact_ramp_mm", 1e-4, 0.2, c.ramp);
@@ -162,11 +167,18 @@ StentSpec read_stent(const json& entry, const std::string& where) {
   s.crowns = o.integer("crowns", 2, 30);
   s.links = o.integer("links", 1, 30);
   s.balloon = o.text("balloon");
-  s.hoop_stiffness = o.number("hoop_stiffness_n_per_mm", 0.1, 1e3, 12.0);
   s.yield_strain = o.number("yield_strain", 1e-3, 0.3, 0.03);
+  s.radial_strength_mpa = o.number("radial_strength_mpa", 0.01, 2, 0.22);
+  // by Laplace: the expanded ring yields under just the outside pressure that its maker states
+  const double by_strength = 0.5 * s.radial_strength_mpa * s.nominal_diameter / s.yield_strain;
+  if (entry.contains("hoop_stiffness_n_per_mm") && entry["hoop_stiffness_n_per_mm"].is_null())
+    o.ignore("hoop_stiffness_n_per_mm");
+  else
+    s.hoop_stiffness = o.number("hoop_stiffness_n_per_mm", 0.1, 1e3, by_strength);
+  if (s.hoop_stiffness == 0)
+    s.hoop_stiffness = by_strength;
   s.axial_stiffness = o.number("axial_stiffness_n_per_mm", 1e-3, 1e3, 0.5);
   s.bending_stiffness = o.number("bending_stiffness_n_mm2", 1e-3, 1e4, 5.5);
-  s.radial_strength_mpa = o.number("radial_strength_mpa", 0.01, 2, 0.22);
   s.recoil_percent = o.number("recoil_percent", 0, 20, 4.0);
   o.finish();
   return s;

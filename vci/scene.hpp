@@ -20,7 +20,8 @@ struct StentSpec {
   int crowns, links;
   std::string balloon;
   double hoop_stiffness, yield_strain, axial_stiffness, bending_stiffness; ///< N/mm, -, N/mm, N mm^2
-  double radial_strength_mpa, recoil_percent;                              ///< the maker's, to compare with
+  double radial_strength_mpa,
+      recoil_percent; ///< the maker's; the strength gives the hoop stiffness where none is stated
 };
 
 struct Placement {

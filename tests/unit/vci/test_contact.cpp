@@ -39,17 +39,27 @@ TEST(BroadPhase, FindsWhatASearchOverAllTrianglesFinds) {
   for (Vec3& p : x)
     p += Vec3(1, -1, 2);
   boxes.update(triangles, x);
-  std::vector<int> found;
+  std::vector<NearTriangle> found;
+  std::size_t hits = 0;
   for (int k = 0; k < 50; ++k) {
     const Vec3 p(number(random) + 1, number(random) - 1, number(random) + 2);
-    boxes.near(p, 1.0, found);
-    for (int t = 0; t < 200; ++t) {
-      const Vec3 low = x[3 * t].cwiseMin(x[3 * t + 1]).cwiseMin(x[3 * t + 2]);
-      const Vec3 high = x[3 * t].cwiseMax(x[3 * t + 1]).cwiseMax(x[3 * t + 2]);
-      const bool near = ((low - p).array() <= 1.0).all() && ((p - high).array() <= 1.0).all();
-      EXPECT_EQ(near, std::binary_search(found.begin(), found.end(), t));
+    constexpr double reach = 1.5, slack = 0.4;
+    boxes.near(p, triangles, x, reach, slack, found);
+    double nearest = 1e300;
+    std::vector<double> distance;
+    for (const Triangle& f : triangles) {
+      distance.push_back(std::sqrt(closest_on_triangle(p, x[f[0]], x[f[1]], x[f[2]]).distance_squared));
+      nearest = std::min(nearest, distance.back());
     }
+    std::size_t expected = 0;
+    for (double d : distance)
+      expected += d <= reach && d <= nearest + slack;
+    ASSERT_EQ(found.size(), expected);
+    hits += found.size();
+    for (const NearTriangle& f : found)
+      EXPECT_EQ(f.distance, distance[f.triangle]);
   }
+  EXPECT_GT(hits, 20u) << "the search must find something to be a test";
 }
 
 TEST(ContactRamp, IsSmoothOneSidedAndDerivesFromItsEnergy) {

@@ -214,9 +214,11 @@ TEST(Anchors, MatchFiniteDifferences) {
 }
 
 TEST(Pressure, IsTheGradientOfTheEnclosedVolume) {
-  const Pressure force(tetrahedron_triangles, 1.3);
+  Pressure force(tetrahedron_triangles, tetrahedron, 1.3);
   EXPECT_NEAR(force.energy(tetrahedron), -1.3 / 6, 1e-14);
-  check_gradient(force, perturbed(tetrahedron, 0.2, 4));
+  const Vectors x = perturbed(tetrahedron, 0.2, 4);
+  check_gradient(force, x);
+  check_hessian(force, x);
 }
 
 } // namespace

@@ -47,7 +47,7 @@ TEST(Pcg, MatchesADirectSolveWithLinksAndFixedVertices) {
   dense.block<3, 3>(9, 9).setIdentity();
   rhs.segment<3>(9).setZero();
   const Eigen::VectorXd exact = dense.ldlt().solve(rhs);
-  const SolveResult result = solve_pcg(matrix, {link}, fixed, b, x, 1e-12, 200);
+  const SolveResult result = solve_pcg(matrix, {link}, fixed, b, x, {1e-12, 200});
   EXPECT_TRUE(result.converged);
   for (int i = 0; i < n; ++i)
     EXPECT_LT((x[i] - exact.segment<3>(3 * i)).norm(), 1e-9);
@@ -62,10 +62,54 @@ TEST(Pcg, SaysSoWhenItRunsOutOfIterations) {
   matrix.block(matrix.diagonal_slot(1)) = Vec3(2, 20, 300).asDiagonal();
   matrix.block(matrix.slot(0, 1)) = matrix.block(matrix.slot(1, 0)) = 0.9 * Mat3::Identity();
   Vectors x;
-  const SolveResult result = solve_pcg(matrix, {}, {0, 0}, {Vec3(1, 2, 3), Vec3(4, 5, 6)}, x, 1e-14, 1);
+  const SolveResult result = solve_pcg(matrix, {}, {0, 0}, {Vec3(1, 2, 3), Vec3(4, 5, 6)}, x, {1e-14, 1});
   EXPECT_FALSE(result.converged);
   EXPECT_EQ(result.iterations, 1);
   EXPECT_GT(result.residual, 1e-14);
+}
+
+/// A chain of springs, held at its first vertex and pulled at its last: the long waves that block Jacobi passes on
+/// slowly.
+struct Chain {
+  static constexpr int n = 120;
+  BlockMatrix matrix;
+  std::vector<char> fixed;
+  Vectors pull;
+  Chain() : fixed(n, 0), pull(n, Vec3::Zero()) {
+    BlockPattern pattern(n);
+    for (int i = 0; i + 1 < n; ++i)
+      pattern.add(std::array<int, 2>{i, i + 1});
+    matrix = BlockMatrix(std::move(pattern));
+    for (int i = 0; i + 1 < n; ++i)
+      for (int p = 0; p < 2; ++p)
+        for (int q = 0; q < 2; ++q)
+          matrix.block(matrix.slot(i + p, i + q)) += (p == q ? 1 : -1) * Mat3::Identity();
+    fixed[0] = 1;
+    pull[n - 1] = Vec3(1, 2, -1);
+  }
+};
+
+TEST(Pcg, PatchesSpareIterationsAndBothPrecisionsAgree) {
+  const Chain chain;
+  Vectors plain, patched, single;
+  const SolveResult one = solve_pcg(chain.matrix, {}, chain.fixed, chain.pull, plain, {1e-5, 500});
+  const SolveResult two = solve_pcg(chain.matrix, {}, chain.fixed, chain.pull, patched, {1e-5, 500, 10});
+  const SolveResult third = solve_pcg(chain.matrix, {}, chain.fixed, chain.pull, single, {1e-5, 500, 10, true});
+  EXPECT_TRUE(one.converged && two.converged && third.converged);
+  EXPECT_LT(2 * two.iterations, one.iterations);
+  for (int i = 0; i < Chain::n; ++i)
+    for (const Vectors* x : {&plain, &patched, &single})
+      EXPECT_LT(((*x)[i] - i * Vec3(1, 2, -1)).norm(), 1e-3 * Chain::n) << i;
+}
+
+TEST(Pcg, StopsWhereTheMatrixIsNotPositive) {
+  Chain chain;
+  chain.matrix.block(chain.matrix.diagonal_slot(60)) -= 5 * Mat3::Identity();
+  Vectors x;
+  const SolveResult result = solve_pcg(chain.matrix, {}, chain.fixed, chain.pull, x, {1e-12, 500});
+  EXPECT_FALSE(result.converged);
+  EXPECT_LT(result.iterations, 500);
+  EXPECT_TRUE(x[Chain::n - 1].allFinite());
 }
 
 TEST(BlockMatrix, RefusesABlockOutsideThePattern) {

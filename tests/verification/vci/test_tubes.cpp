@@ -1,0 +1,108 @@
+// Tubes under pressure against closed forms: thin wall, and thin wall in an elastic medium (Lame).
+#include "vci/foundation.hpp"
+#include "vci/integrator.hpp"
+#include "vci/membrane.hpp"
+#include "vci/pressure.hpp"
+#include <gtest/gtest.h>
+#include <random>
+
+namespace {
+
+using namespace vci;
+
+constexpr double radius = 1.5, length = 12, stiffness = 0.4; // mm, mm, N/mm (modulus times thickness)
+
+enum class Mesh { regular, jittered, graded };
+
+struct Tube {
+  Vectors points;
+  Triangles triangles;
+  std::vector<char> fixed; // the two ends
+};
+
+Tube tube(Mesh mesh, int around) {
+  Tube t;
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> shift(-0.25, 0.25);
+  const int rings = static_cast<int>(std::lround(length / (2 * M_PI * radius / around))) + 1;
+  for (int r = 0; r < rings; ++r)
+    for (int k = 0; k < around; ++k) {
+      const bool end = r == 0 || r == rings - 1;
+      double place = static_cast<double>(r) / (rings - 1), turn = k + 0.5 * (r % 2);
+      if (mesh == Mesh::graded) // rows three times as long at one end as at the other
+        place *= 0.5 + 0.5 * place;
+      if (mesh == Mesh::jittered && !end) {
+        place += shift(random) / (rings - 1);
+        turn += shift(random);
+      }
+      const double angle = 2 * M_PI * turn / around;
+      t.points.push_back({radius * std::cos(angle), radius * std::sin(angle), length * place});
+      t.fixed.push_back(end);
+    }
+  for (int r = 0; r + 1 < rings; ++r)
+    for (int k = 0; k < around; ++k) {
+      const int a = r * around + k, b = r * around + (k + 1) % around, c = a + around, d = b + around;
+      if (r % 2 == 0)
+        t.triangles.insert(t.triangles.end(), {{a, b, c}, {b, d, c}});
+      else
+        t.triangles.insert(t.triangles.end(), {{a, b, d}, {a, d, c}});
+    }
+  return t;
+}
+
+/// Mean relative widening of the tube's middle third under a pressure, in a medium of modulus E_s (MPa).
+double widening(const Tube& t, double poisson, double medium, double pressure) {
+  System system;
+  const int body = system.add_body("tube", t.points, t.triangles, 1e-3, t.fixed);
+  system.add_force(body, std::make_unique<Membrane>(t.triangles, t.points,
+                                                    std::vector<HenckyLaw>(t.triangles.size(), {stiffness, poisson})));
+  system.add_force(body, std::make_unique<Pressure>(t.triangles, t.points, pressure));
+  std::vector<RingFoundation::Element> rings; // a hold along the surface: a bare membrane is singular
+  for (int i = 0; i < system.vertices(); ++i) {
+    const Vec3 normal = Vec3(t.points[i][0], t.points[i][1], 0).normalized();
+    rings.push_back({i, t.points[i], normal, system.area[i], {0, 0, medium / (1 + poisson), 1e-3, 0, radius, radius}});
+  }
+  system.add_force(body, std::make_unique<RingFoundation>(rings));
+  Interactions none;
+  IntegratorSettings settings;
+  settings.residual_tolerance = 1e-4;
+  settings.initial_step = 50;
+  settings.maximal_step = 1e4;
+  EXPECT_TRUE(relax(system, none, settings).converged);
+  double sum = 0, weight = 0;
+  for (int i = 0; i < system.vertices(); ++i)
+    if (t.points[i][2] > length / 3 && t.points[i][2] < 2 * length / 3) {
+      sum += system.area[i] * (std::hypot(system.x[i][0], system.x[i][1]) / radius - 1);
+      weight += system.area[i];
+    }
+  return sum / weight;
+}
+
+/// Pressure that widens the tube by a stretch, its ends held (plane strain): by virtual work E t / (1 - nu^2)
+/// ln(lambda) / (R lambda^2) for the wall, E_s / (1 + nu) (lambda - 1) for the medium, Lame's cavity in the ring's own
+/// strain.
+double exact_pressure(double stretch, double poisson, double medium) {
+  return stiffness / (1 - poisson * poisson) * std::log(stretch) / (radius * stretch * stretch) +
+         medium / (1 + poisson) * (stretch - 1);
+}
+
+void check(double medium) {
+  constexpr double stretch = 1.02;
+  for (Mesh mesh : {Mesh::regular, Mesh::jittered, Mesh::graded})
+    for (int around : {24, 36})
+      for (double poisson : {0.3, 0.45}) {
+        const double found = widening(tube(mesh, around), poisson, medium, exact_pressure(stretch, poisson, medium));
+        EXPECT_NEAR(found / (stretch - 1), 1, 0.015)
+            << "mesh " << static_cast<int>(mesh) << ", " << around << " round, nu " << poisson;
+      }
+}
+
+TEST(Tube, ThinWallUnderPressure) {
+  check(0);
+}
+
+TEST(Tube, ThinWallInAnElasticMedium) {
+  check(0.3);
+}
+
+} // namespace

@@ -1,0 +1,106 @@
+// The step's matrix in the form that conjugate gradients read fastest: four numbers to a vector, single or double.
+#pragma once
+#include "vci/block_matrix.hpp"
+
+namespace vci {
+
+/// A stiffness k n n^T + k_t (I - n n^T) on a weighted sum of up to four vertices: contacts and ties, kept out of the
+/// sparse pattern because they come and go.
+struct PointLink {
+  std::array<int, 4> vertex; ///< -1 marks an unused place
+  std::array<double, 4> weight;
+  Vec3 normal;
+  double normal_stiffness;     ///< N/mm
+  double tangential_stiffness; ///< N/mm
+  Mat3 stiffness() const {
+    Mat3 k = (normal_stiffness - tangential_stiffness) * normal * normal.transpose();
+    k.diagonal().array() += tangential_stiffness;
+    return k;
+  }
+};
+
+/// Block matrix, rank-one terms and links with fixed vertices left out. Vectors hold four numbers a vertex, the last 0.
+template <class Real> class LinearOperator {
+public:
+  using Four = Eigen::Array<Real, 4, 1>;
+  using Block = Eigen::Array<Real, 4, 3>;
+  using Field = std::vector<Four>;
+
+  LinearOperator(const BlockMatrix& matrix, const std::vector<PointLink>& links, const std::vector<char>& fixed)
+      : matrix_(matrix), fixed_(fixed) {
+    blocks_.reserve(matrix.entries());
+    for (int k = 0; k < matrix.entries(); ++k)
+      blocks_.push_back(padded(matrix.block(k)));
+    for (const PointLink& link : links) {
+      Link own{link.vertex, {}, padded(link.stiffness())};
+      for (int k = 0; k < 4; ++k) {
+        own.weight[k] = link.vertex[k] < 0 || fixed[link.vertex[k]] ? Real(0) : Real(link.weight[k]);
+        own.vertex[k] = std::max(link.vertex[k], 0);
+      }
+      links_.push_back(own);
+    }
+    for (const RankOne& term : matrix.rank_ones()) {
+      Ring ring{{}, {}, Real(term.stiffness)};
+      for (std::size_t k = 0; k < term.vertex.size(); ++k)
+        if (!fixed[term.vertex[k]]) {
+          ring.vertex.push_back(term.vertex[k]);
+          ring.gradient.push_back(padded(term.gradient[k]));
+        }
+      rings_.push_back(std::move(ring));
+    }
+  }
+
+  static Four padded(const Vec3& v) { return Four(Real(v[0]), Real(v[1]), Real(v[2]), Real(0)); }
+  static Block padded(const Mat3& m) {
+    Block b = Block::Zero();
+    b.template topRows<3>() = m.array().template cast<Real>();
+    return b;
+  }
+  static Four product(const Block& a, const Four& x) { return a.col(0) * x[0] + a.col(1) * x[1] + a.col(2) * x[2]; }
+
+  /// y = A x; x must be 0 at fixed vertices, y is.
+  void multiply(const Field& x, Field& y) const {
+    for (int i = 0; i < matrix_.rows(); ++i) {
+      Four sum = Four::Zero();
+      if (!fixed_[i])
+        for (int k = matrix_.row_start(i); k < matrix_.row_start(i + 1); ++k)
+          sum += product(blocks_[k], x[matrix_.column(k)]);
+      y[i] = sum;
+    }
+    for (const Ring& ring : rings_) {
+      Four sum = Four::Zero();
+      for (std::size_t k = 0; k < ring.vertex.size(); ++k)
+        sum += ring.gradient[k] * x[ring.vertex[k]];
+      const Real along = ring.stiffness * (sum[0] + sum[1] + sum[2]);
+      for (std::size_t k = 0; k < ring.vertex.size(); ++k)
+        y[ring.vertex[k]] += along * ring.gradient[k];
+    }
+    for (const Link& link : links_) {
+      Four r = Four::Zero();
+      for (int k = 0; k < 4; ++k)
+        r += link.weight[k] * x[link.vertex[k]];
+      const Four f = product(link.stiffness, r);
+      for (int k = 0; k < 4; ++k)
+        y[link.vertex[k]] += link.weight[k] * f;
+    }
+  }
+
+private:
+  struct Link {
+    std::array<int, 4> vertex;
+    std::array<Real, 4> weight;
+    Block stiffness;
+  };
+  struct Ring {
+    std::vector<int> vertex;
+    Field gradient;
+    Real stiffness;
+  };
+  const BlockMatrix& matrix_;
+  const std::vector<char>& fixed_;
+  std::vector<Block> blocks_;
+  std::vector<Link> links_;
+  std::vector<Ring> rings_;
+};
+
+} // namespace vci
