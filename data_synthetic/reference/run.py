@@ -14,7 +14,7 @@ from common.files import replacing, write_json
 
 from .. import truth
 from ..field import LumenField, ends
-from . import deformation, devices, materials, output, procedure, refine, straightening
+from . import deformation, devices, materials, output, own_error, procedure, refine, straightening
 from .slice_model import SliceModel
 
 REST_MM = 1.0  # slices beyond the devices' reach, at rest
@@ -169,7 +169,15 @@ def run(scene_path, anatomy, truth_path, out, settings_path=None):
         lambda x: deformation.move(x, branch, field, straight_s, straight, resting),
         settings["edge_mm"],
     )
-    error = estimate_error(patient, steps, records, settings)
+
+    models = {1: model}
+
+    def area_with(refinement, changed, s_mm, stented):
+        if refinement not in models:
+            models[refinement] = _model(changed, refinement)
+        return _solve(models[refinement], patient, steps, s_mm, changed, stented)[1]["area_mm2"]
+
+    error = own_error.estimate(records, settings, area_with)
     document = {
         "schema": "vci-reference-1",
         "case": scene.get("case"),
@@ -238,33 +246,4 @@ def _recoil(records):
 def _materials(settings):
     plaques = {key: vars(value) for key, value in zip(("fibrous", "lipid", "calcified"), materials.OF_TYPE.values())}
     wall = {"c10_mpa": settings["wall_c10_mpa"], "c20_mpa": settings["wall_c20_mpa"], "source": materials.WALL_SOURCE}
-    return {**plaques, "wall": wall}
-
-
-def estimate_error(patient, steps, records, settings):
-    """Own error of the area: mesh and step (slices again, twice as fine), spacing (every second slice left out)."""
-    stented = sorted((r for r in records if r["stented"]), key=lambda r: r["s_mm"])
-    pool = stented or sorted(records, key=lambda r: r["s_mm"])
-    count = min(settings["check_slices"], len(pool))
-    result = {"slices": []}
-    if count:
-        fine_settings = dict(settings, radius_step_mm=0.5 * settings["radius_step_mm"])
-        fine_model = _model(settings, refine=2)
-        tightest = int(np.argmin([r["radius_before_mm"] for r in pool]))
-        others = np.linspace(0, len(pool) - 1, count + 1).round().astype(int)
-        picks = [tightest] + [int(i) for i in others if i != tightest]
-        for index in picks[:count]:
-            record = pool[index]
-            print(f"error estimate: slice at s {record['s_mm']:.2f} mm, twice as fine", file=sys.stderr)
-            _, fine = _solve(fine_model, patient, steps, record["s_mm"], fine_settings, record["stented"])
-            share = 100 * (record["area_mm2"] / fine["area_mm2"] - 1)
-            result["slices"].append({"s_mm": record["s_mm"], "area_error_percent": share})
-        result["mesh_and_step_area_percent"] = max(abs(entry["area_error_percent"]) for entry in result["slices"])
-    if len(stented) >= 5:
-        s = np.array([r["s_mm"] for r in stented])
-        area = np.array([r["area_mm2"] for r in stented])
-        keep = np.unique(np.append(np.arange(0, len(s), 2), len(s) - 1))
-        missed = 100 * (np.interp(s, s[keep], area[keep]) / area - 1)
-        result["spacing_area_percent"] = {"mean": float(np.abs(missed).mean()), "largest": float(np.abs(missed).max())}
-        result["spacing_note"] = "area interpolated linearly over twice the spacing: an upper estimate"
-    return result
+    return {**plaques, "wall": wall, "other_settings": materials.SETTINGS_SOURCE}

@@ -227,7 +227,13 @@ def build_case(root, name, moves=None, states=("pre", "vci", "rc", "reference"),
     if "reference" in states:
         write_json(folder / "source" / "truth.json", {"schema": "vci-truth-1"})
         write_json(
-            folder / "reference" / "reference.json", {"schema": "vci-reference-1", "model": "slices", "seconds": 60}
+            folder / "reference" / "reference.json",
+            {
+                "schema": "vci-reference-1",
+                "model": "slices",
+                "seconds": 60,
+                "error_estimate": {"slices": [{}], "mesh_area_percent": 0.31, "step_area_percent": 0.07},
+            },
         )
     for state in ("pre", "reference") if "ct" in states else ():
         found = {"method": "psf_edge", "point_spread_fwhm_mm": 0.73, "warnings": list(warnings)}

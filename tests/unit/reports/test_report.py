@@ -62,6 +62,7 @@ def test_report_of_a_case_with_and_one_without_reference(study, tmp_path):
         "error of the <b>method</b> alone",
         "test_poiseuille",
         "its prediction is untested",
+        "elements 0.31 %",
     ):
         assert words in text, words
     assert text.count('class="viewer"') == 2

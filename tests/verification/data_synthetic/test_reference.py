@@ -75,7 +75,12 @@ def test_the_lesion_is_opened_as_in_patients(treated):
     assert 2 < found["recoil_percent"] < 9
     # A waist over the plaque: the ends of the stent are wider than the middle.
     assert tightest["area_mm2"] < min(held[0]["area_mm2"], held[-1]["area_mm2"])
-    assert found["error_estimate"]["mesh_and_step_area_percent"] < 2
+    own = found["error_estimate"]
+    assert own["mesh_and_step_area_percent"] < 2
+    (checked,) = own["slices"]
+    both = (1 + checked["step_percent"] / 100) * (1 + checked["mesh_percent"] / 100)
+    assert checked["mesh_and_step_percent"] == pytest.approx(100 * (both - 1), abs=1e-9)
+    assert 0 < abs(checked["step_percent"]) < 1 and 0 < abs(checked["mesh_percent"]) < 2
 
 
 def test_surface_is_closed_moved_in_the_stent_and_at_rest_at_the_ends(treated, patient):

@@ -1,0 +1,56 @@
+"""The reference's own error of the lumen's area: its elements, its load steps, and the distance of its slices."""
+
+import sys
+
+import numpy as np
+
+FEWEST_FOR_SPACING = 5
+
+
+def estimate(records, settings, area_with):
+    """The document `error_estimate` of reference.json; all errors in per cent of a slice's area.
+
+    records: slices as solved; area_with(refinement, settings, s_mm, stented) -> mm2: a slice again, with `refinement`
+    times the elements. `slices`: some of them with half the load step (step_percent: as solved against that) and with
+    twice the elements besides (mesh_percent: half the step against both). Spacing: every second slice left out.
+    """
+    stented = sorted((r for r in records if r["stented"]), key=lambda r: r["s_mm"])
+    pool = stented or sorted(records, key=lambda r: r["s_mm"])
+    result = {"slices": [_checked(record, settings, area_with) for record in _picked(pool, settings["check_slices"])]}
+    for name in ("mesh", "step", "mesh_and_step"):
+        if result["slices"]:
+            result[f"{name}_area_percent"] = max(abs(entry[f"{name}_percent"]) for entry in result["slices"])
+    if len(stented) >= FEWEST_FOR_SPACING:
+        result["spacing_area_percent"] = _spacing(stented)
+        result["spacing_note"] = "area interpolated linearly over twice the spacing: an upper estimate"
+    return result
+
+
+def _picked(pool, count):
+    """`count` slices: the tightest, then evenly over the others."""
+    if count == 0:
+        return []
+    tightest = int(np.argmin([r["radius_before_mm"] for r in pool]))
+    others = np.linspace(0, len(pool) - 1, min(count, len(pool)) + 1).round().astype(int)
+    return [pool[i] for i in ([tightest] + [int(i) for i in others if i != tightest])[:count]]
+
+
+def _checked(record, settings, area_with):
+    print(f"error estimate: slice at s {record['s_mm']:.2f} mm, half the step, twice the elements", file=sys.stderr)
+    halved = dict(settings, radius_step_mm=0.5 * settings["radius_step_mm"])
+    place = (record["s_mm"], record["stented"])
+    small_steps, both = area_with(1, halved, *place), area_with(2, halved, *place)
+    return {
+        "s_mm": record["s_mm"],
+        "step_percent": 100 * (record["area_mm2"] / small_steps - 1),
+        "mesh_percent": 100 * (small_steps / both - 1),
+        "mesh_and_step_percent": 100 * (record["area_mm2"] / both - 1),
+    }
+
+
+def _spacing(stented):
+    """Mean and largest error of the area where every second slice is interpolated between its neighbours."""
+    s, area = (np.array([r[key] for r in stented]) for key in ("s_mm", "area_mm2"))
+    keep = np.unique(np.append(np.arange(0, len(s), 2), len(s) - 1))
+    missed = 100 * np.abs(np.interp(s, s[keep], area[keep]) / area - 1)
+    return {"mean": float(missed.mean()), "largest": float(missed.max())}
