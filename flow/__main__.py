@@ -50,11 +50,12 @@ def mesh_command(arguments):
     settings = settings_module.from_arguments(arguments)
     lumen, tree = surface.read(arguments.lumen), centreline.read(arguments.centreline)
     report = {"schema": "vci-mesh-1"}
-    wanted = [("fine", arguments.out, settings.cells_per_radius)]
+    wanted = [("fine", arguments.out, settings.cells_per_radius, settings.rings, 1.0)]
     if arguments.coarse:
-        wanted.append(("coarse", arguments.coarse, settings.coarse_cells_per_radius))
-    for name, path, cells in wanted:
-        built, figures = mesh.build(lumen, tree, cells, settings)
+        coarsening = settings.rings / settings.coarse_rings
+        wanted.append(("coarse", arguments.coarse, settings.coarse_cells_per_radius, settings.coarse_rings, coarsening))
+    for name, path, cells, rings, coarsening in wanted:
+        built, figures = mesh.build(lumen, tree, cells, settings, rings, coarsening)
         mesh.write(built, path)
         report.update(figures if name == "fine" else {"coarse": figures})
     write_json(arguments.json or pathlib.Path(arguments.out).with_suffix(".json"), report)

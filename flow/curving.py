@@ -23,41 +23,49 @@ class QuadraticMesh:
 
 
 def curve(surface, points, tetrahedra):
-    """QuadraticMesh from linear tetrahedra whose first vertices are the surface's.
+    """QuadraticMesh from linear tetrahedra whose first vertices are the surface's."""
+    edges, side = surface.edges()
+    return curve_with(surface.triangles, surface.region, points, tetrahedra, edges, edge_middles(surface, edges, side))
 
-    Wall edges of elements whose Jacobian would get too small are straightened, one layer of elements after the other
-    until none is left; interior edges are straight.
+
+def curve_with(boundary, region, points, tetrahedra, edges, middles_of_edges):
+    """QuadraticMesh from linear tetrahedra, the middle points (e, 3) of some of its edges (e, 2) given.
+
+    boundary (f, 3), region (f,): the triangles of wall and caps. Given middles of elements whose Jacobian would get too
+    small are straightened, one layer of elements after the other until none is left; all other edges are straight.
     """
-    sides = np.sort(tetrahedra[:, tet10.EDGES], axis=2).reshape(-1, 2)
     stride = len(points)
-    keys, cell_edge = np.unique(sides[:, 0] * stride + sides[:, 1], return_inverse=True)
+    keys, cell_edge = np.unique(_keys(tetrahedra[:, tet10.EDGES].reshape(-1, 2), stride), return_inverse=True)
     cell_edge = cell_edge.reshape(-1, 6)
-    ends = np.stack([keys // stride, keys % stride], axis=1)
-    middles = 0.5 * (points[ends[:, 0]] + points[ends[:, 1]])
-    straight = middles.copy()
-    surface_edges, surface_side = surface.edges()
-    place = np.searchsorted(keys, surface_edges[:, 0] * stride + surface_edges[:, 1])
-    middles[place] = edge_middles(surface, surface_edges, surface_side)
+    straight = 0.5 * (points[keys // stride] + points[keys % stride])
+    middles = straight.copy()
+    middles[np.searchsorted(keys, _keys(edges, stride))] = middles_of_edges
     curved = np.linalg.norm(middles - straight, axis=1) > 0
     total, straightened = int(curved.sum()), 0
     while True:
         bad = _bad_elements(points, middles, tetrahedra, cell_edge, curved)
-        edges = np.unique(cell_edge[bad])
-        edges = edges[curved[edges]]
-        if len(edges) == 0:
+        chosen = np.unique(cell_edge[bad])
+        chosen = chosen[curved[chosen]]
+        if len(chosen) == 0:
             break
-        middles[edges], curved[edges] = straight[edges], False
-        straightened += len(edges)
+        middles[chosen], curved[chosen] = straight[chosen], False
+        straightened += len(chosen)
     # gmsh's triangle of six nodes: corners, then the middles of 01, 12, 20
-    triangles = np.concatenate([surface.triangles, stride + place[surface_side]], axis=1)
+    sides = boundary[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    place = np.searchsorted(keys, _keys(sides, stride)).reshape(-1, 3)
     return QuadraticMesh(
         np.concatenate([points, middles]),
         np.concatenate([tetrahedra, stride + cell_edge], axis=1),
-        triangles,
-        surface.region,
+        np.concatenate([boundary, stride + place], axis=1),
+        region,
         total,
         straightened,
     )
+
+
+def _keys(edges, stride):
+    """One number for each undirected edge (e, 2)."""
+    return edges.min(axis=1) * stride + edges.max(axis=1)
 
 
 def _bad_elements(points, middles, tetrahedra, cell_edge, curved):
@@ -68,17 +76,22 @@ def _bad_elements(points, middles, tetrahedra, cell_edge, curved):
     return candidates[lower < SMALLEST_RATIO * 0.5 * (lower + upper)]
 
 
-def quality(mesh):
-    """Quality figures: gamma (3 inradius / circumradius) of the corner tetrahedra, scaled Jacobian of the
-    curved ones."""
-    corners = mesh.points[mesh.tetrahedra[:, :4]]
-    gamma = _gamma(corners)
+def quality(mesh, swept):
+    """Quality figures: gamma (3 inradius / circumradius) of the corner tetrahedra, scaled Jacobian of the curved ones.
+
+    gamma is that of cells that are not swept (swept (t,) bool), None where all are: stretched cells are judged by the
+    Jacobian alone.
+    """
+    corners = mesh.points[mesh.tetrahedra[~swept, :4]]
+    gamma = _gamma(corners) if len(corners) else None
     lower, upper = tet10.jacobian_bounds(mesh.points[mesh.tetrahedra])
+    ratio = lower / upper
     return {
-        "gamma_min": float(gamma.min()),
-        "gamma_1_percent": float(np.percentile(gamma, 1)),
-        "gamma_mean": float(gamma.mean()),
-        "jacobian_ratio_min": float((lower / upper).min()),
+        "gamma_min": float(gamma.min()) if len(corners) else None,
+        "gamma_1_percent": float(np.percentile(gamma, 1)) if len(corners) else None,
+        "gamma_mean": float(gamma.mean()) if len(corners) else None,
+        "jacobian_ratio_min": float(ratio.min()),
+        "jacobian_ratio_min_swept": float(ratio[swept].min()) if swept.any() else None,
         "jacobian_min_mm3": float(lower.min()),
         "curved_edges": mesh.curved_edges,
         "straightened_edges": mesh.straightened_edges,

@@ -4,7 +4,7 @@ import numpy as np
 
 from common.errors import ComputationError
 from common.files import replacing
-from flow import curving, extension, refine, size_field, volume_mesh
+from flow import curving, extension, hybrid, refine, size_field, volume_mesh
 
 LEAST_GAMMA = 0.02  # below it an element is a sliver that spoils the whole solve
 LEAST_JACOBIAN_RATIO = 0.05
@@ -16,33 +16,54 @@ def physical_tag(region_id):
     return {0: PHYSICAL_WALL, 1: PHYSICAL_INLET}.get(region_id, PHYSICAL_OUTLET_BASE + region_id)
 
 
-def build(surface, tree, cells_per_radius, settings):
-    """(QuadraticMesh, report) of the lumen. Raises ComputationError where the mesh is not good enough to be
-    solved on."""
+def build(surface, tree, cells_per_radius, settings, rings=None, coarsening=1.0):
+    """(QuadraticMesh, report) of the lumen: swept where the tree allows (flow.hybrid), else tetrahedra of one size in
+    all directions. rings: of the swept discs (default: settings.rings); coarsening: factor of their distance.
+
+    Raises ComputationError where the mesh is not good enough to be solved on.
+    """
+    rings = rings or settings.rings
     sizes = size_field.SizeField(tree, cells_per_radius, settings.jet_spread)
     surface = refine.refine(surface, sizes)
     surface, lengths = extension.extend_outlets(surface, settings.outlet_extension_diameters)
-    points, tetrahedra = volume_mesh.fill(surface, sizes, spacing_mm=max(0.25, float(sizes.size.min())))
-    tetrahedra = _positive(points, tetrahedra)
-    mesh = curving.curve(surface, points, tetrahedra)
-    figures = curving.quality(mesh)
-    for name, least in (("gamma_min", LEAST_GAMMA), ("jacobian_ratio_min", LEAST_JACOBIAN_RATIO)):
-        if not figures[name] >= least:
-            raise ComputationError(
-                "volume mesh is not good enough", f"mesh quality {name}", figures[name], f"at least {least} is needed"
-            )
+    try:
+        linear = hybrid.build(surface, tree, sizes, settings, rings, coarsening)
+        linear.tetrahedra = _positive(linear.points, linear.tetrahedra)
+        mesh = curving.curve_with(
+            linear.boundary, linear.region, linear.points, linear.tetrahedra, linear.edges, linear.middles
+        )
+        figures = _checked(mesh, linear.swept)
+        swept = {"cells": int(linear.swept.sum()), "spans": linear.spans}
+    except (hybrid.NoSpans, ComputationError) as error:
+        points, tetrahedra = volume_mesh.fill(surface, sizes, spacing_mm=max(0.25, float(sizes.size.min())))
+        mesh = curving.curve(surface, points, _positive(points, tetrahedra))
+        figures = _checked(mesh, np.zeros(len(tetrahedra), bool))
+        swept = {"cells": 0, "spans": [], "reason": str(error)}
     report = {
         "element_order": 2,
         "cells": len(mesh.tetrahedra),
         "nodes": len(mesh.points),
-        "dofs": 3 * len(mesh.points) + len(points),
+        "dofs": 3 * len(mesh.points) + len(np.unique(mesh.tetrahedra[:, :4])),
         "surface_triangles": len(mesh.triangles),
         "cells_per_radius": cells_per_radius,
+        "rings": rings,
+        "swept": swept,
         "quality": figures,
         "volume_mm3": surface.volume_mm3(),
         "outlet_extensions_mm": {str(region): length for region, length in lengths.items()},
     }
     return mesh, report
+
+
+def _checked(mesh, swept):
+    """Quality figures, or ComputationError where one is below what is needed."""
+    figures = curving.quality(mesh, swept)
+    for name, least in (("gamma_min", LEAST_GAMMA), ("jacobian_ratio_min", LEAST_JACOBIAN_RATIO)):
+        if figures[name] is not None and not figures[name] >= least:
+            raise ComputationError(
+                "volume mesh is not good enough", f"mesh quality {name}", figures[name], f"at least {least} is needed"
+            )
+    return figures
 
 
 def _positive(points, tetrahedra):

@@ -1,16 +1,11 @@
-"""Newton's method for the flow with its boundaries, and the path of fading jet viscosity that leads to its start.
+"""The discrete flow problem with its boundaries, Newton's method, and the paths that lead to its start.
 
 Unknowns: the dofs x that no boundary fixes, the inflow Q (the inlet's velocity is Q g), the outlet pressures
 P_i (held at P_v + R_i Q_i, so their equations leave no residual). The inflow's equation is the momentum equation
-tested with g:
-F(w; g) = MAP, in Pa; it enters the norm times the inlet's area, in N as the other residuals.
+tested with g: F(w; g) = MAP, in Pa; it enters the norm times the inlet's area, in N as the other residuals.
 
-The path. At a throat Reynolds number of several hundred the jet behind a lesion flaps on a coarse mesh and, where it
-meets a bend, in the vessel too: neither line search nor pseudo-time finds the steady flow from rest. With the eddy
-viscosity of a mixing length c l_jet in the jet's shear layer (flow.forms, flow.jet) the flow is steady and Newton's
-method converges within a few steps. So: backward-Euler Picard steps with a local time step at full flow and large c,
-then Newton's method at c = MIXING[0], MIXING[1], ..., 0, each from the last. Where the steady flow is lost on the
-way, the smallest c that has one is kept and reported.
+From rest the flow is raised in steps (flow.ramp); where that finds no steady flow a jet viscosity is faded
+(flow.fading).
 """
 
 import dataclasses
@@ -22,19 +17,11 @@ from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
 from common.errors import ComputationError
-from flow import compat, linear, locate
+from flow import compat, fading, linear, locate, ramp
 from flow.forms import NavierStokes
 
 STEPS = (1.0, 0.5, 0.25, 0.125)
 ALLOWED_GROWTH = 2.0  # of the residual in a Newton step: its first step after a change of c often raises it
-ON_THE_WAY = 1e-4  # relative residual on the way to the smallest c
-MIXING = (0.6, 0.4, 0.27, 0.18, 0.12, 0.06, 0.0)
-LARGEST_MIXING = 0.27  # a flow that is not steady at or below it is refused
-LOW_FLOW = 0.1  # of the flow: Newton's method reaches it from rest
-PICARD_STEPS, FIRST_CFL, CFL_GROWTH = 5, 20.0, 1.5
-SMALLEST_DECREASE = 0.02  # of c
-EASY = 24  # factorizations from rest to c = 0 that tell a flow without difficulties
-HARD = 8  # Newton steps at one c, after which the try is given up
 
 
 @dataclasses.dataclass
@@ -122,7 +109,7 @@ class FlowProblem:
             vector.destroy()
         return update, float(y[0])
 
-    def _move(self, base, base_inflow, update, inflow_update, factor):
+    def move(self, base, base_inflow, update, inflow_update, factor):
         self.inflow = base_inflow + factor * inflow_update
         values = base.copy()
         values[self.space.free] += factor * update
@@ -136,45 +123,42 @@ class FlowProblem:
         """
         free, inlet, norm = self.residual()
         start = self.solver.factorizations
-        while not (norm <= absolute and norm <= relative * self.load):
+        while not self.small(norm, absolute, relative):
             if self.solver.factorizations - start >= limit:
                 break
             base, base_inflow = self.state.x.array.copy(), self.inflow
             update, inflow_update = self.step(self.forms.tangent, free, inlet)
             for factor in STEPS:
-                self._move(base, base_inflow, update, inflow_update, factor)
+                self.move(base, base_inflow, update, inflow_update, factor)
                 free.destroy()
                 free, inlet, new_norm = self.residual()
                 accepted = np.isfinite(new_norm) and new_norm < ALLOWED_GROWTH * norm
                 if accepted:
                     break
             if not accepted:
-                self._move(base, base_inflow, update, inflow_update, 0.0)
+                self.move(base, base_inflow, update, inflow_update, 0.0)
                 break
             norm = new_norm
-            self._report(norm, f"Newton {factor:g}")
+            self.report(norm, f"Newton {factor:g}")
         free.destroy()
-        converged = norm <= absolute and norm <= relative * self.load
-        return Outcome(converged, self.solver.factorizations - start, norm, norm / self.load, self.history)
+        return self.outcome(norm, absolute, relative, self.solver.factorizations - start)
 
-    def _report(self, norm, kind):
+    def small(self, norm, absolute, relative):
+        """Whether the residual meets both limits; the relative one is to the pressure load."""
+        return norm <= absolute and norm <= relative * self.load
+
+    def outcome(self, norm, absolute, relative, iterations):
+        """Outcome that says whether `norm` meets the limits."""
+        return Outcome(self.small(norm, absolute, relative), iterations, norm, norm / self.load, self.history)
+
+    def report(self, norm, kind):
         self.history.append(norm)
         print(f"  residual {norm:.3e} N, {kind}, inflow {self.inflow * 6e7:.2f} mL/min", file=self.log, flush=True)
 
-    def settle(self):
-        """Backward-Euler Picard steps with a growing local time step from the present state."""
-        cfl = FIRST_CFL
-        for _ in range(PICARD_STEPS):
-            self.forms.rate.value = 1.0 / cfl
-            free, inlet, _ = self.residual()
-            base, base_inflow = self.state.x.array.copy(), self.inflow
-            update, inflow_update = self.step(self.forms.picard, free, inlet)
-            self._move(base, base_inflow, update, inflow_update, 1.0)
-            free.destroy()
-            free, _, norm = self.residual()
-            free.destroy()
-            self._report(norm, f"Picard, CFL {cfl:.0f}")
-            cfl *= CFL_GROWTH
+    def restart(self):
+        """Back to rest."""
+        self.state.x.array[:] = 0.0
+        self.inflow = 0.0
 
     def scale_to(self, ratio):
         """Multiplies velocities by `ratio` and pressure losses by its square."""
@@ -187,90 +171,33 @@ class FlowProblem:
     def solve(self, resistances_at):
         """Outcome at full flow from rest. resistances_at(fraction) -> (n,) outlet resistances.
 
-        Raises ComputationError when no flow with c <= LARGEST_MIXING is found.
+        Raises ComputationError when no flow with c <= fading.LARGEST_MIXING is found.
         """
-        self.boundaries.resistance = resistances_at(LOW_FLOW)
-        self.newton(np.inf, ON_THE_WAY, HARD)
-        self.scale_to(1.0 / LOW_FLOW)
-        self.boundaries.resistance = self.boundaries.full_resistance.copy()
-        self.forms.mixing.value = MIXING[0]
-        self.settle()
-        self.fade(MIXING)
-        return self.polish()
+        found = ramp.climb(self, resistances_at)
+        if found.converged:
+            found.iterations = self.solver.factorizations
+            return found
+        print("no steady flow without jet mixing", file=self.log, flush=True)
+        self.restart()
+        return fading.from_rest(self, resistances_at)
 
-    def solve_from_guess(self, coarse):
+    def solve_from_guess(self, coarse, resistances_at):
         """Outcome at full flow from the flow on another mesh of the same lumen (a solved FlowProblem).
 
-        Where c = 0 was reached easily there, Newton's method starts from that flow; else, or where this fails, that
-        flow is the guess from which the whole path begins. Raises ComputationError.
+        Where c = 0 was reached there, Newton's method starts from that flow, and where this fails the path from rest is
+        taken; else that flow is the guess from which c fades. Raises ComputationError.
         """
         self.boundaries.resistance = self.boundaries.full_resistance.copy()
         self.set_guess(coarse.space, coarse.state.x.array, coarse.inflow)
-        if coarse.mixing == 0 and coarse.solver.factorizations <= EASY:
+        if coarse.mixing == 0:
             self.forms.mixing.value = 0.0
-            found = self.newton(self.settings.residual_absolute, self.settings.residual_relative, HARD)
+            found = ramp.descend(self, self.settings.residual_absolute, self.settings.residual_relative)
             if found.converged:
                 found.iterations = self.solver.factorizations
                 return found
-            self.set_guess(coarse.space, coarse.state.x.array, coarse.inflow)
-        self.forms.mixing.value = MIXING[0]
-        self.settle()
-        self.fade(MIXING)
-        return self.polish()
-
-    def fade(self, path):
-        """Lowers c along `path` as far as a steady flow is found within the allowed factorizations; keeps the last.
-
-        Where Newton's method fails it is tried once more after Picard steps, then from a c halfway.
-        """
-        ahead, settled, start = list(path), False, (None, self.state.x.array.copy(), self.inflow)
-        while ahead:
-            self.forms.mixing.value = ahead[0]
-            print(f"jet mixing {self.mixing:.3g}", file=self.log, flush=True)
-            remaining = self.settings.max_newton_iterations - self.solver.factorizations
-            found = self.newton(np.inf, ON_THE_WAY, min(HARD, remaining))
-            if found.converged:
-                settled = False
-                self.passed.append((ahead.pop(0), self.state.x.array.copy(), self.inflow))
-                continue
-            if not settled:
-                _, self.state.x.array[:], self.inflow = self.passed[-1] if self.passed else start
-                self.settle()
-                settled = True
-                continue
-            if not self.passed:
-                raise self.stalled(found)
-            settled = False
-            reached, self.state.x.array[:], self.inflow = self.passed[-1]
-            between = 0.5 * (reached + self.mixing)
-            if reached - between < SMALLEST_DECREASE or remaining <= HARD:
-                break
-            ahead.insert(0, between)
-        if self.passed[-1][0] > LARGEST_MIXING:
-            raise self.stalled(found)
-        self.forms.mixing.value, self.state.x.array[:], self.inflow = self.passed[-1]
-
-    def polish(self):
-        """Outcome of Newton's method from the path's last flow to the residuals asked for.
-
-        A flow that meets the looser residual of the path need not lead there: then the Picard steps are tried, then the
-        flows of larger c, up to LARGEST_MIXING.
-        """
-        while self.passed:
-            mixing, values, inflow = self.passed[-1]
-            if mixing > LARGEST_MIXING:
-                break
-            for settled in (False, True):
-                self.forms.mixing.value, self.state.x.array[:], self.inflow = mixing, values, inflow
-                if settled:
-                    self.settle()
-                print(f"jet mixing {mixing:.3g}, to the end", file=self.log, flush=True)
-                found = self.newton(self.settings.residual_absolute, self.settings.residual_relative, 2 * HARD)
-                if found.converged:
-                    found.iterations = self.solver.factorizations
-                    return found
-            self.passed.pop()
-        raise self.stalled(found)
+            self.restart()
+            return self.solve(resistances_at)
+        return fading.from_guess(self)
 
     def stalled(self, found):
         return ComputationError(

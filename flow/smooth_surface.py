@@ -42,14 +42,24 @@ def edge_kinds(surface, edges, side):
     return on_wall, on_wall & on_cap
 
 
-def edge_middles(surface, edges, side):
-    """Point of the smooth surface for the middle of each edge (e, 3); cap interiors are straight."""
-    a, b = surface.points[edges[:, 0]], surface.points[edges[:, 1]]
-    middle = 0.5 * (a + b)
-    on_wall, on_rim = edge_kinds(surface, edges, side)
+def vertex_normals(surface, edges, side):
+    """Unit normals of the smooth surface at the wall's vertices (n, 3), zero elsewhere."""
+    _, on_rim = edge_kinds(surface, edges, side)
     normals = wall_normals(surface)
     for vertex, normal in _rim_normals(surface.points, edges[on_rim]).items():
         normals[vertex] = normal
+    return normals
+
+
+def edge_middles(surface, edges, side, normals=None):
+    """Point of the smooth surface for the middle of each edge (e, 3); cap interiors are straight.
+
+    normals (n, 3): those of the smooth surface at the vertices where they are known, by default `vertex_normals`.
+    """
+    a, b = surface.points[edges[:, 0]], surface.points[edges[:, 1]]
+    middle = 0.5 * (a + b)
+    on_wall, _ = edge_kinds(surface, edges, side)
+    normals = vertex_normals(surface, edges, side) if normals is None else normals
     n0, n1, d = normals[edges[:, 0]], normals[edges[:, 1]], b - a
     offset = _bow(d, n1) - _bow(d, n0)
     offset[~on_wall] = 0.0

@@ -31,11 +31,15 @@ def solve_mesh(path, document, settings, tree, network, flows, start=None):
     jet_length = jet.mixing_length(space, tree, settings.jet_spread)
     problem = nonlinear.FlowProblem(space, boundaries, document, settings, jet_length)
     print(f"{path}: {space.dofs} dofs", file=sys.stderr, flush=True)
+    order = [network.names.index(name) for name in boundaries.names]
+
+    def resistances_at(fraction):
+        return network.resistances_at(flows, fraction)[order]
+
     if start is None:
-        order = [network.names.index(name) for name in boundaries.names]
-        outcome = problem.solve(lambda fraction: network.resistances_at(flows, fraction)[order])
+        outcome = problem.solve(resistances_at)
     else:
-        outcome = problem.solve_from_guess(start.problem)
+        outcome = problem.solve_from_guess(start.problem, resistances_at)
     return Solved(space, boundaries, problem, outcome)
 
 

@@ -10,12 +10,18 @@ from flow import centreline, curving, extension, mesh, refine, spaces, surface, 
 
 @pytest.fixture(scope="module")
 def built():
-    from flow import settings
+    """A bent, narrowed tube in cells of one size in all directions."""
+    from flow import hybrid, settings
+
+    def no_spans(*_):
+        raise hybrid.NoSpans("not wanted here")
 
     radius = tubes.lesion(1.5, 0.4, 8, 8)
     tube = tubes.tube(16, radius, 0.5, tubes.arc(0.05))
     tree = centreline.Tree([tubes.line(16, radius, tubes.arc(0.05))])
-    return tube, mesh.build(tube, tree, 2.0, settings.make())
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(hybrid, "build", no_spans)
+        return tube, mesh.build(tube, tree, 2.0, settings.make())
 
 
 def _volume(quadratic):
@@ -41,6 +47,7 @@ def test_quality_is_reported_and_good(built):
     assert quality["gamma_min"] > 0.1
     assert quality["jacobian_ratio_min"] > 0.3
     assert quality["curved_edges"] > 1000 and quality["straightened_edges"] == 0
+    assert report["swept"] == {"cells": 0, "spans": [], "reason": "not wanted here"}
 
 
 def test_mesh_file_has_the_tags(built, tmp_path):
@@ -98,7 +105,7 @@ def test_refinement_reaches_its_target_on_the_surface():
 
 
 def test_a_bad_mesh_is_refused(monkeypatch, settings):
-    monkeypatch.setattr(mesh, "LEAST_GAMMA", 0.99)
+    monkeypatch.setattr(mesh, "LEAST_JACOBIAN_RATIO", 0.99)
     tree = centreline.Tree([tubes.line(5, lambda s: 1.5)])
-    with pytest.raises(ComputationError, match="gamma_min"):
+    with pytest.raises(ComputationError, match="jacobian_ratio_min"):
         mesh.build(tubes.tube(5, lambda s: 1.5), tree, 2.0, settings)

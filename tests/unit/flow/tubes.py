@@ -73,6 +73,42 @@ def line(length_mm, radius, axis=None, name="main", branch_id=0, spacing_mm=0.25
     return centreline.Branch(name, branch_id, axis(s, zero, zero), s, np.array([radius(x) for x in s], float))
 
 
+def fork(radius=1.5, side_radius=0.9, length=24.0, at=10.0, side_length=10.0, angle_deg=60.0, edge_mm=0.4):
+    """(Surface, [Branch, Branch]): a straight tube with one side tube, meshed by gmsh."""
+    import gmsh
+
+    angle = np.radians(angle_deg)
+    way = np.array([np.cos(angle), np.sin(angle), 0.0])
+    gmsh.initialize(["gmsh"], False)
+    try:
+        gmsh.option.setNumber("General.Verbosity", 1)
+        for name in ("Min", "Max"):
+            gmsh.option.setNumber(f"Mesh.CharacteristicLength{name}", edge_mm)
+        gmsh.model.add("fork")
+        main = gmsh.model.occ.addCylinder(0, 0, 0, length, 0, 0, radius)
+        side = gmsh.model.occ.addCylinder(at, 0, 0, *(side_length * way), side_radius)
+        gmsh.model.occ.fuse([(3, main)], [(3, side)])
+        gmsh.model.occ.synchronize()
+        gmsh.model.mesh.generate(2)
+        tags, points, _ = gmsh.model.mesh.getNodes()
+        points = points.reshape(-1, 3)[np.argsort(tags)]
+        _, nodes = gmsh.model.mesh.getElementsByType(2)
+    finally:
+        gmsh.finalize()
+    used, triangles = np.unique(nodes.astype(int) - 1, return_inverse=True)
+    points, triangles = points[used], triangles.reshape(-1, 3)
+    region = np.zeros(len(triangles), int)
+    for tag, height in ((1, points[:, 0]), (2, length - points[:, 0]), (3, side_length - (points - [at, 0, 0]) @ way)):
+        region[(np.abs(height[triangles]) < 1e-6).all(axis=1)] = tag
+    surface = Surface(points, triangles, region)
+    if surface.volume_mm3() < 0:
+        surface = Surface(points, triangles[:, ::-1], region)
+    s = np.linspace(0, side_length, 41)
+    start = np.array([at, 0.0, 0.0])
+    side = centreline.Branch("side1", 1, start + s[:, None] * way, s, np.full(41, side_radius))
+    return surface, [line(length, lambda s: radius), side]
+
+
 def lesion(radius_mm, reduction, centre_mm, length_mm):
     """Radius profile with a cosine lesion that takes `reduction` of the diameter at its centre."""
 

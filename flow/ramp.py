@@ -1,0 +1,83 @@
+"""From rest to the full flow in steps of the flow: Newton's method with short steps, Picard's where none helps.
+
+The outlet resistances are those at which the 1D network draws a tenth, a quarter, half, three quarters and all of its
+flow. On a mesh that resolves the jet's shear layer (flow.sweep) the steady flow is found so without any eddy viscosity.
+"""
+
+import numpy as np
+
+FRACTIONS = (0.1, 0.25, 0.5, 0.75, 1.0)
+STEPS = (1.0, 0.5, 0.25)  # of Newton's update, the first that lowers the residual
+SHARE = 0.7  # of the factorizations that are allowed
+SHORTEST_STEP = 0.04  # of the flow fraction: a fraction that is not reached is tried again from halfway
+MOST_PICARD = 3  # steps at one flow fraction, after which it counts as not reached
+ON_THE_WAY = 1e-2  # residual of one flow fraction over that at its start
+
+
+def budget(settings):
+    """Factorizations after which this path is given up: some are left for flow.fading."""
+    return int(np.ceil(SHARE * settings.max_newton_iterations))
+
+
+def climb(problem, resistances_at):
+    """Outcome at the full flow, or of the fraction that fails however short the step to it.
+
+    resistances_at(fraction) -> (n,) outlet resistances.
+    """
+    settings, ahead = problem.settings, list(FRACTIONS)
+    problem.forms.mixing.value = 0.0
+    reached, values, inflow = 0.0, problem.state.x.array.copy(), problem.inflow
+    while True:
+        problem.boundaries.resistance = resistances_at(ahead[0])
+        if reached > FRACTIONS[0]:  # the jet keeps its shape; from a creeping flow Newton's own step is better
+            problem.scale_to(ahead[0] / reached)
+        last = ahead[0] == FRACTIONS[-1]
+        absolute, relative = (settings.residual_absolute, settings.residual_relative) if last else (np.inf, None)
+        print(f"flow fraction {ahead[0]:.3g}", file=problem.log, flush=True)
+        found = descend(problem, absolute, relative)
+        if found.converged:
+            reached, values, inflow = ahead.pop(0), problem.state.x.array.copy(), problem.inflow
+            if not ahead:
+                return found
+            continue
+        between = 0.5 * (reached + ahead[0])
+        spent = problem.solver.factorizations >= budget(settings)
+        if spent or between - reached < SHORTEST_STEP:
+            return found
+        problem.state.x.array[:], problem.inflow = values, inflow
+        ahead.insert(0, between)
+
+
+def descend(problem, absolute, relative):
+    """Outcome of Newton and Picard steps down to `absolute` (N) and `relative` (to the load; None: ON_THE_WAY of the
+    residual at the start)."""
+    free, inlet, norm = problem.residual()
+    if relative is None:
+        absolute, relative = ON_THE_WAY * norm, np.inf
+    start, picard = problem.solver.factorizations, 0
+    while not problem.small(norm, absolute, relative):
+        if problem.solver.factorizations >= budget(problem.settings) or picard == MOST_PICARD:
+            break
+        base, base_inflow = problem.state.x.array.copy(), problem.inflow
+        update, inflow_update = problem.step(problem.forms.tangent, free, inlet)
+        for factor in STEPS:
+            problem.move(base, base_inflow, update, inflow_update, factor)
+            free.destroy()
+            free, inlet, new = problem.residual()
+            if np.isfinite(new) and new < norm:
+                problem.report(new, f"Newton {factor:g}")
+                break
+        else:
+            problem.move(base, base_inflow, update, inflow_update, 0.0)
+            free.destroy()
+            free, inlet, _ = problem.residual()
+            picard += 1
+            problem.forms.rate.value = 0.0
+            update, inflow_update = problem.step(problem.forms.picard, free, inlet)
+            problem.move(base, base_inflow, update, inflow_update, 1.0)
+            free.destroy()
+            free, inlet, new = problem.residual()
+            problem.report(new, "Picard")
+        norm = new
+    free.destroy()
+    return problem.outcome(norm, absolute, relative, problem.solver.factorizations - start)

@@ -1,0 +1,1 @@
+"""Swept meshes of tubes: a lattice of discs carried along the axis, split into tetrahedra."""

@@ -1,0 +1,73 @@
+"""Cross-section planes along a branch: perpendicular to its axis, turned into the caps' planes towards its ends."""
+
+import numpy as np
+
+BLEND_RADII = 2.5  # length over which planes turn from a cap's plane into the perpendicular one, in radii of the cap
+
+
+class Axis:
+    """The axis of one branch, with the caps it meets.
+
+    first, last: (centre (3,), unit normal (3,) along the branch, radius) of the cap at that end in mm, None where the
+    branch starts within another vessel. length_mm may exceed the branch's own: an extended outlet continues straight.
+    """
+
+    def __init__(self, branch, first=None, last=None):
+        points = branch.points
+        if last is not None:
+            more = float((last[0] - points[-1]) @ last[1])
+            if more > 1e-6:
+                points = np.concatenate([points, (points[-1] + more * last[1])[None]])
+        self.branch, self.first, self.last = branch, first, last
+        self.points = points
+        self.s_mm = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+        # arc length is counted as the branch counts it, whatever its own sampling lost
+        own = len(branch.points)
+        self.s_mm = np.concatenate(
+            [branch.s_mm - branch.s_mm[0], branch.length_mm + self.s_mm[own:] - self.s_mm[own - 1]]
+        )
+        slope = np.gradient(points, self.s_mm, axis=0)
+        self.tangents = slope / np.linalg.norm(slope, axis=1)[:, None]
+
+    @property
+    def length_mm(self):
+        return float(self.s_mm[-1])
+
+    def radius(self, s_mm):
+        """Radius in mm of the branch at s_mm."""
+        return self.branch.radius(s_mm)
+
+    def planes(self, s_mm):
+        """(origins (m, 3), unit normals (m, 3)) of the section planes at arc lengths s_mm (m,)."""
+        origin = np.stack([np.interp(s_mm, self.s_mm, self.points[:, k]) for k in range(3)], axis=-1)
+        normal = np.stack([np.interp(s_mm, self.s_mm, self.tangents[:, k]) for k in range(3)], axis=-1)
+        for cap, end, distance in ((self.first, 0, s_mm), (self.last, -1, self.length_mm - s_mm)):
+            if cap is not None:
+                centre, direction, radius = cap
+                share = np.clip(1.0 - distance / (BLEND_RADII * radius), 0.0, 1.0)
+                share = (share**2 * (3.0 - 2.0 * share))[:, None]
+                gap = (centre - self.points[end]) @ direction
+                origin = origin + share * gap * direction
+                normal = normal + share * (direction - self.tangents[end])
+        return origin, normal / np.linalg.norm(normal, axis=1)[:, None]
+
+
+def frames(origins, normals):
+    """Unit vectors e1, e2 (m, 3) in each plane, turning as little as possible along the axis.
+
+    Double reflection (Wang, Juettler, Zheng, Liu 2008, ACM Trans Graph 27): rotation-minimising frames.
+    """
+    start = np.eye(3)[np.argmin(np.abs(normals[0]))]
+    first = np.cross(normals[0], start)
+    e1 = [first / np.linalg.norm(first)]
+    for k in range(len(origins) - 1):
+        step = origins[k + 1] - origins[k]
+        reflected = e1[-1] - 2.0 * (step @ e1[-1]) / (step @ step) * step
+        tangent = normals[k] - 2.0 * (step @ normals[k]) / (step @ step) * step
+        other = normals[k + 1] - tangent
+        square = other @ other
+        turned = reflected - 2.0 * (other @ reflected) / square * other if square > 1e-24 else reflected
+        turned = turned - (turned @ normals[k + 1]) * normals[k + 1]
+        e1.append(turned / np.linalg.norm(turned))
+    e1 = np.array(e1)
+    return e1, np.cross(normals, e1)

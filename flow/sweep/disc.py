@@ -1,0 +1,63 @@
+"""The template of a cross-section: the unit disc in rings of 6, 12, 18, ... points, triangulated."""
+
+import dataclasses
+
+import numpy as np
+
+
+@dataclasses.dataclass
+class Disc:
+    """vertices (n, 2) and edge middles (e, 2) as (rho, angle); triangles (t, 3) counter-clockwise; edges (e, 2).
+
+    middles (e, 2): of the edges, as (rho, angle); rim (6 rings,): the outermost vertices in order of angle.
+    """
+
+    rings: int
+    vertices: np.ndarray
+    triangles: np.ndarray
+    edges: np.ndarray
+    middles: np.ndarray
+    rim: np.ndarray
+
+
+def make(rings):
+    """Disc of `rings` rings of equal width."""
+    vertices, first = [[0.0, 0.0]], [0]
+    for k in range(1, rings + 1):
+        first.append(len(vertices))
+        vertices += [[k / rings, np.pi * j / (3 * k)] for j in range(6 * k)]
+    triangles = []
+    for k in range(1, rings + 1):
+        triangles += _between(k, first)
+    vertices, triangles = np.array(vertices), np.array(triangles)
+    sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    edges = np.unique(sides, axis=0)
+    rim = np.arange(first[rings], len(vertices))
+    return Disc(rings, vertices, triangles, edges, _middles(vertices, edges), rim)
+
+
+def _between(k, first):
+    """Triangles between rings k - 1 and k, counter-clockwise."""
+
+    def outer(sector, j):
+        return first[k] + (sector * k + j) % (6 * k)
+
+    def inner(sector, j):
+        return first[k - 1] + (sector * (k - 1) + j) % (6 * (k - 1)) if k > 1 else 0
+
+    found = []
+    for sector in range(6):
+        for j in range(k):
+            found.append([inner(sector, j), outer(sector, j), outer(sector, j + 1)])
+            if j < k - 1:
+                found.append([inner(sector, j), outer(sector, j + 1), inner(sector, j + 1)])
+    return found
+
+
+def _middles(vertices, edges):
+    """Middles of edges in polar coordinates: between the radii and between the angles of the ends."""
+    (rho_a, angle_a), (rho_b, angle_b) = vertices[edges[:, 0]].T, vertices[edges[:, 1]].T
+    turn = (angle_b - angle_a + np.pi) % (2 * np.pi) - np.pi
+    turn[rho_a == 0] = 0.0
+    start = np.where(rho_a == 0, angle_b, angle_a)
+    return np.stack([0.5 * (rho_a + rho_b), start + 0.5 * turn], axis=1)

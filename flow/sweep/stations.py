@@ -1,0 +1,48 @@
+"""Where a span's cross-sections lie: close at a throat, further along its jet, far apart where the flow is plain."""
+
+import numpy as np
+
+NEIGHBOURHOOD_MM = 20.0  # the healthy radius at s is the smaller of the largest ones this far up- and downstream
+NARROWED, HEALTHY = 0.75, 0.95  # of the healthy radius: a throat; a plain vessel
+GROWTH_BEFORE = 0.3  # of the spacing per length, upstream of a throat
+TURN = 0.35  # rad, largest turn of the axis between stations
+STEP_MM = 0.05
+
+
+def spacing(branch, settings, s_mm):
+    """Wanted distance in mm between sections at arc lengths s_mm (n,) of a branch.
+
+    At a point whose radius R is the fraction q of the healthy one it is R times `stations_throat` for q <= 0.75 and
+    R times `stations_plain` for q >= 0.95. Downstream it grows no faster than the jet spreads.
+    """
+    radius = branch.radius_mm
+    upstream = _running_maximum(branch.s_mm, radius, -1)
+    downstream = _running_maximum(branch.s_mm, radius, 1)
+    share = np.clip((radius / np.minimum(upstream, downstream) - NARROWED) / (HEALTHY - NARROWED), 0, 1)
+    own = radius * (settings.stations_throat + share * (settings.stations_plain - settings.stations_throat))
+    own = np.minimum(own, TURN / np.maximum(_curvature(branch), 1e-9))
+    gap = s_mm[:, None] - branch.s_mm
+    slope = np.where(gap > 0, settings.stations_throat * settings.jet_spread, GROWTH_BEFORE)
+    return np.min(own + slope * np.abs(gap), axis=1)
+
+
+def _running_maximum(s, radius, direction):
+    inside = (direction * (s - s[:, None]) >= 0) & (np.abs(s - s[:, None]) <= NEIGHBOURHOOD_MM)
+    return np.max(np.where(inside, radius, 0.0), axis=1)
+
+
+def _curvature(branch):
+    slope = np.gradient(branch.points, branch.s_mm, axis=0)
+    slope /= np.linalg.norm(slope, axis=1)[:, None]
+    return np.linalg.norm(np.gradient(slope, branch.s_mm, axis=0), axis=1)
+
+
+def place(branch, settings, start_mm, end_mm, coarsening=1.0):
+    """Arc lengths (k,) of the sections from start_mm to end_mm inclusive, at least two cells apart from each other."""
+    s = np.linspace(start_mm, end_mm, max(2, int(np.ceil((end_mm - start_mm) / STEP_MM)) + 1))
+    density = 1.0 / (coarsening * spacing(branch, settings, s))
+    count = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(s))])
+    cells = max(2, int(np.ceil(count[-1])))
+    found = np.interp(np.linspace(0, count[-1], cells + 1), count, s)
+    found[0], found[-1] = start_mm, end_mm
+    return found

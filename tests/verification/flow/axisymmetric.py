@@ -1,0 +1,132 @@
+"""Steady Navier-Stokes in the meridian plane of a narrowed straight tube: a reference that shares no code with flow.
+
+Q2-Q1 quadrilaterals on the mapped rectangle (s, r / R(s)); unknowns u_x, u_r, p; weight r. Same equations, boundary
+conditions and coupling as flow.forms: parabolic inflow Q at mean pressure MAP, traction P_v + R Q at the outlet.
+"""
+
+import numpy as np
+import ufl
+from dolfinx import fem, geometry, mesh
+from dolfinx.fem import petsc as fem_petsc
+from mpi4py import MPI
+from petsc4py import PETSc
+
+FRACTIONS = (0.1, 0.25, 0.5, 0.65, 0.8, 0.9, 1.0)
+
+
+def _graded(length, throat, count):
+    """Fractions of the length at `count` equal steps of a grid that is fine round the throat (lengths in mm)."""
+    s = np.linspace(0, length, 20001)
+    gap = np.clip(np.abs(s - throat) - 5.0, 0, None)
+    width = 0.1 + np.where(s < throat, 0.03, 0.02) * gap
+    steps = np.concatenate([[0.0], np.cumsum(0.5 * (1 / width[1:] + 1 / width[:-1]) * np.diff(s))])
+    return lambda x: np.interp(x, steps / steps[-1], s)
+
+
+class Tube:
+    """radius: function of s in mm; throat, length in mm; all else SI. cells: (along, across)."""
+
+    def __init__(self, radius, length, throat, document, cells, backflow=0.5):
+        self.document, self.radius_0, self.factor = document, float(radius(0.0)) * 1e-3, None
+        domain = mesh.create_rectangle(MPI.COMM_WORLD, [[0, 0], [1, 1]], cells, mesh.CellType.quadrilateral)
+        x = domain.geometry.x
+        s = _graded(length, throat, cells[0])(x[:, 0])
+        x[:, 1] *= radius(s) * 1e-3
+        x[:, 0] = s * 1e-3
+        self.domain = domain
+        velocity = ufl.VectorElement("Q", domain.ufl_cell(), 2)
+        pressure = ufl.FiniteElement("Q", domain.ufl_cell(), 1)
+        W = fem.FunctionSpace(domain, ufl.MixedElement([velocity, pressure]))
+        self.state = fem.Function(W)
+        self._boundaries(W, length * 1e-3)
+        self._forms(W, backflow)
+
+    def _boundaries(self, W, length):
+        locate = mesh.locate_entities_boundary
+        self.inlet = locate(self.domain, 1, lambda x: np.isclose(x[0], 0))
+        self.outlet = locate(self.domain, 1, lambda x: np.isclose(x[0], length))
+        axis = locate(self.domain, 1, lambda x: np.isclose(x[1], 0))
+        everything = locate(self.domain, 1, lambda x: np.full(x.shape[1], True))
+        wall = np.setdiff1d(everything, np.concatenate([self.inlet, self.outlet, axis]))
+        V, _ = W.sub(0).collapse()
+        radial, _ = W.sub(0).sub(1).collapse()
+        self.profile = fem.Function(V)
+        sub = W.sub(0)
+        self.conditions = [
+            fem.dirichletbc(fem.Function(V), fem.locate_dofs_topological((sub, V), 1, wall), sub),
+            fem.dirichletbc(self.profile, fem.locate_dofs_topological((sub, V), 1, self.inlet), sub),
+            fem.dirichletbc(
+                fem.Function(radial), fem.locate_dofs_topological((sub.sub(1), radial), 1, axis), sub.sub(1)
+            ),
+        ]
+
+    def _forms(self, W, backflow):
+        facets = np.concatenate([self.inlet, self.outlet])
+        tags = np.repeat([1, 2], [len(self.inlet), len(self.outlet)]).astype(np.int32)
+        order = np.argsort(facets)
+        ds = ufl.Measure("ds", self.domain, subdomain_data=mesh.meshtags(self.domain, 1, facets[order], tags[order]))
+        dx = ufl.Measure("dx", self.domain, metadata={"quadrature_degree": 7})
+        (u, p), (v, q) = ufl.split(self.state), ufl.TestFunctions(W)
+        r = ufl.SpatialCoordinate(self.domain)[1]
+        rho, mu = self.document["density_kg_per_m3"], self.document["viscosity_pa_s"]
+
+        def div(w):
+            return w[0].dx(0) + w[1].dx(1) + w[1] / r
+
+        friction = mu * (ufl.inner(ufl.grad(u), ufl.grad(v)) + u[1] * v[1] / r**2)
+        convection = rho * ufl.inner(ufl.dot(ufl.grad(u), u) + 0.5 * div(u) * u, v)
+        inward = 0.5 * (u[0] - abs(u[0]))
+        residual = (friction + convection - p * div(v) - q * div(u)) * r * dx
+        residual -= backflow * rho * inward * ufl.inner(u, v) * r * ds(2)
+        self.residual = fem.form(residual)
+        self.tangent = fem.form(ufl.derivative(residual, self.state))
+        self.inlet_pressure = fem.form(2.0 / self.radius_0**2 * p * r * ds(1))
+
+    def _solve(self, flow):
+        """Newton's method at the inflow `flow`, from the last one scaled; mean inlet pressure over the outlet's."""
+        mean = flow / (np.pi * self.radius_0**2)
+        self.profile.interpolate(lambda x: np.stack([2 * mean * (1 - (x[1] / self.radius_0) ** 2), 0 * x[0]]))
+        if self.factor:
+            self.state.x.array[:] *= flow / self.factor
+        self.factor = flow
+        ksp = PETSc.KSP().create(MPI.COMM_WORLD)
+        ksp.setType("preonly")
+        ksp.getPC().setType("lu")
+        ksp.getPC().setFactorSolverType("mumps")
+        for _ in range(25):
+            b = fem_petsc.assemble_vector(self.residual)
+            A = fem_petsc.assemble_matrix(self.tangent, bcs=self.conditions)
+            A.assemble()
+            fem_petsc.apply_lifting(b, [self.tangent], [self.conditions], [self.state.vector], -1.0)
+            fem_petsc.set_bc(b, self.conditions, self.state.vector, -1.0)
+            update = b.copy()
+            ksp.setOperators(A)
+            ksp.solve(b, update)
+            self.state.vector.axpy(-1.0, update)
+            A.destroy()
+            if update.norm() < 1e-8 * self.state.vector.norm():
+                ksp.destroy()
+                return fem.assemble_scalar(self.inlet_pressure)
+        raise RuntimeError("the axisymmetric flow did not converge")
+
+    def ffr(self, guess, s_mm):
+        """FFR on the axis at s_mm, inflow and outlet in balance; `guess`: inflow in m3/s."""
+        document = self.document
+        outlet = document["outlets"][0]
+
+        def excess(flow):
+            behind = document["venous_pressure_pa"] + outlet["resistance_pa_s_per_m3"] * flow
+            return self._solve(flow) + behind - document["map_pa"]
+
+        for fraction in FRACTIONS[:-1]:
+            self._solve(fraction * guess)
+        a, b = guess, 0.99 * guess
+        f_a, f_b = excess(a), excess(b)
+        while abs(f_b) > 1e-3:
+            a, b, f_a = b, b - f_b * (b - a) / (f_b - f_a), f_b
+            f_b = excess(b)
+        point = np.array([[s_mm * 1e-3, 1e-7, 0.0]])
+        tree = geometry.BoundingBoxTree(self.domain, 2)
+        cell = geometry.compute_colliding_cells(self.domain, geometry.compute_collisions(tree, point), point).links(0)
+        drop = fem.assemble_scalar(self.inlet_pressure) - float(self.state.sub(1).eval(point, cell[:1])[0])
+        return 1.0 - drop / document["map_pa"]
