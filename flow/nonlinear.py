@@ -204,7 +204,7 @@ class FlowProblem:
             "the flow solver stalled",
             f"jet mixing {self.mixing:g}, {self.solver.factorizations} factorizations",
             f"residual {found.residual_absolute:.3e} N, relative {found.residual_relative:.3e}",
-            "raise cells_per_radius, outlet_extension_diameters or max_newton_iterations",
+            "raise rings, cells_per_radius, outlet_extension_diameters or max_newton_iterations",
         )
 
     def state_vector(self):
