@@ -5,7 +5,6 @@
 #include "vci/ring_hoop.hpp"
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace vci {
@@ -154,8 +153,7 @@ Balloon add_balloon(System& system, const BalloonSpec& spec, RingGrid grid, cons
       const double rise = 0.5 * spec.nominal_diameter * (grid.profile[r + 1] - grid.profile[r]);
       const double mean = 0.5 * (grid.profile[r] + grid.profile[r + 1]);
       axial.push_back({first + r * grid.around + k, first + (r + 1) * grid.around + k,
-                       std::hypot(grid.s[r + 1] - grid.s[r], rise), balloon_axial_stiffness * share * mean,
-                       std::numeric_limits<double>::infinity(), 0.0, 0.0, true});
+                       std::hypot(grid.s[r + 1] - grid.s[r], rise), balloon_axial_stiffness * share * mean, 0.0, true});
     }
   Fibres& fibres = system.add_force(body, std::make_unique<Fibres>(axial));
   Pressure& pressure = system.add_force(body, std::make_unique<Pressure>(system.body(body).triangles, system.x, 0.0));

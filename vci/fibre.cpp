@@ -52,15 +52,8 @@ Fibres::Fibres(const std::vector<Fibre>& fibres) : fibres_(fibres) {
 
 EdgeForce::Tension Fibres::tension(std::size_t k, double length) const {
   const Fibre& f = fibres_[k];
-  const double eps = std::log(length / f.rest_length), y = f.yield_strain, scale = f.stiffness * f.rest_length;
-  Tension t;
-  if (std::abs(eps) > y) {
-    const double sign = eps > 0 ? 1 : -1, excess = std::abs(eps) - y, stress = sign * (y + f.hardening * excess);
-    t = {scale * (0.5 * y * y + y * excess + 0.5 * f.hardening * excess * excess), scale * stress / length,
-         scale * (f.hardening - stress) / (length * length)};
-  } else {
-    t = {0.5 * scale * eps * eps, scale * eps / length, scale * (1 - eps) / (length * length)};
-  }
+  const double eps = std::log(length / f.rest_length), scale = f.stiffness * f.rest_length;
+  Tension t{0.5 * scale * eps * eps, scale * eps / length, scale * (1 - eps) / (length * length)};
   const double loose = -f.pretension / f.stiffness; // strain at which the tension vanishes, to first order
   if (f.slack && eps < loose) {
     const double soft = 0.02, excess = eps - loose;
@@ -73,27 +66,9 @@ EdgeForce::Tension Fibres::tension(std::size_t k, double length) const {
   return t;
 }
 
-void Fibres::commit(const Vectors& x) {
-  for (std::size_t k = 0; k < fibres_.size(); ++k) {
-    Fibre& f = fibres_[k];
-    const double l = length(k, x), eps = std::log(l / f.rest_length);
-    if (std::abs(eps) > f.yield_strain) {
-      f.yield_strain += f.hardening * (std::abs(eps) - f.yield_strain);
-      f.rest_length = l * std::exp(-std::copysign(f.yield_strain, eps));
-    }
-  }
-}
-
 void Fibres::set_pretension(const std::vector<double>& tension) {
   for (std::size_t k = 0; k < fibres_.size(); ++k)
     fibres_[k].pretension = tension[k];
-}
-
-int Fibres::yielding(const Vectors& x) const {
-  int count = 0;
-  for (std::size_t k = 0; k < fibres_.size(); ++k)
-    count += std::abs(std::log(length(k, x) / fibres_[k].rest_length)) > fibres_[k].yield_strain;
-  return count;
 }
 
 HoopChart::HoopChart(const std::vector<Hoop>& hoops, int edges_per_ring, BalloonChart chart)

@@ -1,8 +1,7 @@
-// Forces along the edges of device grids: elastic-plastic fibres and the hoop law of a balloon.
+// Forces along the edges of device grids: axial fibres and the hoop law of a balloon.
 #pragma once
 #include "vci/balloon_chart.hpp"
 #include "vci/force.hpp"
-#include <limits>
 
 namespace vci {
 
@@ -30,25 +29,20 @@ private:
   std::vector<std::array<int, 4>> slots_;
 };
 
-/// Fibre of stiffness k times width w (N): T = w (k eps + T0), eps = ln(l / l0); yields beyond eps_y with linear
-/// hardening, and l0 follows. Energy k w l_r (...) is per reference length l_r, so the force is T l_r / l with l_r =
-/// l0.
+/// Elastic fibre of stiffness k times width w (N): T = k w eps + T0, eps = ln(l / l0). The energy k w l0 eps^2 / 2 is
+/// per reference length, so that the force is k w eps l0 / l + T0.
 class Fibres : public EdgeForce {
 public:
   struct Fibre {
     int i, j;
-    double rest_length; ///< mm
-    double stiffness;   ///< k w, N
-    double yield_strain = std::numeric_limits<double>::infinity();
-    double hardening = 0;  ///< H: beyond eps_y the elastic strain grows by H times the excess
+    double rest_length;    ///< mm
+    double stiffness;      ///< k w, N
     double pretension = 0; ///< N, constant
     bool slack = false;    ///< a folded film: 2 % of the stiffness once the whole tension would turn negative
   };
   explicit Fibres(const std::vector<Fibre>& fibres);
   /// One pretension (N) per fibre.
   void set_pretension(const std::vector<double>& tension);
-  void commit(const Vectors& x) override;
-  int yielding(const Vectors& x) const;
 
 protected:
   Tension tension(std::size_t k, double length) const override;

@@ -18,6 +18,33 @@ std::array<double, 2> RingLaw::pressure(double u) const {
   return {(tension + slope * inwards) / lumen_radius, slope / lumen_radius};
 }
 
+void VertexForce::declare(BlockPattern& pattern) const {
+  for (int v : vertices_)
+    pattern.add(std::array<int, 1>{v});
+}
+
+void VertexForce::link(const BlockMatrix& matrix) {
+  slots_.clear();
+  for (int v : vertices_)
+    slots_.push_back(matrix.diagonal_slot(v));
+}
+
+namespace {
+
+template <class Element> std::vector<int> vertices_of(const std::vector<Element>& elements) {
+  std::vector<int> vertices;
+  for (const Element& e : elements)
+    vertices.push_back(e.vertex);
+  return vertices;
+}
+
+} // namespace
+
+RingFoundation::RingFoundation(std::vector<Element> elements)
+    : VertexForce(vertices_of(elements)), elements_(std::move(elements)) {}
+
+Anchors::Anchors(std::vector<Element> elements) : VertexForce(vertices_of(elements)), elements_(std::move(elements)) {}
+
 double RingFoundation::energy(const Vectors& x) const {
   // Gauss points of the pressure's integral over u
   static const double place[4] = {0.069431844202973712, 0.330009478207571868, 0.669990521792428132,
@@ -53,17 +80,6 @@ void RingFoundation::evaluate(const Vectors& x, Vectors& force, BlockMatrix* sti
   }
 }
 
-void RingFoundation::declare(BlockPattern& pattern) const {
-  for (const Element& e : elements_)
-    pattern.add(std::array<int, 1>{e.vertex});
-}
-
-void RingFoundation::link(const BlockMatrix& matrix) {
-  slots_.clear();
-  for (const Element& e : elements_)
-    slots_.push_back(matrix.diagonal_slot(e.vertex));
-}
-
 double Anchors::energy(const Vectors& x) const {
   double sum = 0;
   for (const Element& e : elements_)
@@ -78,17 +94,6 @@ void Anchors::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness,
     if (stiffness)
       stiffness->block(slots_[k]).diagonal().array() += e.stiffness;
   }
-}
-
-void Anchors::declare(BlockPattern& pattern) const {
-  for (const Element& e : elements_)
-    pattern.add(std::array<int, 1>{e.vertex});
-}
-
-void Anchors::link(const BlockMatrix& matrix) {
-  slots_.clear();
-  for (const Element& e : elements_)
-    slots_.push_back(matrix.diagonal_slot(e.vertex));
 }
 
 } // namespace vci

@@ -22,8 +22,19 @@ struct RingLaw {
   std::array<double, 2> pressure(double u) const;
 };
 
+/// Forces on vertices one by one: only diagonal blocks.
+class VertexForce : public Force {
+public:
+  void declare(BlockPattern& pattern) const override;
+  void link(const BlockMatrix& matrix) override;
+
+protected:
+  explicit VertexForce(std::vector<int> vertices) : vertices_(std::move(vertices)) {}
+  std::vector<int> vertices_, slots_;
+};
+
 /// Also holds each vertex by tangential_stiffness against sliding: a bare membrane is singular on an irregular mesh.
-class RingFoundation : public Force {
+class RingFoundation : public VertexForce {
 public:
   struct Element {
     int vertex;
@@ -31,37 +42,31 @@ public:
     double area;         ///< mm^2
     RingLaw law;
   };
-  explicit RingFoundation(std::vector<Element> elements) : elements_(std::move(elements)) {}
+  explicit RingFoundation(std::vector<Element> elements);
 
   ForceKind kind() const override { return ForceKind::foundation; }
   double energy(const Vectors& x) const override;
   void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const override;
-  void declare(BlockPattern& pattern) const override;
-  void link(const BlockMatrix& matrix) override;
 
 private:
   std::vector<Element> elements_;
-  std::vector<int> slots_;
 };
 
 /// Springs that hold vertices at a place: a device's shaft.
-class Anchors : public Force {
+class Anchors : public VertexForce {
 public:
   struct Element {
     int vertex;
     Vec3 place;
     double stiffness; ///< N/mm
   };
-  explicit Anchors(std::vector<Element> elements) : elements_(std::move(elements)) {}
+  explicit Anchors(std::vector<Element> elements);
 
   double energy(const Vectors& x) const override;
   void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const override;
-  void declare(BlockPattern& pattern) const override;
-  void link(const BlockMatrix& matrix) override;
 
 private:
   std::vector<Element> elements_;
-  std::vector<int> slots_;
 };
 
 } // namespace vci

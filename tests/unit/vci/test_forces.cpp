@@ -161,12 +161,8 @@ TEST(Hinges, FoldsBeyondTheYieldAngle) {
 TEST(Fibres, EveryBranchMatchesFiniteDifferences) {
   const Vectors x{{0, 0, 0}, {1.0, 0.2, 0.1}};
   const double l = (x[1] - x[0]).norm();
-  Fibres elastic({{0, 1, l / 1.01, 3.0, 0.03, 0.01, 0.4}});
-  Fibres stretched({{0, 1, l / 1.2, 3.0, 0.03, 0.01}});
-  Fibres crushed({{0, 1, l * 1.2, 3.0, 0.03, 0.01}});
-  EXPECT_EQ(elastic.yielding(x), 0);
-  EXPECT_EQ(stretched.yielding(x), 1);
-  EXPECT_EQ(crushed.yielding(x), 1);
+  Fibres stretched({{0, 1, l / 1.2, 3.0, 0.4}});
+  Fibres pressed({{0, 1, l * 1.2, 3.0}});
   Fibres::Fibre film{0, 1, l * 1.3, 3.0};
   film.slack = true;
   film.pretension = 0.2;
@@ -174,7 +170,7 @@ TEST(Fibres, EveryBranchMatchesFiniteDifferences) {
   Vectors f(2, Vec3::Zero());
   slack.evaluate(x, f, nullptr, true);
   EXPECT_LT(f[0].norm(), 0.1) << "the slack branch must carry next to nothing";
-  for (Fibres* force : {&elastic, &stretched, &crushed, &slack}) {
+  for (Fibres* force : {&stretched, &pressed, &slack}) {
     check_gradient(*force, x);
     check_hessian(*force, x);
   }
