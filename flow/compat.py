@@ -1,4 +1,4 @@
-"""Everything that differs between FEniCSx versions; written for dolfinx 0.5.2 (Debian 12)."""
+"""What differs between FEniCSx versions, beside common.fenicsx; written for dolfinx 0.5.2 (Debian 12)."""
 
 import contextlib
 import io
@@ -11,10 +11,12 @@ from dolfinx.io import gmshio
 from dolfinx.plot import create_vtk_mesh
 from mpi4py import MPI
 
+from common import fenicsx
+
 logging.getLogger("FFC").setLevel(logging.WARNING)
 logging.getLogger("root").setLevel(logging.WARNING)
 
-JIT = {"cffi_extra_compile_args": ["-O3", "-march=native", "-fno-math-errno"]}
+FLAGS = ("-O3", "-march=native", "-fno-math-errno")
 
 
 def read_gmsh(path, comm=MPI.COMM_SELF):
@@ -62,7 +64,7 @@ def function_space(mesh, element):
 
 def form(expression):
     """Compiled form."""
-    return fem.form(expression, jit_params=JIT)
+    return fenicsx.form(expression, FLAGS)
 
 
 def petsc_vector(function):

@@ -6,6 +6,7 @@ import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
+from common import fenicsx
 from common.errors import ComputationError
 
 from . import solid
@@ -81,15 +82,15 @@ class SliceModel:
             + load * ufl.inner(area_normal, v) * ds(LUMEN)
             + support * ufl.inner(self.u, v) * ds(OUTSIDE)
         )
-        self._residual = fem.form(residual)
-        self._tangent = fem.form(ufl.derivative(residual, self.u))
+        self._residual = fenicsx.form(residual)
+        self._tangent = fenicsx.form(ufl.derivative(residual, self.u))
         self._matrix = fem.petsc.create_matrix(self._tangent)
         self._vector = fem.petsc.create_vector(self._residual)
         self._solver = PETSc.KSP().create(PETSc.COMM_SELF)
         self._solver.setType("preonly")
         self._solver.getPC().setType("lu")
         self._solver.setOperators(self._matrix)
-        self._area = fem.form(-0.5 * ufl.inner(at, area_normal) * ds(LUMEN))
+        self._area = fenicsx.form(-0.5 * ufl.inner(at, area_normal) * ds(LUMEN))
         self._lumen = self._lumen_dofs()
         self.iterations = 0
 
