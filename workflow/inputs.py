@@ -39,7 +39,7 @@ class Inputs:
         return self.configuration.lumen_file(wildcards.case)
 
     def lumen_options(self, wildcards):
-        """Command-line options of `lumen process` for the surface: its units and, where given, its ends."""
+        """Command-line options of `lumen process` for the surface: its units and, where given, its ends and label."""
         case = self.configuration.cases[wildcards.case]
         given = case["lumen"] if case["kind"] == "surface" else {"units": "mm"}
         options = f"--units {given['units']}"
@@ -47,6 +47,11 @@ class Inputs:
             options += " --inlet " + ",".join(map(str, given["inlet_point_mm"]))
         for point in given.get("outlet_points_mm", ()):
             options += " --outlet " + ",".join(map(str, point))
+        for point in given.get("cut_points_mm", ()):
+            options += " --cut " + ",".join(map(str, point))
+        for key in ("label", "extend_inlet_radii", "extend_outlets_radii"):
+            if key in given:
+                options += f" --{key.removesuffix('_radii').replace('_', '-')} {given[key]}"
         return options
 
     def section(self, key):

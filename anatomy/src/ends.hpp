@@ -33,9 +33,9 @@ struct Naming {
   std::vector<int> branch; ///< empty: the tree decides
 };
 
-/// The naming of an earlier state (anatomy.json), each end matched to the nearest one of that state. Throws InputError
-/// if the number differs or two ends match the same one.
-Naming naming_like(const std::vector<End>& ends, const nlohmann::json& like);
+/// The naming of an earlier state (anatomy.json), each end matched to the nearest one of that state, whose extension
+/// it takes. Throws InputError if the number differs or two ends match the same one.
+Naming naming_like(std::vector<End>& ends, const nlohmann::json& like);
 
 /// The inlet as by inlet_of; with `outlets` the outlets in the order of the points (the first is main's). Throws
 /// InputError if a point is not near an end, or if not each outlet has one point.

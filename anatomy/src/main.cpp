@@ -4,14 +4,44 @@
 #include "surface_file.hpp"
 #include <CLI/CLI.hpp>
 #include <iostream>
+#include <vtkObject.h>
 
 namespace {
 
 using namespace anatomy;
 
-void add_input(CLI::App& command, Options& options) {
-  command.add_option("surface", options.input, "lumen surface: .stl, .vtp, .ply or .obj")->required();
+// Coordinates as the command line gives them.
+struct GivenPoints {
+  std::vector<double> inlet, outlets, cuts;
+};
+
+std::vector<Vec3> points_of(const std::vector<double>& coordinates, const std::string& option) {
+  if (coordinates.size() % 3 != 0)
+    throw common::InputError("a point has three coordinates", option, std::to_string(coordinates.size()) + " numbers",
+                             "write " + option + " x,y,z for each point");
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < coordinates.size(); i += 3)
+    points.emplace_back(coordinates[i], coordinates[i + 1], coordinates[i + 2]);
+  return points;
+}
+
+void add_input(CLI::App& command, Options& options, GivenPoints& given) {
+  command
+      .add_option("surface", options.input,
+                  "lumen surface (.stl, .vtp, .ply, .obj) or labelled mask (.nii, .nii.gz, .nrrd, .mha, .mhd)")
+      ->required();
   command.add_option("--units", options.units, "length unit of the file: mm, cm or m")->capture_default_str();
+  command.add_option("--label", options.label, "the lumen's label in a mask; default: the only one");
+  command.add_option("--cut", given.cuts, "cut the vessel flat across at its axis near x,y,z (mm); repeat for each")
+      ->delimiter(',');
+  command.add_option(
+      "--cap", options.caps,
+      "file with the triangles of one end; repeat for each: the inlet's, then the outlets', main's first");
+  command.add_option("--inlet", given.inlet, "a point near the inlet, x,y,z in mm; default: the largest end")
+      ->delimiter(',')
+      ->expected(3);
+  command.add_option("--outlet", given.outlets, "a point near an outlet, x,y,z in mm; repeat for each, main's first")
+      ->delimiter(',');
 }
 
 void print_summary(const Anatomy& anatomy, const StepTimer& timer) {
@@ -40,39 +70,35 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   Options options;
   std::string out;
-  std::vector<double> inlet, outlets;
+  GivenPoints given;
 
   auto* process_command =
       app.add_subcommand("process", "surface to lumen.vtp, centreline.vtp, sections.csv, anatomy.json");
-  add_input(*process_command, options);
+  add_input(*process_command, options, given);
   process_command->add_option("--edge", options.edge, "edge length of the new surface, mm")->capture_default_str();
   process_command->add_option("--spacing", options.spacing, "distance between cross-sections, mm")
       ->capture_default_str();
-  process_command->add_option("--inlet", inlet, "a point near the inlet, x,y,z in mm; default: the largest end")
-      ->delimiter(',')
-      ->expected(3);
-  process_command->add_option("--outlet", outlets, "a point near an outlet, x,y,z in mm; repeat for each, main's first")
-      ->delimiter(',');
+  process_command->add_option("--extend-inlet", options.extend_inlet, "straight extension of the inlet, in its radii");
+  process_command->add_option("--extend-outlets", options.extend_outlets,
+                              "straight extension of every outlet, in its radii");
   process_command->add_option("--like", options.like, "anatomy.json of an earlier state, whose names the ends take");
   process_command->add_option("--out", out, "folder for the results")->required();
 
   auto* check_command = app.add_subcommand("check", "print the repairs a surface needs and the ends it has");
-  add_input(*check_command, options);
+  add_input(*check_command, options, given);
 
   auto* remesh_command = app.add_subcommand("remesh", "repaired, capped, uniform surface with region_id");
-  add_input(*remesh_command, options);
+  add_input(*remesh_command, options, given);
   remesh_command->add_option("--edge", options.edge, "edge length, mm")->capture_default_str();
   remesh_command->add_option("--out", out, "surface to write: .vtp or .stl")->required();
 
+  vtkObject::GlobalWarningDisplayOff(); // what a reader cannot read is said once, by InputError
   CLI11_PARSE(app, argc, argv);
   return common::guarded([&] {
-    if (inlet.size() == 3)
-      options.inlet = Vec3(inlet[0], inlet[1], inlet[2]);
-    if (outlets.size() % 3 != 0)
-      throw common::InputError("an outlet point has three coordinates", "--outlet",
-                               std::to_string(outlets.size()) + " numbers", "write --outlet x,y,z for each outlet");
-    for (std::size_t i = 0; i < outlets.size(); i += 3)
-      options.outlets.emplace_back(outlets[i], outlets[i + 1], outlets[i + 2]);
+    if (!given.inlet.empty())
+      options.inlet = points_of(given.inlet, "--inlet").front();
+    options.outlets = points_of(given.outlets, "--outlet");
+    options.cuts = points_of(given.cuts, "--cut");
     if (check_command->parsed()) {
       check(options);
     } else if (remesh_command->parsed()) {

@@ -56,7 +56,7 @@ Naming naming_given(const std::vector<End>& ends, const std::optional<Vec3>& inl
   return naming;
 }
 
-Naming naming_like(const std::vector<End>& ends, const nlohmann::json& like) {
+Naming naming_like(std::vector<End>& ends, const nlohmann::json& like) {
   const auto& earlier = like.at("ends");
   if (earlier.size() != ends.size())
     throw InputError("the ends do not match the earlier state's", "ends",
@@ -80,6 +80,7 @@ Naming naming_like(const std::vector<End>& ends, const nlohmann::json& like) {
                        earlier[best].at("name").get<std::string>(),
                        "give the surface and the anatomy.json of the same vessel");
     taken[best] = true;
+    ends[e].extension = earlier[best].value("extension_mm", 0.0);
     const bool inlet = earlier[best].at("kind") == "inlet";
     if (inlet)
       naming.inlet = e;

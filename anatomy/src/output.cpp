@@ -41,9 +41,7 @@ nlohmann::ordered_json branch_entry(const Anatomy& anatomy, const Branch& branch
   // the axis next to a cap rests on few points: its curvature there is not reported as the branch's
   std::size_t counted = 0;
   for (std::size_t i = 0; i < branch.s.size(); ++i) {
-    const bool at_start =
-        branch.parent < 0 ? branch.s[i] < end_zone * branch.radius.front() : branch.s[i] < branch.s_outside;
-    if (at_start || branch.axis.length() - branch.s[i] < end_zone * branch.radius.back())
+    if (near_an_end(branch, anatomy.ends, branch.s[i]) || (branch.parent >= 0 && branch.s[i] < branch.s_outside))
       continue;
     mean += branch.curvature[i];
     highest = std::max(highest, branch.curvature[i]);
@@ -95,7 +93,8 @@ nlohmann::ordered_json summary(const Anatomy& anatomy, const StepTimer& timer) {
                            {"centre_mm", triple(end.centre)},
                            {"normal", triple(end.normal)},
                            {"area_mm2", end.area},
-                           {"diameter_mm", 2 * end.radius()}});
+                           {"diameter_mm", 2 * end.radius()},
+                           {"extension_mm", end.extension}});
   out["branches"] = nlohmann::ordered_json::array();
   for (const Branch& branch : anatomy.branches)
     out["branches"].push_back(branch_entry(anatomy, branch));

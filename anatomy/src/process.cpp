@@ -1,11 +1,16 @@
 #include "process.hpp"
+#include "cap_files.hpp"
 #include "common/error.hpp"
+#include "cut_ends.hpp"
 #include "ends.hpp"
+#include "extend.hpp"
 #include "local_edge.hpp"
 #include "refine.hpp"
 #include "repair.hpp"
 #include "surface_file.hpp"
+#include "tips.hpp"
 #include <CGAL/Polygon_mesh_processing/measure.h>
+#include <CGAL/Polygon_mesh_processing/repair.h>
 #include <filesystem>
 #include <fstream>
 
@@ -31,6 +36,12 @@ void check_options(const Options& options) {
   if (!(options.spacing >= 0.05 && options.spacing <= 2))
     throw InputError("section spacing out of range", "--spacing", std::to_string(options.spacing) + " mm",
                      "choose 0.05 to 2 mm");
+  for (double radii : {options.extend_inlet, options.extend_outlets})
+    if (!(radii == 0 || (radii >= 0.5 && radii <= 20)))
+      throw InputError("flow extension out of range", "--extend-inlet, --extend-outlets",
+                       std::to_string(radii) + " radii", "choose 0.5 to 20 radii, or 0 for none");
+  if (!options.caps.empty() && (options.inlet || !options.outlets.empty()))
+    throw InputError("ends given twice", "--cap", "with --inlet or --outlet", "give caps or points, not both");
 }
 
 // Tags as numbered by the tree, instead of by area.
@@ -44,13 +55,58 @@ void retag(Mesh& mesh, const std::vector<End>& ends, const std::vector<End>& bef
       }
 }
 
+// Cuts what the user asks for and the ends that are rounded, and caps the openings.
+void cut_flat(Prepared& out, const Options& options) {
+  std::vector<Vec3> wanted = options.outlets;
+  if (options.inlet)
+    wanted.push_back(*options.inlet);
+  cut_across(out.mesh, out.ends, options.cuts, out.repairs);
+  cap_open_ends(out.mesh, out.repairs);
+  out.ends = measured_ends(out.mesh);
+  if (!cut_tips(out.mesh, out.ends, wanted, out.repairs))
+    return;
+  cap_open_ends(out.mesh, out.repairs);
+  out.ends = measured_ends(out.mesh);
+}
+
+// Vessels that fuse beside each other, as hairpins do in a segmentation, leave a closed surface with a handle.
+void check_no_handle(Mesh& mesh) {
+  PMP::remove_isolated_vertices(mesh);
+  mesh.collect_garbage();
+  if (const auto where = place_on_handle(mesh))
+    throw InputError("the lumen forms a ring, as no coronary tree does", "near " + place(*where),
+                     "Euler number " +
+                         std::to_string(static_cast<long>(mesh.number_of_vertices() + mesh.number_of_faces()) -
+                                        static_cast<long>(mesh.number_of_edges())),
+                     "separate the vessels that touch there, or fill the hole through the lumen");
+}
+
+// Which end is which: as in the earlier state, by the given caps, by the given points, or by size.
+Naming named(std::vector<End>& ends, const Options& options, const std::optional<nlohmann::json>& like) {
+  if (like)
+    return naming_like(ends, *like);
+  if (options.caps.empty())
+    return naming_given(ends, options.inlet, options.outlets);
+  std::vector<Vec3> centres;
+  for (const GivenCap& cap : read_caps(options.caps, options.units))
+    centres.push_back(cap.centre);
+  return naming_given(ends, centres.front(), {centres.begin() + 1, centres.end()});
+}
+
+std::vector<double> extensions(const Options& options, std::size_t ends, std::size_t inlet) {
+  std::vector<double> radii(ends, options.extend_outlets);
+  radii[inlet] = options.extend_inlet;
+  return radii;
+}
+
 } // namespace
 
 Prepared prepare(const Options& options, StepTimer& timer) {
   check_options(options);
   Prepared out;
   timer.start("read");
-  out.input = read_surface(options.input, options.units);
+  const std::vector<GivenCap> caps = read_caps(options.caps, options.units);
+  out.input = read_surface(options.input, options.units, options.label, out.repairs);
   const Soup soup = soup_of(out.input);
   timer.start("repair");
   out.mesh = repaired(soup, out.repairs);
@@ -63,9 +119,13 @@ Prepared prepare(const Options& options, StepTimer& timer) {
   timer.start("self-intersections");
   remove_self_intersections(out.mesh, out.repairs);
   timer.start("caps");
-  if (soup.region.empty())
+  if (!caps.empty())
+    tag_given_caps(out.mesh, caps);
+  else if (soup.region.empty())
     tag_flat_caps(out.mesh);
   out.ends = measured_ends(out.mesh);
+  cut_flat(out, options);
+  check_no_handle(out.mesh);
   const double moved = flatten_caps(out.mesh);
   if (moved > 1e-3)
     out.repairs.push_back({"caps flattened", out.ends.size(), "moved up to " + std::to_string(moved) + " mm"});
@@ -87,7 +147,9 @@ Anatomy process(const Options& options, StepTimer& timer) {
   out.edge = options.edge;
   out.repairs = prepared.repairs;
   out.ends = prepared.ends;
-  const Naming naming = like ? naming_like(out.ends, *like) : naming_given(out.ends, options.inlet, options.outlets);
+  const Naming naming = named(out.ends, options, like);
+  timer.start("extend");
+  prepared.mesh = extended(prepared.mesh, out.ends, extensions(options, out.ends.size(), naming.inlet));
   timer.start("remesh");
   out.mesh = remeshed(prepared.mesh, options.edge);
   timer.start("centreline");

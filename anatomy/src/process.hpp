@@ -7,11 +7,15 @@ namespace anatomy {
 
 struct Options {
   std::string input, units = "mm";
+  int label = 0;         ///< of a mask; 0: its only one
   double edge = 0.4;     ///< mm
   double spacing = 0.25; ///< mm between sections
   std::optional<Vec3> inlet;
-  std::vector<Vec3> outlets; ///< in the order of their names, or empty
-  std::string like;          ///< anatomy.json of an earlier state, or empty
+  std::vector<Vec3> outlets;     ///< in the order of their names, or empty
+  std::vector<Vec3> cuts;        ///< points where the vessel is cut across
+  std::vector<std::string> caps; ///< files: the inlet's, then the outlets' in the order of their names; or empty
+  double extend_inlet = 0, extend_outlets = 0; ///< radii of straight extension
+  std::string like;                            ///< anatomy.json of an earlier state, or empty
 };
 
 /// The repaired, closed, outward surface with tagged flat caps, and its ends by falling area.

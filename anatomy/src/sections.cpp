@@ -81,11 +81,6 @@ bool on_a_cap(const Vec3& p, const std::vector<End>& ends) {
   });
 }
 
-bool near_an_end(const Branch& branch, double s) {
-  const bool near_inlet = branch.parent < 0 && s < end_zone * branch.radius.front();
-  return near_inlet || branch.axis.length() - s < end_zone * branch.radius.back();
-}
-
 // The innermost loop around the axis, as points in space; empty if there is none.
 std::vector<Vec3> loop_around(const Slicer& slicer, const Frame& frame, const Vec3& normal) {
   std::vector<std::vector<Point>> polylines;
@@ -113,6 +108,13 @@ std::vector<Vec3> loop_around(const Slicer& slicer, const Frame& frame, const Ve
 
 } // namespace
 
+bool near_an_end(const Branch& branch, const std::vector<End>& ends, double s) {
+  const auto inlet = std::find_if(ends.begin(), ends.end(), [](const End& end) { return end.inlet; });
+  const double at_inlet = std::max(end_zone * branch.radius.front(), inlet == ends.end() ? 0 : inlet->extension);
+  const double at_outlet = std::max(end_zone * branch.radius.back(), ends[branch.end].extension);
+  return (branch.parent < 0 && s < at_inlet) || branch.axis.length() - s < at_outlet;
+}
+
 std::vector<Section> cut_sections(const Mesh& surface, const std::vector<Branch>& branches,
                                   const std::vector<End>& ends) {
   EdgeTree tree(surface.edges().begin(), surface.edges().end(), surface);
@@ -126,7 +128,7 @@ std::vector<Section> cut_sections(const Mesh& surface, const std::vector<Branch>
       const Vec3 normal = branch.axis.tangent(branch.s[i]);
       const Frame frame(branch.x[i], normal);
       const std::vector<Vec3> loop = loop_around(slicer, frame, normal);
-      const bool end = near_an_end(branch, branch.s[i]);
+      const bool end = near_an_end(branch, ends, branch.s[i]);
       if (loop.empty()) {
         if (end)
           continue;

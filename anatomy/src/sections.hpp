@@ -14,10 +14,13 @@ struct Section {
 
 /// One section at every inner sample of every branch outside its parent's tube, as the loop of the plane's cut through
 /// `surface` that contains the axis. Where the loop runs over another branch's wall it is clipped there at
-/// ostium_clip times the inscribed radius (flag ostium); within 1.5 R of a cap, or if the loop meets a cap, the flag is
-/// end. Throws ComputationError where no loop contains the axis away from the ends.
+/// ostium_clip times the inscribed radius (flag ostium); within 1.5 R of a cap, in an extension, or if the loop meets a
+/// cap, the flag is end. Throws ComputationError where no loop contains the axis away from the ends.
 std::vector<Section> cut_sections(const Mesh& surface, const std::vector<Branch>& branches,
                                   const std::vector<End>& ends);
+
+/// Whether the axis at s is within 1.5 inscribed radii of a cap or in an extension.
+bool near_an_end(const Branch& branch, const std::vector<End>& ends, double s);
 
 constexpr double ostium_clip = 1.08;
 constexpr double end_zone = 1.5; ///< inscribed radii

@@ -1,5 +1,6 @@
 #include "surface_file.hpp"
 #include "common/error.hpp"
+#include "mask_file.hpp"
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -26,10 +27,17 @@ template <class Reader> vtkSmartPointer<vtkPolyData> read_with(const std::string
   auto reader = vtkSmartPointer<Reader>::New();
   reader->SetFileName(path.c_str());
   reader->Update();
+  if (reader->GetErrorCode() != 0)
+    throw InputError("the surface cannot be read", path, "incomplete or not of its format", "export the surface again");
   return reader->GetOutput();
 }
 
-vtkSmartPointer<vtkPolyData> read_by_suffix(const std::string& path) {
+vtkSmartPointer<vtkPolyData> read_by_suffix(const std::string& path, int label, std::vector<Repair>& repairs) {
+  if (is_mask_file(path))
+    return surface_of_label(read_mask(path), label, path, repairs);
+  if (label != any_label)
+    throw InputError("only masks have labels", "--label", std::to_string(label) + " for " + path,
+                     "leave the option out, or give a mask");
   std::string suffix = std::filesystem::path(path).extension().string();
   std::transform(suffix.begin(), suffix.end(), suffix.begin(), [](unsigned char c) { return std::tolower(c); });
   if (suffix == ".stl")
@@ -41,7 +49,7 @@ vtkSmartPointer<vtkPolyData> read_by_suffix(const std::string& path) {
   if (suffix == ".obj")
     return read_with<vtkOBJReader>(path);
   throw InputError("unknown surface format", path, suffix.empty() ? "no suffix" : suffix,
-                   "give a .stl, .vtp, .ply or .obj file");
+                   "give a surface (.stl, .vtp, .ply, .obj) or a labelled mask (.nii, .nii.gz, .nrrd, .mha, .mhd)");
 }
 
 std::string figure(double value) {
@@ -73,6 +81,54 @@ void check_range(double size, double lowest, double highest, const std::string& 
                                   : "the file is likely in " + likely + ": declare units " + likely);
 }
 
+// VTK's readers hand on the indices of a file as they are.
+void check_indices(vtkPolyData* data, const std::string& path) {
+  for (vtkCellArray* cells : {data->GetPolys(), data->GetStrips()}) {
+    vtkIdType n = 0;
+    const vtkIdType* ids = nullptr;
+    bool sound = cells->IsValid();
+    auto cell = vtk::TakeSmartPointer(cells->NewIterator());
+    for (cell->GoToFirstCell(); sound && !cell->IsDoneWithTraversal(); cell->GoToNextCell()) {
+      cell->GetCurrentCell(n, ids);
+      sound = std::all_of(ids, ids + n, [&](vtkIdType id) { return id >= 0 && id < data->GetNumberOfPoints(); });
+    }
+    if (!sound)
+      throw InputError("a triangle names a point that the file does not have", path,
+                       std::to_string(data->GetNumberOfPoints()) + " points", "export the surface again");
+  }
+}
+
+vtkSmartPointer<vtkPolyData> in_millimetres(const std::string& path, const std::string& units, int label,
+                                            vtkIdType fewest, std::vector<Repair>& repairs) {
+  const double scale = millimetres_per(units);
+  if (!std::filesystem::is_regular_file(path))
+    throw InputError("no such surface file", path, "missing", "check the path");
+  const auto read = read_by_suffix(path, label, repairs);
+  check_indices(read, path);
+  auto triangulate = vtkSmartPointer<vtkTriangleFilter>::New();
+  triangulate->SetInputData(read);
+  triangulate->PassVertsOff();
+  triangulate->PassLinesOff();
+  triangulate->Update();
+  vtkSmartPointer<vtkPolyData> data = triangulate->GetOutput();
+  if (data->GetNumberOfCells() < fewest)
+    throw InputError("no surface in the file", path, std::to_string(data->GetNumberOfCells()) + " triangles",
+                     "check that the file is complete and holds a triangulated surface");
+  auto points = vtkSmartPointer<vtkPoints>::New();
+  points->SetDataTypeToDouble();
+  points->SetNumberOfPoints(data->GetNumberOfPoints());
+  for (vtkIdType i = 0; i < data->GetNumberOfPoints(); ++i) {
+    double x[3];
+    data->GetPoint(i, x);
+    if (!std::isfinite(x[0]) || !std::isfinite(x[1]) || !std::isfinite(x[2]))
+      throw InputError("a coordinate is not a finite number", path, "point " + std::to_string(i),
+                       "export the surface again");
+    points->SetPoint(i, x[0] * scale, x[1] * scale, x[2] * scale);
+  }
+  data->SetPoints(points);
+  return data;
+}
+
 } // namespace
 
 double millimetres_per(const std::string& units) {
@@ -93,31 +149,14 @@ void check_mean_radius(double radius_mm, const std::string& units, const std::st
   check_range(radius_mm, 0.2, 8, "mean radius", units, path);
 }
 
-vtkSmartPointer<vtkPolyData> read_surface(const std::string& path, const std::string& units) {
-  const double scale = millimetres_per(units);
-  if (!std::filesystem::is_regular_file(path))
-    throw InputError("no such surface file", path, "missing", "check the path");
-  auto triangulate = vtkSmartPointer<vtkTriangleFilter>::New();
-  triangulate->SetInputData(read_by_suffix(path));
-  triangulate->PassVertsOff();
-  triangulate->PassLinesOff();
-  triangulate->Update();
-  vtkSmartPointer<vtkPolyData> data = triangulate->GetOutput();
-  if (data->GetNumberOfCells() < 4)
-    throw InputError("no surface in the file", path, std::to_string(data->GetNumberOfCells()) + " triangles",
-                     "check that the file is complete and holds a triangulated surface");
-  auto points = vtkSmartPointer<vtkPoints>::New();
-  points->SetDataTypeToDouble();
-  points->SetNumberOfPoints(data->GetNumberOfPoints());
-  for (vtkIdType i = 0; i < data->GetNumberOfPoints(); ++i) {
-    double x[3];
-    data->GetPoint(i, x);
-    if (!std::isfinite(x[0]) || !std::isfinite(x[1]) || !std::isfinite(x[2]))
-      throw InputError("a coordinate is not a finite number", path, "point " + std::to_string(i),
-                       "export the surface again");
-    points->SetPoint(i, x[0] * scale, x[1] * scale, x[2] * scale);
-  }
-  data->SetPoints(points);
+vtkSmartPointer<vtkPolyData> read_triangles(const std::string& path, const std::string& units) {
+  std::vector<Repair> repairs; // of masks alone
+  return in_millimetres(path, units, any_label, 1, repairs);
+}
+
+vtkSmartPointer<vtkPolyData> read_surface(const std::string& path, const std::string& units, int label,
+                                          std::vector<Repair>& repairs) {
+  const auto data = in_millimetres(path, units, label, 4, repairs);
   check_diagonal(data->GetLength(), units, path);
   return data;
 }

@@ -1,4 +1,4 @@
-// Surface files: STL (ASCII or binary), VTP, PLY, OBJ.
+// Surface files: STL (ASCII or binary), VTP, PLY, OBJ; and labelled masks, whose surface is taken.
 #pragma once
 #include "types.hpp"
 #include <vtkPolyData.h>
@@ -6,11 +6,16 @@
 
 namespace anatomy {
 
+/// Triangles of a surface file, in mm, whatever their size. Throws as read_surface, but for the size.
+vtkSmartPointer<vtkPolyData> read_triangles(const std::string& path, const std::string& units);
+
 /// Reads a surface as triangles, in mm. Point and cell arrays of a VTP are kept.
-/// units: "mm", "cm" or "m", the file's length unit.
+/// units: "mm", "cm" or "m", the file's length unit. label: of a mask (mask_file.hpp), 0 for its only one. What is left
+/// out of a mask is appended to `repairs`.
 /// Throws InputError: unknown suffix or unit, missing or unreadable file, no triangles, coordinates that are not
-/// finite, or a size that is not a coronary lumen's (with the likely unit).
-vtkSmartPointer<vtkPolyData> read_surface(const std::string& path, const std::string& units);
+/// finite, a label for what is no mask, or a size that is not a coronary lumen's (with the likely unit).
+vtkSmartPointer<vtkPolyData> read_surface(const std::string& path, const std::string& units, int label,
+                                          std::vector<Repair>& repairs);
 
 /// The triangles and, if present, the cell array region_id.
 Soup soup_of(vtkPolyData* data);

@@ -53,6 +53,7 @@ struct End {
   Vec3 centre = Vec3::Zero();
   Vec3 normal = Vec3::Zero(); ///< outward
   double area = 0;
+  double extension = 0; ///< mm of straight wall added behind it
   double radius() const;
 };
 

@@ -113,7 +113,8 @@ TEST(Naming, LikeAnEarlierState) {
     {"name": "inlet", "kind": "inlet", "branch": "main", "centre_mm": [10.2, 0, 0]},
     {"name": "outlet1", "kind": "outlet", "branch": "main", "centre_mm": [0, 0.3, 0]},
     {"name": "outlet3", "kind": "outlet", "branch": "side2", "centre_mm": [19, 0, 0]}]})");
-  const Naming naming = naming_like(three_ends(), like);
+  std::vector<End> ends = three_ends();
+  const Naming naming = naming_like(ends, like);
   EXPECT_EQ(naming.inlet, 1u);
   EXPECT_EQ(naming.branch, (std::vector<int>{0, -1, 2}));
   std::vector<End> two = three_ends();

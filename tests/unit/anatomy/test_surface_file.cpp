@@ -28,7 +28,8 @@ protected:
   }
   std::string message(const std::string& path, const std::string& units) {
     try {
-      read_surface(path, units);
+      std::vector<Repair> repairs;
+      read_surface(path, units, 0, repairs);
     } catch (const common::InputError& error) {
       return error.what();
     }
@@ -37,7 +38,8 @@ protected:
 };
 
 TEST_F(SurfaceFile, ScalesToMillimetres) {
-  const Soup soup = soup_of(read_surface(octahedron(2), "cm"));
+  std::vector<Repair> repairs;
+  const Soup soup = soup_of(read_surface(octahedron(2), "cm", 0, repairs));
   ASSERT_EQ(soup.triangles.size(), 8u);
   EXPECT_NEAR(vec(soup.points[0]).norm(), 20, 1e-5);
   EXPECT_TRUE(soup.region.empty());

@@ -2,6 +2,7 @@
 
 import numpy as np
 import vtk
+from scipy.interpolate import CubicSpline
 from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 
 
@@ -74,6 +75,26 @@ def helix(radius, pitch_per_rad):
     return axis
 
 
+def by_arc_length(curve, stop, samples=20001):
+    """(axis of arc length s, length) of a curve p(t), t in [0, stop], by cumulative chords."""
+    x = curve(np.linspace(0, stop, samples))
+    s = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(x, axis=0), axis=1))])
+    spline = CubicSpline(s, x)
+    return lambda at: spline(at), s[-1]
+
+
+def hairpin(leg, gap, radius):
+    """(axis, length) of two straight legs (mm) joined by a half circle, `gap` mm between their walls."""
+    bend = radius + gap / 2
+
+    def axis(s):
+        angle = np.clip((s - leg) / bend, 0, np.pi)
+        back = np.maximum(s - leg - np.pi * bend, 0)
+        return np.column_stack([np.minimum(s, leg) + bend * np.sin(angle) - back, bend * (1 - np.cos(angle)), 0 * s])
+
+    return axis, 2 * leg + np.pi * bend
+
+
 def tube(axis, radius, length, edge=0.4, noise=0.0, seed=1, capped=True):
     """Swept tube (points, triangles), outward; `radius` is a function of arc length, `noise` radial (mm)."""
     rings = round(length / edge) + 1
@@ -109,29 +130,33 @@ def tube(axis, radius, length, edge=0.4, noise=0.0, seed=1, capped=True):
     return points, np.vstack(triangles)
 
 
-def tree(segments, spacing=0.2):
-    """Blended tree (points, triangles) of straight cones (start, end, r0, r1), open at every end, cut flat there.
+def tree_field(segments, spacing=0.2, rounded=False):
+    """(low corner, field) of the distance (mm) to straight cones (start, end, r0, r1), negative inside, on a grid.
 
-    Zero level of the distance to the cones by flying edges; each cone runs on past its end by half its radius, and a
-    local cut takes that off (of the first cone at its start, too).
+    Each cone runs on past its end by half its radius (`rounded`: ends in a half ball there); the first one at its
+    start, too.
     """
     starts, ends = (np.array([s[k] for s in segments], dtype=float) for k in (0, 1))
     low = np.minimum(starts, ends).min(axis=0) - 4
     counts = np.ceil((np.maximum(starts, ends).max(axis=0) + 4 - low) / spacing).astype(int) + 1
     grid = np.stack(np.meshgrid(*[low[k] + spacing * np.arange(counts[k]) for k in range(3)], indexing="ij"), axis=-1)
     field = np.full(counts, np.inf)
-    cuts = []
     for number, (a, b, r0, r1) in enumerate(segments):
         a, b = np.asarray(a, float), np.asarray(b, float)
         length = np.linalg.norm(b - a)
         t = (b - a) / length
         along = (grid - a) @ t
         radius = r0 + (r1 - r0) * np.clip(along / length, 0, 1)
-        inside = np.clip(along, 0 if number else -0.5 * r0, length + 0.5 * r1)
+        beyond = 0 if rounded else 0.5
+        inside = np.clip(along, 0 if number else -beyond * r0, length + beyond * r1)
         field = np.minimum(field, np.linalg.norm(grid - a - inside[..., None] * t, axis=-1) - radius)
-        cuts += [(b, t, r1)] if number else [(a, -t, r0), (b, t, r1)]
+    return low, field
+
+
+def level_surface(low, field, spacing):
+    """vtkFlyingEdges3D of the field's zero level."""
     image = vtk.vtkImageData()
-    image.SetDimensions(*(int(n) for n in counts))
+    image.SetDimensions(*(int(n) for n in field.shape))
     image.SetSpacing(spacing, spacing, spacing)
     image.SetOrigin(*low)
     image.GetPointData().SetScalars(numpy_to_vtk(field.ravel(order="F"), deep=True))
@@ -139,12 +164,28 @@ def tree(segments, spacing=0.2):
     surface.SetInputData(image)
     surface.SetValue(0, 0.0)
     surface.ComputeNormalsOff()
+    return surface
+
+
+def tree(segments, spacing=0.2, rounded=False, inner=(), reach=2.5):
+    """Tree (points, triangles) of straight cones (start, end, r0, r1) by flying edges of `tree_field`.
+
+    Open at every end and cut flat there within `reach` radii; the segments numbered `inner` end inside the tree.
+    `rounded`: closed, with half balls for ends.
+    """
+    surface = level_surface(*tree_field(segments, spacing, rounded), spacing)
+    cuts = []
+    for number, (a, b, r0, r1) in enumerate([] if rounded else segments):
+        a, b = np.asarray(a, float), np.asarray(b, float)
+        t = (b - a) / np.linalg.norm(b - a)
+        cuts += [] if number else [(a, -t, r0)]
+        cuts += [] if number in inner else [(b, t, r1)]
     for centre, normal, radius in cuts:
         plane, ball, both = vtk.vtkPlane(), vtk.vtkSphere(), vtk.vtkImplicitBoolean()
         plane.SetOrigin(*centre)
         plane.SetNormal(*(-normal))
         ball.SetCenter(*centre)
-        ball.SetRadius(2.5 * radius)
+        ball.SetRadius(reach * radius)
         both.SetOperationTypeToIntersection()
         both.AddFunction(plane)
         both.AddFunction(ball)

@@ -91,7 +91,12 @@ def self_intersection(points, triangles):
     return points, triangles
 
 
+def degenerate(points, triangles):
+    return points, np.vstack([triangles, [[5, 5, 9], [7, 8, 7]]])
+
+
 DEFECTS = {
+    degenerate: "degenerate triangles dropped",
     flipped: "triangles turned",
     inward: "normals turned outward",
     shuffled_soup: "points welded",
@@ -127,6 +132,29 @@ def test_formats_agree(lumen, tube, tmp_path, suffix):
     assert summary["branches"][0]["length_mm"] == pytest.approx(20, abs=0.05) and not summary["repairs"]
 
 
+def test_ascii_stl(lumen, tube, tmp_path):
+    writer = surfaces.vtk.vtkSTLWriter()
+    writer.SetFileName(str(tmp_path / "tube.stl"))
+    writer.SetInputData(surfaces.polydata(*tube))
+    writer.SetFileTypeToASCII()
+    writer.Write()
+    assert (tmp_path / "tube.stl").read_bytes().startswith(b"solid")
+    done = lumen(tmp_path / "tube.stl", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert not json.loads((tmp_path / "out" / "anatomy.json").read_text())["repairs"]
+
+
+def test_a_ragged_open_end_is_refused_with_its_place(lumen, tube, tmp_path):
+    points, triangles = open_ends(*tube)
+    far = np.isclose(points, points[triangles[-1, 0]]).all(axis=1)  # a corner of the far rim
+    points = points.copy()
+    points[far] -= 2.0 * (surfaces.arc(0.1)(np.array([20.0])) - surfaces.arc(0.1)(np.array([19.0])))
+    done = lumen(surfaces.write(tmp_path / "tube.vtp", points, triangles), tmp_path / "out")
+    assert done.returncode == 2 and "not cut flat" in done.stderr and done.stderr.count("error:") == 1
+    where = [float(x) for x in done.stderr.split("where:  (")[1].split(")")[0].split(", ")]
+    assert np.linalg.norm(where - surfaces.arc(0.1)(np.array([20.0]))[0]) < 0.5
+
+
 @pytest.mark.parametrize("scale, declared, likely", [(0.001, "mm", "m"), (1, "m", "mm"), (0.1, "mm", "cm")])
 def test_implausible_scale_is_refused(lumen, tube, tmp_path, scale, declared, likely):
     surface = surfaces.write(tmp_path / "tube.vtp", scale * tube[0], tube[1])
@@ -136,7 +164,7 @@ def test_implausible_scale_is_refused(lumen, tube, tmp_path, scale, declared, li
     assert lumen(surface, tmp_path / "out", "--units", likely).returncode == 0
 
 
-def test_rounded_ends_are_refused_with_a_remedy(lumen, tmp_path):
+def test_a_ball_is_refused_with_a_remedy(lumen, tmp_path):
     sphere = surfaces.vtk.vtkSphereSource()
     sphere.SetRadius(3)
     sphere.SetThetaResolution(40)

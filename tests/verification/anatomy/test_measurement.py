@@ -61,16 +61,50 @@ def test_clean_tube(process, tmp_path, name, edge):
         assert column(rows, "torsion_per_mm").mean() == pytest.approx(3 / 25, rel=0.05)
 
 
-@pytest.mark.parametrize("name", ["arc", "tapered", "helix"])
-def test_noisy_tube(process, tmp_path, name):
+@pytest.mark.parametrize("name, edge", [("arc", 0.4), ("tapered", 0.4), ("helix", 0.4), ("arc", 0.25)])
+def test_noisy_tube(process, tmp_path, name, edge):
     axis, radius, length, curvature = CASES[name]
-    surface = surfaces.write(tmp_path / "tube.stl", *surfaces.tube(axis, radius, length, 0.4, noise=0.05))
+    surface = surfaces.write(tmp_path / "tube.stl", *surfaces.tube(axis, radius, length, edge, noise=0.05))
     _, rows = process(surface, tmp_path / "out", "--inlet", ",".join(map(str, axis(np.zeros(1))[0])))
     x = np.column_stack([column(rows, k) for k in ("x_mm", "y_mm", "z_mm")])
     fine = axis(np.linspace(0, length, 4000))
     off = np.sqrt(((x[:, None] - fine[None]) ** 2).sum(axis=2).min(axis=1))
     assert off.mean() < 0.05
     assert column(rows, "curvature_per_mm").mean() == pytest.approx(curvature, rel=0.05)
+
+
+def wave(t):
+    """Points of a curve whose curvature changes sign and whose plane turns."""
+    return np.column_stack([t, 1.5 * np.sin(0.5 * t), 0.8 * np.sin(0.25 * t)])
+
+
+@pytest.fixture
+def tortuous(process, tmp_path):
+    axis, length = surfaces.by_arc_length(wave, 30.0)
+    surface = surfaces.write(tmp_path / "tube.stl", *surfaces.tube(axis, lambda s: 1.4 + 0 * s, length, 0.2))
+    summary, rows = process(surface, tmp_path / "out", "--inlet", "0,0,0")
+    return axis, length, summary, rows
+
+
+def test_tortuous_tube(tortuous):
+    """Mean curvature, section areas, tortuosity."""
+    axis, length, summary, rows = tortuous
+    s, kappa = column(rows, "s_mm"), column(rows, "curvature_per_mm")
+    step = 1e-3
+    second = (axis(s + step) - 2 * axis(s) + axis(s - step)) / step**2
+    assert kappa.mean() == pytest.approx(np.linalg.norm(second, axis=1).mean(), rel=0.02)
+    area = column(rows, "area_mm2") / (np.pi * 1.4**2)
+    assert abs(area.mean() - 1) < 0.01 and area.std() < 0.01
+    chord = np.linalg.norm(axis(np.array([length])) - axis(np.array([0.0])))
+    assert summary["branches"][0]["tortuosity"] == pytest.approx(length / chord, rel=0.005)
+
+
+@pytest.mark.xfail(strict=True, reason="0.0103 mm from the true axis on average, of 0.01 wanted")
+def test_tortuous_axis(tortuous):
+    axis, length, _, rows = tortuous
+    x = np.column_stack([column(rows, k) for k in ("x_mm", "y_mm", "z_mm")])
+    fine = axis(np.linspace(0, length, 4000))
+    assert np.sqrt(((x[:, None] - fine[None]) ** 2).sum(axis=2).min(axis=1)).mean() < 0.01
 
 
 TREE = [
@@ -98,7 +132,7 @@ def test_tree(process, tmp_path):
     away = column(main, "area_mm2") / truth(column(main, "s_mm"))
     ostia = column(main, "area_mm2", "ostium") / truth(column(main, "s_mm", "ostium"))
     assert len(ostia) > 6 and abs(ostia.mean() - 1) < 0.05
-    assert abs(away.mean() - 1) < 0.01 and away.std() < 0.012
+    assert abs(away.mean() - 1) < 0.01 and away.std() < 0.01
     assert np.hypot(column(main, "y_mm"), column(main, "z_mm")).mean() < 0.02
     # the arrays of lumen.vtp: cap tags at the caps, branch of each triangle
     lumen = surfaces.read(tmp_path / "out" / "lumen.vtp")

@@ -24,8 +24,10 @@ def process(binary, shared_data, tmp_path_factory):
                 rows = list(csv.DictReader(file))
             summary = json.loads((out / "anatomy.json").read_text())
             done[name] = (summary, rows, *surfaces.arrays(surfaces.read(out / "lumen.vtp")))
+            run.folders[name] = out
         return done[name]
 
+    run.folders = {}
     return run
 
 
@@ -42,6 +44,21 @@ def test_closed_and_well_shaped(process, name):
     a, b, c = (points[triangles[:, k]] for k in range(3))
     assert np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6 == pytest.approx(summary["mesh"]["volume_mm3"])
     assert summary["mesh"]["min_angle_deg"] > 30 and summary["mesh"]["min_angle_at_rims_deg"] > 8
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_becomes_a_volume_mesh(process, run_module, tmp_path, name):
+    """The tagged surface is what the volume mesh of the flow is made from: same volume, every end a boundary."""
+    summary, *_ = process(name)
+    folder = process.folders[name]
+    command = ["flow", "mesh", folder / "lumen.vtp", "--centreline", folder / "centreline.vtp"]
+    done = run_module(*command, "--out", tmp_path / "mesh.msh", timeout=400)
+    assert done.returncode == 0, done.stderr
+    mesh = json.loads((tmp_path / "mesh.json").read_text())
+    assert mesh["cells"] > 1000
+    area = {str(end["region_id"]): end["area_mm2"] for end in summary["ends"]}
+    extended = sum(length * area[region] for region, length in mesh["outlet_extensions_mm"].items())
+    assert mesh["volume_mm3"] == pytest.approx(summary["mesh"]["volume_mm3"] + extended, rel=0.02)
 
 
 def test_real_artery(process):

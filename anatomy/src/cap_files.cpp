@@ -1,0 +1,86 @@
+#include "cap_files.hpp"
+#include "common/error.hpp"
+#include "ends.hpp"
+#include "surface_file.hpp"
+#include <CGAL/AABB_traits.h>
+#include <CGAL/AABB_tree.h>
+#include <CGAL/AABB_triangle_primitive.h>
+#include <CGAL/Polygon_mesh_processing/compute_normal.h>
+#include <algorithm>
+
+namespace anatomy {
+namespace {
+
+namespace PMP = CGAL::Polygon_mesh_processing;
+using common::InputError;
+using Iterator = std::vector<Kernel::Triangle_3>::const_iterator;
+using Primitive = CGAL::AABB_triangle_primitive<Kernel, Iterator>;
+
+constexpr double on_cap = 0.02;       // radii between a face's centre and the cap that it lies on
+constexpr double cos_cap = 0.9;       // 26 degrees between their normals
+constexpr double least_covered = 0.5; // of the cap's area, by the faces that lie on it
+
+GivenCap measured(const std::string& path, const Soup& soup) {
+  GivenCap cap{path, Vec3::Zero(), Vec3::Zero(), 0, soup};
+  double weight = 0;
+  Vec3 total = Vec3::Zero();
+  for (const Triangle& t : soup.triangles) {
+    const Vec3 a = vec(soup.points[t[0]]), b = vec(soup.points[t[1]]), c = vec(soup.points[t[2]]);
+    Vec3 area = 0.5 * (b - a).cross(Vec3(c - a));
+    if (area.dot(total) < 0) // triangles of a soup may disagree
+      area = -area;
+    total += area;
+    weight += area.norm();
+    cap.centre += area.norm() * (a + b + c) / 3;
+  }
+  cap.centre /= weight;
+  cap.area = total.norm();
+  cap.normal = total / cap.area;
+  if (!(cap.area > 0))
+    throw InputError("a cap without area", path, std::to_string(soup.triangles.size()) + " triangles",
+                     "give the triangles that close one end");
+  return cap;
+}
+
+} // namespace
+
+std::vector<GivenCap> read_caps(const std::vector<std::string>& paths, const std::string& units) {
+  std::vector<GivenCap> caps;
+  for (const std::string& path : paths)
+    caps.push_back(measured(path, soup_of(read_triangles(path, units))));
+  return caps;
+}
+
+void tag_given_caps(Mesh& mesh, const std::vector<GivenCap>& caps) {
+  RegionMap region = region_map(mesh);
+  const std::vector<End> known = measured_ends(mesh);
+  int next = static_cast<int>(known.size());
+  for (const GivenCap& cap : caps) {
+    const double radius = std::sqrt(cap.area / M_PI);
+    if (std::any_of(known.begin(), known.end(),
+                    [&](const End& end) { return (end.centre - cap.centre).norm() < 0.5 * radius; }))
+      continue;
+    std::vector<Kernel::Triangle_3> triangles;
+    for (const Triangle& t : cap.triangles.triangles)
+      triangles.emplace_back(cap.triangles.points[t[0]], cap.triangles.points[t[1]], cap.triangles.points[t[2]]);
+    const CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>> tree(triangles.begin(), triangles.end());
+    ++next;
+    double covered = 0;
+    for (Face f : mesh.faces()) {
+      const Halfedge h = mesh.halfedge(f);
+      const Vec3 a = vec(mesh.point(mesh.source(h))), b = vec(mesh.point(mesh.target(h))),
+                 c = vec(mesh.point(mesh.target(mesh.next(h)))), area = 0.5 * (b - a).cross(Vec3(c - a));
+      if (std::abs(area.dot(cap.normal)) < cos_cap * area.norm() ||
+          std::sqrt(tree.squared_distance(point((a + b + c) / 3))) > on_cap * radius)
+        continue;
+      region[f] = next;
+      covered += area.norm();
+    }
+    if (covered < least_covered * cap.area)
+      throw InputError("no end of the vessel at a given cap", cap.path,
+                       "its centre " + place(cap.centre) + ", area " + std::to_string(cap.area) + " mm2",
+                       "check that cap and surface are in the same frame and unit");
+  }
+}
+
+} // namespace anatomy

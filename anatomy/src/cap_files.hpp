@@ -1,0 +1,21 @@
+// Ends given as files, each the triangles that close one end.
+#pragma once
+#include "types.hpp"
+
+namespace anatomy {
+
+struct GivenCap {
+  std::string path;
+  Vec3 centre = Vec3::Zero(), normal = Vec3::Zero(); ///< of its area; the sense of the normal is not used
+  double area = 0;                                   ///< mm2
+  Soup triangles;
+};
+
+/// Reads the caps in the unit of the surface. Throws InputError as read_triangles does, and for a cap without area.
+std::vector<GivenCap> read_caps(const std::vector<std::string>& paths, const std::string& units);
+
+/// Tags the faces of the closed mesh that lie on a given cap, unless an end that was capped before (tagged) is there.
+/// Throws InputError where neither is.
+void tag_given_caps(Mesh& mesh, const std::vector<GivenCap>& caps);
+
+} // namespace anatomy

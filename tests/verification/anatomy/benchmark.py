@@ -1,0 +1,76 @@
+"""Seconds of each step of `lumen process` against the size of its input, as CSV on standard output.
+
+Run: /usr/bin/python3 tests/verification/anatomy/benchmark.py [triangles ...] (default 20000 200000 2000000). Steps are
+wall clock, as anatomy.json has them: use an idle machine, or go by cpu_s.
+"""
+
+import csv
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+import surfaces
+
+LUMEN = pathlib.Path(__file__).resolve().parents[3] / "build" / "lumen"
+FOUR_BRANCHES = [
+    ((0, 0, 0), (40, 0, 0), 1.7, 1.4),
+    ((10, 0, 0), (10 + 9 * np.cos(1.0), 0, 9 * np.sin(1.0)), 0.9, 0.8),
+    ((18, 0, 0), (18 + 10 * np.cos(0.9), 10 * np.sin(0.9), 0), 1.0, 0.9),
+    ((29, 0, 0), (29 + 8 * np.cos(1.0), 0, -8 * np.sin(1.0)), 0.8, 0.7),
+]
+TRIANGLES_AT_02 = 38000  # of the tree at 0.2 mm grid spacing; they grow as its inverse square
+COARSEST = 130000  # triangles taken from a grid; more are made by splitting each into four
+
+
+def tree_of(triangles):
+    """(points, triangles) of the tree with about this many triangles."""
+    splits = 0
+    while triangles / 4**splits > COARSEST:
+        splits += 1
+    points, cells = surfaces.tree(FOUR_BRANCHES, spacing=0.2 * (TRIANGLES_AT_02 * 4**splits / triangles) ** 0.5)
+    for _ in range(splits):
+        edges = np.sort(np.vstack([cells[:, [0, 1]], cells[:, [1, 2]], cells[:, [2, 0]]]), axis=1)
+        unique, inverse = np.unique(edges, axis=0, return_inverse=True)
+        ab, bc, ca = (len(points) + inverse.reshape(3, -1)[k] for k in range(3))
+        points = np.vstack([points, points[unique].mean(axis=1)])
+        a, b, c = cells.T
+        cells = np.vstack([np.column_stack(t) for t in ((a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca))])
+    return points, cells
+
+
+def measured(triangles, folder):
+    """{column: value} of one run."""
+    points, cells = tree_of(triangles)
+    surface = surfaces.write(folder / "tree.stl", points, cells)
+    process = subprocess.Popen([LUMEN, "process", surface, "--out", folder / "out"], stderr=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    if status != 0:
+        raise SystemExit(f"lumen process failed at {len(cells)} triangles: run it on {surface}")
+    steps = json.loads((folder / "out" / "anatomy.json").read_text())["timings_s"]
+    row = {
+        "triangles": len(cells),
+        "cpu_s": round(usage.ru_utime + usage.ru_stime, 2),
+        "peak_mib": round(usage.ru_maxrss / 1024),
+    }
+    return row | {step: round(seconds, 2) for step, seconds in steps.items()}
+
+
+def main(sizes):
+    """Writes one row per size."""
+    writer = None
+    for size in sizes:
+        with tempfile.TemporaryDirectory() as folder:
+            row = measured(size, pathlib.Path(folder))
+        if writer is None:
+            writer = csv.DictWriter(sys.stdout, row.keys())
+            writer.writeheader()
+        writer.writerow(row)
+        sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main([int(argument) for argument in sys.argv[1:]] or [20000, 200000, 2000000])

@@ -1,0 +1,152 @@
+"""Ends of every kind: rounded ones cut flat, ends given as points or cap files, cuts on request, flow extensions."""
+
+import csv
+import json
+import subprocess
+
+import numpy as np
+import pytest
+import surfaces
+
+TREE = [
+    ((0, 0, 0), (30, 0, 0), 1.7, 1.4),
+    ((12, 0, 0), (12 + 9 * np.cos(0.9), 9 * np.sin(0.9), 0), 1.0, 0.9),
+]
+
+
+@pytest.fixture(scope="module")
+def lumen(binary):
+    """lumen(surface, out, *options) -> CompletedProcess of `lumen process`."""
+    program = binary("lumen")
+
+    def run(surface, out, *options):
+        command = [str(c) for c in (program, "process", surface, "--out", out, *options)]
+        return subprocess.run(command, text=True, capture_output=True, timeout=120)
+
+    return run
+
+
+@pytest.fixture
+def process(lumen, tmp_path):
+    """process(surface, *options) -> summary; asserts success."""
+
+    def run(surface, *options):
+        done = lumen(surface, tmp_path / "out", *options)
+        assert done.returncode == 0, done.stderr
+        return json.loads((tmp_path / "out" / "anatomy.json").read_text())
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def rounded(tmp_path_factory):
+    """The tree, closed, with half balls for ends."""
+    folder = tmp_path_factory.mktemp("rounded")
+    return surfaces.write(folder / "tree.vtp", *surfaces.tree(TREE, rounded=True))
+
+
+def reported(summary, what):
+    return sum(repair["what"] == what for repair in summary["repairs"])
+
+
+def test_rounded_ends_are_cut_across_the_axis(process, rounded):
+    summary = process(rounded)
+    assert reported(summary, "rounded end cut flat") == 3
+    assert [end["name"] for end in summary["ends"]] == ["inlet", "outlet1", "outlet2"]
+    for end, (a, b, r0, r1) in zip(summary["ends"], [(TREE[0][1], TREE[0][0], 1.4, 1.7), *TREE]):
+        axis = np.subtract(b, a) / np.linalg.norm(np.subtract(b, a))
+        from_tip = axis @ np.subtract(b, end["centre_mm"])
+        assert np.degrees(np.arccos(axis @ end["normal"])) < 3
+        assert 0 < from_tip < 0.7 * r1  # of the vessel itself no more than this is lost
+        assert np.linalg.norm(np.subtract(b, end["centre_mm"]) - from_tip * axis) < 0.05
+        assert end["diameter_mm"] == pytest.approx(2 * r1, rel=0.03)
+
+
+def test_noisy_rounded_ends(process, tmp_path):
+    points, triangles = surfaces.tree(TREE, rounded=True)
+    points = points + 0.05 * np.random.default_rng(1).standard_normal(points.shape)
+    summary = process(surfaces.write(tmp_path / "tree.stl", points, triangles))
+    assert reported(summary, "rounded end cut flat") == 3
+    assert [round(end["diameter_mm"], 1) for end in summary["ends"]] == [
+        pytest.approx(2 * r, abs=0.15) for r in (1.7, 1.4, 0.9)
+    ]
+
+
+def stub_tree():
+    """A vessel with two flat ends and a side branch that ends in a half ball."""
+    a, b = surfaces.tree(TREE), surfaces.tree(TREE, rounded=True)
+    # the open tree below y = 4, the rounded one above it
+    return [(p, t[(p[t].mean(axis=1)[:, 1] > 4) == above]) for (p, t), above in ((a, False), (b, True))]
+
+
+def test_a_closed_stub_beside_flat_ends_is_wall_unless_named(process, tmp_path):
+    (p, t), (q, u) = stub_tree()
+    surface = surfaces.write(tmp_path / "stub.vtp", np.vstack([p, q]), np.vstack([t, u + len(p)]))
+    summary = process(surface)
+    assert len(summary["ends"]) == 2 and reported(summary, "rounded end left closed") == 1
+    tip = TREE[1][1]
+    summary = process(surface, "--outlet", "30,0,0", "--outlet", ",".join(map(str, tip)))
+    assert len(summary["ends"]) == 3 and reported(summary, "rounded end cut flat") == 1
+    assert summary["ends"][2]["branch"] == "side1"
+
+
+def test_cut_on_request(process, tmp_path):
+    surface = surfaces.write(tmp_path / "tree.vtp", *surfaces.tree(TREE))
+    summary = process(surface, "--cut", "25,0.5,0")
+    assert reported(summary, "vessel cut across") == 1
+    outlet = next(end for end in summary["ends"] if end["branch"] == "main" and end["kind"] == "outlet")
+    assert outlet["centre_mm"] == pytest.approx([25, 0, 0], abs=0.1)
+    assert outlet["diameter_mm"] == pytest.approx(2 * 1.45, rel=0.02)
+    assert sorted(round(end["diameter_mm"], 1) for end in summary["ends"]) == [1.8, 2.9, 3.4]
+
+
+def test_a_cut_away_from_the_vessel_is_refused(lumen, tmp_path):
+    surface = surfaces.write(tmp_path / "tube.vtp", *surfaces.tube(surfaces.straight, lambda s: 1.5 + 0 * s, 15))
+    done = lumen(surface, tmp_path / "out", "--cut", "8,40,0")
+    assert done.returncode == 2 and "no vessel near" in done.stderr and not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("wall", ["open", "closed"])
+def test_caps_given_as_files(process, lumen, tmp_path, wall):
+    points, triangles = surfaces.tube(surfaces.arc(0.1), lambda s: 1.6 - 0.01 * s, 20)
+    first, last = ((triangles == len(points) - k).any(axis=1) for k in (2, 1))
+    names = []
+    for name, cells in (("out", last), ("in", first)):
+        names.append(surfaces.write(tmp_path / f"{name}.stl", points, triangles[cells]))
+    body = triangles[~(first | last)] if wall == "open" else triangles
+    surface = surfaces.write(tmp_path / "wall.stl", points, body)
+    summary = process(surface, "--cap", names[0], "--cap", names[1])  # the smaller end as the inlet
+    assert summary["ends"][0]["kind"] == "inlet"
+    assert summary["ends"][0]["centre_mm"] == pytest.approx(points[-1], abs=0.01)
+    assert summary["ends"][0]["area_mm2"] == pytest.approx(np.pi * 1.4**2, rel=0.02)
+    astray = surfaces.write(tmp_path / "astray.stl", points + [0, 0, 9], triangles[last])
+    done = lumen(surface, tmp_path / "other", "--cap", astray, "--cap", names[1])
+    assert done.returncode == 2 and ("at a given cap" in done.stderr or "near the given point" in done.stderr)
+
+
+def test_flow_extensions(process, tmp_path):
+    surface = surfaces.write(tmp_path / "tree.vtp", *surfaces.tree(TREE))
+    plain = process(surface)
+    summary = process(surface, "--extend-inlet", 4, "--extend-outlets", 3)
+    for before, end in zip(plain["ends"], summary["ends"]):
+        length = (4 if end["kind"] == "inlet" else 3) * before["diameter_mm"] / 2
+        assert end["extension_mm"] == pytest.approx(length)
+        moved = np.subtract(end["centre_mm"], before["centre_mm"])
+        assert moved == pytest.approx(length * np.array(before["normal"]), abs=1e-6)
+        assert end["area_mm2"] == pytest.approx(before["area_mm2"], rel=1e-6)
+    added = sum(end["extension_mm"] * end["area_mm2"] for end in summary["ends"])
+    assert summary["mesh"]["volume_mm3"] - plain["mesh"]["volume_mm3"] == pytest.approx(added, rel=0.02)
+    with (tmp_path / "out" / "sections.csv").open() as file:
+        main = [row for row in csv.DictReader(file) if row["branch"] == "main" and row["flag"] != "end"]
+    # the vessel's own sections alone count, now right up to where it was cut
+    x = np.array([float(row["x_mm"]) for row in main])
+    assert -0.01 < x.min() < 0.6 and 29.4 < x.max() < 30.01
+    again = process(tmp_path / "out" / "lumen.vtp", "--like", tmp_path / "out" / "anatomy.json")
+    assert [e["extension_mm"] for e in again["ends"]] == [e["extension_mm"] for e in summary["ends"]]
+
+
+def test_extensions_that_meet_are_refused(lumen, tmp_path):
+    half_circle = surfaces.tube(surfaces.arc(0.3), lambda s: 1.2 + 0 * s, np.pi / 0.3 + 4)
+    surface = surfaces.write(tmp_path / "u.vtp", *half_circle)
+    done = lumen(surface, tmp_path / "out", "--extend-inlet", 8, "--extend-outlets", 8)
+    assert done.returncode == 2 and "extension meets" in done.stderr
