@@ -23,7 +23,7 @@ build: setup $(BUILD)/build.ninja ## compile the programs into build/
 	@ninja -C $(BUILD) -j $(CORES) $(if $(CI),,--quiet) vci lumen
 
 validate: setup ## check every configuration file
-	@$(PYTHON) -m common validate
+	@$(PYTHON) -m workflow validate
 
 study: build ## run a cohort (COHORT=full|quick|real) or single cases (CASES="lad01 rca01"); -j by CORES
 	@$(SNAKEMAKE) --profile config/profiles/local --cores $(CORES) --config cohort=$(COHORT) $(if $(CASES),cases='$(CASES)')
