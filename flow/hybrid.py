@@ -57,11 +57,14 @@ class NoSpans(Exception):
     """No stretch of the tree can be swept."""
 
 
-def build(surface, tree, sizes, settings, rings, coarsening=1.0):
-    """Linear mesh of `surface`. Raises NoSpans, or ComputationError where a junction cannot be filled."""
+def build(surface, tree, sizes, settings, rings, coarsening=1.0, shorter=0.0):
+    """Linear mesh of `surface`, every end of a span that is not at a cap moved inwards by `shorter` radii. Raises
+    NoSpans, or ComputationError where a junction cannot be filled."""
     slicer = section.Slicer(surface)
     disc = disc_module.make(rings)
     found = _find(surface, tree, slicer, disc)
+    free = {(number, k) for number, span in enumerate(found) for k in (0, 1) if span.caps[k] is None}
+    found = _moved(found, free, shorter)
     for _ in range(TRIES):
         for span in found:
             if span.lattice is None:
@@ -72,7 +75,7 @@ def build(surface, tree, sizes, settings, rings, coarsening=1.0):
         try:
             return _assemble(surface, slicer, found, disc, sizes)
         except stitch.StitchError as error:
-            found = _moved(found, error.ends)
+            found = _moved(found, error.ends, MOVE_RADII)
     raise NoSpans("the spans' ends could not be stitched to the wall")
 
 
@@ -110,14 +113,14 @@ def _sweep(span, slicer, disc, settings, coarsening):
     span.lattice, span.stations = lattice.build(span.sections, disc, edge), len(at)
 
 
-def _moved(found, ends):
-    """Spans with the ends (span number, 0 or 1) moved inwards; spans that get too short are dropped."""
+def _moved(found, ends, radii):
+    """Spans with the ends (span number, 0 or 1) moved inwards by `radii`; spans that get too short are dropped."""
     kept = []
     for number, span in enumerate(found):
         for which in (0, 1):
             if (number, which) in ends:
                 at = span.start_mm if which == 0 else span.end_mm
-                shift = MOVE_RADII * float(span.axis.radius(at))
+                shift = radii * float(span.axis.radius(at))
                 span = dataclasses.replace(span, lattice=None)
                 if which == 0:
                     span.start_mm += shift

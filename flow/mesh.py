@@ -8,6 +8,8 @@ from flow import curving, extension, hybrid, refine, size_field, volume_mesh
 
 LEAST_GAMMA = 0.02  # below it an element is a sliver that spoils the whole solve
 LEAST_JACOBIAN_RATIO = 0.05
+# radii by which swept stretches are shortened: where a junction gets a sliver, a cut elsewhere seldom does
+SHORTER = (0.0, 0.15, 0.3, 0.45)
 PHYSICAL_WALL, PHYSICAL_INLET, PHYSICAL_OUTLET_BASE, PHYSICAL_VOLUME = 1, 2, 10, 1
 
 
@@ -27,13 +29,7 @@ def build(surface, tree, cells_per_radius, settings, rings=None, coarsening=1.0)
     surface = refine.refine(surface, sizes)
     surface, lengths = extension.extend_outlets(surface, settings.outlet_extension_diameters)
     try:
-        linear = hybrid.build(surface, tree, sizes, settings, rings, coarsening)
-        linear.tetrahedra = _positive(linear.points, linear.tetrahedra)
-        mesh = curving.curve_with(
-            linear.boundary, linear.region, linear.points, linear.tetrahedra, linear.edges, linear.middles
-        )
-        figures = _checked(mesh, linear.swept)
-        swept = {"cells": int(linear.swept.sum()), "spans": linear.spans}
+        mesh, figures, swept = _swept(surface, tree, sizes, settings, rings, coarsening)
     except (hybrid.NoSpans, ComputationError) as error:
         points, tetrahedra = volume_mesh.fill(surface, sizes, spacing_mm=max(0.25, float(sizes.size.min())))
         mesh = curving.curve(surface, points, _positive(points, tetrahedra))
@@ -53,6 +49,24 @@ def build(surface, tree, cells_per_radius, settings, rings=None, coarsening=1.0)
         "outlet_extensions_mm": {str(region): length for region, length in lengths.items()},
     }
     return mesh, report
+
+
+def _swept(surface, tree, sizes, settings, rings, coarsening):
+    """(QuadraticMesh, quality, record of the spans): the first of SHORTER that gives cells good enough. Raises NoSpans,
+    or the ComputationError of the last."""
+    for shorter in SHORTER:
+        try:
+            linear = hybrid.build(surface, tree, sizes, settings, rings, coarsening, shorter)
+            linear.tetrahedra = _positive(linear.points, linear.tetrahedra)
+            mesh = curving.curve_with(
+                linear.boundary, linear.region, linear.points, linear.tetrahedra, linear.edges, linear.middles
+            )
+            figures = _checked(mesh, linear.swept)
+        except ComputationError as error:
+            refused = error
+            continue
+        return mesh, figures, {"cells": int(linear.swept.sum()), "spans": linear.spans, "shorter_radii": shorter}
+    raise refused
 
 
 def _checked(mesh, swept):

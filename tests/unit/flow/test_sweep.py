@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import tubes
+from common.errors import ComputationError
 from flow import centreline, curving, mesh, settings, tet10
 from flow.sweep import disc, lattice, section, spans, stations, stitch
 
@@ -108,6 +109,23 @@ def test_an_end_that_cannot_be_stitched_moves_or_the_mesh_is_of_one_size(monkeyp
         patch.setattr(stitch, "strips", always_fails)
         _, report = mesh.build(surface, tree, 2.0, settings.make())
     assert report["swept"]["cells"] == 0 and report["swept"]["reason"]
+
+
+def test_a_sliver_in_a_junction_moves_the_cuts(monkeypatch, forked):
+    surface, branches = tubes.fork()
+    checked, calls = mesh._checked, []
+
+    def bad_at_first(quadratic, swept):
+        calls.append(swept)
+        if len(calls) == 1:
+            raise ComputationError("a sliver", "junction", 0.001, "made on purpose")
+        return checked(quadratic, swept)
+
+    monkeypatch.setattr(mesh, "_checked", bad_at_first)
+    _, report = mesh.build(surface, centreline.Tree(branches), 2.0, settings.make())
+    assert report["swept"]["shorter_radii"] == mesh.SHORTER[1] and len(calls) == 2
+    first, second = (found["swept"]["spans"][0] for found in (forked[2], report))
+    assert second["to_mm"] == pytest.approx(first["to_mm"] - mesh.SHORTER[1] * 1.5, abs=0.02)
 
 
 def test_disc_is_triangulated_without_overlap():
