@@ -181,22 +181,21 @@ class FlowProblem:
         self.restart()
         return fading.from_rest(self, resistances_at)
 
-    def solve_from_guess(self, coarse, resistances_at):
+    def solve_from_guess(self, coarse):
         """Outcome at full flow from the flow on another mesh of the same lumen (a solved FlowProblem).
 
-        Where c = 0 was reached there, Newton's method starts from that flow, and where this fails the path from rest is
-        taken; else that flow is the guess from which c fades. Raises ComputationError.
+        Where c = 0 was reached there, Newton's method starts from that flow, and where this fails, or
+        c = 0 was not reached, that flow is the guess from which c fades. Raises ComputationError.
         """
         self.boundaries.resistance = self.boundaries.full_resistance.copy()
-        self.set_guess(coarse.space, coarse.state.x.array, coarse.inflow)
         if coarse.mixing == 0:
+            self.set_guess(coarse.space, coarse.state.x.array, coarse.inflow)
             self.forms.mixing.value = 0.0
-            found = ramp.descend(self, self.settings.residual_absolute, self.settings.residual_relative)
+            found = ramp.descend(self, self.settings.residual_absolute, self.settings.residual_relative, fading.HARD)
             if found.converged:
                 found.iterations = self.solver.factorizations
                 return found
-            self.restart()
-            return self.solve(resistances_at)
+        self.set_guess(coarse.space, coarse.state.x.array, coarse.inflow)
         return fading.from_guess(self)
 
     def stalled(self, found):

@@ -8,7 +8,7 @@ import numpy as np
 
 FRACTIONS = (0.1, 0.25, 0.5, 0.75, 1.0)
 STEPS = (1.0, 0.5, 0.25)  # of Newton's update, the first that lowers the residual
-SHARE = 0.7  # of the factorizations that are allowed
+SHARE = 0.2  # of the factorizations that are allowed: in curved vessels flow.fading is the shorter way
 SHORTEST_STEP = 0.04  # of the flow fraction: a fraction that is not reached is tried again from halfway
 MOST_PICARD = 3  # steps at one flow fraction, after which it counts as not reached
 ON_THE_WAY = 1e-2  # residual of one flow fraction over that at its start
@@ -48,15 +48,16 @@ def climb(problem, resistances_at):
         ahead.insert(0, between)
 
 
-def descend(problem, absolute, relative):
+def descend(problem, absolute, relative, limit=np.inf):
     """Outcome of Newton and Picard steps down to `absolute` (N) and `relative` (to the load; None: ON_THE_WAY of the
-    residual at the start)."""
+    residual at the start); of at most `limit` factorizations."""
     free, inlet, norm = problem.residual()
     if relative is None:
         absolute, relative = ON_THE_WAY * norm, np.inf
     start, picard = problem.solver.factorizations, 0
     while not problem.small(norm, absolute, relative):
-        if problem.solver.factorizations >= budget(problem.settings) or picard == MOST_PICARD:
+        spent = problem.solver.factorizations
+        if spent >= budget(problem.settings) or spent - start >= limit or picard == MOST_PICARD:
             break
         base, base_inflow = problem.state.x.array.copy(), problem.inflow
         update, inflow_update = problem.step(problem.forms.tangent, free, inlet)

@@ -39,7 +39,7 @@ def solve_mesh(path, document, settings, tree, network, flows, start=None):
     if start is None:
         outcome = problem.solve(resistances_at)
     else:
-        outcome = problem.solve_from_guess(start.problem, resistances_at)
+        outcome = problem.solve_from_guess(start.problem)
     return Solved(space, boundaries, problem, outcome)
 
 
