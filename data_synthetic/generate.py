@@ -3,11 +3,10 @@
 import sys
 
 import numpy as np
-import vtk
-from vtk.util.numpy_support import numpy_to_vtk
 
+from common import vtp
 from common.errors import ComputationError
-from common.files import replacing, write_json
+from common.files import write_json
 
 from . import crossings, disease, patient, surface, tree, truth
 from .field import LumenField
@@ -57,16 +56,10 @@ def run(case_path, out, spacing_mm=SPACING_MM):
         what, value = "the surface crosses itself", f"{len(crossing)} pairs of triangles, first near {place} mm"
         raise ComputationError(what, "lumen surface", value, "another seed, or branches farther apart")
     thickness, kind = plaque_at(branches, points)
-    poly = surface.to_poly(points, triangles)
+    poly = vtp.surface(points, triangles)
     for name, values in (("plaque_thickness_mm", thickness), ("plaque_type", kind.astype(np.int32))):
-        array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
-        array.SetName(name)
-        poly.GetPointData().AddArray(array)
+        vtp.add_array(poly.GetPointData(), name, values)
     document = truth.document(case["vessel"], branches, rms, len(points), len(triangles))
-    writer = vtk.vtkXMLPolyDataWriter()
-    with replacing(out / "lumen.vtp") as partial:
-        writer.SetFileName(str(partial))
-        writer.SetInputData(poly)
-        writer.Write()
+    vtp.write(out / "lumen.vtp", poly)
     write_json(out / "truth.json", document)
     return document

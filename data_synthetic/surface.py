@@ -5,36 +5,15 @@ import vtk
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import Delaunay
-from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
+from vtk.util.numpy_support import numpy_to_vtk
 
+from common import vtp
 from common.errors import ComputationError
 
 from . import cut
 from . import field as implicit
 
 SMOOTHING_PASSES = 30
-
-
-def to_arrays(poly):
-    """(points (n, 3), triangles (m, 3)) of a vtkPolyData of triangles."""
-    points = vtk_to_numpy(poly.GetPoints().GetData()).astype(float)
-    return points, vtk_to_numpy(poly.GetPolys().GetConnectivityArray()).reshape(-1, 3).astype(np.int64)
-
-
-def to_poly(points, triangles):
-    """vtkPolyData (double precision) of points (n, 3) and triangles (m, 3)."""
-    poly, vtk_points, cells = vtk.vtkPolyData(), vtk.vtkPoints(), vtk.vtkCellArray()
-    vtk_points.SetDataTypeToDouble()
-    vtk_points.SetData(numpy_to_vtk(np.ascontiguousarray(points, float), deep=True))
-    offsets = np.arange(0, 3 * len(triangles) + 1, 3, dtype=np.int64)
-    connectivity = np.ascontiguousarray(triangles, np.int64).ravel()
-    cells.SetData(
-        numpy_to_vtkIdTypeArray(offsets, deep=True),
-        numpy_to_vtkIdTypeArray(connectivity, deep=True),
-    )
-    poly.SetPoints(vtk_points)
-    poly.SetPolys(cells)
-    return poly
 
 
 def _contour(low, values, spacing_mm):
@@ -94,8 +73,11 @@ def build(field, spacing_mm):
     rim vertices on both the wall and the cap's plane. Raises ComputationError if it is cut wrongly.
     """
     low, values = implicit.sample_grid(field, spacing_mm)
-    points, triangles = to_arrays(_relaxed(_contour(low, values, spacing_mm)))
-    triangles = triangles[:, ::-1]  # vtkFlyingEdges3D faces the rising field inwards; ours rises outwards
+    poly = _relaxed(_contour(low, values, spacing_mm))
+    points, triangles = (
+        vtp.points(poly),
+        vtp.triangles(poly)[:, ::-1],
+    )  # vtkFlyingEdges3D faces the rising field inwards; ours rises outwards
     points = field.project(points)
     ends = implicit.ends(field.branches)
     for _, centre, normal, radius in ends:

@@ -10,10 +10,10 @@ from scipy.spatial import cKDTree
 from scipy.special import erf
 from vtk.util.numpy_support import vtk_to_numpy
 
+from common import vtp
 from common.errors import InputError
 
 from .. import disease
-from ..surface import to_poly
 from .image import Image
 
 SIGMA_PER_FWHM = 1 / np.sqrt(8 * np.log(2))
@@ -88,7 +88,7 @@ def render(vessel, settings, metal=None):
     fine = voxel / factor
     sigma = settings["psf_fwhm_mm"] * SIGMA_PER_FWHM
     blur = [blur_matrix(n, v, sigma, factor) for n, v in zip(shape, voxel)]
-    pieces = [(to_poly(*piece), piece[0].min(axis=0), piece[0].max(axis=0)) for piece in vessel.pieces]
+    pieces = [(vtp.surface(*piece), piece[0].min(axis=0), piece[0].max(axis=0)) for piece in vessel.pieces]
     tree, reach = cKDTree(vessel.places_mm), vessel.plaque_mm.max() + settings["wall_thickness_mm"]
     planes = np.zeros((shape[0], shape[1], shape[2] * factor), np.float32)
     for first in range(0, shape[2], SLAB):

@@ -5,14 +5,11 @@ import json
 import pathlib
 
 import numpy as np
-import vtk
-from vtk.util.numpy_support import vtk_to_numpy
 
-from common import config, schema
+from common import config, schema, vtp
 from common.errors import InputError
 from common.files import write_json
 
-from ..reference.output import read_lumen
 from . import image, phantom, struts, vessel
 
 SCHEMA = "vci-ct-1"
@@ -29,7 +26,7 @@ def run(lumen_path, out, settings_path=None, struts_path=None, scene_path=None, 
     Struts: lines of struts_path, or the stents of a scene laid on this lumen along its centreline. Raises InputError.
     """
     settings = load_settings(settings_path)["phantom"]
-    poly = read_lumen(lumen_path)
+    poly = vtp.read_triangles(lumen_path, "run the anatomy step first")
     found = vessel.from_surface(poly, lumen_path)
     pieces, source = None, "none"
     if struts_path:
@@ -82,17 +79,9 @@ def _load_scene(path):
 
 def branches_of(path):
     """{branch name: points (n, 3) mm} of a centreline.vtp."""
-    path = pathlib.Path(path)
-    if not path.is_file():
-        raise InputError("no such file", path, "missing", "run the anatomy step first")
-    reader = vtk.vtkXMLPolyDataReader()
-    reader.SetFileName(str(path))
-    reader.Update()
-    poly = reader.GetOutput()
+    poly = vtp.read(path, "run the anatomy step first")
     names = poly.GetCellData().GetAbstractArray("branch_name")
     if poly.GetNumberOfLines() == 0 or names is None:
         raise InputError("not a centreline", path, "no lines with branch_name", "give the anatomy's centreline.vtp")
-    points = vtk_to_numpy(poly.GetPoints().GetData()).astype(float)
-    lines = poly.GetLines()
-    offsets, corners = vtk_to_numpy(lines.GetOffsetsArray()), vtk_to_numpy(lines.GetConnectivityArray())
-    return {names.GetValue(k): points[corners[offsets[k] : offsets[k + 1]]] for k in range(len(offsets) - 1)}
+    points = vtp.points(poly)
+    return {names.GetValue(k): points[line] for k, line in enumerate(vtp.lines(poly))}

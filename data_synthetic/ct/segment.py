@@ -5,10 +5,10 @@ import pathlib
 import sys
 
 import numpy as np
-import vtk
 
+from common import vtp
 from common.errors import ComputationError, InputError
-from common.files import replacing, write_json
+from common.files import write_json
 
 from .. import surface
 from . import edges, image, paths, warnings
@@ -51,11 +51,7 @@ def run(image_path, ends_path, out, settings_path=None, centreline_path=None):
     found = segment(volume, ends, settings, given)
     points, triangles, _ = surface.build(found["field"], settings["surface_spacing_mm"])
     document = _document(found, settings, pathlib.Path(image_path).name, bool(given))
-    writer = vtk.vtkXMLPolyDataWriter()
-    with replacing(pathlib.Path(out) / "lumen.vtp") as partial:
-        writer.SetFileName(str(partial))
-        writer.SetInputData(surface.to_poly(points, triangles))
-        writer.Write()
+    vtp.write(pathlib.Path(out) / "lumen.vtp", vtp.surface(points, triangles))
     write_json(pathlib.Path(out) / "segmentation.json", document)
     for warning in document["warnings"]:
         print(f"warning: {warning['message']}", file=sys.stderr)

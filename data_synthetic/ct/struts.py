@@ -1,12 +1,10 @@
 """Stent struts in the phantom: rings of waves laid on the lumen's wall, or the lines of a file."""
 
-import pathlib
-
 import numpy as np
 import vtk
 from scipy.interpolate import PchipInterpolator
-from vtk.util.numpy_support import vtk_to_numpy
 
+from common import vtp
 from common.errors import InputError
 
 from ..curves import Curve
@@ -70,20 +68,11 @@ def _pieces(lines):
 
 def from_file(path):
     """Strut pieces of a vtp file of lines: centres (n, 3) mm and lengths (n,) mm."""
-    path = pathlib.Path(path)
-    if not path.is_file():
-        raise InputError("no such file", path, "missing", "give the struts of a deployed stent")
-    reader = vtk.vtkXMLPolyDataReader()
-    reader.SetFileName(str(path))
-    reader.Update()
-    poly = reader.GetOutput()
-    lines = poly.GetLines()
-    if lines.GetNumberOfCells() == 0:
+    poly = vtp.read(path, "give the struts of a deployed stent")
+    points, lines = vtp.points(poly), vtp.lines(poly)
+    if not lines:
         raise InputError("no struts in the file", path, "no lines", "give a file of lines, <stent>_struts.vtp")
-    points = vtk_to_numpy(poly.GetPoints().GetData()).astype(float)
-    offsets = vtk_to_numpy(lines.GetOffsetsArray())
-    corners = vtk_to_numpy(lines.GetConnectivityArray())
-    runs = [points[corners[a:b]] for a, b in zip(offsets[:-1], offsets[1:])]
+    runs = [points[line] for line in lines]
     return _pieces([run for run in runs if np.ptp(run, axis=0).max() > 0])
 
 

@@ -7,6 +7,7 @@ import time
 
 import numpy as np
 
+from common import vtp
 from common.errors import ComputationError, InputError
 from common.files import replacing
 
@@ -48,7 +49,7 @@ class Subject:
         self.branches = tree.grow(description, where)
         lumen = field.LumenField(self.branches)
         points, triangles, _ = surface.build(lumen, generate.SPACING_MM)
-        self.surface, poly = (points, triangles), surface.to_poly(points, triangles)
+        self.surface, poly = (points, triangles), vtp.surface(points, triangles)
         thickness, kind = generate.plaque_at(self.branches, points)
         self.vessel = vessel.from_surface(poly, where)
         wall = self.vessel.wall_points

@@ -7,9 +7,9 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from vtk.util.numpy_support import vtk_to_numpy
 
+from common import vtp
 from common.errors import InputError
 
-from ..surface import to_arrays
 
 EXTENSION_MM = 4.0  # the vessel goes on beyond the end of the surface; farther than any blur reaches
 COPLANAR = np.cos(np.radians(1.0))
@@ -31,7 +31,7 @@ class Vessel:
 
 def from_surface(poly, where):
     """Vessel of a closed lumen (vtkPolyData of triangles). Raises InputError if it is open or has no flat ends."""
-    points, triangles = to_arrays(poly)
+    points, triangles = vtp.arrays(poly)
     _check_closed(triangles, where)
     cap_of = _caps(poly, points, triangles)
     if cap_of.max() < 1:

@@ -1,38 +1,10 @@
-"""The moved lumen surface: read, checked, written with all its arrays."""
-
-import pathlib
+"""The moved lumen surface: checked, with all its arrays."""
 
 import numpy as np
-import vtk
-from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtk.util.numpy_support import vtk_to_numpy
 
-from common.errors import ComputationError, InputError
-
-from ..surface import to_poly
-
-
-def read_lumen(path):
-    """vtkPolyData of triangles. Raises InputError if the file is missing or holds anything else."""
-    path = pathlib.Path(path)
-    if not path.is_file():
-        raise InputError("no such file", path, "missing", "run the anatomy step first")
-    reader = vtk.vtkXMLPolyDataReader()
-    reader.SetFileName(str(path))
-    reader.Update()
-    poly = reader.GetOutput()
-    if poly.GetNumberOfPolys() == 0 or poly.GetPolys().GetMaxCellSize() != 3:
-        raise InputError("not a triangle surface", path, f"{poly.GetNumberOfPolys()} cells", "give closed triangles")
-    return poly
-
-
-def points(poly):
-    """Points (n, 3) in mm."""
-    return vtk_to_numpy(poly.GetPoints().GetData()).astype(float)
-
-
-def triangles(poly):
-    """Triangles (m, 3)."""
-    return vtk_to_numpy(poly.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+from common import vtp
+from common.errors import ComputationError
 
 
 def _normals(x, t):
@@ -54,19 +26,13 @@ def check_not_folded(t, before, after):
         )
 
 
-def _named(values, name):
-    array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
-    array.SetName(name)
-    return array
-
-
 def refined_surface(poly, before, after, triangles_now, parents, old_triangle):
     """vtkPolyData of the refined and moved lumen with all arrays of poly and `displacement_mm`.
 
     before, after (n, 3): all points; parents (p, 2): the edge that each new point halved; old_triangle (m,): index into
     poly's triangles. Reals are averaged over an edge, integers taken from its first end.
     """
-    result = to_poly(after, triangles_now)
+    result = vtp.surface(after, triangles_now)
     data = poly.GetPointData()
     for index in range(data.GetNumberOfArrays()):
         values = vtk_to_numpy(data.GetArray(index))
@@ -74,20 +40,10 @@ def refined_surface(poly, before, after, triangles_now, parents, old_triangle):
         grown[: len(values)] = values
         for number, (a, b) in enumerate(parents, start=len(values)):
             grown[number] = 0.5 * (grown[a] + grown[b]) if values.dtype.kind == "f" else grown[a]
-        result.GetPointData().AddArray(_named(grown, data.GetArray(index).GetName()))
-    result.GetPointData().AddArray(_named(after - before, "displacement_mm"))
+        vtp.add_array(result.GetPointData(), data.GetArray(index).GetName(), grown)
+    vtp.add_array(result.GetPointData(), "displacement_mm", after - before)
     data = poly.GetCellData()
     for index in range(data.GetNumberOfArrays()):
         values = vtk_to_numpy(data.GetArray(index))[old_triangle]
-        result.GetCellData().AddArray(_named(values, data.GetArray(index).GetName()))
+        vtp.add_array(result.GetCellData(), data.GetArray(index).GetName(), values)
     return result
-
-
-def write_lumen(poly, vtp, stl):
-    """Writes the surface as VTP and binary STL."""
-    for writer, path in ((vtk.vtkXMLPolyDataWriter(), vtp), (vtk.vtkSTLWriter(), stl)):
-        writer.SetFileName(str(path))
-        writer.SetInputData(poly)
-        if isinstance(writer, vtk.vtkSTLWriter):
-            writer.SetFileTypeToBinary()
-        writer.Write()

@@ -8,9 +8,9 @@ import time
 
 import numpy as np
 
-from common import config, schema
+from common import config, schema, vtp
 from common.errors import InputError
-from common.files import replacing, write_json
+from common.files import write_json
 
 from .. import truth
 from ..field import LumenField, ends
@@ -130,7 +130,7 @@ def run(scene_path, anatomy, truth_path, out, settings_path=None):
         raise InputError("no such branch", f"{scene_path}: procedure", name, f"one of {', '.join(by_name)}")
     branch = by_name[name]
     _check_inside(steps, branch, scene_path)
-    lumen = output.read_lumen(pathlib.Path(anatomy) / "lumen.vtp")
+    lumen = vtp.read_triangles(pathlib.Path(anatomy) / "lumen.vtp", "run the anatomy step first")
     patient = Patient(branch, wall_mm)
     model = _model(settings)
     free_s, held_spans = slice_positions(
@@ -195,8 +195,8 @@ def run(scene_path, anatomy, truth_path, out, settings_path=None):
     }
     out = pathlib.Path(out)
     document["seconds"] = round(time.perf_counter() - begun, 2)
-    with replacing(out / "lumen.vtp") as vtp, replacing(out / "lumen.stl") as stl:
-        output.write_lumen(surface, vtp, stl)
+    for name in ("lumen.vtp", "lumen.stl"):
+        vtp.write(out / name, surface)
     write_json(out / "reference.json", document)
     return document
 
@@ -204,7 +204,7 @@ def run(scene_path, anatomy, truth_path, out, settings_path=None):
 def _moved_surface(lumen, branches, move, edge_mm):
     """The lumen (vtkPolyData) refined where it is stretched, and moved. Raises ComputationError if it folds."""
     field = LumenField(branches)
-    before, triangles = output.points(lumen), output.triangles(lumen)
+    before, triangles = vtp.arrays(lumen)
     from_wall = np.abs(field.value(before)) < 0.05  # not on a cap's disc
 
     def on_lumen(points, parents):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from data_synthetic import surface
+from common import vtp
 from data_synthetic.ct import image, scan
 
 
@@ -37,7 +37,7 @@ def tube(radius_of_z, length_mm=14.0, around=48, step_mm=0.2, tilt=(0.31, 0.17))
     first, last = len(points) - 2, len(points) - 1
     start = np.stack([np.full(around, first), np.roll(index[0], -1), index[0]], -1)
     stop = np.stack([np.full(around, last), index[-1], np.roll(index[-1], -1)], -1)
-    return surface.to_poly(points, np.concatenate([wall, start, stop])), direction
+    return vtp.surface(points, np.concatenate([wall, start, stop])), direction
 
 
 def tube_image(radius_mm, voxel_mm, sigma_mm, blood=400.0, tissue=50.0, shape=(40, 40, 60)):

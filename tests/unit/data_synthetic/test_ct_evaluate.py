@@ -1,13 +1,13 @@
 import numpy as np
 import pytest
 
-from data_synthetic import surface
+from common import vtp
 from data_synthetic.ct import evaluate
 
 
 def test_area_of_an_oblique_cut_and_of_a_missed_one(ct_tubes):
     poly, direction = ct_tubes.tube(lambda z: np.full(len(z), 1.5), around=96)
-    mesh = surface.to_arrays(poly)
+    mesh = vtp.arrays(poly)
     centre = 7.0 * direction
     chords = 0.5 * 96 * np.sin(2 * np.pi / 96) / np.pi  # a regular polygon for the circle
     assert evaluate.section_area(*mesh, centre, direction) == pytest.approx(np.pi * 2.25 * chords, rel=1e-3)
@@ -24,13 +24,13 @@ def test_compare_says_bias_limits_and_resistance(ct_tubes):
     true, direction = ct_tubes.tube(lambda z: 1.2 + 0.02 * z)
     found, _ = ct_tubes.tube(lambda z: (1.2 + 0.02 * z) * 1.05)
     places = [("main", s, s * direction, direction) for s in np.arange(2, 12, 0.5)]
-    result = evaluate.compare(surface.to_arrays(true), surface.to_arrays(found), places)
+    result = evaluate.compare(vtp.arrays(true), vtp.arrays(found), places)
     area = np.pi * (1.2 + 0.02 * np.arange(2, 12, 0.5)) ** 2
     assert result["sections"] == 20 and result["lost_sections"] == 0
     assert result["resistance_ratio"] == pytest.approx(1.05**-4, rel=1e-3)
     assert result["mean_difference_mm2"] == pytest.approx((0.1025 * area).mean(), rel=0.01)
     assert result["sd_mm2"] == pytest.approx((0.1025 * area).std(ddof=1), rel=0.02)
-    half = evaluate.compare(surface.to_arrays(true), surface.to_arrays(found), places, {"main": (2, 6)})
+    half = evaluate.compare(vtp.arrays(true), vtp.arrays(found), places, {"main": (2, 6)})
     assert half["sections"] == 9 and half["mean_difference_mm2"] < result["mean_difference_mm2"]
 
 

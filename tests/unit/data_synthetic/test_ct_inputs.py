@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import vtk
 
+from common import vtp
 from common.errors import InputError
 from data_synthetic.ct import phantom, scan, segment, struts, vessel
 
@@ -24,10 +25,7 @@ def write_lines(path, lines, names=None):
         for name in names:
             array.InsertNextValue(name)
         poly.GetCellData().AddArray(array)
-    writer = vtk.vtkXMLPolyDataWriter()
-    writer.SetFileName(str(path))
-    writer.SetInputData(poly)
-    writer.Write()
+    vtp.write(path, poly)
     return path
 
 
@@ -43,7 +41,7 @@ def test_struts_of_a_file_have_their_lengths(tmp_path):
 def test_files_without_struts_are_refused(tmp_path):
     with pytest.raises(InputError, match="no such file"):
         struts.from_file(tmp_path / "none.vtp")
-    with pytest.raises(InputError, match="no struts"):
+    with pytest.raises(InputError, match="nothing in the file"):
         struts.from_file(write_lines(tmp_path / "empty.vtp", []))
 
 

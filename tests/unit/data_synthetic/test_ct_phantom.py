@@ -3,10 +3,10 @@ import pytest
 from scipy.ndimage import distance_transform_edt
 from scipy.special import ndtr
 
-from common import schema
+from common import schema, vtp
 from common.errors import InputError
 from common.yaml_reader import read
-from data_synthetic import disease, surface
+from data_synthetic import disease
 from data_synthetic.ct import phantom, scan, vessel
 
 
@@ -149,9 +149,9 @@ def test_defaults_satisfy_the_schema(tmp_path):
 
 def test_an_open_surface_is_refused(ct_tubes):
     poly, _ = ct_tubes.tube(lambda z: np.full(len(z), 1.5))
-    points, triangles = surface.to_arrays(poly)
+    points, triangles = vtp.arrays(poly)
     with pytest.raises(InputError, match="not closed"):
-        vessel.from_surface(surface.to_poly(points, triangles[:-1]), "tube")
+        vessel.from_surface(vtp.surface(points, triangles[:-1]), "tube")
 
 
 def test_flat_ends_are_found_and_run_on(ct_tubes):
@@ -164,10 +164,8 @@ def test_flat_ends_are_found_and_run_on(ct_tubes):
 
 
 def test_opened_plaque_keeps_its_area(ct_tubes):
-    from vtk.util.numpy_support import numpy_to_vtk
-
     poly, direction = ct_tubes.tube(lambda z: np.full(len(z), 1.5))
-    points, _ = surface.to_arrays(poly)
+    points, _ = vtp.arrays(poly)
     height = points @ direction
     outward = points - height[:, None] * direction
     outward /= np.maximum(np.linalg.norm(outward, axis=1), 1e-9)[:, None]
@@ -178,9 +176,7 @@ def test_opened_plaque_keeps_its_area(ct_tubes):
         "displacement_mm": 0.8 * outward,
     }
     for name, values in fields.items():
-        array = numpy_to_vtk(values, deep=True)
-        array.SetName(name)
-        poly.GetPointData().AddArray(array)
+        vtp.add_array(poly.GetPointData(), name, values)
     found = vessel.from_surface(poly, "tube")
     middle = np.abs(found.places_mm @ direction - 7) < 4
     after = (1.5 + found.plaque_mm[middle]) ** 2 - 1.5**2

@@ -2,14 +2,12 @@ import json
 
 import numpy as np
 import pytest
-from vtk.util.numpy_support import numpy_to_vtk
 
+from common import vtp
 from common.errors import ComputationError, InputError
 from data_synthetic import __main__ as command
 from data_synthetic import surface
 from data_synthetic.ct import evaluate, image, paths, phantom, scan, segment, struts, study, vessel
-from data_synthetic.reference.output import read_lumen
-from data_synthetic.surface import to_arrays
 
 ENDS = {"inlet": 0.0, "outlet1": 14.0}
 
@@ -27,12 +25,10 @@ def throat(smallest_mm, width_mm=5.0):
 def scanned(ct_tubes, radius, **changes):
     """(noisy Image, ends, true surface, settings) of a tube; plaque fills what the throat takes."""
     poly, direction = ct_tubes.tube(radius)
-    points, _ = to_arrays(poly)
+    points, _ = vtp.arrays(poly)
     thickness = 1.4 - radius(points @ direction)
     for name, values in (("plaque_thickness_mm", thickness), ("plaque_type", (thickness > 0.01).astype(np.int32))):
-        array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
-        array.SetName(name)
-        poly.GetPointData().AddArray(array)
+        vtp.add_array(poly.GetPointData(), name, values)
     settings = ct_tubes.settings(**changes)
     volume = phantom.render(vessel.from_surface(poly, "tube"), settings["phantom"])
     volume = phantom.add_noise(volume, settings["phantom"])
@@ -54,7 +50,7 @@ def test_area_and_resistance_of_a_throat(open_throat, method, limit):
     volume, ends, poly, direction, settings = open_throat
     found = segment.segment(volume, ends, dict(settings, method=method))
     points, triangles, _ = surface.build(found["field"], 0.2)
-    result = evaluate.compare(to_arrays(poly), (points, triangles), places(direction))
+    result = evaluate.compare(vtp.arrays(poly), (points, triangles), places(direction))
     assert result["lost_sections"] == 0
     assert max(-result["lower_limit_mm2"], result["upper_limit_mm2"]) < limit
     if method == "psf_edge":
@@ -113,7 +109,7 @@ def test_a_stent_blooms_and_psf_edge_takes_it_off(ct_tubes):
     for method in ("psf_edge", "half_maximum"):
         result = segment.segment(volume, ends, dict(settings["segmentation"], method=method))
         points, triangles, _ = surface.build(result["field"], 0.2)
-        bias[method] = evaluate.compare(to_arrays(poly), (points, triangles), inside)["mean_difference_mm2"]
+        bias[method] = evaluate.compare(vtp.arrays(poly), (points, triangles), inside)["mean_difference_mm2"]
         assert "calcium_or_metal" in [w["code"] for w in result["warnings"]]
     assert bias["half_maximum"] > 2 and abs(bias["psf_edge"]) < 0.6
 
@@ -136,12 +132,7 @@ def test_struts_touch_the_wall_and_have_their_length(ct_tubes):
 
 def test_commands_from_a_lumen_to_a_lumen_and_the_same_bits(ct_tubes, tmp_path, capsys):
     poly, direction = ct_tubes.tube(throat(0.9))
-    import vtk
-
-    writer = vtk.vtkXMLPolyDataWriter()
-    writer.SetFileName(str(tmp_path / "lumen.vtp"))
-    writer.SetInputData(poly)
-    writer.Write()
+    vtp.write(tmp_path / "lumen.vtp", poly)
     ends = [{"name": name, "centre_mm": (z * direction).tolist()} for name, z in ENDS.items()]
     (tmp_path / "ends.json").write_text(json.dumps({"ends": ends}))
     for turn in ("a", "b"):
@@ -152,7 +143,7 @@ def test_commands_from_a_lumen_to_a_lumen_and_the_same_bits(ct_tubes, tmp_path, 
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
     document = json.loads((tmp_path / "a" / "segmentation.json").read_text())
     assert document["blood_hu"] == pytest.approx(400, abs=6) and document["warnings"] == []
-    triangles = to_arrays(read_lumen(tmp_path / "a" / "lumen.vtp"))[1]
+    triangles = vtp.triangles(vtp.read(tmp_path / "a" / "lumen.vtp", ""))
     edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
     assert np.all(np.unique(edges, axis=0, return_counts=True)[1] == 2)
 
@@ -171,13 +162,8 @@ def test_bad_end_points_are_refused_with_their_key(tmp_path, capsys):
 
 
 def test_a_scene_needs_the_centreline_and_a_known_branch(ct_tubes, tmp_path):
-    import vtk
-
     poly, direction = ct_tubes.tube(throat(0.9))
-    writer = vtk.vtkXMLPolyDataWriter()
-    writer.SetFileName(str(tmp_path / "lumen.vtp"))
-    writer.SetInputData(poly)
-    writer.Write()
+    vtp.write(tmp_path / "lumen.vtp", poly)
     device = {"kind": "stent", "length_mm": 8.0, "crowns": 6, "links": 2, "strut_thickness_mm": 0.08}
     use = {"device": "des", "branch": "side9", "centre_s_mm": 7.0}
     scene = {"devices": {"des": device}, "procedure": [{"devices": [use]}]}

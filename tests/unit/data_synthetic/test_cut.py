@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from common import vtp
 from data_synthetic import cut, field, surface
 
 
@@ -11,7 +12,7 @@ def opened(branches):
     """The wall cut at the inlet alone: (field, points, triangles, centre, normal, radius)."""
     lumen = field.LumenField(branches)
     low, values = field.sample_grid(lumen, 0.3)
-    points, triangles = surface.to_arrays(surface._relaxed(surface._contour(low, values, 0.3)))
+    points, triangles = vtp.arrays(surface._relaxed(surface._contour(low, values, 0.3)))
     points = lumen.project(points)
     _, centre, normal, radius = field.ends(branches)[0]
     points, triangles = cut.at_end(lumen, points, triangles[:, ::-1], centre, normal, radius)

@@ -3,10 +3,10 @@ import pathlib
 
 import numpy as np
 import pytest
-import vtk
 import yaml
 from vtk.util.numpy_support import vtk_to_numpy
 
+from common import vtp
 from common.errors import InputError
 from data_synthetic import __main__ as command
 from data_synthetic import disease, generate, truth
@@ -29,12 +29,10 @@ def test_same_case_same_bits(made, tmp_path):
 
 
 def test_plaque_lies_in_the_lesion_only(made):
-    reader = vtk.vtkXMLPolyDataReader()
-    reader.SetFileName(str(made / "lumen.vtp"))
-    reader.Update()
-    data = reader.GetOutput().GetPointData()
+    poly = vtp.read(made / "lumen.vtp", "")
+    data = poly.GetPointData()
     thickness, kind = (vtk_to_numpy(data.GetArray(n)) for n in ("plaque_thickness_mm", "plaque_type"))
-    points = vtk_to_numpy(reader.GetOutput().GetPoints().GetData())
+    points = vtp.points(poly)
     branches, _ = truth.load(made / "truth.json")
     main, lesion = branches[0], branches[0].lesions[0]
     s = main.axis.nearest(points)

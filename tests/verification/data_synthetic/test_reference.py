@@ -6,9 +6,9 @@ import pathlib
 import numpy as np
 import pytest
 
+from common import vtp
 from data_synthetic import __main__ as command
 from data_synthetic import generate, truth
-from data_synthetic.reference import output
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 
@@ -84,14 +84,14 @@ def test_the_lesion_is_opened_as_in_patients(treated):
 
 
 def test_surface_is_closed_moved_in_the_stent_and_at_rest_at_the_ends(treated, patient):
-    poly = output.read_lumen(treated / "lumen.vtp")
-    points, triangles = output.points(poly), output.triangles(poly)
+    poly = vtp.read_triangles(treated / "lumen.vtp", "")
+    points, triangles = vtp.arrays(poly)
     directed = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     assert set(map(tuple, directed)) == set(map(tuple, directed[:, ::-1]))
     main = truth.load(patient / "source/truth.json")[0][0]
     s = main.axis.nearest(points)
     ends = (s < 0.01) | (s > main.axis.length_mm - 0.01)
-    before = output.points(output.read_lumen(patient / "source/lumen.vtp"))
+    before = vtp.points(vtp.read(patient / "source/lumen.vtp", ""))
     moved = np.linalg.norm(points[: len(before)] - before, axis=1)
     assert moved[ends[: len(before)]].max() < 1e-9 and moved.max() > 0.8
     names = {poly.GetPointData().GetArrayName(i) for i in range(poly.GetPointData().GetNumberOfArrays())}
