@@ -1,13 +1,12 @@
 """Centrelines of a tree: polylines with arc length and radius, read from centreline.vtp."""
 
 import dataclasses
-import pathlib
 
 import numpy as np
-import vtk
 from scipy.spatial import cKDTree
 from vtk.util.numpy_support import vtk_to_numpy
 
+from common import vtp
 from common.errors import InputError
 
 
@@ -72,12 +71,7 @@ class Tree:
 
 def read(path):
     """Tree from centreline.vtp. Raises InputError."""
-    if not pathlib.Path(path).is_file():
-        raise InputError("no such centreline", path, "missing", "make it with the anatomy step")
-    reader = vtk.vtkXMLPolyDataReader()
-    reader.SetFileName(str(path))
-    reader.Update()
-    data = reader.GetOutput()
+    data = vtp.read(path, "make it with the anatomy step")
     arrays = {}
     for name in ("s_mm", "radius_mm"):
         array = data.GetPointData().GetArray(name)
@@ -87,11 +81,9 @@ def read(path):
     ids, names = data.GetCellData().GetArray("branch_id"), data.GetCellData().GetAbstractArray("branch_name")
     if ids is None or names is None or data.GetNumberOfLines() == 0:
         raise InputError("centreline lacks branches", path, "branch_id, branch_name", "make it with the anatomy step")
-    points = vtk_to_numpy(data.GetPoints().GetData()).astype(float)
+    points = vtp.points(data)
     branches = []
-    for k in range(data.GetNumberOfCells()):
-        cell = data.GetCell(k).GetPointIds()
-        index = np.array([cell.GetId(i) for i in range(cell.GetNumberOfIds())])
+    for k, index in enumerate(vtp.lines(data)):
         branches.append(
             Branch(
                 names.GetValue(k),

@@ -1,12 +1,11 @@
 """The tagged lumen surface: triangles with region_id 0 wall, 1 inlet, 2.. outlets; read and checked."""
 
 import dataclasses
-import pathlib
 
 import numpy as np
-import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
+from common import vtp
 from common.errors import InputError
 
 WALL, INLET = 0, 1
@@ -44,12 +43,7 @@ class Surface:
 
 def read(path):
     """Surface from lumen.vtp, checked by `check`. Raises InputError."""
-    if not pathlib.Path(path).is_file():
-        raise InputError("no such lumen surface", path, "missing", "make it with the anatomy step")
-    reader = vtk.vtkXMLPolyDataReader()
-    reader.SetFileName(str(path))
-    reader.Update()
-    data = reader.GetOutput()
+    data = vtp.read(path, "make it with the anatomy step")
     region = data.GetCellData().GetArray("region_id")
     if region is None:
         raise InputError(
@@ -57,14 +51,9 @@ def read(path):
         )
     if data.GetNumberOfCells() == 0 or data.GetNumberOfCells() != data.GetNumberOfPolys():
         raise InputError("lumen surface is not made of triangles", path, data.GetNumberOfCells(), "triangulate it")
-    cells = vtk_to_numpy(data.GetPolys().GetConnectivityArray())
-    if len(cells) != 3 * data.GetNumberOfPolys():
+    if data.GetPolys().GetMaxCellSize() != 3:
         raise InputError("lumen surface is not made of triangles", path, "polygons", "triangulate it")
-    surface = Surface(
-        vtk_to_numpy(data.GetPoints().GetData()).astype(float),
-        cells.reshape(-1, 3).astype(np.int64),
-        vtk_to_numpy(region).astype(int),
-    )
+    surface = Surface(*vtp.arrays(data), vtk_to_numpy(region).astype(int))
     check(surface, path)
     return surface
 
