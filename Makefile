@@ -1,7 +1,7 @@
 # make study: set up, build, run the study; make test: set up, build, run every test. See README.md.
 COHORT ?= full
 CASES ?=
-CORES ?= $(shell nproc)
+CORES ?= $(shell env -u OMP_NUM_THREADS nproc)
 BUILD ?= build
 PYTHON := /usr/bin/python3
 SNAKEMAKE := /usr/bin/snakemake
@@ -43,7 +43,7 @@ sanitize: setup ## C++ unit tests of the deployment engine with the address and 
 	build-sanitize/vci_unit_tests --gtest_brief=1
 
 test-python: build
-	OMP_NUM_THREADS=1 $(PYTHON) -m pytest -q --junitxml=results/tests/python.xml
+	OMP_NUM_THREADS=1 $(PYTHON) -m pytest -q -n $(CORES) --dist loadscope --durations=15 --junitxml=results/tests/python.xml
 
 lint: setup ## check formatting and run the linters
 	@setup/lint.sh
