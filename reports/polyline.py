@@ -4,8 +4,9 @@ import dataclasses
 
 import numpy as np
 
+from common import vtp
 from common.errors import InputError
-from reports.reading import array_of, points_of, read_polydata
+from reports.reading import array_of, read_polydata
 
 
 @dataclasses.dataclass(frozen=True)
@@ -57,9 +58,8 @@ def read_centreline(path, branch):
     found = [str(names.GetValue(k)) for k in range(polydata.GetNumberOfCells())]
     if branch not in found:
         raise InputError("the centreline has no such branch", path, branch, f"branches there: {', '.join(found)}")
-    ids = polydata.GetCell(found.index(branch)).GetPointIds()
-    rows = np.array([ids.GetId(k) for k in range(ids.GetNumberOfIds())])
+    rows = vtp.lines(polydata)[found.index(branch)]
     s_mm, surveyed = (
         array_of(polydata.GetPointData(), key, path).astype(float) for key in ("s_mm", "curvature_per_mm")
     )
-    return Polyline(points_of(polydata)[rows], s_mm[rows], str(path), surveyed[rows])
+    return Polyline(vtp.points(polydata)[rows], s_mm[rows], str(path), surveyed[rows])

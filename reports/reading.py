@@ -7,8 +7,8 @@ import pathlib
 import numpy as np
 import pandas as pd
 from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
+from common import vtp
 from common.errors import InputError
 
 
@@ -83,21 +83,7 @@ def read_table(path, numeric, text, made_by):
 
 def read_polydata(path, made_by):
     """The vtkPolyData in a VTP file; InputError if it is missing or holds no point."""
-    path = existing(path, made_by)
-    reader = vtkXMLPolyDataReader()
-    if not reader.CanReadFile(str(path)):
-        raise InputError("not a VTK XML surface", path, "unreadable header", f"repeat: {made_by}")
-    reader.SetFileName(str(path))
-    reader.Update()
-    polydata = reader.GetOutput()
-    if polydata.GetNumberOfPoints() == 0:
-        raise InputError("a VTK file holds no points", path, 0, f"repeat: {made_by}")
-    return polydata
-
-
-def points_of(polydata):
-    """The points of a vtkPolyData as (n, 3) floats."""
-    return np.array(vtk_to_numpy(polydata.GetPoints().GetData()), dtype=float)
+    return vtp.read(path, f"run the step that writes it: {made_by}")
 
 
 def array_of(attributes, name, path):

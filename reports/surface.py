@@ -4,10 +4,10 @@ import dataclasses
 
 import numpy as np
 import vtkmodules.vtkFiltersCore as filters
-from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkFiltersCore import vtkTubeFilter
 
-from reports.reading import points_of, read_polydata
+from common import vtp
+from reports.reading import read_polydata
 
 STRUT_RADIUS_MM = 0.045  # of struts that come as lines, for the picture only
 STRUT_SIDES = 5
@@ -65,5 +65,4 @@ def thinned(polydata, most_triangles):
 
 def to_surface(polydata):
     """A triangulated vtkPolyData as a Surface."""
-    triangles = vtk_to_numpy(polydata.GetPolys().GetConnectivityArray()).reshape(-1, 3)
-    return Surface(points_of(polydata), np.array(triangles, dtype=np.int64))
+    return Surface(*vtp.arrays(polydata))

@@ -11,6 +11,8 @@ import pytest
 import vtk
 from vtk.util.numpy_support import numpy_to_vtk
 
+from common import vtp
+
 LENGTH_MM, CURVATURE_PER_MM, SPACING_MM = 40.0, 0.1, 0.25
 SEGMENT = (12.0, 30.0)
 Q_M3_PER_S, VISCOSITY, MAP_PA, VENOUS_PA = 5.0e-6, 0.004, 12444.0, 667.0
@@ -77,10 +79,7 @@ def polydata_from(points, triangles=None, lines=None):
 
 def write_vtp(path, polydata):
     path.parent.mkdir(parents=True, exist_ok=True)
-    writer = vtk.vtkXMLPolyDataWriter()
-    writer.SetFileName(str(path))
-    writer.SetInputData(polydata)
-    assert writer.Write() == 1
+    vtp.write(path, polydata)
 
 
 def write_json(path, document):

@@ -9,6 +9,8 @@ import pytest
 import vtk
 from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 
+from common import vtp
+
 LENGTH, HEALTHY, NARROWING = 30.0, 1.5, 0.5  # mm, mm, share of the radius
 FORCES = ("pressure_n", "contact_n", "foundation_n", "residual_n")
 
@@ -41,26 +43,6 @@ def polydata(points, cells, lines=False):
     data.SetPoints(places)
     (data.SetLines if lines else data.SetPolys)(array)
     return data
-
-
-def add(attributes, name, values):
-    array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
-    array.SetName(name)
-    attributes.AddArray(array)
-
-
-def write(path, data):
-    writer = vtk.vtkXMLPolyDataWriter()
-    writer.SetFileName(str(path))
-    writer.SetInputData(data)
-    writer.Write()
-
-
-def read(path):
-    reader = vtk.vtkXMLPolyDataReader()
-    reader.SetFileName(str(path))
-    reader.Update()
-    return reader.GetOutput()
 
 
 def point_array(data, name):
@@ -111,17 +93,17 @@ def write_scene(folder, steps, edge=0.6, moved=None, mirrored=False, calcium_deg
     if moved:
         points, axis = (p @ moved[0].T + moved[1] for p in (points, axis))
     lumen = polydata(points, triangles)
-    add(lumen.GetCellData(), "region_id", np.zeros(len(triangles), dtype=np.int32))
-    add(lumen.GetPointData(), "radius_mm", radius)
-    add(lumen.GetPointData(), "plaque_thickness_mm", plaque)
-    add(lumen.GetPointData(), "plaque_type", kind.astype(np.int32))
-    write(folder / "lumen.vtp", lumen)
+    vtp.add_array(lumen.GetCellData(), "region_id", np.zeros(len(triangles), dtype=np.int32))
+    vtp.add_array(lumen.GetPointData(), "radius_mm", radius)
+    vtp.add_array(lumen.GetPointData(), "plaque_thickness_mm", plaque)
+    vtp.add_array(lumen.GetPointData(), "plaque_type", kind.astype(np.int32))
+    vtp.write(folder / "lumen.vtp", lumen)
     centreline = polydata(axis, [range(len(axis))], lines=True)
     names = vtk.vtkStringArray()
     names.SetName("branch_name")
     names.InsertNextValue("main")
     centreline.GetCellData().AddArray(names)
-    write(folder / "centreline.vtp", centreline)
+    vtp.write(folder / "centreline.vtp", centreline)
     scene = {
         "schema": "vci-scene-1",
         "case": "tube",
@@ -173,7 +155,7 @@ def areas(folder, key="csa_profile"):
 def test_residual_recomputed_from_the_files(deploy):
     """||sum of all forces|| / ||pressure + contact + foundation|| over lumen and stent is the last stage's residual."""
     folder = deploy()
-    states = [read(folder / "lumen.vtp"), read(folder / "devices" / "stent1.vtp")]
+    states = [vtp.read(folder / "lumen.vtp", ""), vtp.read(folder / "devices" / "stent1.vtp", "")]
     pressure, contact, foundation, residual = (
         np.concatenate([point_array(state, name) for state in states]) for name in FORCES
     )
@@ -208,7 +190,7 @@ def test_a_calcified_sector_opens_less(deploy):
     middle = np.abs(tube(0.6)[0][:, 2] - LENGTH / 2) < 2
     angle = np.degrees(np.arctan2(*tube(0.6)[0][:, (1, 0)].T))
     near, far = middle & (np.abs(angle) < 30), middle & (np.abs(angle) > 150)
-    stretch = {f: point_array(read(f / "lumen.vtp"), "wall_stretch") for f in (soft, hard)}
+    stretch = {f: point_array(vtp.read(f / "lumen.vtp", ""), "wall_stretch") for f in (soft, hard)}
     assert stretch[hard][near].mean() < 0.9 * stretch[hard][far].mean()
     assert stretch[hard][near].mean() < 0.9 * stretch[soft][near].mean()
 
@@ -216,8 +198,8 @@ def test_a_calcified_sector_opens_less(deploy):
 def test_no_device_vertex_outside_the_lumen(deploy):
     folder = deploy()
     distance = vtk.vtkImplicitPolyDataDistance()
-    distance.SetInput(read(folder / "lumen.vtp"))
-    stent = vtk_to_numpy(read(folder / "devices" / "stent1.vtp").GetPoints().GetData())
+    distance.SetInput(vtp.read(folder / "lumen.vtp", ""))
+    stent = vtk_to_numpy(vtp.read(folder / "devices" / "stent1.vtp", "").GetPoints().GetData())
     outside = max(distance.EvaluateFunction(p) for p in stent)
     assert outside < 0.03, "mm; positive is outside"
     assert distance.EvaluateFunction([5 * HEALTHY, 0, LENGTH / 2]) > 1, "the sign says which side is out"
@@ -230,7 +212,7 @@ def test_areas_converge_with_the_mesh(deploy):
 
 
 def test_same_input_same_bits(deploy):
-    once, twice = (read(deploy(("pre",), again=again) / "lumen.vtp") for again in (False, True))
+    once, twice = (vtp.read(deploy(("pre",), again=again) / "lumen.vtp", "") for again in (False, True))
     assert np.array_equal(*(vtk_to_numpy(d.GetPoints().GetData()) for d in (once, twice)))
 
 
