@@ -40,7 +40,7 @@ test-cpp: build
 sanitize: setup ## C++ unit tests of the deployment engine with the address and undefined-behaviour sanitizers
 	@[ -f build-sanitize/build.ninja ] || cmake -S . -B build-sanitize -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DVCI_SANITIZE=ON
 	@ninja -C build-sanitize -j $(CORES) $(if $(CI),,--quiet) vci_unit_tests
-	build-sanitize/vci_unit_tests --gtest_brief=1
+	ctest --test-dir build-sanitize --exclude-regex NOT_BUILT --output-on-failure -j $(CORES) --quiet
 
 test-python: build
 	OMP_NUM_THREADS=1 $(PYTHON) -m pytest -q -n $(CORES) --dist loadscope --durations=15 --junitxml=results/tests/python.xml
