@@ -1,11 +1,14 @@
 """A case's curves: pull-back of FFR along the branch, area and curvature along the stented segment."""
 
+import math
+
 import matplotlib.pyplot as plt
 
 from reports.figures.style import SEGMENT_COLOUR, draw_state, save
 from reports.profiles import read_pullback
 
-SIZE = (6.6, 3.4)  # inches
+SIZE = (6.6, 3.6)  # inches
+LEGEND_ROW, LEGEND_MARGIN = 0.165, 0.12  # inches
 FFR_THRESHOLD = 0.80  # at or below it a lesion is treated (ESC/EACTS guidelines on myocardial revascularisation)
 
 
@@ -31,7 +34,8 @@ def legend_below(figure):
     """The legend of a figure's only axes in two columns under it, where it hides no curve."""
     handles, labels = figure.axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="lower center", ncol=2, fontsize=8.5)
-    figure.get_layout_engine().set(rect=(0, 0.13, 1, 0.87))
+    bottom = (LEGEND_MARGIN + LEGEND_ROW * math.ceil(len(labels) / 2)) / figure.get_figheight()
+    figure.get_layout_engine().set(rect=(0, bottom, 1, 1 - bottom))
 
 
 def shade_segment(axes, segment):
