@@ -27,6 +27,10 @@ def load_study(path):
 def load_case(path):
     """config/cases/<case>.yaml: patient, vessel (synthetic) or lumen (surface), plan and settings."""
     document = _load(path, "case")
+    patient = document.data["patient"]
+    if patient["dbp_mmhg"] >= patient["sbp_mmhg"]:
+        remedy = f"below the systolic one, sbp_mmhg: {patient['sbp_mmhg']}; are they swapped?"
+        _refuse(document, ("patient", "dbp_mmhg"), "diastolic blood pressure is not below the systolic", remedy)
     steps = document.data["plan"] if document.data["plan"] != "auto" else []
     for i, step in enumerate(steps):
         if step["action"] == "stent" and len(step["devices"]) != 1:

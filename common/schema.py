@@ -9,6 +9,7 @@ import copy
 import difflib
 import functools
 import pathlib
+import re
 
 import jsonschema
 
@@ -53,8 +54,10 @@ def validate(document, schema):
 
 
 def _order(document, error):
-    """Errors in the order of the file; on one line an unknown key first, since it is often a missing one misspelt."""
-    return document.line(error.absolute_path), error.validator != "additionalProperties", str(error.message)
+    """Errors in the order of the file; of one line a key without a place first, then an unknown one, which is often a
+    missing one misspelt."""
+    rank = 0 if error.schema is False else 1 if error.validator == "additionalProperties" else 2
+    return document.line(error.absolute_path), rank, str(error.message)
 
 
 def with_defaults(data, schema):
@@ -80,8 +83,11 @@ def _fill(data, schema):
 
 
 def _deepest(error):
-    """For alternatives (anyOf), the complaint of the alternative that came furthest: the one the author meant."""
-    while error.context:
+    """For alternatives (anyOf), the complaint of the alternative that came furthest: the one the author meant.
+
+    Where the value is of none of their kinds the complaint stays that of all alternatives together.
+    """
+    while any(inner.absolute_path != error.absolute_path or inner.validator not in _KINDS for inner in error.context):
         error = max(
             error.context, key=lambda inner: (len(inner.absolute_path), inner.validator not in ("type", "const"))
         )
@@ -131,7 +137,7 @@ def describe(schema):
             words.append(phrase.format(schema[key]))
     if "items" in schema and schema["items"].get("type") in ("number", "integer"):
         words.append("each " + describe(schema["items"]))
-    if "unit" in schema:
+    if schema.get("unit", "1") not in ("1", 1):
         words.append(f"in {schema['unit']}")
     if "default" in schema and not isinstance(schema["default"], (dict, list)):
         words.append(f"(default {schema['default']})")
@@ -143,6 +149,8 @@ def describe(schema):
     )
 
 
+_NUMBER = re.compile(r"\s*[-+]?[.\d]")
+_KINDS = ("type", "const", "enum")
 _TYPES = {
     "number": "a number",
     "integer": "a whole number",
@@ -165,5 +173,6 @@ _LIMITS = {
 
 
 def _short(value):
-    text = str(value)
+    """A value for a message, cut where it is long; a number in quotes keeps them, since they are what is wrong."""
+    text = repr(value) if isinstance(value, str) and _NUMBER.match(value) else str(value)
     return text if len(text) <= 80 else text[:77] + "..."

@@ -75,7 +75,12 @@ def read(file):
         ) from None
     except UnicodeDecodeError as error:
         raise InputError("configuration file is not UTF-8 text", file, error.reason, "save it as UTF-8") from None
-    loader = _Loader(text)
+    try:
+        loader = _Loader(text)
+    except yaml.reader.ReaderError as error:
+        line = text.count("\n", 0, error.position) + 1
+        where, remedy = f"{file}, line {line}", "remove it; the file may be another kind than text"
+        raise InputError("character that YAML does not allow", where, f"#x{error.character:02x}", remedy) from None
     try:
         node = loader.get_single_node()
         lines = {(): 1}

@@ -9,6 +9,8 @@ from common import config, schema, yaml_reader
 from common.errors import InputError
 from data_synthetic import patient
 
+CASE_NAME = "[a-z][a-z0-9_]*"
+
 
 class Configuration:
     """Study, device families and cases of a folder like config/; raises InputError for anything that is not allowed.
@@ -21,7 +23,10 @@ class Configuration:
         self.data_folder = pathlib.Path(data_folder or os.environ.get("VCI_DATA_DIR") or "data")
         self.study = config.load_study(self.folder / "study.yaml")
         self.devices = config.load_devices(self.folder / "devices")
-        self.cases = {file.stem: config.load_case(file) for file in sorted((self.folder / "cases").glob("*.yaml"))}
+        for file in sorted([*self.folder.glob("cases/*.yml"), *self.folder.glob("devices/*.yml")]):
+            raise InputError("ending that is not read", file, file.suffix, f"rename it {file.stem}.yaml")
+        files = sorted(self.folder.glob("cases/*.yaml"))
+        self.cases = {_case_name(file): config.load_case(file) for file in files}
         self._check_cohorts()
         for name, case in self.cases.items():
             self._check_plan(name, case)
@@ -118,3 +123,11 @@ class Configuration:
         for section, values in self.settings(name).items():
             document = yaml_reader.Document(self.case_file(name), values, {(): 1})
             schema.validate(document, schema.read(section))
+
+
+def _case_name(file):
+    """A case's name is its file's, in letters that folders, cohorts and rules all bear; InputError otherwise."""
+    if not re.fullmatch(CASE_NAME, file.stem):
+        remedy = "rename it: a small letter, then small letters, digits and underscores"
+        raise InputError("name that a case cannot have", file, file.stem, remedy)
+    return file.stem

@@ -107,9 +107,16 @@ def test_refused_placements(edited, device, words):
         assert word in str(error.value)
 
 
+@pytest.mark.parametrize("sbp, dbp", [(80, 120), (90, 90)])
+def test_blood_pressures_that_are_swapped_or_equal(edited, sbp, dbp):
+    folder = edited("cases/real_artery.yaml", {"patient": {"lvm_g": 150, "sbp_mmhg": sbp, "dbp_mmhg": dbp}})
+    with pytest.raises(InputError, match=rf"key patient.dbp_mmhg\n.*{dbp}\n.*sbp_mmhg: {sbp}; are they swapped"):
+        config.load_case(folder / "cases" / "real_artery.yaml")
+
+
 def test_vessel_and_lumen_exclude_each_other(edited):
     folder = edited("cases/real_artery.yaml", {"vessel": {"seed": 1}})
-    with pytest.raises(InputError, match="vessel"):
+    with pytest.raises(InputError, match="key has no place here\n.*key vessel"):
         config.load_case(folder / "cases" / "real_artery.yaml")
     folder = edited("cases/real_artery.yaml", {"kind": "synthetic"})
     with pytest.raises(InputError, match="vessel is missing|lumen"):

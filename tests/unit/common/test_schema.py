@@ -17,7 +17,7 @@ RULES = {
             "type": "object",
             "additionalProperties": False,
             "default": {},
-            "properties": {"depth": {"type": "integer", "exclusiveMinimum": 0, "default": 3}},
+            "properties": {"depth": {"type": "integer", "exclusiveMinimum": 0, "default": 3, "unit": "1"}},
         },
         "steps": {
             "anyOf": [
@@ -63,8 +63,11 @@ def test_valid_document_passes():
         ({"size_mm": True}, ["key size_mm", "True"]),
         ({"size_mm": 2, "kind": "medium"}, ["one of soft, hard"]),
         ({"size_mm": 2, "group": {"depht": 2}}, ["key group.depht", "did you mean depth?"]),
-        ({"size_mm": 2, "group": {"depth": 0}}, ["key group.depth", "above 0"]),
-        ({"size_mm": 2, "steps": "never"}, ["key steps", "never", "auto"]),
+        ({"size_mm": 2, "group": {"depth": 0}}, ["key group.depth", "above 0 (default 3)"]),
+        ({"size_mm": "2.5"}, ["key size_mm", "value:  '2.5'", "a number"]),
+        ({"size_mm": 2, "steps": "never"}, ["key steps", "never", "auto or a list"]),
+        ({"size_mm": 2, "steps": None}, ["key steps", "None", "auto or a list"]),
+        ({"size_mm": 2, "steps": ["stent"]}, ["key steps[1]", "stent", "a group of keys"]),
         ({"kind": "soft"}, ["key size_mm is missing", "a size"]),
         ({"size": 2}, ["unknown key", "key size", "did you mean size_mm?"]),
     ],

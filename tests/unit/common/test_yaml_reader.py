@@ -62,3 +62,6 @@ def test_missing_and_binary_files_are_refused(tmp_path):
     (tmp_path / "b.yaml").write_bytes(b"\xff\xfe\x00a")
     with pytest.raises(InputError, match="UTF-8"):
         yaml_reader.read(tmp_path / "b.yaml")
+    (tmp_path / "c.yaml").write_bytes(b"a: 1\nb: \x00\x01")
+    with pytest.raises(InputError, match=r"does not allow\n.*c.yaml, line 2\n.*#x00"):
+        yaml_reader.read(tmp_path / "c.yaml")

@@ -68,6 +68,13 @@ def test_unknown_cohort_and_case(folder):
         found.selected("quick", "lad99")
 
 
+@pytest.mark.parametrize("name", ["cases/My case.yaml", "cases/Mine.yaml", "cases/mine.yml", "devices/mine.yml"])
+def test_files_that_would_not_be_found(folder, name):
+    shutil.copy(folder / CASE, folder / name)
+    with pytest.raises(InputError, match="rename it"):
+        Configuration(folder)
+
+
 def test_surface_is_looked_for_in_the_data_folder(folder, tmp_path):
     with pytest.raises(InputError, match="VCI_DATA_DIR"):
         Configuration(folder, tmp_path).selected("real")
