@@ -1,10 +1,12 @@
 """Figures: what is written, the same bytes twice, and the geometry of the pictures."""
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
 from common.errors import InputError
 from reports.__main__ import main
+from reports.figures.curves import SIZE, legend_below
 from reports.figures.lumen import paint_order, panel_grid, view_axes
 from reports.surface import Surface, read_device, read_lumen
 
@@ -41,6 +43,20 @@ def test_a_study_without_reference_has_no_agreement_plot(measured_case, tmp_path
         "ffr_before_after.png",
         "ffr_before_after.svg",
     ]
+
+
+@pytest.mark.parametrize("curves", [1, 2, 5, 8])
+def test_the_legend_lies_under_the_axis_label(curves):
+    figure, axes = plt.subplots(figsize=SIZE)
+    for k in range(curves):
+        axes.plot([0, 1], [0, k], label=f"Reference (finite elements) {k}: mean 12.61 mm²")
+    axes.set_xlabel("distance (mm)")
+    legend_below(figure)
+    figure.canvas.draw()
+    legend, label = figure.legends[0].get_window_extent(), axes.xaxis.label.get_window_extent()
+    assert legend.y1 <= label.y0 and legend.y0 >= 0
+    assert axes.get_window_extent().height > 150
+    plt.close(figure)
 
 
 def test_view_looks_along_the_least_extent():
