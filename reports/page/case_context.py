@@ -29,6 +29,7 @@ READOUTS = (
 def case_context(files, figures_dir):
     """The context of templates/case.html.j2. Raises InputError for a missing figure or file."""
     metrics = read_json(files.metrics, "reports metrics")
+    flow = {state: flow_row(files, state) for state in metrics["states"]}
     deployment = read_json(files.deployment, "vci deploy") if "vci" in metrics["states"] else None
     return {
         "name": files.case,
@@ -52,7 +53,8 @@ def case_context(files, figures_dir):
             if deployment and deployment.get(key) is not None
         ],
         "switched_off": [as_text(item) for item in (deployment or {}).get("switched_off", [])],
-        "flow": {state: flow_row(files, state) for state in metrics["states"]},
+        "flow": flow,
+        "modified": [state for state, row in flow.items() if row["solution"].get("jet_mixing")],
         "reference": optional_json(files.folder / "reference" / "reference.json"),
         "still": image_uri(figures_dir / f"{files.case}_lumen.png"),
         "curves": [{"uri": image_uri(figures_dir / f"{files.case}_{name}.svg"), "alt": text} for name, text in CURVES],
