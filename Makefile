@@ -20,7 +20,7 @@ $(BUILD)/build.ninja: CMakeLists.txt | setup
 	cmake -S . -B $(BUILD) -G Ninja -DCMAKE_BUILD_TYPE=Release
 
 build: setup $(BUILD)/build.ninja ## compile the programs into build/
-	@ninja -C $(BUILD) -j $(CORES) $(if $(CI),,--quiet) vci lumen
+	@ninja -C $(BUILD) -j $(CORES) vci lumen
 
 validate: setup ## check every configuration file
 	@$(PYTHON) -m workflow validate
@@ -32,14 +32,14 @@ study: build ## run a cohort (COHORT=full|quick|real) or single cases (CASES="la
 test: lint test-cpp sanitize test-python ## every test: formatting, C++ units, sanitizers, Python units, verification, workflow
 
 test-cpp: build
-	@ninja -C $(BUILD) -j $(CORES) $(if $(CI),,--quiet)
+	@ninja -C $(BUILD) -j $(CORES)
 	@mkdir -p results/tests
 	ctest --test-dir $(BUILD) --output-on-failure -j $(CORES) --output-junit $(CURDIR)/results/tests/cpp.xml
 
 # CGAL's headers take longer under the sanitizers than all else together; the anatomy's reader is left to the plain run.
 sanitize: setup ## C++ unit tests of the deployment engine with the address and undefined-behaviour sanitizers
 	@[ -f build-sanitize/build.ninja ] || cmake -S . -B build-sanitize -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DVCI_SANITIZE=ON
-	@ninja -C build-sanitize -j $(CORES) $(if $(CI),,--quiet) vci_unit_tests
+	@ninja -C build-sanitize -j $(CORES) vci_unit_tests
 	ctest --test-dir build-sanitize --exclude-regex NOT_BUILT --output-on-failure -j $(CORES) --quiet
 
 test-python: build

@@ -16,6 +16,7 @@ from workflow.inputs import (
     Inputs,
     anatomy_folder,
     case_folder,
+    cohort_option,
     figures_folder,
     output_folder,
     stent_options,

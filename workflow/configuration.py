@@ -83,7 +83,7 @@ class Configuration:
                 raise InputError("no such case", where, name, f"one of {', '.join(self.cases)}")
             if self.cases[name]["kind"] == "surface":
                 self.lumen_file(name)
-        return list(names)
+        return list(dict.fromkeys(names))
 
     def _check_cohorts(self):
         document = yaml_reader.read(self.folder / "study.yaml")

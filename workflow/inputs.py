@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import shlex
 
 SYNTHETIC_STATES = ("pre", "vci", "rc", "reference")
 SURFACE_STATES = ("pre", "vci", "rc")  # without a reference
@@ -158,6 +159,11 @@ def case_folder(wildcards, input):
 def stent_options(wildcards, input):
     """Command-line options of `data_synthetic phantom` for the stents; none before the procedure."""
     return f"--scene {input.scene} --centreline {input.centreline}" if "scene" in input.keys() else ""
+
+
+def cohort_option(cohort, cases):
+    """Command-line option of `reports report` for the cohort's name; none where single cases were chosen."""
+    return "" if cases else f"--cohort {shlex.quote(cohort)}"
 
 
 def study_folder(wildcards, input):

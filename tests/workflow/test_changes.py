@@ -103,8 +103,13 @@ def test_device_of_a_plan(finished):
 
 
 def test_description_of_a_case(finished):
-    """Only the metrics file and the report quote a case's description, and neither number depends on it."""
+    """The metrics quote a case's description, for the report; nothing is computed from it."""
     finished.edit(f"config/cases/{CASE}.yaml", "description: ", "description: Renamed. ")
+    assert finished.planned() == end_of_case(CASE)
+
+
+def test_comment_in_a_case(finished):
+    finished.append(f"config/cases/{CASE}.yaml", "# seen by nobody\n")
     assert finished.planned() == set()
 
 

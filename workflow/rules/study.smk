@@ -29,6 +29,7 @@ rule metrics:
         "results/cases/{case}/benchmarks/metrics.tsv"
     params:
         patient=INPUTS.section("patient"),
+        description=INPUTS.section("description"),
         margin=INPUTS.value("metrics", "margin_mm"),
         states=lambda wildcards: " ".join(INPUTS.states(wildcards.case)),
         case_dir=case_folder,
@@ -166,9 +167,9 @@ rule report:
         "results/study/benchmarks/report.tsv"
     params:
         case_dirs=expand("results/cases/{case}", case=CASES),
-        cohort=COHORT,
+        cohort=cohort_option(COHORT, config.get("cases")),
         study=study_folder,
         figures=figures_folder,
     shell:
         "workflow/run.sh {log} /usr/bin/python3 -m reports report --case-dir {params.case_dirs} --study-dir {params.study}"
-        " --figures-dir {params.figures} --software {input.software} --cohort {params.cohort:q} --junit {input.tests} --out {output}"
+        " --figures-dir {params.figures} --software {input.software} {params.cohort} --junit {input.tests} --out {output}"

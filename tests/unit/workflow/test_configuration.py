@@ -58,6 +58,7 @@ def test_shipped_configuration_is_valid(folder):
     found = Configuration(folder)
     assert found.selected("quick") == ["quick_focal", "quick_branch"]
     assert found.selected("quick", "lad01, rca01") == ["lad01", "rca01"]
+    assert found.selected("quick", "rca01 lad01 rca01") == ["rca01", "lad01"], "no case counts twice"
 
 
 def test_unknown_cohort_and_case(folder):
