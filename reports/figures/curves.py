@@ -8,7 +8,7 @@ from reports.figures.style import SEGMENT_COLOUR, draw_state, save
 from reports.profiles import read_pullback
 
 SIZE = (6.6, 3.6)  # inches
-LEGEND_ROW, LEGEND_MARGIN = 0.165, 0.12  # inches
+LEGEND_ROW, LEGEND_MARGIN = 0.18, 0.12  # inches
 FFR_THRESHOLD = 0.80  # at or below it a lesion is treated (ESC/EACTS guidelines on myocardial revascularisation)
 
 
