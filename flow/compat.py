@@ -19,8 +19,8 @@ logging.getLogger("root").setLevel(logging.WARNING)
 FLAGS = ("-O3", "-march=native", "-fno-math-errno")
 
 
-def read_gmsh(path, comm=MPI.COMM_SELF):
-    """(mesh, facet tags) of a gmsh file; coordinates as in the file.
+def read_gmsh(path, comm=MPI.COMM_SELF, dimension=3):
+    """(mesh, facet tags) of a gmsh file with `dimension` coordinates, which are as in the file.
 
     gmshio.read_from_msh of 0.5.2 raises a NameError, hence the detour over gmsh's model.
     """
@@ -31,14 +31,14 @@ def read_gmsh(path, comm=MPI.COMM_SELF):
         gmsh.option.setNumber("General.Verbosity", 1)
         gmsh.open(str(path))
         with contextlib.redirect_stdout(io.StringIO()):
-            mesh, _, facets = gmshio.model_to_mesh(gmsh.model, comm, 0, gdim=3)
+            mesh, _, facets = gmshio.model_to_mesh(gmsh.model, comm, 0, gdim=dimension)
     finally:
         gmsh.finalize()
     return mesh, facets
 
 
 def vector_element(mesh, degree):
-    """Lagrange element with three components."""
+    """Lagrange element with as many components as the mesh has coordinates."""
     return ufl.VectorElement("Lagrange", mesh.ufl_cell(), degree)
 
 

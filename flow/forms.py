@@ -31,8 +31,9 @@ SLOWEST, SMALLEST_RATE = 1e-4, 0.1  # m/s, 1/s: keep the roots of |u| and |D| di
 class NavierStokes:
     """Compiled residual (without the pressure loads) and tangents of a state w = (u, p) on a LumenSpace, SI units.
 
-    mixing is c, jet_length the Function l_jet in m. picard freezes the convecting velocity and the eddy viscosity and
-    adds the inertia of a backward-Euler step with the local time step h / (|u| `rate`), rate = 1 / CFL number.
+    space has W, mesh, facets (tags) and outlets (their tags), in three or two dimensions; mixing is c, jet_length the
+    Function l_jet in m. picard freezes the convecting velocity and the eddy viscosity and adds the inertia of a
+    backward-Euler step with the local time step h / (|u| `rate`), rate = 1 / CFL number.
     """
 
     def __init__(self, space, state, density, viscosity, grad_div, backflow, jet_length):
@@ -81,7 +82,9 @@ class NavierStokes:
         self.residual = compat.form(residual)
         self.tangent = compat.form(ufl.derivative(residual, state, ufl.TrialFunction(space.W)))
         self.rate = fem.Constant(space.mesh, PETSc.ScalarType(0.0))
-        width = (6.0 / 8.0) ** 0.5 * abs(ufl.JacobianDeterminant(space.mesh)) ** (1.0 / 3.0)  # about half an edge
+        width = (6.0 / 8.0) ** 0.5 * abs(ufl.JacobianDeterminant(space.mesh)) ** (
+            1.0 / space.mesh.geometry.dim
+        )  # about half an edge
         speed = ufl.sqrt(ufl.inner(u, u) + SLOWEST**2)
         inertia = density * self.rate * speed / width * ufl.inner(du, v) * dx
         self.picard = compat.form(stokes(du, dp) + oseen(du) + jet(du) + inertia)

@@ -1,7 +1,8 @@
 """Steady Navier-Stokes in the meridian plane of a narrowed straight tube: a reference that shares no code with flow.
 
-Q2-Q1 quadrilaterals on the mapped rectangle (s, r / R(s)); unknowns u_x, u_r, p; weight r. Same equations, boundary
-conditions and coupling as flow.forms: parabolic inflow Q at mean pressure MAP, traction P_v + R Q at the outlet.
+Q3-Q2 curved quadrilaterals on the mapped rectangle (s, r / R(s)); unknowns u_x, u_r, p; weight r. Equations, boundary
+conditions and coupling are those of flow.forms: parabolic inflow Q at mean pressure MAP, traction P_v + R Q at the
+outlet.
 """
 
 import numpy as np
@@ -23,23 +24,32 @@ def _graded(length, throat, count):
     return lambda x: np.interp(x, steps / steps[-1], s)
 
 
-class Tube:
-    """radius: function of s in mm; throat, length in mm; all else SI. cells: (along, across)."""
+def _domain(radius, place, cells):
+    """Curved quadrilaterals of nine nodes on the mapped rectangle, in m; place: fraction of the length -> s in mm."""
+    along, across = cells
+    fraction, share = np.meshgrid(np.linspace(0, 1, 2 * along + 1), np.linspace(0, 1, 2 * across + 1), indexing="ij")
+    s = place(fraction.ravel())
+    points = 1e-3 * np.stack([s, share.ravel() * radius(s)], axis=1)
+    number = np.arange(len(points)).reshape(fraction.shape)
+    # basix's order of a Q2 cell, as steps of half a cell: corners, middles of edges 01, 02, 13, 23, centre
+    local = [(0, 0), (2, 0), (0, 2), (2, 2), (1, 0), (0, 1), (2, 1), (1, 2), (1, 1)]
+    nodes = [number[i : i + 2 * along - 1 : 2, j : j + 2 * across - 1 : 2].ravel() for i, j in local]
+    element = ufl.VectorElement("Lagrange", ufl.Cell("quadrilateral", geometric_dimension=2), 2)
+    return mesh.create_mesh(MPI.COMM_WORLD, np.stack(nodes, axis=1), points, ufl.Mesh(element))
 
-    def __init__(self, radius, length, throat, document, cells, backflow=0.5):
+
+class Tube:
+    """radius: function of s in mm; throat, length in mm; all else SI. cells: (along, across); degree: of velocity."""
+
+    def __init__(self, radius, length, throat, document, cells, degree=3, backflow=0.5):
         self.document, self.radius_0, self.factor = document, float(radius(0.0)) * 1e-3, None
-        domain = mesh.create_rectangle(MPI.COMM_WORLD, [[0, 0], [1, 1]], cells, mesh.CellType.quadrilateral)
-        x = domain.geometry.x
-        s = _graded(length, throat, cells[0])(x[:, 0])
-        x[:, 1] *= radius(s) * 1e-3
-        x[:, 0] = s * 1e-3
-        self.domain = domain
-        velocity = ufl.VectorElement("Q", domain.ufl_cell(), 2)
-        pressure = ufl.FiniteElement("Q", domain.ufl_cell(), 1)
+        self.domain = domain = _domain(radius, _graded(length, throat, cells[0]), cells)
+        velocity = ufl.VectorElement("Q", domain.ufl_cell(), degree)
+        pressure = ufl.FiniteElement("Q", domain.ufl_cell(), degree - 1)
         W = fem.FunctionSpace(domain, ufl.MixedElement([velocity, pressure]))
         self.state = fem.Function(W)
         self._boundaries(W, length * 1e-3)
-        self._forms(W, backflow)
+        self._forms(W, backflow, 3 * degree + 1)
 
     def _boundaries(self, W, length):
         locate = mesh.locate_entities_boundary
@@ -60,12 +70,12 @@ class Tube:
             ),
         ]
 
-    def _forms(self, W, backflow):
+    def _forms(self, W, backflow, quadrature):
         facets = np.concatenate([self.inlet, self.outlet])
         tags = np.repeat([1, 2], [len(self.inlet), len(self.outlet)]).astype(np.int32)
         order = np.argsort(facets)
         ds = ufl.Measure("ds", self.domain, subdomain_data=mesh.meshtags(self.domain, 1, facets[order], tags[order]))
-        dx = ufl.Measure("dx", self.domain, metadata={"quadrature_degree": 7})
+        dx = ufl.Measure("dx", self.domain, metadata={"quadrature_degree": quadrature})
         (u, p), (v, q) = ufl.split(self.state), ufl.TestFunctions(W)
         r = ufl.SpatialCoordinate(self.domain)[1]
         rho, mu = self.document["density_kg_per_m3"], self.document["viscosity_pa_s"]
