@@ -4,7 +4,12 @@
 
 namespace vci {
 
-HenckyLaw::Response HenckyLaw::response(const Vec2& log_strain) const {
+Vec2 HenckyLaw::at_depth(const Vec2& log_strain) const {
+  return depth == 0 ? log_strain : Vec2(0.5 * (((2 * log_strain).array().exp() + depth) / (1 + depth)).log());
+}
+
+HenckyLaw::Response HenckyLaw::response(const Vec2& lumen_strain) const {
+  const Vec2 log_strain = at_depth(lumen_strain);
   const double c = 1.0 / (1.0 - poisson_ratio * poisson_ratio);
   Mat2 d;
   d << c, c * poisson_ratio, c * poisson_ratio, c;
@@ -28,7 +33,31 @@ HenckyLaw::Response HenckyLaw::response(const Vec2& log_strain) const {
   }
   r.stress = stiffness * phi * d_eps;
   r.tangent = stiffness * (phi * d + dphi_over_w * d_eps * d_eps.transpose());
+  if (depth > 0) {
+    const Eigen::Array2d square = (2 * lumen_strain).array().exp();
+    const Eigen::Array2d share = square / (square + depth); // d at_depth / d lumen_strain
+    r.tangent = (r.tangent.array() * (share.matrix() * share.matrix().transpose()).array()).matrix();
+    r.tangent.diagonal().array() += r.stress.array() * 2 * share * (1 - share);
+    r.stress.array() *= share;
+  }
   return r;
+}
+
+Vec2 HenckyLaw::flow(const Vec2& lumen_strain) {
+  const Vec2 layer = at_depth(lumen_strain);
+  const double w = response(lumen_strain).strain;
+  if (w <= yield_strain)
+    return Vec2::Zero();
+  // the layer's elastic strain shrinks in proportion to the stress reached; the lumen has moved with the rest
+  const Vec2 elastic = elastic_part(w) / w * layer, lasting = layer - elastic;
+  yield_strain = elastic_part(w);
+  if (depth == 0)
+    return lasting;
+  // Seen from the widened lumen the layer is less deep (a narrowed one keeps its depth). The lumen's elastic strain is
+  // what gives the layer's at the new depth, so that the stress in the wider direction stays as it was.
+  const double widened = lasting.maxCoeff() > 0 ? std::exp(2 * lasting.maxCoeff()) * (1 + depth) - depth : 1;
+  depth /= widened;
+  return lumen_strain - Vec2(0.5 * ((2 * elastic).array().exp() * (1 + depth) - depth).log());
 }
 
 } // namespace vci

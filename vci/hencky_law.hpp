@@ -10,23 +10,33 @@ namespace vci {
 ///   phi = 1 + beta w^2                        healthy wall: stiffens
 ///   phi = (w_y + H (w - w_y)) / w, w > w_y    plaque, film: yields with linear hardening
 /// which derive from the energy per reference area E psi(w), psi' = phi w.
+///
+/// A layer at depth, radius R behind a lumen of radius a, stretches less than the lumen does: incompressible tissue
+/// between them gives lambda_R^2 = (lambda^2 + q) / (1 + q), q = (R/a)^2 - 1 (of a ring; taken for both principal
+/// stretches). The formulas above hold for the layer's strain; the response is that of the lumen's.
 struct HenckyLaw {
-  double stiffness; ///< modulus times thickness, N/mm
+  double stiffness; ///< modulus times thickness per reference length of the lumen, N/mm
   double poisson_ratio = 0.45;
   double stiffening = 0; ///< beta; only without yield
   double yield_strain = std::numeric_limits<double>::infinity();
   double hardening = 0; ///< H, 0 to 1
+  double depth = 0;     ///< q; 0 at the lumen itself
 
   struct Response {
     double energy; ///< N/mm
-    Vec2 stress;   ///< t_i, N/mm
-    Mat2 tangent;  ///< d t_i / d eps_j, N/mm
-    double strain; ///< w
+    Vec2 stress;   ///< d energy / d eps_i, eps the lumen's strain, N/mm
+    Mat2 tangent;  ///< d stress_i / d eps_j, N/mm
+    double strain; ///< w of the layer
     bool yields;
   };
   Response response(const Vec2& log_strain) const;
   /// Elastic part of w that stays after yield: E times it is the stress reached.
   double elastic_part(double w) const { return yield_strain + hardening * (w - yield_strain); }
+  /// What of the lumen's strain stays after yield at that strain; the law then holds for the strain beyond it.
+  Vec2 flow(const Vec2& log_strain);
+
+private:
+  Vec2 at_depth(const Vec2& log_strain) const;
 };
 
 } // namespace vci

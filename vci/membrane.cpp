@@ -142,14 +142,11 @@ void Membrane::link(const BlockMatrix& matrix) {
 void Membrane::commit(const Vectors& x) {
   for (Element& e : elements_) {
     const Principal p = principal(edges(e.v, x) * e.shape);
-    const double w = e.law.response(p.log_strain).strain;
-    if (w <= e.law.yield_strain)
+    const Vec2 flow = e.law.flow(p.log_strain);
+    if (flow.isZero(0))
       continue;
-    // Scale the elastic logarithmic strain to the stress reached; the rest becomes permanent.
-    const double elastic = e.law.elastic_part(w);
-    const Vec2 flow = (elastic / w - 1.0) * p.log_strain;
-    e.shape = e.shape * p.v * Eigen::DiagonalMatrix<double, 2>(std::exp(flow[0]), std::exp(flow[1])) * p.v.transpose();
-    e.law.yield_strain = elastic;
+    e.shape =
+        e.shape * p.v * Eigen::DiagonalMatrix<double, 2>(std::exp(-flow[0]), std::exp(-flow[1])) * p.v.transpose();
   }
 }
 

@@ -4,6 +4,7 @@
 #include "vci/hinge.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace vci {
 
@@ -11,7 +12,24 @@ namespace {
 
 constexpr double thinnest_plaque = 0.05; // mm: below it the plaque layer is left out
 
+/// The law of a layer of `thickness` at `ratio` times the lumen's radius; modulus in MPa, thickness in mm.
+HenckyLaw at_depth(HenckyLaw law, double modulus, double thickness, double ratio) {
+  law.stiffness = modulus * thickness * ratio;
+  law.depth = ratio * ratio - 1;
+  return law;
+}
+
 } // namespace
+
+std::array<HenckyLaw, 2> plaque_layers(const HenckyLaw& law, double modulus, double thickness, double radius) {
+  constexpr double gauss[2] = {0.2113248654051871, 0.7886751345948129};
+  const double widest = 1 + thickness / radius;
+  const auto layer = [&](double place) {
+    const double ratio = std::pow(widest, place);
+    return at_depth(law, modulus, 0.5 * radius * ratio * std::log(widest), ratio);
+  };
+  return {layer(gauss[0]), layer(gauss[1])};
+}
 
 std::vector<char> region_of_interest(const Lumen& lumen, const Scene& scene, const std::map<std::string, Path>& paths) {
   std::vector<char> free(lumen.points.size(), 0);
@@ -70,32 +88,41 @@ Wall add_wall(System& system, const Lumen& lumen, const std::vector<char>& free,
   }
   wall.fixed = static_cast<int>(std::count(fixed.begin(), fixed.end(), 1));
 
-  std::vector<HenckyLaw> intima, plaque;
+  std::vector<HenckyLaw> intima;
+  std::array<std::vector<HenckyLaw>, 2> plaque;
   Triangles with_plaque;
   for (const Triangle& t : triangles) {
-    intima.push_back({spec.youngs_modulus * spec.intima_thickness, spec.poisson_ratio, spec.stiffening});
-    double thickness = 0, modulus = 0, weight = 0;
+    double thickness = 0, modulus = 0, weight = 0, radius = 0;
     int type = 0;
     for (int v : t) { // the stiffest type at a corner names the law, the moduli are averaged over the plaque there
       const int g = wall.vertex[v];
       thickness += lumen.plaque[g] / 3.0;
+      radius += lumen.radius[g] / 3.0;
       if (lumen.plaque_type[g] > 0) {
         modulus += lumen.plaque[g] * spec.plaque[lumen.plaque_type[g]].youngs_modulus;
         weight += lumen.plaque[g];
         type = std::max(type, lumen.plaque_type[g]);
       }
     }
-    if (thickness < thinnest_plaque || type == 0 || weight <= 0)
+    const bool bare = thickness < thinnest_plaque || type == 0 || weight <= 0;
+    // healthy intima lies behind the plaque, where the wall stretches less than the lumen
+    intima.push_back(at_depth({0, spec.poisson_ratio, spec.stiffening}, spec.youngs_modulus, spec.intima_thickness,
+                              bare ? 1 : 1 + thickness / radius));
+    if (bare)
       continue;
     with_plaque.push_back(t);
     const PlaqueSpec& p = spec.plaque[type];
-    plaque.push_back({thickness * modulus / weight, spec.poisson_ratio, 0.0, p.yield_strain, p.hardening});
+    const auto layers =
+        plaque_layers({0, spec.poisson_ratio, 0, p.yield_strain, p.hardening}, modulus / weight, thickness, radius);
+    for (std::size_t k = 0; k < layers.size(); ++k)
+      plaque[k].push_back(layers[k]);
   }
   const int body =
       system.add_body("wall", points, triangles, spec.density * (spec.intima_thickness + spec.media_thickness), fixed);
   wall.membrane = &system.add_force(body, std::make_unique<Membrane>(triangles, points, intima));
   if (!with_plaque.empty())
-    system.add_force(body, std::make_unique<Membrane>(with_plaque, points, plaque));
+    for (const std::vector<HenckyLaw>& layer : plaque)
+      system.add_force(body, std::make_unique<Membrane>(with_plaque, points, layer));
   const double t = spec.intima_thickness + spec.media_thickness;
   const double rigidity = spec.youngs_modulus * t * t * t / (12 * (1 - spec.poisson_ratio * spec.poisson_ratio));
   const std::vector<EdgePair> edges = interior_edges(triangles, points);

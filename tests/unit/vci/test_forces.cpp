@@ -91,6 +91,38 @@ TEST(Membrane, YieldingPlaqueMatchesFiniteDifferences) {
   check_hessian(force, x);
 }
 
+/// Wall and plaque behind a lumen, as laws of the lumen's strain.
+std::vector<HenckyLaw> deep_laws() {
+  HenckyLaw stiffens{2.0, 0.45, 3.0}, yields{2.0, 0.45, 0.0, 0.05, 0.1};
+  stiffens.depth = 1.7;
+  yields.depth = 2.5;
+  return {stiffens, yields};
+}
+
+TEST(Membrane, LayersAtDepthMatchFiniteDifferences) {
+  Membrane force(sheet_triangles, sheet, deep_laws());
+  const Vectors x = perturbed(sheet, 0.3, 3);
+  EXPECT_EQ(force.yielding(x), 1);
+  check_gradient(force, x);
+  check_hessian(force, x);
+  force.commit(x);
+  const Vectors y = perturbed(x, 0.05, 4);
+  check_gradient(force, y);
+  check_hessian(force, y);
+}
+
+TEST(HenckyLaw, FlowAtDepthKeepsTheStress) {
+  HenckyLaw law = deep_laws()[1];
+  const Vec2 strain(0.9, -0.1);
+  const HenckyLaw::Response before = law.response(strain);
+  ASSERT_TRUE(before.yields);
+  const Vec2 lasting = law.flow(strain);
+  const HenckyLaw::Response after = law.response(strain - lasting);
+  EXPECT_NEAR(after.strain, law.yield_strain, 1e-12);
+  EXPECT_LT(law.depth, 2.5);
+  EXPECT_NEAR(after.stress[0], before.stress[0], 1e-12);
+}
+
 TEST(Membrane, EqualStretchesHaveTheLimitOfTheShearModulus) {
   Membrane force(sheet_triangles, sheet, {{2.0, 0.45, 3.0}, {2.0, 0.45, 3.0}});
   Vectors x = sheet;

@@ -119,7 +119,7 @@ def write_scene(folder, steps, edge=0.6, moved=None, mirrored=False, calcium_deg
             }
             for step in steps
         ],
-        "numerics": {"device_edge_mm": 0.6},
+        "numerics": {"device_edge_mm": 0.45},
     }
     (folder / "scene.json").write_text(json.dumps(scene))
     return folder / "scene.json"

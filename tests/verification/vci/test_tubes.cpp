@@ -1,8 +1,9 @@
-// Tubes under pressure against closed forms: thin wall, and thin wall in an elastic medium (Lame).
+// Tubes under pressure against closed forms: thin wall, thin wall in an elastic medium (Lame), thick plaque.
 #include "vci/foundation.hpp"
 #include "vci/integrator.hpp"
 #include "vci/membrane.hpp"
 #include "vci/pressure.hpp"
+#include "vci/wall.hpp"
 #include <gtest/gtest.h>
 #include <random>
 
@@ -51,11 +52,13 @@ Tube tube(Mesh mesh, int around) {
 }
 
 /// Mean relative widening of the tube's middle third under a pressure, in a medium of modulus E_s (MPa).
-double widening(const Tube& t, double poisson, double medium, double pressure) {
+double widening(const Tube& t, const std::vector<HenckyLaw>& layers, double medium, double pressure) {
   System system;
   const int body = system.add_body("tube", t.points, t.triangles, 1e-3, t.fixed);
-  system.add_force(body, std::make_unique<Membrane>(t.triangles, t.points,
-                                                    std::vector<HenckyLaw>(t.triangles.size(), {stiffness, poisson})));
+  for (const HenckyLaw& law : layers)
+    system.add_force(
+        body, std::make_unique<Membrane>(t.triangles, t.points, std::vector<HenckyLaw>(t.triangles.size(), law)));
+  const double poisson = layers.front().poisson_ratio;
   system.add_force(body, std::make_unique<Pressure>(t.triangles, t.points, pressure));
   std::vector<RingFoundation::Element> rings; // a hold along the surface: a bare membrane is singular
   for (int i = 0; i < system.vertices(); ++i) {
@@ -91,7 +94,8 @@ void check(double medium) {
   for (Mesh mesh : {Mesh::regular, Mesh::jittered, Mesh::graded})
     for (int around : {24, 36})
       for (double poisson : {0.3, 0.45}) {
-        const double found = widening(tube(mesh, around), poisson, medium, exact_pressure(stretch, poisson, medium));
+        const double found =
+            widening(tube(mesh, around), {{stiffness, poisson}}, medium, exact_pressure(stretch, poisson, medium));
         EXPECT_NEAR(found / (stretch - 1), 1, 0.015)
             << "mesh " << static_cast<int>(mesh) << ", " << around << " round, nu " << poisson;
       }
@@ -103,6 +107,30 @@ TEST(Tube, ThinWallUnderPressure) {
 
 TEST(Tube, ThinWallInAnElasticMedium) {
   check(0.3);
+}
+
+/// Pressure that widens a thick ring of plaque by a stretch in plane strain: E / (1 - nu^2) int eps r0 / r^2 dr0 with
+/// eps = ln(r / r0), r^2 - r0^2 the same through the incompressible thickness; by Simpson's rule.
+double thick_pressure(double stretch, double modulus, double thickness, double poisson) {
+  constexpr int steps = 400;
+  double sum = 0;
+  for (int k = 0; k <= steps; ++k) {
+    const double r0 = radius + thickness * k / steps;
+    const double r = std::sqrt(r0 * r0 + radius * radius * (stretch * stretch - 1));
+    sum += (k == 0 || k == steps ? 1 : 2 + 2 * (k % 2)) * std::log(r / r0) * r0 / (r * r);
+  }
+  return modulus / (1 - poisson * poisson) * sum * thickness / (3 * steps);
+}
+
+TEST(Tube, ThickPlaqueUnderPressure) {
+  constexpr double modulus = 0.3, poisson = 0.45;
+  for (double thickness : {0.5, 1.5, 4.0})
+    for (double stretch : {1.02, 1.3}) {
+      const auto layers = plaque_layers({0, poisson}, modulus, thickness, radius);
+      const double found = widening(tube(Mesh::regular, 36), {layers.begin(), layers.end()}, 0,
+                                    thick_pressure(stretch, modulus, thickness, poisson));
+      EXPECT_NEAR(found / (stretch - 1), 1, 0.03) << thickness << " mm, stretched " << stretch;
+    }
 }
 
 } // namespace
