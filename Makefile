@@ -8,7 +8,7 @@ SNAKEMAKE := /usr/bin/snakemake
 REPORT := results/report/index.html
 
 .DEFAULT_GOAL := study
-.PHONY: setup build validate study test test-cpp test-python sanitize lint format clean help
+.PHONY: setup build validate study unlock test test-cpp test-python sanitize lint format clean help
 
 help: ## show this list
 	@grep -E '^[a-z-]+:.*##' Makefile | sed 's/:.*##/ -/'
@@ -26,8 +26,13 @@ validate: setup ## check every configuration file
 	@$(PYTHON) -m workflow validate
 
 study: build ## run a cohort (COHORT=full|quick|real) or single cases (CASES="lad01 rca01"); -j by CORES
-	@$(SNAKEMAKE) --profile config/profiles/local --cores $(CORES) --config cohort=$(COHORT) $(if $(CASES),cases='$(CASES)')
+	@$(SNAKEMAKE) --profile config/profiles/local --cores $(CORES) --config cohort=$(COHORT) $(if $(CASES),cases='$(CASES)') || { \
+	  [ -z "$$(ls -A .snakemake/locks 2>/dev/null)" ] || \
+	  echo "the folder is locked: another run works in it, or one was killed; if none runs any more: make unlock" >&2; exit 1; }
 	@echo "report: $(REPORT)"
+
+unlock: ## after a run that was killed (power cut, kill -9): let the next one go on from there
+	@$(SNAKEMAKE) --unlock --cores 1
 
 test: lint test-cpp sanitize test-python ## every test: formatting, C++ units, sanitizers, Python units, verification, workflow
 

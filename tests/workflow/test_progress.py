@@ -1,4 +1,6 @@
-"""What a run prints of its progress, and of the cases it was asked for."""
+"""What a run prints of its progress, and of the cases it was asked for; how one goes on after a kill."""
+
+import subprocess
 
 TARGETS = [f"results/cases/quick_focal/settings/{section}.json" for section in ("flow", "metrics")]
 
@@ -19,3 +21,20 @@ def test_chosen_cases_are_not_called_by_a_cohorts_name(fresh):
         assert run.returncode == 0, run.stderr
         commands[cases] = next(line for line in (run.stdout + run.stderr).splitlines() if "reports report" in line)
     assert "--cohort quick " in commands[""] and "--cohort" not in commands["quick_focal"]
+
+
+def test_after_a_kill_make_says_how_to_go_on(fresh):
+    """A killed Snakemake leaves its lock behind."""
+    lock = fresh.folder / ".snakemake" / "locks" / "0.output.lock"
+    lock.parent.mkdir(parents=True)
+    lock.write_text("results/report/index.html\n")
+
+    def make(*arguments):
+        command = ["make", "--old-file=build", *arguments]  # what `make build` makes is there already
+        return subprocess.run(command, cwd=fresh.folder, text=True, capture_output=True)
+
+    locked = make("study", "COHORT=quick", "CORES=1")
+    assert locked.returncode != 0 and "make unlock" in locked.stderr
+    assert make("unlock").returncode == 0 and not lock.exists()
+    refused = make("study", "COHORT=small", "CORES=1")
+    assert refused.returncode != 0 and "make unlock" not in refused.stderr
