@@ -10,7 +10,7 @@ sys.path.insert(0, workflow.basedir)
 from snakemake.exceptions import WorkflowError
 
 from common.errors import UserError
-from workflow.configuration import CASE_NAME, Configuration
+from workflow.configuration import Configuration
 from workflow.imports import code
 from workflow.inputs import (
     Inputs,
@@ -39,7 +39,7 @@ LUMEN = os.path.join(config.get("build", "build"), "lumen")
 
 
 wildcard_constraints:
-    case=CASE_NAME,
+    case="|".join(STUDY.cases),
     state="pre|vci|rc|reference|ct",
     section="anatomy|deployment|flow|reference|ct|metrics",
 

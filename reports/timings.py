@@ -24,11 +24,12 @@ def benchmark_rows(files):
 
 
 def read_benchmark(path):
-    """A Snakemake benchmark file; a step too short to be sampled has "-" for memory and processor time (left empty)."""
+    """A Snakemake benchmark file; a step too short to be sampled has "-" or 0 for memory and time (left empty)."""
     table = pd.read_csv(path, sep="\t", na_values=["-", "NA"])
     for name in BENCHMARK_NUMBERS:
         if name not in table.columns:
             table[name] = float("nan")
+    table["cpu_time"] = table["cpu_time"].where(table["cpu_time"] > 0.0)
     return table
 
 

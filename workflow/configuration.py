@@ -34,6 +34,10 @@ class Configuration:
             if case["kind"] == "synthetic":
                 patient.check(case["vessel"], str(self.case_file(name)))
 
+    def of_kind(self, kind):
+        """Names of the cases that are `synthetic` or `surface`."""
+        return [name for name, case in self.cases.items() if case["kind"] == kind]
+
     def case_file(self, name):
         """config/cases/<name>.yaml."""
         return self.folder / "cases" / f"{name}.yaml"

@@ -42,6 +42,21 @@ def test_single_target(fresh):
     assert not {job for job in planned if "quick_branch" in job or "reference" in job or "report" in job}
 
 
+@pytest.mark.parametrize(
+    "target, words",
+    [
+        ("lad99/metrics.json", "No rule to produce results/cases/lad99/metrics.json"),
+        ("real_artery/reference/lumen.vtp", "results/cases/real_artery/source/truth.json"),
+    ],
+)
+def test_a_target_that_cannot_be_made_is_named(fresh, shared_data, target, words):
+    """An unknown case; the reference of a user's own, whose truth nobody knows."""
+    environment = {"VCI_DATA_DIR": str(shared_data)}.items()
+    run = fresh.snakemake("--dry-run", f"results/cases/{target}", environment=environment)
+    text = run.stdout + run.stderr
+    assert run.returncode != 0 and words in text and "Traceback" not in text, text
+
+
 def test_forcerun(finished):
     planned = finished.planned("--forcerun", "radius_correct")
     assert {"radius_correct quick_focal", "radius_correct quick_branch"} <= planned

@@ -14,6 +14,7 @@ rule plan:
         code=code("anatomy", "anatomy.plan"),
     output:
         "results/cases/{case}/vci/plan.json",
+    priority: 1  # a device that does not fit is refused before flow is computed
     log:
         "results/cases/{case}/logs/plan.log",
     benchmark:

@@ -23,6 +23,8 @@ rule generate:
     output:
         lumen="results/cases/{case}/source/lumen.vtp",
         truth="results/cases/{case}/source/truth.json",
+    wildcard_constraints:
+        case="|".join(STUDY.of_kind("synthetic")) or "(?!)",
     log:
         "results/cases/{case}/logs/generate.log",
     benchmark:

@@ -96,6 +96,25 @@ def test_report_without_any_reference_or_tests_says_so(study):
     assert "carries no evidence of verification" in text
 
 
+@pytest.mark.parametrize("ffr, jet, above, stars", [(0.86, 0.0, 1, 0), (0.72, 0.12, 0, 2)])
+def test_a_mild_narrowing_and_a_modified_flow_are_said(study, tmp_path, ffr, jet, above, stars):
+    path, folder = study(("tube", {})), tmp_path / "cases" / "tube"
+    for file, keys, value in (
+        (folder / "metrics.json", ("states", "pre", "ffr", "distal"), ffr),
+        (folder / "flow" / "pre" / "ffr.json", ("jet_mixing",), jet),
+    ):
+        document = entry = json.loads(file.read_text())
+        for key in keys[:-1]:
+            entry = entry[key]
+        entry[keys[-1]] = value
+        file.write_text(json.dumps(document))
+    places = ["--study-dir", str(tmp_path / "study"), "--figures-dir", str(tmp_path / "figures")]
+    main(["report", "--case-dir", str(folder), *places, "--out", str(path)])
+    text = path.read_text()
+    assert text.count("above 0.80, where a narrowing is usually left alone") == above
+    assert text.count('<a href="#case-tube">*</a>') + text.count("* No steady flow was found") == stars
+
+
 def test_a_missing_figure_is_named(study, tmp_path, capsys):
     path = study(("tube", {}))
     (tmp_path / "figures" / "tube_area.svg").unlink()

@@ -89,6 +89,14 @@ def test_timings_from_benchmarks_and_programs(make_case):
     assert table.loc["reference/flow", "peak_memory_mib"] == 900.0
 
 
+def test_a_step_that_was_not_sampled_has_no_processor_time(make_case):
+    folder = make_case()
+    benchmark = folder / "benchmarks" / "deploy.tsv"
+    benchmark.write_text(benchmark.read_text().replace("\t1.40", "\t0.00"))
+    row = timings_table([CaseFiles("tube", folder)]).set_index("step").loc["deploy"]
+    assert row["seconds"] == 1.5 and pd.isna(row["cpu_s"])
+
+
 def test_the_commands_write_the_same_bytes_twice(make_case, tmp_path):
     folder = make_case("tube")
     for out in ("a", "b"):
