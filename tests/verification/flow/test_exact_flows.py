@@ -1,0 +1,120 @@
+"""The whole of mesh and solve against flows known exactly: Poiseuille's, a network of resistors, and flows alike."""
+
+import json
+import pathlib
+import sys
+
+import numpy as np
+import pytest
+
+sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[2] / "unit" / "flow")]
+
+import tubes  # noqa: E402
+from flow import __main__ as command_line  # noqa: E402
+from flow import centreline, reduced  # noqa: E402
+from flow.surface import Surface  # noqa: E402
+
+MAP, VENOUS, DENSITY = 12000.0, 600.0, 1060.0
+
+
+def _document(branches, resistances, viscosity, map_pa=MAP, venous_pa=VENOUS):
+    outlets = [
+        {"name": f"outlet{k + 1}", "region_id": k + 2, "branch": branch.name, "resistance_pa_s_per_m3": resistance}
+        for k, (branch, resistance) in enumerate(zip(branches, resistances))
+    ]
+    for outlet in outlets:
+        outlet["flow_m3_per_s"] = (map_pa - venous_pa) / outlet["resistance_pa_s_per_m3"]
+    main = branches[0]
+    s_mm = 0.8 * main.length_mm
+    probe = {"name": "distal", "branch": main.name, "s_mm": s_mm, "point_mm": main.point(s_mm).tolist()}
+    return {
+        "map_pa": map_pa,
+        "venous_pressure_pa": venous_pa,
+        "density_kg_per_m3": DENSITY,
+        "viscosity_pa_s": viscosity,
+        "outlets": outlets,
+        "probes": [probe],
+    }
+
+
+def _solve(folder, surface, branches, document, parents=None, options=()):
+    """The document of ffr.json of a lumen, by the commands `mesh` and `solve`."""
+    tubes.write_case(folder, surface, branches, parents)
+    (folder / "boundary.json").write_text(json.dumps(document))
+    line = ["--centreline", str(folder / "centreline.vtp")]
+    command_line.main(["mesh", str(folder / "lumen.vtp"), *line, "--out", str(folder / "mesh.msh"), *options])
+    boundary = ["--boundary", str(folder / "boundary.json")]
+    command_line.main(["solve", str(folder / "mesh.msh"), *line, *boundary, "--out", str(folder)])
+    return json.loads((folder / "ffr.json").read_text())
+
+
+def test_poiseuille(tmp_path):
+    length, radius, viscosity = 8.0, 1.2, 0.004
+    branches = [tubes.line(length, lambda s: radius)]
+    document = _document(branches, [2e10], viscosity)
+    answer = _solve(tmp_path, tubes.tube(length, lambda s: radius, 0.2), branches, document)
+    flow = answer["inlet_flow_m3_per_s"]
+    drop = 8 * viscosity * length * 1e-3 * flow / (np.pi * (radius * 1e-3) ** 4)
+    assert MAP - answer["outlets"][0]["pressure_pa"] == pytest.approx(drop, rel=5e-4)
+
+
+def test_unequal_outlets_of_a_creeping_flow_are_a_network_of_resistors(tmp_path):
+    surface, branches = tubes.fork(length=16.0, at=7.0, side_length=7.0, edge_mm=0.5)
+    parents = {"side1": ("main", 7.0)}
+    document = _document(
+        branches, [2e12, 2e14], 1.0
+    )  # Reynolds number below 1e-3; the vessels take 1 % of the pressure
+    answer = _solve(tmp_path, surface, branches, document, parents, ["--cells-per-radius", "1.5", "--rings", "3"])
+    anatomy = json.loads((tmp_path / "anatomy.json").read_text())
+    flows = reduced.Network(anatomy, reduced.read_sections(tmp_path / "sections.csv"), document, 1.14).solve()
+    found = np.array([outlet["flow_m3_per_s"] for outlet in answer["outlets"]])
+    without_vessels = (MAP - VENOUS) / np.array([2e12, 2e14])
+    print("3D over network", found / flows - 1, "vessels", found / without_vessels - 1)
+    assert found == pytest.approx(flows, rel=5e-4)
+    assert (found < (1 - 2e-3) * without_vessels).all()
+    for outlet, resistance in zip(answer["outlets"], (2e12, 2e14)):
+        expected = VENOUS + resistance * outlet["flow_m3_per_s"]
+        assert outlet["pressure_pa"] == pytest.approx(expected, rel=1e-12)
+    assert answer["mass_imbalance"] < 1e-8
+
+
+ROTATION = np.linalg.qr(np.array([[1.0, 2.0, 0.3], [-0.7, 1.1, 0.9], [0.2, -1.3, 1.7]]))[0]
+ROTATION *= np.linalg.det(ROTATION)
+SCALE = 1.25
+
+
+def _lesion(transform, scale=1.0):
+    """(Surface, [Branch]) of a bent tube with a lesion, its points mapped by the matrix `transform`."""
+    length, axis = 16.0, tubes.arc(0.03)
+    radius = tubes.lesion(1.2, 0.5, 6.0, 6.0)
+    surface, line = tubes.tube(length, radius, 0.35, axis), tubes.line(length, radius, axis)
+    triangles = surface.triangles if np.linalg.det(transform) > 0 else surface.triangles[:, ::-1]
+    moved = Surface(surface.points @ transform.T, triangles, surface.region)
+    points = line.points @ transform.T
+    return moved, [centreline.Branch("main", 0, points, scale * line.s_mm, scale * line.radius_mm)]
+
+
+def _ffr_of_lesion(folder, transform, scale=1.0):
+    """FFR; lengths times `scale` at the same Reynolds number: speeds over scale, pressures over its square."""
+    surface, branches = _lesion(scale * transform, scale)
+    map_pa, venous_pa = MAP / scale**2, VENOUS / scale**2
+    document = _document(branches, [7e9 / scale**3], 0.004, map_pa, venous_pa)
+    return _solve(folder, surface, branches, document, options=["--rings", "3"])["ffr"]
+
+
+@pytest.fixture(scope="module")
+def ffr_of_lesion(tmp_path_factory):
+    """FFR of the lesion where it is."""
+    return _ffr_of_lesion(tmp_path_factory.mktemp("lesion"), np.eye(3))
+
+
+@pytest.mark.parametrize(
+    ("transform", "scale"),
+    [(ROTATION, 1.0), (np.diag([1.0, -1.0, 1.0]), 1.0), (np.eye(3), SCALE)],
+    ids=["rotated", "mirrored", "scaled"],
+)
+def test_ffr_is_that_of_the_lesion_moved(tmp_path, ffr_of_lesion, transform, scale):
+    found = _ffr_of_lesion(tmp_path, transform, scale)
+    print("FFR", ffr_of_lesion, "moved", found - ffr_of_lesion)
+    assert ffr_of_lesion < 0.92  # else there is nothing to keep
+    assert found == pytest.approx(ffr_of_lesion, abs=1e-4)
