@@ -15,6 +15,8 @@ def of(fine, coarse, ffr_fine, distal):
     if coarse:
         parts.update(_mesh(fine, coarse, ffr_fine, distal(coarse.sampler)))
     if fine.problem.mixing > 0:
+        if len(fine.problem.passed) < 2:  # nothing to continue from: what is known of the mesh alone says too little
+            return None
         parts["jet_mixing"] = _jet(fine, distal)
     known = [parts[name] for name in ("mesh", "jet_mixing") if name in parts]
     return {"ffr": sum(known), **parts} if known else None

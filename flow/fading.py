@@ -4,11 +4,14 @@ At a throat Reynolds number of several hundred the jet behind a lesion flaps on 
 bend, in the vessel too: neither line search nor pseudo-time finds the steady flow from rest. With the eddy viscosity
 of a mixing length c l_jet in the jet's shear layer (flow.forms, flow.jet) the flow is steady and Newton's method
 converges within a few steps. So: backward-Euler Picard steps with a local time step at full flow and large c, then
-Newton's method at c = MIXING[0], MIXING[1], ..., 0, each from the last. Where the steady flow is lost on the way, the
-smallest c that has one is kept and reported.
+Newton's method at c = MIXING[0], MIXING[1], ..., 0, each from the flows before, continued in a straight line over c^2,
+with which the viscosity goes. Where the steady flow is lost on the way, the smallest c that has one is kept and
+reported. Another mesh of the same lumen starts at the c that was kept on the first.
 """
 
 import numpy as np
+
+from flow import newton
 
 ON_THE_WAY = 1e-4  # relative residual on the way to the smallest c
 MIXING = (0.6, 0.4, 0.27, 0.18, 0.12, 0.06, 0.0)
@@ -16,20 +19,33 @@ LARGEST_MIXING = 0.27  # a flow that is not steady at or below it is refused
 LOW_FLOW = 0.1  # of the flow: Newton's method reaches it from rest
 PICARD_STEPS, FIRST_CFL, CFL_GROWTH = 5, 20.0, 1.5
 SMALLEST_DECREASE = 0.02  # of c
-HARD = 8  # Newton steps at one c, after which the try is given up
+NEIGHBOUR = 1.5  # times the only c with a flow: where a second is sought, for the error estimate
+HARD = 6  # Newton steps at one c, after which the try is given up
+LOST = 2  # tries given up at or below LARGEST_MIXING, after which the last c is kept
 
 
 def from_rest(problem, resistances_at):
     """Outcome at full flow from rest. resistances_at(fraction) -> (n,) outlet resistances. Raises ComputationError."""
     problem.boundaries.resistance = resistances_at(LOW_FLOW)
-    problem.newton(np.inf, ON_THE_WAY, HARD)
+    newton.newton(problem, np.inf, ON_THE_WAY, HARD)
     problem.scale_to(1.0 / LOW_FLOW)
     problem.boundaries.resistance = problem.boundaries.full_resistance.copy()
-    return from_guess(problem)
+    problem.forms.mixing.value = MIXING[0]
+    settle(problem)
+    fade(problem, MIXING)
+    return polish(problem)
 
 
-def from_guess(problem):
-    """Outcome at full flow from the present state. Raises ComputationError."""
+def from_guess(problem, known):
+    """Outcome at full flow from the present state, a flow at c = `known` on another mesh. Raises ComputationError."""
+    guess = problem.state.x.array.copy(), problem.inflow
+    for first in sorted({known, *(c for c in MIXING[:-1] if c >= 1.2 * known)}):
+        problem.state.x.array[:], problem.inflow = guess
+        if _reach(problem, first).converged:
+            _pass(problem)
+            fade(problem, [c for c in MIXING if c < 0.8 * first])
+            return polish(problem)
+    problem.state.x.array[:], problem.inflow = guess
     problem.forms.mixing.value = MIXING[0]
     settle(problem)
     fade(problem, MIXING)
@@ -39,68 +55,97 @@ def from_guess(problem):
 def settle(problem):
     """Backward-Euler Picard steps with a growing local time step from the present state."""
     cfl = FIRST_CFL
+    free, inlet, _ = problem.residual()
     for _ in range(PICARD_STEPS):
-        problem.forms.rate.value = 1.0 / cfl
-        free, inlet, _ = problem.residual()
-        base, base_inflow = problem.state.x.array.copy(), problem.inflow
-        update, inflow_update = problem.step(problem.forms.picard, free, inlet)
-        problem.move(base, base_inflow, update, inflow_update, 1.0)
-        free.destroy()
-        free, _, norm = problem.residual()
-        free.destroy()
-        problem.report(norm, f"Picard, CFL {cfl:.0f}")
+        free, inlet, _ = newton.picard(problem, free, inlet, 1.0 / cfl, f"Picard, CFL {cfl:.0f}")
         cfl *= CFL_GROWTH
+    free.destroy()
 
 
 def fade(problem, path):
     """Lowers c along `path` as far as a steady flow is found within the allowed factorizations; keeps the last.
 
-    Where Newton's method fails it is tried once more after Picard steps, then from a c halfway.
+    Where Newton's method fails it is tried from a c halfway.
     """
-    ahead, settled, start = list(path), False, (None, problem.state.x.array.copy(), problem.inflow)
+    ahead, lost = list(path), 0
     while ahead:
-        problem.forms.mixing.value = ahead[0]
-        print(f"jet mixing {problem.mixing:.3g}", file=problem.log, flush=True)
-        remaining = problem.settings.max_newton_iterations - problem.solver.factorizations
-        found = problem.newton(np.inf, ON_THE_WAY, min(HARD, remaining))
+        _predict(problem, ahead[0])
+        found = _reach(problem, ahead[0])
         if found.converged:
-            settled = False
-            problem.passed.append((ahead.pop(0), problem.state.x.array.copy(), problem.inflow))
-            continue
-        if not settled:
-            _, problem.state.x.array[:], problem.inflow = problem.passed[-1] if problem.passed else start
-            settle(problem)
-            settled = True
+            ahead.pop(0)
+            _pass(problem)
             continue
         if not problem.passed:
             raise problem.stalled(found)
-        settled = False
-        reached, problem.state.x.array[:], problem.inflow = problem.passed[-1]
-        between = 0.5 * (reached + problem.mixing)
-        if reached - between < SMALLEST_DECREASE or remaining <= HARD:
+        reached = problem.passed[-1][0]
+        between = 0.5 * (reached + ahead[0])
+        lost += reached <= LARGEST_MIXING
+        if lost == LOST or reached - between < SMALLEST_DECREASE or _remaining(problem) <= HARD:
             break
         ahead.insert(0, between)
-    if problem.passed[-1][0] > LARGEST_MIXING:
+    _back(problem)
+    if problem.mixing > LARGEST_MIXING:
         raise problem.stalled(found)
+    if problem.mixing > 0 and len(problem.passed) == 1:
+        _neighbour(problem)
+
+
+def _remaining(problem):
+    return problem.settings.max_newton_iterations - problem.solver.factorizations
+
+
+def _reach(problem, mixing):
+    """Outcome of Newton's method at c = mixing from the present state."""
+    problem.forms.mixing.value = mixing
+    print(f"jet mixing {mixing:.3g}", file=problem.log, flush=True)
+    return newton.newton(problem, np.inf, ON_THE_WAY, min(HARD, _remaining(problem)))
+
+
+def _pass(problem):
+    """Notes the present state as a flow on the path."""
+    problem.passed.append((problem.mixing, problem.state.x.array.copy(), problem.inflow))
+
+
+def _back(problem):
+    """Returns to the last flow on the path."""
     problem.forms.mixing.value, problem.state.x.array[:], problem.inflow = problem.passed[-1]
+
+
+def _predict(problem, mixing):
+    """Takes the last flow on the path, or where there are two their straight line over c^2 at c = mixing."""
+    if not problem.passed:
+        return
+    _back(problem)
+    if len(problem.passed) > 1:
+        (c, values, inflow), (last, last_values, last_inflow) = problem.passed[-2:]
+        share = (mixing**2 - last**2) / (last**2 - c**2)
+        problem.state.x.array[:] += share * (last_values - values)
+        problem.inflow += share * (last_inflow - inflow)
+
+
+def _neighbour(problem):
+    """Puts a flow of a larger c before the path's only one, where one is found."""
+    only = problem.passed.pop()
+    if _reach(problem, NEIGHBOUR * only[0]).converged:
+        _pass(problem)
+    problem.passed.append(only)
+    _back(problem)
 
 
 def polish(problem):
     """Outcome of Newton's method from the path's last flow to the residuals asked for.
 
     A flow that meets the looser residual of the path need not lead there: then the Picard steps are tried, then the
-    flows of larger c, up to LARGEST_MIXING.
+    flows of larger c, up to LARGEST_MIXING. Raises ComputationError.
     """
-    while problem.passed:
-        mixing, values, inflow = problem.passed[-1]
-        if mixing > LARGEST_MIXING:
-            break
+    settings = problem.settings
+    while problem.passed and problem.passed[-1][0] <= LARGEST_MIXING:
         for settled in (False, True):
-            problem.forms.mixing.value, problem.state.x.array[:], problem.inflow = mixing, values, inflow
+            _back(problem)
             if settled:
                 settle(problem)
-            print(f"jet mixing {mixing:.3g}, to the end", file=problem.log, flush=True)
-            found = problem.newton(problem.settings.residual_absolute, problem.settings.residual_relative, 2 * HARD)
+            print(f"jet mixing {problem.mixing:.3g}, to the end", file=problem.log, flush=True)
+            found = newton.newton(problem, settings.residual_absolute, settings.residual_relative, 2 * HARD)
             if found.converged:
                 found.iterations = problem.solver.factorizations
                 return found

@@ -51,24 +51,31 @@ class DirectSolver:
         self.ksp.destroy()
 
 
-def solve_bordered(solver, columns, rows, corner, f, g):
-    """(x, y) of the bordered system; solver holds A, columns and rows are lists of vectors, corner is D, g an array."""
-    x = f.duplicate()
-    solver.solve(f, x)
-    count = len(columns)
-    solved = []
-    for column in columns:
-        vector = f.duplicate()
-        solver.solve(column, vector)
-        solved.append(vector)
-    schur = np.array(corner, float)
-    right = np.array(g, float)
-    for i in range(count):
-        right[i] -= rows[i].dot(x)
-        for j in range(count):
-            schur[i, j] -= rows[i].dot(solved[j])
-    y = np.linalg.solve(schur, right)
-    x.maxpy(-y, solved)
-    for vector in solved:
-        vector.destroy()
-    return x, y
+class Bordered:
+    """The bordered system with the A that `solver` holds; columns and rows are lists of vectors, corner is D.
+
+    The columns are solved for once, so that each further right side costs one solve with A.
+    """
+
+    def __init__(self, solver, columns, rows, corner):
+        self.solver, self.rows, self.solved = solver, rows, []
+        for column in columns:
+            vector = column.duplicate()
+            solver.solve(column, vector)
+            self.solved.append(vector)
+        self.schur = np.array(corner, float)
+        for i, row in enumerate(rows):
+            for j, vector in enumerate(self.solved):
+                self.schur[i, j] -= row.dot(vector)
+
+    def solve(self, f, g):
+        """(x, y): vector, array."""
+        x = f.duplicate()
+        self.solver.solve(f, x)
+        y = np.linalg.solve(self.schur, np.array(g, float) - [row.dot(x) for row in self.rows])
+        x.maxpy(-y, self.solved)
+        return x, y
+
+    def destroy(self):
+        for vector in self.solved:
+            vector.destroy()

@@ -20,9 +20,6 @@ from common.errors import ComputationError
 from flow import compat, fading, linear, locate, ramp
 from flow.forms import NavierStokes
 
-STEPS = (1.0, 0.5, 0.25, 0.125)
-ALLOWED_GROWTH = 2.0  # of the residual in a Newton step: its first step after a change of c often raises it
-
 
 @dataclasses.dataclass
 class Outcome:
@@ -53,6 +50,7 @@ class FlowProblem:
             jet_length,
         )
         self.free = PETSc.IS().createGeneral(space.free, comm=space.mesh.comm)
+        self.free_velocity = np.isin(space.free, space.v_map)
         self.matrix = fem_petsc.create_matrix(self.forms.tangent)
         self.free_matrix = None
         self.solver = linear.DirectSolver(space.mesh.comm)
@@ -61,6 +59,7 @@ class FlowProblem:
         self.columns_of_outlets = [flux.getSubVector(self.free).copy() for flux in boundaries.flux]
         self.load = self._load_norm()
         self.history = []
+        self.bordered = None
         self.passed = []  # (c, values, inflow) of the flows on the path; the last is the answer's
 
     @property
@@ -87,8 +86,8 @@ class FlowProblem:
         norm = float(np.hypot(free.norm(), inlet * self.boundaries.inlet_area))
         return free, inlet, norm
 
-    def step(self, form, residual, inlet):
-        """(update of the free dofs as array, of the inflow) of the linearisation `form`."""
+    def linearise(self, form):
+        """Factorizes the linearisation `form` at the present state; `correction` solves with it."""
         self.matrix.zeroEntries()
         fem_petsc.assemble_matrix(self.matrix, form)
         self.matrix.assemble()
@@ -100,14 +99,27 @@ class FlowProblem:
         columns = [forward.getSubVector(self.free).copy()] + self.columns_of_outlets
         rows = [backward.getSubVector(self.free).copy()] + self.columns_of_outlets
         corner = np.diag(np.concatenate([[self.profile.dot(forward)], -1.0 / self.boundaries.resistance]))
-        right = np.zeros(len(columns))
-        right[0] = -inlet
-        residual.scale(-1.0)
-        x, y = linear.solve_bordered(self.solver, columns, rows, corner, residual, right)
-        update = x.array.copy()
-        for vector in (forward, backward, columns[0], rows[0], x):
+        self.forget()
+        self.bordered = linear.Bordered(self.solver, columns, rows, corner)
+        for vector in (forward, backward, columns[0]):
             vector.destroy()
-        return update, float(y[0])
+
+    def forget(self):
+        """Frees the last linearisation."""
+        if self.bordered:
+            self.bordered.rows[0].destroy()
+            self.bordered.destroy()
+            self.bordered = None
+
+    def correction(self, residual, inlet):
+        """(update of the free dofs as array, of the inflow) by the last linearisation; residual and inlet as `residual`
+        returns them."""
+        right = np.zeros(len(self.bordered.rows))
+        right[0] = inlet
+        x, y = self.bordered.solve(residual, right)
+        update = -x.array
+        x.destroy()
+        return update, -float(y[0])
 
     def move(self, base, base_inflow, update, inflow_update, factor):
         self.inflow = base_inflow + factor * inflow_update
@@ -116,32 +128,9 @@ class FlowProblem:
         values[self.space.inlet] = self.inflow * self.boundaries.profile.x.array[self.space.inlet]
         self.state.x.array[:] = values
 
-    def newton(self, absolute, relative, limit):
-        """Newton from the present state; Outcome after at most `limit` factorizations.
-
-        Gives up where no step of 1, 1/2, 1/4, 1/8 of Newton's update keeps the residual below twice the last one.
-        """
-        free, inlet, norm = self.residual()
-        start = self.solver.factorizations
-        while not self.small(norm, absolute, relative):
-            if self.solver.factorizations - start >= limit:
-                break
-            base, base_inflow = self.state.x.array.copy(), self.inflow
-            update, inflow_update = self.step(self.forms.tangent, free, inlet)
-            for factor in STEPS:
-                self.move(base, base_inflow, update, inflow_update, factor)
-                free.destroy()
-                free, inlet, new_norm = self.residual()
-                accepted = np.isfinite(new_norm) and new_norm < ALLOWED_GROWTH * norm
-                if accepted:
-                    break
-            if not accepted:
-                self.move(base, base_inflow, update, inflow_update, 0.0)
-                break
-            norm = new_norm
-            self.report(norm, f"Newton {factor:g}")
-        free.destroy()
-        return self.outcome(norm, absolute, relative, self.solver.factorizations - start)
+    def speed(self, update):
+        """Size of an update of the free dofs: the norm of its velocities in m/s."""
+        return float(np.linalg.norm(update[self.free_velocity]))
 
     def small(self, norm, absolute, relative):
         """Whether the residual meets both limits; the relative one is to the pressure load."""
@@ -184,19 +173,12 @@ class FlowProblem:
     def solve_from_guess(self, coarse):
         """Outcome at full flow from the flow on another mesh of the same lumen (a solved FlowProblem).
 
-        Where c = 0 was reached there, Newton's method starts from that flow, and where this fails, or
-        c = 0 was not reached, that flow is the guess from which c fades. Raises ComputationError.
+        Newton's method starts from that flow at the c that was reached there, and where this fails at larger ones, from
+        which c fades. Raises ComputationError.
         """
         self.boundaries.resistance = self.boundaries.full_resistance.copy()
-        if coarse.mixing == 0:
-            self.set_guess(coarse.space, coarse.state.x.array, coarse.inflow)
-            self.forms.mixing.value = 0.0
-            found = ramp.descend(self, self.settings.residual_absolute, self.settings.residual_relative, fading.HARD)
-            if found.converged:
-                found.iterations = self.solver.factorizations
-                return found
         self.set_guess(coarse.space, coarse.state.x.array, coarse.inflow)
-        return fading.from_guess(self)
+        return fading.from_guess(self, coarse.mixing)
 
     def stalled(self, found):
         return ComputationError(
@@ -223,6 +205,7 @@ class FlowProblem:
 
     def destroy(self):
         """Frees PETSc's memory."""
+        self.forget()
         self.solver.destroy()
         for petsc_object in [self.matrix, self.free_matrix, self.free, self.full_residual] + self.columns_of_outlets:
             if petsc_object is not None:

@@ -6,11 +6,12 @@ flow. On a mesh that resolves the jet's shear layer (flow.sweep) the steady flow
 
 import numpy as np
 
+from flow import newton
+
 FRACTIONS = (0.1, 0.25, 0.5, 0.75, 1.0)
-STEPS = (1.0, 0.5, 0.25)  # of Newton's update, the first that lowers the residual
 SHARE = 0.2  # of the factorizations that are allowed: in curved vessels flow.fading is the shorter way
-SHORTEST_STEP = 0.04  # of the flow fraction: a fraction that is not reached is tried again from halfway
-MOST_PICARD = 3  # steps at one flow fraction, after which it counts as not reached
+SHORTEST_STEP = 0.1  # of the flow fraction: a fraction that is not reached is tried again from halfway
+MOST_PICARD = 1  # steps at one flow fraction, after which it counts as not reached
 ON_THE_WAY = 1e-2  # residual of one flow fraction over that at its start
 
 
@@ -48,37 +49,12 @@ def climb(problem, resistances_at):
         ahead.insert(0, between)
 
 
-def descend(problem, absolute, relative, limit=np.inf):
+def descend(problem, absolute, relative):
     """Outcome of Newton and Picard steps down to `absolute` (N) and `relative` (to the load; None: ON_THE_WAY of the
-    residual at the start); of at most `limit` factorizations."""
-    free, inlet, norm = problem.residual()
+    residual at the start)."""
     if relative is None:
+        free, _, norm = problem.residual()
+        free.destroy()
         absolute, relative = ON_THE_WAY * norm, np.inf
-    start, picard = problem.solver.factorizations, 0
-    while not problem.small(norm, absolute, relative):
-        spent = problem.solver.factorizations
-        if spent >= budget(problem.settings) or spent - start >= limit or picard == MOST_PICARD:
-            break
-        base, base_inflow = problem.state.x.array.copy(), problem.inflow
-        update, inflow_update = problem.step(problem.forms.tangent, free, inlet)
-        for factor in STEPS:
-            problem.move(base, base_inflow, update, inflow_update, factor)
-            free.destroy()
-            free, inlet, new = problem.residual()
-            if np.isfinite(new) and new < norm:
-                problem.report(new, f"Newton {factor:g}")
-                break
-        else:
-            problem.move(base, base_inflow, update, inflow_update, 0.0)
-            free.destroy()
-            free, inlet, _ = problem.residual()
-            picard += 1
-            problem.forms.rate.value = 0.0
-            update, inflow_update = problem.step(problem.forms.picard, free, inlet)
-            problem.move(base, base_inflow, update, inflow_update, 1.0)
-            free.destroy()
-            free, inlet, new = problem.residual()
-            problem.report(new, "Picard")
-        norm = new
-    free.destroy()
-    return problem.outcome(norm, absolute, relative, problem.solver.factorizations - start)
+    left = budget(problem.settings) - problem.solver.factorizations
+    return newton.newton(problem, absolute, relative, left, MOST_PICARD)
