@@ -11,6 +11,7 @@ The diameters are those of the outlets before the intervention; one set of resis
 import math
 
 from common.errors import InputError
+from flow import viscosity
 
 PA_PER_MMHG = 133.322
 M3_PER_S_PER_ML_PER_MIN = 1e-6 / 60.0
@@ -79,6 +80,7 @@ def make(anatomy, centreline, patient, settings):
         "venous_pressure_pa": venous_pa,
         "density_kg_per_m3": settings.density_kg_per_m3,
         "viscosity_pa_s": settings.viscosity_pa_s,
+        "viscosity": viscosity.from_settings(settings),
         "q_hyperaemic_m3_per_s": q_hyp,
         "outlets": outlets,
         "probes": probes(anatomy, centreline, settings.probe_distance_mm),
@@ -120,6 +122,7 @@ def check(document, where="boundary.json"):
     for key, low, high in (("map_pa", 1e3, 4e4), ("density_kg_per_m3", 500, 2000), ("viscosity_pa_s", 1e-4, 1)):
         if not low <= document[key] <= high:
             raise InputError("implausible boundary value", f"{where}: {key}", document[key], f"{low} to {high}, in SI")
+    viscosity.of(document, where)
     for outlet in document["outlets"]:
         if not outlet["resistance_pa_s_per_m3"] > 0:
             raise InputError(

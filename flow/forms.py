@@ -11,6 +11,9 @@ Weak form: find u, p with, for all v, q,
     rho ((u.grad) u + 1/2 (div u) u, v) + mu (grad u, grad v) - (p, div v) - (q, div u) + gamma (div u, div v)
       + rho (l^2 |D(u)| grad u, grad v) - beta rho sum_i <(u.n)_- u, v>_i + sum_i P_i <n, v>_i + MAP <n, v>_inlet = 0
 
+Where mu depends on the shear rate |D| (flow.viscosity), mu (grad u, grad v) is 2 mu (D(u), D(v)) less its share of the
+traction on the caps, <mu (grad u)^T n, v>: the same sigma n acts there.
+
 1/2 (div u) u makes convection conserve energy for the discrete u; gamma (grad-div) improves its mass balance;
 with beta = 1/2 backflow through an outlet brings no energy in. sigma is the pseudo-stress, so that a developed profile
 leaves undisturbed. l = c l_jet is a mixing length in jets (flow.jet), |D| = sqrt(2 D:D): with c = 0 the equations are
@@ -21,7 +24,8 @@ import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
-from flow import compat
+from flow import compat, viscosity as viscosities
+from flow.mesh import PHYSICAL_INLET
 
 QUADRATURE_DEGREE = 5  # exact for convection of P2 on straight elements, which most are
 JET_QUADRATURE_DEGREE = 3
@@ -31,9 +35,10 @@ SLOWEST, SMALLEST_RATE = 1e-4, 0.1  # m/s, 1/s: keep the roots of |u| and |D| di
 class NavierStokes:
     """Compiled residual (without the pressure loads) and tangents of a state w = (u, p) on a LumenSpace, SI units.
 
-    space has W, mesh, facets (tags) and outlets (their tags), in three or two dimensions; mixing is c, jet_length the
-    Function l_jet in m. picard freezes the convecting velocity and the eddy viscosity and adds the inertia of a
-    backward-Euler step with the local time step h / (|u| `rate`), rate = 1 / CFL number.
+    viscosity is one of flow.viscosity; space has W, mesh, facets (tags) and outlets (their tags), in three or two
+    dimensions; mixing is c, jet_length the Function l_jet in m. picard freezes the convecting velocity and the
+    viscosities and adds the inertia of a backward-Euler step with the local time step h / (|u| `rate`),
+    rate = 1 / CFL number.
     """
 
     def __init__(self, space, state, density, viscosity, grad_div, backflow, jet_length):
@@ -54,13 +59,21 @@ class NavierStokes:
             """(w.grad) u + 1/2 (div w) u"""
             return ufl.dot(ufl.grad(u_), w) + 0.5 * ufl.div(w) * u_
 
-        def stokes(u_, p_):
+        shear = ufl.sym(ufl.grad(u))
+        rate = ufl.sqrt(2 * ufl.inner(shear, shear) + SMALLEST_RATE**2)
+
+        def friction(u_):
+            if isinstance(viscosity, viscosities.Newtonian):
+                return viscosity.value * ufl.inner(ufl.grad(u_), ufl.grad(v)) * dx
+            caps = ds((PHYSICAL_INLET, *space.outlets))
             return (
-                viscosity * ufl.inner(ufl.grad(u_), ufl.grad(v))
-                - p_ * ufl.div(v)
-                - q * ufl.div(u_)
-                + grad_div * ufl.div(u_) * ufl.div(v)
-            ) * dx
+                2 * viscosity(rate) * ufl.inner(ufl.sym(ufl.grad(u_)), ufl.sym(ufl.grad(v))) * dx
+                - viscosity(rate) * ufl.dot(ufl.dot(ufl.grad(u_).T, n), v) * caps
+            )
+
+        def stokes(u_, p_):
+            constraint = p_ * ufl.div(v) + q * ufl.div(u_) - grad_div * ufl.div(u_) * ufl.div(v)
+            return friction(u_) - constraint * dx
 
         inward = 0.5 * (ufl.dot(u, n) - abs(ufl.dot(u, n)))
 
@@ -69,10 +82,7 @@ class NavierStokes:
             return density * (ufl.inner(transport(u, u_), v) * dx - backflow * inward * ufl.inner(u_, v) * outlets)
 
         self.mixing = fem.Constant(space.mesh, PETSc.ScalarType(0.0))
-        shear = ufl.sym(ufl.grad(u))
-        eddy_viscosity = (
-            density * (self.mixing * jet_length) ** 2 * ufl.sqrt(2 * ufl.inner(shear, shear) + SMALLEST_RATE**2)
-        )
+        eddy_viscosity = density * (self.mixing * jet_length) ** 2 * rate
 
         def jet(u_):
             degree = {"quadrature_degree": JET_QUADRATURE_DEGREE}

@@ -17,7 +17,7 @@ from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
 from common.errors import ComputationError
-from flow import compat, fading, linear, locate, ramp
+from flow import compat, fading, linear, locate, ramp, viscosity
 from flow.forms import NavierStokes
 
 
@@ -44,7 +44,7 @@ class FlowProblem:
             space,
             self.state,
             document["density_kg_per_m3"],
-            document["viscosity_pa_s"],
+            viscosity.of(document),
             settings.grad_div_pa_s,
             settings.backflow_coefficient,
             jet_length,

@@ -4,8 +4,9 @@ Along a segment, with area A(s) and Q constant, static pressure p and U = Q / A:
 
     p(s) = p(0) - 8 pi mu Q int ds / A^2 - rho/2 (U(s)^2 - U(0)^2) - sum over expansions K rho/2 (U_t - U(s))^2
 
-K = 1.14 behind the narrowest section t of an expansion (Borda-Carnot with the jet's profile). Total pressure is carried
-over at a junction, so that a branch point costs nothing of its own. Outlets close the system: p_i = P_v + R_i Q_i.
+mu is the viscosity (flow.viscosity) at the wall's shear rate 4 U / R of a parabolic profile. K = 1.14 behind the
+narrowest section t of an expansion (Borda-Carnot with the jet's profile). Total pressure is carried over at a junction,
+so that a branch point costs nothing of its own. Outlets close the system: p_i = P_v + R_i Q_i.
 """
 
 import numpy as np
@@ -13,6 +14,7 @@ import pandas as pd
 from scipy.optimize import least_squares
 
 from common.errors import ComputationError, InputError
+from flow.viscosity import of as viscosity_of
 
 M_PER_MM = 1e-3
 PROMINENCE = 1.1  # an area dip below 1/1.1 of both sides counts as a narrowing of its own
@@ -23,14 +25,14 @@ class Segment:
 
     def __init__(self, branch, s, area, outlets):
         self.branch, self.s, self.area, self.outlets = branch, s, area, outlets
-        weight = 1.0 / area**2
-        self.friction = np.concatenate([[0], np.cumsum(0.5 * (weight[1:] + weight[:-1]) * np.diff(s))])
         self.throat = _throats(area)
 
     def losses(self, flow, density, viscosity, expansion_loss):
         """Loss of static pressure from the segment's start to each section, (n,) Pa."""
         velocity = flow / self.area
-        friction = 8 * np.pi * viscosity * flow * self.friction
+        wall_rate = 4 * abs(velocity) * np.sqrt(np.pi / self.area)
+        slope = 8 * np.pi * viscosity(wall_rate) * flow / self.area**2
+        friction = np.concatenate([[0], np.cumsum(0.5 * (slope[1:] + slope[:-1]) * np.diff(self.s))])
         dynamic = 0.5 * density * (velocity**2 - velocity[0] ** 2)
         lost = np.zeros_like(velocity)
         done, current = 0.0, -1
@@ -73,6 +75,7 @@ class Network:
 
     def __init__(self, anatomy, sections, document, expansion_loss):
         self.document, self.expansion_loss = document, expansion_loss
+        self.viscosity = viscosity_of(document)
         self.outlets = document["outlets"]
         branches = {branch["name"]: branch for branch in anatomy["branches"]}
         self.children = {name: [] for name in branches}
@@ -129,7 +132,7 @@ class Network:
                 start = document["map_pa"]
             else:
                 start = self._at_junction(segment, result, flows, velocity[0])
-            loss = segment.losses(flow, document["density_kg_per_m3"], document["viscosity_pa_s"], self.expansion_loss)
+            loss = segment.losses(flow, document["density_kg_per_m3"], self.viscosity, self.expansion_loss)
             s, p = result.get(segment.branch, (np.zeros(0), np.zeros(0)))
             result[segment.branch] = np.concatenate([s, segment.s]), np.concatenate([p, start - loss])
             total_at[segment.branch] = velocity[-1] ** 2

@@ -18,7 +18,7 @@ def add_options(parser):
     group = parser.add_argument_group("settings (config section `flow`)")
     group.add_argument("--settings", metavar="FILE.json", help="file with the keys of the section")
     for name, rule in properties().items():
-        kind = int if rule["type"] == "integer" else float
+        kind = {"integer": int, "string": str}.get(rule["type"], float)
         option = "--" + name.replace("_", "-")
         group.add_argument(option, dest=name, type=kind, default=argparse.SUPPRESS, help=schema.describe(rule))
 

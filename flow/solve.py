@@ -8,7 +8,7 @@ import time
 import numpy as np
 
 from common.errors import ComputationError
-from flow import error_estimate, ffr, jet, locate, nonlinear, outlets, output, spaces, wall_shear
+from flow import error_estimate, ffr, jet, locate, nonlinear, outlets, output, spaces, viscosity, wall_shear
 
 
 class Solved:
@@ -132,7 +132,7 @@ def fields(solved, document):
     velocity, pressure = solved.sampler.velocity, solved.sampler.pressure
     wall = np.zeros(len(points), bool)
     wall[solved.space.wall_nodes()] = True
-    stress = wall_shear.wall_shear_stress(points, cells, velocity, wall, document["viscosity_pa_s"])
+    stress = wall_shear.wall_shear_stress(points, cells, velocity, wall, viscosity.of(document))
     return (
         points,
         cells,

@@ -11,7 +11,7 @@ _FACES = [(1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2)]
 def wall_shear_stress(points, cells, velocity, wall_nodes, viscosity):
     """(n, 3) Pa: zero off the wall; at a wall node the mean over the wall faces that meet there.
 
-    points (n, 3) m, cells (t, 10), velocity (n, 3) m/s, wall_nodes (n,) bool.
+    points (n, 3) m, cells (t, 10), velocity (n, 3) m/s, wall_nodes (n,) bool; viscosity: of flow.viscosity.
     """
     total, count = np.zeros_like(points), np.zeros(len(points))
     for opposite, face in enumerate(_FACES):
@@ -26,7 +26,9 @@ def wall_shear_stress(points, cells, velocity, wall_nodes, viscosity):
             jacobian = np.einsum("tnx,nr->txr", nodes, derivative)
             gradient = np.einsum("tnu,nr,trx->tux", velocity[chosen], derivative, np.linalg.inv(jacobian))
             normal = _outward(jacobian, opposite)
-            traction = viscosity * np.einsum("tux,tx->tu", gradient, normal)
+            shear = 0.5 * (gradient + np.swapaxes(gradient, 1, 2))
+            rate = np.sqrt(2 * np.einsum("tux,tux->t", shear, shear))
+            traction = viscosity(rate)[:, None] * np.einsum("tux,tx->tu", gradient, normal)
             traction -= np.einsum("tu,tu->t", traction, normal)[:, None] * normal
             # the stress on the wall is that of the fluid, opposite to the traction on the fluid
             np.add.at(total, chosen[:, k], -traction)

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from common.errors import InputError
-from flow import reduced
+from flow import reduced, viscosity
 
 MU, RHO = 0.004, 1060.0
 
@@ -67,7 +67,7 @@ def test_expansion_loss_is_borda_carnot():
     anatomy = {"branches": [{"name": "main", "parent": None, "s_on_parent_mm": None}]}
     network = reduced.Network(anatomy, _sections([("main", s, radius)]), _document([4e9], ["main"]), 1.14)
     segment, flow = network.segments[0], 2e-6
-    loss = segment.losses(flow, RHO, 0.0, 1.14)[-1]
+    loss = segment.losses(flow, RHO, viscosity.Newtonian(0.0), 1.14)[-1]
     jump = flow / (np.pi * 0.75e-3**2) - flow / (np.pi * 1.5e-3**2)
     assert loss == pytest.approx(0.5 * 1.14 * RHO * jump**2, rel=1e-3)
 

@@ -15,7 +15,7 @@ from dolfinx import fem
 sys.path[:0] = [str(pathlib.Path(__file__).parent)]
 
 import prescribed  # noqa: E402
-from flow import compat, forms  # noqa: E402
+from flow import compat, forms, viscosity  # noqa: E402
 
 DRAG, LIFT, PRESSURE_DROP = 5.57953523384, 0.010618948146, 0.11752016697
 HEIGHT, CENTRE, RADIUS, MEAN = 0.41, 0.2, 0.05, 0.2
@@ -93,7 +93,7 @@ def test_drag_lift_and_pressure_drop(tmp_path):
     space = _space(tmp_path / "cylinder.msh")
     state = fem.Function(space.W)
     nothing = fem.Function(compat.function_space(space.mesh, compat.cellwise_element(space.mesh)))
-    weak = forms.NavierStokes(space, state, DENSITY, VISCOSITY, GRAD_DIV, BACKFLOW, nothing)
+    weak = forms.NavierStokes(space, state, DENSITY, viscosity.Newtonian(VISCOSITY), GRAD_DIV, BACKFLOW, nothing)
     residual = prescribed.solve(weak, state, _conditions(space))
     scale = 2 / (DENSITY * MEAN**2 * 2 * RADIUS)
     drag, lift = (scale * _force(space, residual, k) for k in range(2))

@@ -5,13 +5,15 @@ import pathlib
 import sys
 
 import numpy as np
+import pandas as pd
 import pytest
+import scipy.optimize
 
 sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[2] / "unit" / "flow")]
 
 import tubes  # noqa: E402
 from flow import __main__ as command_line  # noqa: E402
-from flow import centreline, reduced  # noqa: E402
+from flow import centreline, reduced, settings, viscosity  # noqa: E402
 from flow.surface import Surface  # noqa: E402
 
 MAP, VENOUS, DENSITY = 12000.0, 600.0, 1060.0
@@ -37,14 +39,14 @@ def _document(branches, resistances, viscosity, map_pa=MAP, venous_pa=VENOUS):
     }
 
 
-def _solve(folder, surface, branches, document, parents=None, options=()):
+def _solve(folder, surface, branches, document, parents=None, options=(), tolerance=()):
     """The document of ffr.json of a lumen, by the commands `mesh` and `solve`."""
     tubes.write_case(folder, surface, branches, parents)
     (folder / "boundary.json").write_text(json.dumps(document))
     line = ["--centreline", str(folder / "centreline.vtp")]
     command_line.main(["mesh", str(folder / "lumen.vtp"), *line, "--out", str(folder / "mesh.msh"), *options])
     boundary = ["--boundary", str(folder / "boundary.json")]
-    command_line.main(["solve", str(folder / "mesh.msh"), *line, *boundary, "--out", str(folder)])
+    command_line.main(["solve", str(folder / "mesh.msh"), *line, *boundary, "--out", str(folder), *tolerance])
     return json.loads((folder / "ffr.json").read_text())
 
 
@@ -56,6 +58,45 @@ def test_poiseuille(tmp_path):
     flow = answer["inlet_flow_m3_per_s"]
     drop = 8 * viscosity * length * 1e-3 * flow / (np.pi * (radius * 1e-3) ** 4)
     assert MAP - answer["outlets"][0]["pressure_pa"] == pytest.approx(drop, rel=5e-4)
+
+
+def _carreau_yasuda_slope(flow, radius, fluid):
+    """Pressure per length (Pa/m) that drives `flow` through a tube of `radius` (m) of a fluid of flow.viscosity.
+
+    Q = pi R^3 / tau_w^3 times the integral of tau^2 rate over tau (Rabinowitsch), tau = mu(rate) rate; the slope is
+    2 tau_w / R.
+    """
+
+    def through(wall_rate):
+        rate = np.linspace(0, wall_rate, 20001)
+        stress = fluid(rate) * rate
+        square = stress**2 * rate
+        integral = np.sum(0.5 * (square[1:] + square[:-1]) * np.diff(stress))
+        return np.pi * radius**3 / stress[-1] ** 3 * integral, 2 * stress[-1] / radius
+
+    wall_rate = scipy.optimize.brentq(lambda rate: through(rate)[0] - flow, 1e-2, 1e4, xtol=1e-10)
+    return through(wall_rate)[1]
+
+
+def test_carreau_yasuda_tube(tmp_path):
+    length, radius, flow = 8.0, 1.2, 3e-8  # wall rate about 25 /s: viscosity is far from both of its limits there
+    branches = [tubes.line(length, lambda s: radius)]
+    document = _document(branches, [400.0 / flow], 0.004, 1000.0, 600.0)
+    document["viscosity"] = viscosity.from_settings(settings.make(viscosity_model="carreau_yasuda"))
+    surface = tubes.tube(length, lambda s: radius, 0.2)
+    answer = _solve(tmp_path, surface, branches, document, tolerance=["--residual-absolute", "1e-12"])
+    line = pd.read_csv(tmp_path / "pullback.csv")
+    inner = line[(line["s_mm"] > 4.2) & (line["s_mm"] < 7.2)]  # where the inlet's parabola has become this fluid's
+    slope = -np.polyfit(inner["s_mm"] * 1e-3, inner["pressure_pa"], 1)[0]
+    fluid = viscosity.of(document)
+    expected = _carreau_yasuda_slope(answer["inlet_flow_m3_per_s"], radius * 1e-3, fluid)
+    print("slope", slope, "expected", expected)
+    assert slope == pytest.approx(expected, rel=2e-3)
+
+
+def test_carreau_yasuda_with_equal_viscosities_is_newtonian():
+    newtonian = _carreau_yasuda_slope(3e-8, 1.2e-3, viscosity.CarreauYasuda(0.004, 0.004, 1.9, 1.25, 0.22))
+    assert newtonian == pytest.approx(8 * 0.004 * 3e-8 / (np.pi * 1.2e-3**4), rel=1e-6)
 
 
 def test_unequal_outlets_of_a_creeping_flow_are_a_network_of_resistors(tmp_path):

@@ -17,7 +17,7 @@ sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[2] / "unit" / "flow
 
 import prescribed  # noqa: E402
 import tubes  # noqa: E402
-from flow import centreline, forms, mesh, settings, spaces  # noqa: E402
+from flow import centreline, forms, mesh, settings, spaces, viscosity  # noqa: E402
 
 DENSITY, VISCOSITY, GRAD_DIV, BACKFLOW = 1060.0, 0.004, 0.2, 0.5
 SPEED, PRESSURE, WAVE = 0.1, 10.0, 1.2e3  # m/s, Pa, 1/m: Reynolds number 26 a mm
@@ -74,7 +74,7 @@ def _errors(space):
     """L2 errors of velocity and of pressure up to a constant, cells."""
     state = fem.Function(space.W)
     length = fem.Function(fem.FunctionSpace(space.mesh, ("DG", 0)))
-    weak = forms.NavierStokes(space, state, DENSITY, VISCOSITY, GRAD_DIV, BACKFLOW, length)
+    weak = forms.NavierStokes(space, state, DENSITY, viscosity.Newtonian(VISCOSITY), GRAD_DIV, BACKFLOW, length)
     prescribed.solve(weak, state, _conditions(space, state), _load(space))
     (u, p), (u_exact, p_exact) = ufl.split(state), _exact(ufl.SpatialCoordinate(space.mesh))
     dx = ufl.dx(space.mesh, metadata={"quadrature_degree": 8})

@@ -1,0 +1,78 @@
+"""Viscosity of blood by shear rate.
+
+    Newtonian:        mu
+    Carreau-Yasuda:   mu_inf + (mu_0 - mu_inf) (1 + (lambda rate)^a)^((n - 1) / a)
+
+rate = sqrt(2 D:D). Default values of Carreau-Yasuda: Cho and Kensey, Biorheology 28 (1991) 241.
+"""
+
+import dataclasses
+
+from common.errors import InputError
+
+
+@dataclasses.dataclass(frozen=True)
+class Newtonian:
+    """One viscosity in Pa s."""
+
+    value: float
+
+    def __call__(self, rate):
+        return self.value + 0.0 * rate
+
+
+@dataclasses.dataclass(frozen=True)
+class CarreauYasuda:
+    """Viscosities at rest and at infinite rate in Pa s, time in s, exponents a (`yasuda`) and n (`power`)."""
+
+    zero_shear: float
+    infinite_shear: float
+    time: float
+    yasuda: float
+    power: float
+
+    def __call__(self, rate):
+        """Pa s at rates in 1/s: number, array or UFL expression."""
+        thinning = (1.0 + (self.time * rate) ** self.yasuda) ** ((self.power - 1.0) / self.yasuda)
+        return self.infinite_shear + (self.zero_shear - self.infinite_shear) * thinning
+
+
+def of(document, where="boundary.json"):
+    """Viscosity of the document of boundary.json: its `viscosity`, or Newtonian `viscosity_pa_s`. Raises InputError."""
+    given = document.get("viscosity")
+    if given is None:
+        return Newtonian(document["viscosity_pa_s"])
+    names = {
+        "zero_shear": "zero_shear_pa_s",
+        "infinite_shear": "infinite_shear_pa_s",
+        "time": "time_s",
+        "yasuda": "yasuda_exponent",
+        "power": "power_index",
+    }
+    if given.get("model") != "carreau_yasuda" or not set(names.values()) <= set(given):
+        raise InputError(
+            "viscosity not understood", f"{where}: viscosity", given, f"carreau_yasuda with {sorted(names.values())}"
+        )
+    found = CarreauYasuda(**{name: float(given[key]) for name, key in names.items()})
+    if not 0 < found.infinite_shear <= found.zero_shear:
+        raise InputError(
+            "viscosities out of order",
+            f"{where}: viscosity",
+            f"{found.infinite_shear}, {found.zero_shear}",
+            "give 0 < infinite_shear_pa_s <= zero_shear_pa_s",
+        )
+    return found
+
+
+def from_settings(settings):
+    """Entry `viscosity` of boundary.json, None for a Newtonian fluid."""
+    if settings.viscosity_model == "newtonian":
+        return None
+    return {
+        "model": settings.viscosity_model,
+        "zero_shear_pa_s": settings.viscosity_zero_shear_pa_s,
+        "infinite_shear_pa_s": settings.viscosity_infinite_shear_pa_s,
+        "time_s": settings.viscosity_time_s,
+        "yasuda_exponent": settings.viscosity_yasuda_exponent,
+        "power_index": settings.viscosity_power_index,
+    }
