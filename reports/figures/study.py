@@ -100,5 +100,5 @@ def ffr_figure(documents, folder):
     axes.axvline(FFR_THRESHOLD, color="#b0413e", linewidth=0.9, linestyle=(0, (2, 2)))
     axes.set(xlabel="FFR before PCI", ylabel="FFR after PCI", xlim=(low, 1.005), ylim=(low, 1.005), aspect="equal")
     axes.set_title("FFR before and after")
-    axes.legend(loc="lower right", fontsize=8.5)
+    axes.legend(loc="lower right", fontsize=8.5, frameon=True, framealpha=1.0, edgecolor="none")
     save(figure, folder, "ffr_before_after")
