@@ -74,8 +74,14 @@ def make(anatomy, centreline, patient, settings):
         }
         for end, fraction in zip(ends, fractions)
     ]
+    if settings.outlet_condition == "pressure":
+        for outlet in outlets:
+            pressure = settings.outlet_pressure_mmhg * PA_PER_MMHG
+            outlet.update(resistance_pa_s_per_m3=0.0, pressure_pa=pressure)
+    given = settings.inlet_flow_ml_per_min * M3_PER_S_PER_ML_PER_MIN
     return {
         "schema": "vci-boundary-1",
+        "inlet_flow_m3_per_s": given if settings.inlet_condition == "flow" else None,
         "map_pa": map_pa,
         "venous_pressure_pa": venous_pa,
         "density_kg_per_m3": settings.density_kg_per_m3,
@@ -123,11 +129,18 @@ def check(document, where="boundary.json"):
         if not low <= document[key] <= high:
             raise InputError("implausible boundary value", f"{where}: {key}", document[key], f"{low} to {high}, in SI")
     viscosity.of(document, where)
+    inflow = document.get("inlet_flow_m3_per_s")
+    if inflow is not None and not inflow > 0:
+        raise InputError(
+            "inflow is not positive", f"{where}: inlet_flow_m3_per_s", inflow, "give m3/s, or null for MAP"
+        )
     for outlet in document["outlets"]:
-        if not outlet["resistance_pa_s_per_m3"] > 0:
+        if not (
+            outlet["resistance_pa_s_per_m3"] > 0 or (outlet["resistance_pa_s_per_m3"] == 0 and "pressure_pa" in outlet)
+        ):
             raise InputError(
                 "outlet resistance is not positive",
                 f"{where}: {outlet['name']}",
                 outlet["resistance_pa_s_per_m3"],
-                "R_i = (MAP - P_v) / Q_i in Pa s/m3",
+                "R_i = (MAP - P_v) / Q_i in Pa s/m3, or 0 with pressure_pa",
             )

@@ -26,10 +26,10 @@ LOST = 2  # tries given up at or below LARGEST_MIXING, after which the last c is
 
 def from_rest(problem, resistances_at):
     """Outcome at full flow from rest. resistances_at(fraction) -> (n,) outlet resistances. Raises ComputationError."""
-    problem.boundaries.resistance = resistances_at(LOW_FLOW)
+    problem.boundaries.lower(LOW_FLOW, resistances_at)
     newton.newton(problem, np.inf, ON_THE_WAY, HARD)
     problem.scale_to(1.0 / LOW_FLOW)
-    problem.boundaries.resistance = problem.boundaries.full_resistance.copy()
+    problem.boundaries.full()
     problem.forms.mixing.value = MIXING[0]
     settle(problem)
     fade(problem, MIXING)

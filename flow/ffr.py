@@ -1,4 +1,7 @@
-"""FFR of a solved flow: at the probes, along every branch, at the outlets.  FFR = p / MAP."""
+"""FFR of a solved flow: at the probes, along every branch, at the outlets.
+
+FFR = p / MAP; where the inflow is given, p over the pressure at the inlet's centre.
+"""
 
 import numpy as np
 import pandas as pd
@@ -8,6 +11,13 @@ from common.errors import ComputationError
 M_PER_MM = 1e-3
 SPACING_MM = 0.5
 FAR = 3.0  # a probe further than this many local radii from the centreline belongs to another vessel
+
+
+def reference_pa(document, tree, sampler):
+    """What FFR is the share of, in Pa."""
+    if document.get("inlet_flow_m3_per_s") is None:
+        return document["map_pa"]
+    return float(sampler(tree.main.point(0.0)[None] * M_PER_MM)[1][0])
 
 
 def along_branch(branch, sampler):

@@ -71,15 +71,20 @@ class NavierStokes:
                 - viscosity(rate) * ufl.dot(ufl.dot(ufl.grad(u_).T, n), v) * caps
             )
 
+        def dilatation(u_):
+            return grad_div * ufl.div(u_) * ufl.div(v) * dx
+
         def stokes(u_, p_):
-            constraint = p_ * ufl.div(v) + q * ufl.div(u_) - grad_div * ufl.div(u_) * ufl.div(v)
-            return friction(u_) - constraint * dx
+            return friction(u_) + dilatation(u_) - (p_ * ufl.div(v) + q * ufl.div(u_)) * dx
 
         inward = 0.5 * (ufl.dot(u, n) - abs(ufl.dot(u, n)))
 
+        def returning(u_):
+            return -density * backflow * inward * ufl.inner(u_, v) * outlets
+
         def oseen(u_):
             """Convection of u_ by the state, with the backflow term."""
-            return density * (ufl.inner(transport(u, u_), v) * dx - backflow * inward * ufl.inner(u_, v) * outlets)
+            return density * ufl.inner(transport(u, u_), v) * dx + returning(u_)
 
         self.mixing = fem.Constant(space.mesh, PETSc.ScalarType(0.0))
         eddy_viscosity = density * (self.mixing * jet_length) ** 2 * rate
@@ -88,6 +93,8 @@ class NavierStokes:
             degree = {"quadrature_degree": JET_QUADRATURE_DEGREE}
             return eddy_viscosity * ufl.inner(ufl.grad(u_), ufl.grad(v)) * ufl.dx(space.mesh, metadata=degree)
 
+        self.losses = {"friction": friction(u), "grad_div": dilatation(u), "eddy": jet(u), "backflow": returning(u)}
+        self.kinetic = lambda tags: 0.5 * density * ufl.inner(u, u) * ufl.dot(u, n) * ds(tags)  # leaves, in W
         residual = stokes(u, p) + oseen(u) + jet(u)
         self.residual = compat.form(residual)
         self.tangent = compat.form(ufl.derivative(residual, state, ufl.TrialFunction(space.W)))

@@ -68,12 +68,15 @@ class FlowProblem:
         return float(self.forms.mixing.value)
 
     def _load_norm(self):
-        """Norm of the pressure load at rest: MAP on the inlet, P_v on the outlets; scale of the relative residual."""
-        parts = [vector.norm() * self.boundaries.venous_pa for vector in self.columns_of_outlets]
+        """Norm of the pressure load at rest, of MAP on the inlet and P_v, or what is given, on the outlets."""
+        parts = [column.norm() * p for column, p in zip(self.columns_of_outlets, self.boundaries.behind)]
         return float(np.linalg.norm(parts + [self.boundaries.map_pa * self.boundaries.inlet_area]))
 
     def residual(self):
-        """(free part as vector, inflow equation in Pa, norm in N) at the present state."""
+        """(free part as vector, inflow equation in Pa, norm in N) at the present state.
+
+        Where the flow is given the inflow's equation is Q = that, times MAP over it.
+        """
         vector = self.full_residual
         with vector.localForm() as local:
             local.set(0.0)
@@ -81,10 +84,21 @@ class FlowProblem:
         vector.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
         outflows = self.boundaries.outflows(compat.petsc_vector(self.state))
         vector.maxpy(self.boundaries.pressures(outflows), self.boundaries.flux)
-        inlet = self.profile.dot(vector) - self.boundaries.map_pa
+        self.mean_inlet_pressure = float(self.profile.dot(vector))
+        wanted = self.boundaries.inflow
+        if wanted is None:
+            inlet = self.mean_inlet_pressure - self.boundaries.map_pa
+        else:
+            inlet = (self.inflow / wanted - 1.0) * self.boundaries.map_pa
         free = vector.getSubVector(self.free).copy()
         norm = float(np.hypot(free.norm(), inlet * self.boundaries.inlet_area))
         return free, inlet, norm
+
+    def inlet_pressure(self):
+        """Mean pressure at the inlet in Pa, weighted with the profile, at the present state."""
+        free, _, _ = self.residual()
+        free.destroy()
+        return self.mean_inlet_pressure
 
     def linearise(self, form):
         """Factorizes the linearisation `form` at the present state; `correction` solves with it."""
@@ -96,9 +110,14 @@ class FlowProblem:
         forward, backward = self.profile.duplicate(), self.profile.duplicate()
         self.matrix.mult(self.profile, forward)
         self.matrix.multTranspose(self.profile, backward)
-        columns = [forward.getSubVector(self.free).copy()] + self.columns_of_outlets
-        rows = [backward.getSubVector(self.free).copy()] + self.columns_of_outlets
-        corner = np.diag(np.concatenate([[self.profile.dot(forward)], -1.0 / self.boundaries.resistance]))
+        resistance = self.boundaries.resistance
+        outlets = [column for column, r in zip(self.columns_of_outlets, resistance) if r > 0]
+        columns = [forward.getSubVector(self.free).copy()] + outlets
+        rows = [backward.getSubVector(self.free).copy()] + outlets
+        corner = np.diag(np.concatenate([[self.profile.dot(forward)], -1.0 / resistance[resistance > 0]]))
+        if self.boundaries.inflow is not None:
+            rows[0].set(0.0)
+            corner[0, 0] = self.boundaries.map_pa / self.boundaries.inflow
         self.forget()
         self.bordered = linear.Bordered(self.solver, columns, rows, corner)
         for vector in (forward, backward, columns[0]):
@@ -176,7 +195,7 @@ class FlowProblem:
         Newton's method starts from that flow at the c that was reached there, and where this fails at larger ones, from
         which c fades. Raises ComputationError.
         """
-        self.boundaries.resistance = self.boundaries.full_resistance.copy()
+        self.boundaries.full()
         self.set_guess(coarse.space, coarse.state.x.array, coarse.inflow)
         return fading.from_guess(self, coarse.mixing)
 

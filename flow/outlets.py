@@ -1,4 +1,8 @@
-"""The boundaries' unknowns: inflow at given mean pressure, outlet pressures behind resistances, coupled exactly."""
+"""The boundaries' unknowns: inflow at given mean pressure, outlet pressures behind resistances, coupled exactly.
+
+Instead the inflow may be given (`inlet_flow_m3_per_s` of the document) and the pressure of outlets (`pressure_pa`, in
+place of P_v, with resistance 0).
+"""
 
 import numpy as np
 
@@ -7,9 +11,10 @@ from flow.mesh import PHYSICAL_INLET, physical_tag
 
 
 class Boundaries:
-    """Inlet at MAP and outlets with resistances on a LumenSpace.
+    """Inlet at MAP or of given flow, and outlets with resistances or of given pressure, on a LumenSpace; SI units.
 
-    profile: Function, unit inflow; flux: [vector of outlet i]; resistance (n,), venous, map in SI.
+    profile: Function, unit inflow; flux: [vector of outlet i]; P_i = behind[i] + resistance[i] Q_i; inflow: None at
+    MAP.
     """
 
     def __init__(self, space, document):
@@ -23,19 +28,38 @@ class Boundaries:
         self.names = [outlets[tag]["name"] for tag in space.outlets]
         self.full_resistance = np.array([outlets[tag]["resistance_pa_s_per_m3"] for tag in space.outlets])
         self.planned_flow = np.array([outlets[tag]["flow_m3_per_s"] for tag in space.outlets])
-        self.map_pa, self.venous_pa = document["map_pa"], document["venous_pressure_pa"]
+        self.map_pa = document["map_pa"]
+        venous = document["venous_pressure_pa"]
+        self.full_behind = np.array([outlets[tag].get("pressure_pa", venous) for tag in space.outlets])
+        self.full_inflow = document.get("inlet_flow_m3_per_s")
         self.profile = space.inlet_profile()
         self.flux = [space.flux_vector(tag) for tag in space.outlets]
         self.inlet_area = space.area(PHYSICAL_INLET)
-        self.resistance = self.full_resistance.copy()
+        self.full()
+
+    def full(self):
+        """Sets the conditions asked for."""
+        self.resistance, self.behind = self.full_resistance.copy(), self.full_behind.copy()
+        self.inflow = self.full_inflow
+
+    def lower(self, fraction, resistances_at):
+        """Sets conditions under which about `fraction` of the flow passes; resistances_at(fraction) -> (n,)."""
+        self.full()
+        if self.inflow is not None:
+            self.inflow *= fraction
+        elif (self.resistance > 0).all():
+            self.resistance = resistances_at(fraction)
+        else:
+            self.resistance /= fraction
+            self.behind = self.map_pa - fraction * (self.map_pa - self.behind)
 
     def outflows(self, vector):
         """Flow through each outlet in m3/s of a state's vector."""
         return np.array([flux.dot(vector) for flux in self.flux])
 
     def pressures(self, outflows):
-        """P_i = P_v + R_i Q_i."""
-        return self.venous_pa + self.resistance * outflows
+        """P_i (n,) at outflows (n,)."""
+        return self.behind + self.resistance * outflows
 
     def destroy(self):
         for vector in self.flux:

@@ -29,7 +29,7 @@ def climb(problem, resistances_at):
     problem.forms.mixing.value = 0.0
     reached, values, inflow = 0.0, problem.state.x.array.copy(), problem.inflow
     while True:
-        problem.boundaries.resistance = resistances_at(ahead[0])
+        problem.boundaries.lower(ahead[0], resistances_at)
         if reached > FRACTIONS[0]:  # the jet keeps its shape; from a creeping flow Newton's own step is better
             problem.scale_to(ahead[0] / reached)
         last = ahead[0] == FRACTIONS[-1]

@@ -17,6 +17,7 @@ from common.errors import ComputationError, InputError
 from flow.viscosity import of as viscosity_of
 
 M_PER_MM = 1e-3
+CREEPING = 1e-10  # m3/s
 PROMINENCE = 1.1  # an area dip below 1/1.1 of both sides counts as a narrowing of its own
 
 
@@ -118,8 +119,8 @@ class Network:
         for _, child in sorted(self.children[branch]):
             self._build(child, 0.0)
 
-    def pressures(self, flows):
-        """{branch: (s (n,) m, pressure (n,) Pa)} at outlet flows (outlets,) in m3/s."""
+    def pressures(self, flows, inlet_pa=None):
+        """{branch: (s (n,) m, pressure (n,) Pa)} at outlet flows (outlets,) in m3/s, the inlet at MAP or inlet_pa."""
         document, result, total_at = self.document, {}, {}
         for segment in self.segments:
             flow = flows[segment.outlets].sum()
@@ -129,7 +130,7 @@ class Network:
                     total_at[segment.branch] - velocity[0] ** 2
                 )
             elif segment.branch == self.root:
-                start = document["map_pa"]
+                start = document["map_pa"] if inlet_pa is None else inlet_pa
             else:
                 start = self._at_junction(segment, result, flows, velocity[0])
             loss = segment.losses(flow, document["density_kg_per_m3"], self.viscosity, self.expansion_loss)
@@ -148,35 +149,54 @@ class Network:
         static = float(np.interp(where * M_PER_MM, s, p))
         return static + 0.5 * self.document["density_kg_per_m3"] * (upstream**2 - velocity**2)
 
-    def outlet_pressures(self, flows):
+    def outlet_pressures(self, flows, inlet_pa=None):
         """Pressure at each outlet in Pa."""
-        result = self.pressures(flows)
+        result = self.pressures(flows, inlet_pa)
         return np.array([result[outlet["branch"]][1][-1] for outlet in self.outlets])
 
     def solve(self):
-        """Outlet flows (outlets,) in m3/s that balance the resistances. Raises ComputationError."""
-        venous = self.document["venous_pressure_pa"]
+        """Outlet flows (outlets,) in m3/s that balance the outlets' conditions. Raises ComputationError.
+
+        Where the inflow is given the inlet's pressure is found too: `inlet_pa`, else MAP.
+        """
+        map_pa, given = self.document["map_pa"], self.document.get("inlet_flow_m3_per_s")
         resistance = np.array([outlet["resistance_pa_s_per_m3"] for outlet in self.outlets])
-        planned = (self.document["map_pa"] - venous) / resistance
+        behind = self._behind()
+        planned = self._most(resistance, behind, given)
+        count = len(planned)
 
-        def imbalance(fraction):
-            flows = fraction * planned
-            return (self.outlet_pressures(flows) - venous - resistance * flows) / self.document["map_pa"]
+        def imbalance(unknown):
+            flows, inlet_pa = unknown[:count] * planned, unknown[count] * map_pa if given else map_pa
+            lacking = (self.outlet_pressures(flows, inlet_pa) - behind - resistance * flows) / map_pa
+            return np.append(lacking, flows.sum() / given - 1.0) if given else lacking
 
-        found = least_squares(
-            imbalance, np.full(len(planned), 0.8), bounds=(0, 1.2), xtol=1e-13, ftol=1e-13, gtol=1e-13
-        )
+        start = np.append(np.full(count, 1.0 / count), 1.0) if given else np.full(count, 0.8)
+        most = np.append(np.full(count, 1.2), np.inf) if given else 1.2
+        found = least_squares(imbalance, start, bounds=(0, most), xtol=1e-13, ftol=1e-13, gtol=1e-13)
         if np.abs(found.fun).max() > 1e-6:
             raise ComputationError(
                 "reduced model did not converge", "reduced network", np.abs(found.fun).max(), "check sections.csv"
             )
-        return found.x * planned
+        self.inlet_pa = float(found.x[count] * map_pa) if given else map_pa
+        return found.x[:count] * planned
+
+    def _behind(self):
+        """Pressure (outlets,) behind the resistances."""
+        return np.array([outlet.get("pressure_pa", self.document["venous_pressure_pa"]) for outlet in self.outlets])
+
+    def _most(self, resistance, behind, given):
+        """Flows (outlets,) that none exceeds: through the resistances alone, or of a creeping flow without them."""
+        if given:
+            return np.full(len(resistance), given)
+        creeping = np.full(len(resistance), CREEPING)
+        of_vessels = (self.document["map_pa"] - self.outlet_pressures(creeping)) / CREEPING
+        return (self.document["map_pa"] - behind) / np.where(resistance > 0, resistance, of_vessels / len(resistance))
 
     def resistances_at(self, flows, fraction):
         """Outlet resistances at which this model's flows are `fraction` of `flows`."""
         if fraction == 1.0:
             return np.array([outlet["resistance_pa_s_per_m3"] for outlet in self.outlets])
-        return (self.outlet_pressures(fraction * flows) - self.document["venous_pressure_pa"]) / (fraction * flows)
+        return (self.outlet_pressures(fraction * flows) - self._behind()) / (fraction * flows)
 
 
 def read_sections(path):

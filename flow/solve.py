@@ -8,7 +8,7 @@ import time
 import numpy as np
 
 from common.errors import ComputationError
-from flow import error_estimate, ffr, jet, locate, nonlinear, outlets, output, spaces, viscosity, wall_shear
+from flow import energy, error_estimate, ffr, jet, locate, nonlinear, outlets, output, spaces, viscosity, wall_shear
 
 
 class Solved:
@@ -51,21 +51,22 @@ def run(mesh, coarse, document, tree, network, settings, folder):
     print(f"reduced model: FFR {simple['ffr']:.4f}", file=sys.stderr, flush=True)
     first = coarse_solution(coarse, document, settings, tree, network, flows) if coarse else None
     solved = solve_mesh(mesh, document, settings, tree, network, flows, first)
-    probes = ffr.at_probes(document["probes"], tree, solved.sampler, document["map_pa"])
+    reference = ffr.reference_pa(document, tree, solved.sampler)
+    probes = ffr.at_probes(document["probes"], tree, solved.sampler, reference)
 
     def distal(sampler):
-        return ffr.at_probes(document["probes"][:1], tree, sampler, document["map_pa"])[0]["ffr"]
+        return ffr.at_probes(document["probes"][:1], tree, sampler, ffr.reference_pa(document, tree, sampler))[0]["ffr"]
 
     estimate = error_estimate.of(solved, first, probes[0]["ffr"], distal)
     if first:
         first.destroy()
-    answer, table = collect(solved, probes, tree, network, document)
+    answer, table = collect(solved, probes, tree, network, reference)
     answer["reduced_model"] = simple
     answer["error_estimate"] = estimate
     answer["seconds"] = time.perf_counter() - begin
     answer["cpu_seconds"] = time.process_time() - begin_cpu
     answer["peak_memory_mib"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-    output.write_all(pathlib.Path(folder), fields(solved, document), table, answer)
+    output.write_all(pathlib.Path(folder), fields(solved, document, reference), table, answer)
     solved.destroy()
     return answer
 
@@ -81,29 +82,29 @@ def coarse_solution(path, document, settings, tree, network, flows):
 
 def reduced_answer(network, flows, tree, document):
     """FFR at the probe `distal` and outlet flows of the reduced model."""
-    pressures = network.pressures(flows)
+    pressures = network.pressures(flows, network.inlet_pa)
     probe = document["probes"][0]
     s_mm, _ = tree[probe["branch"]].project(np.array(probe["point_mm"]))
     s, p = pressures[probe["branch"]]
     return {
         "model": "1D network",
-        "ffr": float(np.interp(s_mm * 1e-3, s, p) / document["map_pa"]),
+        "ffr": float(np.interp(s_mm * 1e-3, s, p) / network.inlet_pa),
         "outlet_flows_m3_per_s": flows.tolist(),
     }
 
 
-def collect(solved, probes, tree, network, document):
+def collect(solved, probes, tree, network, reference):
     """(document of ffr.json without timings, pullback table)."""
     names = solved.boundaries.names
     flow_of = dict(zip(names, solved.outflows))
     by_index = np.array([flow_of[name] for name in network.names])
     pressure = solved.boundaries.pressures(solved.outflows)
-    inflow, outcome, map_pa = solved.problem.inflow, solved.outcome, document["map_pa"]
+    inflow, outcome = solved.problem.inflow, solved.outcome
 
     def flow_at(branch, s_mm):
         return float(by_index[network.downstream(branch, s_mm)].sum())
 
-    table = ffr.pullback(tree, solved.sampler, map_pa, flow_at)
+    table = ffr.pullback(tree, solved.sampler, reference, flow_at)
     answer = {
         "schema": "vci-ffr-1",
         "status": "converged",
@@ -111,11 +112,12 @@ def collect(solved, probes, tree, network, document):
         "ffr": probes[0]["ffr"],
         "probes": probes,
         "outlets": [
-            {"name": name, "flow_m3_per_s": float(q), "pressure_pa": float(p), "ffr": float(p / map_pa)}
+            {"name": name, "flow_m3_per_s": float(q), "pressure_pa": float(p), "ffr": float(p / reference)}
             for name, q, p in zip(names, solved.outflows, pressure)
         ],
         "inlet_flow_m3_per_s": inflow,
         "mass_imbalance": float(abs(solved.outflows.sum() - inflow) / inflow),
+        "energy": energy.balance(solved.problem),
         "iterations": outcome.iterations,
         "residual_absolute": outcome.residual_absolute,
         "residual_relative": outcome.residual_relative,
@@ -126,7 +128,7 @@ def collect(solved, probes, tree, network, document):
     return answer, table
 
 
-def fields(solved, document):
+def fields(solved, document, reference):
     """Arguments of output.write_vtu."""
     points, cells = solved.space.nodes()
     velocity, pressure = solved.sampler.velocity, solved.sampler.pressure
@@ -139,7 +141,7 @@ def fields(solved, document):
         {
             "velocity_m_per_s": velocity,
             "pressure_pa": pressure,
-            "ffr": pressure / document["map_pa"],
+            "ffr": pressure / reference,
             "wall_shear_stress_pa": stress,
         },
     )

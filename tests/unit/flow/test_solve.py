@@ -54,6 +54,38 @@ def test_poiseuille(case, tmp_path):
     assert (tmp_path / "solution.vtu").is_file() and (tmp_path / "pullback.csv").is_file()
 
 
+def test_energy_balance_of_poiseuille(case, tmp_path):
+    answer = _solve(case, tmp_path)
+    energy, flow = answer["energy"], answer["inlet_flow_m3_per_s"]
+    map_pa = json.loads((case / "boundary.json").read_text())["map_pa"]
+    # the same parabola enters and leaves: friction takes the pressure drop times the flow
+    assert energy["friction_w"] == pytest.approx((map_pa - answer["outlets"][0]["pressure_pa"]) * flow, rel=2e-3)
+    # u.u u.n / 2 of a parabola is its mean speed squared
+    mean = flow / (np.pi * (RADIUS * 1e-3) ** 2)
+    assert energy["inlet_w"] == pytest.approx(map_pa * flow + 1060 * mean**2 * flow, rel=1e-4)
+    assert energy["imbalance"] < 1e-6
+    assert energy["eddy_w"] == 0
+
+
+def test_given_inflow_and_outlet_pressure_are_met(case, tmp_path):
+    by_resistance = _solve(case, tmp_path)
+    flow, pressure = by_resistance["inlet_flow_m3_per_s"], by_resistance["outlets"][0]["pressure_pa"]
+    outlet = json.loads((case / "boundary.json").read_text())["outlets"][0]
+    outlet.update(resistance_pa_s_per_m3=0.0, pressure_pa=pressure)
+    by_pressure = _solve(case, tmp_path, outlets=[outlet])
+    assert by_pressure["inlet_flow_m3_per_s"] == pytest.approx(flow, rel=1e-4)
+    assert by_pressure["ffr"] == pytest.approx(by_resistance["ffr"], abs=1e-6)
+    by_flow = _solve(case, tmp_path, outlets=[outlet], inlet_flow_m3_per_s=0.5 * flow)
+    assert by_flow["inlet_flow_m3_per_s"] == pytest.approx(0.5 * flow, rel=1e-9)
+    assert by_flow["outlets"][0]["pressure_pa"] == pressure
+    map_pa = json.loads((case / "boundary.json").read_text())["map_pa"]
+    # half the flow, half the drop: FFR is over the inlet's pressure
+    drop, at_probe = map_pa - pressure, map_pa * (1 - by_resistance["ffr"])
+    expected = 1 - 0.5 * at_probe / (pressure + 0.5 * drop)
+    assert by_flow["ffr"] == pytest.approx(expected, abs=2e-5)
+    assert by_flow["reduced_model"]["ffr"] == pytest.approx(expected, abs=2e-4)
+
+
 def test_wall_shear_stress_of_poiseuille(case, tmp_path):
     import vtk
     from vtk.util.numpy_support import vtk_to_numpy
