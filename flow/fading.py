@@ -86,8 +86,6 @@ def fade(problem, path):
     _back(problem)
     if problem.mixing > LARGEST_MIXING:
         raise problem.stalled(found)
-    if problem.mixing > 0 and len(problem.passed) == 1:
-        _neighbour(problem)
 
 
 def _remaining(problem):
@@ -135,19 +133,19 @@ def _neighbour(problem):
 def polish(problem):
     """Outcome of Newton's method from the path's last flow to the residuals asked for.
 
-    A flow that meets the looser residual of the path need not lead there: then the Picard steps are tried, then the
-    flows of larger c, up to LARGEST_MIXING. Raises ComputationError.
+    A flow that meets the looser residual of the path need not lead there, as where c is just below the least that has a
+    steady flow: then the flows of larger c are tried, up to LARGEST_MIXING. Raises ComputationError.
     """
     settings = problem.settings
     while problem.passed and problem.passed[-1][0] <= LARGEST_MIXING:
-        for settled in (False, True):
-            _back(problem)
-            if settled:
-                settle(problem)
-            print(f"jet mixing {problem.mixing:.3g}, to the end", file=problem.log, flush=True)
-            found = newton.newton(problem, settings.residual_absolute, settings.residual_relative, 2 * HARD)
-            if found.converged:
-                found.iterations = problem.solver.factorizations
-                return found
-        problem.passed.pop()
+        _back(problem)
+        print(f"jet mixing {problem.mixing:.3g}, to the end", file=problem.log, flush=True)
+        found = newton.newton(problem, settings.residual_absolute, settings.residual_relative, 2 * HARD)
+        last = problem.passed.pop()
+        if found.converged:
+            _pass(problem)
+            if last[0] > 0 and len(problem.passed) == 1:
+                _neighbour(problem)
+            found.iterations = problem.solver.factorizations
+            return found
     raise problem.stalled(found)
