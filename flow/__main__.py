@@ -48,6 +48,8 @@ def mesh_command(arguments):
     from flow import centreline, mesh, surface
 
     settings = settings_module.from_arguments(arguments)
+    if arguments.coarse:
+        settings_module.check_meshes(vars(settings), "flow settings")
     lumen, tree = surface.read(arguments.lumen), centreline.read(arguments.centreline)
     report = {"schema": "vci-mesh-1"}
     wanted = [("fine", arguments.out, settings.cells_per_radius, settings.rings, 1.0)]

@@ -46,6 +46,15 @@ def split_by_diameter(diameters_mm, exponent):
     return [weight / total for weight in weights]
 
 
+def _ends(anatomy):
+    ends = anatomy.get("ends") if isinstance(anatomy, dict) else None
+    keys = {"kind", "name", "region_id", "branch", "diameter_mm"}
+    if not ends or not all(isinstance(end, dict) and keys <= set(end) for end in ends):
+        remedy = f"give the anatomy step's document: ends with {', '.join(sorted(keys))}"
+        raise InputError("not a document of the anatomy step", "anatomy.json ends", ends, remedy)
+    return ends
+
+
 def make(anatomy, centreline, patient, settings):
     """The document of boundary.json.
 
@@ -58,7 +67,7 @@ def make(anatomy, centreline, patient, settings):
             "venous pressure is not below MAP", "venous_pressure_mmhg", settings.venous_pressure_mmhg, "usually 5 mmHg"
         )
     q_hyp = hyperaemic_flow_m3_per_s(patient["lvm_g"], settings.hyperaemia_fraction)
-    ends = [end for end in anatomy["ends"] if end["kind"] == "outlet"]
+    ends = [end for end in _ends(anatomy) if end["kind"] == "outlet"]
     if not ends:
         raise InputError("no outlet", "anatomy.json ends", "[]", "process the lumen surface again")
     fractions = split_by_diameter([end["diameter_mm"] for end in ends], settings.split_exponent)

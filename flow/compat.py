@@ -12,6 +12,7 @@ from dolfinx.plot import create_vtk_mesh
 from mpi4py import MPI
 
 from common import fenicsx
+from common.errors import InputError
 
 logging.getLogger("FFC").setLevel(logging.WARNING)
 logging.getLogger("root").setLevel(logging.WARNING)
@@ -20,7 +21,7 @@ FLAGS = ("-O3", "-march=native", "-fno-math-errno")
 
 
 def read_gmsh(path, comm=MPI.COMM_SELF, dimension=3):
-    """(mesh, facet tags) of a gmsh file with `dimension` coordinates, which are as in the file.
+    """(mesh, facet tags) of a gmsh file with `dimension` coordinates, which are as in the file. Raises InputError.
 
     gmshio.read_from_msh of 0.5.2 raises a NameError, hence the detour over gmsh's model.
     """
@@ -29,12 +30,22 @@ def read_gmsh(path, comm=MPI.COMM_SELF, dimension=3):
     gmsh.initialize(["gmsh"], False)
     try:
         gmsh.option.setNumber("General.Verbosity", 1)
-        gmsh.open(str(path))
+        _open(gmsh, path)
         with contextlib.redirect_stdout(io.StringIO()):
             mesh, _, facets = gmshio.model_to_mesh(gmsh.model, comm, 0, gdim=dimension)
     finally:
         gmsh.finalize()
     return mesh, facets
+
+
+def _open(gmsh, path):
+    remedy = "make it with `flow mesh`"
+    try:
+        gmsh.open(str(path))
+    except Exception as error:  # gmsh raises nothing more precise
+        raise InputError("not a mesh that gmsh reads", path, error, remedy) from error
+    if len(gmsh.model.mesh.getNodes()[0]) == 0 or not gmsh.model.getPhysicalGroups():
+        raise InputError("a mesh without cells or tags", path, "no nodes or no physical groups", remedy)
 
 
 def vector_element(mesh, degree):

@@ -42,6 +42,19 @@ def make(**values):
     return types.SimpleNamespace(**schema.with_defaults(values, rules))
 
 
+def check_meshes(values, where):
+    """Raises InputError unless the coarse mesh is coarser than the fine one: the error estimate rests on it.
+
+    values: {setting: value}, complete.
+    """
+    for coarse, fine in (("coarse_rings", "rings"), ("coarse_cells_per_radius", "cells_per_radius")):
+        if values[coarse] >= values[fine]:
+            remedy = f"less than {fine}, which is {values[fine]}"
+            raise InputError(
+                "the coarse mesh is not coarser than the fine one", f"{where}: {coarse}", values[coarse], remedy
+            )
+
+
 class _Given:
     """Values from options, in the shape that common.schema.validate expects of a document."""
 

@@ -8,6 +8,7 @@ import re
 from common import config, schema, yaml_reader
 from common.errors import InputError
 from data_synthetic import patient
+from flow.settings import check_meshes
 
 CASE_NAME = "[a-z][a-z0-9_]*"
 
@@ -127,6 +128,8 @@ class Configuration:
         for section, values in self.settings(name).items():
             document = yaml_reader.Document(self.case_file(name), values, {(): 1})
             schema.validate(document, schema.read(section))
+            if section == "flow":
+                check_meshes(values, self.case_file(name))
 
 
 def _case_name(file):

@@ -7,7 +7,7 @@ import pytest
 
 import tubes
 from common.errors import InputError
-from flow import boundary, centreline
+from flow import boundary, centreline, settings
 
 
 def test_mean_arterial_pressure():
@@ -30,6 +30,19 @@ def test_hyperaemic_flow():
 def test_implausible_mass_is_refused():
     with pytest.raises(InputError, match="grams"):
         boundary.hyperaemic_flow_m3_per_s(0.15, 0.16)
+
+
+@pytest.mark.parametrize("anatomy", [{}, [], {"ends": []}, {"ends": [{"kind": "outlet"}]}])
+def test_a_foreign_document_is_refused(anatomy):
+    patient = {"lvm_g": 150, "sbp_mmhg": 120, "dbp_mmhg": 80}
+    with pytest.raises(InputError, match="anatomy step"):
+        boundary.make(anatomy, None, patient, settings.make())
+
+
+@pytest.mark.parametrize("values", [{"rings": 2}, {"coarse_rings": 4}, {"coarse_cells_per_radius": 2.5}])
+def test_a_coarse_mesh_that_is_not_coarser_is_refused(values):
+    with pytest.raises(InputError, match="not coarser"):
+        settings.check_meshes(vars(settings.make(**values)), "flow settings")
 
 
 def test_split_is_exact():

@@ -42,6 +42,16 @@ def _solve(case, out, **changes):
     return json.loads((out / "ffr.json").read_text())
 
 
+def test_a_file_that_is_no_mesh_is_refused(case, tmp_path, capsys):
+    (tmp_path / "notes.msh").write_text("not a mesh")
+    command = ["solve", str(tmp_path / "notes.msh"), "--boundary", str(case / "boundary.json")]
+    with pytest.raises(SystemExit) as ended:
+        command_line.main(command + ["--centreline", str(case / "centreline.vtp"), "--out", str(tmp_path / "out")])
+    assert ended.value.code == 2
+    assert "notes.msh" in capsys.readouterr().err
+    assert not (tmp_path / "out" / "ffr.json").exists()
+
+
 def test_poiseuille(case, tmp_path):
     answer = _solve(case, tmp_path)
     flow = answer["inlet_flow_m3_per_s"]
