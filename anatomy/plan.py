@@ -43,7 +43,7 @@ def procedure(steps, families, summary, where):
     for i, step in enumerate(steps):
         placed = []
         for j, wish in enumerate(step["devices"]):
-            at = f"{where}: plan[{i}].devices[{j}]"
+            at = f"{where}: plan[{i + 1}].devices[{j + 1}]"
             sized = catalogue.entries(families, wish["device"], wish["diameter_mm"], wish["length_mm"], at)
             _check_step(step["action"], families[wish["device"]]["kind"], at)
             device = _placed(wish, summary, at)

@@ -55,7 +55,7 @@ def check(vessel, where):
     before, left = healthy_diameters(vessel)
     exponent = vessel["murray_exponent"]
     for rank, index in enumerate(order):
-        side, key = vessel["side_branches"][index], f"side_branches[{index}]"
+        side, key = vessel["side_branches"][index], f"side_branches[{index + 1}]"
         low, high = 2.5 * radius, main["length_mm"] - 4 * radius
         if not low <= side["s_mm"] <= high:
             refuse(
@@ -93,7 +93,7 @@ def check(vessel, where):
             "at least 1.2 mm before taper: fewer or smaller branches",
         )
     for index, lesion in enumerate(vessel["lesions"]):
-        _check_lesion(vessel, lesion, f"lesions[{index}]", refuse)
+        _check_lesion(vessel, lesion, f"lesions[{index + 1}]", refuse)
 
 
 def _check_lesion(vessel, lesion, key, refuse):

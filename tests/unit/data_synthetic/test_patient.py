@@ -24,21 +24,21 @@ def test_the_small_vessel_is_accepted(vessel):
 @pytest.mark.parametrize(
     "changes, key",
     [
-        ({"side_branches": [side(s_mm=29)]}, "vessel.side_branches[0].s_mm"),
-        ({"side_branches": [side(s_mm=1)]}, "vessel.side_branches[0].s_mm"),
-        ({"side_branches": [side(diameter_mm=3.4)]}, "vessel.side_branches[0].diameter_mm"),
-        ({"side_branches": [side(length_mm=14)]}, "vessel.side_branches[0].length_mm"),
-        ({"side_branches": [side(length_mm=4)]}, "vessel.side_branches[0].length_mm"),
+        ({"side_branches": [side(s_mm=29)]}, "vessel.side_branches[1].s_mm"),
+        ({"side_branches": [side(s_mm=1)]}, "vessel.side_branches[1].s_mm"),
+        ({"side_branches": [side(diameter_mm=3.4)]}, "vessel.side_branches[1].diameter_mm"),
+        ({"side_branches": [side(length_mm=14)]}, "vessel.side_branches[1].length_mm"),
+        ({"side_branches": [side(length_mm=4)]}, "vessel.side_branches[1].length_mm"),
         (
             {"side_branches": [side(s_mm=s, diameter_mm=2.2) for s in (12, 14, 16, 18)]},
             "vessel.side_branches",
         ),
-        ({"lesions": [lesion(centre_s_mm=28)]}, "vessel.lesions[0].centre_s_mm"),
-        ({"lesions": [lesion(centre_s_mm=4)]}, "vessel.lesions[0].centre_s_mm"),
-        ({"lesions": [lesion(branch="side2", centre_s_mm=4)]}, "vessel.lesions[0].branch"),
+        ({"lesions": [lesion(centre_s_mm=28)]}, "vessel.lesions[1].centre_s_mm"),
+        ({"lesions": [lesion(centre_s_mm=4)]}, "vessel.lesions[1].centre_s_mm"),
+        ({"lesions": [lesion(branch="side2", centre_s_mm=4)]}, "vessel.lesions[1].branch"),
         (
             {"lesions": [lesion(calcium={"arc_deg": 90, "length_mm": 9, "direction_deg": 0})]},
-            "vessel.lesions[0].calcium.length_mm",
+            "vessel.lesions[1].calcium.length_mm",
         ),
         (
             {"main": {"length_mm": 30, "ostial_diameter_mm": 3.4, "mean_curvature_per_mm": 0.2}},
