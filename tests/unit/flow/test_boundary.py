@@ -7,7 +7,8 @@ import pytest
 
 import tubes
 from common.errors import InputError
-from flow import boundary, centreline, settings
+from flow import boundary, centreline
+from flow import settings as settings_module
 
 
 def test_mean_arterial_pressure():
@@ -36,13 +37,13 @@ def test_implausible_mass_is_refused():
 def test_a_foreign_document_is_refused(anatomy):
     patient = {"lvm_g": 150, "sbp_mmhg": 120, "dbp_mmhg": 80}
     with pytest.raises(InputError, match="anatomy step"):
-        boundary.make(anatomy, None, patient, settings.make())
+        boundary.make(anatomy, None, patient, settings_module.make())
 
 
 @pytest.mark.parametrize("values", [{"rings": 2}, {"coarse_rings": 4}, {"coarse_cells_per_radius": 2.5}])
 def test_a_coarse_mesh_that_is_not_coarser_is_refused(values):
     with pytest.raises(InputError, match="not coarser"):
-        settings.check_meshes(vars(settings.make(**values)), "flow settings")
+        settings_module.check_meshes(vars(settings_module.make(**values)), "flow settings")
 
 
 def test_split_is_exact():
@@ -107,4 +108,23 @@ def test_pressure_in_mmhg_is_refused(settings):
     document = boundary.make(_anatomy(), _tree(), PATIENT, settings)
     document["map_pa"] = 96.0
     with pytest.raises(InputError, match="map_pa"):
+        boundary.check(document)
+
+
+def test_given_inflow_and_outlet_pressures():
+    given = {"inlet_condition": "flow", "inlet_flow_ml_per_min": 150, "outlet_condition": "pressure"}
+    document = boundary.make(_anatomy(), _tree(), PATIENT, settings_module.make(**given, outlet_pressure_mmhg=80))
+    boundary.check(document)
+    assert document["inlet_flow_m3_per_s"] == pytest.approx(2.5e-6)
+    assert [outlet["pressure_pa"] for outlet in document["outlets"]] == pytest.approx([80 * 133.322] * 2)
+    assert [outlet["resistance_pa_s_per_m3"] for outlet in document["outlets"]] == [0, 0]
+    del document["outlets"][1]["pressure_pa"]
+    with pytest.raises(InputError, match="outlet2"):
+        boundary.check(document)
+
+
+def test_inflow_that_does_not_enter_is_refused():
+    document = boundary.make(_anatomy(), _tree(), PATIENT, settings_module.make())
+    document["inlet_flow_m3_per_s"] = -1e-6
+    with pytest.raises(InputError, match="inflow"):
         boundary.check(document)
