@@ -79,10 +79,14 @@ void BroadPhase::update(const Triangles& triangles, const Vectors& x) {
 }
 
 void BroadPhase::near(const Vec3& p, const Triangles& triangles, const Vectors& x, double reach, double slack,
-                      std::vector<NearTriangle>& found) const {
+                      int guess, std::vector<NearTriangle>& found) const {
   found.clear();
   if (tree_->leaves.empty())
     return;
+  if (guess >= 0) { // the nearest triangle is at most as far as this one
+    const Triangle& t = triangles[guess];
+    reach = std::min(reach, std::sqrt(closest_on_triangle(p, x[t[0]], x[t[1]], x[t[2]]).distance_squared) + slack);
+  }
   Search search{p, triangles, x, slack, reach, found};
   search.visit(tree_->hierarchy.getRoot());
   std::erase_if(found, [&](const NearTriangle& f) { return f.distance > search.reach; });

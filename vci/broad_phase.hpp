@@ -23,7 +23,8 @@ public:
   void update(const Triangles& triangles, const Vectors& x);
   /// Triangles no further than `reach` from p, and no further than the nearest of them plus `slack`; by index.
   /// @param triangles, x as given to the last update
-  void near(const Vec3& p, const Triangles& triangles, const Vectors& x, double reach, double slack,
+  /// @param guess a triangle that may be near, or -1: a good one shortens the search and never changes what is found
+  void near(const Vec3& p, const Triangles& triangles, const Vectors& x, double reach, double slack, int guess,
             std::vector<NearTriangle>& found) const;
 
 private:

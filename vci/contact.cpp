@@ -56,6 +56,21 @@ bool project_along_normals(const Vec3& p, const Triangle& t, const System& syste
   return weights.minCoeff() >= -1e-6;
 }
 
+/// The foot on the triangle where it was last, if it still lies there and near: following it saves the search among
+/// all candidates.
+bool follow_foot(const Vec3& p, int triangle, const System& system, const Vectors& units, const Body& target,
+                 Foot& foot) {
+  constexpr double near = 0.1; // mm
+  const Triangle& t = target.triangles[triangle];
+  Vec3 weights = Vec3::Constant(1.0 / 3);
+  if (!project_along_normals(p, t, system, units, weights))
+    return false;
+  const double d2 =
+      (p - weights[0] * system.x[t[0]] - weights[1] * system.x[t[1]] - weights[2] * system.x[t[2]]).squaredNorm();
+  foot = {triangle, weights, d2};
+  return d2 < near * near;
+}
+
 /// Where a vertex meets a surface: along the interpolated normal if some triangle near has such a point, else the
 /// closest.
 Foot foot_of(const Vec3& p, const std::vector<int>& candidates, const System& system, const Vectors& units,
@@ -118,20 +133,24 @@ void SurfaceContact::search(const System& system, const Vectors& units, int from
   else
     side.boxes = std::make_unique<BroadPhase>(target.triangles, system.x);
   side.candidates.clear();
+  side.nearest.resize(source.count, -1);
   std::vector<NearTriangle> found;
   for (int v = source.first; v < source.first + source.count; ++v) {
-    side.boxes->near(system.x[v], target.triangles, system.x, search_reach, 2 * settings_.skin, found);
+    int& nearest = side.nearest[v - source.first];
+    side.boxes->near(system.x[v], target.triangles, system.x, search_reach, 2 * settings_.skin, nearest, found);
+    nearest = -1;
     if (found.empty())
       continue;
     const NearTriangle& foot = *std::min_element(found.begin(), found.end(),
                                                  [](const auto& p, const auto& q) { return p.distance < q.distance; });
+    nearest = foot.triangle;
     const Triangle& t = target.triangles[foot.triangle];
     const Vec3 q =
         foot.weights[0] * system.x[t[0]] + foot.weights[1] * system.x[t[1]] + foot.weights[2] * system.x[t[2]];
     const double side_of = (vertex_inside ? 1 : -1) * interpolated_normal(t, foot.weights, units).dot(q - system.x[v]);
     if (side_of > 0 && foot.distance > settings_.distance + settings_.skin)
       continue;
-    Candidates c{v, {}};
+    Candidates c{v, {}, -1};
     for (const NearTriangle& f : found)
       c.triangles.push_back(f.triangle);
     side.candidates.push_back(std::move(c));
@@ -145,11 +164,14 @@ void SurfaceContact::measure(const System& system, const Vectors& normals, const
   side.slip.resize(slip.size(), Vec3::Zero());
   slip.swap(side.slip);                           // a vertex without contact starts anew
   const double sign = vertex_inside ? 1.0 : -1.0; // gap = sign (foot - vertex) . n
-  for (const Candidates& c : side.candidates) {
+  for (Candidates& c : side.candidates) {
     const Vec3& p = system.x[c.vertex];
-    const Foot foot = foot_of(p, c.triangles, system, units, target);
+    Foot foot;
+    if (c.foot < 0 || !follow_foot(p, c.foot, system, units, target, foot))
+      foot = foot_of(p, c.triangles, system, units, target);
     if (foot.triangle < 0)
       continue; // positions are no longer finite; the integrator reports it
+    c.foot = foot.triangle;
     const Triangle& t = target.triangles[foot.triangle];
     const double share = share_inside(t, foot.weights, target);
     if (share <= 1e-9)

@@ -52,11 +52,13 @@ private:
   struct Candidates {
     int vertex;
     std::vector<int> triangles;
+    int foot; ///< where the vertex met the surface last, -1: not known
   };
   struct Direction {
     std::unique_ptr<BroadPhase> boxes;
     std::vector<Candidates> candidates;
-    Vectors slip; ///< per vertex of the source body
+    Vectors slip;             ///< per vertex of the source body
+    std::vector<int> nearest; ///< likewise: the triangle found nearest by the last search, -1: none
   };
   void search(const System& system, const Vectors& units, int from, int onto, bool vertex_inside, Direction& side);
   void measure(const System& system, const Vectors& normals, const Vectors& units, int from, int onto,

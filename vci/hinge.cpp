@@ -68,8 +68,12 @@ void Hinges::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, 
       force[e.v[a]] -= e.coefficient * bend * d.gradient[a];
       if (stiffness) {
         const Vec3 scaled = e.coefficient * d.gradient[a];
-        for (int b = 0; b < 4; ++b)
-          stiffness->block(e.slots[4 * a + b]).noalias() += scaled * d.gradient[b].transpose();
+        for (int b = 0; b <= a; ++b) {
+          const Mat3 block = scaled * d.gradient[b].transpose();
+          stiffness->block(e.slots[4 * a + b]) += block;
+          if (b < a)
+            stiffness->block(e.slots[4 * b + a]) += block.transpose();
+        }
       }
     }
   }

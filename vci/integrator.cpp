@@ -7,6 +7,8 @@ namespace vci {
 
 namespace {
 
+constexpr double smallest_step = 0.03; // ms
+
 struct Forces {
   Vectors elastic, foundation, pressure, contact, total;
   std::vector<ContactPoint> points;
@@ -93,7 +95,7 @@ RelaxResult relax(System& system, Interactions& interactions, const IntegratorSe
     // calmed by shorter steps. A slow rise is a shape that gives way (a balloon that slides or bends): go on.
     if (settling) {
       h *= f.residual > 1.4 * previous_residual ? 0.5 : 1.8;
-      h = std::clamp(h, s.initial_step, s.maximal_step);
+      h = std::clamp(h, 10 * smallest_step, s.maximal_step);
     }
     previous_residual = f.residual;
 
@@ -113,8 +115,12 @@ RelaxResult relax(System& system, Interactions& interactions, const IntegratorSe
     result.cg_iterations += solve.iterations;
     ++result.steps;
     const double typical = large_displacement(dx);
-    // A vertex that overshoots is held back alone: the others' step is good.
     const double limit = 1.5 * s.displacement_per_step;
+    if (typical > limit && h > smallest_step) { // plastic set that it leaves would stay: not taken
+      h = std::max(smallest_step, h * std::clamp(s.displacement_per_step / typical, 0.1, 0.5));
+      continue;
+    }
+    // A vertex that overshoots is held back alone: the others' step is good.
     const bool inertial = h <= 0.5;
     for (int i = 0; i < system.vertices(); ++i) {
       const double length = dx[i].norm();
@@ -128,7 +134,7 @@ RelaxResult relax(System& system, Interactions& interactions, const IntegratorSe
     const double wish = typical > 0 ? s.displacement_per_step / typical : 2.0;
     settling = f.residual < 0.1 && wish > 4.0;
     if (!settling)
-      h = std::clamp(h * std::clamp(wish, 0.4, 2.0), 0.1 * s.initial_step, s.maximal_step);
+      h = std::clamp(h * std::clamp(wish, 0.4, 2.0), smallest_step, s.maximal_step);
   }
 }
 

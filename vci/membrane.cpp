@@ -123,8 +123,12 @@ void Membrane::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness
     for (int a = 0; a < 3; ++a) {
       for (int m = 0; m < 6; ++m)
         scaled.col(m) = e.area * (exact ? values[m] : std::max(values[m], 0.0)) * y[a].col(m);
-      for (int b = 0; b < 3; ++b)
-        stiffness->block(e.slots[3 * a + b]).noalias() += scaled * y[b].transpose();
+      for (int b = 0; b <= a; ++b) {
+        const Mat3 block = scaled * y[b].transpose();
+        stiffness->block(e.slots[3 * a + b]) += block;
+        if (b < a)
+          stiffness->block(e.slots[3 * b + a]) += block.transpose();
+      }
     }
   }
 }

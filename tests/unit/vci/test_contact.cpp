@@ -44,7 +44,7 @@ TEST(BroadPhase, FindsWhatASearchOverAllTrianglesFinds) {
   for (int k = 0; k < 50; ++k) {
     const Vec3 p(number(random) + 1, number(random) - 1, number(random) + 2);
     constexpr double reach = 1.5, slack = 0.4;
-    boxes.near(p, triangles, x, reach, slack, found);
+    boxes.near(p, triangles, x, reach, slack, -1, found);
     double nearest = 1e300;
     std::vector<double> distance;
     for (const Triangle& f : triangles) {

@@ -1,0 +1,90 @@
+"""The hard cases that take seconds: each must end in force balance, with bounded penetration."""
+
+import csv
+
+import numpy as np
+import pytest
+
+from vci.hard_cases import CASES, reason_of
+from vci.scenes import Tube, write_scene
+
+TOLERANCE = 3e-3
+DEEPEST = 0.05  # mm
+
+
+@pytest.fixture(scope="module")
+def table(binary, run_module, tmp_path_factory):
+    """table(names) -> rows of hard_cases.csv by case; computed once."""
+    done = {}
+
+    def rows(names):
+        missing = [n for n in names if n not in done]
+        if missing:
+            out = tmp_path_factory.mktemp("hard")
+            build = binary("vci").parent
+            result = run_module("vci.hard_cases", "--out", out, "--build", build, "--only", *missing, timeout=600)
+            assert result.returncode == 0, result.stderr
+            with (out / "hard_cases.csv").open() as file:
+                done.update({row["case"]: row for row in csv.DictReader(file)})
+        return {n: done[n] for n in names}
+
+    return rows
+
+
+@pytest.mark.parametrize("case", ["slivers", "mesh jittered by 25 %", "first step x1000", "25 bar"])
+def test_case_balances(table, case):
+    row = table([case])[case]
+    assert row["outcome"] == "balanced", row["reason"]
+    assert 0 < float(row["residual"]) <= TOLERANCE
+    assert float(row["worst_penetration_mm"]) <= DEEPEST
+
+
+def test_first_step_hardly_matters(table):
+    rows = table(["ordinary", "first step x1000"])
+    areas = [float(row["minimal_area_mm2"]) for row in rows.values()]
+    assert areas[1] == pytest.approx(areas[0], rel=0.02)
+
+
+def test_a_refusal_is_a_row_with_its_reason(binary, run_module, tmp_path):
+    """A scene that cannot balance in one step is refused; the table says at which stage and residual."""
+    scene = write_scene(tmp_path / "scene", Tube(edge=0.8), numerics={"maximal_steps_per_stage": 1})
+    arguments = ["--out", tmp_path / "out", "--build", binary("vci").parent, "--only", "slivers", "--scenes", scene]
+    result = run_module("vci.hard_cases", *arguments, timeout=300)
+    assert result.returncode == 0, result.stderr
+    with (tmp_path / "out" / "hard_cases.csv").open() as file:
+        row = list(csv.DictReader(file))[-1]
+    assert row["outcome"] == "refused" and "predilatation / deployment-to-contact" in row["reason"]
+    assert row["minimal_area_mm2"] == ""
+
+
+def test_reason_is_the_last_message():
+    text = "switched off: x\nerror: no balance\n  where:  stage\n  value:  residual 1\n  remedy: none\n"
+    assert reason_of(text) == "error: no balance; where:  stage; value:  residual 1"
+
+
+@pytest.mark.parametrize("curvature", [0, 0.12, 0.3])
+@pytest.mark.parametrize("eccentricity", [0, 0.8])
+def test_generated_tube(curvature, eccentricity):
+    """Areas of the lumen's sections, plaque between lumen and vessel, outward triangles, curvature of the axis."""
+    tube = Tube(curvature=curvature, eccentricity=eccentricity, edge=0.4)
+    points, triangles, radius, plaque, kind = tube.mesh()
+    around = round(2 * np.pi * tube.radius / tube.edge)
+    first = points.reshape(-1, around, 3)
+    centres = first.mean(axis=1)
+    corners = [points[triangles[:, k]] for k in range(3)]
+    normals = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+    ring = triangles[:, 0] // around
+    assert (np.einsum("ij,ij->i", normals, corners[0] - centres[ring]) > 0).all()
+    middle = len(first) // 2
+    assert np.linalg.norm(first[middle] - centres[middle], axis=1) == pytest.approx(radius.min(), rel=0.01)
+    assert radius.min() == pytest.approx(tube.radius * (1 - tube.stenosis), rel=0.01)
+    assert plaque.max() == pytest.approx((1 + eccentricity) * tube.radius * tube.stenosis, rel=0.02)
+    assert set(kind) == {0, 1}
+    s = np.linspace(0, tube.length, 2001)
+    axis = tube.frames(s)[0]
+    bend = np.gradient(np.gradient(axis, s, axis=0), s, axis=0)[2:-2]
+    assert np.linalg.norm(bend, axis=1) == pytest.approx(curvature, abs=1e-4)
+
+
+def test_every_case_has_its_own_folder():
+    assert len({"".join(c if c.isalnum() else "_" for c in name) for name in CASES}) == len(CASES)

@@ -1,0 +1,110 @@
+"""Hard cases of the deployment, generated and run one after another: a row each in hard_cases.csv.
+
+/usr/bin/python3 -m vci.hard_cases --out results/hard_cases [--only NAME ...] [--scenes SCENE.json ...]
+
+Each case ends in force balance, or is refused with a reason. One run at a time, one thread; `cpu_seconds` are those of
+the whole program.
+"""
+
+import argparse
+import csv
+import json
+import pathlib
+import resource
+import sys
+
+from common.errors import InputError, guarded
+from vci.benchmark import run
+from vci.scenes import Tube, write_scene
+
+COLUMNS = "case,outcome,reason,residual,mean_penetration_mm,worst_penetration_mm,steps,cpu_seconds,minimal_area_mm2"
+
+
+def calcium(times):
+    """Wall settings with calcium so many times as stiff as the healthy wall (0.8 MPa)."""
+    return {"plaque": {"calcified": {"youngs_modulus_mpa": 0.8 * times}}}
+
+
+MAXIMAL_STEPS = 500  # of a stage; a case that balances needs a third of it
+ECCENTRIC = {"eccentricity": 0.8, "calcium_deg": 90}
+CASES = {
+    "ordinary": (Tube(), {}),
+    "stenosis 90 %": (Tube(stenosis=0.9), {}),
+    "calcium x1000, eccentric, 0.5 mm": (Tube(**ECCENTRIC), {"wall": calcium(1000)}),
+    "calcium x1000, eccentric, 0.25 mm": (Tube(edge=0.25, **ECCENTRIC), {"wall": calcium(1000)}),
+    "calcium x1000, concentric, 0.5 mm": (Tube(calcium_deg=360), {"wall": calcium(1000)}),
+    "calcium x1000, concentric, 0.25 mm": (Tube(edge=0.25, calcium_deg=360), {"wall": calcium(1000)}),
+    "90 %, eccentric, calcium x1000": (Tube(stenosis=0.9, **ECCENTRIC), {"wall": calcium(1000)}),
+    "80 %, eccentric, calcium x30": (Tube(stenosis=0.8, **ECCENTRIC), {"wall": calcium(30)}),
+    "oversizing 1.4": (Tube(), {"size": 1.4}),
+    "curvature 0.3 /mm": (Tube(curvature=0.3), {}),
+    "mesh jittered by 25 %": (Tube(jitter=0.25), {}),
+    "slivers": (Tube(sliver=0.75), {}),
+    "first step x1000": (Tube(), {"numerics": {"initial_step_ms": 300}}),
+    "25 bar": (Tube(), {"pressures": (10, 11, 25)}),
+    "overlapping stents": (Tube(length=36), {"shifts": (-4.5, 4.5)}),
+}
+
+
+def reason_of(messages):
+    """What a refusal says, in one line: its last message without the remedy."""
+    lines = [line.strip() for line in messages.strip().splitlines()]
+    start = max((k for k, line in enumerate(lines) if line.startswith("where:")), default=len(lines))
+    return "; ".join(line for line in lines[max(start - 1, 0) : start + 2] if not line.startswith("remedy"))
+
+
+def result_row(case, program, scene):
+    """Runs a scene and returns its row."""
+    code, messages, cpu, _ = run([program, "deploy", scene, "--out", scene.parent / "out"])
+    row = {"case": case, "cpu_seconds": round(cpu, 2)}
+    if code:
+        kind = {2: "input refused", 3: "refused"}.get(code, f"failed with exit code {code}")
+        return row | {"outcome": kind, "reason": reason_of(messages)}
+    result = json.loads((scene.parent / "out" / "deployment.json").read_text())
+    stages = result["stages"]
+    return row | {
+        "outcome": "balanced",
+        "residual": max(s["residual"] for s in stages),
+        "mean_penetration_mm": max(s["mean_penetration_mm"] for s in stages),
+        "worst_penetration_mm": max(s["max_penetration_mm"] for s in stages),
+        "steps": sum(s["steps"] for s in stages),
+        "minimal_area_mm2": result["minimal_lumen_area_mm2"],
+    }
+
+
+def scenes_of(options):
+    """(name, path of scene.json) of the cases asked for, generated where they are not the caller's own."""
+    unknown = set(options.only or []) - set(CASES)
+    if unknown:
+        raise InputError("no such hard case", "--only", ", ".join(sorted(unknown)), "use " + "; ".join(CASES))
+    for name in options.only or CASES:
+        tube, how = CASES[name]
+        folder = options.out / "".join(c if c.isalnum() else "_" for c in name)
+        numerics = {"maximal_steps_per_stage": MAXIMAL_STEPS} | how.get("numerics", {})
+        yield name, write_scene(folder, tube, **(how | {"numerics": numerics}))
+    for scene in options.scenes:
+        yield str(scene), scene
+
+
+@guarded
+def main(arguments=None):
+    parser = argparse.ArgumentParser(prog="python3 -m vci.hard_cases", description=__doc__.splitlines()[0])
+    parser.add_argument("--only", nargs="+", help="names of cases; all without it")
+    parser.add_argument("--scenes", nargs="+", type=pathlib.Path, default=[], help="scenes of your own to add")
+    parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path("build"), help="folder of the program vci")
+    parser.add_argument("--out", type=pathlib.Path, required=True, help="folder for hard_cases.csv and the scenes")
+    options = parser.parse_args(arguments)
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    options.out.mkdir(parents=True, exist_ok=True)
+    with (options.out / "hard_cases.csv").open("w", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS.split(","))
+        writer.writeheader()
+        for name, scene in scenes_of(options):
+            row = result_row(name, options.build / "vci", scene)
+            writer.writerow(row)
+            file.flush()
+            print(", ".join(f"{key} {value}" for key, value in row.items()), file=sys.stderr)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,197 @@
+"""Generated scenes: narrowed tubes, straight or curved, with devices to fit, for benchmarks and tests."""
+
+import dataclasses
+import json
+
+import numpy as np
+import vtk
+from vtk.util.numpy_support import numpy_to_vtk
+
+from common import vtp
+
+COMPLIANCE = (np.array([2, 4, 6, 8, 10, 12, 14, 16, 18, 22, 26]), 1.1, 8.0)  # bar; % of the diameter a bar; nominal bar
+PLAQUE, CALCIUM = 1, 3  # plaque_type
+
+
+@dataclasses.dataclass(frozen=True)
+class Tube:
+    """A tube narrowed at half its length; lengths in mm, curvature in 1/mm."""
+
+    length: float = 30.0
+    radius: float = 1.5
+    stenosis: float = 0.5  # share of the diameter
+    lesion_length: float = 9.0
+    eccentricity: float = 0.0  # 0: plaque all round; 1: all plaque on one side
+    calcium_deg: float = 0.0  # arc of the plaque that is calcified, about its thickest side
+    curvature: float = 0.0
+    edge: float = 0.5
+    jitter: float = 0.0  # displacement of the vertices in the surface, share of an edge
+    sliver: float = 0.0  # 0: even rows of triangles; towards 1: every other row is thin
+    seed: int = 1
+
+    def lumen_radius(self, s):
+        """Lumen radius (mm) at arc lengths s (mm)."""
+        d = np.clip((s - self.length / 2) / (self.lesion_length / 2), -1, 1)
+        return self.radius * (1 - self.stenosis * 0.5 * (1 + np.cos(np.pi * d)))
+
+    def frames(self, s):
+        """(points, first normals, second normals), each (n, 3), of the vessel's axis: a helix, flat while it fits."""
+        if self.curvature == 0:
+            ones, zeros = np.ones_like(s), np.zeros_like(s)
+            axes = [np.stack(c, 1) for c in ((zeros, zeros, s), (ones, zeros, zeros), (zeros, ones, zeros))]
+            return tuple(axes)
+        # curvature a / (a^2 + b^2); from three quarters of a turn on it climbs by three radii a turn
+        b = 0.0 if self.curvature * self.length < 1.5 * np.pi else 3 * self.radius / (2 * np.pi)
+        a = (1 + np.sqrt(1 - 4 * (self.curvature * b) ** 2)) / (2 * self.curvature)
+        c = np.hypot(a, b)
+        cos, sin, flat = np.cos(s / c), np.sin(s / c), np.zeros_like(s)
+        points = np.stack([a * cos, a * sin, b * s / c], 1)
+        normals = np.stack([-cos, -sin, flat], 1)
+        tangents = np.stack([-a * sin, a * cos, np.full_like(s, b)], 1) / c
+        return points, normals, np.cross(tangents, normals)
+
+    def centre(self, s):
+        """Points (n, 3) in mm of the lumen's axis."""
+        points, first, _ = self.frames(s)
+        return points + (self.eccentricity * (self.radius - self.lumen_radius(s)))[:, None] * first
+
+    def mesh(self):
+        """(points (n, 3), triangles (m, 3), lumen radius (n,), plaque thickness (n,) in mm, plaque type (n,))."""
+        rows, around = self._rows(), round(2 * np.pi * self.radius / self.edge)
+        r, k = np.divmod(np.arange(len(rows) * around), around)
+        s, angle = rows[r], 2 * np.pi * (k + 0.5 * (r % 2)) / around
+        if self.jitter:
+            shift = self.jitter * np.random.default_rng(self.seed).uniform(-1, 1, (2, len(s)))
+            inside = (r > 0) & (r < len(rows) - 1)
+            s = s + inside * shift[0] * np.gradient(rows)[r]
+            angle = angle + inside * shift[1] * 2 * np.pi / around
+        radius = self.lumen_radius(s)
+        _, first, second = self.frames(s)
+        round_axis = np.cos(angle)[:, None] * first + np.sin(angle)[:, None] * second
+        points = self.centre(s) + radius[:, None] * round_axis
+        # the lumen leans to the first normal's side; the thickest plaque lies opposite
+        lean = self.eccentricity * (self.radius - radius)
+        distance = np.hypot(lean + radius * np.cos(angle), radius * np.sin(angle))
+        plaque = np.maximum(self.radius - distance, 0.0)
+        away = np.abs(np.degrees(np.arctan2(np.sin(angle), -np.cos(angle))))
+        kind = np.where(plaque > 0.05, np.where(away < self.calcium_deg / 2, CALCIUM, PLAQUE), 0)
+        return points, self._triangles(len(rows), around), radius, plaque, kind
+
+    def _rows(self):
+        """Arc lengths of the rows of vertices, closer where the lumen is narrow."""
+        rows = [0.0]
+        while rows[-1] < self.length:
+            share = max(0.3, float(self.lumen_radius(np.array(rows[-1]))) / self.radius)
+            thin = 1 - self.sliver * (-1) ** len(rows)
+            rows.append(rows[-1] + 0.87 * self.edge * share * thin)
+        return np.array(rows) * self.length / rows[-1]
+
+    @staticmethod
+    def _triangles(rows, around):
+        r, k = np.divmod(np.arange((rows - 1) * around), around)
+        a, b = r * around + k, r * around + (k + 1) % around
+        c, e = a + around, b + around
+        odd = (r % 2 == 1)[:, None]
+        first = np.where(odd, np.stack([a, b, e], 1), np.stack([a, b, c], 1))
+        second = np.where(odd, np.stack([a, e, c], 1), np.stack([b, e, c], 1))
+        return np.concatenate([first, second])
+
+
+def polydata(points, cells, lines=False):
+    """vtkPolyData of points (n, 3) with triangles, or polylines."""
+    data, places, array = vtk.vtkPolyData(), vtk.vtkPoints(), vtk.vtkCellArray()
+    places.SetDataTypeToDouble()
+    places.SetData(numpy_to_vtk(np.ascontiguousarray(points), deep=True))
+    for cell in cells:
+        array.InsertNextCell(len(cell), [int(i) for i in cell])
+    data.SetPoints(places)
+    (data.SetLines if lines else data.SetPolys)(array)
+    return data
+
+
+def write_geometry(folder, tube):
+    """lumen.vtp and centreline.vtp as the anatomy step would write them."""
+    points, triangles, radius, plaque, kind = tube.mesh()
+    lumen = polydata(points, triangles)
+    vtp.add_array(lumen.GetCellData(), "region_id", np.zeros(len(triangles), dtype=np.int32))
+    vtp.add_array(lumen.GetPointData(), "radius_mm", radius)
+    vtp.add_array(lumen.GetPointData(), "plaque_thickness_mm", plaque)
+    vtp.add_array(lumen.GetPointData(), "plaque_type", kind.astype(np.int32))
+    vtp.write(folder / "lumen.vtp", lumen)
+    axis = tube.centre(np.linspace(0, tube.length, int(4 * tube.length) + 1))
+    centreline = polydata(axis, [range(len(axis))], lines=True)
+    names = vtk.vtkStringArray()
+    names.SetName("branch_name")
+    names.InsertNextValue("main")
+    centreline.GetCellData().AddArray(names)
+    vtp.write(folder / "centreline.vtp", centreline)
+
+
+def balloon(diameter, length):
+    """A balloon's entry (mm): its nominal diameter at 8 bar, 1.1 % more for each bar above."""
+    pressure, percent, nominal = COMPLIANCE
+    chart = diameter * (1 + percent / 100 * (pressure - nominal))
+    return {
+        "kind": "balloon",
+        "nominal_diameter_mm": diameter,
+        "length_mm": length,
+        "shoulder_mm": 1.5,
+        "crimped_diameter_mm": 0.85,
+        "rated_burst_pressure_bar": 20,
+        "chart": {"pressure_bar": pressure.tolist(), "diameter_mm": chart.tolist()},
+    }
+
+
+def stent(diameter, length, delivery):
+    """A stent's entry (mm) on the balloon named `delivery`."""
+    return {
+        "kind": "stent",
+        "balloon": delivery,
+        "nominal_diameter_mm": diameter,
+        "length_mm": length,
+        "crimped_diameter_mm": 1.0,
+        "maximal_diameter_mm": 1.45 * diameter,
+        "strut_thickness_mm": 0.08,
+        "crowns": 8,
+        "links": 2,
+        "bending_stiffness_n_mm2": 20,
+    }
+
+
+def write_scene(folder, tube, size=1.0, pressures=(10, 11, 16), shifts=(0.0,), length=12.0, wall=None, numerics=None):
+    """Writes geometry and scene.json of a predilatation, stents and a postdilatation; returns the scene's path.
+
+    size: device over vessel diameter; pressures: bar, of the three inflations; shifts: mm from the lesion's middle,
+    one for each stent; length: mm, of the stents.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    write_geometry(folder, tube)
+    diameter, middle = 2 * tube.radius * size, tube.length / 2
+    devices = {
+        "pre": balloon(0.85 * diameter, length - 2),
+        "delivery": balloon(diameter, length),
+        "stent": stent(diameter, length, "delivery"),
+        "post": balloon(diameter, length - 2),
+    }
+
+    def step(name, action, device, centre, pressure):
+        place = {"device": device, "centre_s_mm": centre, "pressure_bar": pressure}
+        return {"name": name, "action": action, "devices": [place]}
+
+    procedure = [step("predilatation", "predilatation", "pre", middle, pressures[0])]
+    for k, shift in enumerate(shifts):
+        procedure.append(step(f"stent {k + 1}", "stent", "stent", middle + shift, pressures[1]))
+    procedure.append(step("postdilatation", "postdilatation", "post", middle, pressures[2]))
+    document = {
+        "schema": "vci-scene-1",
+        "case": folder.name,
+        "lumen": "lumen.vtp",
+        "centreline": "centreline.vtp",
+        "patient": {"map_pa": 12000},
+        "wall": wall or {},
+        "devices": devices,
+        "procedure": procedure,
+        "numerics": numerics or {},
+    }
+    (folder / "scene.json").write_text(json.dumps(document, indent=1))
+    return folder / "scene.json"
