@@ -39,12 +39,6 @@ def test_case_balances(table, case):
     assert float(row["worst_penetration_mm"]) <= DEEPEST
 
 
-def test_first_step_hardly_matters(table):
-    rows = table(["ordinary", "first step x1000"])
-    areas = [float(row["minimal_area_mm2"]) for row in rows.values()]
-    assert areas[1] == pytest.approx(areas[0], rel=0.02)
-
-
 def test_a_refusal_is_a_row_with_its_reason(binary, run_module, tmp_path):
     """A scene that cannot balance in one step is refused; the table says at which stage and residual."""
     scene = write_scene(tmp_path / "scene", Tube(edge=0.8), numerics={"maximal_steps_per_stage": 1})
