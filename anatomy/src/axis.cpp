@@ -57,13 +57,18 @@ Sparse roughness(const Knots& knots) {
 } // namespace
 
 double noise_of(const std::vector<Vec3>& x) {
-  const std::size_t k = x.size() > 8 * noise_stride ? noise_stride : 1;
-  if (x.size() < 4 * k + 3)
+  constexpr std::array<double, 7> difference{1, -6, 15, -20, 15, -6, 1}; // squares: 924
+  const std::size_t k = std::clamp<std::size_t>(x.size() / 9, 1, noise_stride), reach = 6 * k;
+  if (x.size() < reach + 3)
     return 0;
   double sum = 0;
-  for (std::size_t i = 2 * k; i + 2 * k < x.size(); ++i)
-    sum += (x[i - 2 * k] - 4 * x[i - k] + 6 * x[i] - 4 * x[i + k] + x[i + 2 * k]).squaredNorm();
-  return std::sqrt(sum / (70.0 * 3 * static_cast<double>(x.size() - 4 * k)));
+  for (std::size_t i = 0; i + reach < x.size(); ++i) {
+    Vec3 d = Vec3::Zero();
+    for (std::size_t j = 0; j < difference.size(); ++j)
+      d += difference[j] * x[i + j * k];
+    sum += d.squaredNorm();
+  }
+  return std::sqrt(sum / (924.0 * 3 * static_cast<double>(x.size() - reach)));
 }
 
 Axis::Axis(const std::vector<Vec3>& points) {

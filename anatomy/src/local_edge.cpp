@@ -1,18 +1,26 @@
 #include "local_edge.hpp"
+#include "corners.hpp"
 #include "remesh.hpp"
 #include <CGAL/Polygon_mesh_processing/remesh.h>
+#include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <algorithm>
-#include <set>
 
 namespace anatomy {
 namespace {
 
 namespace PMP = CGAL::Polygon_mesh_processing;
 
+constexpr double edge_per_radius = 0.3;
+constexpr double growth = 0.3; // of the edge, mm per mm along the wall
 // CGAL's remeshing tolerates edges of 0.8 to 1.33 of its target: at this step a level's edges suit its neighbour's.
 constexpr double level_step = 0.85;
-constexpr double good_corner = 30; // degrees
-constexpr int most_mends = 30;
+constexpr double good_corner = 30;    // degrees
+constexpr double aimed_corner = 30.5; // so that writing and reading leave 30
+constexpr double shortest = 0.5;      // of the length wanted: what remeshing itself leaves in one of 10^4 triangles
+constexpr double longest = 1.6;       // likewise
+constexpr int rings_beside = 3;       // of triangles remeshed beside those that need it
+constexpr double off_wall = 1e-6;     // mm
+constexpr double mostly = 1.0 / 3;
 
 Vec3 centroid(const Mesh& mesh, Face f) {
   Vec3 sum = Vec3::Zero();
@@ -21,120 +29,134 @@ Vec3 centroid(const Mesh& mesh, Face f) {
   return sum / 3;
 }
 
+bool as_wanted(const Mesh& mesh, Face f, const EdgeField& field) {
+  const double length = field.at(centroid(mesh, f));
+  for (Halfedge h : mesh.halfedges_around_face(mesh.halfedge(f))) {
+    const double ratio = (vec(mesh.point(mesh.source(h))) - vec(mesh.point(mesh.target(h)))).norm() / length;
+    if (ratio < shortest || ratio > longest)
+      return false;
+  }
+  return smallest_corner(mesh, f) >= good_corner;
+}
+
+// Per face of a compact mesh: whether it is on the wall, away from the rims, and not as wanted, or near such a face.
+std::vector<bool> to_remesh(const Mesh& mesh, const EdgeField& field) {
+  std::vector<bool> chosen(mesh.num_faces(), false);
+  for (Face f : mesh.faces())
+    chosen[f] = !touches_cap(mesh, f) && !as_wanted(mesh, f, field);
+  for (int ring = 0; ring < rings_beside; ++ring) {
+    const std::vector<bool> before = chosen;
+    for (Face f : mesh.faces())
+      if (before[f])
+        for (Vertex v : mesh.vertices_around_face(mesh.halfedge(f)))
+          for (Face g : mesh.faces_around_target(mesh.halfedge(v)))
+            chosen[g] = chosen[g] || !touches_cap(mesh, g);
+  }
+  return chosen;
+}
+
 struct Remesher {
   Mesh mesh;
-  WallTree wall;
-  double edge;
-  const std::vector<Branch>& branches;
-  const std::vector<ReferenceProfile>& profiles;
+  const Mesh &original, &surface;
+  const WallTree wall, given; ///< of the smooth surface, of `original`
+  const EdgeField& field;
+  std::vector<bool> chosen; ///< per face of `original`; empty: all
 
-  double factor(Face f) const { return edge_factor(branches, profiles, centroid(mesh, f)); }
+  Remesher(const Mesh& start, const Mesh& smooth, const EdgeField& lengths)
+      : mesh(start), original(start), surface(smooth), wall(smooth), given(original), field(lengths) {}
 
-  // Faces of the wall, away from the rims, of at most this edge factor.
-  std::vector<Face> faces_up_to(double limit) const {
+  // Faces, away from the rims, where the original was to be remeshed and at most this length is wanted.
+  std::vector<Face> faces_up_to(double length) const {
     std::vector<Face> faces;
-    for (Face f : mesh.faces())
-      if (!touches_cap(mesh, f) && factor(f) <= limit)
+    for (Face f : mesh.faces()) {
+      if (touches_cap(mesh, f))
+        continue;
+      const Vec3 c = centroid(mesh, f);
+      if (field.at(c) <= length && (chosen.empty() || chosen[given.nearest_face(point(c))]))
         faces.push_back(f);
+    }
     return faces;
   }
 
-  enum class Step { resize, collapse, relax };
-
-  // Every step flips and relaxes; only `resize` splits and only `relax` does not collapse.
-  void remesh(const std::vector<Face>& faces, double target, unsigned iterations, Step step) {
+  // Every step flips and relaxes; `resize` splits and collapses, too.
+  void remesh(const std::vector<Face>& faces, double target, unsigned iterations, bool resize) {
     RegionMap region = region_map(mesh);
     auto rim = mark_rims(mesh);
-    const auto projected = [&](Vertex v) {
-      for (Face f : mesh.faces_around_target(mesh.halfedge(v)))
-        if (region[f] != 0)
-          return mesh.point(v);
-      return wall.nearest(mesh.point(v));
-    };
     PMP::isotropic_remeshing(faces, target, mesh,
                              CGAL::parameters::number_of_iterations(iterations)
                                  .number_of_relaxation_steps(2)
-                                 .do_split(step == Step::resize)
-                                 .do_collapse(step != Step::relax)
+                                 .do_split(resize)
+                                 .do_collapse(resize)
                                  .edge_is_constrained_map(rim)
                                  .face_patch_map(region)
                                  .protect_constraints(false)
-                                 .projection_functor(projected));
+                                 .projection_functor([&](Vertex v) { return on_wall(mesh, v, wall); }));
     mesh.remove_property_map(rim);
     mesh.collect_garbage();
+    // CGAL leaves what it splits on the border of the faces where it was; what lies on the wall stays to the bit
+    for (Vertex v : mesh.vertices())
+      if (const Point p = on_wall(mesh, v, wall); CGAL::squared_distance(p, mesh.point(v)) > off_wall * off_wall)
+        mesh.point(v) = p;
   }
 
-  std::pair<double, Face> worst() const {
-    std::pair<double, Face> found{180, Face()};
-    for (Face f : mesh.faces())
-      if (const double corner = smallest_corner(mesh, f); corner < found.first && !touches_cap(mesh, f))
-        found = {corner, f};
-    return found;
-  }
-
-  std::vector<Face> around(Face f, int rings) const {
-    std::set<Face> patch{f};
-    for (int ring = 0; ring < rings; ++ring)
-      for (Face g : std::vector<Face>(patch.begin(), patch.end()))
-        for (Vertex v : mesh.vertices_around_face(mesh.halfedge(g)))
-          for (Face k : mesh.faces_around_target(mesh.halfedge(v)))
-            if (!touches_cap(mesh, k))
-              patch.insert(k);
-    return {patch.begin(), patch.end()};
-  }
-
-  // The levels' seams stay where they are while each level is resized, and leave a few edges too short for their place.
-  // Those are collapsed, the worst triangle's first, until no corner is below good_corner; the best state is kept.
-  void mend() {
-    remesh(faces_up_to(1), edge, 8, Step::relax);
-    auto [corner, face] = worst();
-    double best_corner = corner;
-    Mesh best = mesh;
-    for (int k = 0; k < most_mends && corner < good_corner; ++k) {
-      const Vec3 where = centroid(mesh, face);
-      remesh(around(face, 1), factor(face) * edge, 1, Step::collapse);
-      remesh(around(nearest_face(where), 5), edge, 4, Step::relax);
-      std::tie(corner, face) = worst();
-      if (corner > best_corner) {
-        best_corner = corner;
-        best = mesh;
-      }
+  // Nested: each level is resized with all that is finer, so that its seams are far from theirs.
+  void resize(double coarsest) {
+    for (double target = coarsest;; target *= level_step) {
+      const std::vector<Face> faces = faces_up_to(target == field.edge() ? target : target / std::sqrt(level_step));
+      if (faces.empty())
+        break;
+      remesh(faces, target, 5, true);
     }
-    mesh = best;
+    const std::vector<Face> faces = faces_up_to(coarsest);
+    if (!faces.empty())
+      remesh(faces, coarsest, 3, false);
   }
 
-  Face nearest_face(const Vec3& p) const {
-    return *std::min_element(mesh.faces().begin(), mesh.faces().end(), [&](Face f, Face g) {
-      return (centroid(mesh, f) - p).squaredNorm() < (centroid(mesh, g) - p).squaredNorm();
-    });
+  Mesh finished() {
+    check_remeshed(mesh, field.edge());
+    Mesh widened = mesh;
+    widen_corners(widened, surface, wall, aimed_corner);
+    return PMP::does_self_intersect(widened) ? mesh : widened;
   }
 };
 
 } // namespace
 
-double edge_factor(const std::vector<Branch>& branches, const std::vector<ReferenceProfile>& profiles, const Vec3& p) {
-  const NearestAxis near = nearest_axis(branches, p);
-  const Branch& branch = branches[near.branch];
-  const double reference = 0.5 * profiles[near.branch].diameter(branch.s[near.sample]);
-  return std::clamp(branch.radius[near.sample] / reference, smallest_edge_factor, 1.0);
+EdgeField::EdgeField(double edge, const std::vector<Branch>& branches, const std::vector<ReferenceProfile>& profiles)
+    : edge_(edge) {
+  for (std::size_t b = 0; b < branches.size(); ++b)
+    for (std::size_t i = 0; i < branches[b].x.size(); ++i) {
+      if (branches[b].s[i] < branches[b].s_outside)
+        continue;
+      const double radius = branches[b].radius[i], reference = 0.5 * profiles[b].diameter(branches[b].s[i]);
+      const double wanted = std::min(edge * radius / reference, edge_per_radius * radius);
+      if (wanted < edge)
+        narrow_.push_back({branches[b].x[i], radius, std::max(wanted, smallest_edge_factor * edge)});
+    }
 }
 
-Mesh refined_at_throats(const Mesh& mesh, const Mesh& surface, double edge, const std::vector<Branch>& branches,
-                        const std::vector<ReferenceProfile>& profiles) {
-  Remesher remesher{mesh, WallTree(surface), edge, branches, profiles};
-  bool refined = false;
-  for (double factor = level_step; factor > level_step * smallest_edge_factor; factor *= level_step) {
-    const std::vector<Face> faces = remesher.faces_up_to(factor / std::sqrt(level_step));
-    if (faces.empty())
-      break;
-    remesher.remesh(faces, factor * edge, 5, Remesher::Step::resize);
-    refined = true;
-  }
-  if (!refined)
-    return mesh;
-  remesher.mend();
-  check_remeshed(remesher.mesh, edge);
-  return remesher.mesh;
+double EdgeField::at(const Vec3& p) const {
+  double length = edge_;
+  for (const Narrow& sample : narrow_)
+    length = std::min(length, sample.edge + growth * std::max(0.0, (p - sample.x).norm() - sample.radius));
+  return length;
+}
+
+Mesh graded(const Mesh& mesh, const Mesh& surface, const EdgeField& field) {
+  Remesher remesher(mesh, surface, field);
+  remesher.resize(level_step * field.edge());
+  return remesher.finished();
+}
+
+std::optional<Mesh> regraded(const Mesh& mesh, const Mesh& surface, const EdgeField& field) {
+  Remesher remesher(mesh, surface, field);
+  remesher.chosen = to_remesh(mesh, field);
+  const auto count = static_cast<double>(std::count(remesher.chosen.begin(), remesher.chosen.end(), true));
+  if (count > mostly * static_cast<double>(mesh.number_of_faces()))
+    return std::nullopt;
+  if (count > 0)
+    remesher.resize(field.edge());
+  return remesher.finished();
 }
 
 } // namespace anatomy

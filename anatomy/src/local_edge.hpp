@@ -1,20 +1,42 @@
-// Shorter edges where the vessel is narrowed, so that a throat has as many edges round it as the healthy vessel.
+// Shorter edges where the vessel is narrow: a throat gets as many edges round it as the healthy vessel, a thin branch
+// enough to keep its area.
 #pragma once
 #include "lesions.hpp"
+#include "wall_tree.hpp"
+#include <optional>
 
 namespace anatomy {
 
 constexpr double smallest_edge_factor = 0.3;
 
-/// R / R_reference at the axis point nearest to p, within [smallest_edge_factor, 1]: the edge there over the edge in
-/// the healthy vessel. An edge that is uniform leaves a throat of a third of the radius with a third of the edges, and
-/// it stays that coarse polygon once it has been opened.
-double edge_factor(const std::vector<Branch>& branches, const std::vector<ReferenceProfile>& profiles, const Vec3& p);
+/// The edge length wanted at a place of the wall.
+class EdgeField {
+public:
+  /// Round each sample of the axes, `edge` (mm) times R / R_reference, and at most 0.3 R: a tube of chords e loses
+  /// (e/R)^2 / 6 of its area. Never below smallest_edge_factor of `edge`. With distance from there it grows by 0.3 mm
+  /// for each mm, so that neighbouring triangles are alike.
+  EdgeField(double edge, const std::vector<Branch>& branches, const std::vector<ReferenceProfile>& profiles);
+  double at(const Vec3& p) const; ///< mm, at most `edge`
+  double edge() const { return edge_; }
 
-/// A copy of the uniform, tagged `mesh` of edge `edge` (mm) whose wall is remeshed, in nested steps of 0.85, to
-/// edge * edge_factor where that is below 1. Wall vertices are projected on the wall of `surface`, the smooth one that
-/// `mesh` was made from; caps, rims and the wall's triangles at the rims stay. Throws ComputationError as remeshed().
-Mesh refined_at_throats(const Mesh& mesh, const Mesh& surface, double edge, const std::vector<Branch>& branches,
-                        const std::vector<ReferenceProfile>& profiles);
+private:
+  struct Narrow {
+    Vec3 x;
+    double radius, edge;
+  };
+  double edge_;
+  std::vector<Narrow> narrow_; ///< samples whose edge is below edge_
+};
+
+/// A copy of the tagged `mesh` of uniform edge field.edge() whose wall is remeshed, in nested steps of 0.85, to the
+/// lengths of `field` where they are shorter; corners are then widened to 30 degrees. Vertices are projected on the
+/// wall of `surface`, the smooth one that `mesh` was made from; caps, rims and the wall's triangles at the rims stay.
+/// Throws ComputationError as remeshed().
+Mesh graded(const Mesh& mesh, const Mesh& surface, const EdgeField& field);
+
+/// Likewise of a mesh that was graded before and deformed since: only where its edges are no more 0.5 to 1.6 times as
+/// long as wanted, where corners are below 30 degrees, and next to that; the rest is kept as it is. Nothing is returned
+/// where more than a third of the triangles are to be remeshed: that is another mesh, to be remeshed as a whole.
+std::optional<Mesh> regraded(const Mesh& mesh, const Mesh& surface, const EdgeField& field);
 
 } // namespace anatomy

@@ -103,7 +103,8 @@ int main(int argc, char** argv) {
       check(options);
     } else if (remesh_command->parsed()) {
       StepTimer timer;
-      write_surface(remeshed(prepare(options, timer).mesh, options.edge), out);
+      const Prepared prepared = prepare(options, timer);
+      write_surface(remeshed(prepared.given, options.edge, prepared.mesh), out);
     } else {
       StepTimer timer;
       const Anatomy anatomy = process(options, timer);

@@ -211,6 +211,7 @@ Mask read_mask(const std::string& path) {
                        "export the mask again");
   };
   if (suffix.starts_with(".nii")) {
+    check_nifti_header(path);
     vtkNew<vtkNIFTIImageReader> reader;
     read(*reader);
     mask.to_file = nifti_affine(*reader);

@@ -1,9 +1,12 @@
 #include "mask_header.hpp"
 #include "common/error.hpp"
 #include <algorithm>
+#include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <set>
 #include <sstream>
 #include <vector>
 
@@ -16,13 +19,17 @@ constexpr std::size_t longest_line = 4096;
 constexpr int most_lines = 500;
 constexpr std::uintmax_t best_packing = 1100; // of deflate
 
-// VTK's reader waits for ever for the empty line that ends a NRRD header.
+// VTK's reader waits for ever for the empty line that ends a NRRD header, and at what is no text before it.
 void check_header_ends(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string line;
   for (int n = 0; n < most_lines && std::getline(file, line) && line.size() < longest_line; ++n)
     if (line.empty() || line == "\r")
       return;
+    else if (std::any_of(line.begin(), line.end(),
+                         [](unsigned char c) { return std::iscntrl(c) && c != '\t' && c != '\r'; }))
+      throw InputError("the header of the mask cannot be read", path + ", line " + std::to_string(n + 1),
+                       "a control character", "export the mask again");
   throw InputError("the header of the mask is incomplete", path, "no empty line ends it", "export the mask again");
 }
 
@@ -96,6 +103,69 @@ void check_length(const std::filesystem::path& header, const std::string& data, 
                      "export the mask again");
 }
 
+constexpr double largest = 8192; // voxels along an axis
+
+// VTK's reader takes what a header lacks or has in a form of its own from memory, or waits for it.
+void check_nrrd_fields(const std::string& path, const Fields& fields) {
+  const auto check = [&](const std::string& name, const std::set<std::string>& known) {
+    if (const std::string value = trimmed(field(fields, {name})); !known.contains(value))
+      throw InputError("the header of the mask cannot be read", path + ": " + name, value.empty() ? "missing" : value,
+                       "export the mask again, raw or packed by gzip");
+  };
+  check("type", {"signed char",
+                 "int8",
+                 "int8_t",
+                 "uchar",
+                 "unsigned char",
+                 "uint8",
+                 "uint8_t",
+                 "short",
+                 "short int",
+                 "signed short",
+                 "signed short int",
+                 "int16",
+                 "int16_t",
+                 "ushort",
+                 "unsigned short",
+                 "unsigned short int",
+                 "uint16",
+                 "uint16_t",
+                 "int",
+                 "signed int",
+                 "int32",
+                 "int32_t",
+                 "uint",
+                 "unsigned int",
+                 "uint32",
+                 "uint32_t",
+                 "longlong",
+                 "long long",
+                 "long long int",
+                 "signed long long",
+                 "signed long long int",
+                 "int64",
+                 "int64_t",
+                 "ulonglong",
+                 "unsigned long long",
+                 "unsigned long long int",
+                 "uint64",
+                 "uint64_t",
+                 "float",
+                 "double"});
+  const std::string type = trimmed(field(fields, {"type"}));
+  if (!type.ends_with("char") && !type.ends_with("int8") && !type.ends_with("int8_t"))
+    check("endian", {"little", "big"});
+  check("encoding", {"raw", "txt", "text", "ascii", "gz", "gzip"});
+  for (const double n : numbers(field(fields, {"sizes"}), 3, "sizes", path))
+    if (!(n >= 1 && n <= largest && n == std::floor(n)))
+      throw InputError("the header of the mask cannot be read", path + ": sizes", field(fields, {"sizes"}),
+                       "give a three-dimensional image");
+  const std::string data = trimmed(field(fields, {"data file", "datafile"}));
+  if (data.empty() && path.ends_with(".nhdr"))
+    throw InputError("the header of the mask cannot be read", path + ": data file", "missing",
+                     "name the file with the voxels");
+}
+
 const std::vector<double> identity{1, 0, 0, 0, 1, 0, 0, 0, 1}, ones{1, 1, 1}, zeros{0, 0, 0};
 
 } // namespace
@@ -103,6 +173,7 @@ const std::vector<double> identity{1, 0, 0, 0, 1, 0, 0, 0, 1}, ones{1, 1, 1}, ze
 Eigen::Matrix4d nrrd_affine(const std::string& path) {
   check_header_ends(path);
   const Fields fields = header_of(path, ':', "");
+  check_nrrd_fields(path, fields);
   if (numbers(field(fields, {"dimension"}), 1, "dimension", path)[0] != 3)
     throw InputError("the mask is not three-dimensional", path, "dimension" + field(fields, {"dimension"}),
                      "give one scalar label for each voxel");

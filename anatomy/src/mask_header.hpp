@@ -7,11 +7,14 @@
 namespace anatomy {
 
 /// Voxel index to the file's frame of a NRRD header (space directions and origin, or spacings). Throws InputError where
-/// it is not three-dimensional or a line cannot be read.
+/// it is not three-dimensional, a line cannot be read, or a field is missing without which VTK's reader goes astray.
 Eigen::Matrix4d nrrd_affine(const std::string& path);
 
 /// The same of a MetaImage header (TransformMatrix, Offset, ElementSpacing and their older names).
 Eigen::Matrix4d meta_affine(const std::string& path);
+
+/// Throws InputError unless a NIfTI header, packed or not, has known dimensions and a known type of scalars.
+void check_nifti_header(const std::string& path);
 
 /// Throws InputError if a file is too short to hold `bytes` of voxels, packed as its header (or .gz) says: VTK's
 /// readers fill what is missing with what was in memory, and believe any size.

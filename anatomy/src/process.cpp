@@ -13,6 +13,7 @@
 #include <CGAL/Polygon_mesh_processing/repair.h>
 #include <filesystem>
 #include <fstream>
+#include <vtkCellData.h>
 
 namespace anatomy {
 namespace {
@@ -93,10 +94,25 @@ Naming named(std::vector<End>& ends, const Options& options, const std::optional
   return naming_given(ends, centres.front(), {centres.begin() + 1, centres.end()});
 }
 
+// Whether the wanted edge may already be there: tagged, closed and of about as many triangles, as an earlier state is.
+bool may_be_kept(const Options& options, const Prepared& prepared, bool tagged) {
+  const double triangles = PMP::area(prepared.given) / (std::sqrt(3.0) / 4 * options.edge * options.edge);
+  return tagged && !options.like.empty() && static_cast<double>(prepared.given.number_of_faces()) < 4 * triangles;
+}
+
 std::vector<double> extensions(const Options& options, std::size_t ends, std::size_t inlet) {
   std::vector<double> radii(ends, options.extend_outlets);
   radii[inlet] = options.extend_inlet;
   return radii;
+}
+
+// The mesh for the deployment: an earlier state's as far as it still is as wanted, else from the uniform one.
+Mesh graded_mesh(const Mesh& mesh, bool kept, const Mesh& surface, const EdgeField& field) {
+  if (!kept)
+    return graded(mesh, surface, field);
+  if (const auto regraded_mesh = regraded(mesh, surface, field))
+    return *regraded_mesh;
+  return graded(remeshed(surface, field.edge(), surface), surface, field);
 }
 
 } // namespace
@@ -130,6 +146,7 @@ Prepared prepare(const Options& options, StepTimer& timer) {
   if (moved > 1e-3)
     out.repairs.push_back({"caps flattened", out.ends.size(), "moved up to " + std::to_string(moved) + " mm"});
   check_mean_radius(2 * PMP::volume(out.mesh) / PMP::area(out.mesh), options.units, options.input);
+  out.given = out.mesh;
   if (is_coarse(out.mesh))
     out.mesh = curved_refined(out.mesh);
   return out;
@@ -151,7 +168,10 @@ Anatomy process(const Options& options, StepTimer& timer) {
   timer.start("extend");
   prepared.mesh = extended(prepared.mesh, out.ends, extensions(options, out.ends.size(), naming.inlet));
   timer.start("remesh");
-  out.mesh = remeshed(prepared.mesh, options.edge);
+  const bool extends = options.extend_inlet > 0 || options.extend_outlets > 0;
+  const Mesh& coarse = extends ? prepared.mesh : prepared.given; // which is the faster to remesh
+  const bool kept = !extends && may_be_kept(options, prepared, prepared.input->GetCellData()->HasArray("region_id"));
+  out.mesh = kept ? prepared.given : remeshed(coarse, options.edge, prepared.mesh);
   timer.start("centreline");
   const std::vector<Path> paths = voronoi_paths(out.mesh, out.ends, naming.inlet);
   const WallTree wall(prepared.mesh);
@@ -163,8 +183,9 @@ Anatomy process(const Options& options, StepTimer& timer) {
   timer.start("lesions");
   out.profiles = reference_profiles(out.branches, out.sections, out.repairs);
   out.lesions = find_lesions(out.branches, out.sections, out.profiles);
-  timer.start("remesh throats");
-  out.mesh = refined_at_throats(out.mesh, prepared.mesh, options.edge, out.branches, out.profiles);
+  timer.start("grade");
+  retag(prepared.mesh, out.ends, before);
+  out.mesh = graded_mesh(out.mesh, kept, prepared.mesh, EdgeField(options.edge, out.branches, out.profiles));
   out.quality = quality_of(out.mesh);
   timer.start("arrays");
   out.arrays = arrays_of(out.mesh, out.branches, out.profiles, prepared.input);

@@ -21,7 +21,8 @@ struct Options {
 /// The repaired, closed, outward surface with tagged flat caps, and its ends by falling area.
 struct Prepared {
   vtkSmartPointer<vtkPolyData> input;
-  Mesh mesh;
+  Mesh mesh;  ///< refined where it is coarse
+  Mesh given; ///< before refining
   std::vector<End> ends;
   std::vector<Repair> repairs;
 };

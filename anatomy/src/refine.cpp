@@ -6,7 +6,11 @@ namespace {
 
 namespace PMP = CGAL::Polygon_mesh_processing;
 
-constexpr double cos_sharp = 0.8;
+constexpr double cos_sharp = 0.8;             // 37 degrees
+constexpr double largest_bulge = 0.01;        // mm; at blunt creases normals promise more than there is
+constexpr double cos_turn = 0.98;             // 0.2 rad: what an edge of a fifth of the radius turns by
+constexpr double thin_share = 0.03;           // of the wall's area: a side branch counts
+constexpr std::size_t most_to_split = 150000; // noise of so fine a surface turns as much, and costs four times this
 
 // Of the wall's faces alone, so that a rim's normal is the tube's; zero inside a cap.
 std::vector<Vec3> wall_normals(const Mesh& mesh) {
@@ -32,8 +36,32 @@ Vec3 middle(const Vec3& p, const Vec3& q, const Vec3& np, const Vec3& nq) {
   const Vec3 straight = 0.5 * (p + q);
   if (np.dot(nq) < cos_sharp) // also where one is zero: inside a cap
     return straight;
-  const Vec3 d = q - p;
-  return straight + (d.dot(nq) * nq - d.dot(np) * np) / 8; // Hermite: (t_p - t_q) / 8
+  const Vec3 d = q - p, bulge = (d.dot(nq) * nq - d.dot(np) * np) / 8; // Hermite: (t_p - t_q) / 8
+  return straight + std::min(1.0, largest_bulge / std::max(bulge.norm(), largest_bulge)) * bulge;
+}
+
+} // namespace
+
+namespace {
+
+// Part of the wall's area whose triangles turn by more than `turn` from corner to corner, sharp edges left out.
+double turning_share(const Mesh& mesh) {
+  const std::vector<Vec3> normals = wall_normals(mesh);
+  const RegionMap region = region_map(mesh);
+  double turning = 0, total = 0;
+  for (Face f : mesh.faces()) {
+    if (region[f] != 0)
+      continue;
+    bool turns = false;
+    for (Halfedge h : mesh.halfedges_around_face(mesh.halfedge(f))) {
+      const double cosine = normals[mesh.source(h)].dot(normals[mesh.target(h)]);
+      turns = turns || (cosine < cos_turn && cosine > cos_sharp);
+    }
+    const double area = PMP::face_area(f, mesh);
+    turning += turns ? area : 0;
+    total += area;
+  }
+  return turning / total;
 }
 
 } // namespace
@@ -42,7 +70,9 @@ bool is_coarse(const Mesh& mesh) {
   double edges = 0;
   for (Edge e : mesh.edges())
     edges += (vec(mesh.point(mesh.vertex(e, 0))) - vec(mesh.point(mesh.vertex(e, 1)))).norm();
-  return edges / static_cast<double>(mesh.number_of_edges()) > 0.12 * 2 * PMP::volume(mesh) / PMP::area(mesh);
+  const double mean = edges / static_cast<double>(mesh.number_of_edges());
+  return mean > 0.12 * 2 * PMP::volume(mesh) / PMP::area(mesh) ||
+         (mesh.number_of_faces() < most_to_split && turning_share(mesh) > thin_share);
 }
 
 Mesh curved_refined(const Mesh& input) {

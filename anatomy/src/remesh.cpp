@@ -19,8 +19,17 @@ Mesh::Property_map<Edge, bool> mark_rims(Mesh& mesh) {
   return rim;
 }
 
-Mesh remeshed(const Mesh& mesh, double edge) {
+Point on_wall(const Mesh& mesh, Vertex v, const WallTree& wall) {
+  const RegionMap region = region_map(mesh);
+  for (Face f : mesh.faces_around_target(mesh.halfedge(v)))
+    if (region[f] != 0)
+      return mesh.point(v);
+  return wall.nearest(mesh.point(v));
+}
+
+Mesh remeshed(const Mesh& mesh, double edge, const Mesh& surface) {
   Mesh out = mesh;
+  const WallTree wall(surface);
   RegionMap region = region_map(out);
   auto rim = mark_rims(out);
   // relaxing the rims as well shrinks them at every iteration until caps and wall cross
@@ -29,7 +38,8 @@ Mesh remeshed(const Mesh& mesh, double edge) {
                                .number_of_relaxation_steps(2)
                                .edge_is_constrained_map(rim)
                                .face_patch_map(region)
-                               .protect_constraints(false));
+                               .protect_constraints(false)
+                               .projection_functor([&](Vertex v) { return on_wall(out, v, wall); }));
   out.remove_property_map(rim);
   out.collect_garbage();
   flatten_caps(out);

@@ -1,12 +1,16 @@
 // Uniform remeshing that keeps the caps' rims, and the quality of the result.
 #pragma once
-#include "types.hpp"
+#include "wall_tree.hpp"
 
 namespace anatomy {
 
-/// A copy of the closed, tagged `mesh` with edges of about `edge` mm, tags kept and caps flat; new vertices lie on
-/// `mesh`. Throws ComputationError if the result crosses itself or is not closed.
-Mesh remeshed(const Mesh& mesh, double edge);
+/// A copy of the closed, tagged `mesh` with edges of about `edge` mm, tags kept and caps flat; the wall's vertices lie
+/// on the wall of `surface`, which is `mesh` itself or its curved refinement. Throws ComputationError if the result
+/// crosses itself or is not closed.
+Mesh remeshed(const Mesh& mesh, double edge, const Mesh& surface);
+
+/// Where v belongs: the nearest point of the wall, but on caps and rims its own place.
+Point on_wall(const Mesh& mesh, Vertex v, const WallTree& wall);
 
 /// Throws ComputationError if the mesh, remeshed at `edge` mm, crosses itself or is not closed.
 void check_remeshed(const Mesh& mesh, double edge);

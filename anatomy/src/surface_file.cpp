@@ -1,11 +1,14 @@
 #include "surface_file.hpp"
 #include "common/error.hpp"
 #include "mask_file.hpp"
+#include "ply_check.hpp"
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <new>
 #include <openssl/evp.h>
 #include <sstream>
 #include <vtkCellArray.h>
@@ -32,6 +35,22 @@ template <class Reader> vtkSmartPointer<vtkPolyData> read_with(const std::string
   return reader->GetOutput();
 }
 
+// VTK's reader takes memory for as many triangles as a binary file says it has.
+void check_stl_length(const std::string& path) {
+  std::array<unsigned char, 84> head{};
+  std::ifstream file(path, std::ios::binary);
+  if (!file.read(reinterpret_cast<char*>(head.data()), head.size()) ||
+      std::string(head.begin(), head.begin() + 5) == "solid")
+    return; // text
+  std::uintmax_t count = 0;
+  for (std::size_t k = 4; k-- > 0;)
+    count = 256 * count + head[80 + k];
+  const std::uintmax_t size = std::filesystem::file_size(path);
+  if (size < head.size() + 50 * count)
+    throw InputError("the surface is incomplete", path,
+                     std::to_string(size) + " bytes, of " + std::to_string(count) + " triangles", "export it again");
+}
+
 vtkSmartPointer<vtkPolyData> read_by_suffix(const std::string& path, int label, std::vector<Repair>& repairs) {
   if (is_mask_file(path))
     return surface_of_label(read_mask(path), label, path, repairs);
@@ -40,12 +59,16 @@ vtkSmartPointer<vtkPolyData> read_by_suffix(const std::string& path, int label, 
                      "leave the option out, or give a mask");
   std::string suffix = std::filesystem::path(path).extension().string();
   std::transform(suffix.begin(), suffix.end(), suffix.begin(), [](unsigned char c) { return std::tolower(c); });
-  if (suffix == ".stl")
+  if (suffix == ".stl") {
+    check_stl_length(path);
     return read_with<vtkSTLReader>(path);
+  }
   if (suffix == ".vtp")
     return read_with<vtkXMLPolyDataReader>(path);
-  if (suffix == ".ply")
+  if (suffix == ".ply") {
+    check_ply(path);
     return read_with<vtkPLYReader>(path);
+  }
   if (suffix == ".obj")
     return read_with<vtkOBJReader>(path);
   throw InputError("unknown surface format", path, suffix.empty() ? "no suffix" : suffix,
@@ -103,7 +126,13 @@ vtkSmartPointer<vtkPolyData> in_millimetres(const std::string& path, const std::
   const double scale = millimetres_per(units);
   if (!std::filesystem::is_regular_file(path))
     throw InputError("no such surface file", path, "missing", "check the path");
-  const auto read = read_by_suffix(path, label, repairs);
+  vtkSmartPointer<vtkPolyData> read;
+  try {
+    read = read_by_suffix(path, label, repairs);
+  } catch (const std::bad_alloc&) {
+    throw InputError("the file claims more than there is memory for", path, "",
+                     "export it again; of a mask, crop the volume to the lumen");
+  }
   check_indices(read, path);
   auto triangulate = vtkSmartPointer<vtkTriangleFilter>::New();
   triangulate->SetInputData(read);

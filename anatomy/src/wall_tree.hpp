@@ -16,6 +16,7 @@ public:
   explicit WallTree(const Mesh& mesh);
   double distance(const Vec3& p) const;
   Point nearest(const Point& p) const { return tree_.closest_point(p); }
+  Face nearest_face(const Point& p) const { return tree_.closest_point_and_primitive(p).second; }
 
 private:
   FaceTree tree_;

@@ -61,7 +61,7 @@ TEST(Ends, RemeshingKeepsTagsFlatnessAndQuality) {
   tag_flat_caps(mesh);
   measured_ends(mesh);
   for (double edge : {0.5, 0.25}) {
-    Mesh fine = remeshed(mesh, edge);
+    Mesh fine = remeshed(mesh, edge, mesh);
     expect_the_cones_ends(measured_ends(fine));
     EXPECT_LT(flatten_caps(fine), 1e-12);
     const Quality quality = quality_of(fine);

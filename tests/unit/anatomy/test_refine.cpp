@@ -31,20 +31,35 @@ TEST(Refine, KeepsVerticesTagsAndTopology) {
 }
 
 TEST(Refine, MiddlesComeToTheTrueCylinder) {
-  const Mesh mesh = tube_mesh(shapes::straight(1.5, 10));
+  shapes::Tube tube = shapes::straight(1.5, 10);
+  tube.edge = 0.3;
+  const Mesh mesh = tube_mesh(tube);
   const Mesh fine = curved_refined(mesh);
   const RegionMap region = region_map(fine);
   for (Face f : fine.faces())
     if (region[f] == 0)
       for (Vertex v : fine.vertices_around_face(fine.halfedge(f))) {
         const Point& p = fine.point(v);
-        EXPECT_NEAR(std::hypot(p.y(), p.z()), 1.5, 0.002); // the chords' middles lie 0.013 inside
+        EXPECT_NEAR(std::hypot(p.y(), p.z()), 1.5, 0.002); // the chords' middles lie 0.0075 inside
       }
   const double truth = M_PI * 1.5 * 1.5 * 10;
   const auto missing = [&](const Mesh& m) { return 1 - CGAL::Polygon_mesh_processing::volume(m) / truth; };
-  EXPECT_GT(missing(mesh), 0.008);
+  EXPECT_GT(missing(mesh), 0.005);
   EXPECT_LT(missing(fine), 0.3 * missing(mesh));
   EXPECT_GT(missing(fine), 0);
+}
+
+TEST(Refine, NoMiddleIsFarFromItsEdge) {
+  shapes::Tube tube = shapes::straight(1.5, 10);
+  tube.edge = 0.6; // its chords' middles lie 0.03 inside
+  const Mesh mesh = tube_mesh(tube);
+  const Mesh fine = curved_refined(mesh);
+  double farthest = 0;
+  for (std::size_t k = mesh.number_of_vertices(); const Edge e : mesh.edges()) {
+    const Vec3 straight = 0.5 * (vec(mesh.point(mesh.vertex(e, 0))) + vec(mesh.point(mesh.vertex(e, 1))));
+    farthest = std::max(farthest, (vec(fine.point(Vertex(static_cast<Mesh::size_type>(k++)))) - straight).norm());
+  }
+  EXPECT_NEAR(farthest, 0.01, 1e-9);
 }
 
 TEST(Refine, OnlyCoarseSurfacesNeedIt) {

@@ -51,6 +51,39 @@ def read(path):
     return reader.GetOutput()
 
 
+def distances(points, data):
+    """Distance (mm) of each of the points (n, 3) to the triangles of a vtkPolyData."""
+    locator = vtk.vtkStaticCellLocator()
+    locator.SetDataSet(data)
+    locator.BuildLocator()
+    nearest, cell, sub, d2 = [0.0] * 3, vtk.reference(0), vtk.reference(0), vtk.reference(0.0)
+    found = []
+    for p in points:
+        locator.FindClosestPoint(p, nearest, cell, sub, d2)
+        found.append(float(d2) ** 0.5)
+    return np.array(found)
+
+
+def onto_cones(points, segments):
+    """The points (n, 3) of a tree moved across its axes on the nearest of the cones (start, end, r0, r1).
+
+    A grid of spacing h, between whose nodes the distance is taken as linear, puts them up to h^2 / 8R inside.
+    """
+    least, moved = np.full(len(points), np.inf), points.copy()
+    for a, b, r0, r1 in segments:
+        a, b = np.asarray(a, float), np.asarray(b, float)
+        length = np.linalg.norm(b - a)
+        t = (b - a) / length
+        along = (points - a) @ t
+        across = points - a - along[:, None] * t
+        distance = np.linalg.norm(across, axis=1)
+        off = distance - r0 - (r1 - r0) * np.clip(along / length, 0, 1)
+        nearer = (off < least) & (along > -1e-6)
+        least[nearer] = off[nearer]
+        moved[nearer] = (points - (off / distance)[:, None] * across)[nearer]
+    return moved
+
+
 def straight(s):
     """A straight axis along x."""
     return np.column_stack([s, 0 * s, 0 * s])
@@ -167,13 +200,16 @@ def level_surface(low, field, spacing):
     return surface
 
 
-def tree(segments, spacing=0.2, rounded=False, inner=(), reach=2.5):
+def tree(segments, spacing=0.2, rounded=False, inner=(), reach=2.5, noise=0.0, seed=1):
     """Tree (points, triangles) of straight cones (start, end, r0, r1) by flying edges of `tree_field`.
 
     Open at every end and cut flat there within `reach` radii; the segments numbered `inner` end inside the tree.
-    `rounded`: closed, with half balls for ends.
+    `rounded`: closed, with half balls for ends. `noise`: rms displacement of the wall (mm), put into the field.
     """
-    surface = level_surface(*tree_field(segments, spacing, rounded), spacing)
+    low, field = tree_field(segments, spacing, rounded)
+    # a vertex lies at a random part t of a grid edge: E[t^2 + (1 - t)^2] = 2/3 of the nodes' variance reaches it
+    field = field + noise * np.sqrt(1.5) * np.random.default_rng(seed).standard_normal(field.shape)
+    surface = level_surface(low, field, spacing)
     cuts = []
     for number, (a, b, r0, r1) in enumerate([] if rounded else segments):
         a, b = np.asarray(a, float), np.asarray(b, float)

@@ -1,23 +1,10 @@
 """Each defect made on purpose in a good tube: the repair that is reported, or the error with its place."""
 
 import json
-import subprocess
 
 import numpy as np
 import pytest
 import surfaces
-
-
-@pytest.fixture(scope="module")
-def lumen(binary):
-    """lumen(surface, out, *options) -> CompletedProcess of `lumen process`."""
-    program = binary("lumen")
-
-    def run(surface, out, *options):
-        command = [str(c) for c in (program, "process", surface, "--out", out, *options)]
-        return subprocess.run(command, text=True, capture_output=True)
-
-    return run
 
 
 @pytest.fixture(scope="module")

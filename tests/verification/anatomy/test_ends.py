@@ -1,8 +1,6 @@
 """Ends of every kind: rounded ones cut flat, ends given as points or cap files, cuts on request, flow extensions."""
 
 import csv
-import json
-import subprocess
 
 import numpy as np
 import pytest
@@ -14,28 +12,10 @@ TREE = [
 ]
 
 
-@pytest.fixture(scope="module")
-def lumen(binary):
-    """lumen(surface, out, *options) -> CompletedProcess of `lumen process`."""
-    program = binary("lumen")
-
-    def run(surface, out, *options):
-        command = [str(c) for c in (program, "process", surface, "--out", out, *options)]
-        return subprocess.run(command, text=True, capture_output=True, timeout=120)
-
-    return run
-
-
 @pytest.fixture
-def process(lumen, tmp_path):
-    """process(surface, *options) -> summary; asserts success."""
-
-    def run(surface, *options):
-        done = lumen(surface, tmp_path / "out", *options)
-        assert done.returncode == 0, done.stderr
-        return json.loads((tmp_path / "out" / "anatomy.json").read_text())
-
-    return run
+def summary_of(process, tmp_path):
+    """summary_of(surface, *options) -> summary of what went to tmp_path / "out"; asserts success."""
+    return lambda surface, *options: process(surface, tmp_path / "out", *options)[0]
 
 
 @pytest.fixture(scope="module")
@@ -49,8 +29,8 @@ def reported(summary, what):
     return sum(repair["what"] == what for repair in summary["repairs"])
 
 
-def test_rounded_ends_are_cut_across_the_axis(process, rounded):
-    summary = process(rounded)
+def test_rounded_ends_are_cut_across_the_axis(summary_of, rounded):
+    summary = summary_of(rounded)
     assert reported(summary, "rounded end cut flat") == 3
     assert [end["name"] for end in summary["ends"]] == ["inlet", "outlet1", "outlet2"]
     for end, (a, b, r0, r1) in zip(summary["ends"], [(TREE[0][1], TREE[0][0], 1.4, 1.7), *TREE]):
@@ -62,10 +42,10 @@ def test_rounded_ends_are_cut_across_the_axis(process, rounded):
         assert end["diameter_mm"] == pytest.approx(2 * r1, rel=0.03)
 
 
-def test_noisy_rounded_ends(process, tmp_path):
+def test_noisy_rounded_ends(summary_of, tmp_path):
     points, triangles = surfaces.tree(TREE, rounded=True)
     points = points + 0.05 * np.random.default_rng(1).standard_normal(points.shape)
-    summary = process(surfaces.write(tmp_path / "tree.stl", points, triangles))
+    summary = summary_of(surfaces.write(tmp_path / "tree.stl", points, triangles))
     assert reported(summary, "rounded end cut flat") == 3
     assert [round(end["diameter_mm"], 1) for end in summary["ends"]] == [
         pytest.approx(2 * r, abs=0.15) for r in (1.7, 1.4, 0.9)
@@ -79,20 +59,20 @@ def stub_tree():
     return [(p, t[(p[t].mean(axis=1)[:, 1] > 4) == above]) for (p, t), above in ((a, False), (b, True))]
 
 
-def test_a_closed_stub_beside_flat_ends_is_wall_unless_named(process, tmp_path):
+def test_a_closed_stub_beside_flat_ends_is_wall_unless_named(summary_of, tmp_path):
     (p, t), (q, u) = stub_tree()
     surface = surfaces.write(tmp_path / "stub.vtp", np.vstack([p, q]), np.vstack([t, u + len(p)]))
-    summary = process(surface)
+    summary = summary_of(surface)
     assert len(summary["ends"]) == 2 and reported(summary, "rounded end left closed") == 1
     tip = TREE[1][1]
-    summary = process(surface, "--outlet", "30,0,0", "--outlet", ",".join(map(str, tip)))
+    summary = summary_of(surface, "--outlet", "30,0,0", "--outlet", ",".join(map(str, tip)))
     assert len(summary["ends"]) == 3 and reported(summary, "rounded end cut flat") == 1
     assert summary["ends"][2]["branch"] == "side1"
 
 
-def test_cut_on_request(process, tmp_path):
+def test_cut_on_request(summary_of, tmp_path):
     surface = surfaces.write(tmp_path / "tree.vtp", *surfaces.tree(TREE))
-    summary = process(surface, "--cut", "25,0.5,0")
+    summary = summary_of(surface, "--cut", "25,0.5,0")
     assert reported(summary, "vessel cut across") == 1
     outlet = next(end for end in summary["ends"] if end["branch"] == "main" and end["kind"] == "outlet")
     assert outlet["centre_mm"] == pytest.approx([25, 0, 0], abs=0.1)
@@ -107,7 +87,7 @@ def test_a_cut_away_from_the_vessel_is_refused(lumen, tmp_path):
 
 
 @pytest.mark.parametrize("wall", ["open", "closed"])
-def test_caps_given_as_files(process, lumen, tmp_path, wall):
+def test_caps_given_as_files(summary_of, lumen, tmp_path, wall):
     points, triangles = surfaces.tube(surfaces.arc(0.1), lambda s: 1.6 - 0.01 * s, 20)
     first, last = ((triangles == len(points) - k).any(axis=1) for k in (2, 1))
     names = []
@@ -115,7 +95,7 @@ def test_caps_given_as_files(process, lumen, tmp_path, wall):
         names.append(surfaces.write(tmp_path / f"{name}.stl", points, triangles[cells]))
     body = triangles[~(first | last)] if wall == "open" else triangles
     surface = surfaces.write(tmp_path / "wall.stl", points, body)
-    summary = process(surface, "--cap", names[0], "--cap", names[1])  # the smaller end as the inlet
+    summary = summary_of(surface, "--cap", names[0], "--cap", names[1])  # the smaller end as the inlet
     assert summary["ends"][0]["kind"] == "inlet"
     assert summary["ends"][0]["centre_mm"] == pytest.approx(points[-1], abs=0.01)
     assert summary["ends"][0]["area_mm2"] == pytest.approx(np.pi * 1.4**2, rel=0.02)
@@ -124,10 +104,10 @@ def test_caps_given_as_files(process, lumen, tmp_path, wall):
     assert done.returncode == 2 and ("at a given cap" in done.stderr or "near the given point" in done.stderr)
 
 
-def test_flow_extensions(process, tmp_path):
+def test_flow_extensions(summary_of, tmp_path):
     surface = surfaces.write(tmp_path / "tree.vtp", *surfaces.tree(TREE))
-    plain = process(surface)
-    summary = process(surface, "--extend-inlet", 4, "--extend-outlets", 3)
+    plain = summary_of(surface)
+    summary = summary_of(surface, "--extend-inlet", 4, "--extend-outlets", 3)
     for before, end in zip(plain["ends"], summary["ends"]):
         length = (4 if end["kind"] == "inlet" else 3) * before["diameter_mm"] / 2
         assert end["extension_mm"] == pytest.approx(length)
@@ -141,7 +121,7 @@ def test_flow_extensions(process, tmp_path):
     # the vessel's own sections alone count, now right up to where it was cut
     x = np.array([float(row["x_mm"]) for row in main])
     assert -0.01 < x.min() < 0.6 and 29.4 < x.max() < 30.01
-    again = process(tmp_path / "out" / "lumen.vtp", "--like", tmp_path / "out" / "anatomy.json")
+    again = summary_of(tmp_path / "out" / "lumen.vtp", "--like", tmp_path / "out" / "anatomy.json")
     assert [e["extension_mm"] for e in again["ends"]] == [e["extension_mm"] for e in summary["ends"]]
 
 

@@ -2,25 +2,12 @@
 
 import csv
 import json
-import subprocess
 
 import masks
 import numpy as np
 import pytest
 
 TURN = np.array([[np.cos(0.4), -np.sin(0.4), 0], [np.sin(0.4), np.cos(0.4), 0], [0, 0, 1.0]])
-
-
-@pytest.fixture(scope="module")
-def lumen(binary):
-    """lumen(mask, out, *options) -> CompletedProcess of `lumen process`."""
-    program = binary("lumen")
-
-    def run(mask, out, *options):
-        command = [str(c) for c in (program, "process", mask, "--out", out, *options)]
-        return subprocess.run(command, text=True, capture_output=True, timeout=120)
-
-    return run
 
 
 def vessel(matrix, shape, ends=((15, 20, 11), (66, 30, 12)), radii=(1.6, 1.3)):

@@ -43,7 +43,7 @@ def test_closed_and_well_shaped(process, name):
     assert len(points) - len(edges) // 2 + len(triangles) == 2  # a ball's topology
     a, b, c = (points[triangles[:, k]] for k in range(3))
     assert np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6 == pytest.approx(summary["mesh"]["volume_mm3"])
-    assert summary["mesh"]["min_angle_deg"] > 30 and summary["mesh"]["min_angle_at_rims_deg"] > 8
+    assert summary["mesh"]["min_angle_deg"] >= 30 and summary["mesh"]["min_angle_at_rims_deg"] > 8
 
 
 @pytest.mark.parametrize("name", NAMES)
