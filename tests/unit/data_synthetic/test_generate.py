@@ -73,5 +73,5 @@ def test_a_bad_case_ends_with_code_2_and_writes_nothing(tmp_path, capsys):
     with pytest.raises(SystemExit) as caught:
         command.main(["generate", str(bad), "--out", str(tmp_path / "out")])
     assert caught.value.code == 2
-    assert "vessel.lesions[0].centre_s_mm" in capsys.readouterr().err
+    assert "vessel.lesions[1].centre_s_mm" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()

@@ -79,7 +79,7 @@ DEVICES = {
 STEPS = {"pre": ("predilatation", 10), "stent": ("stent", 11)}
 
 
-def write_scene(folder, steps, edge=0.6, moved=None, mirrored=False, calcium_deg=0):
+def write_scene(folder, steps, edge=0.6, device_edge=0.45, moved=None, mirrored=False, calcium_deg=0):
     """scene.json of the tube; `moved` (rotation, shift) places it elsewhere, calcium covers an arc about the x axis."""
     folder.mkdir(parents=True)
     points, triangles, radius = tube(edge)
@@ -119,7 +119,7 @@ def write_scene(folder, steps, edge=0.6, moved=None, mirrored=False, calcium_deg
             }
             for step in steps
         ],
-        "numerics": {"device_edge_mm": 0.45},
+        "numerics": {"device_edge_mm": device_edge},
     }
     (folder / "scene.json").write_text(json.dumps(scene))
     return folder / "scene.json"
@@ -175,13 +175,17 @@ def test_predilatation_alone_ends_between_initial_and_inflated(deploy):
 
 
 def test_a_moved_or_mirrored_scene_gives_the_same_areas(deploy):
-    """The device grids turn with the frame chosen, so that the same to the bit is not to be had."""
+    """The device grids turn with the frame chosen, so that the same to the bit is not to be had.
+
+    At 0.3 mm they agree within 0.2 %; at the default 0.45 mm the grids' turn changes the area by 1.5 %.
+    """
     turn = vtk.vtkTransform()
     turn.RotateWXYZ(70, 1, 2, -0.5)
     rotation = np.array([[turn.GetMatrix().GetElement(i, j) for j in range(3)] for i in range(3)])
-    here = areas(deploy())
-    for there in (deploy(moved=(rotation, np.array([5.0, -20.0, 8.0]))), deploy(mirrored=True)):
-        assert areas(there).mean() == pytest.approx(here.mean(), rel=0.01)
+    places = ({}, {"moved": (rotation, np.array([5.0, -20.0, 8.0]))}, {"mirrored": True})
+    here, moved, mirrored = (areas(deploy(device_edge=0.3, **place)).mean() for place in places)
+    assert moved == pytest.approx(here, rel=0.005)
+    assert mirrored == pytest.approx(here, rel=0.005)
 
 
 def test_a_calcified_sector_opens_less(deploy):
