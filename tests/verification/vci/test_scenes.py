@@ -1,48 +1,41 @@
 """Small scenes through the program `vci deploy`: what must hold, read from the files that it writes."""
 
 import csv
+import dataclasses
 import json
 import subprocess
 
 import numpy as np
 import pytest
 import vtk
-from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtk.util.numpy_support import vtk_to_numpy
 
 from common import vtp
+from vci import scenes
 
-LENGTH, HEALTHY, NARROWING = 30.0, 1.5, 0.5  # mm, mm, share of the radius
 FORCES = ("pressure_n", "contact_n", "foundation_n", "residual_n")
 
 
-def tube(edge):
-    """(points (n, 3) in mm, triangles (m, 3), radius (n,) in mm) of a straight tube narrowed at half its length."""
-    around = round(2 * np.pi * HEALTHY / edge)
-    rings = round(LENGTH / (0.87 * edge)) + 1
-    r, k = np.divmod(np.arange(rings * around), around)
-    s = LENGTH * r / (rings - 1)
-    d = np.clip((s - LENGTH / 2) / 4, -1, 1)
-    radius = HEALTHY * (1 - NARROWING * 0.5 * (1 + np.cos(np.pi * d)))
-    angle = 2 * np.pi * (k + 0.5 * (r % 2)) / around
-    points = np.stack([radius * np.cos(angle), radius * np.sin(angle), s], axis=1)
-    r, k = np.divmod(np.arange((rings - 1) * around), around)
-    a, b = r * around + k, r * around + (k + 1) % around
-    c, e = a + around, b + around
-    odd = (r % 2 == 1)[:, None]
-    first = np.where(odd, np.stack([a, b, e], 1), np.stack([a, b, c], 1))
-    second = np.where(odd, np.stack([a, e, c], 1), np.stack([b, e, c], 1))
-    return points, np.concatenate([first, second]), radius
+@dataclasses.dataclass(frozen=True)
+class Placed(scenes.Tube):
+    """A narrowed tube, mirrored at y = 0 or carried elsewhere: moved is (rotation (3, 3), shift (3,) in mm)."""
 
+    lesion_length: float = 8.0
+    edge: float = 0.6
+    moved: tuple | None = None
+    mirrored: bool = False
 
-def polydata(points, cells, lines=False):
-    data, places, array = vtk.vtkPolyData(), vtk.vtkPoints(), vtk.vtkCellArray()
-    places.SetDataTypeToDouble()
-    places.SetData(numpy_to_vtk(np.ascontiguousarray(points), deep=True))
-    for cell in cells:
-        array.InsertNextCell(len(cell), [int(i) for i in cell])
-    data.SetPoints(places)
-    (data.SetLines if lines else data.SetPolys)(array)
-    return data
+    def frames(self, s):
+        sign = -1 if self.mirrored else 1
+        points, *normals = (frame * [1, sign, 1] for frame in super().frames(s))
+        if self.moved:
+            rotation, shift = self.moved
+            points, normals = points @ rotation.T + shift, [normal @ rotation.T for normal in normals]
+        return points, *normals
+
+    def mesh(self):
+        points, triangles, *arrays = super().mesh()
+        return points, triangles[:, ::-1] if self.mirrored else triangles, *arrays
 
 
 def point_array(data, name):
@@ -79,31 +72,11 @@ DEVICES = {
 STEPS = {"pre": ("predilatation", 10), "stent": ("stent", 11)}
 
 
-def write_scene(folder, steps, edge=0.6, device_edge=0.45, moved=None, mirrored=False, calcium_deg=0):
-    """scene.json of the tube; `moved` (rotation, shift) places it elsewhere, calcium covers an arc about the x axis."""
+def write_scene(folder, steps, device_edge=0.45, **how):
+    """scene.json of the tube Placed(**how)."""
     folder.mkdir(parents=True)
-    points, triangles, radius = tube(edge)
-    axis = np.array([[0, 0, s] for s in np.arange(0, LENGTH + 0.1, 0.5)])
-    plaque = HEALTHY - radius
-    kind = np.where(plaque > 0.05, 1, 0)
-    arc = np.abs(np.degrees(np.arctan2(points[:, 1], points[:, 0]))) < calcium_deg / 2
-    kind[(kind == 1) & arc] = 3
-    if mirrored:
-        points, axis, triangles = points * [1, -1, 1], axis * [1, -1, 1], triangles[:, ::-1]
-    if moved:
-        points, axis = (p @ moved[0].T + moved[1] for p in (points, axis))
-    lumen = polydata(points, triangles)
-    vtp.add_array(lumen.GetCellData(), "region_id", np.zeros(len(triangles), dtype=np.int32))
-    vtp.add_array(lumen.GetPointData(), "radius_mm", radius)
-    vtp.add_array(lumen.GetPointData(), "plaque_thickness_mm", plaque)
-    vtp.add_array(lumen.GetPointData(), "plaque_type", kind.astype(np.int32))
-    vtp.write(folder / "lumen.vtp", lumen)
-    centreline = polydata(axis, [range(len(axis))], lines=True)
-    names = vtk.vtkStringArray()
-    names.SetName("branch_name")
-    names.InsertNextValue("main")
-    centreline.GetCellData().AddArray(names)
-    vtp.write(folder / "centreline.vtp", centreline)
+    tube = Placed(**how)
+    scenes.write_geometry(folder, tube)
     scene = {
         "schema": "vci-scene-1",
         "case": "tube",
@@ -115,7 +88,7 @@ def write_scene(folder, steps, edge=0.6, device_edge=0.45, moved=None, mirrored=
             {
                 "name": step,
                 "action": STEPS[step][0],
-                "devices": [{"device": step, "centre_s_mm": LENGTH / 2, "pressure_bar": STEPS[step][1]}],
+                "devices": [{"device": step, "centre_s_mm": tube.length / 2, "pressure_bar": STEPS[step][1]}],
             }
             for step in steps
         ],
@@ -191,8 +164,10 @@ def test_a_moved_or_mirrored_scene_gives_the_same_areas(deploy):
 def test_a_calcified_sector_opens_less(deploy):
     """Stretch of the wall over a calcified arc of 90 degrees against the arc opposite and against plaque there."""
     soft, hard = (deploy(calcium_deg=c) for c in (0, 90))
-    middle = np.abs(tube(0.6)[0][:, 2] - LENGTH / 2) < 2
-    angle = np.degrees(np.arctan2(*tube(0.6)[0][:, (1, 0)].T))
+    tube = Placed()
+    x, y, z = tube.mesh()[0].T
+    middle = np.abs(z - tube.length / 2) < 2
+    angle = np.degrees(np.arctan2(y, -x))  # from the middle of the arc
     near, far = middle & (np.abs(angle) < 30), middle & (np.abs(angle) > 150)
     stretch = {f: point_array(vtp.read(f / "lumen.vtp", ""), "wall_stretch") for f in (soft, hard)}
     assert stretch[hard][near].mean() < 0.9 * stretch[hard][far].mean()
@@ -206,7 +181,7 @@ def test_no_device_vertex_outside_the_lumen(deploy):
     stent = vtk_to_numpy(vtp.read(folder / "devices" / "stent1.vtp", "").GetPoints().GetData())
     outside = max(distance.EvaluateFunction(p) for p in stent)
     assert outside < 0.03, "mm; positive is outside"
-    assert distance.EvaluateFunction([5 * HEALTHY, 0, LENGTH / 2]) > 1, "the sign says which side is out"
+    assert distance.EvaluateFunction([5 * Placed.radius, 0, Placed.length / 2]) > 1, "the sign says which side is out"
 
 
 def test_areas_converge_with_the_mesh(deploy):
