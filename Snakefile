@@ -11,14 +11,17 @@ from snakemake.exceptions import WorkflowError
 
 from common.errors import UserError
 from workflow.configuration import Configuration
-from workflow.imports import code
+from workflow.imports import code, module_code
 from workflow.inputs import (
     Inputs,
     anatomy_folder,
+    benchmark_folder,
+    benchmark_tables,
     case_folder,
     cohort_option,
     figures_folder,
     output_folder,
+    programs_folder,
     stent_options,
     study_folder,
     test_results,
@@ -46,6 +49,7 @@ wildcard_constraints:
 
 localrules:
     all,
+    benchmarks,
     settings,
 
 
@@ -60,3 +64,4 @@ include: "workflow/rules/deployment.smk"
 include: "workflow/rules/ct.smk"
 include: "workflow/rules/flow.smk"
 include: "workflow/rules/study.smk"
+include: "workflow/rules/benchmarks.smk"

@@ -44,6 +44,13 @@ def patient_summary(files, config=None):
     return patient
 
 
+def case_kind(files, config=None):
+    """synthetic or surface: what the case's YAML `config` says; without it, synthetic where a truth lies beside."""
+    if config is not None:
+        return load_case(config)["kind"]
+    return "synthetic" if files.truth.exists() else "surface"
+
+
 def lesion_summary(files):
     """The most severe lesion of the pre-PCI anatomy; None if the anatomy found none."""
     path = files.anatomy("pre") / "anatomy.json"

@@ -5,7 +5,7 @@ import numpy as np
 from common.errors import ComputationError, InputError
 from reports.case_files import IMAGED, STATES
 from reports.curvature import mean_over_length
-from reports.device_readouts import deployment_summary, lesion_summary, patient_summary, procedure_summary
+from reports.device_readouts import case_kind, deployment_summary, lesion_summary, patient_summary, procedure_summary
 from reports.polyline import read_centreline
 from reports.profiles import error_of, state_profiles
 from reports.reading import entry, read_json
@@ -53,7 +53,7 @@ def case_metrics(files, margin_mm=DEFAULT_MARGIN_MM, stations=DEFAULT_STATIONS, 
     return {
         "schema": "vci-metrics-1",
         "case": files.case,
-        "kind": "synthetic" if files.truth.exists() else "surface",
+        "kind": case_kind(files, config),
         "patient": patient_summary(files, config),
         "lesion": lesion_summary(files),
         "procedure": procedure_summary(files),

@@ -14,9 +14,20 @@ def code(part, *modules):
     what it imports at its top level; what it imports inside its functions belongs to other commands.
     """
     main = f"{part}.__main__"
-    found = {main, *_packages(main)}
-    pending = list(_imported(main, top_level_only=True)) + list(modules)
-    for name in modules:
+    return _files({main, *_packages(main)}, [*_imported(main, top_level_only=True), *modules])
+
+
+def module_code(name):
+    """Files behind `python3 -m <name>`, a module that is its own command, e.g. module_code("vci.benchmark")."""
+    return _files(set(), [name])
+
+
+def _files(found, pending):
+    """Files of the modules `found` and of all that `pending` names and what those import, sorted.
+
+    Raises ValueError for a name in `pending` that is no module of this repository.
+    """
+    for name in pending:
         if _file(name) is None:
             raise ValueError(f"no module {name}")
     while pending:

@@ -141,6 +141,22 @@ def test_results():
     return sorted(str(file) for file in pathlib.Path("results/tests").glob("*.xml"))
 
 
+def benchmark_tables():
+    """What `snakemake benchmarks` left, for the report; empty where none was run."""
+    found = pathlib.Path("results/benchmarks")
+    return sorted(str(file) for kind in ("csv", "png", "svg") for file in found.glob(f"*/*.{kind}"))
+
+
+def benchmark_folder(wildcards, input):
+    """Command-line option of `reports report` for the folder of the benchmarks; none where none was run."""
+    return f"--benchmarks {os.path.dirname(os.path.dirname(input.benchmarks[0]))}" if input.benchmarks else ""
+
+
+def programs_folder(wildcards, input):
+    """Folder of the compiled programs that a rule runs."""
+    return os.path.dirname(input.programs[0])
+
+
 def output_folder(wildcards, output):
     """Folder of a rule's (first) output, for commands that write several files."""
     return os.path.dirname(output[0])

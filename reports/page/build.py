@@ -12,6 +12,7 @@ from reports.bland_altman import sample_sd
 from reports.case_files import STATES
 from reports.figures.style import COLOURS, ERRORS, LABELS, SHORT
 from reports.page.assets import TEMPLATES, image_uri, script, three_scripts
+from reports.page.benchmarks import benchmarks
 from reports.page.case_context import case_context
 from reports.page.evidence import evidence_rows, read_results
 from reports.page.geometry import colour_table
@@ -24,7 +25,7 @@ MISSING = "–"
 OCCLUDED = "occluded_by_voxels"
 
 
-def build_report(cases, study_dir, figures_dir, out, junit=(), software=None, cohort=""):
+def build_report(cases, study_dir, figures_dir, out, junit=(), software=None, cohort="", benchmark_dir=None):
     """Writes the report of the CaseFiles `cases` to `out`. Raises InputError for anything that is missing."""
     contexts = [case_context(files, figures_dir) for files in cases]
     agreement = read_csv(study_dir / "agreement.csv")
@@ -45,6 +46,7 @@ def build_report(cases, study_dir, figures_dir, out, junit=(), software=None, co
             scatter=image_uri(figures_dir / "ffr_before_after.svg"),
             published=published(),
             evidence=evidence_rows(read_results(junit)),
+            benchmarks=benchmarks(benchmark_dir),
             software=read_json(software, "reports software") if software else None,
             states=STATES,
             labels=LABELS,

@@ -57,6 +57,17 @@ def test_a_target_that_cannot_be_made_is_named(fresh, shared_data, target, words
     assert run.returncode != 0 and words in text and "Traceback" not in text, text
 
 
+def test_benchmarks_stand_apart_and_feed_the_report(finished):
+    """The study plans none of them; what they leave makes the report again, and nothing else."""
+    names = {"deployment_speed", "deployment_hard_cases", "flow_hard_cases", "anatomy_speed", "benchmarks"}
+    assert finished.planned() == set()
+    assert finished.planned("benchmarks") == names
+    table = finished.folder / "results" / "benchmarks" / "flow_hard_cases" / "hard_cases.csv"
+    table.parent.mkdir(parents=True)
+    table.write_text("case,ffr\nsharp bend,0.89\n")
+    assert finished.planned() == {"report"}
+
+
 def test_forcerun(finished):
     planned = finished.planned("--forcerun", "radius_correct")
     assert {"radius_correct quick_focal", "radius_correct quick_branch"} <= planned

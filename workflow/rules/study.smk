@@ -159,6 +159,7 @@ rule report:
         code=code("reports", "reports.page.build"),
         templates=INPUTS.templates(),
         tests=test_results(),
+        benchmarks=benchmark_tables(),
     output:
         "results/report/index.html",
     log:
@@ -170,6 +171,8 @@ rule report:
         cohort=cohort_option(COHORT, config.get("cases")),
         study=study_folder,
         figures=figures_folder,
+        benchmarks=benchmark_folder,
     shell:
         "workflow/run.sh {log} /usr/bin/python3 -m reports report --case-dir {params.case_dirs} --study-dir {params.study}"
-        " --figures-dir {params.figures} --software {input.software} {params.cohort} --junit {input.tests} --out {output}"
+        " --figures-dir {params.figures} --software {input.software} {params.cohort} {params.benchmarks}"
+        " --junit {input.tests} --out {output}"

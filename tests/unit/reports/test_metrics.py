@@ -81,6 +81,13 @@ def test_a_case_without_reference_has_no_differences(make_case):
     assert document["differences"] == {} and document["kind"] == "surface"
 
 
+def test_the_kind_is_the_cases_own_not_that_of_what_lies_about(make_case, repo_root):
+    folder = make_case()
+    for name, kind in (("real_artery", "surface"), ("quick_focal", "synthetic")):
+        document = metrics_of(folder, config=repo_root / "config" / "cases" / f"{name}.yaml")
+        assert document["kind"] == kind
+
+
 def test_end_sections_are_left_out_in_all_states_alike(make_case):
     folder = make_case()
     path = folder / "vci" / "anatomy" / "sections.csv"

@@ -20,6 +20,7 @@ JUNIT = """<testsuites><testsuite>
 <testcase classname="tests.verification.flow.test_poiseuille" name="test_fine"><skipped message="no mesh"/></testcase>
 <testcase classname="tests.unit.vci.test_x" name="a" time="0.1"><failure message="1 != 2">trace</failure></testcase>
 </testsuite></testsuites>"""
+PNG = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAQAAAC1HAwCAAAAC0lEQVR42mNk+A8AAQUBAScY42YAAAAASUVORK5CYII="  # one pixel
 
 needs_chromium = pytest.mark.skipif(shutil.which("chromium") is None, reason="the package chromium is not installed")
 
@@ -113,6 +114,28 @@ def test_a_mild_narrowing_and_a_modified_flow_are_said(study, tmp_path, ffr, jet
     text = path.read_text()
     assert text.count("above 0.80, where a narrowing is usually left alone") == above
     assert text.count('<a href="#case-tube">*</a>') + text.count("* No steady flow was found") == stars
+
+
+def test_benchmarks_that_were_run_are_shown(study, tmp_path):
+    path, folder = study(("tube", {})), tmp_path / "cases" / "tube"
+    assert 'id="benchmarks"' not in path.read_text()
+    for name, table in (
+        ("flow_hard_cases", "case,residual_n,cpu_s\nsharp bend,1.23456e-9,31\n"),
+        ("another", "n,seconds\n20000,0.5\n"),
+    ):
+        (tmp_path / "benchmarks" / name).mkdir(parents=True)
+        (tmp_path / "benchmarks" / name / "table.csv").write_text(table)
+    (tmp_path / "benchmarks" / "another" / "pareto.png").write_bytes(base64.b64decode(PNG))
+    places = ["--study-dir", str(tmp_path / "study"), "--figures-dir", str(tmp_path / "figures")]
+    places += ["--benchmarks", str(tmp_path / "benchmarks")]
+    main(["report", "--case-dir", str(folder), *places, "--out", str(path)])
+    text = path.read_text()
+    for words in ("<th>residual (N)</th>", "<td>1.235e-09</td>", "<td>0.5</td>", "<th>20000</th>", "sharp bend"):
+        assert words in text, words
+    assert text.index("Blood flow: hard cases") < text.index("<h3>another</h3>") and "data:image/png" in text
+    (tmp_path / "benchmarks" / "another" / "table.csv").write_text("")
+    with pytest.raises(SystemExit):
+        main(["report", "--case-dir", str(folder), *places, "--out", str(path)])
 
 
 def test_a_missing_figure_is_named(study, tmp_path, capsys):

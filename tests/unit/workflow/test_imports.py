@@ -34,6 +34,12 @@ def part(tmp_path, monkeypatch):
     imports._imported.cache_clear()
 
 
+def test_a_module_that_is_its_own_command(part):
+    assert imports.module_code("part.deep.two") == ["part/__init__.py", "part/deep/__init__.py", "part/deep/two.py"]
+    with pytest.raises(ValueError, match="part.none"):
+        imports.module_code("part.none")
+
+
 def test_follows_relative_lazy_and_package_imports(part):
     assert imports.code("part", "part.deep.one") == [
         "common/__init__.py",

@@ -1,9 +1,10 @@
-"""Seconds of each step of `lumen process` against the size of its input, as CSV on standard output.
+"""Seconds of each step of `lumen process` against the size of its input, as CSV.
 
-Run: /usr/bin/python3 tests/verification/anatomy/benchmark.py [triangles ...] (default 20000 200000 2000000). Steps are
+Run: /usr/bin/python3 tests/verification/anatomy/benchmark.py --out FILE.csv [triangles ...] Steps are
 wall clock, as anatomy.json has them: use an idle machine, or go by cpu_s.
 """
 
+import argparse
 import csv
 import json
 import os
@@ -59,18 +60,23 @@ def measured(triangles, folder):
     return row | {step: round(seconds, 2) for step, seconds in steps.items()}
 
 
-def main(sizes):
+def main():
     """Writes one row per size."""
-    writer = None
-    for size in sizes:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("triangles", nargs="*", type=int, default=[20000, 200000, 2000000], help="sizes of the input")
+    parser.add_argument("--out", required=True, type=pathlib.Path, help="the table, CSV")
+    options = parser.parse_args()
+    rows = []
+    for size in options.triangles:
         with tempfile.TemporaryDirectory() as folder:
-            row = measured(size, pathlib.Path(folder))
-        if writer is None:
-            writer = csv.DictWriter(sys.stdout, row.keys())
-            writer.writeheader()
-        writer.writerow(row)
-        sys.stdout.flush()
+            rows.append(measured(size, pathlib.Path(folder)))
+        print(rows[-1], file=sys.stderr)
+    options.out.parent.mkdir(parents=True, exist_ok=True)
+    with options.out.open("w", newline="") as file:
+        writer = csv.DictWriter(file, rows[0].keys())
+        writer.writeheader()
+        writer.writerows(rows)
 
 
 if __name__ == "__main__":
-    main([int(argument) for argument in sys.argv[1:]] or [20000, 200000, 2000000])
+    main()

@@ -1,0 +1,80 @@
+"""Benchmarks for the report: what `snakemake benchmarks` left, a folder each with tables (CSV) and figures (SVG, PNG)."""
+
+import csv
+
+from common.errors import InputError
+from reports.page.assets import image_uri
+
+# folder of a benchmark: its title, and what a row is
+TITLES = {
+    "deployment_speed": (
+        "Deployment: speed against error",
+        "A row is a scene at one setting; errors are against its finest run.",
+    ),
+    "deployment_hard_cases": ("Deployment: hard cases", "Each ends in force balance, or is refused with its reason."),
+    "flow_hard_cases": ("Blood flow: hard cases", "Each converges, or is refused with its reason."),
+    "anatomy_speed": (
+        "Anatomy: seconds against input size",
+        "A row is the same tree with more triangles; steps in seconds.",
+    ),
+}
+UNITS = {"mm2": "mm²", "mm": "mm", "s": "s", "mib": "MiB", "percent": "%", "n": "N", "bar": "bar"}
+MOST_ROWS = 200
+
+
+def benchmarks(folder):
+    """[{name, title, text, tables, figures}] of the benchmarks in `folder` that were run, in the order of TITLES.
+
+    A table is {name, columns, rows}: texts as in the CSV, numbers shortened to four digits. Folders of other names come
+    last under their own name. Raises InputError for a table without a header.
+    """
+    if folder is None or not folder.is_dir():
+        return []
+    found = [entry for entry in folder.iterdir() if entry.is_dir() and any(entry.glob("*.csv"))]
+    order = list(TITLES)
+    found.sort(key=lambda entry: (order.index(entry.name) if entry.name in TITLES else len(order), entry.name))
+    return [
+        {
+            "name": entry.name,
+            "title": TITLES.get(entry.name, (entry.name.replace("_", " "), ""))[0],
+            "text": TITLES.get(entry.name, ("", ""))[1],
+            "tables": [read_rows(path) for path in sorted(entry.glob("*.csv"))],
+            "figures": [image_uri(path) for path in figures_of(entry)],
+        }
+        for entry in found
+    ]
+
+
+def figures_of(folder):
+    """The figures of a benchmark, as SVG where there is one, else as PNG."""
+    vector = sorted(folder.glob("*.svg"))
+    return vector + [path for path in sorted(folder.glob("*.png")) if path.with_suffix(".svg") not in vector]
+
+
+def read_rows(path):
+    """{name, columns, rows} of a CSV file for display."""
+    with path.open(newline="") as file:
+        lines = list(csv.reader(file))
+    if not lines or not any(lines[0]):
+        raise InputError("a benchmark's table is empty", path, "no header", "run `snakemake benchmarks` again")
+    rows = [[shortened(value) for value in line] for line in lines[1 : MOST_ROWS + 1]]
+    return {"name": path.stem.replace("_", " "), "columns": [heading(name) for name in lines[0]], "rows": rows}
+
+
+def heading(column):
+    """A column's name in words, its unit in brackets: mean_csa_mm2 -> mean csa (mm²)."""
+    words = column.split("_")
+    if len(words) > 1 and words[-1] in UNITS:
+        return " ".join(words[:-1]) + f" ({UNITS[words[-1]]})"
+    return " ".join(words)
+
+
+def shortened(value):
+    """A number with at most four digits, any other text as it is."""
+    try:
+        number = float(value)
+    except ValueError:
+        return value
+    if value.lstrip("-").isdigit():
+        return value
+    return f"{number:.4g}"

@@ -1,0 +1,90 @@
+# Speed against error and hard cases of each part: not part of the study, minutes to hours; the report shows those that
+# were run. One at a time (`threads` takes every core), since they measure seconds.
+BENCHMARKS = {
+    "deployment_speed": "benchmark.csv",
+    "deployment_hard_cases": "hard_cases.csv",
+    "flow_hard_cases": "hard_cases.csv",
+    "anatomy_speed": "benchmark.csv",
+}
+
+
+rule benchmarks:
+    input:
+        [f"results/benchmarks/{name}/{table}" for name, table in BENCHMARKS.items()],
+
+
+rule deployment_speed:
+    message:
+        "benchmark: speed against error of the deployment"
+    input:
+        programs=[VCI, LUMEN],
+        code=module_code("vci.benchmark"),
+    output:
+        "results/benchmarks/deployment_speed/benchmark.csv",
+        "results/benchmarks/deployment_speed/benchmark.png",
+    log:
+        "results/benchmarks/logs/deployment_speed.log",
+    benchmark:
+        "results/benchmarks/logs/deployment_speed.tsv"
+    threads: workflow.cores
+    params:
+        build=programs_folder,
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m vci.benchmark --build {params.build} --out {params.out}"
+
+
+rule deployment_hard_cases:
+    message:
+        "benchmark: hard cases of the deployment"
+    input:
+        programs=[VCI, LUMEN],
+        code=module_code("vci.hard_cases"),
+    output:
+        "results/benchmarks/deployment_hard_cases/hard_cases.csv",
+    log:
+        "results/benchmarks/logs/deployment_hard_cases.log",
+    benchmark:
+        "results/benchmarks/logs/deployment_hard_cases.tsv"
+    threads: workflow.cores
+    params:
+        build=programs_folder,
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m vci.hard_cases --build {params.build} --out {params.out}"
+
+
+rule flow_hard_cases:
+    message:
+        "benchmark: hard cases of the flow"
+    input:
+        code=code("flow", "flow.mesh", "flow.solve"),
+        script="tests/verification/flow/hard_cases.py",
+    output:
+        "results/benchmarks/flow_hard_cases/hard_cases.csv",
+    log:
+        "results/benchmarks/logs/flow_hard_cases.log",
+    benchmark:
+        "results/benchmarks/logs/flow_hard_cases.tsv"
+    threads: workflow.cores
+    params:
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out}"
+
+
+rule anatomy_speed:
+    message:
+        "benchmark: seconds of the anatomy against input size"
+    input:
+        program=LUMEN,
+        script="tests/verification/anatomy/benchmark.py",
+    output:
+        "results/benchmarks/anatomy_speed/benchmark.csv",
+    log:
+        "results/benchmarks/logs/anatomy_speed.log",
+    benchmark:
+        "results/benchmarks/logs/anatomy_speed.tsv"
+    threads: workflow.cores
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {output}"
