@@ -1,8 +1,9 @@
 """A plan proposed from the most severe lesion by the usual sizing rules.
 
 Sizing as in the EAPCI consensus on intracoronary imaging (Raeber et al., Eur Heart J 2018;39:3281-3300): the stent by
-the distal reference, rounded up to the catalogue; landing zones in healthy wall; post-dilatation with a non-compliant
-balloon at the proximal reference.
+the distal reference, rounded up to the catalogue; landing zones in healthy wall and, where a little more length allows
+it, not in a side branch's mouth; post-dilatation with a non-compliant balloon at the proximal reference, in a vessel
+that tapers by more than half a millimetre only in the stent's proximal part.
 """
 
 from common.errors import InputError
@@ -11,57 +12,132 @@ from . import catalogue
 
 MARGIN_MM = 2.5  # healthy wall under each end of the stent
 EDGE_MM = 1.5  # least distance of a device from the ends of its branch
+OVERSIZE_MM = 0.5  # of the stent over the distal reference at most
+TAPER_MM = 0.5  # from the proximal to the distal reference that one balloon may dilate alike
+SHIFT_MM = 0.5  # step in which a stent is moved out of a side branch's mouth
 PREDILATATION, STENT, POSTDILATATION = "semi_compliant", "des", "non_compliant"
 
 
 def propose(summary, families, where):
     """Plan steps (as in a case file, placed by centre_s_mm) for the most severe lesion of `summary`.
 
-    Raises InputError if there is no lesion, or if the catalogue or the branch is too small for it.
+    Raises InputError if there is no lesion, or if the catalogue or the branch does not fit it.
     """
     if not summary["lesions"]:
-        raise InputError("no lesion to plan for", where, "plan: auto", "write the plan's steps with centre_s_mm")
+        raise InputError(
+            "no lesion to plan for",
+            where,
+            "plan: auto",
+            "write the plan's steps with centre_s_mm; a vessel narrowed all along its length has no healthy reference",
+        )
     for family in (PREDILATATION, STENT, POSTDILATATION):
         if family not in families:
             raise InputError("plan: auto needs a device family", where, family, f"add {family}.yaml to the devices")
     lesion = summary["lesions"][0]
     distal, proximal = lesion["distal_reference_diameter_mm"], lesion["proximal_reference_diameter_mm"]
     extent = lesion["s_end_mm"] - lesion["s_start_mm"]
-    stent_d = _at_least(families[STENT]["diameters_mm"], distal, "stent diameter", where)
-    stent_l = _at_least(families[STENT]["lengths_mm"], extent + 2 * MARGIN_MM, "stent length", where)
+    stent_d = _stent_diameter(families, distal, proximal, where)
+    stent_l, centre = _stent_place(summary, lesion, families[STENT]["lengths_mm"], where)
     pre_d = _at_most(families[PREDILATATION]["diameters_mm"], distal, "predilatation diameter", where)
     pre_l = _at_most(families[PREDILATATION]["lengths_mm"], stent_l, "predilatation length", where)
     pre_l = min([x for x in families[PREDILATATION]["lengths_mm"] if x >= extent and x <= pre_l], default=pre_l)
-    post_d = min(families[POSTDILATATION]["diameters_mm"], key=lambda size: abs(size - max(proximal, stent_d)))
-    post_l = _at_most(families[POSTDILATATION]["lengths_mm"], stent_l, "post-dilatation length", where)
-    sizes = {PREDILATATION: (pre_d, pre_l), STENT: (stent_d, stent_l), POSTDILATATION: (post_d, post_l)}
-    length = next(b["length_mm"] for b in summary["branches"] if b["name"] == lesion["branch"])
-    centre = _inside(0.5 * (lesion["s_start_mm"] + lesion["s_end_mm"]), stent_l, length, where)
+    target = max(proximal, stent_d)
+    post_d = min(families[POSTDILATATION]["diameters_mm"], key=lambda size: abs(size - target))
+    tapers = target - distal > TAPER_MM
+    covered = stent_l / 2 if tapers else stent_l
+    post_l = _at_most(families[POSTDILATATION]["lengths_mm"], covered, "post-dilatation length", where)
+    post_centre = round(centre - (stent_l - post_l) / 2, 3) if tapers else centre
 
-    def step(action, family):
-        diameter, device_length = sizes[family]
-        balloon = catalogue.entries(
-            families, catalogue.balloon_family(families, family), diameter, device_length, where
-        ).popitem()[1]
-        target = max(proximal, stent_d) if action == "postdilatation" else diameter
-        device = {
-            "device": family,
-            "diameter_mm": diameter,
-            "length_mm": device_length,
-            "branch": lesion["branch"],
-            "centre_s_mm": centre,
-            "pressure_bar": catalogue.pressure_for(balloon, target),
-        }
-        return {"action": action, "devices": [device]}
+    def step(action, family, diameter, length, wanted, at):
+        inflated = catalogue.balloon_family(families, family)
+        balloon = catalogue.entries(families, inflated, diameter, length, where).popitem()[1]
+        size = {"device": family, "diameter_mm": diameter, "length_mm": length}
+        place = {"branch": lesion["branch"], "centre_s_mm": at, "pressure_bar": catalogue.pressure_for(balloon, wanted)}
+        return {"action": action, "devices": [size | place]}
 
-    return [step("predilatation", PREDILATATION), step("stent", STENT), step("postdilatation", POSTDILATATION)]
+    return [
+        step("predilatation", PREDILATATION, pre_d, pre_l, pre_d, centre),
+        step("stent", STENT, stent_d, stent_l, stent_d, centre),
+        step("postdilatation", POSTDILATATION, post_d, post_l, target, post_centre),
+    ]
 
 
-def _at_least(sizes, wanted, what, where):
-    for size in sizes:
-        if size >= wanted - 1e-9:
+def _stent_diameter(families, distal, proximal, where):
+    """The least diameter (mm) not below the distal reference whose design can be expanded to the proximal one."""
+    fitting = [size for size in families[STENT]["diameters_mm"] if distal - 1e-9 <= size <= distal + OVERSIZE_MM]
+    if not fitting:
+        sizes = families[STENT]["diameters_mm"]
+        raise InputError(
+            "no stent diameter of the catalogue fits the vessel",
+            where,
+            f"distal reference {distal:.2f} mm",
+            f"sizes are {sizes[0]} to {sizes[-1]} mm, at most {OVERSIZE_MM} mm above the reference: "
+            "treat by balloon alone, or write the plan's steps",
+        )
+    for size in fitting:
+        if _greatest_diameter(families[STENT], size) >= max(proximal, size):
             return size
-    raise InputError(f"no {what} large enough in the catalogue", where, f"{wanted:.2f} mm", f"largest {sizes[-1]} mm")
+    raise InputError(
+        "no stent that fits the distal reference can be expanded to the proximal one",
+        where,
+        f"{distal:.2f} and {proximal:.2f} mm",
+        "write the plan's steps with two overlapping stents",
+    )
+
+
+def _greatest_diameter(stents, size):
+    return next(d for d in stents["designs"] if size <= d["up_to_diameter_mm"])["maximal_diameter_mm"]
+
+
+def _stent_place(summary, lesion, lengths, where):
+    """(length, centre) in mm of the stent: the shortest that covers the lesion and its margins, inside its branch."""
+    branch = next(b for b in summary["branches"] if b["name"] == lesion["branch"])
+    start, end = lesion["s_start_mm"], lesion["s_end_mm"]
+    wanted = end - start + 2 * MARGIN_MM
+    fitting = [length for length in lengths if length >= wanted - 1e-9]
+    if not fitting:
+        raise InputError(
+            "no stent length large enough in the catalogue",
+            where,
+            f"{wanted:.1f} mm for {lesion['name']} of {end - start:.1f} mm and its margins",
+            f"largest {lengths[-1]} mm: write the plan's steps with overlapping stents",
+        )
+    centre = _inside(0.5 * (start + end), fitting[0], branch["length_mm"], where)
+    if centre - fitting[0] / 2 > start or centre + fitting[0] / 2 < end:
+        raise InputError(
+            "the lesion reaches too near an end of its branch for a stent",
+            where,
+            f"{start:.1f} to {end:.1f} mm of {branch['length_mm']:.1f} mm",
+            "bring more of the vessel, or write the plan's steps",
+        )
+    return _clear_of_mouths(summary, lesion, fitting[:2], branch, (fitting[0], centre))
+
+
+def _clear_of_mouths(summary, lesion, lengths, branch, centred):
+    """The first (length, centre) by rising length and shift with no end in a side branch's mouth, else `centred`."""
+    mouths = _mouths(summary, lesion["branch"])
+    middle = 0.5 * (lesion["s_start_mm"] + lesion["s_end_mm"])
+    candidates = [centred]
+    for length in lengths:
+        slack = (length - (lesion["s_end_mm"] - lesion["s_start_mm"])) / 2 - MARGIN_MM
+        shifts = [SHIFT_MM * k for k in range(int(slack / SHIFT_MM + 1e-9) + 1)]
+        candidates += [(length, round(middle + sign * shift, 3)) for shift in shifts for sign in (1, -1)]
+    for length, centre in candidates:
+        ends = (centre - length / 2, centre + length / 2)
+        inside = EDGE_MM <= ends[0] and ends[1] <= branch["length_mm"] - EDGE_MM
+        if inside and not any(low < end < high for end in ends for low, high in mouths):
+            return length, centre
+    return centred
+
+
+def _mouths(summary, parent):
+    """[(s_low, s_high)] of the mouths on a branch, as wide as its side branches' outlets."""
+    width = {end["branch"]: end["diameter_mm"] for end in summary.get("ends", ()) if end["kind"] == "outlet"}
+    sides = [branch for branch in summary["branches"] if branch.get("parent") == parent]
+    return [
+        (side["s_on_parent_mm"] - width[side["name"]] / 2, side["s_on_parent_mm"] + width[side["name"]] / 2)
+        for side in sides
+    ]
 
 
 def _at_most(sizes, wanted, what, where):

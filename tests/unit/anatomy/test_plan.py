@@ -107,11 +107,54 @@ def test_proposed_stent_stays_in_its_branch(families, summary):
 
 
 def test_nothing_to_propose(families, summary):
-    with pytest.raises(InputError, match="no lesion"):
+    with pytest.raises(InputError, match="no lesion.*(?s:.*)no healthy reference"):
         sizing.propose({**summary, "lesions": []}, families, "case")
     summary["lesions"][0].update(s_start_mm=2.0, s_end_mm=48.0)
-    with pytest.raises(InputError, match="stent length"):
+    with pytest.raises(InputError, match="stent length(?s:.*)overlapping stents"):
         sizing.propose(summary, families, "case")
+
+
+@pytest.mark.parametrize(
+    "change, what",
+    [
+        ({"distal_reference_diameter_mm": 1.7}, "no stent diameter .*fits the vessel"),
+        ({"distal_reference_diameter_mm": 4.8}, "no stent diameter .*fits the vessel"),
+        ({"distal_reference_diameter_mm": 2.3, "proximal_reference_diameter_mm": 4.6}, "two overlapping stents"),
+        ({"s_start_mm": 0.5, "s_end_mm": 9.0}, "too near an end"),
+        ({"s_start_mm": 42.0, "s_end_mm": 49.5}, "too near an end"),
+        ({"branch": "side1", "s_start_mm": 3.0, "s_end_mm": 6.0}, "longer than the branch"),
+    ],
+)
+def test_what_the_catalogue_or_the_branch_cannot_hold(families, summary, change, what):
+    summary["lesions"][0].update(change)
+    with pytest.raises(InputError, match=f"(?s){what}"):
+        sizing.propose(summary, families, "case")
+
+
+def test_design_that_reaches_the_proximal_reference(families, summary):
+    summary["lesions"][0].update(distal_reference_diameter_mm=2.7, proximal_reference_diameter_mm=3.6)
+    steps = sizing.propose(summary, families, "case")
+    assert steps[1]["devices"][0]["diameter_mm"] == 3.0  # the 2.75 mm design ends at 3.5 mm
+    plan.procedure(steps, families, summary, "case")
+
+
+def test_tapered_vessel_is_postdilated_in_its_proximal_part(families, summary):
+    summary["lesions"][0].update(distal_reference_diameter_mm=2.9, proximal_reference_diameter_mm=3.9)
+    _, stent, post = (step["devices"][0] for step in sizing.propose(summary, families, "case"))
+    assert post["diameter_mm"] == 4.0 and post["length_mm"] <= stent["length_mm"] / 2
+    assert post["centre_s_mm"] - post["length_mm"] / 2 == stent["centre_s_mm"] - stent["length_mm"] / 2
+
+
+@pytest.mark.parametrize("mouth, length, centre", [(29.0, 18, 21.0), (28.4, 18, 22.0), (21.0, 15, 21.0)])
+def test_stent_ends_beside_a_mouth(families, summary, mouth, length, centre):
+    """Ends at 13.5 and 28.5 mm: moved or lengthened out of a mouth of 2 mm, not for one that the stent covers."""
+    summary["branches"][1].update(parent="main", s_on_parent_mm=mouth)
+    summary["ends"] = [{"kind": "outlet", "branch": "side1", "diameter_mm": 2.0}]
+    stent = sizing.propose(summary, families, "case")[1]["devices"][0]
+    ends = [stent["centre_s_mm"] + sign * stent["length_mm"] / 2 for sign in (-1, 1)]
+    assert all(abs(end - mouth) >= 1 for end in ends)
+    assert ends[0] <= 16 - sizing.MARGIN_MM and ends[1] >= 26 + sizing.MARGIN_MM
+    assert stent["length_mm"] == length and abs(stent["centre_s_mm"] - centre) < 1.01
 
 
 def test_pressure_reaches_the_wanted_diameter(families):
