@@ -101,13 +101,16 @@ def parser():
     mesh.add_argument("lumen", help="lumen.vtp with cell array region_id")
     mesh.add_argument("--centreline", required=True, help="centreline.vtp of the same lumen")
     mesh.add_argument("--out", required=True, help="mesh.msh")
-    mesh.add_argument("--coarse", help="coarse mesh, for the starting guess and the error estimate")
+    mesh.add_argument("--coarse", help="coarse mesh, solved first; often good enough")
     mesh.add_argument("--json", help="report (default: mesh.json beside the mesh)")
     mesh.set_defaults(run=mesh_command)
 
     solve = commands.add_parser("solve", help=solve_command.__doc__)
     solve.add_argument("mesh", help="mesh.msh")
-    solve.add_argument("--coarse", help="coarse mesh; without it there is no error estimate")
+    solve.add_argument(
+        "--coarse",
+        help="coarse mesh, solved first: the answer where it meets ffr_tolerance, else the start of the fine one",
+    )
     solve.add_argument("--boundary", required=True, help="boundary.json")
     solve.add_argument("--centreline", required=True, help="centreline.vtp of the same lumen")
     solve.add_argument("--anatomy", help="anatomy.json of the same lumen (default: beside the centreline)")

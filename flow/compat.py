@@ -68,6 +68,11 @@ def mixed_element(*elements):
     return ufl.MixedElement(*elements)
 
 
+def degrees(space):
+    """Degrees of the parts of a mixed space."""
+    return [element.degree() for element in space.ufl_element().sub_elements()]
+
+
 def function_space(mesh, element):
     """Finite-element space."""
     return fem.FunctionSpace(mesh, element)

@@ -56,7 +56,7 @@ def settle(problem):
     """Backward-Euler Picard steps with a growing local time step from the present state."""
     cfl = FIRST_CFL
     free, inlet, _ = problem.residual()
-    for _ in range(PICARD_STEPS):
+    for _ in range(min(PICARD_STEPS, max(problem.left, 0))):
         free, inlet, _ = newton.picard(problem, free, inlet, 1.0 / cfl, f"Picard, CFL {cfl:.0f}")
         cfl *= CFL_GROWTH
     free.destroy()
@@ -80,7 +80,7 @@ def fade(problem, path):
         reached = problem.passed[-1][0]
         between = 0.5 * (reached + ahead[0])
         lost += reached <= LARGEST_MIXING
-        if lost == LOST or reached - between < SMALLEST_DECREASE or _remaining(problem) <= HARD:
+        if lost == LOST or reached - between < SMALLEST_DECREASE or problem.left <= HARD:
             break
         ahead.insert(0, between)
     _back(problem)
@@ -88,15 +88,11 @@ def fade(problem, path):
         raise problem.stalled(found)
 
 
-def _remaining(problem):
-    return problem.settings.max_newton_iterations - problem.solver.factorizations
-
-
 def _reach(problem, mixing):
     """Outcome of Newton's method at c = mixing from the present state."""
     problem.forms.mixing.value = mixing
     print(f"jet mixing {mixing:.3g}", file=problem.log, flush=True)
-    return newton.newton(problem, np.inf, ON_THE_WAY, min(HARD, _remaining(problem)))
+    return newton.newton(problem, np.inf, ON_THE_WAY, HARD)
 
 
 def _pass(problem):

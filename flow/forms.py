@@ -20,6 +20,8 @@ leaves undisturbed. l = c l_jet is a mixing length in jets (flow.jet), |D| = sqr
 those above; c > 0 makes the jet's eddy viscosity, by which the way to c = 0 is steady (flow.nonlinear).
 """
 
+import functools
+
 import ufl
 from dolfinx import fem
 from petsc4py import PETSc
@@ -27,8 +29,6 @@ from petsc4py import PETSc
 from flow import compat, viscosity as viscosities
 from flow.mesh import PHYSICAL_INLET
 
-QUADRATURE_DEGREE = 5  # exact for convection of P2 on straight elements, which most are
-JET_QUADRATURE_DEGREE = 3
 SLOWEST, SMALLEST_RATE = 1e-4, 0.1  # m/s, 1/s: keep the roots of |u| and |D| differentiable at rest
 
 
@@ -45,12 +45,14 @@ class NavierStokes:
         u, p = ufl.split(state)
         v, q = ufl.TestFunctions(space.W)
         du, dp = ufl.TrialFunctions(space.W)
-        dx = ufl.Measure("dx", domain=space.mesh, metadata={"quadrature_degree": QUADRATURE_DEGREE})
+        degree = compat.degrees(space.W)[0]
+        exact = 3 * degree - 1  # for convection on straight elements, which most are
+        dx = ufl.Measure("dx", domain=space.mesh, metadata={"quadrature_degree": exact})
         ds = ufl.Measure(
             "ds",
             domain=space.mesh,
             subdomain_data=space.facets,
-            metadata={"quadrature_degree": QUADRATURE_DEGREE + 1},
+            metadata={"quadrature_degree": exact + 1},
         )
         outlets = ds(tuple(space.outlets))
         n = ufl.FacetNormal(space.mesh)
@@ -90,18 +92,28 @@ class NavierStokes:
         eddy_viscosity = density * (self.mixing * jet_length) ** 2 * rate
 
         def jet(u_):
-            degree = {"quadrature_degree": JET_QUADRATURE_DEGREE}
-            return eddy_viscosity * ufl.inner(ufl.grad(u_), ufl.grad(v)) * ufl.dx(space.mesh, metadata=degree)
+            coarser = {"quadrature_degree": 2 * degree - 1}
+            return eddy_viscosity * ufl.inner(ufl.grad(u_), ufl.grad(v)) * ufl.dx(space.mesh, metadata=coarser)
 
         self.losses = {"friction": friction(u), "grad_div": dilatation(u), "eddy": jet(u), "backflow": returning(u)}
         self.kinetic = lambda tags: 0.5 * density * ufl.inner(u, u) * ufl.dot(u, n) * ds(tags)  # leaves, in W
         residual = stokes(u, p) + oseen(u) + jet(u)
         self.residual = compat.form(residual)
-        self.tangent = compat.form(ufl.derivative(residual, state, ufl.TrialFunction(space.W)))
+        self._tangent = ufl.derivative(residual, state, ufl.TrialFunction(space.W))
         self.rate = fem.Constant(space.mesh, PETSc.ScalarType(0.0))
         width = (6.0 / 8.0) ** 0.5 * abs(ufl.JacobianDeterminant(space.mesh)) ** (
             1.0 / space.mesh.geometry.dim
         )  # about half an edge
         speed = ufl.sqrt(ufl.inner(u, u) + SLOWEST**2)
         inertia = density * self.rate * speed / width * ufl.inner(du, v) * dx
-        self.picard = compat.form(stokes(du, dp) + oseen(du) + jet(du) + inertia)
+        self._picard = stokes(du, dp) + oseen(du) + jet(du) + inertia
+
+    @functools.cached_property
+    def tangent(self):
+        """Newton's: the derivative of the residual (compiled when first asked for)."""
+        return compat.form(self._tangent)
+
+    @functools.cached_property
+    def picard(self):
+        """Picard's linearisation with inertia."""
+        return compat.form(self._picard)

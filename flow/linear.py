@@ -40,9 +40,9 @@ class DirectSolver:
             raise ComputationError("factorization failed", "MUMPS", error, "check memory and the mesh") from error
         self.factorizations += 1
 
-    def solve(self, right, solution):
-        """solution <- A^-1 right."""
-        self.ksp.solve(right, solution)
+    def solve(self, right, solution, transposed=False):
+        """solution <- A^-1 right, or A^-T right."""
+        (self.ksp.solveTranspose if transposed else self.ksp.solve)(right, solution)
         if self.ksp.getConvergedReason() < 0:
             reason = self.ksp.getConvergedReason()
             raise ComputationError("linear solve failed", "MUMPS", f"reason {reason}", "check the mesh and resistances")
@@ -54,24 +54,30 @@ class DirectSolver:
 class Bordered:
     """The bordered system with the A that `solver` holds; columns and rows are lists of vectors, corner is D.
 
-    The columns are solved for once, so that each further right side costs one solve with A.
+    The columns are solved for once, so that each further right side costs one solve with A. transposed: the system with
+    A^T, whose columns are then the rows of the other.
     """
 
-    def __init__(self, solver, columns, rows, corner):
-        self.solver, self.rows, self.solved = solver, rows, []
+    def __init__(self, solver, columns, rows, corner, transposed=False):
+        self.solver, self.columns, self.rows, self.corner = solver, columns, rows, corner
+        self.transposed, self.solved = transposed, []
         for column in columns:
             vector = column.duplicate()
-            solver.solve(column, vector)
+            solver.solve(column, vector, transposed)
             self.solved.append(vector)
         self.schur = np.array(corner, float)
         for i, row in enumerate(rows):
             for j, vector in enumerate(self.solved):
                 self.schur[i, j] -= row.dot(vector)
 
+    def transpose(self):
+        """The transposed system, by the same factorization."""
+        return Bordered(self.solver, self.rows, self.columns, self.corner.T, not self.transposed)
+
     def solve(self, f, g):
         """(x, y): vector, array."""
         x = f.duplicate()
-        self.solver.solve(f, x)
+        self.solver.solve(f, x, self.transposed)
         y = np.linalg.solve(self.schur, np.array(g, float) - [row.dot(x) for row in self.rows])
         x.maxpy(-y, self.solved)
         return x, y

@@ -28,12 +28,13 @@ class Step:
 def newton(problem, absolute, relative, limit, most_picard=0):
     """Outcome from the present state down to residuals `absolute` (N) and `relative` (to the load).
 
-    Ends after `limit` factorizations, and where no factor helps: there up to `most_picard` steps of Picard's are tried.
+    Ends after `limit` factorizations or the last one allowed, and where no factor helps: there up to `most_picard`
+    steps of Picard's are tried.
     """
     free, inlet, norm = problem.residual()
     start, last = problem.solver.factorizations, None
     while not problem.small(norm, absolute, relative):
-        if problem.solver.factorizations - start >= limit:
+        if problem.solver.factorizations - start >= limit or problem.left <= 0:
             break
         base, base_inflow = problem.state.x.array.copy(), problem.inflow
         problem.linearise(problem.forms.tangent)
@@ -50,7 +51,7 @@ def newton(problem, absolute, relative, limit, most_picard=0):
             problem.report(norm, f"Newton {last.factor:.2g}")
             continue
         free, inlet, norm = residual_at(0.0)
-        if most_picard == 0:
+        if most_picard == 0 or problem.left <= 0:
             break
         most_picard -= 1
         free, inlet, norm = picard(problem, free, inlet, 0.0, "Picard")

@@ -33,9 +33,13 @@ class Outcome:
 
 
 class FlowProblem:
-    """The discrete equations of one lumen: state w (Function on space.W) and inflow."""
+    """The discrete equations of one lumen: state w (Function on space.W) and inflow.
 
-    def __init__(self, space, boundaries, document, settings, jet_length, log=sys.stderr):
+    spent: factorizations made on other meshes, of those that the settings allow.
+    """
+
+    def __init__(self, space, boundaries, document, settings, jet_length, spent=0, log=sys.stderr):
+        self.spent = spent
         self.space, self.boundaries, self.settings, self.log = space, boundaries, settings, log
         self.jet_length = jet_length
         self.state = fem.Function(space.W)
@@ -66,6 +70,11 @@ class FlowProblem:
     def mixing(self):
         """Factor c of the jet's mixing length at the present state."""
         return float(self.forms.mixing.value)
+
+    @property
+    def left(self):
+        """Factorizations that are still allowed."""
+        return self.settings.max_newton_iterations - self.spent - self.solver.factorizations
 
     def _load_norm(self):
         """Norm of the pressure load at rest, of MAP on the inlet and P_v, or what is given, on the outlets."""
@@ -120,13 +129,15 @@ class FlowProblem:
             corner[0, 0] = self.boundaries.map_pa / self.boundaries.inflow
         self.forget()
         self.bordered = linear.Bordered(self.solver, columns, rows, corner)
-        for vector in (forward, backward, columns[0]):
+        self.linearised_as = (form is self.forms.tangent, self.mixing)
+        for vector in (forward, backward):
             vector.destroy()
 
     def forget(self):
         """Frees the last linearisation."""
         if self.bordered:
             self.bordered.rows[0].destroy()
+            self.bordered.columns[0].destroy()
             self.bordered.destroy()
             self.bordered = None
 
@@ -139,6 +150,24 @@ class FlowProblem:
         update = -x.array
         x.destroy()
         return update, -float(y[0])
+
+    def dual(self, goal):
+        """Values (n,) over W of z with K^T z = goal, K being Newton's tangent at a solved flow; goal: vector over W.
+
+        The last step's tangent serves, which differs by what that step changed.
+        """
+        if self.bordered is None or self.linearised_as != (True, self.mixing):
+            self.linearise(self.forms.tangent)
+        transposed = self.bordered.transpose()
+        right = goal.getSubVector(self.free).copy()
+        x, y = transposed.solve(right, np.zeros(len(transposed.rows)))
+        values = np.zeros_like(self.state.x.array)
+        values[self.space.free] = x.array
+        values[self.space.inlet] = y[0] * self.boundaries.profile.x.array[self.space.inlet]
+        transposed.destroy()
+        for vector in (right, x):
+            vector.destroy()
+        return values
 
     def move(self, base, base_inflow, update, inflow_update, factor):
         self.inflow = base_inflow + factor * inflow_update

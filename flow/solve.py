@@ -1,4 +1,4 @@
-"""A solve from files to files: reduced model, coarse mesh, fine mesh, FFR with its error estimate."""
+"""A solve from files to files: reduced model, coarse mesh, fine mesh where the error asks for it, FFR and its error."""
 
 import pathlib
 import resource
@@ -24,22 +24,31 @@ class Solved:
         self.boundaries.destroy()
 
 
-def solve_mesh(path, document, settings, tree, network, flows, start=None):
-    """Solved from a mesh file; `start` (Solved on another mesh) gives the guess, else the path from rest does."""
+def solve_mesh(path, document, settings, tree, network, flows, start=None, spent=0):
+    """Solved from a mesh file; `start` (Solved on another mesh) gives the guess, else the path from rest does.
+
+    spent: factorizations already made of those allowed.
+    """
     space = spaces.read(path)
     boundaries = outlets.Boundaries(space, document)
     jet_length = jet.mixing_length(space, tree, settings.jet_spread)
-    problem = nonlinear.FlowProblem(space, boundaries, document, settings, jet_length)
+    problem = nonlinear.FlowProblem(space, boundaries, document, settings, jet_length, spent)
     print(f"{path}: {space.dofs} dofs", file=sys.stderr, flush=True)
     order = [network.names.index(name) for name in boundaries.names]
 
     def resistances_at(fraction):
         return network.resistances_at(flows, fraction)[order]
 
-    if start is None:
-        outcome = problem.solve(resistances_at)
-    else:
-        outcome = problem.solve_from_guess(start.problem)
+    try:
+        if start is None:
+            outcome = problem.solve(resistances_at)
+        else:
+            outcome = problem.solve_from_guess(start.problem)
+    except ComputationError as error:
+        error.factorizations = problem.solver.factorizations
+        problem.destroy()
+        boundaries.destroy()
+        raise
     return Solved(space, boundaries, problem, outcome)
 
 
@@ -49,20 +58,16 @@ def run(mesh, coarse, document, tree, network, settings, folder):
     flows = network.solve()
     simple = reduced_answer(network, flows, tree, document)
     print(f"reduced model: FFR {simple['ffr']:.4f}", file=sys.stderr, flush=True)
-    first = coarse_solution(coarse, document, settings, tree, network, flows) if coarse else None
-    solved = solve_mesh(mesh, document, settings, tree, network, flows, first)
+    paths = [path for path in (coarse, mesh) if path]
+    solved, estimate, meshes = to_tolerance(paths, document, settings, tree, network, flows)
     reference = ffr.reference_pa(document, tree, solved.sampler)
     probes = ffr.at_probes(document["probes"], tree, solved.sampler, reference)
-
-    def distal(sampler):
-        return ffr.at_probes(document["probes"][:1], tree, sampler, ffr.reference_pa(document, tree, sampler))[0]["ffr"]
-
-    estimate = error_estimate.of(solved, first, probes[0]["ffr"], distal)
-    if first:
-        first.destroy()
     answer, table = collect(solved, probes, tree, network, reference)
     answer["reduced_model"] = simple
     answer["error_estimate"] = estimate
+    answer["ffr_tolerance"] = settings.ffr_tolerance
+    answer["tolerance_met"] = within(estimate, settings)
+    answer["meshes"] = meshes
     answer["seconds"] = time.perf_counter() - begin
     answer["cpu_seconds"] = time.process_time() - begin_cpu
     answer["peak_memory_mib"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
@@ -71,13 +76,59 @@ def run(mesh, coarse, document, tree, network, settings, folder):
     return answer
 
 
-def coarse_solution(path, document, settings, tree, network, flows):
-    """Solved on the coarse mesh, or None where the jet is too thin for it: the fine mesh then starts from rest."""
-    try:
-        return solve_mesh(path, document, settings, tree, network, flows)
-    except ComputationError as error:
-        print(f"coarse mesh gives no starting guess, no error estimate:\n{error}", file=sys.stderr, flush=True)
-        return None
+def within(estimate, settings):
+    """Whether the error is known and estimated below the tolerance asked for."""
+    return estimate is not None and estimate["ffr"] <= settings.ffr_tolerance
+
+
+def to_tolerance(paths, document, settings, tree, network, flows):
+    """(Solved, error estimate, record of the meshes) on the first mesh of `paths`, coarse first, that is good enough.
+
+    The next mesh starts from the flow on the one before. A mesh that gives no flow is passed over while there are finer
+    ones and factorizations left. Raises ComputationError.
+    """
+    before, meshes, spent = None, [], 0
+    for path in paths:
+        last, begin = path == paths[-1], time.process_time()
+        try:
+            solved = solve_mesh(path, document, settings, tree, network, flows, before, spent)
+        except ComputationError as error:
+            spent += error.factorizations
+            if last or spent >= settings.max_newton_iterations:
+                raise
+            print(f"{path}: no flow, a finer mesh is tried:\n{error}", file=sys.stderr, flush=True)
+            meshes.append({"mesh": pathlib.Path(path).name, "status": "no steady flow"})
+            continue
+
+        def distal(sampler):
+            reference = ffr.reference_pa(document, tree, sampler)
+            return ffr.at_probes(document["probes"][:1], tree, sampler, reference)[0]["ffr"]
+
+        spent += solved.problem.solver.factorizations
+        estimate = error_estimate.of(solved, document, tree, distal, before)
+        meshes.append(_record(path, solved, distal(solved.sampler), estimate, time.process_time() - begin))
+        if before:
+            before.destroy()
+        if last or within(estimate, settings):
+            break
+        before = solved
+    if not within(estimate, settings):
+        print(f"error of FFR not known to be below ffr_tolerance = {settings.ffr_tolerance:g}", file=sys.stderr)
+    return solved, estimate, meshes
+
+
+def _record(path, solved, value, estimate, cpu_seconds):
+    error = f", error {estimate['ffr']:.4f}" if estimate else ""
+    print(f"{path}: FFR {value:.4f}{error}", file=sys.stderr, flush=True)
+    return {
+        "mesh": pathlib.Path(path).name,
+        "status": "converged",
+        "dofs": solved.space.dofs,
+        "ffr": value,
+        "error_estimate": estimate["ffr"] if estimate else None,
+        "factorizations": solved.problem.solver.factorizations,
+        "cpu_seconds": cpu_seconds,
+    }
 
 
 def reduced_answer(network, flows, tree, document):

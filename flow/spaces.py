@@ -1,4 +1,7 @@
-"""Taylor-Hood space on a lumen mesh: velocity P2 and pressure P1, the boundaries' dofs, and the inlet's profile."""
+"""Taylor-Hood space on a lumen mesh: velocity P2 and pressure P1, the boundaries' dofs, and the inlet's profile.
+
+flow.goal_error asks for the next richer pair, P3 and P2, on the same mesh.
+"""
 
 import numpy as np
 import ufl
@@ -17,11 +20,11 @@ class LumenSpace:
     """Mesh in metres with its tags and the spaces on it.
 
     W: velocity x pressure; outlets: physical tags, ascending; wall, inlet: velocity dofs in W; free: all other
-    dofs of W.
+    dofs of W. degree: of the velocity; `nodes`, `nodal_pressure` and `corner_values` are those of degree 2.
     """
 
-    def __init__(self, mesh, facets, where="mesh"):
-        self.mesh, self.facets = mesh, facets
+    def __init__(self, mesh, facets, where="mesh", degree=2):
+        self.mesh, self.facets, self.degree = mesh, facets, degree
         present = set(np.unique(facets.values).tolist()) if facets is not None else set()
         self.outlets = sorted(tag for tag in present if tag > PHYSICAL_OUTLET_BASE)
         if not {PHYSICAL_WALL, PHYSICAL_INLET} <= present or not self.outlets:
@@ -29,7 +32,7 @@ class LumenSpace:
                 "mesh lacks physical groups", where, sorted(present), "wall 1, inlet 2 and outlets 12.. are needed"
             )
         self.ds = ufl.Measure("ds", domain=mesh, subdomain_data=facets)
-        element = compat.mixed_element(compat.vector_element(mesh, 2), compat.scalar_element(mesh, 1))
+        element = compat.mixed_element(compat.vector_element(mesh, degree), compat.scalar_element(mesh, degree - 1))
         self.W = compat.function_space(mesh, element)
         self.V, v_map = self.W.sub(0).collapse()
         self.Q, q_map = self.W.sub(1).collapse()
@@ -95,7 +98,7 @@ class LumenSpace:
 
         -laplace(phi) = 1 on the cap, phi = 0 on its rim; velocity = -n phi / integral(phi). Parabolic on a disc.
         """
-        S = compat.function_space(self.mesh, compat.scalar_element(self.mesh, 2))
+        S = compat.function_space(self.mesh, compat.scalar_element(self.mesh, self.degree))
         phi, psi = ufl.TrialFunction(S), ufl.TestFunction(S)
         n = ufl.FacetNormal(self.mesh)
 

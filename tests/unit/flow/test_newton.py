@@ -27,6 +27,11 @@ class _Equations:
         self.inflow = 0.0
         self.solver = types.SimpleNamespace(factorizations=0)
         self.forms = types.SimpleNamespace(tangent=None)
+        self.allowed = 100
+
+    @property
+    def left(self):
+        return self.allowed - self.solver.factorizations
 
     def residual(self):
         values = np.array(self.function(self.state.x.array), float)
@@ -79,6 +84,13 @@ def test_no_root_is_given_up():
     assert np.isfinite(problem.state.x.array).all()
 
 
+def test_no_more_factorizations_than_allowed():
+    problem = _Equations(np.arctan, lambda x: np.diag(1 / (1 + x**2)), [3.0])
+    problem.allowed = 2
+    found = newton.newton(problem, 1e-12, 1.0, 12)
+    assert not found.converged and problem.solver.factorizations == 2
+
+
 class _Jet:
     """A problem whose flow, the single number c^2, exists for c of at least `least`."""
 
@@ -89,6 +101,10 @@ class _Jet:
         self.settings = settings.make()
         self.solver = types.SimpleNamespace(factorizations=0)
         self.forms = types.SimpleNamespace(mixing=types.SimpleNamespace(value=0.0))
+
+    @property
+    def left(self):
+        return self.settings.max_newton_iterations - self.solver.factorizations
 
     @property
     def mixing(self):

@@ -231,3 +231,56 @@ def test_factorization_failure_is_a_computation_error():
         solver.set_matrix(matrix)
         solver.solve(right, x)
         assert np.isfinite(x.array).all()
+
+
+@pytest.fixture(scope="module")
+def coarse_mesh(case):
+    """A coarser mesh of the same tube, beside the case's."""
+    settings = ["--rings", "3", "--coarse-rings", "2", "--cells-per-radius", "2"]
+    command_line.main(
+        ["mesh", str(case / "lumen.vtp"), "--centreline", str(case / "centreline.vtp"), *settings]
+        + ["--coarse-cells-per-radius", "1.5", "--out", str(case / "middle.msh"), "--coarse", str(case / "coarse.msh")]
+    )
+    return case / "coarse.msh"
+
+
+@pytest.mark.parametrize(("tolerance", "meshes"), [(0.05, ["coarse.msh"]), (0.0, ["coarse.msh", "mesh.msh"])])
+def test_the_fine_mesh_is_solved_on_only_where_the_error_asks_for_it(
+    case, coarse_mesh, tmp_path, tolerance, meshes, capfd
+):
+    arguments = ["solve", str(case / "mesh.msh"), "--coarse", str(coarse_mesh), "--boundary"]
+    arguments += [str(case / "boundary.json"), "--centreline", str(case / "centreline.vtp"), "--out", str(tmp_path)]
+    command_line.main(arguments + ["--ffr-tolerance", str(tolerance)])
+    answer = json.loads((tmp_path / "ffr.json").read_text())
+    assert [mesh["mesh"] for mesh in answer["meshes"]] == meshes
+    assert answer["tolerance_met"] == (tolerance > 0)
+    assert answer["ffr"] == answer["meshes"][-1]["ffr"]
+    assert answer["error_estimate"]["ffr"] == answer["meshes"][-1]["error_estimate"]
+    assert ("ffr_tolerance" in capfd.readouterr().err) == (tolerance == 0)
+
+
+def test_the_fine_mesh_does_not_start_with_nothing_left(case, coarse_mesh, tmp_path, capfd):
+    arguments = ["solve", str(case / "mesh.msh"), "--coarse", str(coarse_mesh), "--boundary"]
+    arguments += [str(case / "boundary.json"), "--centreline", str(case / "centreline.vtp")]
+    with pytest.raises(SystemExit) as stop:
+        command_line.main(arguments + ["--out", str(tmp_path / "out"), "--max-newton-iterations", "2"])
+    assert stop.value.code == 3
+    said = capfd.readouterr().err
+    assert "stalled" in said and "2 factorizations" in said and f"{case / 'mesh.msh'}:" not in said
+
+
+def test_the_dual_solution_says_how_the_goal_changes_with_a_load(case):
+    problem = _problem(case)
+    assert newton.newton(problem, 1e-12, 1.0, 8).converged
+    goal = problem.boundaries.flux[0]  # the outflow as goal
+    dual = problem.dual(goal)
+    before = problem.boundaries.outflows(problem.state_vector())[0]
+    # MAP enters the inflow's equation alone, whose dual value is the inlet's over the profile
+    inlet, profile = problem.space.inlet, problem.boundaries.profile.x.array
+    largest = inlet[np.argmax(np.abs(profile[inlet]))]
+    step = 1.0
+    problem.boundaries.map_pa += step
+    assert newton.newton(problem, 1e-12, 1.0, 8).converged
+    after = problem.boundaries.outflows(problem.state_vector())[0]
+    assert dual[largest] / profile[largest] == pytest.approx((after - before) / step, rel=1e-4)
+    problem.destroy()

@@ -65,6 +65,9 @@ def test_lesion(tmp_path, run_module, reduction, tolerance):
     assert answer["jet_mixing"] == 0
     assert answer["ffr"] == pytest.approx(REFERENCE[reduction], abs=tolerance)
     assert answer["mass_imbalance"] < 1e-8
+    estimate = answer["error_estimate"]["ffr"]
+    assert 0.5 * abs(answer["ffr"] - REFERENCE[reduction]) <= estimate <= answer["ffr_tolerance"]
+    assert answer["tolerance_met"] and [mesh["mesh"] for mesh in answer["meshes"]] == ["mesh_coarse.msh"]
 
 
 @pytest.mark.parametrize("reduction", [0.62, 0.75, 0.8, 0.85])

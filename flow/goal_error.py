@@ -1,0 +1,120 @@
+"""What the mesh has done to FFR: the residual weighted by the dual solution.
+
+Becker and Rannacher 2001, Acta Numerica 10.
+The dual solution z says how much FFR changes with each equation: K^T z = dJ/dw, K being Newton's tangent and J the mean
+of p / MAP near the probe. The error is -R(w; z - i z): zero for z in the space itself (Galerkin), so z is recovered as
+cubic velocity and quadratic pressure (flow.recovery), with which the residual of the present flow is weighted.
+"""
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from dolfinx.fem import petsc as fem_petsc
+
+from flow import compat, spaces, viscosity
+from flow.forms import NavierStokes
+from flow.recovery import Patches
+
+M_PER_MM = 1e-3
+
+
+def of(solved, document, tree):
+    """Estimate of FFR's error at the probe `distal` with its sign (computed minus true); solved: flow.solve.Solved."""
+    problem, space = solved.problem, solved.space
+    goal = _goal(problem, document, tree)
+    dual = problem.dual(goal)
+    goal.destroy()
+    richer = spaces.LumenSpace(space.mesh, space.facets, degree=space.degree + 1)
+    weight = _recovered(space, richer, dual)
+    held = np.concatenate([richer.wall, richer.inlet])
+    weight[held] = 0.0
+    residual = _residual(problem, richer, document)
+    error = float(residual.array @ weight)
+    residual.destroy()
+    return error
+
+
+def _goal(problem, document, tree):
+    """Vector over W: derivative of the probe's FFR, its pressure averaged over a ball of about the vessel's radius.
+
+    Where the inflow is given FFR is over the pressure at the inlet's centre, which changes too.
+    """
+    probe = document["probes"][0]
+    branch = tree[probe["branch"]]
+    s_mm, _ = branch.project(np.array(probe["point_mm"]))
+    at_probe, pressure = _mean_pressure(problem, branch.point(s_mm), branch.radius(s_mm))
+    if document.get("inlet_flow_m3_per_s") is None:
+        at_probe.scale(1.0 / document["map_pa"])
+        return at_probe
+    at_inlet, reference = _mean_pressure(problem, tree.main.point(0.0), tree.main.radius(0.0))
+    at_probe.axpy(-pressure / reference, at_inlet)
+    at_probe.scale(1.0 / reference)
+    at_inlet.destroy()
+    return at_probe
+
+
+def _mean_pressure(problem, point_mm, radius_mm):
+    """(vector over W whose product with a state is the mean pressure round a point, that mean in Pa)."""
+    space = problem.space
+    window = fem.Function(space.Q)
+    gap = space.Q.tabulate_dof_coordinates() - M_PER_MM * point_mm
+    window.x.array[:] = np.exp(-np.sum(gap**2, axis=1) / (M_PER_MM * radius_mm) ** 2)
+    _, q = ufl.TestFunctions(space.W)
+    mean = fem_petsc.assemble_vector(compat.form(window * q * ufl.dx))
+    mean.scale(1.0 / fem.assemble_scalar(compat.form(window * ufl.dx)))
+    return mean, float(mean.dot(problem.state_vector()))
+
+
+def _recovered(space, richer, dual):
+    """Recovered minus interpolated dual solution in the richer space, (n,) values over its W; dual: values over W."""
+    nodes, cells = space.nodes()
+    velocity, pressure = dual[space.v_map].reshape(-1, 3), np.zeros((len(nodes), 1))
+    pressure[cells[:, :4], 0] = dual[space.q_map][compat.cell_dofs(space.Q)]
+    fields = [
+        (space.degree + 1, cells, velocity, richer.V.tabulate_dof_coordinates(), compat.cell_dofs(richer.V)),
+        (space.degree, cells[:, :4], pressure, richer.Q.tabulate_dof_coordinates(), compat.cell_dofs(richer.Q)),
+    ]
+    smooth_velocity, smooth_pressure = Patches(nodes, cells).recover(fields)
+    own = _carried(space, richer, dual)
+    difference = np.zeros_like(own)
+    difference[richer.v_map] = smooth_velocity.ravel()
+    difference[richer.q_map] = smooth_pressure.ravel()
+    return difference - own
+
+
+def _carried(space, richer, values):
+    """Values over W of the richer space on the same mesh of a state's values."""
+    result = np.zeros(richer.dofs)
+    for source, target, of_source, of_target in (
+        (space.V, richer.V, space.v_map, richer.v_map),
+        (space.Q, richer.Q, space.q_map, richer.q_map),
+    ):
+        coarse, fine = fem.Function(source), fem.Function(target)
+        coarse.x.array[:] = values[of_source]
+        fine.interpolate(coarse)
+        result[of_target] = fine.x.array
+    return result
+
+
+def _residual(problem, richer, document):
+    """The momentum and continuity residual of the present flow as a vector over the richer space's W."""
+    settings, boundaries = problem.settings, problem.boundaries
+    state = fem.Function(richer.W)
+    state.x.array[:] = _carried(problem.space, richer, problem.state.x.array)
+    forms = NavierStokes(
+        richer,
+        state,
+        document["density_kg_per_m3"],
+        viscosity.of(document),
+        settings.grad_div_pa_s,
+        settings.backflow_coefficient,
+        problem.jet_length,
+    )
+    forms.mixing.value = problem.mixing
+    residual = fem_petsc.assemble_vector(forms.residual)
+    outflows = boundaries.outflows(problem.state_vector())
+    for tag, pressure in zip(richer.outlets, boundaries.pressures(outflows)):
+        flux = richer.flux_vector(tag)
+        residual.axpy(pressure, flux)
+        flux.destroy()
+    return residual
