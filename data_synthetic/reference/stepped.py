@@ -1,0 +1,150 @@
+"""Loading of a solid model step by step: Newton's method, load steps cut where it fails, plastic state kept."""
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from petsc4py import PETSc
+
+from common import fenicsx
+from common.errors import ComputationError
+
+from . import solid
+
+LOADS = ("balloon_radius", "balloon_stiffness", "balloon_cap", "balloon_share") + (
+    "stent_radius",
+    "stent_stiffness",
+    "stent_cap",
+    "stent_share",
+    "pressure",
+)
+MAX_ITERATIONS = 14
+CUTS = 7
+WORSE = 2.0  # a residual that has grown so far is not waited for
+
+
+class SteppedModel:
+    """What slices and the solid in three dimensions share. A subclass sets, in its constructor,
+
+    u (displacement, fem.Function), _constants (loads by name, fem.Constant), _plastic and _strain (state at the
+    quadrature points: the `plastic_size` components of Cp^-1, the equivalent plastic strain), _update (fem.Expression
+    of both), _cells, and calls `_prepare(residual)`. Loads are a dict of LOADS: two device laws, each with a share
+    of 0 ... 1, and a plain pressure (MPa), for tests.
+    """
+
+    plastic_size = 4
+    kind = "plane-strain slice"
+    remedy = "a finer slice (elements_around, elements_through), or a softer plan"
+
+    def _prepare(self, residual):
+        """Compiles the residual and its tangent, and sets up the linear solver."""
+        self._residual = fenicsx.form(residual)
+        self._tangent = fenicsx.form(ufl.derivative(residual, self.u))
+        self._matrix = fem.petsc.create_matrix(self._tangent)
+        self._vector = fem.petsc.create_vector(self._residual)
+        self._solver = PETSc.KSP().create(PETSc.COMM_SELF)
+        self._solver.setType("preonly")
+        self._solver.getPC().setType("lu")
+        self._solver.setOperators(self._matrix)
+        self.restart()
+
+    def restart(self):
+        """Forgets the steps so far (not the state)."""
+        self.iterations = 0
+        self._last_step = None  # (change of the loads, change of the displacement) of the last step
+
+    def _make_loads(self, mesh, more=()):
+        """Constants of LOADS and `more`: nothing acts; the laws are evaluated even at share 0 and must be regular."""
+        self._constants = {name: fem.Constant(mesh, 0.0) for name in (*LOADS, *more)}
+        self.set_loads(dict.fromkeys(("balloon_stiffness", "balloon_cap", "stent_stiffness", "stent_cap"), 1.0))
+
+    def _at_points(self, mesh, size):
+        """Function with `size` values at each quadrature point."""
+        kind = ufl.VectorElement if size > 1 else ufl.FiniteElement
+        extra = {"dim": size} if size > 1 else {}
+        element = kind("Quadrature", mesh.ufl_cell(), solid.DEVIATORIC_DEGREE, quad_scheme="default", **extra)
+        return fem.Function(fem.FunctionSpace(mesh, element))
+
+    def set_loads(self, loads):
+        """Sets the constants named in `loads` (keys from LOADS)."""
+        for name, value in loads.items():
+            self._constants[name].value = value
+
+    def loads(self):
+        """The present loads."""
+        return {name: float(constant.value) for name, constant in self._constants.items()}
+
+    def _newton(self):
+        """Newton from the present displacement; whether it converged. Leaves the last iterate in u."""
+        scale, first = 1.0, np.inf
+        for iteration in range(MAX_ITERATIONS):
+            with self._vector.localForm() as local:
+                local.set(0)
+            fem.petsc.assemble_vector(self._vector, self._residual)
+            norm = self._vector.norm()
+            if not np.isfinite(norm) or norm > 1e4:
+                return False
+            if iteration > 0 and norm < 1e-9 * scale + 1e-10:
+                return True
+            if iteration > 3 and norm > WORSE * first:
+                return False
+            first = norm if iteration == 0 else first
+            scale = max(scale, norm)
+            self._matrix.zeroEntries()
+            fem.petsc.assemble_matrix(self._matrix, self._tangent)
+            self._matrix.assemble()
+            step = self._vector.duplicate()
+            self._solver.solve(self._vector, step)
+            change = np.abs(step.array).max()
+            self.iterations += 1
+            # Far steps overshoot the contact; the direction is kept.
+            self.u.x.array[:] -= step.array * min(1.0, 0.25 / max(change, 1e-30))
+            step.destroy()
+            if change < 1e-8:
+                return True
+        return False
+
+    def _commit(self):
+        """Makes the plastic state at the present displacement the start of the next step."""
+        size = self.plastic_size
+        values = self._update.eval(self._cells).reshape(-1, size + 1)
+        self._plastic.x.array[:] = values[:, :size].ravel()
+        self._strain.x.array[:] = values[:, size]
+
+    def _predicted(self, change):
+        """Displacement expected of a change of the loads (array): that of the last step if it was of the same kind."""
+        if self._last_step is None:
+            return 0.0
+        loads, moved = self._last_step
+        ratio = (change @ loads) / max(loads @ loads, 1e-300)
+        alike = np.allclose(change, ratio * loads, rtol=0, atol=1e-9 * np.abs(change).max())
+        return ratio * moved if alike and 0 < ratio <= 2 else 0.0
+
+    def advance(self, target, name="load"):
+        """Moves the loads to `target` (dict) in one step, halved where Newton fails.
+
+        Raises ComputationError if a step cut CUTS times still fails.
+        """
+        start = self.loads()
+        goal = {**start, **target}
+        done, step = 0.0, 1.0
+        while done < 1:
+            step = min(step, 1 - done)
+            before = self.u.x.array.copy()
+            share = done + step
+            change = step * np.array([goal[key] - start[key] for key in sorted(goal)])
+            self.set_loads({key: start[key] + share * (goal[key] - start[key]) for key in goal})
+            self.u.x.array[:] += self._predicted(change)
+            if self._newton():
+                self._commit()
+                self._last_step = (change, self.u.x.array - before)
+                done, step = share, 2 * step
+            else:
+                self.u.x.array[:] = before
+                step *= 0.5
+                if step < 0.5**CUTS:
+                    raise ComputationError(
+                        f"the {self.kind} did not converge",
+                        name,
+                        f"stopped at {100 * done:.1f} % of the step to {target}",
+                        self.remedy,
+                    )

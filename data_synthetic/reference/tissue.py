@@ -1,0 +1,31 @@
+"""The diseased branch as the solid models see it: where the tissue lies round the lumen, and what it is made of."""
+
+import numpy as np
+
+from . import materials
+
+EDGE_MM = 0.04  # over which plaque turns into wall
+SHEET_MM = 0.06  # the same at the inner face of a calcified sheet
+
+
+def rays(branch, wall_mm, s_mm, theta_rad):
+    """(inner, outer) radii in mm, each of the common shape of s_mm and theta_rad, about the lumen's axis."""
+    s_mm, theta_rad = np.broadcast_arrays(np.asarray(s_mm, float), theta_rad)
+    inner = branch.radius(s_mm)
+    return inner, inner + branch.plaque_thickness(s_mm, theta_rad) + wall_mm
+
+
+def constants(branch, s_mm, theta_rad, radius_mm):
+    """(share of plaque, shear MPa, yield MPa, hardening MPa), each (n,), at points (n,) about the lumen's axis."""
+    thickness = branch.plaque_thickness(s_mm, theta_rad)
+    depth = radius_mm - branch.radius(s_mm)
+    share = 0.5 * (1 - np.tanh((depth - thickness) / EDGE_MM)) * np.clip(thickness / EDGE_MM, 0, 1)
+    # The sheet lies in the outer half of the plaque: calcium at the lumen round an arc is not computable.
+    deep = 0.5 * (1 + np.tanh((depth - 0.5 * thickness) / SHEET_MM))
+    calcium = branch.calcium_share(s_mm, theta_rad) * deep
+    types = branch.base_type(s_mm)
+    values = np.empty((3, len(share)))
+    for kind in np.unique(types):
+        at = types == kind
+        values[:, at] = materials.blended(materials.OF_TYPE[int(kind)], calcium[at])
+    return share, *values
