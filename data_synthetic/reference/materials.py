@@ -1,8 +1,12 @@
-"""Constants of the reference's tissues, with where they come from. Fixed before any comparison with another model.
+"""Constants of the reference's tissues, with their sources and the ranges found there. Fixed before any comparison.
 
-No value is taken over from a paper as it stands; each is a choice, and the papers named give its order or its limits.
+No value is taken over from a paper as it stands: each is a choice within, or with its distance from, the range of the
+papers named (read in their abstracts; what they measured is not always what a model needs). MPa throughout. Plaque:
+neo-Hookean, multiplicative J2 plasticity with linear isotropic hardening. Wall: Yeoh.
 
-MPa throughout. Plaque: neo-Hookean, multiplicative J2 plasticity with linear isotropic hardening. Wall: Yeoh.
+Check against whole coronary lesions: at a stretch of 1.15 both ways in the plane, Ghorbannia and LaDisa found 0.067,
+0.13 and 0.30 MPa round the vessel in lesions that gave way to a balloon well, less, and little. There the fibrous
+plaque carries 0.12 (it yields), the wall 0.21, the lipid-rich 0.01 and the calcified 0.5 MPa (`biaxial_stress`).
 """
 
 from dataclasses import dataclass
@@ -20,37 +24,72 @@ class Plaque:
     source: str
 
 
-TENG = "Teng et al., J Biomech 48 (2015) 3859"
+TENG = "Teng et al., J Biomech 48 (2015) 3859, doi 10.1016/j.jbiomech.2015.09.037"
+BARRETT = "Barrett et al., J Biomech 42 (2009) 1650, doi 10.1016/j.jbiomech.2009.04.025"
+MAHER = "Maher et al., Ann Biomed Eng 39 (2011) 2445, doi 10.1007/s10439-011-0331-4"
+LESIONS = "Ghorbannia and LaDisa, Front Bioeng Biotechnol 11 (2023) 1192797, doi 10.3389/fbioe.2023.1192797"
 FIBROUS = Plaque(
     0.2,
     0.1,
     0.2,
-    "choice, for the recoil of stents in patients: 5.0 +- 2.2 % and 5.7 +- 4.1 % (Borghi et al., Rev Bras Cardiol "
-    "Invasiva 21 (2013) 326), 8.6 +- 4.9 % (van Bommel et al., Catheter Cardiovasc Interv 2017). Permanent deformation "
-    "that grows with the peak strain: Maher et al., Ann Biomed Eng 39 (2011) 2445. Yield stress within the tensile "
-    f"strength of carotid fibrous caps, 0.16 (0.07 ... 0.26) MPa ({TENG}). Shear modulus above that of indented "
-    "carotid caps, 0.007 ... 0.1 MPa (Barrett et al., J Biomech 42 (2009) 1650)",
+    "shear 0.2: choice, twice the upper end of indented carotid caps, 0.007 ... 0.1 MPa, median 0.011 "
+    f"({BARRETT}), for coronary lesions are stiffer: middle class of {LESIONS}. yield 0.1: choice within the tensile "
+    f"strength of carotid fibrous caps, 0.158 (quartiles 0.072 ... 0.259) MPa ({TENG}). hardening 0.2: choice, that "
+    f"permanent deformation grows about linearly with the peak strain ({MAHER}) and recoil is that of stents in "
+    "patients: 5.0 +- 2.2 % and 5.7 +- 4.1 % (Borghi et al., Rev Bras Cardiol Invasiva 21 (2013) 326), 8.6 +- 4.9 % "
+    "(van Bommel et al., Catheter Cardiovasc Interv 2017)",
 )
 LIPID = Plaque(
     0.02,
     0.01,
     0.005,
-    "choice: a tenth of fibrous; yields below the tensile strength of carotid lipid, 0.07 (0.05 ... 0.09) MPa "
-    f"({TENG})",
+    f"shear 0.02: choice within 0.007 ... 0.1 MPa, near the median 0.011 ({BARRETT}). yield 0.01: choice, below the "
+    f"tensile strength of carotid lipid, 0.069 (quartiles 0.049 ... 0.087) MPa ({TENG}), as it flows before it tears. "
+    f"hardening 0.005: choice, little; permanent deformation like that of other plaque ({MAHER})",
 )
 CALCIFIED = Plaque(
-    2.0, 0.5, 0.1, "choice: ten times fibrous; an effective value for calcified tissue that yields by cracking"
+    2.0,
+    0.5,
+    0.1,
+    "shear 2, yield 0.5, hardening 0.1: choices, ten and five times fibrous; an effective value of tissue with "
+    f"deposits that gives way by cracking, beyond the stiffest class of {LESIONS}; the mineral itself is far stiffer",
 )
 OF_TYPE = {1: FIBROUS, 2: LIPID, 3: CALCIFIED}
 
 WALL_SOURCE = (
-    "choice: soft, then stiffening, as the layers of human coronary arteries do in Holzapfel et al., Am J Physiol "
-    "Heart 289 (2005) H2048; isotropic, and the constants are not theirs"
+    "C10 0.05, C20 0.2: choices; soft, then stiffening, as the layers of human coronary arteries do in Holzapfel et "
+    "al., Am J Physiol Heart 289 (2005) H2048, isotropic here, not their constants; 0.21 MPa at a biaxial stretch of "
+    f"1.15, between the middle and the stiffest class of {LESIONS}"
 )
-SETTINGS_SOURCE = (
-    "choices: support_mpa_per_mm, bulk_modulus_mpa (nearly incompressible), stent_stiffness_mpa_per_mm, "
-    "vessel_bending_n_mm2, edge_decay_mm; recoil, radial strength and bending stiffness of the stent: its device"
-)
+SETTINGS_SOURCE = {
+    "stent_stiffness_mpa_per_mm": "1.5: choice near 0.02 MPa / (0.8 % of 1.5 mm) = 1.6, by the recoil that an outer "
+    "0.2 bar added to the tubular stent of least recoil, 1.54 -> 2.35 % (Barragan et al., Catheter Cardiovasc Interv "
+    "50 (2000) 112)",
+    "stent's recoil_percent": "of its device; measured 4.1 ... 5.9 % (Schmidt et al., Eur J Med Res 22 (2017), doi "
+    "10.1186/s40001-017-0300-y)",
+    "stent's bending_stiffness_n_mm2": "of its device; measured 17 ... 47 N mm2, crimped (Schmidt et al., Catheter "
+    "Cardiovasc Interv 73 (2009) 350, doi 10.1002/ccd.21832)",
+    "support_mpa_per_mm": "0.01: choice without a source",
+    "bulk_modulus_mpa": "20: choice, a hundred times the fibrous shear modulus (Poisson's ratio 0.495)",
+    "vessel_bending_n_mm2": "2: choice without a source; the area of a stented lumen hardly depends on it",
+    "edge_decay_mm": "0.6: choice, of the order of sqrt(r t) (3 (1 - nu^2))^(-1/4) for a shell of radius r and "
+    "thickness t (Timoshenko, Theory of Plates and Shells), 0.8 mm for 1.4 and 0.7 mm",
+}
+
+
+def biaxial_stress(stretch, plaque=None, c10_mpa=0.0, c20_mpa=0.0):
+    """In-plane Cauchy stress (MPa) of an incompressible sheet stretched alike both ways, of a Plaque or a Yeoh wall.
+
+    A plaque that yields: by logarithmic strain, sigma = Y + H (2 ln stretch - sigma / (3 mu)).
+    """
+    if plaque is None:
+        first = 2 * stretch**2 + stretch**-4 - 3
+        return 2 * (c10_mpa + 2 * c20_mpa * first) * (stretch**2 - stretch**-4)
+    elastic = plaque.shear_mpa * (stretch**2 - stretch**-4)
+    if elastic <= plaque.yield_mpa:
+        return elastic
+    hardening = plaque.hardening_mpa
+    return (plaque.yield_mpa + 2 * hardening * np.log(stretch)) / (1 + hardening / (3 * plaque.shear_mpa))
 
 
 def blended(base, calcium_share):

@@ -140,6 +140,10 @@ def _recoil(records):
 
 
 def _materials(settings):
-    plaques = {key: vars(value) for key, value in zip(("fibrous", "lipid", "calcified"), materials.OF_TYPE.values())}
-    wall = {"c10_mpa": settings["wall_c10_mpa"], "c20_mpa": settings["wall_c20_mpa"], "source": materials.WALL_SOURCE}
-    return {**plaques, "wall": wall, "other_settings": materials.SETTINGS_SOURCE}
+    """Constants, their sources, and what each carries at the biaxial stretch of 1.15 that lesions were measured at."""
+    names = dict(zip(("fibrous", "lipid", "calcified"), materials.OF_TYPE.values()))
+    found = {key: {**vars(p), "biaxial_stress_mpa": materials.biaxial_stress(1.15, p)} for key, p in names.items()}
+    c10, c20 = settings["wall_c10_mpa"], settings["wall_c20_mpa"]
+    stress = materials.biaxial_stress(1.15, c10_mpa=c10, c20_mpa=c20)
+    found["wall"] = {"c10_mpa": c10, "c20_mpa": c20, "biaxial_stress_mpa": stress, "source": materials.WALL_SOURCE}
+    return {**found, "other_settings": materials.SETTINGS_SOURCE}

@@ -5,9 +5,10 @@ import types
 import numpy as np
 import pytest
 
+from common import schema
 from common.errors import ComputationError
 from data_synthetic import field, surface
-from data_synthetic.reference import deformation, devices, materials, output, refine, run, straightening
+from data_synthetic.reference import deformation, devices, materials, output, refine, slices, straightening
 
 THETA = 2 * np.pi * np.arange(48) / 48
 
@@ -111,10 +112,37 @@ def test_blended_plaque_runs_from_base_to_calcium():
     assert yields[[0, 2]] == pytest.approx([0.1, 0.5])
 
 
+def test_tissues_carry_what_coronary_lesions_do():
+    """Published classes of lesions at a biaxial stretch of 1.15: 0.067, 0.13, 0.30 MPa."""
+    fibrous, lipid, calcified = (materials.biaxial_stress(1.15, kind) for kind in materials.OF_TYPE.values())
+    assert lipid < 0.067 < fibrous < 0.30 < calcified
+    assert fibrous == pytest.approx(0.117, abs=0.001)  # elastic alone: 0.15
+    assert 0.067 < materials.biaxial_stress(1.15, c10_mpa=0.05, c20_mpa=0.2) < 0.30
+    # below yield a neo-Hookean sheet; just past it no jump
+    gentle = materials.biaxial_stress(1.01, materials.FIBROUS)
+    assert gentle == pytest.approx(0.2 * (1.01**2 - 1.01**-4), rel=1e-12)
+    below, above = (materials.biaxial_stress(x, materials.FIBROUS) for x in (1.0905, 1.0935))
+    assert below < above < below + 0.004
+
+
+def test_every_material_constant_names_a_source_or_says_that_it_has_none():
+    defaults = schema.with_defaults({}, schema.read("reference"))
+    numeric = {"slice_spacing_mm", "margin_mm", "elements_around", "elements_through", "radius_step_mm", "check_slices"}
+    physical = set(defaults) - numeric - {"edge_mm", "wall_c10_mpa", "wall_c20_mpa"}
+    assert physical <= set(materials.SETTINGS_SOURCE)
+    for text in [kind.source for kind in materials.OF_TYPE.values()] + [materials.WALL_SOURCE]:
+        assert "doi" in text or "J Physiol" in text
+    for key in physical:
+        assert materials.SETTINGS_SOURCE[key].startswith(f"{defaults[key]:g}: ")
+    for kind in materials.OF_TYPE.values():
+        for value in (kind.shear_mpa, kind.yield_mpa, kind.hardening_mpa):
+            assert f"{value:g}" in kind.source
+
+
 def test_slices_sit_at_the_ends_of_the_stent():
     balloon = devices.Balloon("b", 15.0, 12.0, 1.0, 1.6, 10.0, 1.1)
     stent = devices.Stent("s", 9.0, 21.0, 0.96, 0.2, 20.0)
-    free, held = run.slice_positions(40.0, [devices.Step("stent", "stent", balloon, stent)], 0.75, 2.5)
+    free, held = slices.slice_positions(40.0, [devices.Step("stent", "stent", balloon, stent)], 0.75, 2.5)
     assert free[0] == pytest.approx(5.5) and free[-1] == pytest.approx(24.5)
     assert {9.0, 21.0} <= set(free) and not np.any((free > 9) & (free < 21))
     assert held[0][2][[0, -1]] == pytest.approx([9, 21]) and np.diff(held[0][2]).max() <= 0.75
