@@ -1,4 +1,4 @@
-"""Command line: python3 -m data_synthetic generate|draw|reference|phantom|segment|ct-study."""
+"""Command line: python3 -m data_synthetic COMMAND; --help lists the commands."""
 
 import argparse
 import pathlib
@@ -22,6 +22,18 @@ def _parser():
     fe.add_argument("--truth", type=pathlib.Path, required=True, help="truth.json of the virtual patient")
     fe.add_argument("--settings", type=pathlib.Path, help="YAML or JSON with the keys of the section `reference`")
     fe.add_argument("--out", type=pathlib.Path, required=True, help="folder for lumen.vtp, lumen.stl, reference.json")
+    solid = commands.add_parser(
+        "reference-3d", help="how far the slices are from a solid in three dimensions (minutes)"
+    )
+    solid.add_argument("--scene", type=pathlib.Path, required=True, help="scene.json: devices and procedure")
+    solid.add_argument("--truth", type=pathlib.Path, required=True, help="truth.json of the virtual patient")
+    solid.add_argument("--settings", type=pathlib.Path, help="YAML or JSON with the keys of the section `reference`")
+    mesh_help = "elements round x through the wall x length in mm, coarse to fine"
+    solid.add_argument("--meshes", nargs="+", default=["8x3x1.6", "12x4x1.1"], metavar="NxNxMM", help=mesh_help)
+    solid.add_argument("--out", type=pathlib.Path, required=True, help="folder for slices_vs_3d.json")
+    other = commands.add_parser("reference-ccx", help="a slice against CalculiX, where that is installed")
+    other.add_argument("--program", default="ccx", help="CalculiX (Debian package calculix-ccx)")
+    other.add_argument("--out", type=pathlib.Path, required=True, help="folder for slices_vs_calculix.json")
     scan = commands.add_parser("phantom", help="CT volume of a lumen")
     scan.add_argument("lumen", type=pathlib.Path, help="closed lumen.vtp with flat ends")
     scan.add_argument("--settings", type=pathlib.Path, help="YAML or JSON with the keys of the section `ct`")
@@ -58,6 +70,14 @@ def main(arguments=None):
 
         for path in draw.run(options.count, options.seed, options.out):
             print(path)
+    elif options.command == "reference-3d":
+        from .reference import against_solid
+
+        against_solid.compare(options.scene, options.truth, options.out, options.meshes, options.settings)
+    elif options.command == "reference-ccx":
+        from .reference import against_calculix
+
+        against_calculix.compare(options.out, options.program)
     elif options.command == "phantom":
         from .ct import scan
 

@@ -20,6 +20,11 @@ def plane_tensor(v):
     return ufl.as_tensor([[v[0], v[3], 0], [v[3], v[1], 0], [0, 0, v[2]]])
 
 
+def full_tensor(v):
+    """Symmetric 3x3 tensor with components (11, 22, 33, 12, 13, 23) of v."""
+    return ufl.as_tensor([[v[0], v[3], v[4]], [v[3], v[1], v[5]], [v[4], v[5], v[2]]])
+
+
 def plaque_return(f, plastic, hardening_strain, shear, yield_stress, hardening):
     """Radial return of the plaque.
 

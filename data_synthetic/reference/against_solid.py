@@ -1,0 +1,114 @@
+"""How far the slices are from a solid in three dimensions: the command `reference-3d`."""
+
+import json
+import logging
+import pathlib
+import re
+import sys
+import time
+
+import numpy as np
+
+from common.errors import InputError
+from common.files import write_json
+
+from . import run, slices
+from .tube_procedure import TreatedTube, enclosed_area
+
+STEP_MM = 0.1
+EDGE_MM = 1.5  # round each end of the stent: judged apart
+END_MM = 1.0  # at the ends of the stretch: not judged
+
+
+def parsed(text):
+    """(elements round, through, element length mm) of e.g. 12x4x1.1. Raises InputError."""
+    match = re.fullmatch(r"(\d+)x(\d+)x(\d+(?:\.\d+)?)", text)
+    mesh = (int(match[1]), int(match[2]), float(match[3])) if match else (0, 0, 0.0)
+    if not (6 <= mesh[0] <= 48 and 2 <= mesh[1] <= 12 and 0.2 <= mesh[2] <= 3):
+        raise InputError(
+            "not a mesh",
+            "--meshes",
+            text,
+            "elements round (6 to 48) x through the wall (2 to 12) x length in mm (0.2 to 3), as 12x4x1.1",
+        )
+    return mesh
+
+
+def slice_profile(field, branch, s_mm):
+    """Area (n,) in mm2 of the lumen that the slices leave at arc lengths s_mm (n,)."""
+    theta = 2 * np.pi * np.arange(96) / 96
+    s, angle = (v.ravel() for v in np.meshgrid(s_mm, theta, indexing="ij"))
+    moved = field.in_plane(s, angle) + branch.radius(s)[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return enclosed_area(*moved.reshape(len(s_mm), len(theta), 2).transpose(2, 0, 1))
+
+
+def compared(s_mm, area, against, span_mm):
+    """Errors in per cent of area (n,) against another (n,) over the regions of a stented span, and of its smallest."""
+    error = 100 * (area / against - 1)
+    away = np.minimum(np.abs(s_mm - span_mm[0]), np.abs(s_mm - span_mm[1]))
+    stented = (s_mm >= span_mm[0]) & (s_mm <= span_mm[1])
+    regions = {
+        "stent": stented & (away > EDGE_MM),
+        "stent_edges": away <= EDGE_MM,
+        "beyond": ~stented & (away > EDGE_MM),
+    }
+    found = {
+        f"{name}_area_percent": {
+            "mean": float(error[at].mean()),
+            "rms": float(np.sqrt(np.mean(error[at] ** 2))),
+            "largest": float(error[at][np.argmax(np.abs(error[at]))]),
+        }
+        for name, at in regions.items()
+        if at.any()
+    }
+    smallest, other = area[stented].min(), against[stented].min()
+    found["minimal_stent_area_percent"] = float(100 * (smallest / other - 1))
+    found["resistance_percent"] = float(100 * (np.sum(area**-2.0) / np.sum(against**-2.0) - 1))
+    return found
+
+
+def compare(scene_path, truth_path, out, meshes, settings_path=None):
+    """Writes `out`/slices_vs_3d.json: both areas along the axis, their differences, and those between the meshes.
+
+    meshes: texts for `parsed`, coarse to fine; the slices are judged by the last. Raises InputError, ComputationError.
+    """
+    logging.disable(logging.INFO)
+    parsed_meshes = [parsed(text) for text in meshes]
+    scene, settings = run.load_scene(scene_path), run.load_settings(settings_path)
+    patient, steps = run.patient_and_steps(scene, scene_path, truth_path)
+    begun = time.perf_counter()
+    field, records, free_s = slices.lumen_field(slices.model_of(settings), patient, steps, settings)
+    slice_seconds = time.perf_counter() - begun
+    s = np.arange(free_s[0] + END_MM, free_s[-1] - END_MM, STEP_MM)
+    area = slice_profile(field, patient.branch, s)
+    solids, areas = [], []
+    for text, mesh in zip(meshes, parsed_meshes):
+        begun = time.perf_counter()
+        print(f"solid of {text} elements", file=sys.stderr)
+        tube = TreatedTube(patient, steps, settings, mesh)
+        tube.run()
+        areas.append(np.interp(s, *tube.profile()))
+        solids.append(
+            {
+                "mesh": text,
+                "degrees_of_freedom": tube.model.degrees_of_freedom(),
+                "iterations": tube.model.iterations,
+                "seconds": round(time.perf_counter() - begun, 1),
+                "area_mm2": areas[-1].round(6).tolist(),
+                "slices_against_it": compared(s, area, areas[-1], tube.span),
+            }
+        )
+        if len(areas) > 1:
+            solids[-1]["mesh_before_against_it"] = compared(s, areas[-2], areas[-1], tube.span)
+    document = {
+        "schema": "vci-slices-vs-3d-1",
+        "case": scene.get("case"),
+        "settings": settings,
+        "s_mm": s.round(6).tolist(),
+        "area_before_mm2": (np.pi * patient.branch.radius(s) ** 2).round(6).tolist(),
+        "slices": {"count": len(records), "seconds": round(slice_seconds, 1), "area_mm2": area.round(6).tolist()},
+        "solids": solids,
+    }
+    write_json(pathlib.Path(out) / "slices_vs_3d.json", document)
+    print(json.dumps(solids[-1]["slices_against_it"], indent=1))
+    return document

@@ -1,0 +1,113 @@
+"""A stretch of the vessel as a solid in three dimensions: the slices' tissues, support and device laws."""
+
+import basix
+import numpy as np
+import ufl
+from dolfinx import fem
+
+from . import solid
+from .stepped import SteppedModel
+from .tube_mesh import ENDS, LUMEN, OUTSIDE
+
+PLACES = ("balloon_centre", "balloon_half_length", "balloon_shoulder", "stent_start", "stent_end")
+ROLLER_MPA_PER_MM = 1e5  # holds the end faces in their planes
+
+
+class TubeModel(SteppedModel):
+    """Hexahedra of degree 2, displacement only, volumetric part integrated with 2 x 2 x 2 points.
+
+    tube: Tube; axis: Curve; material: (s, theta, radius) arrays (n,) to (share of plaque, shear, yield, hardening MPa);
+    settings: section `reference`. Loads besides LOADS: PLACES (mm), where balloon and stent are; the stent acts on the
+    material points of its span. The devices lie on the lumen's axis at rest; a point's distance from them and its arc
+    length are measured from the frame of its section at rest.
+    """
+
+    plastic_size = 6
+    kind = "solid in three dimensions"
+    remedy = "more elements, a smaller radius_step_mm, or a softer plan"
+
+    def __init__(self, tube, axis, material, settings):
+        self.tube, mesh = tube, tube.mesh
+        self._space = fem.FunctionSpace(mesh, ufl.VectorElement("Lagrange", mesh.ufl_cell(), 2))
+        scalar = fem.FunctionSpace(mesh, ("Lagrange", 2))
+        self._node = tube.nodes_of(self._space.tabulate_dof_coordinates())
+        self._scalar_node = tube.nodes_of(scalar.tabulate_dof_coordinates())
+        self.u = fem.Function(self._space)
+        self._make_loads(mesh, PLACES)
+        self.set_loads({"balloon_shoulder": 1.0})
+        self._held = fem.Function(scalar)
+        self._plastic, self._strain, self._material = (self._at_points(mesh, n) for n in (6, 1, 4))
+        points, _ = basix.make_quadrature(basix.CellType.hexahedron, solid.DEVIATORIC_DEGREE)
+        self._cells = np.arange(mesh.topology.index_map(3).size_local, dtype=np.int32)
+        chart = self._field(tube.chart_mm)
+        self._rest(fem.Expression(chart, points), material)
+        self._compile(points, chart, axis, settings)
+
+    def _field(self, values):
+        """Function of degree 2 with `values` (nodes, 3)."""
+        found = fem.Function(self._space)
+        found.x.array[:] = values[self._node].ravel()
+        return found
+
+    def _rest(self, chart, material):
+        """Material constants and the virgin state at the quadrature points."""
+        s, a, b = chart.eval(self._cells).reshape(-1, 3).T
+        self._material.x.array[:] = np.stack(material(s, np.arctan2(b, a), np.hypot(a, b)), axis=1).ravel()
+        self._plastic.x.array[:] = np.tile([1.0, 1.0, 1.0, 0.0, 0.0, 0.0], len(s))
+
+    def _compile(self, points, chart, axis, settings):
+        mesh, u, v = self.tube.mesh, self.u, ufl.TestFunction(self._space)
+        f = ufl.Identity(3) + ufl.grad(u)
+        share, shear, yields, hardening = (self._material[i] for i in range(4))
+        plastic = solid.full_tensor(self._plastic)
+        stress, plastic, strain = solid.plaque_return(f, plastic, self._strain, shear, yields, hardening)
+        c10, c20 = (fem.Constant(mesh, float(settings[f"wall_{name}_mpa"])) for name in ("c10", "c20"))
+        deviatoric = share * stress + (1 - share) * solid.wall_stress(f, c10, c20)
+        six = [plastic[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+        self._update = fem.Expression(ufl.as_vector([*six, strain]), points)
+        bulk = fem.Constant(mesh, float(settings["bulk_modulus_mpa"]))
+        support = fem.Constant(mesh, float(settings["support_mpa_per_mm"]))
+        virtual = ufl.grad(v) * ufl.inv(f)
+        full = ufl.dx(domain=mesh, metadata={"quadrature_degree": solid.DEVIATORIC_DEGREE})
+        reduced = ufl.dx(domain=mesh, metadata={"quadrature_degree": solid.VOLUMETRIC_DEGREE})
+        ds = ufl.Measure("ds", domain=mesh, subdomain_data=self.tube.facet_tags, metadata={"quadrature_degree": 5})
+        centre = self._field(axis.point(self.tube.chart_mm[:, 0]))
+        tangent = self._field(axis.frame(self.tube.chart_mm[:, 0])[0])
+        at = ufl.SpatialCoordinate(mesh) + u - centre
+        along = ufl.inner(at, tangent)
+        across = at - along * tangent
+        distance = ufl.sqrt(ufl.inner(across, across))
+        c = self._constants
+        covered = ufl.And(ufl.gt(chart[0], c["stent_start"]), ufl.lt(chart[0], c["stent_end"]))
+        beyond = ufl.max_value(abs(chart[0] + along - c["balloon_centre"]) - c["balloon_half_length"], 0.0)
+        tapered = c["balloon_radius"] * ufl.max_value(1 - beyond / c["balloon_shoulder"], 0.0)
+        radii = {"balloon": tapered, "stent": self._held}
+        shares = {"balloon": 1.0, "stent": ufl.conditional(covered, 1.0, 0.0)}
+        load = c["pressure"]
+        for name, radius in radii.items():
+            law = solid.device_pressure(distance, radius, c[f"{name}_stiffness"], c[f"{name}_cap"])
+            load = load + shares[name] * c[f"{name}_share"] * law
+        area_normal = ufl.det(f) * ufl.inv(f).T * ufl.FacetNormal(mesh)
+        self._prepare(
+            ufl.inner(deviatoric, virtual) * full
+            + solid.volumetric_stress(f, bulk) * ufl.tr(virtual) * reduced
+            + load * ufl.inner(area_normal, v) * ds(LUMEN)
+            + support * ufl.inner(u, v) * ds(OUTSIDE)
+            + ROLLER_MPA_PER_MM * ufl.inner(u, tangent) * ufl.inner(v, tangent) * ds(ENDS)
+        )
+        self._solver.getPC().setFactorSolverType("mumps")
+
+    def set_held(self, radius_mm):
+        """Radius (stations,) in mm that the stent holds at each station."""
+        per_node = np.repeat(radius_mm, len(self.tube.points_mm) // len(radius_mm))
+        self._held.x.array[:] = per_node[self._scalar_node]
+
+    def displacement(self):
+        """Displacement (nodes, 3) in mm."""
+        moved = np.empty_like(self.tube.points_mm)
+        moved[self._node] = self.u.x.array.reshape(-1, 3)
+        return moved
+
+    def degrees_of_freedom(self):
+        """Number of unknowns."""
+        return len(self.u.x.array)

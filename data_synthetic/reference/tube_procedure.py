@@ -1,0 +1,126 @@
+"""The steps of an intervention in the solid in three dimensions, as `procedure` does them in one slice."""
+
+import sys
+
+import numpy as np
+
+from common.errors import InputError
+
+from . import slices, tissue
+from .procedure import DEFLATION_STEPS
+from .tube_mesh import Tube
+from .tube_model import TubeModel
+
+
+def enclosed_area(a_mm, b_mm):
+    """Areas (n,) in mm2 of closed smooth curves given at m even parameters, both (n, m); spectral derivative."""
+    wave = 1j * np.fft.rfftfreq(a_mm.shape[1], 1 / a_mm.shape[1])
+    slope_a, slope_b = (np.fft.irfft(wave * np.fft.rfft(v, axis=1), a_mm.shape[1], axis=1) for v in (a_mm, b_mm))
+    return np.pi * np.mean(a_mm * slope_b - b_mm * slope_a, axis=1)
+
+
+def stations(breaks_mm, element_mm):
+    """Arc lengths of corners and middles of elements of about element_mm, with a corner at each of breaks_mm."""
+    found = [np.array([breaks_mm[0]])]
+    for a, b in zip(breaks_mm[:-1], breaks_mm[1:]):
+        count = 2 * max(int(np.ceil((b - a) / element_mm)), 1)
+        found.append(np.linspace(a, b, count + 1)[1:])
+    return np.concatenate(found)
+
+
+class TreatedTube:
+    """The stretch of `patient` that the steps reach, treated; afterwards `profile()` is the lumen's area.
+
+    mesh: (elements round, elements through, element length mm). One stented stretch at most.
+    """
+
+    def __init__(self, patient, steps, settings, mesh):
+        around, through, element_mm = mesh
+        self.branch, self.steps, self.settings = patient.branch, steps, settings
+        axis = self.branch.axis
+        free_s, held = slices.slice_positions(
+            axis.length_mm, steps, settings["slice_spacing_mm"], settings["margin_mm"]
+        )
+        if len(held) != 1:
+            raise InputError(
+                "the solid in three dimensions takes one stented stretch",
+                "procedure",
+                f"{len(held)} stretches",
+                "a plan with one stent, or stents that overlap",
+            )
+        self.span = held[0][:2]
+        station_s = stations([free_s[0], *self.span, free_s[-1]], element_mm)
+        theta = np.pi * np.arange(2 * around) / around
+        inner, outer = tissue.rays(self.branch, patient.wall_mm, station_s[:, None], theta[None])
+        self.tube = Tube(axis, station_s, inner, outer, through)
+
+        def material(s, theta, radius):
+            return tissue.constants(self.branch, s, theta, radius)
+
+        self.model = TubeModel(self.tube, axis, material, settings)
+        self.model.set_loads({"stent_start": self.span[0], "stent_end": self.span[1]})
+
+    def run(self):
+        """Does all steps. Raises ComputationError where a step does not converge."""
+        held = np.zeros(len(self.tube.station_s_mm))
+        inside = (self.tube.station_s_mm > self.span[0] - 1e-6) & (self.tube.station_s_mm < self.span[1] + 1e-6)
+        carried, model = None, self.model
+        for step in self.steps:
+            self._inflate(model, step)
+            carried = step.stent or carried
+            if carried:
+                reached = np.minimum(np.sqrt(self.profile()[1] / np.pi), step.balloon.radius_at(self.tube.station_s_mm))
+                held = np.where(inside, np.maximum(held, carried.recoil_share * reached), 0.0)
+                model.set_held(_extended(held, inside))
+                model.set_loads(
+                    {"stent_stiffness": self.settings["stent_stiffness_mpa_per_mm"], "stent_cap": carried.cap_mpa}
+                )
+            begin = model.loads()
+            for share in np.linspace(0, 1, DEFLATION_STEPS + 1)[1:]:
+                goal = begin["stent_share"] + share * ((1.0 if carried else 0.0) - begin["stent_share"])
+                model.advance({"balloon_share": begin["balloon_share"] * (1 - share), "stent_share": goal}, step.name)
+            self._say(step.name, "deflated")
+
+    def _inflate(self, model, step):
+        balloon = step.balloon
+        near = np.abs(self.tube.station_s_mm - balloon.centre_s_mm) < 0.5 * balloon.length_mm
+        start = max(float(np.linalg.norm(self._across(), axis=2)[near].min()) - 0.05, 0.0)
+        if balloon.radius_mm <= start:
+            return
+        law = {"balloon_stiffness": balloon.stiffness_mpa_per_mm, "balloon_cap": balloon.cap_mpa}
+        places = {
+            "balloon_centre": balloon.centre_s_mm,
+            "balloon_half_length": 0.5 * balloon.length_mm,
+            "balloon_shoulder": balloon.shoulder_mm,
+        }
+        model.set_loads({"balloon_radius": start, "balloon_share": 1.0, **law, **places})
+        count = max(int(np.ceil((balloon.radius_mm - start) / self.settings["radius_step_mm"])), 1)
+        for value in np.linspace(start, balloon.radius_mm, count + 1)[1:]:
+            model.advance({"balloon_radius": float(value)}, step.name)
+            self._say(step.name, f"balloon {value:.3f} mm")
+
+    def _say(self, step, what):
+        area = self.profile()[1].min()
+        print(f"{step}: {what}, smallest area {area:.3f} mm2, {self.model.iterations} iterations", file=sys.stderr)
+
+    def _moved(self):
+        """Positions (stations, 2 around, 3) of the lumen's nodes: along, normal, binormal of their section at rest."""
+        nodes = self.tube.lumen_nodes()
+        s = self.tube.station_s_mm
+        moved = (self.tube.points_mm + self.model.displacement())[nodes] - self.branch.axis.point(s)[:, None]
+        frame = np.stack(self.branch.axis.frame(s), axis=1)
+        return np.einsum("skj,smj->smk", frame, moved)
+
+    def _across(self):
+        return self._moved()[..., 1:]
+
+    def profile(self):
+        """(arc length (stations,) mm where the stations have come to, area (stations,) mm2) of the lumen."""
+        moved = self._moved()
+        return self.tube.station_s_mm + moved[..., 0].mean(axis=1), enclosed_area(moved[..., 1], moved[..., 2])
+
+
+def _extended(held, inside):
+    """Values of the stented stations, carried on to the others, where they do not act."""
+    at = np.flatnonzero(inside)
+    return held[np.clip(np.arange(len(held)), at[0], at[-1])]
