@@ -47,9 +47,10 @@ struct Way {
   }
 };
 
-Way way_from(const Balls& balls, const std::vector<std::size_t>& before, std::size_t ball) {
+Way way_from(const Balls& balls, const Ways& ways, std::size_t ball) {
   Way way;
-  for (std::size_t at = ball; at != balls.centre.size(); at = before[at]) {
+  for (std::size_t at = ball, last = balls.centre.size(); at != last; at = ways.before[at]) {
+    last = at;
     way.s.push_back(way.points.empty() ? 0 : way.s.back() + (balls.centre[at] - way.points.back()).norm());
     way.points.push_back(balls.centre[at]);
     way.radius.push_back(balls.radius[at]);
@@ -240,8 +241,7 @@ bool cut_tips(Mesh& mesh, const std::vector<End>& ends, const std::vector<Vec3>&
       continue;
     }
     const auto from = tip == tips[0].vertex ? tips[1].vertex : tips[0].vertex;
-    const auto before = cheapest_ways(balls, ball_of(mesh, balls, ends, from));
-    const Way way = way_from(balls, before, ball);
+    const Way way = way_from(balls, cheapest_ways(balls, ball_of(mesh, balls, ends, from)), ball);
     if (way.length() < way.radius.front()) // a ball has tips but no vessel between them
       continue;
     cuts.emplace_back(tip, plane_across(mesh, way, cut_place(way)));
@@ -262,9 +262,9 @@ void cut_across(Mesh& mesh, const std::vector<End>& ends, const std::vector<Vec3
   const Balls balls = inner_balls(mesh, ends);
   std::vector<Way> ways;
   if (tips.size() >= 2) {
-    const auto before = cheapest_ways(balls, ball_of(mesh, balls, ends, tips[0].vertex));
+    const Ways from_tip = cheapest_ways(balls, ball_of(mesh, balls, ends, tips[0].vertex));
     for (std::size_t t = 1; t < tips.size(); ++t)
-      ways.push_back(way_from(balls, before, ball_of(mesh, balls, ends, tips[t].vertex)));
+      ways.push_back(way_from(balls, from_tip, ball_of(mesh, balls, ends, tips[t].vertex)));
   }
   for (const Vec3& p : points) {
     const Way* nearest = nullptr;

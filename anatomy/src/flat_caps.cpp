@@ -18,6 +18,7 @@ constexpr double smallest_roundness = 0.6; // 4 pi A / P^2
 constexpr double off_plane = 0.03;         // of the patch's equivalent diameter
 constexpr double smallest_radius = 0.25;   // of the lumen's mean radius
 constexpr double sliver = 0.02;            // of the mean area: too small a triangle to have a normal worth asking
+constexpr int fewest_corners = 5;          // of a rim: a facet or two of a coarse wall are no end
 constexpr int rings_of_wall = 3;           // beside the rim, so that a chamfer of one triangle does not decide
 
 struct Shape {
@@ -89,14 +90,17 @@ bool is_cap(const Mesh& mesh, const Shape& shape, const std::vector<Face>& patch
   const std::set<Face> inside(patch.begin(), patch.end());
   Vec3 total = Vec3::Zero();
   double perimeter = 0;
+  int corners = 0;
   for (Face f : patch) {
     total += shape.area[f] * shape.normal[f];
     for (Halfedge h : mesh.halfedges_around_face(mesh.halfedge(f)))
-      if (!inside.contains(mesh.face(mesh.opposite(h))))
+      if (!inside.contains(mesh.face(mesh.opposite(h)))) {
         perimeter += (vec(mesh.point(mesh.source(h))) - vec(mesh.point(mesh.target(h)))).norm();
+        ++corners;
+      }
   }
   const double area = total.norm();
-  if (area < smallest_area || 4 * M_PI * area < smallest_roundness * perimeter * perimeter)
+  if (corners < fewest_corners || area < smallest_area || 4 * M_PI * area < smallest_roundness * perimeter * perimeter)
     return false;
   const Vec3 normal = total / area;
   double lowest = 1e300, highest = -1e300;

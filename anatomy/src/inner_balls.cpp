@@ -6,7 +6,6 @@
 #include <CGAL/Triangulation_cell_base_with_info_3.h>
 #include <CGAL/Triangulation_vertex_base_with_info_3.h>
 #include <algorithm>
-#include <queue>
 
 namespace anatomy {
 namespace {
@@ -103,29 +102,15 @@ std::size_t ball_at(const Balls& balls, const End& end) {
   return best;
 }
 
-std::vector<std::size_t> cheapest_ways(const Balls& balls, std::size_t from) {
-  constexpr double infinity = 1e300;
-  std::vector<double> cost(balls.centre.size(), infinity);
-  std::vector<std::size_t> before(balls.centre.size(), balls.centre.size());
-  using Item = std::pair<double, std::size_t>;
-  std::priority_queue<Item, std::vector<Item>, std::greater<>> queue;
-  cost[from] = 0;
-  queue.emplace(0, from);
-  while (!queue.empty()) {
-    const auto [c, i] = queue.top();
-    queue.pop();
-    if (c > cost[i])
-      continue;
+Ways cheapest_ways(const Balls& balls, std::size_t from) {
+  std::vector<WayGraph::Link> links;
+  std::vector<double> costs;
+  for (std::size_t i = 0; i < balls.centre.size(); ++i)
     for (std::size_t j : balls.neighbours[i]) {
-      const double next = c + (balls.centre[i] - balls.centre[j]).norm() * 2 / (balls.radius[i] + balls.radius[j]);
-      if (next < cost[j]) {
-        cost[j] = next;
-        before[j] = i;
-        queue.emplace(next, j);
-      }
+      links.emplace_back(i, j);
+      costs.push_back((balls.centre[i] - balls.centre[j]).norm() * 2 / (balls.radius[i] + balls.radius[j]));
     }
-  }
-  return before;
+  return WayGraph(balls.centre.size(), links, costs).from(from);
 }
 
 } // namespace anatomy

@@ -1,6 +1,7 @@
 // The balls inscribed in the lumen: circumspheres of the Delaunay tetrahedra of the wall's vertices, and the cheapest
 // ways between them (Antiga, Ene-Iordache, Remuzzi 2003).
 #pragma once
+#include "shortest_ways.hpp"
 #include "types.hpp"
 
 namespace anatomy {
@@ -16,9 +17,8 @@ struct Balls {
 /// through the ends.
 Balls inner_balls(const Mesh& mesh, const std::vector<End>& ends);
 
-/// For each ball the one before it on the cheapest way (integral of ds/R) from ball `from`; the number of balls where
-/// there is none.
-std::vector<std::size_t> cheapest_ways(const Balls& balls, std::size_t from);
+/// The cheapest ways (integral of ds/R) from ball `from` to all others.
+Ways cheapest_ways(const Balls& balls, std::size_t from);
 
 /// The ball nearest to the end's centre among those that fill at least half of the end. Throws ComputationError if
 /// there is none.

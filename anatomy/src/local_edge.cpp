@@ -1,5 +1,6 @@
 #include "local_edge.hpp"
 #include "corners.hpp"
+#include "ends.hpp"
 #include "remesh.hpp"
 #include <CGAL/Polygon_mesh_processing/remesh.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
@@ -11,7 +12,9 @@ namespace {
 namespace PMP = CGAL::Polygon_mesh_processing;
 
 constexpr double edge_per_radius = 0.3;
-constexpr double growth = 0.3; // of the edge, mm per mm along the wall
+constexpr double largest_edge_per_radius = 0.8; // eight edges round the narrowest throat
+constexpr double thinnest = 0.05;               // mm; shorter edges only where a shorter `edge` asks for them
+constexpr double growth = 0.3;                  // of the edge, mm per mm along the wall
 // CGAL's remeshing tolerates edges of 0.8 to 1.33 of its target: at this step a level's edges suit its neighbour's.
 constexpr double level_step = 0.85;
 constexpr double good_corner = 30;    // degrees
@@ -78,6 +81,15 @@ struct Remesher {
     return faces;
   }
 
+  // All faces, the caps' too, where at least this length is wanted.
+  std::vector<Face> faces_from(double length) const {
+    std::vector<Face> faces;
+    for (Face f : mesh.faces())
+      if (field.at(centroid(mesh, f)) >= length)
+        faces.push_back(f);
+    return faces;
+  }
+
   // Every step flips and relaxes; `resize` splits and collapses, too.
   void remesh(const std::vector<Face>& faces, double target, unsigned iterations, bool resize) {
     RegionMap region = region_map(mesh);
@@ -112,7 +124,22 @@ struct Remesher {
       remesh(faces, coarsest, 3, false);
   }
 
+  // From a mesh of uniform edge: first what is to be finer, then upwards, each level with all that is to be coarser.
+  void resize_both_ways(double uniform) {
+    resize(level_step * uniform);
+    for (double target = uniform / level_step;; target = std::min(target / level_step, field.edge())) {
+      const std::vector<Face> faces = faces_from(target * std::sqrt(level_step));
+      if (!faces.empty())
+        remesh(faces, target, 5, true);
+      if (target == field.edge())
+        break;
+    }
+    remesh(faces_up_to(field.edge()), field.edge(), 3, false);
+    flatten_caps(mesh);
+  }
+
   Mesh finished() {
+    untangle(mesh);
     check_remeshed(mesh, field.edge());
     Mesh widened = mesh;
     widen_corners(widened, surface, wall, aimed_corner);
@@ -130,8 +157,9 @@ EdgeField::EdgeField(double edge, const std::vector<Branch>& branches, const std
         continue;
       const double radius = branches[b].radius[i], reference = 0.5 * profiles[b].diameter(branches[b].s[i]);
       const double wanted = std::min(edge * radius / reference, edge_per_radius * radius);
+      const double least = std::min(smallest_edge_factor * edge, std::max(largest_edge_per_radius * radius, thinnest));
       if (wanted < edge)
-        narrow_.push_back({branches[b].x[i], radius, std::max(wanted, smallest_edge_factor * edge)});
+        narrow_.push_back({branches[b].x[i], radius, std::max(wanted, least)});
     }
 }
 
@@ -145,6 +173,12 @@ double EdgeField::at(const Vec3& p) const {
 Mesh graded(const Mesh& mesh, const Mesh& surface, const EdgeField& field) {
   Remesher remesher(mesh, surface, field);
   remesher.resize(level_step * field.edge());
+  return remesher.finished();
+}
+
+Mesh coarsened(const Mesh& mesh, double edge, const Mesh& surface, const EdgeField& field) {
+  Remesher remesher(mesh, surface, field);
+  remesher.resize_both_ways(edge);
   return remesher.finished();
 }
 

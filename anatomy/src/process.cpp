@@ -4,15 +4,18 @@
 #include "cut_ends.hpp"
 #include "ends.hpp"
 #include "extend.hpp"
+#include "handles.hpp"
 #include "local_edge.hpp"
 #include "refine.hpp"
 #include "repair.hpp"
+#include "section_noise.hpp"
 #include "surface_file.hpp"
 #include "tips.hpp"
 #include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/repair.h>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <vtkCellData.h>
 
 namespace anatomy {
@@ -20,6 +23,14 @@ namespace {
 
 namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
+
+constexpr double finest_start = 0.05;     // mm
+constexpr double most_triangles = 250000; // of a mesh to start from: some 20 s
+
+// Whether a mesh of this edge (mm) may be tried where a coarser one fails.
+bool may_start_from(double edge, const Mesh& surface) {
+  return edge >= finest_start && PMP::area(surface) / (std::sqrt(3.0) / 4 * edge * edge) < most_triangles;
+}
 
 nlohmann::json read_like(const std::string& path) {
   std::ifstream file(path);
@@ -74,8 +85,8 @@ void cut_flat(Prepared& out, const Options& options) {
 void check_no_handle(Mesh& mesh) {
   PMP::remove_isolated_vertices(mesh);
   mesh.collect_garbage();
-  if (const auto where = place_on_handle(mesh))
-    throw InputError("the lumen forms a ring, as no coronary tree does", "near " + place(*where),
+  if (const auto places = places_on_handles(mesh); !places.empty())
+    throw InputError("the lumen forms a ring, as no coronary tree does", "near " + place(vec(mesh.point(places[0]))),
                      "Euler number " +
                          std::to_string(static_cast<long>(mesh.number_of_vertices() + mesh.number_of_faces()) -
                                         static_cast<long>(mesh.number_of_edges())),
@@ -106,13 +117,49 @@ std::vector<double> extensions(const Options& options, std::size_t ends, std::si
   return radii;
 }
 
-// The mesh for the deployment: an earlier state's as far as it still is as wanted, else from the uniform one.
-Mesh graded_mesh(const Mesh& mesh, bool kept, const Mesh& surface, const EdgeField& field) {
+// The mesh whose inscribed balls give the axes, and the ways through them.
+struct Start {
+  Mesh mesh;
+  double edge; ///< mm, of the mesh
+  std::vector<Path> paths;
+};
+
+// Of the wanted edge; where that is too coarse to follow the lumen through a narrowing, of the half of it, and so on.
+Start started(const Mesh& coarse, const Prepared& prepared, const Options& options, std::size_t inlet,
+              StepTimer& timer) {
+  for (double edge = options.edge;; edge /= 2)
+    try {
+      timer.start("remesh");
+      Mesh mesh = remeshed(coarse, edge, prepared.mesh);
+      timer.start("centreline");
+      std::vector<Path> paths = voronoi_paths(mesh, prepared.ends, inlet);
+      return {std::move(mesh), edge, std::move(paths)};
+    } catch (const common::ComputationError&) {
+      if (!may_start_from(edge / 2, prepared.mesh))
+        throw;
+    }
+}
+
+// From the uniform mesh; where that has pinched a throat, from finer ones.
+Mesh graded_from(const Start& start, const Mesh& surface, const EdgeField& field) {
+  for (double edge = start.edge;; edge /= 2)
+    try {
+      if (edge >= field.edge())
+        return graded(start.mesh, surface, field);
+      return coarsened(edge == start.edge ? start.mesh : remeshed(surface, edge, surface), edge, surface, field);
+    } catch (const common::ComputationError&) {
+      if (!may_start_from(edge / 2, surface))
+        throw;
+    }
+}
+
+// The mesh for the deployment: an earlier state's as far as it still is as wanted, else made anew.
+Mesh graded_mesh(const Start& start, bool kept, const Mesh& surface, const EdgeField& field) {
   if (!kept)
-    return graded(mesh, surface, field);
-  if (const auto regraded_mesh = regraded(mesh, surface, field))
+    return graded_from(start, surface, field);
+  if (const auto regraded_mesh = regraded(start.mesh, surface, field))
     return *regraded_mesh;
-  return graded(remeshed(surface, field.edge(), surface), surface, field);
+  return graded_from({remeshed(surface, field.edge(), surface), field.edge(), {}}, surface, field);
 }
 
 } // namespace
@@ -132,8 +179,10 @@ Prepared prepare(const Options& options, StepTimer& timer) {
   timer.start("ends");
   cap_open_ends(out.mesh, out.repairs);
   orient_outward(out.mesh, out.repairs);
+  remove_small_handles(out.mesh, out.repairs);
   timer.start("self-intersections");
   remove_self_intersections(out.mesh, out.repairs);
+  check_no_handle(out.mesh);
   timer.start("caps");
   if (!caps.empty())
     tag_given_caps(out.mesh, caps);
@@ -149,6 +198,9 @@ Prepared prepare(const Options& options, StepTimer& timer) {
   out.given = out.mesh;
   if (is_coarse(out.mesh))
     out.mesh = curved_refined(out.mesh);
+  for (const Repair& repair : out.repairs)
+    if (repair.warning)
+      std::cerr << "lumen: warning: " << repair.what << ": " << repair.detail << '\n';
   return out;
 }
 
@@ -167,25 +219,27 @@ Anatomy process(const Options& options, StepTimer& timer) {
   const Naming naming = named(out.ends, options, like);
   timer.start("extend");
   prepared.mesh = extended(prepared.mesh, out.ends, extensions(options, out.ends.size(), naming.inlet));
-  timer.start("remesh");
   const bool extends = options.extend_inlet > 0 || options.extend_outlets > 0;
   const Mesh& coarse = extends ? prepared.mesh : prepared.given; // which is the faster to remesh
   const bool kept = !extends && may_be_kept(options, prepared, prepared.input->GetCellData()->HasArray("region_id"));
-  out.mesh = kept ? prepared.given : remeshed(coarse, options.edge, prepared.mesh);
-  timer.start("centreline");
-  const std::vector<Path> paths = voronoi_paths(out.mesh, out.ends, naming.inlet);
+  prepared.ends = out.ends; // with their extensions
+  if (kept)
+    timer.start("centreline");
+  Start start = kept ? Start{prepared.given, options.edge, voronoi_paths(prepared.given, out.ends, naming.inlet)}
+                     : started(coarse, prepared, options, naming.inlet, timer);
   const WallTree wall(prepared.mesh);
   const std::vector<End> before = out.ends;
-  out.branches = build_tree(paths, out.ends, naming.inlet, wall, options.spacing, naming.branch);
-  retag(out.mesh, out.ends, before);
+  out.branches = build_tree(start.paths, out.ends, naming.inlet, wall, options.spacing, naming.branch);
+  retag(start.mesh, out.ends, before);
   timer.start("sections");
   out.sections = cut_sections(prepared.mesh, out.branches, out.ends);
+  smooth_noisy_areas(out.branches, out.sections, out.repairs);
   timer.start("lesions");
   out.profiles = reference_profiles(out.branches, out.sections, out.repairs);
   out.lesions = find_lesions(out.branches, out.sections, out.profiles);
   timer.start("grade");
   retag(prepared.mesh, out.ends, before);
-  out.mesh = graded_mesh(out.mesh, kept, prepared.mesh, EdgeField(options.edge, out.branches, out.profiles));
+  out.mesh = graded_mesh(start, kept, prepared.mesh, EdgeField(options.edge, out.branches, out.profiles));
   out.quality = quality_of(out.mesh);
   timer.start("arrays");
   out.arrays = arrays_of(out.mesh, out.branches, out.profiles, prepared.input);

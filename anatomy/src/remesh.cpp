@@ -3,6 +3,7 @@
 #include "ends.hpp"
 #include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/remesh.h>
+#include <CGAL/Polygon_mesh_processing/repair_self_intersections.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <algorithm>
 
@@ -43,8 +44,26 @@ Mesh remeshed(const Mesh& mesh, double edge, const Mesh& surface) {
   out.remove_property_map(rim);
   out.collect_garbage();
   flatten_caps(out);
+  untangle(out);
   check_remeshed(out, edge);
   return out;
+}
+
+void untangle(Mesh& mesh) {
+  if (!PMP::does_self_intersect(mesh))
+    return;
+  const auto on_caps = [](const Mesh& m) {
+    const RegionMap region = region_map(m);
+    return std::count_if(m.faces().begin(), m.faces().end(), [&](Face f) { return region[f] != 0; });
+  };
+  Mesh copy = mesh;
+  PMP::experimental::remove_self_intersections(copy);
+  copy.collect_garbage();
+  // a ball's topology: nothing fused, nothing torn
+  const bool sound = CGAL::is_closed(copy) && !PMP::does_self_intersect(copy) && on_caps(copy) == on_caps(mesh) &&
+                     copy.number_of_vertices() + copy.number_of_faces() == copy.number_of_edges() + 2;
+  if (sound)
+    mesh = copy;
 }
 
 void check_remeshed(const Mesh& out, double edge) {

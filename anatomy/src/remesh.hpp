@@ -12,6 +12,10 @@ Mesh remeshed(const Mesh& mesh, double edge, const Mesh& surface);
 /// Where v belongs: the nearest point of the wall, but on caps and rims its own place.
 Point on_wall(const Mesh& mesh, Vertex v, const WallTree& wall);
 
+/// Repairs self-intersections of a closed, tagged mesh without changing its caps or its topology (CGAL's local
+/// remeshing), as a wall rougher than its edges leaves them; where that fails the mesh stays as it is.
+void untangle(Mesh& mesh);
+
 /// Throws ComputationError if the mesh, remeshed at `edge` mm, crosses itself or is not closed.
 void check_remeshed(const Mesh& mesh, double edge);
 

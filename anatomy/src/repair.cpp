@@ -20,6 +20,10 @@ namespace {
 
 namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
+using ComponentMap = Mesh::Property_map<Face, std::size_t>;
+
+constexpr double comparable = 0.2;    // of the largest component's area
+constexpr double smallest_end = 0.15; // mm; what a cut leaves open where it grazes a rough wall is smaller
 
 // Whether b lists a's corners in the opposite sense; orienting keeps the order of triangles and only swaps corners.
 bool reversed(const std::vector<std::size_t>& a, const std::vector<std::size_t>& b) {
@@ -47,6 +51,28 @@ Mesh oriented_mesh(const Soup& soup, std::vector<Repair>& repairs) {
   return mesh;
 }
 
+// A component of comparable size is likely another vessel, not a speck: its place and the kept one's are said.
+void warn_of_vessels(const Mesh& mesh, const ComponentMap& component, const std::vector<double>& area,
+                     std::size_t largest, std::vector<Repair>& repairs) {
+  std::vector<Vec3> centre(area.size(), Vec3::Zero());
+  for (Face f : mesh.faces()) {
+    Vec3 middle = Vec3::Zero();
+    for (Vertex v : mesh.vertices_around_face(mesh.halfedge(f)))
+      middle += vec(mesh.point(v)) / 3;
+    centre[component[f]] += PMP::face_area(f, mesh) / area[component[f]] * middle;
+  }
+  for (std::size_t c = 0; c < area.size(); ++c) {
+    if (c == largest || area[c] < comparable * area[largest])
+      continue;
+    char sizes[96];
+    std::snprintf(sizes, sizeof sizes, "%.0f mm2 of wall, the one kept has %.0f mm2 ", area[c], area[largest]);
+    repairs.push_back({"another vessel left out", 1,
+                       "round " + place(centre[c]) + ": " + sizes + "round " + place(centre[largest]) +
+                           "; give each vessel as a file of its own, or join them",
+                       true});
+  }
+}
+
 void keep_largest_component(Mesh& mesh, std::vector<Repair>& repairs) {
   auto component = mesh.add_property_map<Face, std::size_t>("f:component").first;
   const std::size_t n = PMP::connected_components(mesh, component);
@@ -61,15 +87,16 @@ void keep_largest_component(Mesh& mesh, std::vector<Repair>& repairs) {
     char detail[96];
     std::snprintf(detail, sizeof detail, "kept the largest of %zu, %.2f %% of the area", n,
                   100 * area[largest] / total);
-    PMP::keep_connected_components(mesh, std::vector<std::size_t>{largest}, component);
     repairs.push_back({"components dropped", n - 1, detail});
+    warn_of_vessels(mesh, component, area, largest, repairs);
+    PMP::keep_connected_components(mesh, std::vector<std::size_t>{largest}, component);
   }
   mesh.remove_property_map(component);
 }
 
 void fill_holes(Mesh& mesh, std::vector<Repair>& repairs) {
   for (const Loop& loop : boundary_loops(mesh)) {
-    if (is_open_end(mesh, loop))
+    if (is_open_end(mesh, loop) && std::sqrt(loop.area / M_PI) > smallest_end)
       continue;
     std::vector<Face> faces;
     PMP::triangulate_hole(mesh, loop.halfedge, std::back_inserter(faces));

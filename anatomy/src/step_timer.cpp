@@ -1,4 +1,5 @@
 #include "types.hpp"
+#include <algorithm>
 #include <iostream>
 
 namespace anatomy {
@@ -14,7 +15,11 @@ void StepTimer::stop() {
   if (running_.empty())
     return;
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - since_;
-  seconds_.emplace_back(running_, elapsed.count());
+  const auto same = std::find_if(seconds_.begin(), seconds_.end(), [&](const auto& s) { return s.first == running_; });
+  if (same == seconds_.end())
+    seconds_.emplace_back(running_, elapsed.count());
+  else
+    same->second += elapsed.count();
   running_.clear();
 }
 

@@ -35,20 +35,40 @@ template <class Reader> vtkSmartPointer<vtkPolyData> read_with(const std::string
   return reader->GetOutput();
 }
 
-// VTK's reader takes memory for as many triangles as a binary file says it has.
+constexpr std::uintmax_t stl_head = 84, stl_triangle = 50; // bytes
+
+// Text that was cut off loses its last line: VTK's reader takes what there is.
+void check_stl_text(std::ifstream& file, std::uintmax_t size, const std::string& path) {
+  const std::uintmax_t length = std::min<std::uintmax_t>(size, 1024);
+  std::string tail(length, ' ');
+  file.clear();
+  file.seekg(static_cast<std::streamoff>(size - length));
+  file.read(tail.data(), static_cast<std::streamsize>(length));
+  std::transform(tail.begin(), tail.end(), tail.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (tail.find("endsolid") == std::string::npos)
+    throw InputError("the surface is incomplete", path, std::to_string(size) + " bytes without a last line endsolid",
+                     "export it again");
+}
+
+// VTK's reader takes memory for as many triangles as a binary file says it has, and reads no more than that.
 void check_stl_length(const std::string& path) {
-  std::array<unsigned char, 84> head{};
+  std::array<unsigned char, stl_head> head{};
   std::ifstream file(path, std::ios::binary);
-  if (!file.read(reinterpret_cast<char*>(head.data()), head.size()) ||
-      std::string(head.begin(), head.begin() + 5) == "solid")
-    return; // text
+  const std::uintmax_t size = std::filesystem::file_size(path);
+  file.read(reinterpret_cast<char*>(head.data()), head.size());
   std::uintmax_t count = 0;
   for (std::size_t k = 4; k-- > 0;)
     count = 256 * count + head[80 + k];
-  const std::uintmax_t size = std::filesystem::file_size(path);
-  if (size < head.size() + 50 * count)
-    throw InputError("the surface is incomplete", path,
-                     std::to_string(size) + " bytes, of " + std::to_string(count) + " triangles", "export it again");
+  const std::uintmax_t expected = stl_head + stl_triangle * count;
+  const bool text = std::string(head.begin(), head.begin() + 5) == "solid" &&
+                    std::all_of(head.begin(), head.end(), [](unsigned char c) { return c < 128; });
+  if (text && size != expected)
+    return check_stl_text(file, size, path);
+  if (size < expected || size >= expected + stl_triangle)
+    throw InputError("the file's size is not that of its triangles", path,
+                     std::to_string(size) + " bytes; its header says " + std::to_string(count) + " triangles, " +
+                         std::to_string(expected) + " bytes",
+                     "export it again");
 }
 
 vtkSmartPointer<vtkPolyData> read_by_suffix(const std::string& path, int label, std::vector<Repair>& repairs) {

@@ -1,34 +1,21 @@
 #include "tips.hpp"
+#include "shortest_ways.hpp"
 #include <algorithm>
 #include <numeric>
-#include <queue>
 #include <set>
 
 namespace anatomy {
 namespace {
 
-// Length of the shortest way along edges from vertex `from` to each vertex.
-std::vector<double> distances(const Mesh& mesh, std::size_t from) {
-  std::vector<double> d(mesh.number_of_vertices(), 1e300);
-  using Item = std::pair<double, std::size_t>;
-  std::priority_queue<Item, std::vector<Item>, std::greater<>> queue;
-  d[from] = 0;
-  queue.emplace(0, from);
-  while (!queue.empty()) {
-    const auto [length, v] = queue.top();
-    queue.pop();
-    if (length > d[v])
-      continue;
-    const Vertex here(static_cast<Mesh::size_type>(v));
-    for (Vertex w : mesh.vertices_around_target(mesh.halfedge(here))) {
-      const double next = length + (vec(mesh.point(w)) - vec(mesh.point(here))).norm();
-      if (next < d[w]) {
-        d[w] = next;
-        queue.emplace(next, w);
-      }
-    }
+// The mesh's edges in both directions, by their length.
+WayGraph edge_graph(const Mesh& mesh) {
+  std::vector<WayGraph::Link> links;
+  std::vector<double> lengths;
+  for (Halfedge h : mesh.halfedges()) {
+    links.emplace_back(mesh.source(h), mesh.target(h));
+    lengths.push_back((vec(mesh.point(mesh.target(h))) - vec(mesh.point(mesh.source(h)))).norm());
   }
-  return d;
+  return {mesh.number_of_vertices(), links, lengths};
 }
 
 std::size_t farthest(const std::vector<double>& d) {
@@ -37,11 +24,14 @@ std::size_t farthest(const std::vector<double>& d) {
 
 // The distance of every vertex from the farthest extremity, and the vertices from the highest down.
 struct Sweep {
-  std::size_t root;
+  std::size_t root = 0;
   std::vector<double> height;
   std::vector<std::size_t> order;
 
-  explicit Sweep(const Mesh& mesh) : root(farthest(distances(mesh, 0))), height(distances(mesh, root)) {
+  explicit Sweep(const Mesh& mesh) {
+    const WayGraph graph = edge_graph(mesh);
+    root = farthest(graph.from(0).cost);
+    height = graph.from(root).cost;
     order.resize(height.size());
     std::iota(order.begin(), order.end(), 0);
     std::sort(order.begin(), order.end(), [this](std::size_t a, std::size_t b) { return higher(a, b); });
@@ -90,14 +80,14 @@ std::vector<Tip> tips_of(const Mesh& mesh, double least_prominence) {
   return tips;
 }
 
-std::optional<Vec3> place_on_handle(const Mesh& mesh) {
+std::vector<Vertex> places_on_handles(const Mesh& mesh) {
   const long euler = static_cast<long>(mesh.number_of_vertices()) - static_cast<long>(mesh.number_of_edges()) +
                      static_cast<long>(mesh.number_of_faces());
   if (euler == 2)
-    return std::nullopt;
+    return {};
   const Sweep sweep(mesh);
   Hills hills(sweep.height.size());
-  Vec3 where = vec(mesh.point(Vertex(static_cast<Mesh::size_type>(sweep.order.front()))));
+  std::vector<Vertex> places;
   for (std::size_t v : sweep.order) {
     // Shortest distances have no minimum but the root, so a loop closed above v never fills: it goes round a handle.
     const Vertex here(static_cast<Mesh::size_type>(v));
@@ -111,12 +101,14 @@ std::optional<Vec3> place_on_handle(const Mesh& mesh) {
       summits.insert(hills.summit(w));
     }
     if (runs > summits.size())
-      return vec(mesh.point(here));
+      places.push_back(here);
     for (std::size_t summit : summits)
       hills.above[hills.summit(summit)] = v;
     hills.above[v] = v;
   }
-  return where;
+  if (places.empty())
+    places.push_back(Vertex(static_cast<Mesh::size_type>(sweep.order.front())));
+  return places;
 }
 
 } // namespace anatomy

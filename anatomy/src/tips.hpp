@@ -1,7 +1,6 @@
 // The extremities of a closed surface: where its vessels end, whatever the shape of their ends.
 #pragma once
 #include "types.hpp"
-#include <optional>
 
 namespace anatomy {
 
@@ -15,8 +14,8 @@ struct Tip {
 /// be one component without removed elements.
 std::vector<Tip> tips_of(const Mesh& mesh, double least_prominence);
 
-/// A place on a handle (where the distance from an extremity closes a loop that the surface of a tree would not have),
-/// or nothing if the closed mesh has none. The mesh must be one component without removed elements.
-std::optional<Vec3> place_on_handle(const Mesh& mesh);
+/// Vertices on handles (where the distance from an extremity closes a loop that the surface of a tree would not have),
+/// the farthest first; none if the closed mesh has no handle. The mesh must be one component without removed elements.
+std::vector<Vertex> places_on_handles(const Mesh& mesh);
 
 } // namespace anatomy

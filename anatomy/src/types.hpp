@@ -42,6 +42,7 @@ struct Repair {
   std::string what;
   std::size_t count;
   std::string detail;
+  bool warning = false; ///< said to the user at once, since it may not be what he wants
 };
 
 /// A flat end of the lumen. `region` tags its faces in the property map "f:region" (0 is wall).

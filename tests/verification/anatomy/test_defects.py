@@ -162,6 +162,70 @@ def test_a_ball_is_refused_with_a_remedy(lumen, tmp_path):
     assert done.returncode == 2 and "cut each end" in done.stderr
 
 
+@pytest.mark.parametrize("edge", [1.2, 1.6])
+def test_facets_of_a_coarse_wall_are_no_ends(lumen, tmp_path, edge):
+    """Eight and six facets round, 300 and 150 triangles: the two ends alone; the facets' own volume is kept."""
+    given = surfaces.tube(surfaces.arc(0.1), lambda s: 1.5 + 0 * s, 20, edge)
+    done = lumen(surfaces.write(tmp_path / "tube.vtp", *given), tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    summary = json.loads((tmp_path / "out" / "anatomy.json").read_text())
+    assert len(summary["ends"]) == 2 and summary["branches"][0]["length_mm"] == pytest.approx(20, abs=0.1)
+    assert 0.98 * volume(*given) < summary["mesh"]["volume_mm3"] < np.pi * 1.5**2 * 20
+
+
+def test_another_vessel_is_warned_of(lumen, tube, tmp_path):
+    """A speck is dropped and said; a vessel of comparable size is warned of with its place and the kept one's."""
+    points, triangles = tube
+    for scale, offset, warns in ((1.0, 12.0, True), (0.55, 12.0, True), (0.2, 9.0, False)):
+        both = np.vstack([points, scale * points + [0, 0, offset]]), np.vstack([triangles, triangles + len(points)])
+        done = lumen(surfaces.write(tmp_path / "two.vtp", *both), tmp_path / "out")
+        assert done.returncode == 0, done.stderr
+        repairs = json.loads((tmp_path / "out" / "anatomy.json").read_text())["repairs"]
+        assert "components dropped" in [repair["what"] for repair in repairs]
+        said = [repair["detail"] for repair in repairs if repair["what"] == "another vessel left out"]
+        assert len(said) == warns and ("warning: another vessel left out" in done.stderr) == warns
+        if warns:
+            places = [[float(x) for x in part.split(")")[0].split(", ")] for part in said[0].split("(")[1:3]]
+            assert abs(places[0][2] - places[1][2]) == pytest.approx(offset, abs=0.1)
+
+
+@pytest.mark.parametrize("change", [-400, -7, 1000])
+def test_binary_stl_of_another_size_is_refused(lumen, tube, tmp_path, change):
+    whole = surfaces.write(tmp_path / "tube.stl", *tube).read_bytes()
+    (tmp_path / "tube.stl").write_bytes(whole[:change] if change < 0 else whole + bytes(change))
+    done = lumen(tmp_path / "tube.stl", tmp_path / "out")
+    assert done.returncode == 2 and not (tmp_path / "out").exists()
+    assert f"{len(whole) + change} bytes; its header says {len(tube[1])} triangles, {len(whole)} bytes" in done.stderr
+
+
+@pytest.mark.parametrize("count", [10, 10**6, 2**32 - 1])
+def test_binary_stl_with_a_false_count_is_refused(lumen, tube, tmp_path, count):
+    whole = bytearray(surfaces.write(tmp_path / "tube.stl", *tube).read_bytes())
+    whole[80:84] = count.to_bytes(4, "little")
+    (tmp_path / "tube.stl").write_bytes(whole)
+    done = lumen(tmp_path / "tube.stl", tmp_path / "out")
+    assert done.returncode == 2 and f"{len(whole)} bytes; its header says {count} triangles" in done.stderr
+
+
+def test_binary_stl_that_calls_itself_solid_is_read(lumen, tube, tmp_path):
+    whole = surfaces.write(tmp_path / "tube.stl", *tube).read_bytes()
+    (tmp_path / "tube.stl").write_bytes(b"solid tube".ljust(80, b"\0") + whole[80:])
+    done = lumen(tmp_path / "tube.stl", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+
+
+def test_cut_off_text_stl_is_refused(lumen, tube, tmp_path):
+    writer = surfaces.vtk.vtkSTLWriter()
+    writer.SetFileName(str(tmp_path / "tube.stl"))
+    writer.SetInputData(surfaces.polydata(*tube))
+    writer.SetFileTypeToASCII()
+    writer.Write()
+    text = (tmp_path / "tube.stl").read_bytes()
+    (tmp_path / "tube.stl").write_bytes(text[: len(text) * 2 // 3])
+    done = lumen(tmp_path / "tube.stl", tmp_path / "out")
+    assert done.returncode == 2 and "without a last line endsolid" in done.stderr
+
+
 def test_truncated_file_is_refused(lumen, tube, tmp_path):
     whole = surfaces.write(tmp_path / "tube.vtp", *tube).read_bytes()
     (tmp_path / "half.vtp").write_bytes(whole[: len(whole) // 2])

@@ -117,6 +117,24 @@ def test_throat_of_a_third_of_a_millimetre(measured, tmp_path):
     assert summary["mesh"]["min_angle_deg"] >= 30
 
 
+@pytest.mark.parametrize("stenosis", [0.9, 0.95])
+def test_thread_like_throat(measured, tmp_path, stenosis):
+    """Radius 0.16 and 0.08 mm, too narrow for the edge asked for: a finer mesh there, of the right area."""
+
+    def radius(s):
+        return 1.6 * (1 - stenosis * np.where(np.abs(s - 8) < 4, np.cos(np.pi * (s - 8) / 8) ** 2, 0))
+
+    surface = surfaces.write(tmp_path / "throat.stl", *surfaces.tube(surfaces.straight, radius, 16, 0.2))
+    done, summary, rows = measured(surface, "out", "--edge", 0.4)
+    assert done.returncode == 0, done.stderr
+    lesion = summary["lesions"][0]
+    assert lesion["mld_mm"] == pytest.approx(3.2 * (1 - stenosis), rel=0.02)
+    assert lesion["diameter_stenosis_percent"] == pytest.approx(100 * stenosis, abs=0.5)
+    assert summary["mesh"]["min_angle_deg"] >= 30 and summary["mesh"]["smallest_edge_mm"] < 1.2 * 1.6 * (1 - stenosis)
+    x = positions(rows["main"])
+    assert np.hypot(x[:, 1], x[:, 2]).mean() < 0.01
+
+
 @pytest.mark.parametrize("edge", [0.2, 0.4])
 def test_hairpin_does_not_fuse(measured, tmp_path, edge):
     """Legs 0.3 mm apart: the vessel's full length and volume, or an error; never a short cut."""
