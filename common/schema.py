@@ -73,6 +73,8 @@ def _fill(data, schema):
             if key not in data and "default" in sub:
                 data[key] = copy.deepcopy(sub["default"])
             if key in data:
+                if sub.get("type") == "integer" and isinstance(data[key], float):
+                    data[key] = int(data[key])  # 24.0 is a whole number to JSON, but not to range()
                 _fill(data[key], sub)
     elif isinstance(data, list) and "items" in schema:
         for item in data:

@@ -41,7 +41,7 @@ def run(case_path, out, spacing_mm=SPACING_MM):
     """
     case = patient.load(case_path)
     print("growing the tree", file=sys.stderr)
-    branches = tree.grow(case["vessel"], str(case_path))
+    branches = tree.grow(case["vessel"], f"{case_path}: vessel")
     field = LumenField(branches)
     print("meshing the lumen", file=sys.stderr)
     points, triangles, on_cap = surface.build(field, spacing_mm)

@@ -8,6 +8,9 @@ from common.errors import InputError
 from . import disease
 
 
+NARROWEST_END_MM = 0.6  # of diameter: three cells of the grid on which the surface is found
+
+
 def load(path):
     """The case (dict, defaults filled in) at `path`. Raises InputError naming the key at fault."""
     path = pathlib.Path(path)
@@ -92,8 +95,22 @@ def check(vessel, where):
             f"{max(left, 0) ** (1 / exponent):.2f} mm left",
             "at least 1.2 mm before taper: fewer or smaller branches",
         )
+    _check_taper(main, left ** (1 / exponent), "main", refuse)
+    for index, side in enumerate(vessel["side_branches"]):
+        _check_taper(side, side["diameter_mm"], f"side_branches[{index + 1}]", refuse)
     for index, lesion in enumerate(vessel["lesions"]):
         _check_lesion(vessel, lesion, f"lesions[{index + 1}]", refuse)
+
+
+def _check_taper(branch, diameter_mm, key, refuse):
+    end = diameter_mm * (1 - 0.01 * branch["taper_percent_per_cm"]) ** (0.1 * branch["length_mm"])
+    if end < NARROWEST_END_MM:
+        refuse(
+            "tapers to nothing",
+            f"{key}.taper_percent_per_cm",
+            f"{branch['taper_percent_per_cm']} over {branch['length_mm']} mm: {end:.2f} mm left at the end",
+            f"at least {NARROWEST_END_MM} mm: less taper, a shorter or a wider branch",
+        )
 
 
 def _check_lesion(vessel, lesion, key, refuse):

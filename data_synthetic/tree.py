@@ -1,5 +1,6 @@
 """The coronary tree of a virtual patient: axes, healthy radii, lumen radii."""
 
+import collections
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -169,31 +170,45 @@ def _diseased(name, parent, s_parent, axis, healthy, lesions, rng):
     return Branch(name, parent, s_parent, shifted, radius, at(healthy), shift_new, moved)
 
 
-def _clear(branches):
-    """Whether no branch comes near itself or another one away from its root, and no bend is sharper than its radius."""
+SHARP, ITSELF, OTHERS = "sharp", "itself", "others"
+REMEDY = {
+    SHARP: "less eccentricity, a longer or milder lesion, or less curvature",
+    ITSELF: "another seed, less curvature, or a shorter vessel",
+    OTHERS: "another seed, other azimuths, less curvature, or shorter side branches",
+}
+
+
+def _conflict(branches):
+    """None where no bend is sharper than its radius and no branch comes near itself or another away from its root.
+
+    Else (what, branch): SHARP, ITSELF or OTHERS, and the name of the branch.
+    """
     for branch in branches:
         axis, radius = branch.axis, branch.radius_mm
         if np.any(axis.curvature(axis.s_mm) * radius > 0.8):
-            return False
+            return SHARP, branch.name
         coarse = slice(None, None, 5)
         p, s, r = axis.points_mm[coarse], axis.s_mm[coarse], branch.healthy_mm[coarse]
         apart = np.linalg.norm(p[:, None] - p[None], axis=2)
         if np.any((np.abs(np.subtract.outer(s, s)) > 8 * r.max()) & (apart < np.add.outer(r, r) + 2.0)):
-            return False
-        for other in branches:
-            if other is branch or other.name < branch.name:
-                continue
-            q, t, ro = other.axis.points_mm[coarse], other.axis.s_mm[coarse], other.healthy_mm[coarse]
-            gap = np.linalg.norm(p[:, None] - q[None], axis=2) - np.add.outer(r, ro)
-            root = other.parent == branch.name
-            # Past 3 mm outside the parent's wall a side branch must keep 1 mm free.
-            free = t > (branch.healthy(other.s_on_parent_mm) / np.sin(np.radians(30)) + 2.5 * ro[0] if root else 0)
-            near_root = 4 * branch.healthy_mm.max() if not root else 0
-            if not root and abs(other.s_on_parent_mm - branch.s_on_parent_mm) < near_root:
-                free = t > 6
-            if np.any(gap[:, free] < 1.0):
-                return False
-    return True
+            return ITSELF, branch.name
+        if any(_near(branch, other) for other in branches if other is not branch and other.name >= branch.name):
+            return OTHERS, branch.name
+    return None
+
+
+def _near(branch, other):
+    """Whether `other` comes within 1 mm of `branch`, away from its root or from that of both."""
+    coarse = slice(None, None, 5)
+    p, r = branch.axis.points_mm[coarse], branch.healthy_mm[coarse]
+    q, t, ro = other.axis.points_mm[coarse], other.axis.s_mm[coarse], other.healthy_mm[coarse]
+    gap = np.linalg.norm(p[:, None] - q[None], axis=2) - np.add.outer(r, ro)
+    root = other.parent == branch.name
+    # Past 3 mm outside the parent's wall a side branch must keep 1 mm free.
+    free = t > (branch.healthy(other.s_on_parent_mm) / np.sin(np.radians(30)) + 2.5 * ro[0] if root else 0)
+    if not root and abs(other.s_on_parent_mm - branch.s_on_parent_mm) < 4 * branch.healthy_mm.max():
+        free = t > 6
+    return bool(np.any(gap[:, free] < 1.0))
 
 
 def grow(vessel, where="vessel"):
@@ -202,6 +217,7 @@ def grow(vessel, where="vessel"):
     The seed's random stream is tried until the tree is clear of itself. Raises InputError if it never is.
     """
     rng = np.random.default_rng(vessel["seed"])
+    conflicts = collections.Counter()
     for _ in range(ATTEMPTS):
         axis = _random_axis(vessel, rng)
         healthy = main_healthy_radius(vessel, axis.s_mm)
@@ -216,11 +232,15 @@ def grow(vessel, where="vessel"):
             radius = 0.5 * side["diameter_mm"] * (1 - 0.01 * side["taper_percent_per_cm"]) ** (side_axis.s_mm / 10)
             s_main = float(main.axis.nearest(axis.point(np.array([side["s_mm"]])))[0])
             branches.append(_diseased(name, "main", s_main, side_axis, radius, lesions.get(name, []), rng))
-        if _clear(branches):
+        conflict = _conflict(branches)
+        if conflict is None:
             return branches
+        conflicts[conflict] += 1
+    (what, name), count = conflicts.most_common(1)[0]
+    says = {SHARP: f"{name} bends more sharply than its lumen is wide", ITSELF: f"{name} meets itself"}
     raise InputError(
         f"no tree clear of itself in {ATTEMPTS} draws",
         f"{where}.seed",
-        vessel["seed"],
-        "another seed, other azimuths, less curvature, or shorter side branches",
+        f"{vessel['seed']}: in {count} draws {says.get(what, f'{name} meets another branch')}",
+        REMEDY[what],
     )

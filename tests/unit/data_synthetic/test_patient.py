@@ -44,6 +44,14 @@ def test_the_small_vessel_is_accepted(vessel):
             {"main": {"length_mm": 30, "ostial_diameter_mm": 3.4, "mean_curvature_per_mm": 0.2}},
             "vessel.main.mean_curvature_per_mm",
         ),
+        (
+            {"main": {"length_mm": 130, "ostial_diameter_mm": 3.4, "taper_percent_per_cm": 15}},
+            "vessel.main.taper_percent_per_cm",
+        ),
+        (
+            {"side_branches": [side(diameter_mm=0.8, length_mm=7, taper_percent_per_cm=40)]},
+            "vessel.side_branches[1].taper_percent_per_cm",
+        ),
     ],
 )
 def test_an_impossible_vessel_is_refused_by_its_key(vessel, changes, key):

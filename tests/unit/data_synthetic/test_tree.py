@@ -71,3 +71,18 @@ def test_a_tree_that_cannot_be_clear_of_itself_is_refused(vessel):
     with pytest.raises(InputError) as caught:
         tree.grow(vessel(side_branches=crowd, lesions=[]), "case.yaml: vessel")
     assert caught.value.where == "case.yaml: vessel.seed"
+    assert "side1 meets another branch" in str(caught.value) and "azimuths" in str(caught.value)
+
+
+def test_a_lesion_that_bends_the_lumen_too_sharply_is_said_to(vessel):
+    """Another seed would not help: the remedy must not send there."""
+    short = {"centre_s_mm": 11, "length_mm": 2, "diameter_stenosis_percent": 80, "eccentricity": 1}
+    with pytest.raises(InputError) as caught:
+        tree.grow(vessel(lesions=[short]))
+    message = str(caught.value)
+    assert "bends more sharply" in message and "eccentricity" in message and "another seed" not in message
+
+
+def test_a_whole_number_written_with_a_point_is_that_number(vessel):
+    whole, pointed = (tree.grow(vessel(seed=seed))[0].axis.points_mm for seed in (7, 7.0))
+    assert np.array_equal(whole, pointed)
