@@ -19,6 +19,7 @@ from .tubes import LevelField, Tube, TubeField
 SCHEMA = "vci-segmentation-1"
 CENTRINGS = 3
 USUAL_FWHM_MM = 0.7
+CLOSEST_MM = 1.0  # two end points
 
 
 def load_ends(path):
@@ -26,15 +27,29 @@ def load_ends(path):
     path = pathlib.Path(path)
     if not path.is_file():
         raise InputError("no such file", path, "missing", "give the vessels' end points as JSON")
-    entries = json.loads(path.read_text()).get("ends", [])
+    try:
+        document = json.loads(path.read_text())
+    except ValueError as error:
+        raise InputError("not a JSON file", path, error, "ends [{name, centre_mm}]") from error
+    entries = document.get("ends") if isinstance(document, dict) else None
+    if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
+        raise InputError("no end points", f"{path}: ends", "none", "ends [{name, centre_mm}], the inlet first")
     if len(entries) < 2:
         raise InputError("too few end points", f"{path}: ends", len(entries), "the inlet first, then each outlet")
     found = []
-    for number, entry in enumerate(entries):
-        centre = np.array(entry.get("centre_mm", []), dtype=object)
-        if centre.shape != (3,) or not all(isinstance(x, (int, float)) for x in centre):
-            raise InputError("not a point", f"{path}: ends[{number}].centre_mm", list(centre), "three numbers, mm")
-        found.append((str(entry.get("name", f"end{number}")), centre.astype(float)))
+    for number, entry in enumerate(entries, start=1):
+        centre, key = entry.get("centre_mm"), f"{path}: ends[{number}]"
+        good = isinstance(centre, list) and len(centre) == 3 and all(type(x) in (int, float) for x in centre)
+        if not good or not np.all(np.isfinite(centre)):
+            raise InputError("not a point", f"{key}.centre_mm", centre, "three numbers, mm")
+        name, centre = str(entry.get("name", f"end{number}")), np.array(centre, float)
+        if name in [other for other, _ in found]:
+            raise InputError("two end points of one name", f"{key}.name", name, "a name for each")
+        near = [other for other, place in found if np.linalg.norm(place - centre) < CLOSEST_MM]
+        if near:
+            remedy = f"at least {CLOSEST_MM} mm from {near[0]}: one point for each end of a vessel"
+            raise InputError("two end points at one place", f"{key}.centre_mm", centre.tolist(), remedy)
+        found.append((name, centre))
     return found
 
 

@@ -6,6 +6,7 @@ from scipy.spatial import cKDTree
 BRIGHT = 1.25  # times the blood: calcium or metal
 NEAR_MM = 1.0  # beyond the edge, where brightness spills over it
 SHARE_OF_RAYS = 0.1
+END_MM, WIDER = 3.0, 1.1
 
 
 def find(lines, tubes, profiles, ends, blood_hu, settings, point_spread_assumed):
@@ -44,11 +45,22 @@ def find(lines, tubes, profiles, ends, blood_hu, settings, point_spread_assumed)
         if miss > 0.5:
             message = f"the axis ends {miss:.2f} mm from the end point {ends[line.end][0]}"
             found.append(_entry("end_off_axis", tube, [tube.axis.length_mm] * 2, miss, message))
+    found += _widening(tubes[0])
     found += _close_pairs(lines, tubes)
     if point_spread_assumed and settings["psf_fwhm_mm"] == "auto" and settings["method"] == "psf_edge":
         message = "no section wide enough to measure the point spread; 0.7 mm is assumed"
         found.append(_entry("point_spread_assumed", tubes[0], [0.0, tubes[0].axis.length_mm], 0.7, message))
     return found
+
+
+def _widening(main):
+    """A main vessel that is wider at its far end: the end points may have been given the other way round."""
+    areas = np.mean(main.radii_mm**2, axis=1)
+    first, last = (np.sqrt(areas[at].mean()) for at in (main.s_mm < END_MM, main.s_mm > main.s_mm[-1] - END_MM))
+    if last <= WIDER * first:
+        return []
+    message = f"the far end is {last / first:.2f} times as wide as the inlet: are the end points in order, inlet first?"
+    return [_entry("widens_from_the_inlet", main, main.s_mm[[0, -1]], float(last / first), message)]
 
 
 def runs(flags):

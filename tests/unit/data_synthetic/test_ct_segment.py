@@ -87,6 +87,14 @@ def test_an_interrupted_vessel_is_an_error(ct_tubes):
         segment.segment(volume, ends, settings)
 
 
+def test_end_points_given_the_other_way_round_are_warned_of(ct_tubes):
+    """A tapering vessel read from its far end widens; the lumen itself is right."""
+    volume, ends, _, _, settings = scanned(ct_tubes, lambda z: 1.7 - 0.04 * z)
+    swapped = [(name, place) for (name, _), (_, place) in zip(ends, reversed(ends))]
+    codes = [[w["code"] for w in segment.segment(volume, given, settings)["warnings"]] for given in (ends, swapped)]
+    assert codes == [[], ["widens_from_the_inlet"]]
+
+
 def test_end_points_beside_the_vessel_or_outside_are_refused(open_throat):
     volume, ends, _, _, settings = open_throat
     with pytest.raises(InputError, match="not in a contrast-filled"):
@@ -152,8 +160,21 @@ def test_bad_end_points_are_refused_with_their_key(tmp_path, capsys):
     volume = image.Image(np.zeros((4, 4, 4), np.float32), np.zeros(3), np.ones(3))
     image.write(volume, tmp_path / "ct.nii", "nothing")
     (tmp_path / "one.json").write_text('{"ends": [{"name": "inlet", "centre_mm": [0, 0, 0]}]}')
-    (tmp_path / "flat.json").write_text('{"ends": [{"centre_mm": [0, 0, 0]}, {"centre_mm": [0, 1]}]}')
-    for name, key in (("one.json", "ends"), ("flat.json", "ends[1].centre_mm")):
+    first = '{"ends": [{"name": "inlet", "centre_mm": [0, 0, 0]}, '
+    wrong = {
+        "flat.json": ('{"centre_mm": [0, 1]}]}', "ends[2].centre_mm"),
+        "text.json": ('{"centre_mm": "abc"}]}', "ends[2].centre_mm"),
+        "nan.json": ('{"centre_mm": [0, NaN, 1]}]}', "ends[2].centre_mm"),
+        "same.json": ('{"centre_mm": [0, 0.2, 0]}]}', "two end points at one place"),
+        "twice.json": ('{"name": "inlet", "centre_mm": [0, 3, 0]}]}', "ends[2].name"),
+        "cut.json": ("", "not a JSON file"),
+        "odd.json": ("3]}", "ends"),
+    }
+    for name, (rest, _) in wrong.items():
+        (tmp_path / name).write_text(first + rest)
+    (tmp_path / "list.json").write_text("[1, 2]")
+    cases = [(name, key) for name, (_, key) in wrong.items()] + [("one.json", "ends"), ("list.json", "ends")]
+    for name, key in cases:
         with pytest.raises(SystemExit) as caught:
             arguments = ["segment", tmp_path / "ct.nii", "--ends", tmp_path / name, "--out", tmp_path / "out"]
             command.main([str(a) for a in arguments])
