@@ -68,9 +68,18 @@ def load(path):
     path = pathlib.Path(path)
     if not path.is_file():
         raise InputError("no such file", path, "missing", "run data_synthetic generate first")
-    found = json.loads(path.read_text())
-    if found.get("schema") != SCHEMA:
-        raise InputError("not a truth file", f"{path}: schema", found.get("schema"), f"expected {SCHEMA}")
+    try:
+        found = json.loads(path.read_text())
+    except ValueError as error:
+        raise InputError("not a JSON file", path, error, "run data_synthetic generate again") from error
+    schema = found.get("schema") if isinstance(found, dict) else None
+    if schema != SCHEMA:
+        raise InputError("not a truth file", f"{path}: schema", schema, f"expected {SCHEMA}")
+    missing = [key for key in ("branches", "wall_thickness_mm") if key not in found]
+    if missing:
+        raise InputError(
+            "incomplete truth file", f"{path}: {missing[0]}", "missing", "run data_synthetic generate again"
+        )
     branches = []
     for entry in found["branches"]:
         axis = Curve(entry["points_mm"])

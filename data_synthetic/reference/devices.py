@@ -68,6 +68,9 @@ def balloon(entry, name, centre_s_mm, pressure_bar, where):
     """Balloon of a scene's entry at a pressure. Raises InputError where the pressure is off its chart."""
     chart = _need(entry, "chart", where)
     pressures, diameters = np.array(chart["pressure_bar"], float), np.array(chart["diameter_mm"], float)
+    if len(pressures) != len(diameters) or np.any(np.diff(pressures) <= 0) or np.any(np.diff(diameters) <= 0):
+        remedy = "as many diameters as pressures, both rising"
+        raise InputError("not a balloon's chart", f"{where}.chart", diameters.tolist(), remedy)
     if not pressures[0] <= pressure_bar <= pressures[-1]:
         raise InputError(
             "pressure off the balloon's chart",
@@ -97,7 +100,7 @@ def steps(scene, where):
     branches.
     """
     found, branches = [], []
-    for number, step in enumerate(scene["procedure"]):
+    for number, step in enumerate(scene["procedure"], start=1):
         here = f"{where}: procedure[{number}]"
         if len(step["devices"]) != 1:
             raise InputError(
@@ -108,7 +111,7 @@ def steps(scene, where):
             )
         use = step["devices"][0]
         if use["device"] not in scene["devices"]:
-            raise InputError("no such device", f"{here}.devices[0].device", use["device"], "list it under devices")
+            raise InputError("no such device", f"{here}.devices[1].device", use["device"], "list it under devices")
         entry = scene["devices"][use["device"]]
         key = f"{where}: devices.{use['device']}"
         branches.append(use["branch"])
@@ -125,7 +128,9 @@ def steps(scene, where):
                 _need(entry, "bending_stiffness_n_mm2", key),
             )
             name = _need(entry, "balloon", key)
-            entry = scene["devices"][name]
+            if scene["devices"].get(name, {}).get("kind") != "balloon":
+                raise InputError("no such balloon", f"{key}.balloon", name, "list it under devices")
+            entry, key = scene["devices"][name], f"{where}: devices.{name}"
         used = balloon(entry, name, use["centre_s_mm"], use["pressure_bar"], key)
         found.append(Step(step["name"], step["action"], used, stent))
     if len(set(branches)) != 1:

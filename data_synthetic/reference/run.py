@@ -1,6 +1,5 @@
 """From a scene and a virtual patient to the finite-element post-PCI lumen."""
 
-import json
 import logging
 import pathlib
 import time
@@ -21,10 +20,7 @@ def load_scene(path):
     path = pathlib.Path(path)
     if not path.is_file():
         raise InputError("no such file", path, "missing", "write the scene with the planning command")
-    scene = json.loads(path.read_text())
-    if scene.get("schema") != "vci-scene-1":
-        raise InputError("not a scene", f"{path}: schema", scene.get("schema"), "expected vci-scene-1")
-    return scene
+    return config.load(path, "reference_scene")
 
 
 def load_settings(path):
@@ -117,13 +113,13 @@ def _moved_surface(lumen, branches, move, edge_mm):
 
 
 def _check_inside(steps, branch, scene_path):
-    for number, step in enumerate(steps):
+    for number, step in enumerate(steps, start=1):
         half = 0.5 * step.balloon.length_mm
         s = step.balloon.centre_s_mm
         if s - half < 0 or s + half > branch.axis.length_mm:
             raise InputError(
                 "device beyond the vessel",
-                f"{scene_path}: procedure[{number}].devices[0].centre_s_mm",
+                f"{scene_path}: procedure[{number}].devices[1].centre_s_mm",
                 s,
                 f"between {half:.1f} and {branch.axis.length_mm - half:.1f} mm",
             )

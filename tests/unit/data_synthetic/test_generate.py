@@ -63,6 +63,10 @@ def test_truth_of_another_kind_is_refused(tmp_path):
     (tmp_path / "truth.json").write_text('{"schema": "other"}')
     with pytest.raises(InputError, match="not a truth file"):
         truth.load(tmp_path / "truth.json")
+    for text, message in (("[]", "not a truth file"), ("{", "not a JSON"), ('{"schema": "vci-truth-1"}', "incomplete")):
+        (tmp_path / "truth.json").write_text(text)
+        with pytest.raises(InputError, match=message):
+            truth.load(tmp_path / "truth.json")
     with pytest.raises(InputError, match="no such file"):
         truth.load(tmp_path / "none.json")
 

@@ -1,10 +1,11 @@
 import copy
+import json
 
 import numpy as np
 import pytest
 
 from common.errors import InputError
-from data_synthetic.reference import devices
+from data_synthetic.reference import devices, run
 
 BALLOON = {
     "kind": "balloon",
@@ -79,4 +80,51 @@ def test_what_slices_cannot_answer_is_refused(change, message):
     scene = copy.deepcopy(SCENE)
     change(scene)
     with pytest.raises(InputError, match=message):
+        devices.steps(scene, "scene.json")
+
+
+@pytest.mark.parametrize(
+    "change, key",
+    [
+        (lambda s: s.pop("procedure"), "procedure"),
+        (lambda s: s.update(procedure=[]), "procedure"),
+        (lambda s: s.update(schema="vci-truth-1"), "schema"),
+        (lambda s: s["devices"]["s"].pop("kind"), "devices.s"),
+        (lambda s: s["devices"]["s"].update(recoil_percent=200), "devices.s.recoil_percent"),
+        (lambda s: s["devices"]["b"].update(shoulder_mm=0), "devices.b.shoulder_mm"),
+        (lambda s: s["procedure"][0].update(devices=[]), "procedure[1].devices"),
+        (lambda s: s["procedure"][0]["devices"][0].pop("centre_s_mm"), "procedure[1].devices[1]"),
+        (lambda s: s["procedure"][0]["devices"][0].update(centre_s_mm=float("nan")), "centre_s_mm"),
+        (lambda s: s["procedure"][0]["devices"][0].update(pressure_bar="10"), "pressure_bar"),
+    ],
+)
+def test_a_scene_that_is_none_is_refused_by_its_key(tmp_path, change, key):
+    scene = copy.deepcopy(SCENE) | {"schema": "vci-scene-1"}
+    (tmp_path / "good.json").write_text(json.dumps(scene))
+    assert run.load_scene(tmp_path / "good.json") == scene
+    change(scene)
+    (tmp_path / "scene.json").write_text(json.dumps(scene))
+    with pytest.raises(InputError) as caught:
+        run.load_scene(tmp_path / "scene.json")
+    assert key in str(caught.value)
+
+
+@pytest.mark.parametrize("text", ["{", "[1, 2]", ""])
+def test_a_file_that_is_no_scene_is_refused(tmp_path, text):
+    (tmp_path / "scene.json").write_text(text)
+    with pytest.raises(InputError):
+        run.load_scene(tmp_path / "scene.json")
+
+
+@pytest.mark.parametrize("diameters", [[3.2], [3.0, 3.0, 3.0], [3.2, 3.0, 2.8]])
+def test_a_chart_that_does_not_rise_is_refused(diameters):
+    chart = dict(BALLOON["chart"], diameter_mm=diameters)
+    with pytest.raises(InputError, match="chart"):
+        devices.balloon(dict(BALLOON, chart=chart), "b", 20.0, 11, "scene")
+
+
+def test_a_stent_without_its_balloon_is_refused():
+    scene = copy.deepcopy(SCENE)
+    scene["devices"]["s"]["balloon"] = "none"
+    with pytest.raises(InputError, match="no such balloon"):
         devices.steps(scene, "scene.json")

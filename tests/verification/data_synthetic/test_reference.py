@@ -118,5 +118,5 @@ def test_a_device_beyond_the_vessel_is_refused_and_nothing_written(patient, caps
     (patient / "bad.json").write_text(json.dumps(scene))
     with pytest.raises(SystemExit) as caught:
         run(patient, "bad", "bad.json")
-    assert caught.value.code == 2 and "procedure[1].devices[0].centre_s_mm" in capsys.readouterr().err
+    assert caught.value.code == 2 and "procedure[2].devices[1].centre_s_mm" in capsys.readouterr().err
     assert not (patient / "bad").exists()
