@@ -29,7 +29,7 @@ def _parser():
     solid.add_argument("--truth", type=pathlib.Path, required=True, help="truth.json of the virtual patient")
     solid.add_argument("--settings", type=pathlib.Path, help="YAML or JSON with the keys of the section `reference`")
     mesh_help = "elements round x through the wall x length in mm, coarse to fine"
-    solid.add_argument("--meshes", nargs="+", default=["8x3x1.6", "12x4x1.1"], metavar="NxNxMM", help=mesh_help)
+    solid.add_argument("--meshes", nargs="+", default=["8x3x2", "12x4x1.2"], metavar="NxNxMM", help=mesh_help)
     solid.add_argument("--out", type=pathlib.Path, required=True, help="folder for slices_vs_3d.json")
     other = commands.add_parser("reference-ccx", help="a slice against CalculiX, where that is installed")
     other.add_argument("--program", default="ccx", help="CalculiX (Debian package calculix-ccx)")

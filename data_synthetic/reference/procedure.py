@@ -3,6 +3,28 @@
 import numpy as np
 
 DEFLATION_STEPS = 5
+CLEAR_MM = 0.1  # so far from the wall the smoothed law of a balloon is nothing
+
+
+def hand_over(model, where):
+    """Takes the balloon's pressure off while the stent's hold comes on."""
+    begin = model.loads()
+    for share in np.linspace(0, 1, DEFLATION_STEPS + 1)[1:]:
+        stent = begin["stent_share"] + share * (1 - begin["stent_share"])
+        model.advance({"balloon_share": begin["balloon_share"] * (1 - share), "stent_share": stent}, where)
+
+
+def shrink(model, nearest_mm, step_mm, where):
+    """Takes the balloon's radius down until it has left the wall, then the balloon away.
+
+    Not its pressure: soft plaque in a stretched wall gives way at once below some pressure, where no load step is small
+    enough. nearest_mm(): least distance (mm) of the lumen from the axis.
+    """
+    radius = model.loads()["balloon_radius"]
+    while model.loads()["balloon_share"] and radius > 0 and radius > nearest_mm() - CLEAR_MM:
+        radius = max(radius - step_mm, 0.0)
+        model.advance({"balloon_radius": radius}, where)
+    model.advance({"balloon_share": 0.0}, where)
 
 
 def treat(model, steps, s_mm, settings, stents_here, name):
@@ -48,15 +70,11 @@ def treat(model, steps, s_mm, settings, stents_here, name):
                     "stent_cap": carried.cap_mpa,
                 }
             )
-        begin = model.loads()
-        for share in np.linspace(0, 1, DEFLATION_STEPS + 1)[1:]:
-            held = 1.0 if carried else 0.0
-            model.advance(
-                {
-                    "balloon_share": begin["balloon_share"] * (1 - share),
-                    "stent_share": begin["stent_share"] + share * (held - begin["stent_share"]),
-                },
-                where,
+        if carried:
+            hand_over(model, where)
+        else:
+            shrink(
+                model, lambda: np.linalg.norm(model.lumen_position(), axis=1).min(), settings["radius_step_mm"], where
             )
         final = float(np.sqrt(model.lumen_area() / np.pi))
         history.append({"step": step.name, "inflated_radius_mm": inflated, "radius_mm": final})

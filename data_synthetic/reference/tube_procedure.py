@@ -7,7 +7,7 @@ import numpy as np
 from common.errors import InputError
 
 from . import slices, tissue
-from .procedure import DEFLATION_STEPS
+from .procedure import hand_over, shrink
 from .tube_mesh import Tube
 from .tube_model import TubeModel
 
@@ -75,16 +75,16 @@ class TreatedTube:
                 model.set_loads(
                     {"stent_stiffness": self.settings["stent_stiffness_mpa_per_mm"], "stent_cap": carried.cap_mpa}
                 )
-            begin = model.loads()
-            for share in np.linspace(0, 1, DEFLATION_STEPS + 1)[1:]:
-                goal = begin["stent_share"] + share * ((1.0 if carried else 0.0) - begin["stent_share"])
-                model.advance({"balloon_share": begin["balloon_share"] * (1 - share), "stent_share": goal}, step.name)
+            if carried:
+                hand_over(model, step.name)
+            else:
+                shrink(model, self._nearest, self.settings["radius_step_mm"], step.name)
             self._say(step.name, "deflated")
 
     def _inflate(self, model, step):
         balloon = step.balloon
-        near = np.abs(self.tube.station_s_mm - balloon.centre_s_mm) < 0.5 * balloon.length_mm
-        start = max(float(np.linalg.norm(self._across(), axis=2)[near].min()) - 0.05, 0.0)
+        self._near = np.abs(self.tube.station_s_mm - balloon.centre_s_mm) < 0.5 * balloon.length_mm
+        start = max(self._nearest() - 0.05, 0.0)
         if balloon.radius_mm <= start:
             return
         law = {"balloon_stiffness": balloon.stiffness_mpa_per_mm, "balloon_cap": balloon.cap_mpa}
@@ -111,8 +111,9 @@ class TreatedTube:
         frame = np.stack(self.branch.axis.frame(s), axis=1)
         return np.einsum("skj,smj->smk", frame, moved)
 
-    def _across(self):
-        return self._moved()[..., 1:]
+    def _nearest(self):
+        """Least distance (mm) of the lumen from the axis along the present balloon."""
+        return float(np.linalg.norm(self._moved()[self._near][..., 1:], axis=2).min())
 
     def profile(self):
         """(arc length (stations,) mm where the stations have come to, area (stations,) mm2) of the lumen."""

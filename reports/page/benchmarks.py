@@ -1,4 +1,4 @@
-"""Benchmarks for the report: what `snakemake benchmarks` left, a folder each with tables (CSV) and figures (SVG, PNG)."""
+"""Benchmarks for the report: what `snakemake benchmarks` left, a folder each with tables (CSV) and figures."""
 
 import csv
 
@@ -16,6 +16,10 @@ TITLES = {
     "anatomy_speed": (
         "Anatomy: seconds against input size",
         "A row is the same tree with more triangles; steps in seconds.",
+    ),
+    "reference_against_solid": (
+        "Reference: slices against a solid in three dimensions",
+        "A row is a mesh of the solid; errors are those of the slices' area.",
     ),
 }
 UNITS = {"mm2": "mm²", "mm": "mm", "s": "s", "mib": "MiB", "percent": "%", "n": "N", "bar": "bar"}

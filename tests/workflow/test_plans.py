@@ -60,6 +60,7 @@ def test_a_target_that_cannot_be_made_is_named(fresh, shared_data, target, words
 def test_benchmarks_stand_apart_and_feed_the_report(finished):
     """The study plans none of them; what they leave makes the report again, and nothing else."""
     names = {"deployment_speed", "deployment_hard_cases", "flow_hard_cases", "anatomy_speed", "benchmarks"}
+    names |= {"reference_against_solid"}
     assert finished.planned() == set()
     assert finished.planned("benchmarks") == names
     table = finished.folder / "results" / "benchmarks" / "flow_hard_cases" / "hard_cases.csv"

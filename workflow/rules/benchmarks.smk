@@ -5,6 +5,7 @@ BENCHMARKS = {
     "deployment_hard_cases": "hard_cases.csv",
     "flow_hard_cases": "hard_cases.csv",
     "anatomy_speed": "benchmark.csv",
+    "reference_against_solid": "benchmark.csv",
 }
 
 
@@ -88,3 +89,23 @@ rule anatomy_speed:
     threads: workflow.cores
     shell:
         "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {output}"
+
+
+rule reference_against_solid:
+    message:
+        "benchmark: the reference's slices against a solid in three dimensions"
+    input:
+        program=LUMEN,
+        code=code("data_synthetic", "data_synthetic.generate", "data_synthetic.reference.against_solid"),
+        script="tests/verification/data_synthetic/solid_benchmark.py",
+    output:
+        "results/benchmarks/reference_against_solid/benchmark.csv",
+    log:
+        "results/benchmarks/logs/reference_against_solid.log",
+    benchmark:
+        "results/benchmarks/logs/reference_against_solid.tsv"
+    threads: workflow.cores
+    params:
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out}"

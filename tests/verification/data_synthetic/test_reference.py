@@ -120,3 +120,30 @@ def test_a_device_beyond_the_vessel_is_refused_and_nothing_written(patient, caps
         run(patient, "bad", "bad.json")
     assert caught.value.code == 2 and "procedure[2].devices[1].centre_s_mm" in capsys.readouterr().err
     assert not (patient / "bad").exists()
+
+
+def test_slices_are_near_a_coarse_solid_in_three_dimensions(patient):
+    """The command on a mesh of seconds; figures of finer ones are in the README."""
+    arguments = ["reference-3d", "--scene", patient / "scene.json", "--truth", patient / "source/truth.json"]
+    arguments += ["--settings", patient / "settings.yaml", "--meshes", "6x2x3", "--out", patient / "solid"]
+    command.main([str(a) for a in arguments])
+    found = json.loads((patient / "solid/slices_vs_3d.json").read_text())
+    (solid,) = found["solids"]
+    s, before, slices, area = (
+        np.array(v) for v in (found["s_mm"], found["area_before_mm2"], found["slices"]["area_mm2"], solid["area_mm2"])
+    )
+    tightest = np.argmin(before)
+    assert area[tightest] > 3.5 * before[tightest]
+    assert slices[tightest] == pytest.approx(area[tightest], rel=0.02)
+    assert abs(solid["slices_against_it"]["minimal_stent_area_percent"]) < 2
+    assert solid["slices_against_it"]["stent_area_percent"]["rms"] < 3
+    assert abs(solid["slices_against_it"]["resistance_percent"]) < 3
+
+
+@pytest.mark.parametrize("mesh", ["8x3", "5x3x2", "8x3x0.1", "8x3x2x1", "axbxc"])
+def test_a_mesh_that_is_none_is_refused(patient, mesh, capsys):
+    arguments = ["reference-3d", "--scene", patient / "scene.json", "--truth", patient / "source/truth.json"]
+    with pytest.raises(SystemExit) as caught:
+        command.main([str(a) for a in [*arguments, "--meshes", mesh, "--out", patient / "none"]])
+    assert caught.value.code == 2 and "--meshes" in capsys.readouterr().err
+    assert not (patient / "none").exists()
