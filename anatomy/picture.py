@@ -19,8 +19,9 @@ def run(anatomy_folder, out):
         raise InputError("unknown picture format", out, out.suffix, "name a .png or .svg file")
     summary, branches = read_summary(anatomy_folder), read_sections(anatomy_folder)
     figure, (tree, profile) = plt.subplots(2, 1, figsize=(10, 10), height_ratios=(1.3, 1), layout="constrained")
-    _draw_tree(figure, tree, summary, branches)
+    labels = _draw_tree(figure, tree, summary, branches)
     _draw_profile(profile, summary, branches)
+    _place(figure, tree, labels)
     with replacing(out) as partial:
         figure.savefig(partial, dpi=130, metadata={"Software": None} if out.suffix == ".png" else {"Date": None})
     plt.close(figure)
@@ -42,23 +43,56 @@ def _draw_tree(figure, axes, summary, branches):
     project = _plane(np.vstack([_column(rows, "x_mm", "y_mm", "z_mm") for rows in branches.values()]))
     diameters = np.concatenate([_column(rows, "equivalent_diameter_mm")[:, 0] for rows in branches.values()])
     colours = matplotlib.colors.Normalize(diameters.min(), diameters.max())
+    labels, wall = [], []
     for name, rows in branches.items():
         lines = _draw_branch(axes, project, rows, colours)
         x = project(_column(rows, "x_mm", "y_mm", "z_mm"))
-        _label(axes, name, x[len(x) // 3], (16, 12), fontsize=11, weight="bold")
+        wall.append(x)
+        labels.append((_label(axes, name, x[len(x) // 3], fontsize=11, weight="bold"), 45))
     _draw_roots(axes, project, summary, branches)
     for number, lesion in enumerate(summary["lesions"], 1):
-        _draw_lesion(axes, project, number, lesion, branches[lesion["branch"]])
+        labels.append((_draw_lesion(axes, project, number, lesion, branches[lesion["branch"]]), -120))
     middle = project(np.mean([end["centre_mm"] for end in summary["ends"]], axis=0))[0]
     for end in summary["ends"]:
         where = project(np.array(end["centre_mm"]))[0]
         axes.plot(*where, "s" if end["kind"] == "inlet" else "o", color="k", ms=6, zorder=4)
-        side = -1 if where[0] < middle[0] else 1  # away from the tree
         text = f"{end['name']} ({end['diameter_mm']:.2f} mm)"
-        _label(axes, text, where, (9 * side, -4), fontsize=9, ha="left" if side > 0 else "right")
-    figure.colorbar(lines, ax=axes, label="equivalent diameter (mm)", fraction=0.03)
+        labels.append((_label(axes, text, where, fontsize=9), 180 if where[0] < middle[0] else 0))  # away from the tree
+    figure.colorbar(lines, ax=axes, label="equivalent diameter (mm)", fraction=0.03, shrink=0.7)
     axes.set(aspect="equal", xlabel="mm", ylabel="mm", title="tree, sections and lesions (plane of largest extent)")
-    axes.margins(0.25, 0.15)
+    axes.margins(0.25, 0.25)
+    return [(label, angle, np.vstack(wall)) for label, angle in labels]
+
+
+def _place(figure, axes, labels):
+    """Moves each label (annotation, preferred angle in degrees, axis points to keep clear of) off the others.
+
+    The nearest place round its point, in 16 directions from the preferred one, that meets no label placed before and
+    no vessel; where all are taken, the one that meets least.
+    """
+    figure.draw_without_rendering()
+    renderer, taken = figure.canvas.get_renderer(), []
+    for label, preferred, wall in labels:
+        clear = axes.transData.transform(wall)
+        box = label.get_window_extent(renderer)
+        centre = axes.transData.transform(label.xy)
+        size, best = np.array([box.width, box.height]) * 0.5 + 2, None
+        for distance in (12, 22, 34, 50, 70):
+            for turn in range(16):
+                angle = np.radians(preferred + 22.5 * ((turn + 1) // 2) * (-1) ** turn)
+                direction = np.array([np.cos(angle), np.sin(angle)])
+                # the label's rim, not its middle, keeps the distance
+                reach = min(size / np.maximum(np.abs(direction), 1e-9))
+                middle = centre + (reach + distance * figure.dpi / 72) * direction
+                low, high = middle - size, middle + size
+                met = sum(bool((low < b).all() and (high > a).all()) for a, b in taken)
+                met = 1000 * met + int(((clear > low - 4) & (clear < high + 4)).all(axis=1).sum())
+                if best is None or met < best[0]:
+                    best = (met, middle)
+            if best[0] == 0:
+                break
+        taken.append((best[1] - size, best[1] + size))
+        label.set_position((best[1] - centre) * 72 / figure.dpi)
 
 
 def _draw_branch(axes, project, rows, colours):
@@ -93,12 +127,14 @@ def _draw_lesion(axes, project, number, lesion, rows):
     throat = min(rows, key=lambda r: abs(r["s_mm"] - lesion["s_mla_mm"]))
     where = project(_column([throat], "x_mm", "y_mm", "z_mm"))[0]
     text = f"lesion {number}: {lesion['diameter_stenosis_percent']:.0f} %"
-    _label(axes, text, where, (-30, -44), color="crimson", arrowprops={"arrowstyle": "-", "color": "crimson"})
+    return _label(axes, text, where, color="crimson", arrowprops={"arrowstyle": "-", "color": "crimson"})
 
 
-def _label(axes, text, where, offset, **style):
+def _label(axes, text, where, **style):
+    """The annotation of a point, centred; `_place` moves it beside the point."""
     box = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.75}
-    axes.annotate(text, where, xytext=offset, textcoords="offset points", bbox=box, zorder=5, **style)
+    style = {"textcoords": "offset points", "ha": "center", "va": "center", "zorder": 5, **style}
+    return axes.annotate(text, where, xytext=(0, 0), bbox=box, annotation_clip=False, **style)
 
 
 def _label_arc_length(axes, rows, x):

@@ -8,6 +8,7 @@
 namespace anatomy {
 namespace {
 
+constexpr double slack = 0.4;      // degrees below the wanted corner that are not worth another pass
 constexpr int rings = 2;           // of vertices round a narrow triangle that may move
 constexpr int sweeps = 6;          // of moves over them
 constexpr int directions = 6;      // tried at each step of a move
@@ -222,6 +223,14 @@ struct Mender {
     }));
   }
 
+  double smallest() const {
+    double corner = 180;
+    for (Face f : mesh.faces())
+      if (!touches_cap(mesh, f))
+        corner = std::min(corner, smallest_corner(mesh, f));
+    return corner;
+  }
+
   std::pair<double, Face> worst() const {
     std::pair<double, Face> found{180, Face()};
     for (Face f : mesh.faces())
@@ -234,14 +243,18 @@ struct Mender {
 
 } // namespace
 
-void widen_corners(Mesh& mesh, const Mesh& surface, const WallTree& wall, double wanted) {
+void widen_corners(Mesh& mesh, const Mesh& surface, const WallTree& wall, double wanted, int passes) {
   Mender mender{mesh, surface, wall, wanted, {}};
   mender.mesh.set_recycle_garbage(false); // an index names one face for good
-  for (std::size_t k = 0; k < most_changes; ++k) {
-    const auto [corner, face] = mender.worst();
-    if (corner >= wanted)
-      break;
-    mender.mend(face);
+  // what could not be widened at first may be once its neighbours have changed
+  for (int pass = 0; pass < passes && (pass == 0 || mender.smallest() < wanted - slack); ++pass) {
+    mender.hopeless.clear();
+    for (std::size_t k = 0; k < most_changes; ++k) {
+      const auto [corner, face] = mender.worst();
+      if (corner >= wanted)
+        break;
+      mender.mend(face);
+    }
   }
   mesh = std::move(mender.mesh);
   mesh.collect_garbage();

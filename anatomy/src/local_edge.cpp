@@ -141,9 +141,13 @@ struct Remesher {
   Mesh finished() {
     untangle(mesh);
     check_remeshed(mesh, field.edge());
-    Mesh widened = mesh;
-    widen_corners(widened, surface, wall, aimed_corner);
-    return PMP::does_self_intersect(widened) ? mesh : widened;
+    for (int passes : {3, 1}) {
+      Mesh widened = mesh;
+      widen_corners(widened, surface, wall, aimed_corner, passes);
+      if (!PMP::does_self_intersect(widened))
+        return widened;
+    }
+    return mesh;
   }
 };
 

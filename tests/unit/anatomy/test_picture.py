@@ -1,8 +1,11 @@
 """The picture of the tree: written whole, the same bits each time, refused with a reason."""
 
+import itertools
 import json
 
+import numpy as np
 import pytest
+from matplotlib import pyplot as plt
 
 from anatomy import picture
 from common.errors import InputError
@@ -58,3 +61,18 @@ def test_refusals(folder):
     with pytest.raises(InputError, match="sections"):
         picture.run(folder, folder / "a.png")
     assert not (folder / "a.png").exists()
+
+
+def test_labels_keep_clear_of_each_other_and_of_the_vessel():
+    figure, axes = plt.subplots()
+    wall = np.column_stack([np.linspace(0, 10, 200), np.full(200, 5.0)])
+    axes.plot(*wall.T)
+    axes.set(xlim=(0, 10), ylim=(0, 10))
+    labels = [picture._label(axes, f"outlet{k} (2.00 mm)", (5.0, 5.0)) for k in range(4)]
+    picture._place(figure, axes, [(label, 0, wall) for label in labels])
+    figure.canvas.draw()
+    boxes = [label.get_window_extent() for label in labels]
+    assert not any(a.overlaps(b) for a, b in itertools.combinations(boxes, 2))
+    clear = axes.transData.transform(wall)
+    assert not any(box.contains(*point) for box in boxes for point in clear)
+    plt.close(figure)
