@@ -1,4 +1,5 @@
 #include "vci/foundation.hpp"
+#include "vci/surface.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -40,8 +41,8 @@ template <class Element> std::vector<int> vertices_of(const std::vector<Element>
 
 } // namespace
 
-RingFoundation::RingFoundation(std::vector<Element> elements)
-    : VertexForce(vertices_of(elements)), elements_(std::move(elements)) {}
+RingFoundation::RingFoundation(std::vector<Element> elements, Triangles triangles)
+    : VertexForce(vertices_of(elements)), elements_(std::move(elements)), triangles_(std::move(triangles)) {}
 
 Anchors::Anchors(std::vector<Element> elements) : VertexForce(vertices_of(elements)), elements_(std::move(elements)) {}
 
@@ -64,13 +65,15 @@ double RingFoundation::energy(const Vectors& x) const {
 }
 
 void RingFoundation::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const {
+  const Vectors normals = vertex_area_vectors(triangles_, x, 0, triangles_.empty() ? 0 : static_cast<int>(x.size()));
   for (std::size_t k = 0; k < elements_.size(); ++k) {
     const Element& e = elements_[k];
     const Vec3 d = x[e.vertex] - e.origin;
     const double u = d.dot(e.normal);
+    const Vec3 direction = normals.empty() ? e.normal : normals[e.vertex].normalized();
     const auto [pressure, slope] = e.law.pressure(u);
     const double tangential = e.law.tangential_stiffness;
-    force[e.vertex] -= e.area * (pressure * e.normal + tangential * (d - u * e.normal));
+    force[e.vertex] -= e.area * (pressure * direction + tangential * (d - u * e.normal));
     if (!stiffness)
       continue;
     const double normal_part = (exact ? slope : std::max(slope, 0.0)) - tangential;

@@ -33,7 +33,10 @@ protected:
   std::vector<int> vertices_, slots_;
 };
 
-/// Also holds each vertex by tangential_stiffness against sliding: a bare membrane is singular on an irregular mesh.
+/// The pressure follows the surface's normal where its triangles are given, as a ring's hoop tension does: with a fixed
+/// direction, against contact that turns with the surface, the wall would wring itself about the vessel's axis once
+/// p > tangential_stiffness a. Also holds each vertex by tangential_stiffness against sliding: a bare membrane is
+/// singular on an irregular mesh.
 class RingFoundation : public VertexForce {
 public:
   struct Element {
@@ -42,14 +45,18 @@ public:
     double area;         ///< mm^2
     RingLaw law;
   };
-  explicit RingFoundation(std::vector<Element> elements);
+  /// @param triangles of the surface, with outward normals; none: the pressure keeps the direction of `normal`
+  explicit RingFoundation(std::vector<Element> elements, Triangles triangles = {});
 
   ForceKind kind() const override { return ForceKind::foundation; }
+  /// For a pressure of fixed direction; one that follows the surface has none.
   double energy(const Vectors& x) const override;
+  /// The stiffness leaves out how the normals turn.
   void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const override;
 
 private:
   std::vector<Element> elements_;
+  Triangles triangles_;
 };
 
 /// Springs that hold vertices at a place: a device's shaft.

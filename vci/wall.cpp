@@ -142,7 +142,7 @@ Wall add_wall(System& system, const Lumen& lumen, const std::vector<char>& free,
                       lumen.radius[g] + lumen.plaque[g]};
     rings.push_back({static_cast<int>(i), points[i], areas[i].normalized(), system.area[i], law});
   }
-  system.add_force(body, std::make_unique<RingFoundation>(std::move(rings)));
+  system.add_force(body, std::make_unique<RingFoundation>(std::move(rings), triangles));
   return wall;
 }
 

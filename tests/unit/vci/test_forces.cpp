@@ -249,4 +249,37 @@ TEST(Pressure, IsTheGradientOfTheEnclosedVolume) {
   check_hessian(force, x);
 }
 
+TEST(RingFoundation, PressureTurnsWithTheSurface) {
+  constexpr int around = 8;
+  Vectors points;
+  for (int ring = 0; ring < 3; ++ring)
+    for (int k = 0; k < around; ++k)
+      points.push_back({std::cos(2 * M_PI * k / around), std::sin(2 * M_PI * k / around), 0.5 * ring});
+  Triangles triangles;
+  for (int ring = 0; ring < 2; ++ring)
+    for (int k = 0; k < around; ++k) {
+      const int a = ring * around + k, b = ring * around + (k + 1) % around;
+      triangles.insert(triangles.end(), {{a, b, b + around}, {a, b + around, a + around}});
+    }
+  std::vector<RingFoundation::Element> rings;
+  for (int v = around; v < 2 * around; ++v)
+    rings.push_back({v, points[v], points[v] - Vec3(0, 0, 0.5), 0.1, {0.3, 3, 0.05, 0, 0.012, 1.0, 1.2}});
+  // torque about the axis over the forces' sum of lengths, once the ring is widened and turned by 0.1 rad
+  const auto torque = [&](const RingFoundation& force) {
+    Vectors x = points, f(points.size(), Vec3::Zero());
+    for (Vec3& p : x)
+      p = Vec3(1.3 * std::cos(0.1) * p[0] - 1.3 * std::sin(0.1) * p[1],
+               1.3 * std::sin(0.1) * p[0] + 1.3 * std::cos(0.1) * p[1], p[2]);
+    force.evaluate(x, f, nullptr, true);
+    double about = 0, size = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      about += x[i][0] * f[i][1] - x[i][1] * f[i][0];
+      size += f[i].norm();
+    }
+    return about / size;
+  };
+  EXPECT_NEAR(torque(RingFoundation(rings, triangles)), 0, 1e-12);
+  EXPECT_GT(torque(RingFoundation(rings)), 0.1) << "a fixed direction turns the ring further";
+}
+
 } // namespace
