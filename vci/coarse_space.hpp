@@ -13,6 +13,7 @@ public:
   CoarseSpace(const BlockMatrix& matrix, const std::vector<PointLink>& links, const std::vector<char>& fixed,
               int patch_size);
   int patches() const { return patches_; }
+  int vertices() const { return static_cast<int>(patch_.size()); }
   /// False where the coarse matrix was not positive: apply() must not be called.
   bool usable() const { return usable_; }
   /// z += P (P^T A P)^-1 P^T r

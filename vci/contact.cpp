@@ -1,8 +1,7 @@
 #include "vci/contact.hpp"
-#include "vci/closest_point.hpp"
+#include "vci/foot.hpp"
 #include "vci/surface.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -12,19 +11,6 @@ namespace {
 
 constexpr double search_reach = 0.5; // mm: a vertex deeper than this beyond a surface is not found any more
 
-struct Foot {
-  int triangle = -1;
-  Vec3 weights = Vec3::Zero();
-  double distance_squared = 1e300;
-};
-
-Vec3 interpolated_normal(const Triangle& t, const Vec3& weights, const Vectors& units) {
-  Vec3 n = Vec3::Zero();
-  for (int k = 0; k < 3; ++k)
-    n += weights[k] * units[t[k]];
-  return n.normalized();
-}
-
 /// 1 inside a surface, falling to 0 over the last row of triangles before an open edge: beyond the edge nothing
 /// touches, and a contact that ended abruptly there would flip for ever.
 double share_inside(const Triangle& t, const Vec3& weights, const Body& body) {
@@ -33,76 +19,6 @@ double share_inside(const Triangle& t, const Vec3& weights, const Body& body) {
     if (body.boundary[t[k] - body.first])
       share -= weights[k];
   return share;
-}
-
-/// The point of a triangle from which p lies along the interpolated normal: unlike the closest point it moves
-/// continuously across edges on both sides of a folded surface. Returns false where it lies outside the triangle.
-bool project_along_normals(const Vec3& p, const Triangle& t, const System& system, const Vectors& units,
-                           Vec3& weights) {
-  const Vec3 &a = system.x[t[0]], ab = system.x[t[1]] - a, ac = system.x[t[2]] - a;
-  const Vec3 face = ab.cross(ac);
-  Vec3 n = interpolated_normal(t, weights, units);
-  for (int iteration = 0; iteration < 4; ++iteration) {
-    const double slope = n.dot(face);
-    if (slope <= 0.2 * face.norm())
-      return false;
-    const Vec3 q = p - (p - a).dot(face) / slope * n - a;
-    const double v = q.cross(ac).dot(face) / face.squaredNorm(), w = ab.cross(q).dot(face) / face.squaredNorm();
-    weights = Vec3(1 - v - w, v, w);
-    if (weights.minCoeff() < -0.5)
-      return false;
-    n = interpolated_normal(t, weights, units);
-  }
-  return weights.minCoeff() >= -1e-6;
-}
-
-/// The foot on the triangle where it was last, if it still lies there and near: following it saves the search among
-/// all candidates.
-bool follow_foot(const Vec3& p, int triangle, const System& system, const Vectors& units, const Body& target,
-                 Foot& foot) {
-  constexpr double near = 0.1; // mm
-  const Triangle& t = target.triangles[triangle];
-  Vec3 weights = Vec3::Constant(1.0 / 3);
-  if (!project_along_normals(p, t, system, units, weights))
-    return false;
-  const double d2 =
-      (p - weights[0] * system.x[t[0]] - weights[1] * system.x[t[1]] - weights[2] * system.x[t[2]]).squaredNorm();
-  foot = {triangle, weights, d2};
-  return d2 < near * near;
-}
-
-/// Where a vertex meets a surface: along the interpolated normal if some triangle near has such a point, else the
-/// closest.
-Foot foot_of(const Vec3& p, const std::vector<int>& candidates, const System& system, const Vectors& units,
-             const Body& target) {
-  constexpr double near = 0.05; // mm beyond the closest triangle
-  std::array<Foot, 16> feet;
-  std::size_t count = 0;
-  Foot closest;
-  for (int k : candidates) {
-    const Triangle& t = target.triangles[k];
-    const ClosestPoint q = closest_on_triangle(p, system.x[t[0]], system.x[t[1]], system.x[t[2]]);
-    const Foot foot{k, q.weights, q.distance_squared};
-    if (foot.distance_squared < closest.distance_squared)
-      closest = foot;
-    if (count < feet.size())
-      feet[count++] = foot;
-  }
-  const double reach = std::sqrt(closest.distance_squared) + near;
-  Foot best;
-  for (std::size_t k = 0; k < count; ++k) {
-    if (feet[k].distance_squared > reach * reach)
-      continue;
-    const Triangle& t = target.triangles[feet[k].triangle];
-    Vec3 weights = feet[k].weights;
-    if (!project_along_normals(p, t, system, units, weights))
-      continue;
-    const double d2 =
-        (p - weights[0] * system.x[t[0]] - weights[1] * system.x[t[1]] - weights[2] * system.x[t[2]]).squaredNorm();
-    if (d2 < best.distance_squared)
-      best = {feet[k].triangle, weights, d2};
-  }
-  return best.triangle >= 0 ? best : closest;
 }
 
 } // namespace
@@ -125,35 +41,59 @@ void add_friction(ContactPoint& point, const ContactSettings& s) {
   point.link.tangential_stiffness = share * stiffness;
 }
 
+/// What a search found for a vertex: far from the surface, or candidates.
+void SurfaceContact::face(const System& system, const Vectors& units, int v, const Body& target, bool vertex_inside,
+                          const std::vector<NearTriangle>& found, double travel, Facing& facing) const {
+  const Vec3& p = system.x[v];
+  facing.triangles.clear();
+  facing.foot = -1;
+  facing.search = {p, travel, search_reach - settings_.distance};
+  if (found.empty())
+    return;
+  const NearTriangle& foot = *std::min_element(found.begin(), found.end(),
+                                               [](const auto& a, const auto& b) { return a.distance < b.distance; });
+  facing.foot = foot.triangle;
+  const Triangle& t = target.triangles[foot.triangle];
+  const Vec3 q = foot.weights[0] * system.x[t[0]] + foot.weights[1] * system.x[t[1]] + foot.weights[2] * system.x[t[2]];
+  const double side_of = (vertex_inside ? 1 : -1) * interpolated_normal(t, foot.weights, units).dot(q - p);
+  facing.search.length = foot.distance - settings_.distance;
+  if (side_of > 0 && facing.search.length > settings_.skin)
+    return;
+  facing.search.length = settings_.skin;
+  facing.measure = {p, travel, -1};
+  for (const NearTriangle& f : found)
+    facing.triangles.push_back(f.triangle);
+}
+
+/// A vertex that still meets the triangle it met need not be searched for at every turn.
+bool SurfaceContact::keeps_foot(const System& system, const Vectors& units, const Vec3& p, const Body& target,
+                                double travel, const Facing& facing) const {
+  Foot foot;
+  return !facing.triangles.empty() && !facing.search.used_up(p, travel - 2 * settings_.skin) &&
+         follow_foot(p, facing.foot, system, units, target, foot);
+}
+
 void SurfaceContact::search(const System& system, const Vectors& units, int from, int onto, bool vertex_inside,
                             Direction& side) {
   const Body &source = system.body(from), &target = system.body(onto);
-  if (side.boxes)
-    side.boxes->update(target.triangles, system.x);
-  else
-    side.boxes = std::make_unique<BroadPhase>(target.triangles, system.x);
-  side.candidates.clear();
-  side.nearest.resize(source.count, -1);
+  side.facing.resize(source.count);
   std::vector<NearTriangle> found;
-  for (int v = source.first; v < source.first + source.count; ++v) {
-    int& nearest = side.nearest[v - source.first];
-    side.boxes->near(system.x[v], target.triangles, system.x, search_reach, 2 * settings_.skin, nearest, found);
-    nearest = -1;
-    if (found.empty())
+  bool fitted = false;
+  for (int k = 0; k < source.count; ++k) {
+    Facing& facing = side.facing[k];
+    const Vec3& p = system.x[source.first + k];
+    if (!facing.search.used_up(p, side.travel) || keeps_foot(system, units, p, target, side.travel, facing))
       continue;
-    const NearTriangle& foot = *std::min_element(found.begin(), found.end(),
-                                                 [](const auto& p, const auto& q) { return p.distance < q.distance; });
-    nearest = foot.triangle;
-    const Triangle& t = target.triangles[foot.triangle];
-    const Vec3 q =
-        foot.weights[0] * system.x[t[0]] + foot.weights[1] * system.x[t[1]] + foot.weights[2] * system.x[t[2]];
-    const double side_of = (vertex_inside ? 1 : -1) * interpolated_normal(t, foot.weights, units).dot(q - system.x[v]);
-    if (side_of > 0 && foot.distance > settings_.distance + settings_.skin)
-      continue;
-    Candidates c{v, {}, -1};
-    for (const NearTriangle& f : found)
-      c.triangles.push_back(f.triangle);
-    side.candidates.push_back(std::move(c));
+    if (!fitted) {
+      if (side.boxes)
+        side.boxes->update(target.triangles, system.x);
+      else
+        side.boxes = std::make_unique<BroadPhase>(target.triangles, system.x);
+      fitted = true;
+    }
+    // a triangle may become the nearest while both sides move by the skin
+    side.boxes->near(p, target.triangles, system.x, search_reach, 2 * settings_.skin, facing.foot, found);
+    face(system, units, source.first + k, target, vertex_inside, found, side.travel, facing);
   }
 }
 
@@ -164,34 +104,42 @@ void SurfaceContact::measure(const System& system, const Vectors& normals, const
   side.slip.resize(slip.size(), Vec3::Zero());
   slip.swap(side.slip);                           // a vertex without contact starts anew
   const double sign = vertex_inside ? 1.0 : -1.0; // gap = sign (foot - vertex) . n
-  for (Candidates& c : side.candidates) {
-    const Vec3& p = system.x[c.vertex];
+  const int first = system.body(from).first;
+  for (std::size_t place = 0; place < side.facing.size(); ++place) {
+    Facing& c = side.facing[place];
+    const int vertex = first + static_cast<int>(place);
+    const Vec3& p = system.x[vertex];
+    if (c.triangles.empty() || !c.measure.used_up(p, side.travel))
+      continue;
     Foot foot;
-    if (c.foot < 0 || !follow_foot(p, c.foot, system, units, target, foot))
-      foot = foot_of(p, c.triangles, system, units, target);
+    double clear = 0;
+    if (!follow_foot(p, c.foot, system, units, target, foot))
+      foot = foot_of(p, c.triangles, system, units, target, clear);
     if (foot.triangle < 0)
       continue; // positions are no longer finite; the integrator reports it
     c.foot = foot.triangle;
+    c.measure = {p, side.travel, -1};
     const Triangle& t = target.triangles[foot.triangle];
     const double share = share_inside(t, foot.weights, target);
     if (share <= 1e-9)
       continue;
     const Vec3 n = interpolated_normal(t, foot.weights, units);
-    if (n.dot(normals[c.vertex]) <= 0)
+    if (n.dot(normals[vertex]) <= 0)
       continue; // the surfaces do not face each other here
     const Vec3 q =
         foot.weights[0] * system.x[t[0]] + foot.weights[1] * system.x[t[1]] + foot.weights[2] * system.x[t[2]];
     const double gap = sign * n.dot(q - p);
     const RampLaw law = contact_ramp(gap, settings_);
-    if (law.pressure <= 0)
+    if (law.pressure <= 0) {
+      c.measure.length = clear - settings_.distance;
       continue;
-    const double area = share * normals[c.vertex].norm();
-    const PointLink link{{c.vertex, t[0], t[1], t[2]},
+    }
+    const double area = share * normals[vertex].norm();
+    const PointLink link{{vertex, t[0], t[1], t[2]},
                          {-sign, sign * foot.weights[0], sign * foot.weights[1], sign * foot.weights[2]},
                          n,
                          area * law.stiffness,
                          0.0};
-    const int place = c.vertex - system.body(from).first;
     Vec3& kept = side.slip[place];
     kept = slip[place] - n.dot(slip[place]) * n;
     ContactPoint point{link, area, gap, area * law.pressure, Vec3::Zero(), &kept};
@@ -200,21 +148,29 @@ void SurfaceContact::measure(const System& system, const Vectors& normals, const
   }
 }
 
+double SurfaceContact::largest_move(const System& system, int body) const {
+  const Body& b = system.body(body);
+  double moved = 0;
+  for (int v = b.first; v < b.first + b.count; ++v)
+    moved = std::max(moved, (system.x[v] - last_[v]).squaredNorm());
+  return std::sqrt(moved);
+}
+
 void SurfaceContact::detect(const System& system, const Vectors& normals, std::vector<ContactPoint>& points) {
   Vectors units(system.x.size());
   for (int b : {inner_, outer_})
     for (int v = system.body(b).first; v < system.body(b).first + system.body(b).count; ++v)
       units[v] = normals[v].normalized();
-  double moved = 0;
-  if (searched_at_.size() == system.x.size())
-    for (int b : {inner_, outer_})
-      for (int v = system.body(b).first; v < system.body(b).first + system.body(b).count; ++v)
-        moved = std::max(moved, (system.x[v] - searched_at_[v]).squaredNorm());
-  if (searched_at_.size() != system.x.size() || moved > 0.25 * settings_.skin * settings_.skin) {
-    search(system, units, inner_, outer_, true, inner_on_outer_);
-    search(system, units, outer_, inner_, false, outer_on_inner_);
-    searched_at_ = system.x;
+  if (last_.size() != system.x.size()) { // bodies have come or gone
+    inner_on_outer_.facing.clear();
+    outer_on_inner_.facing.clear();
+  } else {
+    inner_on_outer_.travel += largest_move(system, outer_);
+    outer_on_inner_.travel += largest_move(system, inner_);
   }
+  last_ = system.x;
+  search(system, units, inner_, outer_, true, inner_on_outer_);
+  search(system, units, outer_, inner_, false, outer_on_inner_);
   measure(system, normals, units, inner_, outer_, true, inner_on_outer_, points);
   measure(system, normals, units, outer_, inner_, false, outer_on_inner_, points);
 }

@@ -37,7 +37,8 @@ struct ContactPoint {
 void add_friction(ContactPoint& point, const ContactSettings& settings);
 
 /// Both directions: inner vertices against outer triangles, outer vertices against inner triangles. Normals of both
-/// surfaces point outwards. Candidates come from the broad phase and are kept until a vertex moved half the skin.
+/// surfaces point outwards. Candidates come from the broad phase. A vertex is searched for again, and its gap measured
+/// again, only once it and the other surface may have moved far enough to matter.
 class SurfaceContact {
 public:
   SurfaceContact(int inner, int outer, const ContactSettings& settings)
@@ -49,24 +50,35 @@ public:
   void detect(const System& system, const Vectors& normals, std::vector<ContactPoint>& points);
 
 private:
-  struct Candidates {
-    int vertex;
+  /// How far a vertex and the surface it faces may move, taken together, before a finding no longer holds.
+  struct Leeway {
+    Vec3 place;
+    double travel, length; ///< of the surface when found; mm
+    bool used_up(const Vec3& p, double travelled) const { return (p - place).norm() + travelled - travel > length; }
+  };
+  struct Facing {
+    Leeway search{Vec3::Zero(), 0, -1}, measure = search; ///< -1: at once
     std::vector<int> triangles;
-    int foot; ///< where the vertex met the surface last, -1: not known
+    int foot = -1; ///< the triangle that the vertex met last, or that the search found nearest; -1: none
   };
   struct Direction {
     std::unique_ptr<BroadPhase> boxes;
-    std::vector<Candidates> candidates;
-    Vectors slip;             ///< per vertex of the source body
-    std::vector<int> nearest; ///< likewise: the triangle found nearest by the last search, -1: none
+    std::vector<Facing> facing; ///< per vertex of the source body
+    Vectors slip;               ///< likewise
+    double travel = 0;          ///< sum of the target's largest displacements, mm
   };
   void search(const System& system, const Vectors& units, int from, int onto, bool vertex_inside, Direction& side);
+  void face(const System& system, const Vectors& units, int v, const Body& target, bool vertex_inside,
+            const std::vector<NearTriangle>& found, double travel, Facing& facing) const;
+  bool keeps_foot(const System& system, const Vectors& units, const Vec3& p, const Body& target, double travel,
+                  const Facing& facing) const;
   void measure(const System& system, const Vectors& normals, const Vectors& units, int from, int onto,
                bool vertex_inside, Direction& side, std::vector<ContactPoint>& points) const;
+  double largest_move(const System& system, int body) const;
 
   int inner_, outer_;
   ContactSettings settings_;
-  Vectors searched_at_;
+  Vectors last_; ///< positions at the last call
   Direction inner_on_outer_, outer_on_inner_;
 };
 

@@ -4,12 +4,8 @@
 
 namespace vci {
 
-Vec2 HenckyLaw::at_depth(const Vec2& log_strain) const {
-  return depth == 0 ? log_strain : Vec2(0.5 * (((2 * log_strain).array().exp() + depth) / (1 + depth)).log());
-}
-
-HenckyLaw::Response HenckyLaw::response(const Vec2& lumen_strain) const {
-  const Vec2 log_strain = at_depth(lumen_strain);
+HenckyLaw::Response HenckyLaw::response_at(const Vec2& square) const {
+  const Vec2 log_strain = at_depth(square);
   const double c = 1.0 / (1.0 - poisson_ratio * poisson_ratio);
   Mat2 d;
   d << c, c * poisson_ratio, c * poisson_ratio, c;
@@ -34,8 +30,7 @@ HenckyLaw::Response HenckyLaw::response(const Vec2& lumen_strain) const {
   r.stress = stiffness * phi * d_eps;
   r.tangent = stiffness * (phi * d + dphi_over_w * d_eps * d_eps.transpose());
   if (depth > 0) {
-    const Eigen::Array2d square = (2 * lumen_strain).array().exp();
-    const Eigen::Array2d share = square / (square + depth); // d at_depth / d lumen_strain
+    const Eigen::Array2d share = square.array() / (square.array() + depth); // d at_depth / d lumen_strain
     r.tangent = (r.tangent.array() * (share.matrix() * share.matrix().transpose()).array()).matrix();
     r.tangent.diagonal().array() += r.stress.array() * 2 * share * (1 - share);
     r.stress.array() *= share;
@@ -44,8 +39,8 @@ HenckyLaw::Response HenckyLaw::response(const Vec2& lumen_strain) const {
 }
 
 Vec2 HenckyLaw::flow(const Vec2& lumen_strain) {
-  const Vec2 layer = at_depth(lumen_strain);
-  const double w = response(lumen_strain).strain;
+  const Vec2 square = (2 * lumen_strain).array().exp(), layer = at_depth(square);
+  const double w = response_at(square).strain;
   if (w <= yield_strain)
     return Vec2::Zero();
   // the layer's elastic strain shrinks in proportion to the stress reached; the lumen has moved with the rest

@@ -29,14 +29,22 @@ struct HenckyLaw {
     double strain; ///< w of the layer
     bool yields;
   };
-  Response response(const Vec2& log_strain) const;
+  /// @param square squared principal stretches of the lumen
+  Response response_at(const Vec2& square) const;
+  Response response(const Vec2& log_strain) const { return response_at((2 * log_strain).array().exp()); }
+  bool yields_at(const Vec2& square) const { return strain_squared(at_depth(square)) > yield_strain * yield_strain; }
   /// Elastic part of w that stays after yield: E times it is the stress reached.
   double elastic_part(double w) const { return yield_strain + hardening * (w - yield_strain); }
   /// What of the lumen's strain stays after yield at that strain; the law then holds for the strain beyond it.
   Vec2 flow(const Vec2& log_strain);
 
 private:
-  Vec2 at_depth(const Vec2& log_strain) const;
+  /// w^2 at a layer's strain.
+  double strain_squared(const Vec2& e) const {
+    return (e.squaredNorm() + 2 * poisson_ratio * e[0] * e[1]) / (1.0 - poisson_ratio * poisson_ratio);
+  }
+  /// The layer's logarithmic strain.
+  Vec2 at_depth(const Vec2& square) const { return 0.5 * ((square.array() + depth) / (1 + depth)).log(); }
 };
 
 } // namespace vci

@@ -25,8 +25,9 @@ template <class Element> Dihedral dihedral_of(const Element& e, const Vectors& x
   return dihedral(x[e.v[0]], x[e.v[1]], x[e.v[2]], x[e.v[3]]);
 }
 
+/// The same angle between -pi and pi.
 double wrapped(double angle) {
-  return std::remainder(angle, 2 * std::numbers::pi);
+  return std::abs(angle) <= std::numbers::pi ? angle : std::remainder(angle, 2 * std::numbers::pi);
 }
 
 } // namespace
@@ -90,6 +91,8 @@ void Hinges::link(const BlockMatrix& matrix) {
 }
 
 void Hinges::commit(const Vectors& x) {
+  if (yield_angle_ >= std::numbers::pi)
+    return;
   for (Element& e : elements_) {
     const double bend = wrapped(dihedral_of(e, x).angle - e.rest_angle);
     if (std::abs(bend) > yield_angle_)

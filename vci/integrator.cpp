@@ -74,6 +74,7 @@ RelaxResult relax(System& system, Interactions& interactions, const IntegratorSe
   Forces f;
   Vectors dx;
   std::vector<PointLink> links;
+  PcgMemory memory;
   double h = s.initial_step, previous_residual = 0;
   bool settling = false;
   system.velocity.assign(system.x.size(), Vec3::Zero());
@@ -111,7 +112,7 @@ RelaxResult relax(System& system, Interactions& interactions, const IntegratorSe
           (system.mass[i] / (h * h) + s.damping * system.area[i] / h) / factor;
       f.total[i] = (f.total[i] + system.mass[i] / h * system.velocity[i]) / factor;
     }
-    const SolveResult solve = solve_pcg(matrix, links, system.fixed, f.total, dx, s.pcg);
+    const SolveResult solve = solve_pcg(matrix, links, system.fixed, f.total, dx, s.pcg, &memory);
     result.cg_iterations += solve.iterations;
     ++result.steps;
     const double typical = large_displacement(dx);

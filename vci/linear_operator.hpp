@@ -1,6 +1,7 @@
 // The step's matrix in the form that conjugate gradients read fastest: four numbers to a vector, single or double.
 #pragma once
 #include "vci/block_matrix.hpp"
+#include <algorithm>
 
 namespace vci {
 
@@ -28,9 +29,9 @@ public:
 
   LinearOperator(const BlockMatrix& matrix, const std::vector<PointLink>& links, const std::vector<char>& fixed)
       : matrix_(matrix), fixed_(fixed) {
-    blocks_.reserve(matrix.entries());
+    values_.resize(9 * static_cast<std::size_t>(matrix.entries()) + 1); // the last column is read with one number more
     for (int k = 0; k < matrix.entries(); ++k)
-      blocks_.push_back(padded(matrix.block(k)));
+      std::copy_n(matrix.block(k).data(), 9, values_.data() + 9 * static_cast<std::ptrdiff_t>(k));
     for (const PointLink& link : links) {
       Link own{link.vertex, {}, padded(link.stiffness())};
       for (int k = 0; k < 4; ++k) {
@@ -63,9 +64,13 @@ public:
     for (int i = 0; i < matrix_.rows(); ++i) {
       Four sum = Four::Zero();
       if (!fixed_[i])
-        for (int k = matrix_.row_start(i); k < matrix_.row_start(i + 1); ++k)
-          sum += product(blocks_[k], x[matrix_.column(k)]);
+        for (int k = matrix_.row_start(i); k < matrix_.row_start(i + 1); ++k) {
+          const Real* a = values_.data() + 9 * static_cast<std::ptrdiff_t>(k); // columns of three, read as fours
+          const Four& v = x[matrix_.column(k)];
+          sum += Loose(a) * v[0] + Loose(a + 3) * v[1] + Loose(a + 6) * v[2];
+        }
       y[i] = sum;
+      y[i][3] = 0;
     }
     for (const Ring& ring : rings_) {
       Four sum = Four::Zero();
@@ -96,9 +101,10 @@ private:
     Field gradient;
     Real stiffness;
   };
+  using Loose = Eigen::Map<const Four>;
   const BlockMatrix& matrix_;
   const std::vector<char>& fixed_;
-  std::vector<Block> blocks_;
+  std::vector<Real> values_; ///< nine to a block, column by column
   std::vector<Link> links_;
   std::vector<Ring> rings_;
 };

@@ -13,7 +13,7 @@ using Mat32 = Eigen::Matrix<double, 3, 2>;
 
 /// Principal stretches, their material directions (columns of v) and spatial directions (columns of u).
 struct Principal {
-  Vec2 stretch, log_strain;
+  Vec2 stretch, square;
   Mat2 v;
   Mat32 u;
 };
@@ -47,11 +47,43 @@ Principal principal(const Mat32& f) {
   p.v << c, -s, s, c;
   const Mat32 fv = f * p.v;
   for (int i = 0; i < 2; ++i) {
-    p.stretch[i] = std::max(fv.col(i).norm(), smallest);
-    p.log_strain[i] = std::log(p.stretch[i]);
+    p.square[i] = std::max(fv.col(i).squaredNorm(), smallest * smallest);
+    p.stretch[i] = std::sqrt(p.square[i]);
     p.u.col(i) = fv.col(i) / p.stretch[i];
   }
   return p;
+}
+
+/// Second derivatives of the energy by F in the principal frame: two scalings, twist and shear in the plane, two out
+/// of it; without `exact` negative eigenvalues are left out.
+struct Curvature {
+  Mat2 scaling;
+  double same, swapped; ///< of F_ij with itself and with F_ji, i != j
+  Vec2 lift;
+};
+
+Curvature curvature(const Principal& p, const HenckyLaw::Response& r, const Vec2& sigma, bool exact) {
+  const auto kept = [exact](double value) { return exact ? value : std::max(value, 0.0); };
+  Curvature c;
+  for (int i = 0; i < 2; ++i)
+    for (int j = 0; j < 2; ++j)
+      c.scaling(i, j) = (r.tangent(i, j) - (i == j ? r.stress[i] : 0.0)) / (p.stretch[i] * p.stretch[j]);
+  const double difference = p.stretch[0] - p.stretch[1];
+  const double shear =
+      kept(std::abs(difference) > 1e-6 ? (sigma[0] - sigma[1]) / difference : c.scaling(0, 0) - c.scaling(0, 1));
+  const double twist = kept((sigma[0] + sigma[1]) / (p.stretch[0] + p.stretch[1]));
+  c.same = 0.5 * (shear + twist);
+  c.swapped = 0.5 * (shear - twist);
+  for (int i = 0; i < 2; ++i)
+    c.lift[i] = kept(sigma[i] / p.stretch[i]);
+  const double trace = c.scaling.trace(), determinant = c.scaling.determinant();
+  if (!exact && (determinant < 0 || trace < 0)) {
+    const auto [cosine, sine] = principal_direction(c.scaling(0, 0), c.scaling(0, 1), c.scaling(1, 1));
+    const Vec2 first(cosine, sine), second(-sine, cosine);
+    c.scaling = kept(first.dot(c.scaling * first)) * first * first.transpose() +
+                kept(second.dot(c.scaling * second)) * second * second.transpose();
+  }
+  return c;
 }
 
 } // namespace
@@ -74,14 +106,14 @@ Membrane::Membrane(const Triangles& triangles, const Vectors& reference, std::ve
 double Membrane::energy(const Vectors& x) const {
   double sum = 0;
   for (const Element& e : elements_)
-    sum += e.area * e.law.response(principal(edges(e.v, x) * e.shape).log_strain).energy;
+    sum += e.area * e.law.response_at(principal(edges(e.v, x) * e.shape).square).energy;
   return sum;
 }
 
 void Membrane::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const {
   for (const Element& e : elements_) {
     const Principal p = principal(edges(e.v, x) * e.shape);
-    const HenckyLaw::Response r = e.law.response(p.log_strain);
+    const HenckyLaw::Response r = e.law.response_at(p.square);
     // gradients of the shape functions in the principal frame
     Vec2 g[3];
     g[1] = p.v.transpose() * e.shape.row(0).transpose();
@@ -92,44 +124,29 @@ void Membrane::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness
       force[e.v[a]] -= e.area * (sigma[0] * g[a][0] * p.u.col(0) + sigma[1] * g[a][1] * p.u.col(1));
     if (!stiffness)
       continue;
-    // Eigen-system of the Hessian with respect to F: two scalings, in-plane twist and shear, two out of plane.
-    Mat2 scaling;
-    for (int i = 0; i < 2; ++i)
-      for (int j = 0; j < 2; ++j)
-        scaling(i, j) = (r.tangent(i, j) - (i == j ? r.stress[i] : 0.0)) / (p.stretch[i] * p.stretch[j]);
-    const double difference = p.stretch[0] - p.stretch[1];
-    const double shear =
-        std::abs(difference) > 1e-6 ? (sigma[0] - sigma[1]) / difference : scaling(0, 0) - scaling(0, 1);
-    const double twist = (sigma[0] + sigma[1]) / (p.stretch[0] + p.stretch[1]);
-    const Vec2 lift = sigma.cwiseQuotient(p.stretch);
-    const Vec3 normal = p.u.col(0).cross(p.u.col(1));
-    const auto [c, s] = principal_direction(scaling(0, 0), scaling(0, 1), scaling(1, 1));
-    const double h = std::sqrt(0.5);
-    const double s0 = c * c * scaling(0, 0) + 2 * c * s * scaling(0, 1) + s * s * scaling(1, 1);
-    const double s1 = s * s * scaling(0, 0) - 2 * c * s * scaling(0, 1) + c * c * scaling(1, 1);
-    const std::array<double, 6> values{s0, s1, shear, twist, lift[0], lift[1]};
-    Eigen::Matrix<double, 3, 6> y[3];
-    for (int a = 0; a < 3; ++a) {
-      const Vec3 y0 = g[a][0] * p.u.col(0), y1 = g[a][1] * p.u.col(1);
-      const Vec3 z0 = g[a][1] * p.u.col(0), z1 = g[a][0] * p.u.col(1);
-      y[a].col(0) = c * y0 + s * y1;
-      y[a].col(1) = c * y1 - s * y0;
-      y[a].col(2) = h * (z0 + z1);
-      y[a].col(3) = h * (z0 - z1);
-      y[a].col(4) = g[a][0] * normal;
-      y[a].col(5) = g[a][1] * normal;
+    const Curvature c = curvature(p, r, sigma, exact);
+    const Vec3 u0 = p.u.col(0), u1 = p.u.col(1), normal = u0.cross(u1);
+    const auto block = [&](const Vec2& ga, const Vec2& gb) -> Mat3 {
+      const double g00 = e.area * ga[0] * gb[0], g01 = e.area * ga[0] * gb[1];
+      const double g10 = e.area * ga[1] * gb[0], g11 = e.area * ga[1] * gb[1];
+      const Vec3 row0 = (c.scaling(0, 0) * g00 + c.same * g11) * u0 + (c.scaling(0, 1) * g01 + c.swapped * g10) * u1;
+      const Vec3 row1 = (c.scaling(0, 1) * g10 + c.swapped * g01) * u0 + (c.scaling(1, 1) * g11 + c.same * g00) * u1;
+      const Vec3 row2 = (c.lift[0] * g00 + c.lift[1] * g11) * normal;
+      return u0 * row0.transpose() + u1 * row1.transpose() + normal * row2.transpose();
+    };
+    Mat3 k[3][3];
+    for (int a = 1; a < 3; ++a)
+      for (int b = a; b < 3; ++b)
+        k[a][b] = block(g[a], g[b]);
+    k[2][1] = k[1][2].transpose();
+    for (int b = 1; b < 3; ++b) { // shifts of the whole triangle meet no force
+      k[0][b] = -k[1][b] - k[2][b];
+      k[b][0] = k[0][b].transpose();
     }
-    Eigen::Matrix<double, 3, 6> scaled;
-    for (int a = 0; a < 3; ++a) {
-      for (int m = 0; m < 6; ++m)
-        scaled.col(m) = e.area * (exact ? values[m] : std::max(values[m], 0.0)) * y[a].col(m);
-      for (int b = 0; b <= a; ++b) {
-        const Mat3 block = scaled * y[b].transpose();
-        stiffness->block(e.slots[3 * a + b]) += block;
-        if (b < a)
-          stiffness->block(e.slots[3 * b + a]) += block.transpose();
-      }
-    }
+    k[0][0] = -k[0][1] - k[0][2];
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b)
+        stiffness->block(e.slots[3 * a + b]) += k[a][b];
   }
 }
 
@@ -145,10 +162,12 @@ void Membrane::link(const BlockMatrix& matrix) {
 
 void Membrane::commit(const Vectors& x) {
   for (Element& e : elements_) {
-    const Principal p = principal(edges(e.v, x) * e.shape);
-    const Vec2 flow = e.law.flow(p.log_strain);
-    if (flow.isZero(0))
+    if (std::isinf(e.law.yield_strain))
       continue;
+    const Principal p = principal(edges(e.v, x) * e.shape);
+    if (!e.law.yields_at(p.square))
+      continue;
+    const Vec2 flow = e.law.flow(0.5 * p.square.array().log());
     e.shape =
         e.shape * p.v * Eigen::DiagonalMatrix<double, 2>(std::exp(-flow[0]), std::exp(-flow[1])) * p.v.transpose();
   }
@@ -157,7 +176,7 @@ void Membrane::commit(const Vectors& x) {
 int Membrane::yielding(const Vectors& x) const {
   int count = 0;
   for (const Element& e : elements_)
-    count += e.law.response(principal(edges(e.v, x) * e.shape).log_strain).yields;
+    count += e.law.response_at(principal(edges(e.v, x) * e.shape).square).yields;
   return count;
 }
 

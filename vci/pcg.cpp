@@ -3,7 +3,6 @@
 
 #include <Eigen/LU>
 #include <cmath>
-#include <optional>
 
 namespace vci {
 
@@ -36,14 +35,10 @@ public:
   using Four = typename Operator::Four;
 
   Solver(const BlockMatrix& matrix, const std::vector<PointLink>& links, const std::vector<char>& fixed,
-         const PcgSettings& settings)
-      : settings_(settings), operator_(matrix, links, fixed) {
+         const PcgSettings& settings, std::shared_ptr<const CoarseSpace> coarse)
+      : settings_(settings), operator_(matrix, links, fixed), coarse_(std::move(coarse)) {
     for (const Mat3& m : inverse_diagonal(matrix, links, fixed))
       inverse_.push_back(Operator::padded(m));
-    if (settings.patch_size > 0)
-      coarse_.emplace(matrix, links, fixed, settings.patch_size);
-    if (coarse_ && !coarse_->usable())
-      coarse_.reset();
   }
 
   SolveResult solve(const Field& b, Field& x) const {
@@ -106,19 +101,43 @@ private:
   PcgSettings settings_;
   Operator operator_;
   std::vector<typename Operator::Block> inverse_;
-  std::optional<CoarseSpace> coarse_;
+  std::shared_ptr<const CoarseSpace> coarse_;
 };
+
+/// The second level: that of an earlier matrix while it is young and still serves as well as at first.
+std::shared_ptr<const CoarseSpace> coarse_space(const BlockMatrix& matrix, const std::vector<PointLink>& links,
+                                                const std::vector<char>& fixed, int patch_size, PcgMemory& memory) {
+  constexpr int oldest = 5;
+  if (patch_size == 0)
+    return {};
+  if (!memory.coarse || memory.age >= oldest || memory.coarse->vertices() != matrix.rows()) {
+    const auto made = std::make_shared<CoarseSpace>(matrix, links, fixed, patch_size);
+    memory = {made->usable() ? made : nullptr, 0, 0};
+  }
+  return memory.coarse;
+}
+
+void remember(int iterations, PcgMemory& memory) {
+  constexpr double worse = 1.3;
+  if (memory.age == 0)
+    memory.first_iterations = iterations;
+  ++memory.age;
+  if (iterations > worse * memory.first_iterations + 2)
+    memory.coarse.reset();
+}
 
 template <class Real>
 SolveResult solve_in(const BlockMatrix& matrix, const std::vector<PointLink>& links, const std::vector<char>& fixed,
-                     const Vectors& right_hand_side, Vectors& x, const PcgSettings& settings) {
+                     const Vectors& right_hand_side, Vectors& x, const PcgSettings& settings, PcgMemory& memory) {
   using Operator = LinearOperator<Real>;
-  const Solver<Real> solver(matrix, links, fixed, settings);
+  const Solver<Real> solver(matrix, links, fixed, settings,
+                            coarse_space(matrix, links, fixed, settings.patch_size, memory));
   typename Operator::Field b, solution;
   b.reserve(right_hand_side.size());
   for (std::size_t i = 0; i < right_hand_side.size(); ++i)
     b.push_back(fixed[i] ? Operator::padded(Vec3(Vec3::Zero())) : Operator::padded(right_hand_side[i]));
   const SolveResult result = solver.solve(b, solution);
+  remember(result.iterations, memory);
   x.resize(b.size());
   for (std::size_t i = 0; i < b.size(); ++i)
     x[i] = solution[i].template head<3>().template cast<double>().matrix();
@@ -128,9 +147,11 @@ SolveResult solve_in(const BlockMatrix& matrix, const std::vector<PointLink>& li
 } // namespace
 
 SolveResult solve_pcg(const BlockMatrix& matrix, const std::vector<PointLink>& links, const std::vector<char>& fixed,
-                      const Vectors& right_hand_side, Vectors& x, const PcgSettings& settings) {
-  return settings.single_precision ? solve_in<float>(matrix, links, fixed, right_hand_side, x, settings)
-                                   : solve_in<double>(matrix, links, fixed, right_hand_side, x, settings);
+                      const Vectors& right_hand_side, Vectors& x, const PcgSettings& settings, PcgMemory* memory) {
+  PcgMemory own;
+  PcgMemory& used = memory ? *memory : own;
+  return settings.single_precision ? solve_in<float>(matrix, links, fixed, right_hand_side, x, settings, used)
+                                   : solve_in<double>(matrix, links, fixed, right_hand_side, x, settings, used);
 }
 
 } // namespace vci
