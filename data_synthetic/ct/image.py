@@ -2,7 +2,9 @@
 
 import gzip
 import pathlib
+import struct
 import tempfile
+import zlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,6 +74,23 @@ def write(image, path, description):
         partial.write_bytes(gzip.compress(content, 6, mtime=0) if partial.suffix == ".gz" else content)
 
 
+def _check_complete(path):
+    """Raises InputError if the file ends before the voxels that its NIfTI-1 header announces; VTK fills in zeros."""
+    try:
+        with gzip.open(path) if path.suffix == ".gz" else open(path, "rb") as handle:
+            header, length = handle.read(352), 352
+            order = "<" if struct.unpack("<i", header[:4])[0] == 348 else ">"
+            sizes = struct.unpack(f"{order}8h", header[40:56])
+            bits, start = struct.unpack(f"{order}h", header[72:74])[0], struct.unpack(f"{order}f", header[108:112])[0]
+            while chunk := handle.read(1 << 24):
+                length += len(chunk)
+    except (EOFError, struct.error, zlib.error, gzip.BadGzipFile) as error:
+        raise InputError("the volume is cut off or damaged", path, error, "copy or export it again") from error
+    wanted = int(start) + int(np.prod(sizes[1 : 1 + max(sizes[0], 1)], dtype=np.int64)) * bits // 8
+    if length < wanted:
+        raise InputError("the volume is cut off", path, f"{length} of {wanted} bytes", "copy or export it again")
+
+
 def read(path):
     """The image at `path`. Raises InputError if it is no NIfTI volume or is rotated against the axes."""
     path = pathlib.Path(path)
@@ -80,6 +99,7 @@ def read(path):
     reader = vtk.vtkNIFTIImageReader()
     if not reader.CanReadFile(str(path)):
         raise InputError("not a NIfTI volume", path, path.suffix, "convert the CT series to .nii or .nii.gz")
+    _check_complete(path)
     reader.SetFileName(str(path))
     reader.Update()
     data = reader.GetOutput()

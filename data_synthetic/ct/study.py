@@ -72,12 +72,14 @@ class Subject:
 def run(cases, voxels_mm, seeds, out, methods=METHODS, settings_path=None):
     """Writes the table `out` (CSV): one row per case, state (unstented, stented), voxel, noise seed and method.
 
-    Raises InputError for a case that is not synthetic or voxels out of range.
+    Raises InputError for a case that is not synthetic, voxels out of range or no seed.
     """
     settings = scan.load_settings(settings_path)
     bad = [v for v in voxels_mm if not 0.2 <= v <= 1]
     if bad:
         raise InputError("voxels out of range", "--voxels", bad[0], "0.2 to 1 mm")
+    if seeds < 1:
+        raise InputError("no noise seed", "--seeds", seeds, "at least 1")
     loaded = [(path.stem, patient.load(path), str(path)) for path in cases]
     rows = []
     for name, case, where in loaded:

@@ -32,10 +32,17 @@ class Vessel:
 def from_surface(poly, where):
     """Vessel of a closed lumen (vtkPolyData of triangles). Raises InputError if it is open or has no flat ends."""
     points, triangles = vtp.arrays(poly)
+    if not np.isfinite(points).all():
+        raise InputError("a point of the surface is not finite", where, "nan or infinite", "export it again")
     _check_closed(triangles, where)
+    a, b, c = points[triangles].transpose(1, 0, 2) - points.mean(axis=0)
+    if np.sum(a * np.cross(b, c)) < 0:
+        triangles = triangles[:, ::-1]  # inside out: the ends would be drawn out inwards
     cap_of = _caps(poly, points, triangles)
     if cap_of.max() < 1:
-        raise InputError("the surface has fewer than two flat ends", where, cap_of.max() + 1, "give a capped lumen")
+        raise InputError(
+            "the surface has fewer than two flat ends", where, cap_of.max() + 1, "give a capped lumen, in mm"
+        )
     thickness, kind = _plaque(poly, points, triangles)
     wall = np.unique(triangles[cap_of < 0])
     pieces, places, plaques, kinds = [(points, triangles)], [points[wall]], [thickness[wall]], [kind[wall]]

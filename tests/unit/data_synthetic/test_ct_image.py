@@ -64,3 +64,14 @@ def test_a_rotated_volume_is_refused(volume, tmp_path):
     (tmp_path / "ct.nii").write_bytes(data)
     with pytest.raises(InputError, match="rotated"):
         image.read(tmp_path / "ct.nii")
+
+
+@pytest.mark.parametrize("name, keep", [("ct.nii", 900), ("ct.nii", 1), ("ct.nii.gz", 600), ("ct.nii.gz", 40)])
+def test_a_volume_that_is_cut_off_is_refused(volume, tmp_path, name, keep):
+    """VTK would read zeros for what is missing."""
+    image.write(volume, tmp_path / name, "phantom")
+    whole = (tmp_path / name).read_bytes()
+    assert image.read(tmp_path / name).values.shape == (7, 9, 11)
+    (tmp_path / name).write_bytes(whole[:-1] if keep == 1 else whole[:keep])
+    with pytest.raises(InputError):
+        image.read(tmp_path / name)

@@ -154,6 +154,22 @@ def test_an_open_surface_is_refused(ct_tubes):
         vessel.from_surface(vtp.surface(points, triangles[:-1]), "tube")
 
 
+def test_a_surface_inside_out_is_turned(ct_tubes):
+    """Its ends would run on inwards otherwise."""
+    poly, direction = ct_tubes.tube(lambda z: np.full(len(z), 1.5))
+    points, triangles = vtp.arrays(poly)
+    found = vessel.from_surface(vtp.surface(points, triangles[:, ::-1]), "tube")
+    height = np.concatenate([piece @ direction for piece, _ in found.pieces])
+    assert height.max() - height.min() == pytest.approx(14 + 2 * vessel.EXTENSION_MM, abs=1e-6)
+
+
+def test_a_surface_with_a_point_at_no_place_is_refused(ct_tubes):
+    poly, _ = ct_tubes.tube(lambda z: np.full(len(z), 1.5))
+    points, triangles = vtp.arrays(poly)
+    with pytest.raises(InputError, match="not finite"):
+        vessel.from_surface(vtp.surface(np.where(points > 1, np.nan, points), triangles), "tube")
+
+
 def test_flat_ends_are_found_and_run_on(ct_tubes):
     poly, direction = ct_tubes.tube(lambda z: np.full(len(z), 1.5))
     found = vessel.from_surface(poly, "tube")

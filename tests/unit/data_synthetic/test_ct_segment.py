@@ -206,3 +206,5 @@ def test_smoothing_goes_through_both_ends():
 def test_study_refuses_voxels_out_of_range(tmp_path):
     with pytest.raises(InputError, match="--voxels"):
         study.run([], [0.05], 1, tmp_path / "table.csv")
+    with pytest.raises(InputError, match="--seeds"):
+        study.run([], [0.35], 0, tmp_path / "table.csv")
