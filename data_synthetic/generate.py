@@ -5,7 +5,7 @@ import sys
 import numpy as np
 
 from common import vtp
-from common.errors import ComputationError
+from common.errors import ComputationError, InputError
 from common.files import write_json
 
 from . import crossings, disease, patient, surface, tree, truth
@@ -34,6 +34,20 @@ def plaque_at(branches, points_mm):
     return thickness, np.where(thickness > 0, kind, disease.NONE)
 
 
+def check_throats(branches, spacing_mm, where):
+    """Raises InputError for a lumen so narrow that it may pass between the points of the grid."""
+    least = 0.5 * 3**0.5 * spacing_mm  # half the diagonal of a cell
+    for branch in branches:
+        at = int(np.argmin(branch.radius_mm))
+        if branch.radius_mm[at] < least:
+            raise InputError(
+                "throat too narrow for the surface's grid",
+                f"{where}.lesions",
+                f"radius {branch.radius_mm[at]:.3f} mm at {branch.axis.s_mm[at]:.1f} mm of {branch.name}",
+                f"at least {least:.3f} mm: a milder lesion",
+            )
+
+
 def run(case_path, out, spacing_mm=SPACING_MM):
     """Writes `out`/lumen.vtp and `out`/truth.json for the case at `case_path`; returns the document of truth.json.
 
@@ -42,6 +56,7 @@ def run(case_path, out, spacing_mm=SPACING_MM):
     case = patient.load(case_path)
     print("growing the tree", file=sys.stderr)
     branches = tree.grow(case["vessel"], f"{case_path}: vessel")
+    check_throats(branches, spacing_mm, f"{case_path}: vessel")
     field = LumenField(branches)
     print("meshing the lumen", file=sys.stderr)
     points, triangles, on_cap = surface.build(field, spacing_mm)

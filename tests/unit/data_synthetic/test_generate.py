@@ -103,3 +103,14 @@ def test_plaque_volume_is_that_of_the_asked_lesion_and_of_the_surface(vessel, ec
         return np.sum(a * np.cross(b, c)) / 6
 
     assert volume(grown([])[1]) - volume(branches) == pytest.approx(exact, rel=0.02 if eccentricity == 0 else 0.05)
+
+
+def test_a_throat_between_the_grid_points_is_refused(vessel):
+    def grown(stenosis):
+        lesion = {"branch": "side1", "centre_s_mm": 4.5, "length_mm": 4, "diameter_stenosis_percent": stenosis}
+        return tree.grow(vessel(lesions=[lesion]))
+
+    generate.check_throats(grown(75), 0.2, "case")
+    with pytest.raises(InputError, match="side1") as caught:
+        generate.check_throats(grown(80), 0.2, "case")
+    assert caught.value.where == "case.lesions"
