@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from data_synthetic.reference import materials, procedure
 from data_synthetic.reference.slice_model import SliceModel
 
 INNER, OUTER = 0.56, 2.4
@@ -114,3 +115,32 @@ def test_lesion_of_the_published_size_against_its_three_dimensional_solution():
     for share in np.linspace(0.2, 1, 5):
         model.advance({"balloon_share": 1 - share, "stent_share": share})
     assert np.sqrt(model.lumen_area() / np.pi) == pytest.approx(1.6044 * 1.0035, rel=2e-3)
+
+
+def test_an_eccentric_soft_plaque_lets_go_of_a_balloon_step_by_step():
+    """Taking the balloon's pressure off gives way at once near the end; taking its radius down does not."""
+    plaque, healthy, shift = materials.LIPID, 2.09, 0.585
+
+    def reach(theta):
+        return -shift * np.cos(theta) + np.sqrt(healthy**2 - (shift * np.sin(theta)) ** 2)
+
+    def tissue(theta, r):
+        share = 0.5 * (1 - np.tanh((r - reach(theta)) / 0.04))
+        return share, *(np.full_like(r, v) for v in (plaque.shear_mpa, plaque.yield_mpa, plaque.hardening_mpa))
+
+    def inflated():
+        model = SliceModel(24, 6, 0.05, 0.2, 20.0, 0.01)
+        model.place(np.full(48, 0.63), reach(model.annulus.theta_rad) + 0.7, tissue)
+        model.set_loads({"balloon_stiffness": 5.0, "balloon_cap": 0.8, "balloon_radius": 0.58, "balloon_share": 1.0})
+        for value in np.linspace(0.58, 1.75, 21)[1:]:
+            model.advance({"balloon_radius": float(value)})
+        return model
+
+    found = []
+    for step in (0.12, 0.06):
+        model = inflated()
+        assert radius(model) == pytest.approx(1.742, abs=2e-3)
+        procedure.shrink(model, lambda: np.linalg.norm(model.lumen_position(), axis=1).min(), step, "test")
+        assert model.loads()["balloon_share"] == 0
+        found.append(radius(model))
+    assert found[0] == pytest.approx(found[1], rel=1e-3) and found[1] == pytest.approx(1.075, abs=5e-3)
