@@ -100,3 +100,8 @@ def quadratic_cells(space):
     cells = np.asarray(topology).reshape(-1, 11)[:, 1:]
     # VTK's last two middle nodes are those of the edges 13, 23; gmsh's those of 23, 13
     return points, cells[:, [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]]
+
+
+def quadratic_quadrilaterals():
+    """The coordinate element of curved quadrilaterals in the plane."""
+    return ufl.Mesh(ufl.VectorElement("Lagrange", ufl.Cell("quadrilateral", geometric_dimension=2), 2))

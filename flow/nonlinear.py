@@ -17,8 +17,10 @@ from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
 from common.errors import ComputationError
-from flow import compat, fading, linear, locate, ramp, viscosity
+from flow import compat, fading, linear, locate, newton, ramp, viscosity
 from flow.forms import NavierStokes
+
+FROM_PREDICTED = 8  # Newton steps from a reduced model's flow, after which the way from rest is taken
 
 
 @dataclasses.dataclass
@@ -205,11 +207,23 @@ class FlowProblem:
         values[pressure] = self.boundaries.map_pa + ratio**2 * loss
         self.inflow *= ratio
 
-    def solve(self, resistances_at):
-        """Outcome at full flow from rest. resistances_at(fraction) -> (n,) outlet resistances.
+    def solve(self, resistances_at, predicted=None):
+        """Outcome at full flow from the flow that a reduced model predicts, and where this fails from rest.
 
-        Raises ComputationError when no flow with c <= fading.LARGEST_MIXING is found.
+        resistances_at(fraction) -> (n,) outlet resistances; predicted: flow.predictor.Predictor, of use where it models
+        the whole lumen (in a tree what it gives at the branch points is too rough). Raises ComputationError when no
+        flow with c <= fading.LARGEST_MIXING is found.
         """
+        if predicted and predicted.whole:
+            self.boundaries.full()
+            points, _ = self.space.nodes()
+            self.take(*predicted.fields(points), float(np.sum(predicted.flows)))
+            settings = self.settings
+            print("from the reduced models' flow", file=self.log, flush=True)
+            found = newton.newton(self, settings.residual_absolute, settings.residual_relative, FROM_PREDICTED)
+            if found.converged:
+                return found
+            self.restart()
         found = ramp.climb(self, resistances_at)
         if found.converged:
             found.iterations = self.solver.factorizations
@@ -244,6 +258,10 @@ class FlowProblem:
         """Takes the values `state` on another mesh's LumenSpace, sampled at this mesh's nodes."""
         points, _ = self.space.nodes()
         velocity, pressure, _ = locate.FieldSampler(space, state)(points)
+        self.take(velocity, pressure, inflow)
+
+    def take(self, velocity, pressure, inflow):
+        """Takes velocity (n, 3) and pressure (n,) at the velocity nodes, and the inflow, as the state."""
         values = self.state.x.array
         values[self.space.v_map] = velocity.ravel()
         values[self.space.wall] = 0.0

@@ -94,6 +94,7 @@ class Network:
         missing = sorted(set(branches) - set(self.index))
         if missing:
             raise InputError("branch without an outlet", "boundary.json", missing, "make it from this anatomy")
+        self.added = {}
         self.segments = []
         self.root = next(name for name, branch in branches.items() if not branch["parent"])
         self._build(self.root, 0.0)
@@ -134,10 +135,28 @@ class Network:
             else:
                 start = self._at_junction(segment, result, flows, velocity[0])
             loss = segment.losses(flow, document["density_kg_per_m3"], self.viscosity, self.expansion_loss)
+            loss += self._added(segment, flows)
             s, p = result.get(segment.branch, (np.zeros(0), np.zeros(0)))
             result[segment.branch] = np.concatenate([s, segment.s]), np.concatenate([p, start - loss])
             total_at[segment.branch] = velocity[-1] ** 2
         return result
+
+    def add_loss(self, branch, s, pressure, flow):
+        """Adds to a branch's loss from its start, beside what was added before, `pressure` (n,) Pa at s (n,) m.
+
+        That is at the branch's flow `flow`; it goes with the square of the flow.
+        """
+        if branch in self.added:
+            pressure = pressure + self.added[branch][1] * (flow / self.added[branch][2]) ** 2
+        self.added[branch] = s, pressure, flow
+
+    def _added(self, segment, flows):
+        """The added loss (n,) in Pa from the segment's start to each section."""
+        if segment.branch not in self.added:
+            return 0.0
+        s, pressure, flow = self.added[segment.branch]
+        here = np.interp(segment.s, s, pressure)
+        return (here - here[0]) * (flows[self.downstream(segment.branch, 0.0)].sum() / flow) ** 2
 
     def _at_junction(self, segment, result, flows, velocity):
         parent, where = next(

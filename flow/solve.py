@@ -8,7 +8,23 @@ import time
 import numpy as np
 
 from common.errors import ComputationError
-from flow import energy, error_estimate, ffr, jet, locate, nonlinear, outlets, output, spaces, viscosity, wall_shear
+from flow import (
+    energy,
+    error_estimate,
+    ffr,
+    jet,
+    locate,
+    nonlinear,
+    outlets,
+    output,
+    predictor,
+    reduced_answer,
+    spaces,
+    viscosity,
+    wall_shear,
+)
+
+LARGE = 0.05  # difference of the models' FFR that is said
 
 
 class Solved:
@@ -24,8 +40,8 @@ class Solved:
         self.boundaries.destroy()
 
 
-def solve_mesh(path, document, settings, tree, network, flows, start=None, spent=0):
-    """Solved from a mesh file; `start` (Solved on another mesh) gives the guess, else the path from rest does.
+def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0):
+    """Solved from a mesh file; the guess is that of `start` (Solved on another mesh), else of `predicted` (Predictor).
 
     spent: factorizations already made of those allowed.
     """
@@ -34,14 +50,15 @@ def solve_mesh(path, document, settings, tree, network, flows, start=None, spent
     jet_length = jet.mixing_length(space, tree, settings.jet_spread)
     problem = nonlinear.FlowProblem(space, boundaries, document, settings, jet_length, spent)
     print(f"{path}: {space.dofs} dofs", file=sys.stderr, flush=True)
+    network = predicted.network
     order = [network.names.index(name) for name in boundaries.names]
 
     def resistances_at(fraction):
-        return network.resistances_at(flows, fraction)[order]
+        return network.resistances_at(predicted.flows, fraction)[order]
 
     try:
         if start is None:
-            outcome = problem.solve(resistances_at)
+            outcome = problem.solve(resistances_at, predicted)
         else:
             outcome = problem.solve_from_guess(start.problem)
     except ComputationError as error:
@@ -55,25 +72,46 @@ def solve_mesh(path, document, settings, tree, network, flows, start=None, spent
 def run(mesh, coarse, document, tree, network, settings, folder):
     """Solves and writes solution.vtu, pullback.csv and ffr.json to `folder`; returns the document of ffr.json."""
     begin, begin_cpu = time.perf_counter(), time.process_time()
-    flows = network.solve()
-    simple = reduced_answer(network, flows, tree, document)
-    print(f"reduced model: FFR {simple['ffr']:.4f}", file=sys.stderr, flush=True)
     paths = [path for path in (coarse, mesh) if path]
-    solved, estimate, meshes = to_tolerance(paths, document, settings, tree, network, flows)
-    reference = ffr.reference_pa(document, tree, solved.sampler)
-    probes = ffr.at_probes(document["probes"], tree, solved.sampler, reference)
-    answer, table = collect(solved, probes, tree, network, reference)
-    answer["reduced_model"] = simple
-    answer["error_estimate"] = estimate
-    answer["ffr_tolerance"] = settings.ffr_tolerance
-    answer["tolerance_met"] = within(estimate, settings)
-    answer["meshes"] = meshes
+    predicted = predictor.Predictor(network, tree, document, settings)
+    models = predicted.answers()
+    print(f"1D network: FFR {models['network']['ffr']:.4f}", file=sys.stderr, flush=True)
+    if settings.model == "3d":
+        solved, estimate, meshes = to_tolerance(paths, document, settings, tree, predicted)
+        reference = ffr.reference_pa(document, tree, solved.sampler)
+        probes = ffr.at_probes(document["probes"], tree, solved.sampler, reference)
+        answer, table = collect(solved, probes, tree, network, reference)
+        models["3d"] = {"ffr": answer["ffr"], "error_estimate": estimate["ffr"] if estimate else None}
+        answer["error_estimate"] = estimate
+        answer["ffr_tolerance"] = settings.ffr_tolerance
+        answer["tolerance_met"] = within(estimate, settings)
+        answer["meshes"] = meshes
+    else:
+        if settings.model == "network":
+            predicted.uncouple()
+        solved = reduced_answer.Reduced(predicted, paths[0])
+        reference = ffr.reference_pa(document, tree, solved.sampler)
+        answer, table = reduced_answer.collect(settings.model, predicted, solved, document, reference)
+    answer["models"], answer["warnings"] = models, compared(models)
+    answer["reduced_model"] = {"model": "1D network", **models["network"]}
     answer["seconds"] = time.perf_counter() - begin
     answer["cpu_seconds"] = time.process_time() - begin_cpu
     answer["peak_memory_mib"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     output.write_all(pathlib.Path(folder), fields(solved, document, reference), table, answer)
     solved.destroy()
+    predicted.destroy()
     return answer
+
+
+def compared(models):
+    """Warnings, printed too, where the models' FFR differ by more than LARGE."""
+    found = {name: entry["ffr"] for name, entry in models.items() if entry["ffr"] is not None}
+    if max(found.values()) - min(found.values()) <= LARGE:
+        return []
+    values = ", ".join(f"{name} {value:.3f}" for name, value in found.items())
+    said = f"the models' FFR differ by more than {LARGE:g}: {values}; look at the mesh and sections.csv"
+    print(said, file=sys.stderr, flush=True)
+    return [said]
 
 
 def within(estimate, settings):
@@ -81,7 +119,7 @@ def within(estimate, settings):
     return estimate is not None and estimate["ffr"] <= settings.ffr_tolerance
 
 
-def to_tolerance(paths, document, settings, tree, network, flows):
+def to_tolerance(paths, document, settings, tree, predicted):
     """(Solved, error estimate, record of the meshes) on the first mesh of `paths`, coarse first, that is good enough.
 
     The next mesh starts from the flow on the one before. A mesh that gives no flow is passed over while there are finer
@@ -91,7 +129,7 @@ def to_tolerance(paths, document, settings, tree, network, flows):
     for path in paths:
         last, begin = path == paths[-1], time.process_time()
         try:
-            solved = solve_mesh(path, document, settings, tree, network, flows, before, spent)
+            solved = solve_mesh(path, document, settings, tree, predicted, before, spent)
         except ComputationError as error:
             spent += error.factorizations
             if last or spent >= settings.max_newton_iterations:
@@ -128,19 +166,6 @@ def _record(path, solved, value, estimate, cpu_seconds):
         "error_estimate": estimate["ffr"] if estimate else None,
         "factorizations": solved.problem.solver.factorizations,
         "cpu_seconds": cpu_seconds,
-    }
-
-
-def reduced_answer(network, flows, tree, document):
-    """FFR at the probe `distal` and outlet flows of the reduced model."""
-    pressures = network.pressures(flows, network.inlet_pa)
-    probe = document["probes"][0]
-    s_mm, _ = tree[probe["branch"]].project(np.array(probe["point_mm"]))
-    s, p = pressures[probe["branch"]]
-    return {
-        "model": "1D network",
-        "ffr": float(np.interp(s_mm * 1e-3, s, p) / network.inlet_pa),
-        "outlet_flows_m3_per_s": flows.tolist(),
     }
 
 

@@ -15,7 +15,7 @@ sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[2] / "unit" / "flow
 
 import axisymmetric  # noqa: E402
 import tubes  # noqa: E402
-from flow import reduced  # noqa: E402
+from flow import centreline, predictor, reduced, settings  # noqa: E402
 
 PA_PER_MMHG = 133.322
 REFERENCE = {0.62: 0.768512, 0.75: 0.48373, 0.8: 0.35163, 0.85: 0.22700}
@@ -67,6 +67,7 @@ def test_lesion(tmp_path, run_module, reduction, tolerance):
     assert answer["mass_imbalance"] < 1e-8
     estimate = answer["error_estimate"]["ffr"]
     assert 0.5 * abs(answer["ffr"] - REFERENCE[reduction]) <= estimate <= answer["ffr_tolerance"]
+    assert answer["iterations"] <= 4  # from the axisymmetric flow
     assert answer["tolerance_met"] and [mesh["mesh"] for mesh in answer["meshes"]] == ["mesh_coarse.msh"]
 
 
@@ -78,3 +79,13 @@ def test_reduced_model(tmp_path, reduction):
     s, pressure = network.pressures(network.solve())["main"]
     found = np.interp(PROBE * 1e-3, s, pressure) / _document()["map_pa"]
     assert found == pytest.approx(REFERENCE[reduction], abs=0.011)
+
+
+@pytest.mark.parametrize("reduction", [0.62, 0.75, 0.8, 0.85])
+def test_axisymmetric_model(tmp_path, reduction):
+    _write(tmp_path, reduction)
+    anatomy = json.loads((tmp_path / "anatomy.json").read_text())
+    network = reduced.Network(anatomy, reduced.read_sections(tmp_path / "sections.csv"), _document(), 1.14)
+    tree = centreline.read(tmp_path / "centreline.vtp")
+    predicted = predictor.Predictor(network, tree, _document(), settings.make())
+    assert predicted.ffr(predicted.pressures) == pytest.approx(REFERENCE[reduction], abs=5e-4)

@@ -1,0 +1,73 @@
+"""The answer of a reduced model alone (setting `model`): the same files as the 3D model's, without its equations."""
+
+import numpy as np
+
+from common.errors import ComputationError
+from flow import ffr, spaces
+
+NAMES = {
+    "axisymmetric": "axisymmetric Navier-Stokes in branch {branch}, 1D network elsewhere",
+    "network": "1D network",
+}
+
+
+class Sampler:
+    """A Predictor's velocity and pressure, at points and at the nodes of a LumenSpace (zero velocity on the wall)."""
+
+    def __init__(self, predicted, space):
+        self.predicted = predicted
+        self.velocity, self.pressure = predicted.fields(space.nodes()[0])
+        self.velocity[space.wall_nodes()] = 0.0
+
+    def __call__(self, points):
+        """(velocity (m, 3), pressure (m,), inside (m,)) at points (m, 3) in m, as flow.locate.FieldSampler."""
+        velocity, pressure = self.predicted.fields(points)
+        return velocity, pressure, np.ones(len(points), bool)
+
+
+class Reduced:
+    """What flow.solve writes files of: space and sampler of a Predictor on a mesh."""
+
+    def __init__(self, predicted, path):
+        self.space = spaces.read(path)
+        self.sampler = Sampler(predicted, self.space)
+
+    def destroy(self):
+        """As flow.solve.Solved; the Predictor's is its owner's to call."""
+
+
+def collect(model, predicted, solved, document, reference):
+    """(document of ffr.json without timings, pullback table) of the reduced model `model`, solved: a Reduced.
+
+    Raises ComputationError where the axisymmetric model has no answer.
+    """
+    if model == "axisymmetric" and predicted.tube is None:
+        raise ComputationError("the axisymmetric model has no answer", "model", predicted.reason, "use another model")
+    network, flows = predicted.network, predicted.flows
+    probes = ffr.at_probes(document["probes"], predicted.tree, solved.sampler, reference)
+
+    def flow_at(branch, s_mm):
+        return float(flows[network.downstream(branch, s_mm)].sum())
+
+    table = ffr.pullback(predicted.tree, solved.sampler, reference, flow_at)
+    pressure = {name: values[-1] for name, (_, values) in predicted.pressures.items()}
+    answer = {
+        "schema": "vci-ffr-1",
+        "status": "converged",
+        "model": NAMES[model].format(branch=predicted.branch.name),
+        "ffr": probes[0]["ffr"],
+        "probes": probes,
+        "outlets": [
+            {
+                "name": outlet["name"],
+                "flow_m3_per_s": float(flow),
+                "pressure_pa": float(pressure[outlet["branch"]]),
+                "ffr": float(pressure[outlet["branch"]] / reference),
+            }
+            for outlet, flow in zip(network.outlets, flows)
+        ],
+        "inlet_flow_m3_per_s": float(flows.sum()),
+        "dofs": predicted.tube.dofs if predicted.tube else len(network.segments),
+        "error_estimate": None,
+    }
+    return answer, table
