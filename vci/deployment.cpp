@@ -54,7 +54,7 @@ public:
     for (const auto& [name, path] : reference_paths_)
       result_.paths[name] = follow_wall(path, lumen_, result_.points);
     result_.wall_stretch.assign(lumen_.points.size(), 1.0);
-    const std::vector<double> stretch = wall_.membrane->largest_stretch(system_.x);
+    const std::vector<double> stretch = wall_.intima->largest_stretch(system_.x);
     const Triangles& triangles = system_.body(0).triangles;
     for (std::size_t k = 0; k < triangles.size(); ++k)
       for (int v : triangles[k]) {

@@ -27,11 +27,15 @@ void EdgeForce::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffnes
     const double across = exact ? t.force / l : std::max(t.force / l, 0.0);
     Mat3 h = (along - across) * e * e.transpose();
     h.diagonal().array() += across;
-    stiffness->block(slots_[k][0]) += h;
-    stiffness->block(slots_[k][1]) -= h;
-    stiffness->block(slots_[k][2]) -= h;
-    stiffness->block(slots_[k][3]) += h;
+    add_along(*stiffness, k, h);
   }
+}
+
+void EdgeForce::add_along(BlockMatrix& matrix, std::size_t k, const Mat3& h) const {
+  matrix.block(slots_[k][0]) += h;
+  matrix.block(slots_[k][1]) -= h;
+  matrix.block(slots_[k][2]) -= h;
+  matrix.block(slots_[k][3]) += h;
 }
 
 void EdgeForce::declare(BlockPattern& pattern) const {

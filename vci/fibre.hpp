@@ -21,6 +21,8 @@ protected:
   };
   virtual Tension tension(std::size_t k, double length) const = 0;
   void add_edge(int i, int j) { edges_.push_back({i, j}); }
+  /// Adds h to the blocks of edge k as a stiffness of the difference of its two vertices.
+  void add_along(BlockMatrix& matrix, std::size_t k, const Mat3& h) const;
   double length(std::size_t k, const Vectors& x) const { return (x[edges_[k][1]] - x[edges_[k][0]]).norm(); }
 
   std::vector<std::array<int, 2>> edges_;

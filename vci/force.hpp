@@ -20,6 +20,10 @@ public:
   virtual void declare(BlockPattern& pattern) const = 0;
   /// Looks up where the pairs are stored.
   virtual void link(const BlockMatrix& matrix) = 0;
+  /// Adds rate (1/ms) times the damping matrix (N ms/mm) of forces that have one; mass (g) per vertex.
+  virtual void add_damping(const Vectors& x, const std::vector<double>& mass, double rate, BlockMatrix& matrix) const {
+    (void)x, (void)mass, (void)rate, (void)matrix;
+  }
   /// Makes plastic flow at x permanent.
   virtual void commit(const Vectors& x) { (void)x; }
 };

@@ -1,12 +1,12 @@
 // Constant-strain membrane triangles with Hencky law and plastic flow.
 #pragma once
 #include "vci/force.hpp"
-#include "vci/hencky_law.hpp"
+#include "vci/layer.hpp"
 
 namespace vci {
 
 /// F = D_s B P (3x2): current edges D_s, inverse reference edges B, inverse plastic part P. Energy A0 E psi(ln lambda).
-class Membrane : public Force {
+class Membrane : public Force, public Layer {
 public:
   /// @param law per triangle; @param reference positions of the unstressed state. Throws std::invalid_argument for a
   /// triangle without area.
@@ -20,8 +20,7 @@ public:
 
   /// Triangles that yield at x.
   int yielding(const Vectors& x) const;
-  /// Largest total (elastic and plastic) principal stretch of each triangle.
-  std::vector<double> largest_stretch(const Vectors& x) const;
+  std::vector<double> largest_stretch(const Vectors& x) const override;
 
 private:
   struct Element {

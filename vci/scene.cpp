@@ -39,8 +39,12 @@ WallSpec read_wall(const json& entry, const std::string& where, json& used) {
   CheckedObject o(entry, where);
   WallSpec w;
   w.model = o.text("model", w.model);
-  if (w.model != "membrane")
-    throw common::InputError("an unknown wall model", o.path("model"), w.model, "use membrane");
+  if (w.model != "membrane" && w.model != "mass-spring")
+    throw common::InputError("an unknown wall model", o.path("model"), w.model, "use membrane or mass-spring");
+  const std::string mapping = o.text("spring_mapping", "lame");
+  if (mapping != "lame" && mapping != "van_gelder")
+    throw common::InputError("an unknown spring mapping", o.path("spring_mapping"), mapping, "use lame or van_gelder");
+  w.spring_mapping = mapping == "lame" ? SpringMapping::lame : SpringMapping::van_gelder;
   w.youngs_modulus = o.number("youngs_modulus_mpa", 1e-3, 1e3, w.youngs_modulus);
   w.poisson_ratio = o.number("poisson_ratio", 0, 0.499, w.poisson_ratio);
   w.intima_thickness = o.number("intima_thickness_mm", 0.01, 2, w.intima_thickness);

@@ -2,6 +2,7 @@
 #pragma once
 #include "vci/contact.hpp"
 #include "vci/integrator.hpp"
+#include "vci/spring_mapping.hpp"
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -39,7 +40,8 @@ struct PlaqueSpec {
 };
 
 struct WallSpec {
-  std::string model = "membrane";
+  std::string model = "membrane"; ///< or mass-spring
+  SpringMapping spring_mapping = SpringMapping::lame;
   double youngs_modulus = 0.8, poisson_ratio = 0.45, intima_thickness = 0.2, media_thickness = 0.4, stiffening = 3;
   double tissue_modulus = 0.08, tangential_stiffness = 0.02, density = 0.0011, hinge_yield = 0.1;
   std::array<PlaqueSpec, 4> plaque; ///< by plaque_type; 0 unused

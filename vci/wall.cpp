@@ -119,10 +119,10 @@ Wall add_wall(System& system, const Lumen& lumen, const std::vector<char>& free,
   }
   const int body =
       system.add_body("wall", points, triangles, spec.density * (spec.intima_thickness + spec.media_thickness), fixed);
-  wall.membrane = &system.add_force(body, std::make_unique<Membrane>(triangles, points, intima));
+  wall.intima = &add_layer(system, body, spec, triangles, points, std::move(intima));
   if (!with_plaque.empty())
     for (const std::vector<HenckyLaw>& layer : plaque)
-      system.add_force(body, std::make_unique<Membrane>(with_plaque, points, layer));
+      add_layer(system, body, spec, with_plaque, points, layer);
   const double t = spec.intima_thickness + spec.media_thickness;
   const double rigidity = spec.youngs_modulus * t * t * t / (12 * (1 - spec.poisson_ratio * spec.poisson_ratio));
   const std::vector<EdgePair> edges = interior_edges(triangles, points);

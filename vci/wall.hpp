@@ -1,7 +1,7 @@
 // The arterial wall: the lumen's triangles near the devices with their layers.
 #pragma once
 #include "vci/centreline.hpp"
-#include "vci/membrane.hpp"
+#include "vci/layer.hpp"
 #include "vci/scene.hpp"
 
 namespace vci {
@@ -10,7 +10,7 @@ namespace vci {
 struct Wall {
   std::vector<int> vertex;   ///< system vertex -> lumen vertex
   std::vector<int> triangle; ///< body triangle -> lumen triangle
-  const Membrane* membrane;  ///< the intima layer, for the stretch
+  const Layer* intima;       ///< for the stretch
   int fixed;                 ///< vertices held at the region's border
 };
 
