@@ -1,4 +1,5 @@
 #include "vci/device.hpp"
+#include "vci/cell_shear.hpp"
 #include "vci/foundation.hpp"
 #include "vci/hinge.hpp"
 #include "vci/membrane.hpp"
@@ -16,14 +17,20 @@ constexpr double surface_density = 1.1e-3 * 0.1; // g/mm^2: folded nylon or stru
 constexpr double tip_share = 0.35;               // of the nominal diameter, where the balloon's ends are welded
 constexpr double balloon_axial_stiffness = 8.0;  // N/mm: thin nylon with residual folds
 constexpr double balloon_hinge = 0.002;          // N mm per edge, keeps the grid from wrinkling
-constexpr double stent_hinge = 0.1;              // N mm per edge: struts bending across the ring
-constexpr double shaft_anchor = 0.02;            // N/mm per vertex of the end rings
+// N mm per edge: struts bending across the ring, E w t^3 / 12 for 235 GPa and 0.09 mm by 0.08 mm, half of it since
+// struts run aslant, one of them for each 1.2 mm of length.
+constexpr double stent_hinge = 0.4, stent_hinge_thickness = 0.08;
+constexpr double shaft_anchor = 0.02; // N/mm per vertex of the end rings
 // A grid of fibres alone has no shear stiffness: weak films give it, the stent's with more hardening.
 constexpr HenckyLaw balloon_film{0.3, 0.3, 0.0, 0.05, 0.02};
 constexpr HenckyLaw stent_film{0.3, 0.3, 0.0, 0.05, 0.1};
 constexpr double hoop_hardening = 0.01;
 // Tension that turns one edge e times as long as its neighbour, over the ring's yield tension.
 constexpr double strut_evenness = 2.0;
+
+// Shear stiffness of a cell over that at which a ring in compression at its yield folds in zigzag, tension over twice
+// the edge: the struts of a cell are far stiffer than the ring is strong.
+constexpr double cell_shear = 4.0;
 
 int even_count(double circumference, double edge) {
   return 2 * std::max(6, static_cast<int>(std::lround(0.5 * circumference / edge)));
@@ -211,6 +218,15 @@ Stent add_stent(System& system, const StentSpec& spec, const std::string& device
   }
   system.add_force(body, std::make_unique<RingHoops>(std::move(hoops)));
   system.add_force(body, std::make_unique<RingEvenness>(even));
+  std::vector<CellShear::Cell> cells;
+  for (int r = 0; r + 1 < grid.rings(); ++r)
+    for (int k = 0; k < grid.around; ++k) {
+      const int a = first + r * grid.around + k, b = first + r * grid.around + (k + 1) % grid.around;
+      const double tension = spec.yield_strain * spec.hoop_stiffness * width[r];
+      cells.push_back({{a, b, b + grid.around, a + grid.around},
+                       cell_shear * tension / (2 * pi * spec.nominal_diameter / grid.around)});
+    }
+  system.add_force(body, std::make_unique<CellShear>(cells));
   std::vector<Fibres::Fibre> fibres;
   const double share = pi * spec.nominal_diameter / grid.around;
   for (int r = 0; r + 1 < grid.rings(); ++r)
@@ -226,10 +242,11 @@ Stent add_stent(System& system, const StentSpec& spec, const std::string& device
   const double half = 0.5 * spec.nominal_diameter, spacing = spec.length / (grid.rings() - 1);
   const double by_fibres = pi * half * half * half * spec.axial_stiffness;
   const double ring_hinge = 2 * std::max(0.0, spec.bending_stiffness - by_fibres) / (grid.around * spacing);
+  const double across = stent_hinge * std::pow(spec.strut_thickness / stent_hinge_thickness, 3);
   std::vector<double> coefficients;
   for (const EdgePair& e : edges) {
     const bool on_ring = (e.e0 - first) / grid.around == (e.e1 - first) / grid.around;
-    coefficients.push_back(on_ring ? std::max(ring_hinge, stent_hinge) : stent_hinge);
+    coefficients.push_back(on_ring ? std::max(ring_hinge, across) : across);
   }
   system.add_force(body, std::make_unique<Hinges>(edges, shifted(rest, first), coefficients, 0.1));
   const Triangles& triangles = system.body(body).triangles;
