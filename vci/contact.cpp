@@ -11,16 +11,6 @@ namespace {
 
 constexpr double search_reach = 0.5; // mm: a vertex deeper than this beyond a surface is not found any more
 
-/// 1 inside a surface, falling to 0 over the last row of triangles before an open edge: beyond the edge nothing
-/// touches, and a contact that ended abruptly there would flip for ever.
-double share_inside(const Triangle& t, const Vec3& weights, const Body& body) {
-  double share = 1;
-  for (int k = 0; k < 3; ++k)
-    if (body.boundary[t[k] - body.first])
-      share -= weights[k];
-  return share;
-}
-
 } // namespace
 
 RampLaw contact_ramp(double gap, const ContactSettings& s) {
@@ -30,6 +20,30 @@ RampLaw contact_ramp(double gap, const ContactSettings& s) {
   if (a < w)
     return {s.stiffness * a * a * a / (6 * w), s.stiffness * a * a / (2 * w), s.stiffness * a / w};
   return {s.stiffness * (w * w / 6 + 0.5 * a * (a - w)), s.stiffness * (a - 0.5 * w), s.stiffness};
+}
+
+RampLaw averaged_ramp(double from, double to, const ContactSettings& s) {
+  const RampLaw here = contact_ramp(from, s);
+  if (std::abs(to - from) < 1e-9)
+    return here;
+  const RampLaw there = contact_ramp(to, s);
+  return {here.energy, (here.energy - there.energy) / (to - from), (here.pressure - there.pressure) / (to - from)};
+}
+
+bool SurfaceContact::blind(const System& system, int body, int vertex) const {
+  const std::vector<char>& flags = body == inner_ ? sides_.inner_blind : sides_.outer_blind;
+  return !flags.empty() && flags[vertex - system.body(body).first];
+}
+
+/// 1 inside a surface, falling to 0 over the last row of triangles before an open edge: beyond the edge nothing
+/// touches, and a contact that ended abruptly there would flip for ever.
+double SurfaceContact::share_seen(const System& system, int body, const Triangle& t, const Vec3& weights) const {
+  const Body& target = system.body(body);
+  double share = 1;
+  for (int k = 0; k < 3; ++k)
+    if (target.boundary[t[k] - target.first] || blind(system, body, t[k]))
+      share -= weights[k];
+  return share;
 }
 
 void add_friction(ContactPoint& point, const ContactSettings& s) {
@@ -82,6 +96,8 @@ void SurfaceContact::search(const System& system, const Vectors& units, int from
   for (int k = 0; k < source.count; ++k) {
     Facing& facing = side.facing[k];
     const Vec3& p = system.x[source.first + k];
+    if (blind(system, from, source.first + k))
+      continue;
     if (!facing.search.used_up(p, side.travel) || keeps_foot(system, units, p, target, side.travel, facing))
       continue;
     if (!fitted) {
@@ -98,7 +114,8 @@ void SurfaceContact::search(const System& system, const Vectors& units, int from
 }
 
 void SurfaceContact::measure(const System& system, const Vectors& normals, const Vectors& units, int from, int onto,
-                             bool vertex_inside, Direction& side, std::vector<ContactPoint>& points) const {
+                             bool vertex_inside, double ahead, Direction& side,
+                             std::vector<ContactPoint>& points) const {
   const Body& target = system.body(onto);
   Vectors slip(system.body(from).count, Vec3::Zero());
   side.slip.resize(slip.size(), Vec3::Zero());
@@ -120,18 +137,23 @@ void SurfaceContact::measure(const System& system, const Vectors& normals, const
     c.foot = foot.triangle;
     c.measure = {p, side.travel, -1};
     const Triangle& t = target.triangles[foot.triangle];
-    const double share = share_inside(t, foot.weights, target);
+    const double share = share_seen(system, onto, t, foot.weights);
     if (share <= 1e-9)
       continue;
     const Vec3 n = interpolated_normal(t, foot.weights, units);
-    if (n.dot(normals[vertex]) <= 0)
+    if ((n.dot(normals[vertex]) > 0) != sides_.nested)
       continue; // the surfaces do not face each other here
     const Vec3 q =
         foot.weights[0] * system.x[t[0]] + foot.weights[1] * system.x[t[1]] + foot.weights[2] * system.x[t[2]];
     const double gap = sign * n.dot(q - p);
-    const RampLaw law = contact_ramp(gap, settings_);
+    RampLaw law = contact_ramp(gap, settings_);
+    if (settings_.time_averaged && ahead > 0) {
+      const Vec3 closing = system.velocity[vertex] - foot.weights[0] * system.velocity[t[0]] -
+                           foot.weights[1] * system.velocity[t[1]] - foot.weights[2] * system.velocity[t[2]];
+      law = averaged_ramp(gap, gap - sign * n.dot(closing) * ahead, settings_);
+    }
     if (law.pressure <= 0) {
-      c.measure.length = clear - settings_.distance;
+      c.measure.length = settings_.time_averaged ? -1 : clear - settings_.distance;
       continue;
     }
     const double area = share * normals[vertex].norm();
@@ -156,7 +178,8 @@ double SurfaceContact::largest_move(const System& system, int body) const {
   return std::sqrt(moved);
 }
 
-void SurfaceContact::detect(const System& system, const Vectors& normals, std::vector<ContactPoint>& points) {
+void SurfaceContact::detect(const System& system, const Vectors& normals, std::vector<ContactPoint>& points,
+                            double ahead) {
   Vectors units(system.x.size());
   for (int b : {inner_, outer_})
     for (int v = system.body(b).first; v < system.body(b).first + system.body(b).count; ++v)
@@ -169,10 +192,10 @@ void SurfaceContact::detect(const System& system, const Vectors& normals, std::v
     outer_on_inner_.travel += largest_move(system, inner_);
   }
   last_ = system.x;
-  search(system, units, inner_, outer_, true, inner_on_outer_);
+  search(system, units, inner_, outer_, sides_.nested, inner_on_outer_);
   search(system, units, outer_, inner_, false, outer_on_inner_);
-  measure(system, normals, units, inner_, outer_, true, inner_on_outer_, points);
-  measure(system, normals, units, outer_, inner_, false, outer_on_inner_, points);
+  measure(system, normals, units, inner_, outer_, sides_.nested, ahead, inner_on_outer_, points);
+  measure(system, normals, units, outer_, inner_, false, ahead, outer_on_inner_, points);
 }
 
 Tie tie_of(const ContactPoint& point, const Vectors& x, double stiffness_mpa_per_mm) {

@@ -13,6 +13,7 @@ struct ContactSettings {
   double skin = 0.2;               ///< mm
   double friction = 0.1;           ///< Coulomb's mu
   double friction_stiffness = 2.0; ///< MPa/mm: tangential stress per slip below the limit
+  bool time_averaged = false;      ///< eq 18: the law's mean over the gaps of a step, where the velocity is followed
 };
 
 /// The ramp: with a = delta - gap, pressure kappa a^2 / (2 w) for a below w, kappa (a - w / 2) above.
@@ -20,6 +21,9 @@ struct RampLaw {
   double energy, pressure, stiffness; ///< per area: N/mm, MPa, MPa/mm
 };
 RampLaw contact_ramp(double gap, const ContactSettings& settings);
+/// Its mean while the gap goes evenly from one value to another (eq 18; eq 19's law with the signed gap: by the
+/// unsigned distance a surface that is through pulls itself further).
+RampLaw averaged_ramp(double from, double to, const ContactSettings& settings);
 
 /// A vertex against a triangle. The gap is n . sum(w_k x_k), n the triangle's interpolated normal: it turns negative
 /// when the surfaces cross, so that nothing can tunnel. Normal and weights are held within a step.
@@ -36,18 +40,26 @@ struct ContactPoint {
 /// tangential stiffness (secant of the trial state, never negative).
 void add_friction(ContactPoint& point, const ContactSettings& settings);
 
+/// How two surfaces lie, and which of their vertices do not see the other one (flags; empty: all see it). A foot among
+/// blind vertices does not count, as beyond an open edge.
+struct ContactSides {
+  bool nested = true; ///< false: side by side, the outward normals face each other
+  std::vector<char> inner_blind, outer_blind;
+};
+
 /// Both directions: inner vertices against outer triangles, outer vertices against inner triangles. Normals of both
 /// surfaces point outwards. Candidates come from the broad phase. A vertex is searched for again, and its gap measured
 /// again, only once it and the other surface may have moved far enough to matter.
 class SurfaceContact {
 public:
-  SurfaceContact(int inner, int outer, const ContactSettings& settings)
-      : inner_(inner), outer_(outer), settings_(settings) {}
+  SurfaceContact(int inner, int outer, const ContactSettings& settings, ContactSides sides = {})
+      : inner_(inner), outer_(outer), settings_(settings), sides_(std::move(sides)) {}
   int inner() const { return inner_; }
   int outer() const { return outer_; }
   /// Appends the active contact points at the system's positions.
   /// @param normals area vectors of all vertices
-  void detect(const System& system, const Vectors& normals, std::vector<ContactPoint>& points);
+  /// @param ahead ms over which a time-averaged law follows the velocities
+  void detect(const System& system, const Vectors& normals, std::vector<ContactPoint>& points, double ahead = 0);
 
 private:
   /// How far a vertex and the surface it faces may move, taken together, before a finding no longer holds.
@@ -73,11 +85,14 @@ private:
   bool keeps_foot(const System& system, const Vectors& units, const Vec3& p, const Body& target, double travel,
                   const Facing& facing) const;
   void measure(const System& system, const Vectors& normals, const Vectors& units, int from, int onto,
-               bool vertex_inside, Direction& side, std::vector<ContactPoint>& points) const;
+               bool vertex_inside, double ahead, Direction& side, std::vector<ContactPoint>& points) const;
   double largest_move(const System& system, int body) const;
+  bool blind(const System& system, int body, int vertex) const;
+  double share_seen(const System& system, int body, const Triangle& t, const Vec3& weights) const;
 
   int inner_, outer_;
   ContactSettings settings_;
+  ContactSides sides_;
   Vectors last_; ///< positions at the last call
   Direction inner_on_outer_, outer_on_inner_;
 };

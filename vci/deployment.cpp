@@ -1,7 +1,8 @@
 #include "vci/deployment.hpp"
 #include "common/error.hpp"
-#include "vci/closest_point.hpp"
-#include "vci/surface.hpp"
+#include "vci/apposition.hpp"
+#include "vci/placement.hpp"
+#include "vci/textbook.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -14,8 +15,6 @@ namespace vci {
 
 namespace {
 
-constexpr double start_clearance = 0.03; // mm between a device and what surrounds it at the start
-
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -27,20 +26,28 @@ double mean(const std::vector<double>& values) {
 /// The state of a procedure under way.
 class Run {
 public:
-  Run(const Scene& scene, const Lumen& lumen, const std::map<std::string, Path>& paths)
-      : scene_(scene), lumen_(lumen), reference_paths_(paths) {
-    const std::vector<char> free = region_of_interest(lumen, scene, paths);
+  Run(const Scene& scene, const Lumen& lumen, const std::map<std::string, Path>& paths, const Observer* observer)
+      : scene_(scene), lumen_(lumen), reference_paths_(paths), observer_(observer) {
+    const bool whole = scene.numerics.integrator.textbook;
+    const std::vector<char> free =
+        whole ? std::vector<char>(lumen.points.size(), 1) : region_of_interest(lumen, scene, paths);
     wall_ = add_wall(system_, lumen, free, scene.wall, scene.map_pa);
     result_.vertices = static_cast<int>(wall_.vertex.size());
     std::ostringstream region;
     region << "wall further than " << scene.numerics.region_margin
            << " mm from every device: " << lumen.points.size() - wall_.vertex.size() << " of " << lumen.points.size()
            << " vertices stay where they are";
-    result_.switched_off = {region.str(), "folding: balloons start as small tubes that unfold softly",
+    result_.switched_off = {whole ? "nothing of the wall: textbook integration takes the whole vessel" : region.str(),
+                            "folding: balloons start as small tubes that unfold softly",
                             "self-contact of the wall and of the devices",
                             "mean blood pressure during occlusion: kept as prestress"};
     for (const std::string& line : result_.switched_off)
       std::cerr << "switched off: " << line << '\n';
+    if (observer_ && observer_->every_steps > 0)
+      interactions_.after_step = [this](int steps) {
+        if (steps % observer_->every_steps == 0)
+          show(steps);
+      };
   }
 
   void step(const Step& step) {
@@ -54,13 +61,9 @@ public:
     for (const auto& [name, path] : reference_paths_)
       result_.paths[name] = follow_wall(path, lumen_, result_.points);
     result_.wall_stretch.assign(lumen_.points.size(), 1.0);
-    const std::vector<double> stretch = wall_.intima->largest_stretch(system_.x);
-    const Triangles& triangles = system_.body(0).triangles;
-    for (std::size_t k = 0; k < triangles.size(); ++k)
-      for (int v : triangles[k]) {
-        double& s = result_.wall_stretch[wall_.vertex[v]];
-        s = std::max(s, stretch[k]);
-      }
+    const std::vector<double> stretch = vertex_stretch(*wall_.intima, system_.body(0).triangles, system_.x);
+    for (std::size_t i = 0; i < wall_.vertex.size(); ++i)
+      result_.wall_stretch[wall_.vertex[i]] = stretch[i];
     for (StentHistory& h : result_.stents) {
       const Vectors centres = ring_centres(system_, h.stent.body, h.stent.grid);
       h.final_length = 0;
@@ -84,82 +87,101 @@ private:
     return all;
   }
 
-  DeviceShape shape_of(int body, const std::string& name) const {
-    const Body& b = system_.body(body);
-    const auto part = [&](const Vectors& all) {
-      return Vectors(all.begin() + b.first, all.begin() + b.first + b.count);
-    };
-    DeviceShape shape{
-        name,
-        part(system_.x),
-        b.triangles,
-        {part(balance_.pressure), part(balance_.contact), part(balance_.foundation), part(balance_.residual)}};
+  template <class Values> Values part(const Values& all, int body) const {
+    const auto first = all.begin() + system_.body(body).first;
+    return Values(first, first + system_.body(body).count);
+  }
+
+  DeviceShape shape_of(int body, const std::string& name, bool with_forces = true) const {
+    DeviceShape shape{name, part(system_.x, body), system_.body(body).triangles, {}};
     for (Triangle& t : shape.triangles)
       for (int& v : t)
-        v -= b.first;
+        v -= system_.body(body).first;
+    if (with_forces)
+      shape.forces = {part(balance_.pressure, body), part(balance_.contact, body), part(balance_.foundation, body),
+                      part(balance_.residual, body)};
     return shape;
   }
 
-  /// Distance from a point to the nearest surface present.
-  double clearance(const Vec3& p) const {
-    double nearest = 1e300;
-    for (int b = 0; b < system_.bodies(); ++b)
-      for (const Triangle& t : system_.body(b).triangles) {
-        if ((system_.x[t[0]] - p).squaredNorm() > 36.0)
-          continue;
-        nearest = std::min(nearest,
-                           closest_on_triangle(p, system_.x[t[0]], system_.x[t[1]], system_.x[t[2]]).distance_squared);
-      }
-    return std::sqrt(nearest);
+  Vectors lumen_now() const { return moved_points(lumen_, wall_, system_); }
+
+  void show(int steps) const {
+    Snapshot snapshot{static_cast<int>(result_.stages.size()), steps, lumen_now(), {}};
+    for (int b = 1; b < system_.bodies(); ++b)
+      snapshot.devices.push_back(shape_of(b, system_.body(b).name, false));
+    observer_->see(snapshot);
   }
 
-  std::vector<double> start_radii(const RingGrid& grid, const std::vector<Frame>& frames, double crimped) const {
-    std::vector<double> radii;
-    for (int r = 0; r < grid.rings(); ++r) {
-      const double fits = 0.95 * clearance(frames[r].origin) - start_clearance;
-      radii.push_back(std::max(0.05, std::min(0.5 * crimped * grid.profile[r], fits)));
-    }
-    return radii;
+  /// A device's rings where a placement wants them, on the axis as it is now.
+  Course course_of(const Placement& p, RingGrid grid, const BalloonSpec& balloon, const Vectors& moved) const {
+    const Path path = follow_wall(reference_paths_.at(p.branch), lumen_, moved);
+    std::vector<Frame> frames = path.frames(along(grid, p.centre_s));
+    const BalloonChart chart(balloon.chart_pressure_bar, balloon.chart_diameter, balloon.crimped_diameter);
+    return {std::move(grid), std::move(frames), 0.5 * chart.diameter_at(p.pressure_bar)};
+  }
+
+  /// How a device lies to each body present: inside the wall and the stents, leaving stents where its course does.
+  std::vector<ContactSides> sides_of(const Course& course) const {
+    std::vector<ContactSides> sides(system_.bodies());
+    for (const StentHistory& h : result_.stents)
+      sides[h.stent.body] = leaving_through(system_, h.stent, course);
+    return sides;
+  }
+
+  void add_contacts(int inner, std::vector<ContactSides> sides) {
+    for (std::size_t body = 0; body < sides.size(); ++body)
+      interactions_.contacts.emplace_back(inner, static_cast<int>(body), scene_.numerics.contact,
+                                          std::move(sides[body]));
+  }
+
+  /// Returns the radius (mm) of the stent's thinnest ring.
+  double place_stent(const Placement& p, const BalloonSpec& balloon, const Vectors& moved) {
+    const StentSpec& spec = scene_.stents.at(p.device);
+    const Course course = course_of(p, stent_grid(spec, scene_.numerics.device_edge), balloon, moved);
+    std::vector<ContactSides> sides = sides_of(course);
+    const std::vector<double> radii = start_radii(system_, course, spec.crimped_diameter, sides);
+    Stent stent = add_stent(system_, spec, p.device, course.grid, course.frames, radii);
+    add_contacts(stent.body, std::move(sides));
+    result_.stents.push_back({p.device, p.branch, p.centre_s, std::move(stent)});
+    return *std::min_element(radii.begin(), radii.end());
+  }
+
+  const BalloonSpec& balloon_of(const Placement& p) const {
+    const bool is_stent = scene_.stents.contains(p.device);
+    return scene_.balloons.at(is_stent ? scene_.stents.at(p.device).balloon : p.device);
   }
 
   void place_devices(const Step& step) {
-    const Vectors moved = moved_points(lumen_, wall_, system_);
+    const Vectors moved = lumen_now();
     balloons_.clear();
+    std::vector<Course> courses;
+    for (const Placement& p : step.devices)
+      courses.push_back(course_of(p, balloon_grid(balloon_of(p), scene_.numerics.device_edge), balloon_of(p), moved));
+    if (step.devices.size() == 2)
+      set_side_by_side(
+          courses[0], courses[1],
+          std::max(balloon_of(step.devices[0]).crimped_diameter, balloon_of(step.devices[1]).crimped_diameter));
     // stents first: balloons are taken out at the end of the step and must be the last bodies
-    std::vector<std::vector<double>> inside(step.devices.size());
-    std::vector<std::vector<Frame>> balloon_frames(step.devices.size());
-    std::vector<RingGrid> grids;
-    for (std::size_t k = 0; k < step.devices.size(); ++k) {
+    std::vector<std::vector<ContactSides>> sides;
+    std::vector<std::vector<double>> radii;
+    for (std::size_t k = 0; k < courses.size(); ++k) {
       const Placement& p = step.devices[k];
-      const bool is_stent = scene_.stents.contains(p.device);
-      const BalloonSpec& balloon = scene_.balloons.at(is_stent ? scene_.stents.at(p.device).balloon : p.device);
-      const Path path = follow_wall(reference_paths_.at(p.branch), lumen_, moved);
-      const RingGrid grid = balloon_grid(balloon, scene_.numerics.device_edge);
-      balloon_frames[k] = path.frames(along(grid, p.centre_s));
-      inside[k] = start_radii(grid, balloon_frames[k], balloon.crimped_diameter);
-      grids.push_back(grid);
-      if (!is_stent)
+      sides.push_back(sides_of(courses[k]));
+      radii.push_back(start_radii(system_, courses[k], balloon_of(p).crimped_diameter, sides[k]));
+      if (!scene_.stents.contains(p.device))
         continue;
-      const StentSpec& spec = scene_.stents.at(p.device);
-      const RingGrid rings = stent_grid(spec, scene_.numerics.device_edge);
-      const std::vector<Frame> frames = path.frames(along(rings, p.centre_s));
-      std::vector<double> radii = start_radii(rings, frames, spec.crimped_diameter);
-      Stent stent = add_stent(system_, spec, p.device, rings, frames, radii);
-      for (int body = 0; body < stent.body; ++body)
-        interactions_.contacts.emplace_back(stent.body, body, scene_.numerics.contact);
-      // the balloon lies inside the stent, clear of it
-      const double thinnest = *std::min_element(radii.begin(), radii.end());
-      for (double& r : inside[k])
+      const double thinnest = place_stent(p, balloon_of(p), moved);
+      sides[k].emplace_back(); // the balloon lies inside the stent, clear of it
+      for (double& r : radii[k])
         r = std::max(0.04, std::min(r, 0.9 * thinnest - start_clearance));
-      result_.stents.push_back({p.device, p.branch, p.centre_s, std::move(stent)});
     }
-    for (std::size_t k = 0; k < step.devices.size(); ++k) {
-      const Placement& p = step.devices[k];
-      const bool is_stent = scene_.stents.contains(p.device);
-      const std::string name = is_stent ? scene_.stents.at(p.device).balloon : p.device;
-      balloons_.push_back(add_balloon(system_, scene_.balloons.at(name), grids[k], balloon_frames[k], inside[k]));
-      for (int body = 0; body < balloons_.front().body; ++body)
-        interactions_.contacts.emplace_back(balloons_.back().body, body, scene_.numerics.contact);
+    for (std::size_t k = 0; k < courses.size(); ++k) {
+      balloons_.push_back(
+          add_balloon(system_, balloon_of(step.devices[k]), courses[k].grid, courses[k].frames, radii[k]));
+      add_contacts(balloons_.back().body, std::move(sides[k]));
+      for (std::size_t other = 0; other < k; ++other)
+        interactions_.contacts.emplace_back(balloons_[k].body, balloons_[other].body, scene_.numerics.contact,
+                                            ContactSides{false, {}, {}});
     }
   }
 
@@ -189,22 +211,31 @@ private:
     // during an inflation stents slide and open along the wall; ties are made anew at its end
     if (stage.with_balloons)
       interactions_.ties.clear();
-    const RelaxResult r = relax(system_, interactions_, scene_.numerics.integrator, &balance_);
+    const IntegratorSettings& settings = scene_.numerics.integrator;
+    const RelaxResult r = (settings.textbook ? relax_textbook : relax)(system_, interactions_, settings, &balance_);
     result_.stages.push_back({step.name, stage.name, seconds_since(start), r});
     std::cerr << step.name << " / " << stage.name << ": " << r.steps << " steps, " << r.cg_iterations
               << " cg iterations, residual " << r.residual << ", " << r.contacts << " contacts, penetration "
               << r.mean_penetration << " mean " << r.maximal_penetration << " max mm, " << result_.stages.back().seconds
               << " s\n";
-    if (!r.converged) {
-      std::ostringstream value;
-      value << "residual " << r.residual << " after " << r.steps << " steps; wanted "
-            << scene_.numerics.integrator.residual_tolerance;
-      throw common::ComputationError("the deployment did not reach force balance", step.name + " / " + stage.name,
-                                     value.str(),
-                                     "predilate with a smaller balloon first, refine the lumen, or raise "
-                                     "numerics.maximal_steps_per_stage; no lumen is written");
-    }
+    if (!r.converged)
+      refuse(step, stage, r);
     after_balance(stage, step);
+    if (observer_)
+      show(r.steps);
+  }
+
+  [[noreturn]] void refuse(const Step& step, const Stage& stage, const RelaxResult& r) const {
+    const std::string where = step.name + " / " + stage.name;
+    if (!stage.with_balloons && r.contacts == 0 && !result_.stents.empty() && interactions_.ties.empty())
+      throw common::ComputationError("a stent touches nothing once its balloon is out", where, "0 contacts",
+                                     "choose a larger stent or raise its pressure_bar: it is smaller than the lumen");
+    std::ostringstream value;
+    value << "residual " << r.residual << " after " << r.steps << " steps; wanted "
+          << scene_.numerics.integrator.residual_tolerance;
+    throw common::ComputationError("the deployment did not reach force balance", where, value.str(),
+                                   "predilate with a smaller balloon first, refine the lumen, or raise "
+                                   "numerics.maximal_steps_per_stage; no lumen is written");
   }
 
   void after_balance(const Stage& stage, const Step& step) {
@@ -233,34 +264,16 @@ private:
   bool is_stent(int body) const { return system_.body(body).name == "stent"; }
 
   void read_malapposition() {
+    const std::vector<double> gaps = malapposition(system_, "stent");
     result_.malapposition.assign(lumen_.points.size(), 0.0);
-    const Vectors normals = area_vectors(system_);
-    for (const StentHistory& h : result_.stents) {
-      const Body& body = system_.body(h.stent.body);
-      for (std::size_t i = 0; i < wall_.vertex.size(); ++i) {
-        double nearest = 1e300, gap = 0;
-        for (const Triangle& t : body.triangles) {
-          if ((system_.x[t[0]] - system_.x[i]).squaredNorm() > 4.0)
-            continue;
-          const ClosestPoint c = closest_on_triangle(system_.x[i], system_.x[t[0]], system_.x[t[1]], system_.x[t[2]]);
-          const bool inside = c.weights.minCoeff() > 0; // a foot on the stent's end faces no strut
-          if (c.distance_squared < nearest) {
-            nearest = c.distance_squared;
-            gap = inside ? (system_.x[i] - c.weights[0] * system_.x[t[0]] - c.weights[1] * system_.x[t[1]] -
-                            c.weights[2] * system_.x[t[2]])
-                               .dot(normals[t[0]].normalized())
-                         : 0.0;
-          }
-        }
-        double& value = result_.malapposition[wall_.vertex[i]];
-        value = std::max(value, std::max(0.0, gap));
-      }
-    }
+    for (std::size_t i = 0; i < gaps.size(); ++i)
+      result_.malapposition[wall_.vertex[i]] = gaps[i];
   }
 
   const Scene& scene_;
   const Lumen& lumen_;
   const std::map<std::string, Path>& reference_paths_;
+  const Observer* observer_;
   System system_;
   Wall wall_;
   Interactions interactions_;
@@ -272,8 +285,9 @@ private:
 
 } // namespace
 
-Deployment deploy(const Scene& scene, const Lumen& lumen, const std::map<std::string, Path>& paths) {
-  Run run(scene, lumen, paths);
+Deployment deploy(const Scene& scene, const Lumen& lumen, const std::map<std::string, Path>& paths,
+                  const Observer* observer) {
+  Run run(scene, lumen, paths, observer);
   for (const Step& step : scene.procedure)
     run.step(step);
   Deployment result = run.finish();

@@ -43,8 +43,21 @@ struct Deployment {
   int vertices = 0;                  ///< that took part in the wall
 };
 
+/// The state on the way, for pictures.
+struct Snapshot {
+  int stages_done, steps; ///< steps of the stage under way
+  Vectors lumen;
+  std::vector<DeviceShape> devices; ///< without forces
+};
+/// Sees the state at the end of each stage and, where every_steps > 0, every so many steps.
+struct Observer {
+  std::function<void(const Snapshot&)> see;
+  int every_steps = 0;
+};
+
 /// @param lumen, paths as read; progress goes to standard error.
 /// Throws common::ComputationError naming step, stage, residual and remedy where a stage does not reach force balance.
-Deployment deploy(const Scene& scene, const Lumen& lumen, const std::map<std::string, Path>& paths);
+Deployment deploy(const Scene& scene, const Lumen& lumen, const std::map<std::string, Path>& paths,
+                  const Observer* observer = nullptr);
 
 } // namespace vci

@@ -132,6 +132,8 @@ RelaxResult relax(System& system, Interactions& interactions, const IntegratorSe
     }
     add_slip(f.points, dx);
     system.commit();
+    if (interactions.after_step)
+      interactions.after_step(result.steps);
     const double wish = typical > 0 ? s.displacement_per_step / typical : 2.0;
     settling = f.residual < 0.1 && wish > 4.0;
     if (!settling)

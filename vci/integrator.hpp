@@ -2,6 +2,8 @@
 #pragma once
 #include "vci/contact.hpp"
 
+#include <functional>
+
 namespace vci {
 
 struct IntegratorSettings {
@@ -13,12 +15,17 @@ struct IntegratorSettings {
   PcgSettings pcg{0.1, 300, 24, true};
   double damping = 2.5;           ///< MPa ms/mm, per unit area
   double stiffness_damping = 0.0; ///< ms
+  bool textbook = false;          ///< the scheme of textbook.hpp, with the three below
+  double fixed_step = 0.01;       ///< ms
+  double velocity_kept = 0.9;     ///< share of the velocity that a step leaves
+  double velocity_stop = 0.01;    ///< mm/ms, root mean square over the free vertices
 };
 
 /// What couples the bodies beyond their own forces.
 struct Interactions {
   std::vector<SurfaceContact> contacts;
   std::vector<Tie> ties;
+  std::function<void(int)> after_step; ///< where given, called with the number of steps done
 };
 
 struct RelaxResult {

@@ -15,6 +15,9 @@ public:
   virtual std::vector<double> largest_stretch(const Vectors& x) const = 0;
 };
 
+/// Per vertex the largest stretch of the triangles round it, at least 1.
+std::vector<double> vertex_stretch(const Layer& layer, const Triangles& triangles, const Vectors& x);
+
 /// Adds a layer to a body by the wall model that the scene asks for; it lives as long as the body.
 /// @param reference positions of the unstressed state; @param laws per triangle.
 const Layer& add_layer(System& system, int body, const WallSpec& spec, const Triangles& triangles,

@@ -1,6 +1,8 @@
-// The program vci: deploy, radius-correct, inflate.
+// The program vci: deploy, radius-correct, inflate, crush.
 #include "common/error.hpp"
 #include "vci/bench.hpp"
+#include "vci/crush.hpp"
+#include "vci/frames.hpp"
 #include "vci/radius_correction.hpp"
 #include "vci/readouts.hpp"
 #include "vci/strut_pattern.hpp"
@@ -88,13 +90,21 @@ std::vector<PointArray> forces(const Balance& balance) {
           vectors("foundation_n", balance.foundation), vectors("residual_n", balance.residual)};
 }
 
-int run_deploy(const fs::path& scene_file, const fs::path& out) {
+int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& frames, int every_steps) {
   const Scene scene = read_scene(scene_file);
   const Lumen lumen = read_lumen(scene.lumen);
   const auto paths = read_centreline(scene.centreline);
   check_branches(scene, paths);
   forget(out);
-  const Deployment d = deploy(scene, lumen, paths);
+  std::optional<FrameWriter> writer;
+  Observer observer{{}, every_steps};
+  if (!frames.empty()) {
+    writer.emplace(frames, lumen);
+    observer.see = [&](const Snapshot& snapshot) { writer->add(snapshot); };
+  }
+  const Deployment d = deploy(scene, lumen, paths, writer ? &observer : nullptr);
+  if (writer)
+    writer->finish();
   const Output output(out);
   std::vector<PointArray> arrays = forces(d.forces);
   arrays.push_back(displacement(lumen, d.points));
@@ -159,12 +169,27 @@ int run_inflate(const fs::path& scene_file, const std::string& device) {
   return 0;
 }
 
+int run_crush(const fs::path& scene_file, const std::string& device) {
+  const Scene scene = read_scene(scene_file);
+  if (!scene.stents.contains(device))
+    throw common::InputError("no such stent in the scene", scene_file.string() + ": devices", device,
+                             "name an entry with kind stent");
+  const StentSpec& spec = scene.stents.at(device);
+  const CrushTest test = crush(spec, scene.balloons.at(spec.balloon), scene.numerics);
+  std::cout << "diameter_loss_percent,pressure_mpa,inflated_diameter_mm,free_diameter_mm,recoil_percent,residual\n";
+  for (const CrushPoint& p : test.points)
+    std::cout << p.loss_percent << ',' << p.pressure_mpa << ',' << test.inflated_diameter << ',' << test.free_diameter
+              << ',' << test.recoil_percent << ',' << test.residual << '\n';
+  return 0;
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
   CLI::App app{"Virtual coronary intervention: what balloon and stent do to a narrowed artery"};
   app.require_subcommand(1);
-  std::string scene, out, device;
+  std::string scene, out, device, frames;
+  int every_steps = 0;
   CLI::App* deploy_command = app.add_subcommand("deploy", "run a scene's procedure");
   CLI::App* correct_command = app.add_subcommand("radius-correct", "the baseline: set the radius to the device's");
   for (CLI::App* command : {deploy_command, correct_command}) {
@@ -174,12 +199,20 @@ int main(int argc, char** argv) {
   CLI::App* inflate_command = app.add_subcommand("inflate", "free expansion of a balloon against its chart, CSV");
   inflate_command->add_option("scene", scene, "scene.json that defines the balloon")->required();
   inflate_command->add_option("--device", device, "key under devices")->required();
+  deploy_command->add_option("--frames", frames, "folder for the state at each stage's end, with frames.pvd");
+  deploy_command->add_option("--frames-every", every_steps, "and after every so many steps")
+      ->check(CLI::PositiveNumber);
+  CLI::App* crush_command = app.add_subcommand("crush", "radial strength and free recoil of a stent on the bench, CSV");
+  crush_command->add_option("scene", scene, "scene.json that defines the stent and its balloon")->required();
+  crush_command->add_option("--device", device, "key under devices")->required();
   CLI11_PARSE(app, argc, argv);
   return common::guarded([&] {
     if (*deploy_command)
-      return run_deploy(scene, out);
+      return run_deploy(scene, out, frames, every_steps);
     if (*correct_command)
       return run_radius_correct(scene, out);
+    if (*crush_command)
+      return run_crush(scene, device);
     return run_inflate(scene, device);
   });
 }

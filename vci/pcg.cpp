@@ -38,7 +38,7 @@ public:
          const PcgSettings& settings, std::shared_ptr<const CoarseSpace> coarse)
       : settings_(settings), operator_(matrix, links, fixed), coarse_(std::move(coarse)) {
     for (const Mat3& m : inverse_diagonal(matrix, links, fixed))
-      inverse_.push_back(Operator::padded(m));
+      inverse_.push_back(Operator::padded(settings.plain ? Mat3(Mat3::Identity()) : m));
   }
 
   SolveResult solve(const Field& b, Field& x) const {

@@ -12,6 +12,7 @@ struct PcgSettings {
   int maximal_iterations = 300;
   int patch_size = 0;            ///< vertices to a patch of the second level; 0: block Jacobi alone
   bool single_precision = false; ///< the iterations; good for tolerances of 1e-4 and more
+  bool plain = false;            ///< no preconditioner at all
 };
 
 /// The second level of the last solves: good for some more while the matrix changes little.

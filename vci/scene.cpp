@@ -3,6 +3,7 @@
 #include "vci/balloon_chart.hpp"
 #include "vci/checked_json.hpp"
 
+#include <algorithm>
 #include <fstream>
 #include <limits>
 #include <set>
@@ -73,6 +74,12 @@ Numerics read_numerics(const json& entry, const std::string& where, json& used) 
   Numerics n;
   IntegratorSettings& i = n.integrator;
   ContactSettings& c = n.contact;
+  const auto choice = [&](const char* key, const char* usual, const char* other) {
+    const std::string text = o.text(key, usual);
+    if (text != usual && text != other)
+      throw common::InputError("an unknown choice", o.path(key), text, std::string("use ") + usual + " or " + other);
+    return text == other;
+  };
   i.residual_tolerance = o.number("residual_tolerance", 1e-8, 0.1, i.residual_tolerance);
   i.displacement_per_step = o.number("displacement_per_step_mm", 1e-3, 1, i.displacement_per_step);
   i.initial_step = o.number("initial_step_ms", 1e-4, 1e4, i.initial_step);
@@ -81,16 +88,20 @@ Numerics read_numerics(const json& entry, const std::string& where, json& used) 
   i.pcg.tolerance = o.number("pcg_tolerance", 1e-12, 0.5, i.pcg.tolerance);
   i.pcg.maximal_iterations = o.integer("pcg_maximal_iterations", 1, 100000, i.pcg.maximal_iterations);
   i.pcg.patch_size = o.integer("pcg_patch_vertices", 0, 10000, i.pcg.patch_size);
-  const std::string precision = o.text("pcg_precision", i.pcg.single_precision ? "single" : "double");
-  if (precision != "single" && precision != "double")
-    throw common::InputError("an unknown precision", o.path("pcg_precision"), precision, "use single or double");
-  i.pcg.single_precision = precision == "single";
+  i.pcg.single_precision = !choice("pcg_precision", "single", "double");
   c.stiffness = o.number("contact_stiffness_mpa_per_mm", 1, 1e5, c.stiffness);
   c.distance = o.number("contact_distance_mm", 0, 0.2, c.distance);
   c.ramp = o.number("contact_ramp_mm", 1e-4, 0.2, c.ramp);
   c.skin = o.number("contact_skin_mm", 1e-3, 0.4, c.skin);
   c.friction = o.number("friction_coefficient", 0, 1, c.friction);
   c.friction_stiffness = o.number("friction_stiffness_mpa_per_mm", 1e-3, 1e4, c.friction_stiffness);
+  i.textbook = choice("integration", "adaptive", "textbook");
+  i.fixed_step = o.number("fixed_step_ms", 1e-5, 10, i.fixed_step);
+  i.velocity_stop = o.number("velocity_stop_mm_per_ms", 1e-9, 10, i.velocity_stop);
+  c.time_averaged = choice("contact_law", "one-sided", "time-averaged");
+  if (c.time_averaged && !i.textbook)
+    throw common::InputError("a contact law that follows velocities, without any", o.path("contact_law"),
+                             "time-averaged", "set integration to textbook, or leave the one-sided law");
   n.tie_stiffness = o.number("tie_stiffness_mpa_per_mm", 0, 1e5, n.tie_stiffness);
   i.damping = o.number("damping_mpa_ms_per_mm", 0, 1e4, i.damping);
   i.stiffness_damping = o.number("stiffness_damping_ms", 0, 1e4, i.stiffness_damping);
@@ -129,6 +140,12 @@ Step read_step(const json& entry, const std::string& where, const Scene& scene) 
   if (step.devices.size() > 1 && step.action != "kissing")
     throw common::InputError("several devices in one step", o.path("devices"), std::to_string(step.devices.size()),
                              "only kissing inflates several balloons at once; use one step per device");
+  const bool with_stent = std::any_of(step.devices.begin(), step.devices.end(),
+                                      [&](const Placement& p) { return scene.stents.contains(p.device); });
+  if (step.action == "kissing" && (step.devices.size() != 2 || with_stent))
+    throw common::InputError("kissing inflates two balloons side by side", o.path("devices"),
+                             std::to_string(step.devices.size()) + (with_stent ? " devices, with a stent" : " devices"),
+                             "name two balloons; place stents in steps of their own");
   o.finish();
   return step;
 }

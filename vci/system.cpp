@@ -63,6 +63,11 @@ void System::evaluate(Vectors& elastic, Vectors& foundation, Vectors& pressure, 
   }
 }
 
+void System::add_damping(double rate) {
+  for (const Entry& e : forces_)
+    e.force->add_damping(x, mass, rate, matrix());
+}
+
 void System::commit() {
   for (const Entry& e : forces_)
     e.force->commit(x);

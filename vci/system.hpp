@@ -38,6 +38,8 @@ public:
   /// Force sums by kind (each sized to the vertices) and, if wanted, the stiffness matrix.
   void evaluate(Vectors& elastic, Vectors& foundation, Vectors& pressure, bool with_stiffness);
   void commit();
+  /// Adds rate (1/ms) times the forces' damping to the matrix.
+  void add_damping(double rate);
 
   Vectors x, velocity;      ///< mm, mm/ms
   std::vector<double> mass; ///< g

@@ -77,6 +77,18 @@ TEST(ContactRamp, IsSmoothOneSidedAndDerivesFromItsEnergy) {
   EXPECT_EQ(contact_ramp(s.distance - 1.1 * s.ramp, s).stiffness, s.stiffness);
 }
 
+TEST(AveragedRamp, IsTheMeanOverTheWay) {
+  const ContactSettings s;
+  constexpr double from = 0.02, to = -0.04; // free, on the ramp, beyond it
+  double sum = 0;
+  constexpr int parts = 20000;
+  for (int k = 0; k < parts; ++k)
+    sum += contact_ramp(from + (to - from) * (k + 0.5) / parts, s).pressure / parts;
+  EXPECT_NEAR(averaged_ramp(from, to, s).pressure, sum, 1e-6);
+  EXPECT_GT(averaged_ramp(from, to, s).stiffness, 0);
+  EXPECT_NEAR(averaged_ramp(to, to, s).pressure, contact_ramp(to, s).pressure, 1e-12);
+}
+
 /// A flat outer sheet (normal +z) and a smaller inner one whose middle vertex stands at the given height.
 std::vector<ContactPoint> sheets(double height, Vectors& force) {
   System system;
@@ -106,6 +118,42 @@ TEST(SurfaceContact, PushesApartOnBothSidesOfTheSurfaceAndBalances) {
     EXPECT_NEAR(points[0].gap, -height, 1e-9);
     EXPECT_LT(force[9][2], 0);
   }
+}
+
+/// The lower sheet faces up, the upper one down; their middle vertices are `gap` apart.
+std::vector<ContactPoint> facing_sheets(double gap, ContactSides sides, Vectors& force) {
+  System system;
+  const Vectors lower{{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}, {0, 0, 0}};
+  const Vectors upper{{-.5, -.5, .4}, {.5, -.5, .4}, {.5, .5, .4}, {-.5, .5, .4}, {0.1, 0, gap}};
+  system.add_body("lower", lower, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}, 1, std::vector<char>(5, 0));
+  system.add_body("upper", upper, {{0, 4, 1}, {1, 4, 2}, {2, 4, 3}, {3, 4, 0}}, 1, std::vector<char>(5, 0));
+  SurfaceContact contact(1, 0, {}, std::move(sides));
+  std::vector<ContactPoint> points;
+  contact.detect(system, area_vectors(system), points);
+  force.assign(system.x.size(), Vec3::Zero());
+  add_contact_forces(points, force);
+  return points;
+}
+
+TEST(SurfaceContact, SideBySideSurfacesPushOneAnotherAway) {
+  Vectors force;
+  const ContactSides beside{false, {}, {}};
+  EXPECT_TRUE(facing_sheets(0.05, beside, force).empty());
+  for (double gap : {0.0, -0.1}) {
+    const std::vector<ContactPoint> points = facing_sheets(gap, beside, force);
+    ASSERT_FALSE(points.empty());
+    EXPECT_NEAR(points[0].gap, gap, 1e-9);
+    EXPECT_GT(force[9][2], 0);
+    EXPECT_LT(force[4][2], 0);
+  }
+  EXPECT_TRUE(facing_sheets(-0.1, {}, force).empty()) << "nested tubes do not face each other";
+}
+
+TEST(SurfaceContact, BlindVerticesNeitherTouchNorAreTouched) {
+  Vectors force;
+  EXPECT_TRUE(facing_sheets(0, {false, {1, 1, 1, 1, 1}, {1, 1, 1, 1, 1}}, force).empty());
+  for (const ContactPoint& p : facing_sheets(0, {false, {0, 0, 0, 0, 1}, {}}, force))
+    EXPECT_NE(p.link.vertex[0], 9);
 }
 
 TEST(Friction, SticksElasticallyThenSlidesAtTheLimitAndRemembersTheAnchor) {

@@ -1,5 +1,6 @@
 // Energy, force and stiffness of every force agree with finite differences, on each branch of its law.
 #include "vci/balloon_chart.hpp"
+#include "vci/cell_shear.hpp"
 #include "vci/fibre.hpp"
 #include "vci/foundation.hpp"
 #include "vci/hinge.hpp"
@@ -234,6 +235,18 @@ TEST(MassSpring, DampingIsCriticalAlongTheEdge) {
   const double k = 2.0 * 0.5; // E t A / L^2 of the edge 0-1
   EXPECT_NEAR(matrix.block(matrix.slot(0, 1))(0, 0), -5.0 * 2 * std::sqrt(k * 0.2), 1e-12);
   EXPECT_NEAR(matrix.block(matrix.slot(0, 1))(1, 1), 0, 1e-12) << "none across it";
+}
+
+TEST(CellShear, ResistsShearAndNothingElse) {
+  CellShear force({{{0, 1, 2, 3}, 0.7}});
+  const Vectors cell{{0, 0, 0}, {1, 0, 0}, {1, 0.8, 0}, {0, 0.8, 0}};
+  Vectors opened = cell;
+  for (Vec3& p : opened)
+    p[0] *= 3;
+  EXPECT_NEAR(force.energy(opened), 0, 1e-15);
+  check_hessian(force, opened, 1e-6); // Gauss-Newton: exact where the diagonals are alike
+  check_gradient(force, perturbed(opened, 0.2, 5));
+  EXPECT_GT(force.energy(perturbed(opened, 0.2, 5)), 1e-4);
 }
 
 TEST(Fibres, EveryBranchMatchesFiniteDifferences) {

@@ -1,0 +1,10 @@
+// The gap between the wall and the stents that should lie against it.
+#pragma once
+#include "vci/system.hpp"
+
+namespace vci {
+
+/// Per vertex of the wall (body 0): the largest gap (mm) to a body of a name that faces it, 0 where none does.
+std::vector<double> malapposition(const System& system, const std::string& stent);
+
+} // namespace vci

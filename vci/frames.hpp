@@ -1,0 +1,25 @@
+// States on the way, written for an animation: a VTP file per surface and state, and a .pvd that lists them.
+#pragma once
+#include "vci/deployment.hpp"
+
+#include <filesystem>
+#include <sstream>
+
+namespace vci {
+
+class FrameWriter {
+public:
+  /// Files go to `folder`, which is made; older frames in it are taken out.
+  FrameWriter(std::filesystem::path folder, const Lumen& lumen);
+  void add(const Snapshot& snapshot);
+  /// Writes frames.pvd, which ParaView opens as an animation.
+  void finish() const;
+
+private:
+  std::filesystem::path folder_;
+  const Lumen& lumen_;
+  std::ostringstream entries_;
+  int count_ = 0;
+};
+
+} // namespace vci
