@@ -72,7 +72,9 @@ def _placed(wish, summary, where):
     branch = branch_named(summary, name, where)
     centre = round(0.5 * (lesion["s_start_mm"] + lesion["s_end_mm"]), 3) if lesion else wish["centre_s_mm"]
     half = wish["length_mm"] / 2
-    if centre - half < 0 or centre + half > branch["length_mm"]:
+    # a side branch's axis goes on through its parent to the inlet: a device may start in there (culotte, kissing)
+    before = branch.get("s_on_parent_mm") or 0
+    if centre - half < -before or centre + half > branch["length_mm"]:
         raise InputError(
             "the device reaches beyond its branch",
             where,
