@@ -59,6 +59,7 @@ class TreatedTube:
 
         self.model = TubeModel(self.tube, axis, material, settings)
         self.model.set_loads({"stent_start": self.span[0], "stent_end": self.span[1]})
+        self._near = np.full(len(station_s), True)  # stations along the present balloon
 
     def run(self):
         """Does all steps. Raises ComputationError where a step does not converge."""
@@ -75,7 +76,6 @@ class TreatedTube:
                 model.set_loads(
                     {"stent_stiffness": self.settings["stent_stiffness_mpa_per_mm"], "stent_cap": carried.cap_mpa}
                 )
-            if carried:
                 hand_over(model, step.name)
             else:
                 shrink(model, self._nearest, self.settings["radius_step_mm"], step.name)
