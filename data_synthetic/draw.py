@@ -16,6 +16,7 @@ LENGTH_MM = {"lad": (65, 105), "lcx": (60, 85), "rca": (75, 110)}
 LESIONS = {"focal": 0.45, "diffuse": 0.25, "tandem": 0.15, "bifurcation": 0.15}
 LESION_LENGTH_MM = {"focal": (8, 15), "diffuse": (18, 28), "tandem": (18, 26), "bifurcation": (8, 14)}
 SMALLEST_TREATED_MM = 2.6  # healthy diameter at the lesion; smaller vessels are rarely stented
+LARGEST_TREATED_MM = 4.4  # the same at its distal end; stents of the catalogue end at 4.5 mm
 CLEAR_OF_OSTIA_MM = 3.0
 ATTEMPTS = 200
 
@@ -51,9 +52,16 @@ def one(seed, number):
             branches = tree.grow(vessel, "draw")
         except InputError:
             continue  # impossible together: a side branch too wide, a tree that meets itself
-        if branches[0].healthy(np.array(case["vessel"]["lesions"][0]["centre_s_mm"])) >= 0.5 * SMALLEST_TREATED_MM:
+        if _treatable(branches[0], case["vessel"]["lesions"][0]):
             return case
     raise ComputationError("no patient that can be built", "draw", f"{ATTEMPTS} attempts", "another seed")
+
+
+def _treatable(main, lesion):
+    """Whether the catalogue has a stent for the healthy vessel at the lesion."""
+    centre = lesion["centre_s_mm"]
+    at, distal = 2 * main.healthy(np.array([centre, centre + 0.5 * lesion["length_mm"]]))
+    return at >= SMALLEST_TREATED_MM and distal <= LARGEST_TREATED_MM
 
 
 def _case(rng):

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from common import schema
 from common.errors import InputError
-from data_synthetic import draw, patient
+from data_synthetic import draw, patient, tree
 from data_synthetic.__main__ import main
 
 
@@ -61,3 +62,13 @@ def test_bad_numbers_are_refused(tmp_path, count, seed, key):
     with pytest.raises(InputError, match=key):
         draw.run(count, seed, tmp_path)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_lesion_lies_where_the_catalogue_has_a_stent():
+    for number in range(1, 9):  # the second of them would be too wide otherwise
+        case = draw.one(5, number)
+        main = tree.grow(schema.with_defaults(case["vessel"], schema.read("vessel")))[0]
+        lesion = case["vessel"]["lesions"][0]
+        centre = lesion["centre_s_mm"]
+        at, distal = 2 * main.healthy(np.array([centre, centre + 0.5 * lesion["length_mm"]]))
+        assert at >= 2.6 and distal <= 4.4
