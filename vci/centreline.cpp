@@ -1,5 +1,6 @@
 #include "vci/centreline.hpp"
 #include "common/error.hpp"
+#include "vci/reading.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -45,7 +46,9 @@ std::vector<Frame> Path::frames(const std::vector<double>& s) const {
   return frames;
 }
 
-std::map<std::string, Path> read_centreline(const std::filesystem::path& file) {
+namespace {
+
+std::map<std::string, Path> paths_of(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file))
     throw common::InputError("the centreline does not exist", file.string(), "no such file",
                              "run the anatomy step first");
@@ -63,10 +66,16 @@ std::map<std::string, Path> read_centreline(const std::filesystem::path& file) {
     vtkIdType size;
     const vtkIdType* ids;
     data->GetLines()->GetCellAtId(c, size, ids);
+    if (std::any_of(ids, ids + size, [&](vtkIdType id) { return id < 0 || id >= data->GetNumberOfPoints(); }))
+      throw common::InputError("a cell that names a point which is not there", file.string(),
+                               "cell " + std::to_string(c), "the file is damaged: write it anew");
     Vectors points;
     for (vtkIdType k = 0; k < size; ++k) {
       Vec3 p;
       data->GetPoint(ids[k], p.data());
+      if (!p.allFinite() || p.norm() > 1e6)
+        throw common::InputError("a point of the centreline is not plausible", file.string(),
+                                 "point " + std::to_string(ids[k]), "coordinates are in mm");
       if (points.empty() || (p - points.back()).norm() > 1e-9)
         points.push_back(p);
     }
@@ -104,6 +113,12 @@ std::map<std::string, Path> read_centreline(const std::filesystem::path& file) {
     paths[name] = Path(joined, -upstream);
   }
   return paths;
+}
+
+} // namespace
+
+std::map<std::string, Path> read_centreline(const std::filesystem::path& file) {
+  return reading(file, [&] { return paths_of(file); });
 }
 
 Path follow_wall(const Path& path, const Lumen& lumen, const Vectors& moved) {

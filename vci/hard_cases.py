@@ -43,6 +43,7 @@ CASES = {
     "first step x1000": (Tube(), {"numerics": {"initial_step_ms": 300}}),
     "25 bar": (Tube(), {"pressures": (10, 11, 25)}),
     "overlapping stents": (Tube(length=36), {"shifts": (-4.5, 4.5)}),
+    "kissing balloons": (Tube(), {"kissing": 0.6, "pressures": (10, 11, 12)}),
 }
 
 

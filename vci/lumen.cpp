@@ -1,5 +1,6 @@
 #include "vci/lumen.hpp"
 #include "common/error.hpp"
+#include "vci/reading.hpp"
 
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
@@ -56,7 +57,9 @@ void write_polydata(const std::filesystem::path& file, vtkPolyData* data) {
 
 } // namespace
 
-Lumen read_lumen(const std::filesystem::path& file) {
+namespace {
+
+Lumen lumen_of(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file))
     throw common::InputError("the lumen does not exist", file.string(), "no such file", "run the anatomy step first");
   vtkNew<vtkXMLPolyDataReader> reader;
@@ -77,7 +80,7 @@ Lumen read_lumen(const std::filesystem::path& file) {
     Vec3 p;
     lumen.data->GetPoint(i, p.data());
     const double r = radius->GetTuple1(i), t = plaque->GetTuple1(i), k = type->GetTuple1(i);
-    if (!p.allFinite() || !(r > 0.02 && r < 20) || !(t >= -0.1 && t < 20) || !(k >= 0 && k <= 3))
+    if (!p.allFinite() || p.norm() > 1e6 || !(r > 0.02 && r < 20) || !(t >= -0.1 && t < 20) || !(k >= 0 && k <= 3))
       throw common::InputError("a point of the lumen is not plausible (position, radius_mm, plaque)", file.string(),
                                "point " + std::to_string(i) + ": radius " + std::to_string(r) + ", plaque " +
                                    std::to_string(t) + ", type " + std::to_string(k),
@@ -95,10 +98,19 @@ Lumen read_lumen(const std::filesystem::path& file) {
     if (size != 3)
       throw common::InputError("the lumen has a polygon that is no triangle", file.string(),
                                "polygon " + std::to_string(k), "triangulate the surface");
+    if (std::any_of(ids, ids + size, [&](vtkIdType id) { return id < 0 || id >= n; }))
+      throw common::InputError("a cell that names a point which is not there", file.string(),
+                               "cell " + std::to_string(k), "the file is damaged: write it anew");
     lumen.triangles.push_back({static_cast<int>(ids[0]), static_cast<int>(ids[1]), static_cast<int>(ids[2])});
     lumen.region.push_back(static_cast<int>(region->GetTuple1(k)));
   }
   return lumen;
+}
+
+} // namespace
+
+Lumen read_lumen(const std::filesystem::path& file) {
+  return reading(file, [&] { return lumen_of(file); });
 }
 
 void write_lumen(const std::filesystem::path& vtp, const std::filesystem::path& stl, const Lumen& lumen,

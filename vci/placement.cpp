@@ -112,7 +112,9 @@ void set_side_by_side(Course& one, Course& other, double crimped_diameter) {
       const double apart = (f.origin - a.point).norm();
       if (apart >= wanted)
         continue;
-      const Vec3 across = towards - towards.dot(f.tangent) * f.tangent;
+      Vec3 across = towards - towards.dot(f.tangent) * f.tangent;
+      if (across.norm() < 0.1 * wanted) // both stay in one vessel
+        across = f.first;
       f.origin += (k == 0 ? -0.5 : 0.5) * (wanted - apart) * across.normalized();
     }
 }

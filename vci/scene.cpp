@@ -2,6 +2,7 @@
 #include "common/error.hpp"
 #include "vci/balloon_chart.hpp"
 #include "vci/checked_json.hpp"
+#include "vci/reading.hpp"
 
 #include <algorithm>
 #include <fstream>
@@ -205,7 +206,9 @@ StentSpec read_stent(const json& entry, const std::string& where) {
   return s;
 }
 
-Scene read_scene(const std::filesystem::path& file) {
+namespace {
+
+Scene scene_of(const std::filesystem::path& file) {
   std::ifstream stream(file);
   if (!stream)
     throw common::InputError("the scene cannot be opened", file.string(), "no readable file", "check the path");
@@ -258,6 +261,12 @@ Scene read_scene(const std::filesystem::path& file) {
     scene.procedure.push_back(read_step(steps[k], o.path("procedure") + "[" + std::to_string(k) + "]", scene));
   o.finish();
   return scene;
+}
+
+} // namespace
+
+Scene read_scene(const std::filesystem::path& file) {
+  return reading(file, [&] { return scene_of(file); });
 }
 
 } // namespace vci

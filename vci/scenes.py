@@ -158,11 +158,14 @@ def stent(diameter, length, delivery):
     }
 
 
-def write_scene(folder, tube, size=1.0, pressures=(10, 11, 16), shifts=(0.0,), length=12.0, wall=None, numerics=None):
+def write_scene(
+    folder, tube, size=1.0, pressures=(10, 11, 16), shifts=(0.0,), length=12.0, wall=None, numerics=None, kissing=0.0
+):
     """Writes geometry and scene.json of a predilatation, stents and a postdilatation; returns the scene's path.
 
     size: device over vessel diameter; pressures: bar, of the three inflations; shifts: mm from the lesion's middle,
-    one for each stent; length: mm, of the stents.
+    one for each stent; length: mm, of the stents; kissing: where above 0, two balloons so many times as wide as the
+    vessel are inflated side by side instead of the postdilatation.
     """
     folder.mkdir(parents=True, exist_ok=True)
     write_geometry(folder, tube)
@@ -181,7 +184,12 @@ def write_scene(folder, tube, size=1.0, pressures=(10, 11, 16), shifts=(0.0,), l
     procedure = [step("predilatation", "predilatation", "pre", middle, pressures[0])]
     for k, shift in enumerate(shifts):
         procedure.append(step(f"stent {k + 1}", "stent", "stent", middle + shift, pressures[1]))
-    procedure.append(step("postdilatation", "postdilatation", "post", middle, pressures[2]))
+    last = step("postdilatation", "postdilatation", "post", middle, pressures[2])
+    if kissing:
+        devices["kissing"] = balloon(kissing * diameter, length - 2)
+        last = step("kissing", "kissing", "kissing", middle, pressures[2])
+        last["devices"] *= 2
+    procedure.append(last)
     document = {
         "schema": "vci-scene-1",
         "case": folder.name,

@@ -31,7 +31,10 @@ def table(binary, run_module, tmp_path_factory):
     return rows
 
 
-@pytest.mark.parametrize("case", ["slivers", "mesh jittered by 25 %", "first step x1000", "25 bar"])
+@pytest.mark.parametrize(
+    "case",
+    ["slivers", "mesh jittered by 25 %", "first step x1000", "25 bar", "overlapping stents", "kissing balloons"],
+)
 def test_case_balances(table, case):
     row = table([case])[case]
     assert row["outcome"] == "balanced", row["reason"]

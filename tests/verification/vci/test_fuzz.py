@@ -1,0 +1,101 @@
+"""Seeded mutations of each file that `vci deploy` reads: it answers, or refuses with a message; it never crashes."""
+
+import json
+import random
+import resource
+import subprocess
+
+import pytest
+
+from vci import scenes
+
+TUBE = scenes.Tube(length=16, edge=1.2, lesion_length=6)
+NUMERICS = {"maximal_steps_per_stage": 2, "device_edge_mm": 1.2}  # an accepted file must not take long
+ODD_VALUES = [None, True, -1, 0, 1e308, -1e308, 10**30, "", "main", [], {}, [[]], "1e9", 1e-320, 3.5]
+MUTANTS = 60
+SECONDS = 30
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory):
+    return scenes.write_scene(tmp_path_factory.mktemp("fuzz"), TUBE, length=6.0, numerics=NUMERICS)
+
+
+def limits():
+    resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+def assert_answers(program, scene, what):
+    command = [str(program), "deploy", str(scene), "--out", str(scene.parent / "out")]
+    result = subprocess.run(
+        command, text=True, errors="replace", capture_output=True, timeout=SECONDS, preexec_fn=limits
+    )
+    assert result.returncode in (0, 2, 3), f"{what}: exit code {result.returncode}: {result.stderr[-800:]}"
+    assert result.returncode == 0 or "remedy:" in result.stderr, what
+
+
+def flipped(content, numbers):
+    """Bytes changed, cut out, doubled or replaced by another digit."""
+    content = bytearray(content)
+    for _ in range(numbers.choice([1, 1, 3, 20])):
+        at = numbers.randrange(len(content))
+        kind = numbers.randrange(5)
+        if kind == 0:
+            content[at] = numbers.randrange(256)
+        elif kind == 1:
+            del content[at : at + numbers.randrange(1, 200)]
+        elif kind == 2:
+            content[at:at] = content[at : at + numbers.randrange(1, 60)]
+        elif kind == 3:
+            del content[at:]
+            break
+        else:
+            digits = [k for k, c in enumerate(content[:4000]) if chr(c).isdigit()]
+            if digits:
+                content[numbers.choice(digits)] = ord(numbers.choice("0123456789-."))
+    return bytes(content)
+
+
+@pytest.mark.parametrize("name", ["lumen.vtp", "centreline.vtp", "scene.json"])
+def test_bytes(binary, scene, name):
+    file = scene.parent / name
+    content, numbers = file.read_bytes(), random.Random(name)
+    try:
+        for k in range(MUTANTS):
+            file.write_bytes(flipped(content, numbers))
+            assert_answers(binary("vci"), scene, f"{name}, mutant {k}")
+    finally:
+        file.write_bytes(content)
+
+
+def places(node, path=()):
+    """Paths of all values in a document."""
+    items = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
+    for key, value in items:
+        yield path + (key,)
+        yield from places(value, path + (key,))
+
+
+def test_values_of_the_scene(binary, scene):
+    content, numbers = scene.read_text(), random.Random(5)
+    try:
+        for k in range(2 * MUTANTS):
+            document = json.loads(content)
+            *parents, last = numbers.choice(list(places(document)))
+            node = document
+            for key in parents:
+                node = node[key]
+            value = numbers.choice(ODD_VALUES)
+            node[last] = value
+            scene.write_text(json.dumps(document))
+            assert_answers(binary("vci"), scene, f"mutant {k}: {(*parents, last)} = {value!r}")
+    finally:
+        scene.write_text(content)
+
+
+def test_the_unchanged_scene_is_read(binary, scene):
+    """Else every mutant would be refused for one and the same reason."""
+    command = [str(binary("vci")), "deploy", str(scene), "--out", str(scene.parent / "out")]
+    result = subprocess.run(command, text=True, capture_output=True, timeout=SECONDS)
+    assert result.returncode == 3 and "force balance" in result.stderr, result.stderr

@@ -1,0 +1,21 @@
+// What a reader makes of a file that breaks the library beneath it.
+#pragma once
+#include "common/error.hpp"
+
+#include <filesystem>
+
+namespace vci {
+
+/// Calls a reader; what JSON or VTK throw over a damaged file (overflow, a size beyond memory, a value of another kind)
+/// becomes an InputError that names the file.
+template <class Read> auto reading(const std::filesystem::path& file, Read&& read) {
+  try {
+    return read();
+  } catch (const common::InputError&) {
+    throw;
+  } catch (const std::exception& e) {
+    throw common::InputError("the file cannot be used", file.string(), e.what(), "it is damaged: write it anew");
+  }
+}
+
+} // namespace vci
