@@ -28,7 +28,8 @@ def summary():
         "distal_reference_diameter_mm": 2.9,
         "diameter_stenosis_percent": 64.0,
     }
-    branches = [{"name": "main", "length_mm": 50.0}, {"name": "side1", "length_mm": 9.0}]
+    side = {"name": "side1", "length_mm": 9.0, "s_on_parent_mm": 20.0}
+    branches = [{"name": "main", "length_mm": 50.0, "s_on_parent_mm": 0.0}, side]
     return {"schema": "vci-anatomy-1", "lesions": [lesion], "branches": branches}
 
 
@@ -58,6 +59,11 @@ def test_segment_covers_all_stents_of_the_branch(families, summary):
     assert [step["name"] for step in done["procedure"]] == ["stent", "stent_2"]
 
 
+def test_device_of_a_side_branch_may_begin_in_the_parent(families, summary):
+    done = plan.procedure(stent_step(branch="side1", centre_s_mm=1), families, summary, "case")
+    assert done["segment"] == {"branch": "side1", "s_start_mm": -6.5, "s_end_mm": 8.5}
+
+
 @pytest.mark.parametrize(
     "steps, what",
     [
@@ -69,6 +75,8 @@ def test_segment_covers_all_stents_of_the_branch(families, summary):
         (stent_step(branch="side4", centre_s_mm=5), "no such branch"),
         (stent_step(centre_s_mm=5), "beyond its branch"),
         (stent_step(centre_s_mm=45), "beyond its branch"),
+        (stent_step(branch="side1", centre_s_mm=2), "beyond its branch"),
+        (stent_step(branch="side1", centre_s_mm=-13), "beyond its branch"),
         (stent_step(device="semi_compliant"), "wrong kind"),
         ([{"action": "predilatation", "devices": [wish()]}], "wrong kind"),
         (

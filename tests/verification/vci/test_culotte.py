@@ -1,0 +1,81 @@
+"""The shipped bifurcation bench: a stent across a side branch, a second one through its side, kissing balloons."""
+
+import json
+import subprocess
+
+import numpy as np
+import pytest
+import vtk
+from vtk.util.numpy_support import vtk_to_numpy
+
+from common import vtp
+
+EDGE = 0.6  # mm; the study's is 0.4
+DEEPEST = 0.25  # mm, at the rim of the window that a device leaves through; elsewhere it is hundredths
+
+
+@pytest.fixture(scope="module")
+def culotte(binary, run_module, repo_root, tmp_path_factory):
+    """Folder of the results of config/cases/culotte_bench.yaml."""
+    folder = tmp_path_factory.mktemp("culotte")
+    case, anatomy, plan = (
+        repo_root / "config/cases/culotte_bench.yaml",
+        folder / "anatomy",
+        folder / "vci" / "plan.json",
+    )
+
+    def call(command):
+        result = subprocess.run([str(c) for c in command], text=True, capture_output=True, timeout=400)
+        assert result.returncode == 0, result.stderr
+
+    made = run_module("data_synthetic", "generate", case, "--out", folder / "source", timeout=200)
+    assert made.returncode == 0, made.stderr
+    call([binary("lumen"), "process", folder / "source/lumen.vtp", "--units", "mm", "--edge", EDGE, "--out", anatomy])
+    devices = repo_root / "config" / "devices"
+    planned = run_module("anatomy", "plan", case, "--anatomy", anatomy, "--devices", devices, "--out", plan, timeout=60)
+    assert planned.returncode == 0, planned.stderr
+    call([binary("vci"), "deploy", plan, "--out", folder / "out"])
+    return folder / "out"
+
+
+def closed(surface):
+    """A device's tube with its ends filled, outward."""
+    holes, normals = vtk.vtkFillHolesFilter(), vtk.vtkPolyDataNormals()
+    holes.SetInputData(surface)
+    holes.SetHoleSize(1e3)
+    normals.SetInputConnection(holes.GetOutputPort())
+    normals.AutoOrientNormalsOn()
+    normals.SplittingOff()
+    normals.Update()
+    return normals.GetOutput()
+
+
+def distances(points, surface):
+    """Signed distances (mm) of a surface's points from another one, positive outside."""
+    field = vtk.vtkImplicitPolyDataDistance()
+    field.SetInput(surface)
+    return np.array([field.EvaluateFunction(p) for p in vtk_to_numpy(points.GetPoints().GetData())])
+
+
+def test_every_stage_balances(culotte):
+    stages = json.loads((culotte / "deployment.json").read_text())["stages"]
+    assert len(stages) == 15
+    assert max(s["residual"] for s in stages) <= 3e-3
+    assert max(s["max_penetration_mm"] for s in stages) <= DEEPEST
+    assert max(s["mean_penetration_mm"] for s in stages) <= 0.003
+
+
+def test_kissing_balloons_press_on_one_another_without_overlapping(culotte):
+    one, other = (vtp.read(culotte / "devices" / f"kissing_balloon{k}.vtp", "") for k in (1, 2))
+    apart = np.concatenate([distances(one, closed(other)), distances(other, closed(one))])
+    assert apart.min() > -0.03, "mm; contact begins at 0.0125"
+    assert (apart < 0.05).sum() > 10, "they touch"
+
+
+def test_both_stents_lie_in_the_lumen_and_the_second_begins_in_the_first(culotte):
+    lumen = vtp.read(culotte / "lumen.vtp", "")
+    first, second = (vtp.read(culotte / "devices" / f"stent{k}.vtp", "") for k in (1, 2))
+    for stent in (first, second):
+        assert distances(stent, lumen).max() < 0.05
+    inside = distances(second, closed(first)) < 0.1
+    assert 0.15 < inside.mean() < 0.85, "part of it lies in the main branch's stent, part has left it"
