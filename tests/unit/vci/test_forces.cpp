@@ -1,81 +1,18 @@
 // Energy, force and stiffness of every force agree with finite differences, on each branch of its law.
+#include "force_checks.hpp"
 #include "vci/balloon_chart.hpp"
-#include "vci/cell_shear.hpp"
 #include "vci/fibre.hpp"
 #include "vci/foundation.hpp"
 #include "vci/hinge.hpp"
-#include "vci/mass_spring.hpp"
 #include "vci/membrane.hpp"
 #include "vci/pressure.hpp"
 #include <cmath>
 #include <gtest/gtest.h>
-#include <random>
 
 namespace {
 
 using namespace vci;
-
-Vectors perturbed(const Vectors& x, double size, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> shift(-size, size);
-  Vectors y = x;
-  for (Vec3& p : y)
-    for (int k = 0; k < 3; ++k)
-      p[k] += shift(random);
-  return y;
-}
-
-/// Two bent triangles over an edge.
-const Vectors sheet{{0, 0, 0}, {1, 0.1, 0}, {0.2, 0.9, 0.1}, {0.8, -0.7, 0.2}};
-const Triangles sheet_triangles{{0, 1, 2}, {1, 0, 3}};
-/// A tetrahedron, outward.
-const Vectors tetrahedron{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-const Triangles tetrahedron_triangles{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
-
-void check_gradient(const Force& force, const Vectors& x) {
-  const double h = 1e-6;
-  Vectors f(x.size(), Vec3::Zero());
-  force.evaluate(x, f, nullptr, true);
-  double size = 1e-3;
-  for (const Vec3& v : f)
-    size = std::max(size, v.norm());
-  for (std::size_t i = 0; i < x.size(); ++i)
-    for (int k = 0; k < 3; ++k) {
-      Vectors plus = x, minus = x;
-      plus[i][k] += h;
-      minus[i][k] -= h;
-      EXPECT_NEAR(f[i][k], -(force.energy(plus) - force.energy(minus)) / (2 * h), 1e-6 * size) << i << ' ' << k;
-    }
-}
-
-void check_hessian(Force& force, const Vectors& x, double tolerance = 1e-6) {
-  const double h = 1e-6;
-  BlockPattern pattern(static_cast<int>(x.size()));
-  std::vector<int> all(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i)
-    all[i] = static_cast<int>(i);
-  pattern.add(all);
-  BlockMatrix matrix(std::move(pattern));
-  force.link(matrix);
-  Vectors f(x.size(), Vec3::Zero());
-  force.evaluate(x, f, &matrix, true);
-  double size = 1e-3;
-  for (int i : all)
-    size = std::max(size, matrix.block(matrix.diagonal_slot(i)).norm());
-  for (std::size_t j = 0; j < x.size(); ++j)
-    for (int k = 0; k < 3; ++k) {
-      Vectors plus = x, minus = x;
-      plus[j][k] += h;
-      minus[j][k] -= h;
-      Vectors fp(x.size(), Vec3::Zero()), fm = fp;
-      force.evaluate(plus, fp, nullptr, true);
-      force.evaluate(minus, fm, nullptr, true);
-      for (std::size_t i = 0; i < x.size(); ++i) {
-        const Vec3 column = matrix.block(matrix.slot(static_cast<int>(i), static_cast<int>(j))).col(k);
-        EXPECT_LT((column + (fp[i] - fm[i]) / (2 * h)).norm(), tolerance * size) << i << ' ' << j << ' ' << k;
-      }
-    }
-}
+using namespace force_checks;
 
 TEST(Membrane, StiffeningWallMatchesFiniteDifferences) {
   Membrane force(sheet_triangles, sheet, {{2.0, 0.45, 3.0}, {1.0, 0.3, 10.0}});
@@ -190,63 +127,6 @@ TEST(Hinges, FoldsBeyondTheYieldAngle) {
   EXPECT_GT(force.energy(x), 0.5 * 0.1 * 0.1);
   force.commit(x);
   EXPECT_NEAR(force.energy(x), 0.5 * 0.1 * 0.1, 1e-12);
-}
-
-TEST(MassSpring, StiffeningAndYieldingSpringsMatchFiniteDifferences) {
-  const HenckyLaw healthy{2.0, 0.45, 3.0}, plaque{2.0, 0.3, 0.0, 0.05, 0.08};
-  HenckyLaw deep = plaque, deep_healthy = healthy;
-  deep.depth = deep_healthy.depth = 0.7;
-  const Vectors x = perturbed(sheet, 0.25, 1);
-  for (SpringMapping mapping : {SpringMapping::lame, SpringMapping::van_gelder}) {
-    MassSpring elastic(sheet_triangles, sheet, {healthy, deep_healthy}, mapping);
-    MassSpring plastic(sheet_triangles, sheet, {plaque, deep}, mapping);
-    EXPECT_EQ(elastic.yielding(x), 0);
-    EXPECT_GE(plastic.yielding(x), 2) << "the plastic branch must be tested";
-    for (MassSpring* force : {&elastic, &plastic}) {
-      check_gradient(*force, x);
-      check_hessian(*force, x);
-    }
-  }
-}
-
-TEST(MassSpring, LastingSetKeepsTheStressReached) {
-  HenckyLaw plaque{2.0, 0.45, 0.0, 0.05, 0.1}, deep = plaque;
-  deep.depth = 0.7;
-  MassSpring force(sheet_triangles, sheet, {plaque, deep}, SpringMapping::lame);
-  const Vectors x = perturbed(sheet, 0.3, 3);
-  Vectors before(4, Vec3::Zero()), after = before, back = before;
-  force.evaluate(x, before, nullptr, true);
-  force.commit(x);
-  force.evaluate(x, after, nullptr, true);
-  for (int i = 0; i < 4; ++i)
-    EXPECT_LT((after[i] - before[i]).norm(), 1e-12);
-  force.evaluate(sheet, back, nullptr, true);
-  EXPECT_GT(back[0].norm(), 0.1 * before[0].norm()) << "brought back, the springs press";
-}
-
-TEST(MassSpring, DampingIsCriticalAlongTheEdge) {
-  const Vectors x{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  MassSpring force({{0, 1, 2}}, x, {{2.0, 0.45}}, SpringMapping::van_gelder);
-  BlockPattern pattern(3);
-  force.declare(pattern);
-  BlockMatrix matrix(std::move(pattern));
-  force.link(matrix);
-  force.add_damping(x, {0.1, 0.3, 0.2}, 5.0, matrix);
-  const double k = 2.0 * 0.5; // E t A / L^2 of the edge 0-1
-  EXPECT_NEAR(matrix.block(matrix.slot(0, 1))(0, 0), -5.0 * 2 * std::sqrt(k * 0.2), 1e-12);
-  EXPECT_NEAR(matrix.block(matrix.slot(0, 1))(1, 1), 0, 1e-12) << "none across it";
-}
-
-TEST(CellShear, ResistsShearAndNothingElse) {
-  CellShear force({{{0, 1, 2, 3}, 0.7}});
-  const Vectors cell{{0, 0, 0}, {1, 0, 0}, {1, 0.8, 0}, {0, 0.8, 0}};
-  Vectors opened = cell;
-  for (Vec3& p : opened)
-    p[0] *= 3;
-  EXPECT_NEAR(force.energy(opened), 0, 1e-15);
-  check_hessian(force, opened, 1e-6); // Gauss-Newton: exact where the diagonals are alike
-  check_gradient(force, perturbed(opened, 0.2, 5));
-  EXPECT_GT(force.energy(perturbed(opened, 0.2, 5)), 1e-4);
 }
 
 TEST(Fibres, EveryBranchMatchesFiniteDifferences) {
