@@ -1,14 +1,18 @@
 """Hard cases of the flow solver as a table: python3 tests/verification/flow/hard_cases.py --out DIR [CASE ...].
 
+A state of a study's case, as a deployed lumen, is one more: --state results/cases/<case>/<state>.
+
 Writes DIR/hard_cases.csv: case, outcome (converged, converged with eddy viscosity, refused), FFR, error estimate, FFR
-of the 1D network, residual in N, eddy viscosity left, factorizations, CPU seconds, peak memory. A case is meshed and
-solved by `python3 -m flow` with default settings; rows of cases that are not run again stay.
+of the axisymmetric model and of the 1D network, residual in N, eddy viscosity left, dofs of the mesh that answered,
+factorizations on all meshes, CPU seconds, peak memory. A case is meshed and solved by `python3 -m flow` with default
+settings; rows of cases that are not run again stay.
 """
 
 import argparse
 import csv
 import json
 import pathlib
+import shutil
 import subprocess
 import sys
 
@@ -22,7 +26,8 @@ import tubes  # noqa: E402
 PA_PER_MMHG = 133.322
 MAP, VENOUS, FLOW = 93 * PA_PER_MMHG, 5 * PA_PER_MMHG, 200e-6 / 60  # Pa, Pa, m3/s at hyperaemia
 RADIUS, EDGE = 1.6, 0.4  # mm
-COLUMNS = ("case", "outcome", "ffr", "estimate", "ffr_1d", "residual_n", "eddy", "factorizations", "cpu_s", "mib")
+COLUMNS = ("case", "outcome", "ffr", "estimate", "ffr_axisymmetric", "ffr_1d", "residual_n", "eddy", "dofs")
+COLUMNS += ("factorizations", "cpu_s", "mib")
 
 
 def document(branches, shares, probe_mm):
@@ -70,6 +75,13 @@ def eccentric():
     return _tube(radius, 50.0, 45.0, lambda s, a, b: np.stack([s, a + 0.9 * (RADIUS - radius(s)), b], axis=-1))
 
 
+def throat_re_1500():
+    """Lesion of 50 % at 808 mL/min of hyperaemic flow: a Reynolds number of about 1,500 at the throat."""
+    radius = tubes.lesion(RADIUS, 0.5, 20, 10)
+    branches = [tubes.line(60.0, radius)]
+    return tubes.tube(60.0, radius, EDGE), branches, None, document(branches, [4.04], 55.0)
+
+
 def sharp_bend():
     """Lesion of 50 %, 10 mm long, that ends where the vessel turns by 90 degrees at a bend radius of 1.6 diameters."""
     start, bend = 20.0, 5.0
@@ -99,14 +111,28 @@ CASES = {
     "outlets_0.7_and_4_mm": lambda: fork([1 - 0.0116, 0.0116], radius=2.0, side_radius=0.35, edge_mm=0.3),
     "resistances_1_to_100": lambda: fork([100 / 101, 1 / 101]),
     "sharp_bend_50": sharp_bend,
+    "throat_re_1500": throat_re_1500,
 }
+STATE_FILES = ("lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json")
 
 
-def run(name, folder):
-    """Row of the table for one case, meshed and solved in `folder`."""
+def write(name, folder):
+    """Writes the lumen of a case and its boundary values to `folder`."""
     surface, branches, parents, boundary = CASES[name]()
     tubes.write_case(folder, surface, branches, parents)
     (folder / "boundary.json").write_text(json.dumps(boundary))
+
+
+def copy(state, folder):
+    """Copies the lumen of a state of a study's case (`pre`, the folder beside it, has the case's own anatomy)."""
+    folder.mkdir(parents=True, exist_ok=True)
+    anatomy = state.parent / "anatomy" if state.name == "pre" else state / "anatomy"
+    for file in [anatomy / name for name in STATE_FILES] + [state.parent / "flow" / "boundary.json"]:
+        shutil.copy(file, folder / file.name)
+
+
+def run(name, folder):
+    """Row of the table for the case whose lumen is in `folder`, meshed and solved there."""
     line, meshes = ["--centreline", "centreline.vtp"], ["mesh.msh", "--coarse", "mesh_coarse.msh"]
     (folder / "ffr.json").unlink(missing_ok=True)
     for command in (["mesh", "lumen.vtp", *line, "--out", *meshes], ["solve", *meshes, *line, "--out", "."]):
@@ -121,16 +147,18 @@ def run(name, folder):
             reason = (folder / f"{command[0]}.log").read_text().strip().splitlines()[-1]
             return {"case": name, "outcome": f"{command[0]} refused, exit {done.returncode}: {reason}"}
     answer = json.loads((folder / "ffr.json").read_text())
-    eddy = answer["jet_mixing"]
+    eddy, axisymmetric = answer["jet_mixing"], answer["models"]["axisymmetric"]["ffr"]
     return {
         "case": name,
         "outcome": "converged with eddy viscosity" if eddy else "converged",
         "ffr": f"{answer['ffr']:.4f}",
         "estimate": f"{answer['error_estimate']['ffr']:.4f}" if answer["error_estimate"] else "unknown",
-        "ffr_1d": f"{answer['reduced_model']['ffr']:.4f}",
+        "ffr_axisymmetric": "none" if axisymmetric is None else f"{axisymmetric:.4f}",
+        "ffr_1d": f"{answer['models']['network']['ffr']:.4f}",
         "residual_n": f"{answer['residual_absolute']:.0e}",
         "eddy": f"{eddy:g}",
-        "factorizations": answer["iterations"],
+        "dofs": answer["dofs"],
+        "factorizations": sum(mesh.get("factorizations", 0) for mesh in answer["meshes"]),
         "cpu_s": f"{answer['cpu_seconds']:.0f}",
         "mib": f"{answer['peak_memory_mib']:.0f}",
     }
@@ -140,6 +168,7 @@ def main():
     """Runs the named cases, or all, and updates the table after each."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("cases", nargs="*", metavar="CASE", help=f"of {', '.join(CASES)} (default: all)")
+    parser.add_argument("--state", action="append", default=[], type=pathlib.Path, help="results/cases/<case>/<state>")
     parser.add_argument("--out", required=True, type=pathlib.Path, help="folder of the table and the cases' files")
     arguments = parser.parse_args()
     unknown = sorted(set(arguments.cases) - set(CASES))
@@ -151,13 +180,16 @@ def main():
     if table.is_file():
         with open(table, newline="") as file:
             rows = {row["case"]: row for row in csv.DictReader(file)}
-    for name in arguments.cases or CASES:
-        rows[name] = run(name, arguments.out / name)
+    states = {f"{state.parent.name}_{state.name}": state for state in arguments.state}
+    for name in [*(arguments.cases or ([] if states else CASES)), *states]:
+        folder = arguments.out / name
+        copy(states[name], folder) if name in states else write(name, folder)
+        rows[name] = run(name, folder)
         print(rows[name], flush=True)
         with open(table, "w", newline="") as file:
             writer = csv.DictWriter(file, COLUMNS)
             writer.writeheader()
-            writer.writerows(rows[name] for name in CASES if name in rows)
+            writer.writerows(rows[name] for name in [*CASES, *sorted(set(rows) - set(CASES))] if name in rows)
 
 
 if __name__ == "__main__":
