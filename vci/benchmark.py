@@ -1,13 +1,16 @@
-"""Speed against error of the deployment: each case at several edges, as CSV and as a figure.
+"""Speed against error of the deployment: scenes at several edges, tolerances and precisions, as CSV and as a figure.
 
-/usr/bin/python3 -m vci.benchmark results/cases/quick_focal --edges 0.8 0.6 0.4 0.3 --out results/benchmark
+/usr/bin/python3 -m vci.benchmark [results/cases/quick_focal ...] --edges 0.8 0.6 0.4 0.3 --out results/benchmark
 
-A case's error is taken against its own run at the finest edge with a tenth of the residual tolerance. One run at a
-time, one thread; `seconds` are the engine's own (all stages), `cpu_seconds` and memory those of the whole program.
+Without case folders the generated scenes of SCENES are run. A case's error is taken against its own run at the finest
+edge with a tenth of the smallest residual tolerance. One run at a time, one thread; `seconds` are the engine's own
+(wall clock of all stages), `cpu_seconds` and memory those of the whole program. medians.csv holds the medians over
+the cases.
 """
 
 import argparse
 import csv
+import dataclasses
 import json
 import os
 import pathlib
@@ -17,12 +20,25 @@ import sys
 
 import numpy as np
 
-from common.errors import ComputationError, InputError
+from common.errors import ComputationError, InputError, guarded
+from vci.scenes import Tube, write_scene
 
 COLUMNS = (
-    "case,edge_mm,residual_tolerance,outcome,wall_vertices,steps,cg_iterations,largest_residual,max_penetration_mm,"
+    "case,edge_mm,residual_tolerance,precision,outcome,wall_vertices,steps,cg_iterations,largest_residual,"
+    "max_penetration_mm,"
     "seconds,cpu_seconds,peak_memory_mib,mean_csa_mm2,mla_mm2,mean_csa_error_percent,mla_error_percent"
 ).split(",")
+
+SETTING = ("edge_mm", "residual_tolerance", "precision")
+ERRORS = ("mean_csa_error_percent", "mla_error_percent")
+SCENES = {
+    "straight": (Tube(stenosis=0.6), {}),
+    "curved 0.12 per mm": (Tube(stenosis=0.6, curvature=0.12), {}),
+    "curved 0.3 per mm": (Tube(curvature=0.3), {}),
+    "eccentric": (Tube(stenosis=0.6, eccentricity=0.8), {}),
+    "calcified": (Tube(stenosis=0.55, eccentricity=0.8, calcium_deg=120), {}),
+    "long diffuse": (Tube(length=40, stenosis=0.5, lesion_length=24), {"length": 18}),
+}
 
 
 def run(command):
@@ -44,9 +60,9 @@ def surface_of(case):
     return path, source["units"]
 
 
-def deploy(programs, case, edge, tolerance, folder):
-    """One row: the case remeshed at an edge (mm), the devices' edge in proportion, run to a residual tolerance."""
-    anatomy, out = folder / "anatomy", folder / "vci"
+def remeshed(programs, case, edge, folder):
+    """The case's scene (JSON) on its surface remeshed at an edge (mm)."""
+    anatomy = folder / "anatomy"
     surface, units = surface_of(case)
     if not (anatomy / "lumen.vtp").is_file():
         remesh = [programs / "lumen", "process", surface, "--units", units, "--edge", edge, "--out", anatomy]
@@ -54,12 +70,27 @@ def deploy(programs, case, edge, tolerance, folder):
         if code:
             raise ComputationError("the lumen cannot be remeshed", str(case), f"edge {edge} mm", messages.strip())
     scene = json.loads((case / "vci" / "scene.json").read_text())
-    scene |= {"lumen": "anatomy/lumen.vtp", "centreline": "anatomy/centreline.vtp"}
+    return scene | {"lumen": "anatomy/lumen.vtp", "centreline": "anatomy/centreline.vtp"}
+
+
+def generated(name, edge, folder):
+    """The generated scene (JSON) at an edge (mm)."""
+    tube, how = SCENES[name]
+    return json.loads(write_scene(folder, dataclasses.replace(tube, edge=edge), **how).read_text())
+
+
+def deploy(programs, case, setting, folder):
+    """One row: a case (folder or name of a generated scene) at a setting, the devices' edge in proportion."""
+    edge, tolerance, precision = setting
+    folder.mkdir(parents=True, exist_ok=True)
+    scene = generated(case, edge, folder) if case in SCENES else remeshed(programs, case, edge, folder)
     default = scene["numerics"].get("device_edge_mm", 0.45)
     scene["numerics"] |= {"residual_tolerance": tolerance, "device_edge_mm": min(1.0, default * edge / 0.4)}
+    scene["numerics"]["pcg_precision"] = precision
     (folder / "scene.json").write_text(json.dumps(scene))
+    out = folder / "vci"
     code, messages, cpu, memory = run([programs / "vci", "deploy", folder / "scene.json", "--out", out])
-    row = {"case": case.name, "edge_mm": edge, "residual_tolerance": tolerance, "cpu_seconds": cpu}
+    row = {"case": name_of(case), "cpu_seconds": cpu} | dict(zip(SETTING, setting))
     row |= {"peak_memory_mib": memory, "outcome": "refused" if code else "balanced"}
     if code:
         print(messages.strip().splitlines()[-3:], file=sys.stderr)
@@ -78,6 +109,29 @@ def deploy(programs, case, edge, tolerance, folder):
     }
 
 
+def name_of(case):
+    return case if case in SCENES else case.name
+
+
+def medians(rows):
+    """A row for each setting: medians over the cases that balanced, errors by their size."""
+    result = []
+    for setting in dict.fromkeys(tuple(r[k] for k in SETTING) for r in rows):
+        own = [r for r in rows if tuple(r[k] for k in SETTING) == setting and r["outcome"] == "balanced"]
+        row = dict(zip(SETTING, setting)) | {"cases": len(own)}
+        for key in ("steps", "seconds", "cpu_seconds", "peak_memory_mib", *ERRORS):
+            row[key] = float(np.median([abs(r[key]) for r in own])) if own else ""
+        result.append(row)
+    return result
+
+
+def write_table(rows, columns, path):
+    with path.open("w", newline="") as file:
+        writer = csv.DictWriter(file, columns)
+        writer.writeheader()
+        writer.writerows(rows)
+
+
 def with_errors(rows):
     """Rows with their errors in percent against the case's last balanced row, its finest."""
     truth = next((r for r in reversed(rows) if r["outcome"] == "balanced"), None)
@@ -89,45 +143,50 @@ def with_errors(rows):
 
 
 def draw(rows, path):
-    """Pareto figure: error of the mean area against seconds, a line per case."""
+    """Pareto figure: errors of the mean and of the minimal area against seconds, a line per case."""
     import matplotlib
 
     matplotlib.use("Agg")
     from matplotlib import pyplot
 
-    figure, axes = pyplot.subplots(figsize=(6, 4))
-    for case in sorted({r["case"] for r in rows}):
-        points = [r for r in rows if r["case"] == case and r.get("mean_csa_error_percent")]
-        axes.loglog(
-            [r["seconds"] for r in points], [abs(r["mean_csa_error_percent"]) for r in points], "o-", label=case
-        )
-    axes.set(xlabel="seconds, one core", ylabel="error of the mean area in the stent, %")
-    axes.legend()
+    figure, both = pyplot.subplots(1, 2, figsize=(11, 4), sharey=True)
+    for axes, key, what in zip(both, ERRORS, ("mean", "minimal")):
+        for case in dict.fromkeys(r["case"] for r in rows):
+            points = [r for r in rows if r["case"] == case and r.get(key)]
+            axes.loglog([r["cpu_seconds"] for r in points], [abs(r[key]) for r in points], "o", label=case)
+        axes.set(xlabel="CPU seconds, one core", ylabel=f"error of the {what} area in the stent, %")
+    both[1].legend(fontsize=8)
     figure.savefig(path, dpi=150, bbox_inches="tight")
 
 
+@guarded
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="python3 -m vci.benchmark", description=__doc__.splitlines()[0])
-    parser.add_argument("cases", nargs="+", type=pathlib.Path, help="result folders of cases with anatomy and scene")
-    parser.add_argument("--edges", nargs="+", type=float, default=[0.8, 0.6, 0.4, 0.3], help="mm, coarse to fine")
-    parser.add_argument("--tolerance", type=float, default=3e-3, help="residual at which a stage ends")
+    parser.add_argument("cases", nargs="*", type=pathlib.Path, help="folders of cases; generated scenes without")
+    parser.add_argument("--edges", nargs="+", type=float, default=[0.8, 0.6, 0.4, 0.3], help="mm")
+    parser.add_argument("--tolerances", nargs="+", type=float, default=[3e-3], help="residuals at which a stage ends")
+    parser.add_argument("--precisions", nargs="+", choices=["single", "double"], default=["single"])
     parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path("build"), help="folder of vci and lumen")
     parser.add_argument("--out", type=pathlib.Path, required=True, help="folder for benchmark.csv and benchmark.png")
     options = parser.parse_args(arguments)
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    edges, rows = sorted(options.edges, reverse=True), []
-    for case in options.cases:
+    edges = sorted(options.edges, reverse=True)
+    settings = [(e, t, p) for e in edges for t in options.tolerances for p in options.precisions]
+    settings.append((edges[-1], min(options.tolerances) / 10, options.precisions[-1]))
+    rows = []
+    for case in options.cases or SCENES:
         own = []
-        for edge, tolerance in [(e, options.tolerance) for e in edges] + [(edges[-1], options.tolerance / 10)]:
-            folder = options.out / case.name / f"edge_{edge:g}"
-            folder.mkdir(parents=True, exist_ok=True)
-            own.append(deploy(options.build, case, edge, tolerance, folder))
-            print(f"{case.name}, edge {edge:g} mm, {tolerance:g}: {own[-1]['outcome']}", file=sys.stderr)
+        for setting in settings:
+            folder = options.out / name_of(case).replace(" ", "_") / f"edge_{setting[0]:g}"
+            own.append(deploy(options.build, case, setting, folder))
+            print(f"{name_of(case)}, {setting}: {own[-1]['outcome']}", file=sys.stderr)
         rows += with_errors(own)
-    with (options.out / "benchmark.csv").open("w", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS)
-        writer.writeheader()
-        writer.writerows(rows)
+        write_table(rows, COLUMNS, options.out / "benchmark.csv")
+    write_table(
+        medians(rows),
+        [*SETTING, "cases", "steps", "seconds", "cpu_seconds", "peak_memory_mib", *ERRORS],
+        options.out / "medians.csv",
+    )
     draw(rows, options.out / "benchmark.png")
 
 

@@ -238,6 +238,27 @@ private:
                                    "numerics.maximal_steps_per_stage; no lumen is written");
   }
 
+  [[noreturn]] void refuse(const Step& step, const Stage& stage, const RelaxResult& r) const {
+    const IntegratorSettings& settings = scene_.numerics.integrator;
+    std::ostringstream value;
+    value << "residual " << r.residual << " after " << r.steps << " steps; wanted " << settings.residual_tolerance;
+    if (r.stalled)
+      value << "; no lower by a tenth for " << settings.stalled_steps << " steps";
+    if (r.imbalance.vertex >= 0) {
+      const Vec3& at = system_.x[r.imbalance.vertex];
+      int body = system_.bodies() - 1;
+      while (system_.body(body).first > r.imbalance.vertex)
+        --body;
+      value << "; largest force left " << r.imbalance.force << " N on the " << system_.body(body).name << " at ("
+            << at[0] << ", " << at[1] << ", " << at[2] << ") mm; deepest penetration " << r.maximal_penetration
+            << " mm";
+    }
+    throw common::ComputationError("the deployment did not reach force balance", step.name + " / " + stage.name,
+                                   value.str(),
+                                   "predilate with a smaller balloon first, refine the lumen, or raise "
+                                   "numerics.maximal_steps_per_stage; no lumen is written");
+  }
+
   void after_balance(const Stage& stage, const Step& step) {
     if (stage.ties_stents)
       tie_stents();

@@ -8,6 +8,7 @@ namespace vci {
 namespace {
 
 constexpr double smallest_step = 0.03; // ms
+constexpr double rounding = 1e-9;      // N: a wall that is back in its first state is balanced by nothing
 
 struct Forces {
   Vectors elastic, foundation, pressure, contact, total;
@@ -34,7 +35,7 @@ void assemble(System& system, Interactions& interactions, Forces& f) {
       left += f.total[i].squaredNorm();
     }
   }
-  f.residual = left == 0 ? 0 : std::sqrt(left / applied);
+  f.residual = left <= rounding * rounding ? 0 : std::sqrt(left / applied);
 }
 
 /// Hands over the forces of the state reached; what a fixed vertex's support carries is no part of the balance.
@@ -57,6 +58,14 @@ double large_displacement(const Vectors& dx) {
   return std::sqrt(*place);
 }
 
+Imbalance largest_imbalance(const Vectors& total, const std::vector<char>& fixed) {
+  Imbalance largest;
+  for (std::size_t i = 0; i < total.size(); ++i)
+    if (!fixed[i] && total[i].norm() > largest.force)
+      largest = {total[i].norm(), static_cast<int>(i)};
+  return largest;
+}
+
 void read_contact(const Forces& f, RelaxResult& result) {
   result.contacts = static_cast<int>(f.points.size());
   result.maximal_penetration = result.mean_penetration = 0;
@@ -75,7 +84,8 @@ RelaxResult relax(System& system, Interactions& interactions, const IntegratorSe
   Vectors dx;
   std::vector<PointLink> links;
   PcgMemory memory;
-  double h = s.initial_step, previous_residual = 0;
+  double h = s.initial_step, previous_residual = 0, best_residual = 1e300;
+  int best_step = 0;
   bool settling = false;
   system.velocity.assign(system.x.size(), Vec3::Zero());
   while (true) {
@@ -90,8 +100,15 @@ RelaxResult relax(System& system, Interactions& interactions, const IntegratorSe
         hand_over(f, system.fixed, *balance);
       return result;
     }
-    if (result.steps == s.maximal_steps)
+    if (f.residual < 0.9 * best_residual) {
+      best_residual = f.residual;
+      best_step = result.steps;
+    }
+    result.stalled = result.steps - best_step >= s.stalled_steps;
+    if (result.stalled || result.steps == s.maximal_steps) {
+      result.imbalance = largest_imbalance(f.total, system.fixed);
       return result;
+    }
     // Near the end, with small displacements, the residual rules the step: contacts that flip make it jump and are
     // calmed by shorter steps. A slow rise is a shape that gives way (a balloon that slides or bends): go on.
     if (settling) {

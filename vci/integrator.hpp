@@ -12,8 +12,9 @@ struct IntegratorSettings {
   double initial_step = 0.3;           ///< ms
   double maximal_step = 200.0;         ///< ms
   int maximal_steps = 1500;
-  PcgSettings pcg{0.1, 300, 24, true};
-  double damping = 2.5;           ///< MPa ms/mm, per unit area
+  int stalled_steps = 150; ///< without a residual lower by a tenth: the stage gives up
+  PcgSettings pcg{0.2, 300, 24, true};
+  double damping = 1.0;           ///< MPa ms/mm, per unit area
   double stiffness_damping = 0.0; ///< ms
   bool textbook = false;          ///< the scheme of textbook.hpp, with the three below
   double fixed_step = 0.01;       ///< ms
@@ -28,8 +29,16 @@ struct Interactions {
   std::function<void(int)> after_step; ///< where given, called with the number of steps done
 };
 
+/// Where the largest force is left unbalanced.
+struct Imbalance {
+  double force = 0; ///< N
+  int vertex = -1;
+};
+
 struct RelaxResult {
   bool converged = false;
+  bool stalled = false; ///< gave up: no better residual for so many steps
+  Imbalance imbalance;  ///< only where it did not converge
   int steps = 0, cg_iterations = 0, contacts = 0;
   double residual = 0;
   double maximal_penetration = 0, mean_penetration = 0; ///< mm, over the contact points; gaps above 0 count as 0
@@ -42,8 +51,8 @@ struct Balance {
 
 /// Steps (M / h^2 + c A / h + (1 + b / h) K) dx = f + M v / h with one PCG solve each, until the residual
 ///   ||f|| / ||f_pressure + f_contact + f_foundation||   over free vertices
-/// is at most the tolerance. h follows the displacement that one vertex in a hundred exceeds; the velocity is dropped
-/// once h > 0.5 ms (quasi-static).
+/// is at most the tolerance, or has not fallen by a tenth for stalled_steps. h follows the displacement that one vertex
+/// in a hundred exceeds; the velocity is dropped once h > 0.5 ms (quasi-static).
 /// @param balance where given, takes the forces of the state reached
 RelaxResult relax(System& system, Interactions& interactions, const IntegratorSettings& settings,
                   Balance* balance = nullptr);

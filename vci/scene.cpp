@@ -86,6 +86,7 @@ Numerics read_numerics(const json& entry, const std::string& where, json& used) 
   i.initial_step = o.number("initial_step_ms", 1e-4, 1e4, i.initial_step);
   i.maximal_step = o.number("maximal_step_ms", 1e-3, 1e6, i.maximal_step);
   i.maximal_steps = o.integer("maximal_steps_per_stage", 1, 1000000, i.maximal_steps);
+  i.stalled_steps = o.integer("stalled_steps_per_stage", 1, 1000000, i.stalled_steps);
   i.pcg.tolerance = o.number("pcg_tolerance", 1e-12, 0.5, i.pcg.tolerance);
   i.pcg.maximal_iterations = o.integer("pcg_maximal_iterations", 1, 100000, i.pcg.maximal_iterations);
   i.pcg.patch_size = o.integer("pcg_patch_vertices", 0, 10000, i.pcg.patch_size);

@@ -50,7 +50,7 @@ struct WallSpec {
 struct Numerics {
   IntegratorSettings integrator;
   ContactSettings contact;
-  double tie_stiffness = 60, region_margin = 6, device_edge = 0.45, contact_pressure_fraction = 0.25;
+  double tie_stiffness = 60, region_margin = 6, device_edge = 0.45, contact_pressure_fraction = 0.5;
 };
 
 struct Segment {

@@ -104,6 +104,19 @@ TEST(Deployment, RefusesWhereBalanceIsNotReached) {
   }
 }
 
+TEST(Deployment, GivesUpWhereTheResidualStalls) {
+  Scene scene = scene_with({predilatation});
+  scene.numerics.integrator.stalled_steps = 2;
+  try {
+    deploy(scene, tube(0.6), axis());
+    FAIL() << "an inflation's residual stands for more than two steps";
+  } catch (const common::ComputationError& e) {
+    const std::string message = e.what();
+    EXPECT_NE(message.find("no lower by a tenth for 2 steps"), std::string::npos) << message;
+    EXPECT_NE(message.find("N on the "), std::string::npos) << message;
+  }
+}
+
 TEST(Sections, AreaOfATube) {
   const Lumen l = tube(0.3);
   EXPECT_NEAR(throat(l, l.points), M_PI * 0.75 * 0.75, 0.03);
