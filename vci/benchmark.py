@@ -120,7 +120,8 @@ def medians(rows):
         own = [r for r in rows if tuple(r[k] for k in SETTING) == setting and r["outcome"] == "balanced"]
         row = dict(zip(SETTING, setting)) | {"cases": len(own)}
         for key in ("steps", "seconds", "cpu_seconds", "peak_memory_mib", *ERRORS):
-            row[key] = float(np.median([abs(r[key]) for r in own])) if own else ""
+            values = [abs(r[key]) for r in own if key in r]
+            row[key] = float(np.median(values)) if values else ""
         result.append(row)
     return result
 
@@ -133,8 +134,8 @@ def write_table(rows, columns, path):
 
 
 def with_errors(rows):
-    """Rows with their errors in percent against the case's last balanced row, its finest."""
-    truth = next((r for r in reversed(rows) if r["outcome"] == "balanced"), None)
+    """Rows with their errors in percent against the case's last row, its finest, where that balanced."""
+    truth = rows[-1] if rows[-1]["outcome"] == "balanced" else None
     for row in rows:
         for name in ("mean_csa", "mla"):
             if truth and row["outcome"] == "balanced":

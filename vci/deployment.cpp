@@ -2,6 +2,7 @@
 #include "common/error.hpp"
 #include "vci/apposition.hpp"
 #include "vci/placement.hpp"
+#include "vci/refusal.hpp"
 #include "vci/textbook.hpp"
 
 #include <algorithm>
@@ -230,33 +231,7 @@ private:
     if (!stage.with_balloons && r.contacts == 0 && !result_.stents.empty() && interactions_.ties.empty())
       throw common::ComputationError("a stent touches nothing once its balloon is out", where, "0 contacts",
                                      "choose a larger stent or raise its pressure_bar: it is smaller than the lumen");
-    std::ostringstream value;
-    value << "residual " << r.residual << " after " << r.steps << " steps; wanted "
-          << scene_.numerics.integrator.residual_tolerance;
-    throw common::ComputationError("the deployment did not reach force balance", where, value.str(),
-                                   "predilate with a smaller balloon first, refine the lumen, or raise "
-                                   "numerics.maximal_steps_per_stage; no lumen is written");
-  }
-
-  [[noreturn]] void refuse(const Step& step, const Stage& stage, const RelaxResult& r) const {
-    const IntegratorSettings& settings = scene_.numerics.integrator;
-    std::ostringstream value;
-    value << "residual " << r.residual << " after " << r.steps << " steps; wanted " << settings.residual_tolerance;
-    if (r.stalled)
-      value << "; no lower by a tenth for " << settings.stalled_steps << " steps";
-    if (r.imbalance.vertex >= 0) {
-      const Vec3& at = system_.x[r.imbalance.vertex];
-      int body = system_.bodies() - 1;
-      while (system_.body(body).first > r.imbalance.vertex)
-        --body;
-      value << "; largest force left " << r.imbalance.force << " N on the " << system_.body(body).name << " at ("
-            << at[0] << ", " << at[1] << ", " << at[2] << ") mm; deepest penetration " << r.maximal_penetration
-            << " mm";
-    }
-    throw common::ComputationError("the deployment did not reach force balance", step.name + " / " + stage.name,
-                                   value.str(),
-                                   "predilate with a smaller balloon first, refine the lumen, or raise "
-                                   "numerics.maximal_steps_per_stage; no lumen is written");
+    throw no_balance(where, r, scene_.numerics.integrator, system_);
   }
 
   void after_balance(const Stage& stage, const Step& step) {

@@ -14,7 +14,7 @@ struct IntegratorSettings {
   int maximal_steps = 1500;
   int stalled_steps = 150; ///< without a residual lower by a tenth: the stage gives up
   PcgSettings pcg{0.2, 300, 24, true};
-  double damping = 1.0;           ///< MPa ms/mm, per unit area
+  double damping = 2.5;           ///< MPa ms/mm, per unit area
   double stiffness_damping = 0.0; ///< ms
   bool textbook = false;          ///< the scheme of textbook.hpp, with the three below
   double fixed_step = 0.01;       ///< ms

@@ -1,0 +1,12 @@
+// What a stage that found no balance says.
+#pragma once
+#include "common/error.hpp"
+#include "vci/integrator.hpp"
+
+namespace vci {
+
+/// Residual, steps, and where the largest force is left. @param where step and stage
+common::ComputationError no_balance(const std::string& where, const RelaxResult& result,
+                                    const IntegratorSettings& settings, const System& system);
+
+} // namespace vci
