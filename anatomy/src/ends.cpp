@@ -1,12 +1,11 @@
 #include "ends.hpp"
 #include "common/error.hpp"
-#include "loops.hpp"
+#include "fill_hole.hpp"
 #include <CGAL/AABB_face_graph_triangle_primitive.h>
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
 #include <CGAL/AABB_triangle_primitive.h>
 #include <CGAL/Polygon_mesh_processing/connected_components.h>
-#include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
 #include <algorithm>
 #include <numeric>
 #include <set>
@@ -85,9 +84,7 @@ void cap_open_ends(Mesh& mesh, std::vector<Repair>& repairs) {
       const Vec3 p = vec(mesh.point(v));
       mesh.point(v) = point(p - loop.normal.dot(Vec3(p - loop.centre)) * loop.normal);
     }
-    std::vector<Face> faces;
-    std::vector<Vertex> vertices;
-    PMP::triangulate_and_refine_hole(mesh, loop.halfedge, std::back_inserter(faces), std::back_inserter(vertices));
+    const std::vector<Face> faces = capped(mesh, loop);
     if (faces.empty())
       throw InputError("an open end cannot be closed", place(loop.centre),
                        std::to_string(loop.halfedges) + " edges round it", "cut the end by a plane across the vessel");

@@ -1,9 +1,9 @@
 #include "handles.hpp"
 #include "common/error.hpp"
+#include "fill_hole.hpp"
 #include "tips.hpp"
 #include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/repair.h>
-#include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
 #include <CGAL/boost/graph/Euler_operations.h>
 #include <set>
 
@@ -95,9 +95,7 @@ long close_patch(Mesh& mesh, Vertex v, double edge, double largest) {
       continue;
     for (Face f : patch)
       CGAL::Euler::remove_face(mesh.halfedge(f), mesh);
-    std::vector<Face> lid;
-    PMP::triangulate_hole(mesh, rim.front(), std::back_inserter(lid));
-    if (lid.empty())
+    if (filled(mesh, rim.front()).empty())
       throw common::InputError("a small handle of the surface cannot be closed", place(vec(mesh.point(v))),
                                std::to_string(rim.size()) + " edges round it", "smooth the surface there");
     return handles;

@@ -54,13 +54,15 @@ void print_summary(const Anatomy& anatomy, const StepTimer& timer) {
               static_cast<std::size_t>(anatomy.mesh.number_of_faces()), anatomy.quality.min_angle_deg);
 }
 
-void check(const Options& options) {
+void check(const Options& options, const std::string& repaired) {
   StepTimer timer;
   const Prepared prepared = prepare(options, timer);
   for (const Repair& repair : prepared.repairs)
     std::cout << "repair: " << repair.what << " (" << repair.count << ") " << repair.detail << '\n';
   for (const End& end : prepared.ends)
     std::cout << "end: radius " << end.radius() << " mm at " << place(end.centre) << '\n';
+  if (!repaired.empty())
+    write_surface(prepared.given, repaired);
 }
 
 } // namespace
@@ -86,6 +88,8 @@ int main(int argc, char** argv) {
 
   auto* check_command = app.add_subcommand("check", "print the repairs a surface needs and the ends it has");
   add_input(*check_command, options, given);
+  std::string repaired;
+  check_command->add_option("--repaired", repaired, "repaired, capped surface to write: .vtp or .stl; default: none");
 
   auto* remesh_command = app.add_subcommand("remesh", "repaired, capped, uniform surface with region_id");
   add_input(*remesh_command, options, given);
@@ -100,7 +104,7 @@ int main(int argc, char** argv) {
     options.outlets = points_of(given.outlets, "--outlet");
     options.cuts = points_of(given.cuts, "--cut");
     if (check_command->parsed()) {
-      check(options);
+      check(options, repaired);
     } else if (remesh_command->parsed()) {
       StepTimer timer;
       const Prepared prepared = prepare(options, timer);

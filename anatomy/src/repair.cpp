@@ -1,6 +1,6 @@
 #include "repair.hpp"
 #include "common/error.hpp"
-#include "loops.hpp"
+#include "fill_hole.hpp"
 #include "weld.hpp"
 #include <CGAL/Polygon_mesh_processing/bbox.h>
 #include <CGAL/Polygon_mesh_processing/connected_components.h>
@@ -12,7 +12,6 @@
 #include <CGAL/Polygon_mesh_processing/repair_self_intersections.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Polygon_mesh_processing/stitch_borders.h>
-#include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
 #include <algorithm>
 
 namespace anatomy {
@@ -98,9 +97,7 @@ void fill_holes(Mesh& mesh, std::vector<Repair>& repairs) {
   for (const Loop& loop : boundary_loops(mesh)) {
     if (is_open_end(mesh, loop) && std::sqrt(loop.area / M_PI) > smallest_end)
       continue;
-    std::vector<Face> faces;
-    PMP::triangulate_hole(mesh, loop.halfedge, std::back_inserter(faces));
-    if (faces.empty())
+    if (filled(mesh, loop.halfedge).empty())
       throw InputError("a hole in the wall cannot be filled", place(loop.centre),
                        std::to_string(loop.halfedges) + " edges round it", "repair the surface there");
     repairs.push_back({"hole filled", 1, std::to_string(loop.halfedges) + " edges at " + place(loop.centre)});

@@ -11,7 +11,8 @@ constexpr double usual_radius = 1.5;
 constexpr std::size_t fewest = 5;        // differences for an estimate
 constexpr Eigen::Index shortest_run = 8; // sections for a profile
 constexpr double median_of_normal = 0.6745;
-constexpr int width = 3; // bands of the penalty beside the diagonal
+constexpr double caution = 1.4; // times C_p's price of a degree of freedom, against chance fits (Kim & Gu 2004)
+constexpr int width = 3;        // bands of the penalty beside the diagonal
 
 using Sparse = Eigen::SparseMatrix<double>;
 
@@ -98,7 +99,8 @@ Eigen::VectorXd smoothed(const Profile& profile, Eigen::Index stride, double sig
     const Eigen::VectorXd z = solver.solve(Eigen::VectorXd(w.cwiseProduct(y)));
     const Sparse l = solver.matrixL();
     const double freedom = inverse_diagonal(l, solver.vectorD()).dot(w);
-    const double score = w.dot((z - y).cwiseAbs2()) / static_cast<double>(stride) + 2 * sigma * sigma * freedom;
+    const double score =
+        w.dot((z - y).cwiseAbs2()) / static_cast<double>(stride) + 2 * caution * sigma * sigma * freedom;
     if (score < least) {
       least = score;
       best = std::pow(10.0, log_lambda);

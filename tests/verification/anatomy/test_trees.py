@@ -1,5 +1,7 @@
 """Trees of known axes and radii: the bounds on axis, areas and mesh at two resolutions of the input, and with noise."""
 
+import subprocess
+
 import numpy as np
 import pytest
 import surfaces
@@ -21,12 +23,22 @@ CASES = {  # grid spacing (mm), noise (mm), seed
 
 @pytest.fixture(scope="module", params=CASES)
 def state(request, process, tmp_path_factory):
-    """(case, points and triangles of the input, summary, rows, polydata of lumen.vtp)."""
+    """(case, points and triangles of the input, summary, rows, polydata of lumen.vtp, folder)."""
     spacing, noise, seed = CASES[request.param]
     folder = tmp_path_factory.mktemp("tree")
     given = surfaces.tree(TREE, spacing=spacing, noise=noise, seed=seed)
     summary, rows = process(surfaces.write(folder / "tree.vtp", *given), folder / "out")
-    return CASES[request.param], given, summary, rows, surfaces.read(folder / "out" / "lumen.vtp")
+    return CASES[request.param], given, summary, rows, surfaces.read(folder / "out" / "lumen.vtp"), folder
+
+
+@pytest.fixture(scope="module")
+def repaired(state, binary):
+    """The surface that is remeshed: repaired and capped."""
+    folder = state[-1]
+    command = [binary("lumen"), "check", folder / "tree.vtp", "--repaired", folder / "repaired.vtp"]
+    done = subprocess.run([str(c) for c in command], text=True, capture_output=True, timeout=240)
+    assert done.returncode == 0, done.stderr
+    return surfaces.read(folder / "repaired.vtp")
 
 
 def truth(segment, rows):
@@ -40,28 +52,18 @@ def truth(segment, rows):
 
 
 def test_axes_and_areas(state):
-    (spacing, noise, _), _, _, rows, _ = state
+    (_, noise, _), _, _, rows, *_ = state
     for name, segment in zip(("main", "side1", "side2"), TREE):
         free = [row for row in rows if row["branch"] == name and row["flag"] == "ok"]
         off, area = truth(segment, free)
         # of main the axis bends towards its side branches at their ostia, by less than the resolution
         assert off.mean() < (0.05 if noise else 0.02 if name == "main" else 0.01), name
         ratio = np.array([float(row["area_mm2"]) for row in free]) / area
-        radius = (segment[2] + segment[3]) / 2
         assert len(ratio) > 5 and abs(ratio.mean() - 1) < 0.01, (name, ratio.mean())
-        assert ratio.std() < scatter_left(noise, radius, spacing, segment), (name, ratio.std())
-
-
-def scatter_left(noise, radius, spacing, segment):
-    """Bound on the relative standard deviation of the areas of one branch: 1 %, or what its noise allows.
-
-    As cut, areas scatter by 2 noise / (R sqrt(n)) with n nodes of the grid round the section. Of the m sections that
-    share no node along a branch, an estimate of its taper alone leaves 1/sqrt(m) of that; a profile that may bend twice
-    as much.
-    """
-    cut = 2 * noise / radius / np.sqrt(2 * np.pi * radius / spacing)
-    independent = np.linalg.norm(np.subtract(segment[1], segment[0])) / (2 * spacing)
-    return max(0.01, 2 * cut / np.sqrt(independent))
+        # Where each node of the grid round the wall has its own noise, no estimate of a profile of p coefficients over
+        # a length L has less than 2 noise spacing sqrt(p - 1) / (R sqrt(2 pi R L)) about its mean: for the thinnest
+        # branch (R 0.75 mm, L 4.7 mm) 0.6 % for a taper and 1.0 % for a profile that bends twice.
+        assert ratio.std() < 0.01, (name, ratio.std())
 
 
 def test_areas_at_ostia(state):
@@ -71,24 +73,39 @@ def test_areas_at_ostia(state):
 
 
 def test_what_is_reported(state):
-    case, _, summary, _, _ = state
+    case, _, summary, *_ = state
     found = {repair["what"] for repair in summary["repairs"]}
     assert ("areas smoothed along the axis" in found) == (case[1] > 0)
     assert "small handles removed" in found or case != CASES["noise with handles"]
     assert "small handles removed" not in found or case[1] > 0
 
 
-def test_mesh(state):
-    _, given, summary, _, lumen = state
-    patched = any(repair["what"] == "small handles removed" for repair in summary["repairs"])
-    # where patches over handles crease the wall, widening the last corners can make it cross itself: they then stay
-    assert summary["mesh"]["min_angle_deg"] >= (20 if patched else 30) and summary["mesh"]["min_angle_at_rims_deg"] > 10
+def test_mesh(state, repaired):
+    _, given, summary, _, lumen, _ = state
+    assert summary["mesh"]["min_angle_deg"] >= 30 and summary["mesh"]["min_angle_at_rims_deg"] > 10
     points, triangles = surfaces.arrays(lumen)
     on_cap = np.zeros(len(points), bool)
     on_cap[triangles[vtk_to_numpy(lumen.GetCellData().GetArray("region_id")) != 0]] = True
-    off = surfaces.distances(points[~on_cap], surfaces.polydata(*given))
-    if patched:
-        assert np.mean(off > 0.01 + 1e-6) < 0.005 and off.max() < 0.35 * 1.7  # on the patches that close them
-    else:
-        assert off.max() < 0.01 + 1e-6
-    assert np.median(off) < 0.005
+    patched = any(repair["what"] == "small handles removed" for repair in summary["repairs"])
+    # over a handle the surface given is no lumen's: there the repaired one is what is remeshed
+    off = surfaces.distances(points[~on_cap], repaired if patched else surfaces.polydata(*given))
+    assert off.max() < 0.01 + 1e-6 and np.median(off) < 0.005
+
+
+def test_repaired_surface_is_the_given_one(repaired, state):
+    """Repair puts no new points on the wall: what closes the place of a handle hangs on the points round it."""
+    points, triangles = surfaces.arrays(repaired)
+    wall = np.ones(len(points), bool)
+    wall[triangles[vtk_to_numpy(repaired.GetCellData().GetArray("region_id")) != 0]] = False
+    assert wall.sum() > 1000 and surfaces.distances(points[wall], surfaces.polydata(*state[1])).max() < 1e-6
+
+
+@pytest.mark.parametrize("state", ["noise with handles"], indirect=True)
+def test_same_input_same_bits(state, process, tmp_path):
+    """Where open ends are capped, handles cut and corners widened, too: each search has many equally good answers."""
+    folder = state[-1]
+    for again in ("second", "third"):
+        summary, _ = process(folder / "tree.vtp", tmp_path / again)
+        for name in ("lumen.vtp", "centreline.vtp", "sections.csv"):
+            assert (tmp_path / again / name).read_bytes() == (folder / "out" / name).read_bytes(), name
+        assert {**summary, "timings_s": 0} == {**state[2], "timings_s": 0}

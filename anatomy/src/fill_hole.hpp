@@ -1,0 +1,15 @@
+// Triangles over a closed loop of border edges, the same ones for the same input.
+#pragma once
+#include "loops.hpp"
+
+namespace anatomy {
+
+/// Closes the hole behind a border halfedge by the triangulation of least bending; its faces, none if there is no such
+/// triangulation.
+std::vector<Face> filled(Mesh& mesh, Halfedge border);
+
+/// Closes a plane loop by its constrained Delaunay triangulation, refined to the density of the rim; its faces, none if
+/// the loop cannot be closed.
+std::vector<Face> capped(Mesh& mesh, const Loop& loop);
+
+} // namespace anatomy
