@@ -15,6 +15,7 @@ constexpr int directions = 6;      // tried at each step of a move
 constexpr double first_step = 0.2; // of the mean edge at the vertex
 constexpr int halvings = 4;
 constexpr double least_gain = 0.05; // degrees; less is not worth a change
+constexpr double least_move = 1e-3; // degrees; likewise, of one vertex
 constexpr double cos_turned = 0.5;  // 60 degrees: a move may not turn a triangle by more
 constexpr double cos_folded = 0.3;  // 73 degrees to the wall below
 constexpr std::size_t most_changes = 400;
@@ -46,10 +47,10 @@ struct Star {
   std::vector<Vec3> normals;
 };
 
-// The smallest corner of the star; -1 where a triangle has turned.
-double corner_of(const Mesh& mesh, const Star& star) {
+// The smallest corner of the star, or some corner that is not above `enough`; -1 where a triangle has turned.
+double corner_of(const Mesh& mesh, const Star& star, double enough) {
   double corner = 180;
-  for (std::size_t i = 0; i < star.faces.size(); ++i) {
+  for (std::size_t i = 0; i < star.faces.size() && corner > enough; ++i) {
     if (area_vector(mesh, star.faces[i]).normalized().dot(star.normals[i]) < cos_turned)
       return -1;
     corner = std::min(corner, smallest_corner(mesh, star.faces[i]));
@@ -67,20 +68,24 @@ bool move(Mesh& mesh, const WallTree& wall, Vertex v) {
     star.normals.push_back(area_vector(mesh, mesh.face(h)).normalized());
     step += (vec(mesh.point(mesh.source(h))) - vec(mesh.point(v))).norm() / static_cast<double>(mesh.degree(v));
   }
-  double best = corner_of(mesh, star);
+  double best = corner_of(mesh, star, 0);
   step *= first_step;
   bool moved = false;
   for (int k = 0; k < halvings; step /= 2, ++k)
     for (int d = 0; d < directions; ++d) {
       const double angle = 2 * M_PI * d / directions;
       const Point before = mesh.point(v);
-      mesh.point(v) = wall.nearest(point(vec(before) + step * (std::cos(angle) * u + std::sin(angle) * w)));
-      if (const double corner = corner_of(mesh, star); corner > best + 1e-3) {
-        best = corner;
-        moved = true;
-      } else {
-        mesh.point(v) = before;
+      const double aim = best + least_move;
+      mesh.point(v) = point(vec(before) + step * (std::cos(angle) * u + std::sin(angle) * w));
+      if (corner_of(mesh, star, aim) > aim) { // worth the search for the nearest point of the wall
+        mesh.point(v) = wall.nearest(mesh.point(v));
+        if (const double corner = corner_of(mesh, star, aim); corner > aim) {
+          best = corner;
+          moved = true;
+          continue;
+        }
       }
+      mesh.point(v) = before;
     }
   return moved;
 }
