@@ -76,6 +76,7 @@ def run(scene_path, anatomy, truth_path, out, settings_path=None):
         "model": "plane-strain slices, multiplicative J2 plaque and Yeoh wall; straightening by a beam on a foundation",
         "branch": branch.name,
         "settings": settings,
+        "coarser_than_default": _coarser(settings),
         "materials": _materials(settings),
         "steps": [{"name": s.name, "action": s.action, **vars(s.balloon)} for s in steps],
         "stents": [vars(stent) for stent in stents],
@@ -133,6 +134,17 @@ def _recoil(records):
         if r["stented"]
     ]
     return float(np.mean(losses)) if losses else None
+
+
+def _coarser(settings):
+    """{key: [value, default]} of slices, elements and steps that are coarser than the default."""
+    default = load_settings(None)
+    finer_when_less = ("slice_spacing_mm", "radius_step_mm", "edge_mm")
+    found = {key: [settings[key], default[key]] for key in finer_when_less if settings[key] > default[key]}
+    for key in ("elements_around", "elements_through"):
+        if settings[key] < default[key]:
+            found[key] = [settings[key], default[key]]
+    return found
 
 
 def _materials(settings):

@@ -133,13 +133,13 @@ def test_vessel_of_a_case(finished):
 )
 def test_section_of_a_case(finished, section, key, rules):
     """One section of the settings, of one case alone."""
-    finished.append(f"config/cases/{CASE}.yaml", f"settings:\n  {section}:\n    {key}\n")
+    finished.append(f"config/cases/{CASE}.yaml", f"  {section}:\n    {key}\n")
     expected = {rule.format(CASE) for rule in rules} | end_of_case(CASE)
     assert finished.planned() == expected | (flow_of(CASE) if section == "flow" else set())
 
 
 def test_section_of_the_study(finished):
-    finished.append("config/study.yaml", "reference:\n  slice_spacing_mm: 1.5\n")
+    finished.append("config/study.yaml", "reference:\n  radius_step_mm: 0.2\n")
     expected = set()
     for case in (CASE, OTHER):
         expected |= {f"settings {case} reference", f"reference {case}", f"state_anatomy {case} reference"}

@@ -91,7 +91,7 @@ def test_a_surface_case_has_no_reference(fresh, shared_data):
 
 
 def test_a_case_without_ct_has_none(fresh):
-    fresh.append("config/cases/quick_focal.yaml", "settings: {ct: {enabled: false}}\n")
+    fresh.append("config/cases/quick_focal.yaml", "  ct: {enabled: false}\n")
     planned = fresh.planned()
     assert not {job for job in planned if job.startswith("ct_") and "quick_focal" in job}
     assert "flow_solve quick_focal ct" not in planned and "flow_solve quick_branch ct" in planned

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from data_synthetic.reference import own_error
+from data_synthetic.reference import own_error, run
 
 STEP, MESH = 0.02, 0.08  # error of the area per mm of load step, and of one element
 SETTINGS = {"radius_step_mm": 0.2, "check_slices": 3}
@@ -45,3 +45,10 @@ def test_spacing_is_the_curvature_of_the_area():
 def test_no_check_asked_for():
     found = own_error.estimate(records(4), dict(SETTINGS, check_slices=0), measured)
     assert found == {"slices": []}
+
+
+def test_a_coarser_reference_says_so():
+    default = run.load_settings(None)
+    assert run._coarser(default) == {}
+    coarse = default | {"slice_spacing_mm": 1.0, "elements_around": 16, "radius_step_mm": 0.05, "elements_through": 9}
+    assert run._coarser(coarse) == {"slice_spacing_mm": [1.0, 0.75], "elements_around": [16, 24]}

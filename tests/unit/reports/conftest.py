@@ -231,6 +231,7 @@ def build_case(root, name, moves=None, states=("pre", "vci", "rc", "reference"),
                 "schema": "vci-reference-1",
                 "model": "slices",
                 "seconds": 60,
+                "coarser_than_default": {"slice_spacing_mm": [1.0, 0.75]},
                 "error_estimate": {"slices": [{}], "mesh_area_percent": 0.31, "step_area_percent": 0.07},
             },
         )

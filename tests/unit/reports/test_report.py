@@ -64,6 +64,7 @@ def test_report_of_a_case_with_and_one_without_reference(study, tmp_path):
         "test_poiseuille",
         "its prediction is untested",
         "elements 0.31 %",
+        "slice spacing mm 1.0 instead of 0.75.",
     ):
         assert words in text, words
     assert text.count('class="viewer"') == 2

@@ -94,7 +94,7 @@ def test_devices_of_a_plan(folder):
 def test_a_section_changes_only_with_its_own_keys(folder):
     before = {key: Configuration(folder).section("quick_focal", key) for key in ("flow", "metrics", "vessel", "plan")}
     with open(folder / CASE, "a") as stream:
-        stream.write("settings: {metrics: {margin_mm: 3}}\n")
+        stream.write("  metrics: {margin_mm: 3}\n")
     after = {key: Configuration(folder).section("quick_focal", key) for key in before}
     assert {key for key in before if before[key] != after[key]} == {"metrics"}
     assert json.loads(after["metrics"])["margin_mm"] == 3
