@@ -13,6 +13,10 @@ TITLES = {
     ),
     "deployment_hard_cases": ("Deployment: hard cases", "Each ends in force balance, or is refused with its reason."),
     "flow_hard_cases": ("Blood flow: hard cases", "Each converges, or is refused with its reason."),
+    "flow_against_openfoam": (
+        "Blood flow: speed against error beside OpenFOAM",
+        "A row is a mesh of the same narrowed tube; errors of FFR are against an axisymmetric solution.",
+    ),
     "anatomy_speed": (
         "Anatomy: seconds against input size",
         "A row is the same tree with more triangles; steps in seconds.",

@@ -109,3 +109,24 @@ rule reference_against_solid:
         out=output_folder,
     shell:
         "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out}"
+
+
+rule flow_against_openfoam:
+    message:
+        "benchmark: the flow beside OpenFOAM's simpleFoam (package openfoam), by its own name only"
+    input:
+        code=code("flow", "flow.mesh", "flow.solve"),
+        script="tests/verification/flow/against_openfoam.py",
+        case="tests/verification/flow/openfoam_case.py",
+    output:
+        "results/benchmarks/flow_against_openfoam/benchmark.csv",
+        "results/benchmarks/flow_against_openfoam/benchmark.png",
+    log:
+        "results/benchmarks/logs/flow_against_openfoam.log",
+    benchmark:
+        "results/benchmarks/logs/flow_against_openfoam.tsv"
+    threads: workflow.cores
+    params:
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out}"

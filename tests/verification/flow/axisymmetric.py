@@ -135,8 +135,17 @@ class Tube:
         while abs(f_b) > 1e-3:
             a, b, f_a = b, b - f_b * (b - a) / (f_b - f_a), f_b
             f_b = excess(b)
+        drop = fem.assemble_scalar(self.inlet_pressure) - self._on_axis(s_mm)
+        return 1.0 - drop / document["map_pa"]
+
+    def pressures(self, flow, places_mm):
+        """Pressures on the axis over the outlet's, Pa, at the inflow `flow` (m3/s)."""
+        for fraction in FRACTIONS:
+            self._solve(fraction * flow)
+        return [self._on_axis(s) for s in places_mm]
+
+    def _on_axis(self, s_mm):
         point = np.array([[s_mm * 1e-3, 1e-7, 0.0]])
         tree = geometry.BoundingBoxTree(self.domain, 2)
         cell = geometry.compute_colliding_cells(self.domain, geometry.compute_collisions(tree, point), point).links(0)
-        drop = fem.assemble_scalar(self.inlet_pressure) - float(self.state.sub(1).eval(point, cell[:1])[0])
-        return 1.0 - drop / document["map_pa"]
+        return float(self.state.sub(1).eval(point, cell[:1])[0])
