@@ -97,8 +97,10 @@ std::size_t ball_at(const Balls& balls, const End& end) {
     }
   }
   if (best == balls.centre.size())
-    throw common::ComputationError("no axis found at an end", end.name + " at " + place(end.centre),
-                                   "no inscribed ball", "remesh finer: the end has too few vertices round it");
+    throw common::ComputationError("no axis found at an end", place(end.centre),
+                                   "no inscribed ball there; radius of the end " + std::to_string(end.radius()) + " mm",
+                                   "if a vessel ends there, give a finer surface; if it is a hole or a scrap of a rim, "
+                                   "fill it or smooth the surface");
   return best;
 }
 

@@ -152,6 +152,24 @@ vtkSmartPointer<vtkPolyData> level_surface(vtkImageData* indicator) {
   return contour->GetOutput();
 }
 
+// What the image's border cuts off is not seen: across a vessel this is an end, along one the sections are too small.
+void report_border(const Mask& mask, int label, std::vector<Repair>& repairs) {
+  const int* size = mask.labels->GetDimensions();
+  const auto* values = static_cast<const int*>(mask.labels->GetScalarPointer());
+  std::size_t n = 0, touching = 0;
+  Eigen::Vector4d first;
+  for (int k = 0; k < size[2]; ++k)
+    for (int j = 0; j < size[1]; ++j)
+      for (int i = 0; i < size[0]; ++i) {
+        const bool border = i == 0 || j == 0 || k == 0 || i == size[0] - 1 || j == size[1] - 1 || k == size[2] - 1;
+        if (values[n++] == label && border && touching++ == 0)
+          first = mask.to_file * Eigen::Vector4d(i, j, k, 1);
+      }
+  if (touching > 0)
+    repairs.push_back({"lumen cut by the image's border", touching,
+                       "voxels, first at " + place(first.head<3>()) + " (in the file's unit)"});
+}
+
 void check_one_piece(vtkPolyData* surface, const Eigen::Matrix4d& to_file, const std::string& path) {
   vtkNew<vtkPolyDataConnectivityFilter> pieces;
   pieces->SetInputData(surface);
@@ -244,7 +262,11 @@ vtkSmartPointer<vtkPolyData> surface_of_label(const Mask& mask, int label, const
   const int chosen = chosen_label(vtkIntArray::SafeDownCast(mask.labels->GetPointData()->GetScalars()), label, path);
   const auto indicator = indicator_of(mask.labels, chosen);
   keep_largest_island(indicator, repairs);
+  report_border(mask, chosen, repairs);
   vtkSmartPointer<vtkPolyData> surface = level_surface(indicator);
+  if (surface->GetNumberOfPolys() == 0)
+    throw InputError("the lumen is too thin for the mask's voxels", path, "nowhere two voxels wide",
+                     "resample the image to smaller voxels before segmenting, or give a surface");
   check_one_piece(surface, mask.to_file, path);
   vtkNew<vtkPoints> points;
   points->SetDataTypeToDouble();

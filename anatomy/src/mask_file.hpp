@@ -24,8 +24,8 @@ Mask read_mask(const std::string& path);
 /// The surface of one label in the file's unit: level 0.5 of 2 G(s) - G(2 s) applied to the indicator function, G being
 /// a Gaussian of s = 0.85 voxels. Its one-sided moments cancel, so that to first order a curved wall stays where it is
 /// (one Gaussian moves it inward by s^2 / 2 R). label: none for the only one in the mask. Islands other than
-/// the largest are left out and reported. Throws InputError where the label is absent or ambiguous, or where a
-/// narrowing is lost between the voxels.
+/// the largest are left out and reported, and so is a label that reaches the image's border. Throws InputError where
+/// the label is absent or ambiguous, too thin for its voxels, or where a narrowing is lost between them.
 vtkSmartPointer<vtkPolyData> surface_of_label(const Mask& mask, int label, const std::string& path,
                                               std::vector<Repair>& repairs);
 

@@ -148,7 +148,7 @@ void remove_self_intersections(Mesh& mesh, std::vector<Repair>& repairs) {
   PMP::self_intersections(mesh, std::back_inserter(pairs));
   if (!pairs.empty() || !CGAL::is_closed(mesh))
     throw InputError("the surface crosses itself and could not be repaired", "near " + place(where),
-                     std::to_string(found) + " pairs of triangles", "separate or re-segment the surface there");
+                     std::to_string(found) + " pairs of triangles", "separate, smooth or re-segment the surface there");
   repairs.push_back({"self-intersections removed", found, "pairs of triangles, first near " + place(where)});
 }
 

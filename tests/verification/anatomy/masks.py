@@ -4,10 +4,14 @@ import gzip
 import struct
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 
-def nifti(path, labels, affine):
-    """NIfTI-1 (n+1) of labels (nx, ny, nz) with the 4 x 4 voxel-to-mm `affine` as sform; gzip by the suffix .gz."""
+def nifti(path, labels, affine, qform=None, use_sform=True):
+    """NIfTI-1 (n+1) of labels (nx, ny, nz) with the 4 x 4 voxel-to-mm `affine` as sform; gzip by the suffix .gz.
+
+    `qform`: another one, given as quaternion, with qfac -1 where it is left-handed; `use_sform` False: the only one.
+    """
     header = bytearray(352)
     struct.pack_into("<i", header, 0, 348)
     struct.pack_into("<8h", header, 40, 3, *labels.shape, 1, 1, 1, 1)
@@ -15,8 +19,15 @@ def nifti(path, labels, affine):
     struct.pack_into("<8f", header, 76, 1, *np.linalg.norm(affine[:3, :3], axis=0), 0, 0, 0, 0)
     struct.pack_into("<3f", header, 108, 352, 1, 0)
     struct.pack_into("<B", header, 123, 2)  # mm
-    struct.pack_into("<2h", header, 252, 0, 1)
-    struct.pack_into("<12f", header, 280, *affine[:3].ravel())
+    struct.pack_into("<2h", header, 252, qform is not None, use_sform)
+    if qform is not None:
+        turn = qform[:3, :3] / np.linalg.norm(qform[:3, :3], axis=0)
+        qfac = np.sign(np.linalg.det(turn))
+        quaternion = Rotation.from_matrix(turn * [1, 1, qfac]).as_quat()
+        struct.pack_into("<f", header, 76, qfac)
+        struct.pack_into("<6f", header, 256, *(quaternion[:3] * np.sign(quaternion[3])), *qform[:3, 3])
+    if use_sform:
+        struct.pack_into("<12f", header, 280, *affine[:3].ravel())
     header[344:348] = b"n+1\0"
     data = bytes(header) + labels.astype("<i2").tobytes(order="F")
     path.write_bytes(gzip.compress(data, mtime=0) if path.suffix == ".gz" else data)

@@ -42,6 +42,40 @@ def test_formats_and_orientations(lumen, tmp_path, suffix, hand):
     assert "normals turned outward" not in [repair["what"] for repair in summary["repairs"]]
 
 
+OBLIQUE = np.linalg.qr(np.random.default_rng(3).standard_normal((3, 3)))[0]
+
+
+@pytest.mark.parametrize("hand", [1, -1])
+@pytest.mark.parametrize("form", ["qform", "sform before another qform"])
+def test_nifti_forms(lumen, tmp_path, form, hand):
+    """Oblique slices of 0.8 mm by quaternion, and by an sform, which is preferred, beside another quaternion."""
+    matrix = masks.affine([0.35, 0.35, 0.8], OBLIQUE @ np.diag([1, 1, hand]), [-50, 17, -33])
+    labels, a, b = vessel(matrix, (82, 56, 20), ((12, 20, 8), (66, 36, 11)))
+    options = {"qform": matrix, "use_sform": False}
+    if form != "qform":
+        options = {"qform": masks.affine([0.35, 0.35, 0.8], OBLIQUE, [9, 9, 9])}
+    done = lumen(masks.nifti(tmp_path / "mask.nii", labels, matrix, **options), tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    off, ratio = measured(tmp_path / "out", a, b, (1.6, 1.3))
+    assert off.max() < 0.2  # a quarter of the longest voxel edge
+    assert abs(ratio.mean() - 1) < 0.05 and "border" not in done.stderr
+
+
+def test_a_lumen_cut_along_by_the_border_is_said(lumen, tmp_path):
+    matrix = masks.affine([0.4] * 3)
+    labels, *_ = vessel(matrix, (82, 50, 24), ((15, 20, 2), (66, 20, 2)))
+    assert lumen(masks.nifti(tmp_path / "mask.nii", labels, matrix), tmp_path / "out").returncode == 0
+    repairs = json.loads((tmp_path / "out" / "anatomy.json").read_text())["repairs"]
+    assert ("lumen cut by the image's border", labels[:, :, 0].sum()) in [(r["what"], r["count"]) for r in repairs]
+
+
+def test_a_lumen_of_one_voxel_is_refused(lumen, tmp_path):
+    labels = np.zeros((60, 20, 20), int)
+    labels[10:50, 9, 9] = 1
+    done = lumen(masks.nifti(tmp_path / "mask.nii", labels, masks.affine([0.4] * 3)), tmp_path / "out")
+    assert done.returncode == 2 and "too thin for the mask's voxels" in done.stderr and "mask.nii" in done.stderr
+
+
 @pytest.mark.parametrize("radius", [1.0, 1.5])
 def test_area_is_not_biased(lumen, tmp_path, radius):
     """A single Gaussian of this width loses 7 % of the area at R = 1 mm, 3 % at R = 1.5 mm."""
