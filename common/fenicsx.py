@@ -1,6 +1,9 @@
 """Compiled forms, for every part that uses FEniCSx: its name of the compiler's options changes with the version."""
 
-from dolfinx import fem
+import pathlib
+import time
+
+from dolfinx import fem, jit
 
 # two programs that start together compile the same forms: one waits for the other, by default for 10 s only
 WAIT_S = 300
@@ -12,3 +15,23 @@ def form(expression, flags=()):
     if flags:
         options["cffi_extra_compile_args"] = list(flags)
     return fem.form(expression, jit_params=options)
+
+
+def drop_unfinished():
+    """Removes what programs that were killed while compiling left in FEniCSx's cache; returns the files' names.
+
+    Their source file tells every later program that somebody is compiling: it would wait, and then fail. Only files
+    older than WAIT_S are removed; no form takes that long.
+    """
+    dropped = []
+    for source in pathlib.Path(jit.get_parameters()["cache_dir"]).expanduser().glob("libffcx_*.c"):
+        try:
+            if not source.with_suffix(".c.cached").exists() and time.time() - source.stat().st_mtime > WAIT_S:
+                source.unlink()
+                dropped.append(source.name)
+        except FileNotFoundError:  # another program was faster
+            continue
+    return dropped
+
+
+drop_unfinished()  # before the first function space, which compiles too
