@@ -2,22 +2,13 @@
 #include "ends.hpp"
 #include "local_edge.hpp"
 #include "remesh.hpp"
-#include "repair.hpp"
-#include "tube.hpp"
+#include "tube_mesh.hpp"
 #include <gtest/gtest.h>
 #include <random>
 
 using namespace anatomy;
 
 namespace {
-
-Mesh tube_mesh(const shapes::Tube& tube) {
-  std::vector<Repair> repairs;
-  Mesh mesh = repaired(shapes::soup_of(tube), repairs);
-  tag_flat_caps(mesh);
-  measured_ends(mesh);
-  return mesh;
-}
 
 Branch straight_branch(double radius, double length) {
   Branch branch;
@@ -45,7 +36,7 @@ TEST(EdgeField, FollowsNarrowingThinnessAndDistance) {
 }
 
 TEST(Corners, AreWidenedOnTheWall) {
-  const Mesh surface = tube_mesh(shapes::straight(1.5, 8));
+  const Mesh surface = shapes::mesh_of(shapes::straight(1.5, 8));
   Mesh mesh = remeshed(surface, 0.4, surface);
   std::mt19937 random(1);
   std::uniform_real_distribution<double> shift(-0.12, 0.12);
@@ -71,7 +62,7 @@ TEST(Corners, AreWidenedOnTheWall) {
 }
 
 TEST(Regraded, KeepsWhatIsAsWantedToTheBit) {
-  const Mesh surface = tube_mesh(shapes::straight(1.5, 8));
+  const Mesh surface = shapes::mesh_of(shapes::straight(1.5, 8));
   const EdgeField field(0.4, {straight_branch(1.5, 8)}, {{3.0, 0, {}}});
   const Mesh mesh = graded(remeshed(surface, 0.4, surface), surface, field);
   const auto again = regraded(mesh, surface, field);
@@ -84,7 +75,7 @@ TEST(Regraded, KeepsWhatIsAsWantedToTheBit) {
 }
 
 TEST(Coarsened, BringsAFineMeshToTheWantedEdge) {
-  const Mesh surface = tube_mesh(shapes::straight(1.5, 8));
+  const Mesh surface = shapes::mesh_of(shapes::straight(1.5, 8));
   const EdgeField field(0.4, {straight_branch(1.5, 8)}, {{3.0, 0, {}}});
   const std::size_t wanted = remeshed(surface, 0.4, surface).number_of_faces();
   const Mesh mesh = coarsened(remeshed(surface, 0.1, surface), 0.1, surface, field);

@@ -1,7 +1,6 @@
 #include "ends.hpp"
 #include "refine.hpp"
-#include "repair.hpp"
-#include "tube.hpp"
+#include "tube_mesh.hpp"
 #include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/boost/graph/helpers.h>
 #include <gtest/gtest.h>
@@ -10,16 +9,8 @@ using namespace anatomy;
 
 namespace {
 
-Mesh tube_mesh(const shapes::Tube& tube) {
-  std::vector<Repair> repairs;
-  Mesh mesh = repaired(shapes::soup_of(tube), repairs);
-  tag_flat_caps(mesh);
-  measured_ends(mesh);
-  return mesh;
-}
-
 TEST(Refine, KeepsVerticesTagsAndTopology) {
-  const Mesh mesh = tube_mesh(shapes::straight(1.5, 10));
+  const Mesh mesh = shapes::mesh_of(shapes::straight(1.5, 10));
   Mesh fine = curved_refined(mesh);
   EXPECT_EQ(fine.number_of_faces(), 4 * mesh.number_of_faces());
   EXPECT_TRUE(CGAL::is_closed(fine));
@@ -33,7 +24,7 @@ TEST(Refine, KeepsVerticesTagsAndTopology) {
 TEST(Refine, MiddlesComeToTheTrueCylinder) {
   shapes::Tube tube = shapes::straight(1.5, 10);
   tube.edge = 0.3;
-  const Mesh mesh = tube_mesh(tube);
+  const Mesh mesh = shapes::mesh_of(tube);
   const Mesh fine = curved_refined(mesh);
   const RegionMap region = region_map(fine);
   for (Face f : fine.faces())
@@ -52,7 +43,7 @@ TEST(Refine, MiddlesComeToTheTrueCylinder) {
 TEST(Refine, NoMiddleIsFarFromItsEdge) {
   shapes::Tube tube = shapes::straight(1.5, 10);
   tube.edge = 0.6; // its chords' middles lie 0.03 inside
-  const Mesh mesh = tube_mesh(tube);
+  const Mesh mesh = shapes::mesh_of(tube);
   const Mesh fine = curved_refined(mesh);
   double farthest = 0;
   for (std::size_t k = mesh.number_of_vertices(); const Edge e : mesh.edges()) {
@@ -64,9 +55,9 @@ TEST(Refine, NoMiddleIsFarFromItsEdge) {
 
 TEST(Refine, OnlyCoarseSurfacesNeedIt) {
   shapes::Tube tube = shapes::straight(1.5, 6);
-  EXPECT_TRUE(is_coarse(tube_mesh(tube)));
+  EXPECT_TRUE(is_coarse(shapes::mesh_of(tube)));
   tube.edge = 0.1;
-  EXPECT_FALSE(is_coarse(tube_mesh(tube)));
+  EXPECT_FALSE(is_coarse(shapes::mesh_of(tube)));
 }
 
 } // namespace

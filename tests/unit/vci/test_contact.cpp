@@ -89,19 +89,26 @@ TEST(AveragedRamp, IsTheMeanOverTheWay) {
   EXPECT_NEAR(averaged_ramp(to, to, s).pressure, contact_ramp(to, s).pressure, 1e-12);
 }
 
-/// A flat outer sheet (normal +z) and a smaller inner one whose middle vertex stands at the given height.
-std::vector<ContactPoint> sheets(double height, Vectors& force) {
+/// Contact of a small pyramid, body 1 with its tip at (0.1, 0, height) and its base at `base`, on a flat sheet (normal
+/// +z).
+std::vector<ContactPoint> pyramid_on_sheet(double base, double height, const Triangles& pyramid, ContactSides sides,
+                                           Vectors& force) {
   System system;
-  const Vectors outer{{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}, {0, 0, 0}};
-  const Vectors inner{{-.5, -.5, -.4}, {.5, -.5, -.4}, {.5, .5, -.4}, {-.5, .5, -.4}, {0.1, 0, height}};
-  system.add_body("outer", outer, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}, 1, std::vector<char>(5, 0));
-  system.add_body("inner", inner, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}, 1, std::vector<char>(5, 0));
-  SurfaceContact contact(1, 0, {});
-  std::vector<ContactPoint> points;
-  contact.detect(system, area_vectors(system), points);
+  const Vectors sheet{{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}, {0, 0, 0}};
+  const Vectors points{{-.5, -.5, base}, {.5, -.5, base}, {.5, .5, base}, {-.5, .5, base}, {0.1, 0, height}};
+  system.add_body("sheet", sheet, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}, 1, std::vector<char>(5, 0));
+  system.add_body("pyramid", points, pyramid, 1, std::vector<char>(5, 0));
+  SurfaceContact contact(1, 0, {}, std::move(sides));
+  std::vector<ContactPoint> found;
+  contact.detect(system, area_vectors(system), found);
   force.assign(system.x.size(), Vec3::Zero());
-  add_contact_forces(points, force);
-  return points;
+  add_contact_forces(found, force);
+  return found;
+}
+
+/// The pyramid inside, below the sheet, facing as the sheet does.
+std::vector<ContactPoint> sheets(double height, Vectors& force) {
+  return pyramid_on_sheet(-.4, height, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}, {}, force);
 }
 
 TEST(SurfaceContact, PushesApartOnBothSidesOfTheSurfaceAndBalances) {
@@ -120,19 +127,9 @@ TEST(SurfaceContact, PushesApartOnBothSidesOfTheSurfaceAndBalances) {
   }
 }
 
-/// The lower sheet faces up, the upper one down; their middle vertices are `gap` apart.
+/// The pyramid above the sheet, facing it; tip and sheet are `gap` apart.
 std::vector<ContactPoint> facing_sheets(double gap, ContactSides sides, Vectors& force) {
-  System system;
-  const Vectors lower{{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}, {0, 0, 0}};
-  const Vectors upper{{-.5, -.5, .4}, {.5, -.5, .4}, {.5, .5, .4}, {-.5, .5, .4}, {0.1, 0, gap}};
-  system.add_body("lower", lower, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}, 1, std::vector<char>(5, 0));
-  system.add_body("upper", upper, {{0, 4, 1}, {1, 4, 2}, {2, 4, 3}, {3, 4, 0}}, 1, std::vector<char>(5, 0));
-  SurfaceContact contact(1, 0, {}, std::move(sides));
-  std::vector<ContactPoint> points;
-  contact.detect(system, area_vectors(system), points);
-  force.assign(system.x.size(), Vec3::Zero());
-  add_contact_forces(points, force);
-  return points;
+  return pyramid_on_sheet(.4, gap, {{0, 4, 1}, {1, 4, 2}, {2, 4, 3}, {3, 4, 0}}, std::move(sides), force);
 }
 
 TEST(SurfaceContact, SideBySideSurfacesPushOneAnotherAway) {

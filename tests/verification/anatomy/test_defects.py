@@ -119,12 +119,17 @@ def test_formats_agree(lumen, tube, tmp_path, suffix):
     assert summary["branches"][0]["length_mm"] == pytest.approx(20, abs=0.05) and not summary["repairs"]
 
 
-def test_ascii_stl(lumen, tube, tmp_path):
+def write_text_stl(path, tube):
+    """Writes a surface as STL in text."""
     writer = surfaces.vtk.vtkSTLWriter()
-    writer.SetFileName(str(tmp_path / "tube.stl"))
+    writer.SetFileName(str(path))
     writer.SetInputData(surfaces.polydata(*tube))
     writer.SetFileTypeToASCII()
     writer.Write()
+
+
+def test_ascii_stl(lumen, tube, tmp_path):
+    write_text_stl(tmp_path / "tube.stl", tube)
     assert (tmp_path / "tube.stl").read_bytes().startswith(b"solid")
     done = lumen(tmp_path / "tube.stl", tmp_path / "out")
     assert done.returncode == 0, done.stderr
@@ -215,11 +220,7 @@ def test_binary_stl_that_calls_itself_solid_is_read(lumen, tube, tmp_path):
 
 
 def test_cut_off_text_stl_is_refused(lumen, tube, tmp_path):
-    writer = surfaces.vtk.vtkSTLWriter()
-    writer.SetFileName(str(tmp_path / "tube.stl"))
-    writer.SetInputData(surfaces.polydata(*tube))
-    writer.SetFileTypeToASCII()
-    writer.Write()
+    write_text_stl(tmp_path / "tube.stl", tube)
     text = (tmp_path / "tube.stl").read_bytes()
     (tmp_path / "tube.stl").write_bytes(text[: len(text) * 2 // 3])
     done = lumen(tmp_path / "tube.stl", tmp_path / "out")
