@@ -88,10 +88,14 @@ def deploy(programs, case, setting, folder):
     scene["numerics"] |= {"residual_tolerance": tolerance, "device_edge_mm": min(1.0, default * edge / 0.4)}
     scene["numerics"]["pcg_precision"] = precision
     (folder / "scene.json").write_text(json.dumps(scene))
-    out = folder / "vci"
-    code, messages, cpu, memory = run([programs / "vci", "deploy", folder / "scene.json", "--out", out])
-    row = {"case": name_of(case), "cpu_seconds": cpu} | dict(zip(SETTING, setting))
-    row |= {"peak_memory_mib": memory, "outcome": "refused" if code else "balanced"}
+    return {"case": name_of(case)} | dict(zip(SETTING, setting)) | outcome_of(programs / "vci", folder / "scene.json")
+
+
+def outcome_of(program, scene):
+    """Runs a scene (results beside it, in vci/): outcome, CPU seconds, memory and, where it balanced, what came out."""
+    out = scene.parent / "vci"
+    code, messages, cpu, memory = run([program, "deploy", scene, "--out", out])
+    row = {"outcome": "refused" if code else "balanced", "cpu_seconds": cpu, "peak_memory_mib": memory}
     if code:
         print(messages.strip().splitlines()[-3:], file=sys.stderr)
         return row
