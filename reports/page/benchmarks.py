@@ -11,6 +11,10 @@ TITLES = {
         "Deployment: speed against error",
         "A row is a scene at one setting; errors are against its finest run.",
     ),
+    "deployment_baseline": (
+        "Deployment: beside the textbook scheme",
+        "Whole vessel, fixed small step, plain conjugate gradients; a factor is how many times less processor time.",
+    ),
     "deployment_hard_cases": ("Deployment: hard cases", "Each ends in force balance, or is refused with its reason."),
     "flow_hard_cases": ("Blood flow: hard cases", "Each converges, or is refused with its reason."),
     "flow_against_openfoam": (

@@ -2,6 +2,7 @@
 # were run. One at a time (`threads` takes every core), since they measure seconds.
 BENCHMARKS = {
     "deployment_speed": "benchmark.csv",
+    "deployment_baseline": "baseline.csv",
     "deployment_hard_cases": "hard_cases.csv",
     "flow_hard_cases": "hard_cases.csv",
     "anatomy_speed": "benchmark.csv",
@@ -33,6 +34,26 @@ rule deployment_speed:
         out=output_folder,
     shell:
         "workflow/run.sh {log} /usr/bin/python3 -m vci.benchmark --build {params.build} --out {params.out}"
+
+
+rule deployment_baseline:
+    message:
+        "benchmark: the deployment beside the textbook scheme"
+    input:
+        programs=[VCI, LUMEN],
+        code=module_code("vci.baseline"),
+    output:
+        "results/benchmarks/deployment_baseline/baseline.csv",
+    log:
+        "results/benchmarks/logs/deployment_baseline.log",
+    benchmark:
+        "results/benchmarks/logs/deployment_baseline.tsv"
+    threads: workflow.cores
+    params:
+        build=programs_folder,
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m vci.baseline --build {params.build} --out {params.out}"
 
 
 rule deployment_hard_cases:
