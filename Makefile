@@ -28,7 +28,8 @@ validate: setup ## check every configuration file
 study: build ## run a cohort (COHORT=full|quick|real) or single cases (CASES="lad01 rca01"); -j by CORES
 	@$(SNAKEMAKE) --profile config/profiles/local --cores $(CORES) --config cohort=$(COHORT) $(if $(CASES),cases='$(CASES)') || { \
 	  [ -z "$$(ls -A .snakemake/locks 2>/dev/null)" ] || \
-	  echo "the folder is locked: another run works in it, or one was killed; if none runs any more: make unlock" >&2; exit 1; }
+	  echo "the folder is locked: another run works in it, or one was killed; if none runs any more: make unlock" >&2; \
+	  [ ! -f $(REPORT) ] || echo "$(REPORT) is the page of an earlier run" >&2; exit 1; }
 	@echo "report: $(REPORT)"
 
 unlock: ## after a run that was killed (power cut, kill -9): let the next one go on from there

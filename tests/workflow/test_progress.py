@@ -5,6 +5,12 @@ import subprocess
 TARGETS = [f"results/cases/quick_focal/settings/{section}.json" for section in ("flow", "metrics")]
 
 
+def make(study, *arguments):
+    """`make` in the study's folder; what `make build` makes is there already."""
+    command = ["make", "--old-file=build", *arguments]
+    return subprocess.run(command, cwd=study.folder, text=True, capture_output=True)
+
+
 def test_the_profile_of_make_study_shows_how_far_it_is(fresh):
     run = fresh.snakemake("--profile", "config/profiles/local", *TARGETS)
     text = run.stdout + run.stderr
@@ -29,12 +35,18 @@ def test_after_a_kill_make_says_how_to_go_on(fresh):
     lock.parent.mkdir(parents=True)
     lock.write_text("results/report/index.html\n")
 
-    def make(*arguments):
-        command = ["make", "--old-file=build", *arguments]  # what `make build` makes is there already
-        return subprocess.run(command, cwd=fresh.folder, text=True, capture_output=True)
-
-    locked = make("study", "COHORT=quick", "CORES=1")
+    locked = make(fresh, "study", "COHORT=quick", "CORES=1")
     assert locked.returncode != 0 and "make unlock" in locked.stderr
-    assert make("unlock").returncode == 0 and not lock.exists()
-    refused = make("study", "COHORT=small", "CORES=1")
+    assert make(fresh, "unlock").returncode == 0 and not lock.exists()
+    refused = make(fresh, "study", "COHORT=small", "CORES=1")
     assert refused.returncode != 0 and "make unlock" not in refused.stderr
+
+
+def test_a_failed_run_says_that_the_page_is_of_an_earlier_one(fresh):
+    page = fresh.folder / "results" / "report" / "index.html"
+    without = make(fresh, "study", "COHORT=small", "CORES=1")
+    assert without.returncode != 0 and "earlier run" not in without.stderr
+    page.parent.mkdir(parents=True, exist_ok=True)
+    page.write_text("<p>cohort quick</p>")
+    failed = make(fresh, "study", "COHORT=small", "CORES=1")
+    assert failed.returncode != 0 and "results/report/index.html is the page of an earlier run" in failed.stderr
