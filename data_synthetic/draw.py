@@ -9,7 +9,7 @@ from common import config, schema
 from common.errors import ComputationError, InputError
 from common.files import replacing
 
-from . import patient, tree
+from . import calibre, patient, tree
 
 ARTERIES = {"lad": 0.5, "lcx": 0.22, "rca": 0.28}
 LENGTH_MM = {"lad": (65, 105), "lcx": (60, 85), "rca": (75, 110)}
@@ -76,7 +76,7 @@ def _case(rng):
         "mean_curvature_per_mm": mean,
         "max_curvature_per_mm": round(min(2.1 * mean, 0.3), 3),
     }
-    sides = _sides(rng, length, ostial)
+    sides = _sides(rng, main)
     lesion = _lesion(rng, length, sides)
     words = f"{artery.upper()}, {len(sides)} side branches, {lesion['shape']} {lesion['plaque']} lesion"
     systolic = _normal(rng, 130, 12, 100, 170, 0)
@@ -99,14 +99,16 @@ def _case(rng):
     }
 
 
-def _sides(rng, length, ostial):
-    count = int(rng.integers(2, 6))
+def _sides(rng, main):
+    """Side branches, in order, of a main vessel (dict, as in the case); diameters as shares of what is left of it."""
+    count, length = int(rng.integers(2, 6)), main["length_mm"]
     stretch = np.linspace(0.15, 0.85, count + 1) * length
-    found, main = [], ostial
+    found = []
     for low, high in zip(stretch[:-1], stretch[1:]):
         s = _uniform(rng, low, high, 1)
-        diameter = round(float(np.clip(rng.uniform(0.38, 0.62) * main, 1.2, 2.8)), 2)
-        main = max(main**2.55 - diameter**2.55, 0.1) ** (1 / 2.55)
+        so_far = schema.with_defaults({"seed": 0, "main": main, "side_branches": found}, schema.read("vessel"))
+        parent = 2 * float(calibre.main_healthy_radius(so_far, s))
+        diameter = round(float(np.clip(rng.uniform(0.38, 0.62) * parent, 1.2, 2.8)), 2)
         reach = min(_uniform(rng, 9, 22, 1), round(length - s - 4, 1))
         found.append(
             {

@@ -5,9 +5,10 @@ import pathlib
 from common import config
 from common.errors import InputError
 
-from . import disease
+from . import calibre, disease
 
 
+NARROWEST_MAIN_MM = 1.2  # of diameter, past the last side branch
 NARROWEST_END_MM = 0.6  # of diameter: three cells of the grid on which the surface is found
 
 
@@ -19,24 +20,6 @@ def load(path):
         raise InputError("not a synthetic case", f"{path}: kind", case["kind"], "generate only cases of kind synthetic")
     check(case["vessel"], str(path))
     return case
-
-
-def ordered_sides(vessel):
-    """Side branches in the order in which they leave the main vessel: side1, side2, ..."""
-    return sorted(vessel["side_branches"], key=lambda side: side["s_mm"])
-
-
-def healthy_diameters(vessel):
-    """Healthy main diameters (mm) just before each side branch, and the power d^m left after the last (mm^m)."""
-    exponent, main = vessel["murray_exponent"], vessel["main"]
-    power = main["ostial_diameter_mm"] ** exponent
-    before = []
-    for side in ordered_sides(vessel):
-        before.append(power ** (1 / exponent))
-        power -= side["diameter_mm"] ** exponent
-        if power <= 0:
-            break
-    return before, power
 
 
 def check(vessel, where):
@@ -55,8 +38,7 @@ def check(vessel, where):
         )
     radius = 0.5 * main["ostial_diameter_mm"]
     order = sorted(range(len(vessel["side_branches"])), key=lambda i: vessel["side_branches"][i]["s_mm"])
-    before, left = healthy_diameters(vessel)
-    exponent = vessel["murray_exponent"]
+    forks = calibre.bifurcations(vessel)
     for rank, index in enumerate(order):
         side, key = vessel["side_branches"][index], f"side_branches[{index + 1}]"
         low, high = 2.5 * radius, main["length_mm"] - 4 * radius
@@ -67,7 +49,8 @@ def check(vessel, where):
                 side["s_mm"],
                 f"between {low:.1f} and {high:.1f} mm: room for the ends' caps",
             )
-        if rank >= len(before) or side["diameter_mm"] >= 0.95 * before[rank]:
+        before = 2 * forks[rank].before_mm
+        if side["diameter_mm"] >= 0.95 * before:
             refuse(
                 "side branch as wide as its parent, or nothing is left for the main vessel",
                 f"{key}.diameter_mm",
@@ -81,29 +64,31 @@ def check(vessel, where):
                 side["length_mm"],
                 f"below {main['length_mm'] - 1 - side['s_mm']:.1f} mm",
             )
-        if side["length_mm"] < 0.5 * before[rank] + 2.5 * side["diameter_mm"]:
+        if side["length_mm"] < 0.5 * before + 2.5 * side["diameter_mm"]:
             refuse(
                 "side branch hardly leaves the main vessel",
                 f"{key}.length_mm",
                 side["length_mm"],
-                f"at least {0.5 * before[rank] + 2.5 * side['diameter_mm']:.1f} mm (main radius + 2.5 diameters)",
+                f"at least {0.5 * before + 2.5 * side['diameter_mm']:.1f} mm (main radius + 2.5 diameters)",
             )
-    if left < 1.2**exponent:
+    left = 2 * forks[-1].after_mm if forks else main["ostial_diameter_mm"]
+    if left < NARROWEST_MAIN_MM:
         refuse(
             "main vessel too narrow after its side branches",
             "side_branches",
-            f"{max(left, 0) ** (1 / exponent):.2f} mm left",
-            "at least 1.2 mm before taper: fewer or smaller branches",
+            f"{left:.2f} mm left",
+            f"at least {NARROWEST_MAIN_MM} mm: fewer or smaller branches, or less taper",
         )
-    _check_taper(main, left ** (1 / exponent), "main", refuse)
-    for index, side in enumerate(vessel["side_branches"]):
-        _check_taper(side, side["diameter_mm"], f"side_branches[{index + 1}]", refuse)
+    _check_taper(main, 2 * calibre.main_healthy_radius(vessel, main["length_mm"]), "main", refuse)
+    for rank, index in enumerate(order):
+        side = vessel["side_branches"][index]
+        end = 2 * calibre.side_healthy_radius(side, forks[rank], side["length_mm"])
+        _check_taper(side, end, f"side_branches[{index + 1}]", refuse)
     for index, lesion in enumerate(vessel["lesions"]):
         _check_lesion(vessel, lesion, f"lesions[{index + 1}]", refuse)
 
 
-def _check_taper(branch, diameter_mm, key, refuse):
-    end = diameter_mm * (1 - 0.01 * branch["taper_percent_per_cm"]) ** (0.1 * branch["length_mm"])
+def _check_taper(branch, end, key, refuse):
     if end < NARROWEST_END_MM:
         refuse(
             "tapers to nothing",
@@ -120,7 +105,7 @@ def _check_lesion(vessel, lesion, key, refuse):
     if lesion["branch"] == "main":
         length, margin = vessel["main"]["length_mm"], vessel["main"]["ostial_diameter_mm"]
     else:
-        side = ordered_sides(vessel)[int(lesion["branch"][4:]) - 1]
+        side = calibre.ordered_sides(vessel)[int(lesion["branch"][4:]) - 1]
         length, margin = side["length_mm"], side["diameter_mm"]
     start, end = disease.extent(lesion)
     if start < margin or end > length - margin:

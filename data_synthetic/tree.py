@@ -7,13 +7,12 @@ import numpy as np
 
 from common.errors import InputError
 
-from . import disease, patient
+from . import calibre, disease
 from .curves import SAMPLE_MM, Curve, integrate
 
 HEART_CURVATURE = {"lad": 1 / 45, "lcx": 1 / 32, "rca": 1 / 26}
 # Bends alternate over about 15 mm: a narrow kernel less a wide one of the same integral, so that none grows to a loop.
 NARROW_MM, WIDE_MM = 3.0, 8.0
-BRANCH_STEP_MM = 2.0
 ATTEMPTS = 60
 
 
@@ -80,21 +79,6 @@ def _interpolate(s_mm, samples, values):
     return v0 + t * m0 + t * t * (3 * (v1 - v0) - 2 * m0 - m1) + t**3 * (2 * (v0 - v1) + m0 + m1)
 
 
-def _smooth_step(x):
-    x = np.clip(x, 0, 1)
-    return x * x * x * (10 - 15 * x + 6 * x * x)
-
-
-def main_healthy_radius(vessel, s_mm):
-    """Healthy main radius (mm): power law at side branches, eased over 2 x 2 mm, times the taper."""
-    main, exponent = vessel["main"], vessel["murray_exponent"]
-    power = np.full(np.shape(s_mm), (0.5 * main["ostial_diameter_mm"]) ** exponent)
-    for side in patient.ordered_sides(vessel):
-        ease = _smooth_step((s_mm - side["s_mm"] + BRANCH_STEP_MM) / (2 * BRANCH_STEP_MM))
-        power = power - (0.5 * side["diameter_mm"]) ** exponent * ease
-    return power ** (1 / exponent) * (1 - 0.01 * main["taper_percent_per_cm"]) ** (np.asarray(s_mm) / 10)
-
-
 def _gaussian(x, width):
     return np.exp(-0.5 * (x / width) ** 2) / width
 
@@ -135,7 +119,9 @@ def _side_axis(main, side, main_radius):
     s = np.linspace(0, side["length_mm"], int(round(side["length_mm"] / SAMPLE_MM)) + 1)
     # Straight to 3 mm past the main wall, then turns towards the main direction by at most 0.04 /mm down to 30 degrees.
     straight = main_radius / np.sin(angle) + 3.0
-    turned = np.maximum(angle - 0.04 * np.maximum(s - straight, 0) * _smooth_step((s - straight) / 4), np.radians(30))
+    turned = np.maximum(
+        angle - 0.04 * np.maximum(s - straight, 0) * calibre.smooth_step((s - straight) / 4), np.radians(30)
+    )
     turned = np.minimum(turned, angle)
     direction = np.cos(turned)[:, None] * tangent + np.sin(turned)[:, None] * outward
     steps = 0.5 * (direction[1:] + direction[:-1]) * s[1]
@@ -220,16 +206,17 @@ def grow(vessel, where="vessel"):
     conflicts = collections.Counter()
     for _ in range(ATTEMPTS):
         axis = _random_axis(vessel, rng)
-        healthy = main_healthy_radius(vessel, axis.s_mm)
+        healthy = calibre.main_healthy_radius(vessel, axis.s_mm)
         lesions = {"main": []}
         for lesion in vessel["lesions"]:
             lesions.setdefault(lesion["branch"], []).append(lesion)
         main = _diseased("main", "", 0.0, axis, healthy, lesions["main"], rng)
         branches = [main]
-        for index, side in enumerate(patient.ordered_sides(vessel)):
+        sides = zip(calibre.ordered_sides(vessel), calibre.bifurcations(vessel))
+        for index, (side, fork) in enumerate(sides):
             name = f"side{index + 1}"
-            side_axis = _side_axis(axis, side, float(main_healthy_radius(vessel, np.array(side["s_mm"]))))
-            radius = 0.5 * side["diameter_mm"] * (1 - 0.01 * side["taper_percent_per_cm"]) ** (side_axis.s_mm / 10)
+            side_axis = _side_axis(axis, side, float(calibre.main_healthy_radius(vessel, side["s_mm"])))
+            radius = calibre.side_healthy_radius(side, fork, side_axis.s_mm)
             s_main = float(main.axis.nearest(axis.point(np.array([side["s_mm"]])))[0])
             branches.append(_diseased(name, "main", s_main, side_axis, radius, lesions.get(name, []), rng))
         conflict = _conflict(branches)

@@ -7,7 +7,7 @@ import numpy as np
 
 from common.errors import InputError
 
-from . import disease, patient, tree
+from . import calibre, disease, tree
 from .curves import Curve
 
 SCHEMA = "vci-truth-1"
@@ -15,15 +15,14 @@ SCHEMA = "vci-truth-1"
 
 def document(vessel, branches, rms_mm, vertices, triangles):
     """The JSON document: per branch its samples (mm), lesions with their true extent and stenosis, the wall."""
-    before, left = patient.healthy_diameters(vessel)
+    forks = calibre.bifurcations(vessel)
     return {
         "schema": SCHEMA,
         "seed": vessel["seed"],
         "artery": vessel["artery"],
         "murray_exponent": vessel["murray_exponent"],
         "wall_thickness_mm": vessel["wall_thickness_mm"],
-        "healthy_diameters_before_sides_mm": before,
-        "healthy_diameter_after_sides_mm": left ** (1 / vessel["murray_exponent"]),
+        "bifurcations": [vars(fork) for fork in forks],
         "surface": {"vertices": vertices, "triangles": triangles, "wall_error_rms_mm": rms_mm},
         "branches": [_branch(branch) for branch in branches],
     }

@@ -49,7 +49,7 @@ def test_the_small_vessel_is_accepted(vessel):
             "vessel.main.taper_percent_per_cm",
         ),
         (
-            {"side_branches": [side(diameter_mm=0.8, length_mm=7, taper_percent_per_cm=40)]},
+            {"side_branches": [side(s_mm=18, diameter_mm=0.8, length_mm=10, taper_percent_per_cm=40)]},
             "vessel.side_branches[1].taper_percent_per_cm",
         ),
     ],

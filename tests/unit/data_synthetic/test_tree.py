@@ -12,23 +12,6 @@ def test_stenosis_is_as_asked(branches):
     assert main.lesions[0]["centre_s_mm"] == pytest.approx(main.axis.s_mm[np.argmax(loss)], abs=0.1)
 
 
-@pytest.mark.parametrize("exponent", [2.3, 2.55, 3.0])
-def test_murray_exponent_is_recovered(vessel, exponent):
-    data = vessel(murray_exponent=exponent)
-    data["main"]["taper_percent_per_cm"] = 0
-    side = data["side_branches"][0]
-    before, after = tree.main_healthy_radius(data, np.array([side["s_mm"] - 3, side["s_mm"] + 3]))
-
-    def mismatch(m):
-        return before**m - after**m - (0.5 * side["diameter_mm"]) ** m
-
-    low, high = 1.0, 6.0
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if mismatch(middle) < 0 else (low, middle)
-    assert low == pytest.approx(exponent, abs=1e-6)
-
-
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_curvature_has_the_mean_and_the_bound_asked(vessel, seed):
     data = vessel(seed=seed, side_branches=[], lesions=[])

@@ -1,0 +1,88 @@
+"""Healthy radii of a tree: steps by a power law at its bifurcations, taper between them.
+
+Along an ostium neither vessel tapers. So the radii on its three sides obey R_before^m = R_after^m + R_side^m as they
+stand, and the exponent comes back from the finished vessel, not only from a fictitious one without taper.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .field import BLEND_MM
+
+EASE_MM = 2.0  # half the length over which the main radius falls at a bifurcation
+
+
+@dataclass(frozen=True)
+class Bifurcation:
+    """Healthy radii (mm) just before and after a side branch and of it, and the lengths (mm) on which they hold.
+
+    s_mm: where it leaves the main axis; start_mm, end_mm: stretch of the main axis without taper; side_level_mm: the
+    same on the side branch's axis, from its root; after_mm is 0 where nothing is left for the main vessel.
+    """
+
+    s_mm: float
+    start_mm: float
+    end_mm: float
+    side_level_mm: float
+    before_mm: float
+    after_mm: float
+    side_mm: float
+
+
+def ordered_sides(vessel):
+    """Side branches in the order in which they leave the main vessel: side1, side2, ..."""
+    return sorted(vessel["side_branches"], key=lambda side: side["s_mm"])
+
+
+def bifurcations(vessel):
+    """[Bifurcation] of a vessel (defaults filled in), in the order of ordered_sides."""
+    found, exponent = [], vessel["murray_exponent"]
+    for side in ordered_sides(vessel):
+        start = side["s_mm"] - EASE_MM
+        left = np.prod([(b.after_mm / b.before_mm) if b.before_mm else 0.0 for b in found])
+        before = float(0.5 * vessel["main"]["ostial_diameter_mm"] * left * _main_taper(vessel, found, start))
+        radius, angle = 0.5 * side["diameter_mm"], np.radians(side["angle_deg"])
+        after = max(before**exponent - radius**exponent, 0.0) ** (1 / exponent)
+        # The ostium's far rim on the main wall, and the place where the side branch has left that wall all round.
+        rim = before / np.tan(angle) + radius / np.sin(angle) + BLEND_MM
+        level = before / np.sin(angle) + radius / abs(np.tan(angle)) + BLEND_MM
+        end = side["s_mm"] + max(EASE_MM, rim)
+        found.append(Bifurcation(side["s_mm"], start, end, level, before, after, radius))
+    return found
+
+
+def main_healthy_radius(vessel, s_mm):
+    """Healthy main radius (mm) at arc lengths s_mm of the main vessel's axis before any lesion."""
+    s_mm, found, exponent = np.asarray(s_mm, float), bifurcations(vessel), vessel["murray_exponent"]
+    share = np.ones(s_mm.shape)
+    for b in found:
+        ease = smooth_step((s_mm - b.start_mm) / (2 * EASE_MM))
+        lost = 1 - (b.after_mm / b.before_mm) ** exponent if b.before_mm else 0.0
+        share = share * (1 - ease * lost)
+    return 0.5 * vessel["main"]["ostial_diameter_mm"] * share ** (1 / exponent) * _main_taper(vessel, found, s_mm)
+
+
+def side_healthy_radius(side, bifurcation, s_mm):
+    """Healthy radius (mm) of a side branch at arc lengths s_mm from its root: level in its ostium, then tapered."""
+    return bifurcation.side_mm * _taper(side, np.maximum(np.asarray(s_mm, float) - bifurcation.side_level_mm, 0))
+
+
+def smooth_step(x):
+    """0 for x <= 0, 1 for x >= 1, C2 between."""
+    x = np.clip(x, 0, 1)
+    return x * x * x * (10 - 15 * x + 6 * x * x)
+
+
+def _taper(branch, length_mm):
+    return (1 - 0.01 * branch["taper_percent_per_cm"]) ** (length_mm / 10)
+
+
+def _main_taper(vessel, passed, s_mm):
+    """Share (0 ... 1) of the main radius that taper leaves at s_mm, none of it inside the ostia of `passed`."""
+    level, reached = 0.0, -np.inf
+    for b in passed:
+        start = max(b.start_mm, reached)  # ostia may overlap
+        level = level + np.clip(s_mm - start, 0, max(b.end_mm - start, 0))
+        reached = max(reached, b.end_mm)
+    return _taper(vessel["main"], s_mm - level)

@@ -1,0 +1,85 @@
+"""The power law of radii at branchings, recovered from tapered vessels: from the tree itself and from its surface.
+
+Surface: areas of plane sections just before an ostium, past its far rim, and in the side branch clear of the main wall.
+The exponent is sensitive: 0.1 % of the radius past the ostium changes it by 0.01 where side and main are as here.
+"""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from common import schema
+from data_synthetic import calibre, field, surface, tree
+from data_synthetic.ct import evaluate
+
+FIELD_TOLERANCE = 3e-3  # radii between samples of 0.1 mm, where taper sets in with a kink
+SURFACE_TOLERANCE = 0.05  # sections' chords take 0.05 to 0.3 % of the radius, more in the side branch
+SPACING_MM = 0.25
+
+
+def exponent_of(before, after, side):
+    """The m for which before^m = after^m + side^m, of radii in any unit."""
+    return brentq(lambda m: 1 - (after / before) ** m - (side / before) ** m, 0.5, 12)
+
+
+def places(vessel):
+    """Per bifurcation: arc lengths (mm) on main before and after it, and on the side branch clear of the main wall."""
+    forks = calibre.bifurcations(vessel)
+    return [(fork.start_mm, fork.end_mm, fork.side_level_mm) for fork in forks]
+
+
+def drawn(seed, exponent):
+    """A vessel with two side branches, all tapered; every other one has a lesion between its ostia.
+
+    Gently curved: where the vessel bends towards a side branch, their walls part later than between straight ones.
+    """
+    rng = np.random.default_rng(seed)
+    sides = [
+        {"s_mm": 13, "diameter_mm": rng.uniform(1.8, 2.4), "length_mm": 12, "angle_deg": rng.uniform(45, 75)},
+        {"s_mm": 34, "diameter_mm": rng.uniform(1.6, 2.0), "length_mm": 10, "angle_deg": rng.uniform(45, 75)},
+    ]
+    for side, azimuth in zip(sides, (0, 160)):
+        side.update(azimuth_deg=azimuth + 20 * seed, taper_percent_per_cm=rng.uniform(1, 5))
+    lesion = {"centre_s_mm": 25, "length_mm": 7, "diameter_stenosis_percent": 60}
+    main = {"length_mm": 50, "ostial_diameter_mm": rng.uniform(3.4, 4.6), "taper_percent_per_cm": rng.uniform(1, 5)}
+    main.update(mean_curvature_per_mm=0.05, max_curvature_per_mm=0.12)
+    data = {"seed": seed, "murray_exponent": exponent, "main": main, "side_branches": sides}
+    data["lesions"] = [lesion] if seed % 2 else []
+    return schema.with_defaults(data, schema.read("vessel"))
+
+
+@pytest.mark.parametrize("exponent", [2.3, 2.55, 3.0])
+@pytest.mark.parametrize("seed", range(6))
+def test_exponent_of_the_profile(seed, exponent):
+    vessel = drawn(seed, exponent)
+    for fork, side in zip(calibre.bifurcations(vessel), calibre.ordered_sides(vessel)):
+        before, after = calibre.main_healthy_radius(vessel, np.array([fork.start_mm, fork.end_mm]))
+        clear = float(calibre.side_healthy_radius(side, fork, fork.side_level_mm))
+        assert exponent_of(before, after, clear) == pytest.approx(exponent, abs=1e-8)
+
+
+@pytest.mark.parametrize("exponent", [2.3, 2.55, 3.0])
+@pytest.mark.parametrize("seed", range(6))
+def test_exponent_from_the_field(seed, exponent):
+    vessel = drawn(seed, exponent)
+    main, *sides = tree.grow(vessel)
+    assert vessel["main"]["taper_percent_per_cm"] >= 1 and len(sides) == 2
+    for (before, after, clear), branch in zip(places(vessel), sides):
+        found = exponent_of(main.healthy(before), main.healthy(after), branch.healthy(clear))
+        assert found == pytest.approx(exponent, abs=FIELD_TOLERANCE)
+
+
+@pytest.mark.parametrize("seed, exponent", [(0, 2.55), (1, 2.55), (2, 2.55), (3, 2.3), (4, 3.0)])
+def test_exponent_from_sections_of_the_surface(seed, exponent):
+    vessel = drawn(seed, exponent)
+    branches = tree.grow(vessel)
+    points, triangles, _ = surface.build(field.LumenField(branches), SPACING_MM)
+
+    def radius(branch, s_mm):
+        s = np.array(float(s_mm))
+        area = evaluate.section_area(points, triangles, branch.axis.point(s), branch.axis.frame(s)[0])
+        return np.sqrt(area / np.pi)
+
+    for (before, after, clear), branch in zip(places(vessel), branches[1:]):
+        found = exponent_of(radius(branches[0], before), radius(branches[0], after), radius(branch, clear))
+        assert found == pytest.approx(exponent, abs=SURFACE_TOLERANCE)
