@@ -70,7 +70,7 @@ void SurfaceContact::face(const System& system, const Vectors& units, int v, con
   const Triangle& t = target.triangles[foot.triangle];
   const Vec3 q = foot.weights[0] * system.x[t[0]] + foot.weights[1] * system.x[t[1]] + foot.weights[2] * system.x[t[2]];
   const double side_of = (vertex_inside ? 1 : -1) * interpolated_normal(t, foot.weights, units).dot(q - p);
-  facing.search.length = foot.distance - settings_.distance;
+  facing.search.length = foot.distance - settings_.distance - largest_sagitta(t, system.x, units);
   if (side_of > 0 && facing.search.length > settings_.skin)
     return;
   facing.search.length = settings_.skin;
@@ -145,7 +145,7 @@ void SurfaceContact::measure(const System& system, const Vectors& normals, const
       continue; // the surfaces do not face each other here
     const Vec3 q =
         foot.weights[0] * system.x[t[0]] + foot.weights[1] * system.x[t[1]] + foot.weights[2] * system.x[t[2]];
-    const double gap = sign * n.dot(q - p);
+    const double gap = sign * (n.dot(q - p) + sagitta(t, foot.weights, system.x, units));
     RampLaw law = contact_ramp(gap, settings_);
     if (settings_.time_averaged && ahead > 0) {
       const Vec3 closing = system.velocity[vertex] - foot.weights[0] * system.velocity[t[0]] -
@@ -153,7 +153,8 @@ void SurfaceContact::measure(const System& system, const Vectors& normals, const
       law = averaged_ramp(gap, gap - sign * n.dot(closing) * ahead, settings_);
     }
     if (law.pressure <= 0) {
-      c.measure.length = settings_.time_averaged ? -1 : clear - settings_.distance;
+      c.measure.length =
+          settings_.time_averaged ? -1 : clear - settings_.distance - largest_sagitta(t, system.x, units);
       continue;
     }
     const double area = share * normals[vertex].norm();

@@ -276,7 +276,7 @@ std::vector<double> ring_radii(const System& system, int body, const RingGrid& g
     for (int k = 0; k < grid.around; ++k)
       area += 0.5 * (system.x[first + r * grid.around + k] - centres[r])
                         .cross(system.x[first + r * grid.around + (k + 1) % grid.around] - centres[r]);
-    radii.push_back(std::sqrt(area.norm() / pi));
+    radii.push_back(std::sqrt(2 * area.norm() / (grid.around * std::sin(2 * pi / grid.around))));
   }
   return radii;
 }

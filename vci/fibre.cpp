@@ -78,7 +78,7 @@ void Fibres::set_pretension(const std::vector<double>& tension) {
 HoopChart::HoopChart(const std::vector<Hoop>& hoops, int edges_per_ring, BalloonChart chart)
     : hoops_(hoops), chart_(std::move(chart)) {
   const double tangent = std::tan(std::numbers::pi / edges_per_ring);
-  diameter_per_edge_ = std::sqrt(edges_per_ring / (std::numbers::pi * tangent));
+  diameter_per_edge_ = 1 / std::sin(std::numbers::pi / edges_per_ring);
   half_cotangent_ = 0.5 / tangent;
   for (const Hoop& h : hoops_)
     add_edge(h.i, h.j);

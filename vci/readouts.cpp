@@ -55,10 +55,11 @@ Segment reported_segment(const Scene& scene) {
 
 json area_profile(const Vectors& points, const Triangles& triangles, const Path& path, double s_start, double s_end) {
   json profile = json::array();
+  const Vectors units = section_normals(points, triangles);
   const int n = std::max(1, static_cast<int>(std::lround((s_end - s_start) / 0.5)));
   for (int k = 0; k <= n; ++k) {
     const double s = s_start + (s_end - s_start) * k / n;
-    profile.push_back({{"s_mm", s}, {"area_mm2", section_area(points, triangles, path.at(s), path.tangent(s))}});
+    profile.push_back({{"s_mm", s}, {"area_mm2", section_area(points, triangles, units, path.at(s), path.tangent(s))}});
   }
   return profile;
 }

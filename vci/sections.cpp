@@ -1,4 +1,5 @@
 #include "vci/sections.hpp"
+#include "vci/surface.hpp"
 
 #include <Eigen/Geometry>
 #include <map>
@@ -6,12 +7,37 @@
 
 namespace vci {
 
-double section_area(const Vectors& points, const Triangles& triangles, const Vec3& origin, const Vec3& normal) {
+namespace {
+
+/// Where the plane meets the smooth surface, on an edge of a triangle.
+struct Crossing {
+  Vec3 point, normal; ///< normal: of the surface, interpolated
+};
+
+/// The edge from a to b is met at the share t; the smooth surface's point beside it, moved within the plane.
+Crossing crossing_at(int a, int b, double t, const Vectors& points, const Vectors& units, const Vec3& plane) {
+  const Vec3 side = points[b] - points[a], turn = units[b] - units[a];
+  const Vec3 normal = units[a] + t * turn;
+  const Vec3 outward = (normal - normal.dot(plane) * plane).normalized();
+  return {points[a] + t * side + 0.5 * t * (1 - t) * turn.dot(side) * outward, normal};
+}
+
+} // namespace
+
+Vectors section_normals(const Vectors& points, const Triangles& triangles) {
+  Vectors units = vertex_area_vectors(triangles, points, 0, static_cast<int>(points.size()));
+  for (Vec3& n : units)
+    n.normalize();
+  return units;
+}
+
+double section_area(const Vectors& points, const Triangles& triangles, const Vectors& units, const Vec3& origin,
+                    const Vec3& normal) {
   constexpr double local = 64.0; // mm^2: loops further than 8 mm from the axis belong to other branches
   using Edge = std::pair<int, int>;
   const auto side = [&](int v) { return normal.dot(points[v] - origin); };
   std::map<Edge, Edge> next;
-  std::map<Edge, Vec3> crossing;
+  std::map<Edge, Crossing> crossing;
   for (const Triangle& t : triangles) {
     if ((points[t[0]] - origin).squaredNorm() > local)
       continue;
@@ -23,7 +49,7 @@ double section_area(const Vectors& points, const Triangles& triangles, const Vec
       if ((da < 0) == (db < 0))
         continue;
       const Edge e{std::min(a, b), std::max(a, b)};
-      crossing[e] = points[a] + da / (da - db) * (points[b] - points[a]);
+      crossing[e] = crossing_at(a, b, da / (da - db), points, units, normal);
       (da < 0 ? leave : enter) = e; // along the triangle's outline: up through `leave`, down through `enter`
       ++crossings;
     }
@@ -35,7 +61,7 @@ double section_area(const Vectors& points, const Triangles& triangles, const Vec
     const Edge first = next.begin()->first;
     Edge e = first;
     Vec3 area = Vec3::Zero(), centroid = Vec3::Zero();
-    double length = 0;
+    double length = 0, bulge = 0; // of the arcs beyond their chords: two thirds of chord times sagitta
     bool closed = false;
     while (true) {
       const auto it = next.find(e);
@@ -43,7 +69,8 @@ double section_area(const Vectors& points, const Triangles& triangles, const Vec
         break;
       const Edge to = it->second;
       next.erase(it);
-      const Vec3 a = crossing[e] - origin, b = crossing[to] - origin;
+      const Vec3 a = crossing[e].point - origin, b = crossing[to].point - origin;
+      bulge += (b - a).norm() / 12 * (crossing[to].normal - crossing[e].normal).dot(b - a);
       area += 0.5 * a.cross(b);
       centroid += (b - a).norm() * 0.5 * (a + b);
       length += (b - a).norm();
@@ -55,7 +82,7 @@ double section_area(const Vectors& points, const Triangles& triangles, const Vec
     }
     if (closed && length > 0 && (centroid / length).norm() < nearest) {
       nearest = (centroid / length).norm();
-      best = area.norm();
+      best = area.norm() + bulge;
     }
   }
   return best;

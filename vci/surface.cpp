@@ -54,6 +54,34 @@ Vectors vertex_area_vectors(const Triangles& triangles, const Vectors& x, int fi
   return areas;
 }
 
+namespace {
+
+/// (n_j - n_i) . (x_j - x_i) / 2 along a side; at most what a side of a hexagon has, since normals of a crumpled
+/// surface say nothing of its curvature.
+double bulge(int i, int j, const Vectors& x, const Vectors& units) {
+  const Vec3 side = x[j] - x[i];
+  const double limit = 0.5 * side.norm();
+  return std::clamp(0.5 * (units[j] - units[i]).dot(side), -limit, limit);
+}
+
+} // namespace
+
+double sagitta(const Triangle& t, const Vec3& weights, const Vectors& x, const Vectors& units) {
+  double sum = 0;
+  for (int k = 0; k < 3; ++k) {
+    const int j = (k + 1) % 3;
+    sum += weights[k] * weights[j] * bulge(t[k], t[j], x, units);
+  }
+  return sum;
+}
+
+double largest_sagitta(const Triangle& t, const Vectors& x, const Vectors& units) {
+  double sum = 0;
+  for (int k = 0; k < 3; ++k)
+    sum += 0.25 * std::abs(bulge(t[k], t[(k + 1) % 3], x, units));
+  return sum;
+}
+
 std::vector<std::vector<int>> vertex_neighbours(const Triangles& triangles, int vertex_count) {
   std::vector<std::vector<int>> neighbours(vertex_count);
   for (const Triangle& t : triangles)

@@ -1,6 +1,7 @@
 // Closest points, the broad phase and the one-sided contact law.
 #include "vci/closest_point.hpp"
 #include "vci/contact.hpp"
+#include "vci/device.hpp"
 #include <algorithm>
 #include <gtest/gtest.h>
 #include <random>
@@ -87,6 +88,41 @@ TEST(AveragedRamp, IsTheMeanOverTheWay) {
   EXPECT_NEAR(averaged_ramp(from, to, s).pressure, sum, 1e-6);
   EXPECT_GT(averaged_ramp(from, to, s).stiffness, 0);
   EXPECT_NEAR(averaged_ramp(to, to, s).pressure, contact_ramp(to, s).pressure, 1e-12);
+}
+
+/// A tube of evenly spaced vertices about the z axis.
+void add_tube(System& system, int around, double radius, double turn) {
+  RingGrid grid{around, {}, {}};
+  std::vector<Frame> frames;
+  for (int r = 0; r < 12; ++r) {
+    grid.s.push_back(0.7 * r);
+    grid.profile.push_back(1);
+    frames.push_back({Vec3(0, 0, grid.s[r]),
+                      Vec3::UnitZ(),
+                      {std::cos(turn), std::sin(turn), 0},
+                      {-std::sin(turn), std::cos(turn), 0}});
+  }
+  const Vectors points = place_grid(grid, frames, std::vector<double>(grid.s.size(), radius));
+  system.add_body("tube", points, grid.triangles(), 1, std::vector<char>(points.size(), 0));
+}
+
+TEST(SurfaceContact, NestedTubesOfFewSidesMeetAsCirclesDo) {
+  constexpr double inner = 1.5, between = 0.04;
+  System system; // the inner tube's chords lie up to 0.073 mm within its circle, the outer one's 0.052 mm
+  add_tube(system, 12, inner + between, 0);
+  add_tube(system, 10, inner, 0.2);
+  ContactSettings settings;
+  settings.distance = 2 * between;
+  SurfaceContact contact(1, 0, settings);
+  std::vector<ContactPoint> found;
+  contact.detect(system, area_vectors(system), found);
+  int amid = 0; // away from the open ends, whose normals lean
+  for (const ContactPoint& p : found)
+    if (const double z = system.x[p.link.vertex[0]][2]; z > 1.5 && z < 6) {
+      EXPECT_NEAR(p.gap, between, 0.004);
+      ++amid;
+    }
+  EXPECT_GT(amid, 120);
 }
 
 /// Contact of a small pyramid, body 1 with its tip at (0.1, 0, height) and its base at `base`, on a flat sheet (normal

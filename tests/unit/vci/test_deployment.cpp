@@ -63,7 +63,18 @@ const Step predilatation{"pre", "predilatation", {{"pre", "main", length / 2, 10
 const Step stenting{"stent", "stent", {{"stent", "main", length / 2, 11}}};
 
 double throat(const Lumen& l, const Vectors& points) {
-  return section_area(points, l.triangles, {0, 0, length / 2 + 0.01}, Vec3::UnitZ());
+  const Vectors units = section_normals(points, l.triangles);
+  return section_area(points, l.triangles, units, {0, 0, length / 2 + 0.01}, Vec3::UnitZ());
+}
+
+TEST(Sections, ArcsGiveTheAreaOfACoarseTube) {
+  const Lumen l = tube(0.8); // twelve vertices round: its chords enclose 4.5 % less than the circle
+  const Vectors units = section_normals(l.points, l.triangles);
+  const double circle = M_PI * healthy * healthy;
+  for (double s : {4.0, 4.2, 4.4, 4.6})
+    EXPECT_NEAR(section_area(l.points, l.triangles, units, {0, 0, s}, Vec3::UnitZ()), circle, 0.003 * circle) << s;
+  const Vec3 oblique = Vec3(0.3, -0.2, 1).normalized();
+  EXPECT_NEAR(section_area(l.points, l.triangles, units, {0, 0, 5}, oblique), circle / oblique[2], 0.004 * circle);
 }
 
 TEST(Deployment, PredilatationAloneLeavesAnAreaBetweenInitialAndInflated) {

@@ -148,15 +148,12 @@ def test_predilatation_alone_ends_between_initial_and_inflated(deploy):
 
 
 def test_a_moved_or_mirrored_scene_gives_the_same_areas(deploy):
-    """The device grids turn with the frame chosen, so that the same to the bit is not to be had.
-
-    At 0.3 mm they agree within 0.2 %; at the default 0.45 mm the grids' turn changes the area by 1.5 %.
-    """
+    """The device grids turn with the frame chosen, so that the same to the bit is not to be had."""
     turn = vtk.vtkTransform()
     turn.RotateWXYZ(70, 1, 2, -0.5)
     rotation = np.array([[turn.GetMatrix().GetElement(i, j) for j in range(3)] for i in range(3)])
     places = ({}, {"moved": (rotation, np.array([5.0, -20.0, 8.0]))}, {"mirrored": True})
-    here, moved, mirrored = (areas(deploy(device_edge=0.3, **place)).mean() for place in places)
+    here, moved, mirrored = (areas(deploy(**place)).mean() for place in places)
     assert moved == pytest.approx(here, rel=0.005)
     assert mirrored == pytest.approx(here, rel=0.005)
 
@@ -185,9 +182,10 @@ def test_no_device_vertex_outside_the_lumen(deploy):
 
 
 def test_areas_converge_with_the_mesh(deploy):
+    """Contact and sections follow the smooth surface through the vertices: coarse meshes have little bias."""
     mean = {edge: areas(deploy(edge=edge)).mean() for edge in (0.8, 0.6, 0.4)}
-    assert mean[0.6] == pytest.approx(mean[0.4], rel=0.02)
-    assert mean[0.8] == pytest.approx(mean[0.4], rel=0.04)
+    assert mean[0.6] == pytest.approx(mean[0.4], rel=0.01)
+    assert mean[0.8] == pytest.approx(mean[0.4], rel=0.015)
 
 
 def test_same_input_same_bits(deploy):
