@@ -27,6 +27,18 @@ def of(solved, document, tree, distal, coarser=None):
     return {"ffr": total, **parts, "method": f"dual-weighted residual times {SAFETY:g}{compared}"}
 
 
+def of_mean(steady, mixing, difference):
+    """Estimate for the mean of a flow that changes in time: the mesh's part of `steady`, the estimate of the steady
+    flow at c = mixing, and by how much the means of the two halves of its window differ; None where `steady` is None.
+    """
+    if steady is None:
+        return None
+    parts = {key: steady[key] for key in ("goal", "goal_signed", "mesh", "ffr_coarse", "ffr_fine") if key in steady}
+    total = max(parts["goal"], parts.get("mesh", 0.0)) + difference
+    method = f"of the mesh as in the steady flow at jet mixing {mixing:g}, plus the difference of half windows"
+    return {"ffr": total, **parts, "mean": difference, "method": method}
+
+
 def two_meshes(fine, coarse, distal):
     """Richardson's estimate |fine - coarse| / (r^2 - 1), r^3 the ratio of the numbers of cells; none below 1.05."""
     cells = [len(item.space.nodes()[1]) for item in (coarse, fine)]

@@ -106,12 +106,18 @@ class NavierStokes:
         )  # about half an edge
         speed = ufl.sqrt(ufl.inner(u, u) + SLOWEST**2)
         inertia = density * self.rate * speed / width * ufl.inner(du, v) * dx
+        self._mass = density * ufl.inner(du, v) * dx
         self._picard = stokes(du, dp) + oseen(du) + jet(du) + inertia
 
     @functools.cached_property
     def tangent(self):
         """Newton's: the derivative of the residual (compiled when first asked for)."""
         return compat.form(self._tangent)
+
+    @functools.cached_property
+    def mass(self):
+        """rho (du, v), whose product with du/dt is the inertia of a flow in time."""
+        return compat.form(self._mass)
 
     @functools.cached_property
     def picard(self):

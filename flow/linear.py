@@ -47,6 +47,10 @@ class DirectSolver:
             reason = self.ksp.getConvergedReason()
             raise ComputationError("linear solve failed", "MUMPS", f"reason {reason}", "check the mesh and resistances")
 
+    def release(self):
+        """Frees the factors; the next matrix is factorized as the first was."""
+        self.ksp.reset()
+
     def destroy(self):
         self.ksp.destroy()
 

@@ -63,6 +63,10 @@ class FieldSampler:
     def __init__(self, space, state):
         self.points, self.cells = space.nodes()
         self.locator = Locator(self.points, self.cells)
+        self.take(space, state)
+
+    def take(self, space, state):
+        """Samples another state (n,) of the same space from now on."""
         self.velocity = state[space.v_map].reshape(-1, 3)
         self.pressure = space.nodal_pressure(state)
 

@@ -41,7 +41,7 @@ class FlowProblem:
     """
 
     def __init__(self, space, boundaries, document, settings, jet_length, spent=0, log=sys.stderr):
-        self.spent = spent
+        self.spent, self.allowed = spent, settings.max_newton_iterations
         self.space, self.boundaries, self.settings, self.log = space, boundaries, settings, log
         self.jet_length = jet_length
         self.state = fem.Function(space.W)
@@ -66,6 +66,7 @@ class FlowProblem:
         self.load = self._load_norm()
         self.history = []
         self.bordered = None
+        self.inertia = None  # flow.marching.Inertia while the flow is marched in time
         self.passed = []  # (c, values, inflow) of the flows on the path; the last is the answer's
 
     @property
@@ -76,7 +77,7 @@ class FlowProblem:
     @property
     def left(self):
         """Factorizations that are still allowed."""
-        return self.settings.max_newton_iterations - self.spent - self.solver.factorizations
+        return self.allowed - self.spent - self.solver.factorizations
 
     def _load_norm(self):
         """Norm of the pressure load at rest, of MAP on the inlet and P_v, or what is given, on the outlets."""
@@ -95,6 +96,8 @@ class FlowProblem:
         vector.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
         outflows = self.boundaries.outflows(compat.petsc_vector(self.state))
         vector.maxpy(self.boundaries.pressures(outflows), self.boundaries.flux)
+        if self.inertia:
+            self.inertia.add_force(vector, self.state_vector())
         self.mean_inlet_pressure = float(self.profile.dot(vector))
         wanted = self.boundaries.inflow
         if wanted is None:
@@ -105,10 +108,15 @@ class FlowProblem:
         norm = float(np.hypot(free.norm(), inlet * self.boundaries.inlet_area))
         return free, inlet, norm
 
+    def residual_norm(self):
+        """Norm of the residual in N at the present state."""
+        free, _, norm = self.residual()
+        free.destroy()
+        return norm
+
     def inlet_pressure(self):
         """Mean pressure at the inlet in Pa, weighted with the profile, at the present state."""
-        free, _, _ = self.residual()
-        free.destroy()
+        self.residual_norm()
         return self.mean_inlet_pressure
 
     def linearise(self, form):
@@ -116,6 +124,8 @@ class FlowProblem:
         self.matrix.zeroEntries()
         fem_petsc.assemble_matrix(self.matrix, form)
         self.matrix.assemble()
+        if self.inertia:
+            self.inertia.add_tangent(self.matrix)
         self.free_matrix = self.matrix.createSubMatrix(self.free, self.free, self.free_matrix)
         self.solver.set_matrix(self.free_matrix)
         forward, backward = self.profile.duplicate(), self.profile.duplicate()
@@ -215,12 +225,7 @@ class FlowProblem:
         flow with c <= fading.LARGEST_MIXING is found.
         """
         if predicted and predicted.whole:
-            self.boundaries.full()
-            points, _ = self.space.nodes()
-            self.take(*predicted.fields(points), float(np.sum(predicted.flows)))
-            settings = self.settings
-            print("from the reduced models' flow", file=self.log, flush=True)
-            found = newton.newton(self, settings.residual_absolute, settings.residual_relative, FROM_PREDICTED)
+            found = self._from_predicted(predicted)
             if found.converged:
                 return found
             self.restart()
@@ -232,12 +237,26 @@ class FlowProblem:
         self.restart()
         return fading.from_rest(self, resistances_at)
 
-    def solve_from_guess(self, coarse):
+    def _from_predicted(self, predicted):
+        """Outcome of Newton's method from the flow of the reduced models."""
+        self.boundaries.full()
+        self.forms.mixing.value = 0.0
+        points, _ = self.space.nodes()
+        self.take(*predicted.fields(points), float(np.sum(predicted.flows)))
+        print("from the reduced models' flow", file=self.log, flush=True)
+        return newton.newton(self, self.settings.residual_absolute, self.settings.residual_relative, FROM_PREDICTED)
+
+    def solve_from_guess(self, coarse, predicted=None):
         """Outcome at full flow from the flow on another mesh of the same lumen (a solved FlowProblem).
 
         Newton's method starts from that flow at the c that was reached there, and where this fails at larger ones, from
-        which c fades. Raises ComputationError.
+        which c fades. Where c is not 0 the reduced models' flow is tried first, as in `solve`: a finer mesh may resolve
+        the jet whose flow the coarse one has not. Raises ComputationError.
         """
+        if coarse.mixing > 0 and predicted and predicted.whole:
+            found = self._from_predicted(predicted)
+            if found.converged:
+                return found
         self.boundaries.full()
         self.set_guess(coarse.space, coarse.state.x.array, coarse.inflow)
         return fading.from_guess(self, coarse.mixing)

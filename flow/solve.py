@@ -20,6 +20,7 @@ from flow import (
     predictor,
     reduced_answer,
     spaces,
+    unsteady,
     viscosity,
     wall_shear,
 )
@@ -32,18 +33,23 @@ class Solved:
 
     def __init__(self, space, boundaries, problem, outcome):
         self.space, self.boundaries, self.problem, self.outcome = space, boundaries, problem, outcome
-        self.sampler = locate.FieldSampler(space, problem.state.x.array)
-        self.outflows = boundaries.outflows(problem.state_vector())
+        self.unsteady = None  # flow.unsteady.Answer where the flow is a mean
+        self.read()
+
+    def read(self):
+        """Takes the problem's state as the flow."""
+        self.sampler = locate.FieldSampler(self.space, self.problem.state.x.array)
+        self.outflows = self.boundaries.outflows(self.problem.state_vector())
 
     def destroy(self):
         self.problem.destroy()
         self.boundaries.destroy()
 
 
-def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0):
+def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0, march=False):
     """Solved from a mesh file; the guess is that of `start` (Solved on another mesh), else of `predicted` (Predictor).
 
-    spent: factorizations already made of those allowed.
+    spent: factorizations already made of those allowed. march: where there is no steady flow Solved has no outcome.
     """
     space = spaces.read(path)
     boundaries = outlets.Boundaries(space, document)
@@ -60,12 +66,15 @@ def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0):
         if start is None:
             outcome = problem.solve(resistances_at, predicted)
         else:
-            outcome = problem.solve_from_guess(start.problem)
+            outcome = problem.solve_from_guess(start.problem, predicted)
     except ComputationError as error:
         error.factorizations = problem.solver.factorizations
-        problem.destroy()
-        boundaries.destroy()
-        raise
+        if not march:
+            problem.destroy()
+            boundaries.destroy()
+            raise
+        print(f"{path}: no steady flow, marched in time:\n{error}", file=sys.stderr, flush=True)
+        outcome = None
     return Solved(space, boundaries, problem, outcome)
 
 
@@ -129,7 +138,8 @@ def to_tolerance(paths, document, settings, tree, predicted):
     for path in paths:
         last, begin = path == paths[-1], time.process_time()
         try:
-            solved = solve_mesh(path, document, settings, tree, predicted, before, spent)
+            march = last and settings.march_steps > 0
+            solved = solve_mesh(path, document, settings, tree, predicted, before, spent, march)
         except ComputationError as error:
             spent += error.factorizations
             if last or spent >= settings.max_newton_iterations:
@@ -138,21 +148,52 @@ def to_tolerance(paths, document, settings, tree, predicted):
             meshes.append({"mesh": pathlib.Path(path).name, "status": "no steady flow"})
             continue
 
-        def distal(sampler):
+        def at_probes(sampler):
             reference = ffr.reference_pa(document, tree, sampler)
-            return ffr.at_probes(document["probes"][:1], tree, sampler, reference)[0]["ffr"]
+            return [probe["ffr"] for probe in ffr.at_probes(document["probes"], tree, sampler, reference)]
 
+        def distal(sampler):
+            return at_probes(sampler)[0]
+
+        estimate = error_estimate.of(solved, document, tree, distal, before) if solved.outcome else None
+        if march and (solved.problem.mixing > 0 or not solved.outcome) and not within(estimate, settings):
+            estimate = march_on(solved, document, tree, at_probes, before, estimate)
         spent += solved.problem.solver.factorizations
-        estimate = error_estimate.of(solved, document, tree, distal, before)
         meshes.append(_record(path, solved, distal(solved.sampler), estimate, time.process_time() - begin))
         if before:
             before.destroy()
         if last or within(estimate, settings):
             break
         before = solved
+        before.problem.solver.release()
     if not within(estimate, settings):
         print(f"error of FFR not known to be below ffr_tolerance = {settings.ffr_tolerance:g}", file=sys.stderr)
     return solved, estimate, meshes
+
+
+def march_on(solved, document, tree, at_probes, before, estimate):
+    """Error estimate of the flow that a march in time from that of a Solved ends with, which becomes the Solved's.
+
+    at_probes(sampler) -> FFR at the probes. Where the march does not settle the flow with eddy viscosity stays, and
+    its `estimate`. Raises ComputationError where there is none.
+    """
+    problem, kept = solved.problem, (solved.problem.state.x.array.copy(), solved.problem.inflow, solved.problem.mixing)
+    try:
+        solved.unsteady = unsteady.march(problem, at_probes)
+    except ComputationError as error:
+        if not solved.outcome:
+            raise
+        print(f"the flow with eddy viscosity is the answer:\n{error}", file=sys.stderr, flush=True)
+        problem.state.x.array[:], problem.inflow, problem.forms.mixing.value = kept
+        return estimate
+    settings, norm = problem.settings, problem.residual_norm()
+    solved.outcome = problem.outcome(
+        norm, settings.residual_absolute, settings.residual_relative, problem.solver.factorizations
+    )
+    solved.read()
+    if solved.unsteady is None:
+        return error_estimate.of(solved, document, tree, lambda sampler: at_probes(sampler)[0], before)
+    return error_estimate.of_mean(estimate, kept[2], solved.unsteady.difference)
 
 
 def _record(path, solved, value, estimate, cpu_seconds):
@@ -160,13 +201,18 @@ def _record(path, solved, value, estimate, cpu_seconds):
     print(f"{path}: FFR {value:.4f}{error}", file=sys.stderr, flush=True)
     return {
         "mesh": pathlib.Path(path).name,
-        "status": "converged",
+        "status": status(solved),
         "dofs": solved.space.dofs,
         "ffr": value,
         "error_estimate": estimate["ffr"] if estimate else None,
         "factorizations": solved.problem.solver.factorizations,
         "cpu_seconds": cpu_seconds,
     }
+
+
+def status(solved):
+    """`converged`, or `unsteady` where the flow is a mean over time."""
+    return "unsteady" if solved.unsteady else "converged"
 
 
 def collect(solved, probes, tree, network, reference):
@@ -181,9 +227,12 @@ def collect(solved, probes, tree, network, reference):
         return float(by_index[network.downstream(branch, s_mm)].sum())
 
     table = ffr.pullback(tree, solved.sampler, reference, flow_at)
+    if solved.unsteady:
+        for probe, amplitude in zip(probes, solved.unsteady.amplitudes):
+            probe["ffr_amplitude"] = float(amplitude)
     answer = {
         "schema": "vci-ffr-1",
-        "status": "converged",
+        "status": status(solved),
         "model": "3D Navier-Stokes, Taylor-Hood P2-P1 on quadratic tetrahedra",
         "ffr": probes[0]["ffr"],
         "probes": probes,
@@ -194,6 +243,7 @@ def collect(solved, probes, tree, network, reference):
         "inlet_flow_m3_per_s": inflow,
         "mass_imbalance": float(abs(solved.outflows.sum() - inflow) / inflow),
         "energy": energy.balance(solved.problem),
+        "unsteady": solved.unsteady.document() if solved.unsteady else None,
         "iterations": outcome.iterations,
         "residual_absolute": outcome.residual_absolute,
         "residual_relative": outcome.residual_relative,

@@ -43,11 +43,11 @@ def read_pullback(path, branch):
 
 
 def read_solution(path):
-    """ffr.json with a finite `ffr`; InputError for one that says it did not converge."""
+    """ffr.json with a finite `ffr`; InputError for one that is neither converged nor a mean over time (unsteady)."""
     solution = read_json(path, "flow solve")
     number(solution, "ffr", path)
     status = str(solution.get("status", ""))
-    if status != "converged":
+    if status not in ("converged", "unsteady"):
         raise InputError("a flow solution is not converged", path, status, "repeat the flow solve of this state")
     return solution
 

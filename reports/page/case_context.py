@@ -54,12 +54,17 @@ def case_context(files, figures_dir):
         ],
         "switched_off": [as_text(item) for item in (deployment or {}).get("switched_off", [])],
         "flow": flow,
-        "modified": [state for state, row in flow.items() if row["solution"].get("jet_mixing")],
+        "modified": [state for state, row in flow.items() if not _steady(row["solution"])],
         "reference": optional_json(files.folder / "reference" / "reference.json"),
         "still": image_uri(figures_dir / f"{files.case}_lumen.png"),
         "curves": [{"uri": image_uri(figures_dir / f"{files.case}_{name}.svg"), "alt": text} for name, text in CURVES],
         "viewer": viewer_data(files, metrics),
     }
+
+
+def _steady(solution):
+    """Whether ffr.json is of a steady flow without eddy viscosity."""
+    return not solution.get("jet_mixing") and solution.get("status") != "unsteady"
 
 
 def flow_row(files, state):

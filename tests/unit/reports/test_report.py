@@ -117,6 +117,18 @@ def test_a_mild_narrowing_and_a_modified_flow_are_said(study, tmp_path, ffr, jet
     assert text.count('<a href="#case-tube">*</a>') + text.count("* No steady flow was found") == stars
 
 
+def test_a_mean_over_time_is_said_as_such(study, tmp_path):
+    path, folder = study(("tube", {})), tmp_path / "cases" / "tube"
+    file = folder / "flow" / "pre" / "ffr.json"
+    unsteady = {"window_s": [0.05, 0.14], "ffr_amplitude": 0.0032}
+    file.write_text(json.dumps(json.loads(file.read_text()) | {"status": "unsteady", "unsteady": unsteady}))
+    places = ["--study-dir", str(tmp_path / "study"), "--figures-dir", str(tmp_path / "figures")]
+    main(["report", "--case-dir", str(folder), *places, "--out", str(path)])
+    text = path.read_text()
+    assert "the mean over 0.09 s of the flow in time, which goes up and down by 0.0032" in text
+    assert text.count('<a href="#case-tube">*</a>') + text.count("* No steady flow was found") == 2
+
+
 def test_benchmarks_that_were_run_are_shown(study, tmp_path):
     path, folder = study(("tube", {})), tmp_path / "cases" / "tube"
     assert 'id="benchmarks"' not in path.read_text()

@@ -2,10 +2,10 @@
 
 A state of a study's case, as a deployed lumen, is one more: --state results/cases/<case>/<state>.
 
-Writes DIR/hard_cases.csv: case, outcome (converged, converged with eddy viscosity, refused), FFR, error estimate, FFR
-of the axisymmetric model and of the 1D network, residual in N, eddy viscosity left, dofs of the mesh that answered,
-factorizations on all meshes, CPU seconds, peak memory. A case is meshed and solved by `python3 -m flow` with default
-settings; rows of cases that are not run again stay.
+Writes DIR/hard_cases.csv: case, outcome (converged, converged with eddy viscosity, unsteady, refused), FFR, error
+estimate, FFR of the axisymmetric model and of the 1D network, residual in N, eddy viscosity left, dofs of the mesh
+that answered, factorizations on all meshes, CPU seconds, peak memory. A case is meshed and solved by `python3 -m flow`
+with default settings; rows of cases that are not run again stay.
 """
 
 import argparse
@@ -131,6 +131,14 @@ def copy(state, folder):
         shutil.copy(file, folder / file.name)
 
 
+def outcome(answer):
+    """What became of a case, in words: answer is the document of ffr.json."""
+    if answer["unsteady"]:
+        begin, end = answer["unsteady"]["window_s"]
+        return f"unsteady: mean over {end - begin:.2f} s, amplitude {answer['unsteady']['ffr_amplitude']:.4f}"
+    return "converged with eddy viscosity" if answer["jet_mixing"] else "converged"
+
+
 def run(name, folder):
     """Row of the table for the case whose lumen is in `folder`, meshed and solved there."""
     line, meshes = ["--centreline", "centreline.vtp"], ["mesh.msh", "--coarse", "mesh_coarse.msh"]
@@ -150,7 +158,7 @@ def run(name, folder):
     eddy, axisymmetric = answer["jet_mixing"], answer["models"]["axisymmetric"]["ffr"]
     return {
         "case": name,
-        "outcome": "converged with eddy viscosity" if eddy else "converged",
+        "outcome": outcome(answer),
         "ffr": f"{answer['ffr']:.4f}",
         "estimate": f"{answer['error_estimate']['ffr']:.4f}" if answer["error_estimate"] else "unknown",
         "ffr_axisymmetric": "none" if axisymmetric is None else f"{axisymmetric:.4f}",

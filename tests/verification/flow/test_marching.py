@@ -1,0 +1,86 @@
+"""The march in time against Womersley's flow in a tube: order 2 in the step.
+
+Womersley 1955, J Physiol 127. The inflow Q (1 + A cos(w t)) is given as a parabola; a few radii on, the slope of the
+pressure is Poiseuille's and the real part of A Q i w rho / (pi R^2) exp(i w t) / (1 - 2 J1(x) / (x J0(x))) with
+x = i^1.5 alpha.
+"""
+
+import pathlib
+import sys
+
+import numpy as np
+import pytest
+from scipy.special import jv
+
+sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[2] / "unit" / "flow")]
+
+import tubes  # noqa: E402
+from flow import centreline, jet, locate, marching, mesh, newton, nonlinear, outlets, settings, spaces  # noqa: E402
+
+LENGTH, RADIUS, DENSITY, VISCOSITY = 9.0, 1.2, 1060.0, 0.004  # mm, SI
+MEAN_FLOW, SWING, ALPHA = 2e-8, 0.3, 3.0  # m3/s (Reynolds number 3), share of it, Womersley number
+OMEGA = (ALPHA / (RADIUS * 1e-3)) ** 2 * VISCOSITY / DENSITY  # 1/s
+OUTLET = 1.0  # Pa; the pressure falls by about half as much
+PLACES = 4.0, 8.0  # mm: between them the pressure falls by Womersley's slope
+STEPS = 12, 24, 48  # a period
+PERIODS = 3.0  # the start has died away by exp(-11)
+
+
+@pytest.fixture(scope="module")
+def problem(tmp_path_factory):
+    """A straight tube with given inflow."""
+    path = tmp_path_factory.mktemp("womersley") / "mesh.msh"
+    tree = centreline.Tree([tubes.line(LENGTH, lambda s: RADIUS)])
+    chosen = settings.make()
+    built, _ = mesh.build(tubes.tube(LENGTH, lambda s: RADIUS, 0.4), tree, 2.5, chosen, 4, 1.0)
+    mesh.write(built, path)
+    space = spaces.read(path)
+    outlet = {"name": "outlet1", "region_id": 2, "branch": "main", "flow_m3_per_s": MEAN_FLOW}
+    document = {
+        "map_pa": OUTLET,  # scales the residuals
+        "venous_pressure_pa": 0.0,
+        "density_kg_per_m3": DENSITY,
+        "viscosity_pa_s": VISCOSITY,
+        "inlet_flow_m3_per_s": MEAN_FLOW * (1 + SWING),
+        "outlets": [outlet | {"resistance_pa_s_per_m3": 0.0, "pressure_pa": OUTLET}],
+    }
+    length = jet.mixing_length(space, tree, chosen.jet_spread)
+    made = nonlinear.FlowProblem(space, outlets.Boundaries(space, document), document, chosen, length)
+    assert newton.newton(made, 1e-12, 1.0, 8).converged
+    yield made
+    made.destroy()
+
+
+def _exact(time):
+    """Pressure drop in Pa between PLACES."""
+    x = np.exp(0.75j * np.pi) * ALPHA
+    area, length = np.pi * (RADIUS * 1e-3) ** 2, (PLACES[1] - PLACES[0]) * 1e-3
+    swing = 1j * OMEGA * DENSITY / area * np.exp(1j * OMEGA * time) / (1 - 2 * jv(1, x) / (x * jv(0, x)))
+    return MEAN_FLOW * length * (8 * np.pi * VISCOSITY / area**2 + SWING * swing.real)
+
+
+def _errors(problem, steps_a_period):
+    """Errors of the pressure drop over its swing, at STEPS[0] times of the last period."""
+    start = problem.state.x.array.copy(), problem.inflow
+    stepper, dt, errors = marching.Stepper(problem), 2 * np.pi / OMEGA / steps_a_period, []
+    points = np.array([[s, 0.0, 0.0] for s in PLACES]) * 1e-3
+    sampler = locate.FieldSampler(problem.space, problem.state.x.array)
+    while stepper.steps < PERIODS * steps_a_period:
+        problem.boundaries.inflow = MEAN_FLOW * (1 + SWING * np.cos(OMEGA * (stepper.time + dt)))
+        stepper.step(dt)
+        sampler.take(problem.space, problem.state.x.array)
+        before, behind = sampler(points)[1]
+        errors.append(before - behind - _exact(stepper.time))
+    stepper.destroy()
+    problem.state.x.array[:], problem.inflow = start
+    swing = np.ptp([_exact(t) for t in np.linspace(0, 2 * np.pi / OMEGA, 100)])
+    every = steps_a_period // STEPS[0]
+    return np.array(errors[-steps_a_period:][every - 1 :: every]) / swing
+
+
+def test_order_of_the_march_in_time(problem):
+    coarse, middle, fine = (_errors(problem, steps) for steps in STEPS)
+    assert np.abs(fine).max() < 0.006
+    # what the mesh and the inlet's parabola leave is the same in all three
+    order = np.log2(np.abs(coarse - middle).max() / np.abs(middle - fine).max())
+    assert 1.9 < order < 2.2
