@@ -31,6 +31,13 @@ def _parser():
     mesh_help = "elements round x through the wall x length in mm, coarse to fine"
     solid.add_argument("--meshes", nargs="+", default=["8x3x2", "12x4x1.2"], metavar="NxNxMM", help=mesh_help)
     solid.add_argument("--out", type=pathlib.Path, required=True, help="folder for slices_vs_3d.json")
+    vary = commands.add_parser(
+        "reference-sensitivity", help="how much the reference depends on its constants (a minute)"
+    )
+    vary.add_argument("--scene", type=pathlib.Path, required=True, help="scene.json: devices and procedure")
+    vary.add_argument("--truth", type=pathlib.Path, required=True, help="truth.json of the virtual patient")
+    vary.add_argument("--settings", type=pathlib.Path, help="YAML or JSON with the keys of the section `reference`")
+    vary.add_argument("--out", type=pathlib.Path, required=True, help="folder for sensitivity.csv")
     other = commands.add_parser("reference-ccx", help="a slice against CalculiX, where that is installed")
     other.add_argument("--program", default="ccx", help="CalculiX (Debian package calculix-ccx)")
     other.add_argument("--out", type=pathlib.Path, required=True, help="folder for slices_vs_calculix.json")
@@ -74,6 +81,10 @@ def main(arguments=None):
         from .reference import against_solid
 
         against_solid.compare(options.scene, options.truth, options.out, options.meshes, options.settings)
+    elif options.command == "reference-sensitivity":
+        from .reference import sensitivity
+
+        sensitivity.study(options.scene, options.truth, options.out, options.settings)
     elif options.command == "reference-ccx":
         from .reference import against_calculix
 

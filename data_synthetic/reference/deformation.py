@@ -18,7 +18,7 @@ class SpanField:
 
     def __init__(self, s_mm, theta_rad, displacement, coupling_mm=0.0):
         s_mm = np.asarray(s_mm, float)
-        fine_s = np.linspace(s_mm[0], s_mm[-1], max(int((s_mm[-1] - s_mm[0]) / FINE_S_MM), 1) + 1)
+        fine_s = fine_positions(s_mm)
         along = PchipInterpolator(s_mm, displacement, axis=0)(fine_s)
         if coupling_mm:
             along = coupled(along, fine_s[1] - fine_s[0], coupling_mm)
@@ -32,6 +32,11 @@ class SpanField:
         """Displacement (k, 2) at points inside the span (clamped to it)."""
         s = np.clip(s_mm, self.first, self.last)
         return self._grid(np.stack([s, np.mod(theta_rad, 2 * np.pi)], axis=1))
+
+
+def fine_positions(s_mm):
+    """Even arc lengths (k,), FINE_S_MM apart or little more, from the first to the last of s_mm."""
+    return np.linspace(s_mm[0], s_mm[-1], max(int((s_mm[-1] - s_mm[0]) / FINE_S_MM), 1) + 1)
 
 
 def coupled(values, step_mm, length_mm):

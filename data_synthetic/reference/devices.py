@@ -43,9 +43,13 @@ class Stent:
     cap_mpa: float
     bending_n_mm2: float
 
-    def holds(self, s_mm):
-        """Whether it covers arc length s."""
-        return self.start_s_mm - 1e-9 <= s_mm <= self.end_s_mm + 1e-9
+    def covers(self, s_mm):
+        """Whether it covers arc length s_mm, a number or an array."""
+        return (self.start_s_mm - 1e-9 <= s_mm) & (s_mm <= self.end_s_mm + 1e-9)
+
+    def ends(self):
+        """Arc lengths (mm) of its ends."""
+        return self.start_s_mm, self.end_s_mm
 
 
 @dataclass(frozen=True)

@@ -69,9 +69,15 @@ SETTINGS_SOURCE = {
     "10.1186/s40001-017-0300-y)",
     "stent's bending_stiffness_n_mm2": "of its device; measured 17 ... 47 N mm2, crimped (Schmidt et al., Catheter "
     "Cardiovasc Interv 73 (2009) 350, doi 10.1002/ccd.21832)",
-    "support_mpa_per_mm": "0.01: choice without a source",
+    "support_mpa_per_mm": "0.01: 2 G / r, the support of a cylinder of radius r by an elastic medium of shear modulus "
+    "G (Lame), for r 2.7 mm and G 13 kPa: myocardium in systole, 6.08 +- 1.06 kPa in diastole at 60 to 80 years "
+    "(Villemain et al., JACC Cardiovasc Imaging 12 (2019) 1135) times the healthy ratio of 2.10 +- 0.47 (Jin et al., "
+    "Ultrasound Med Biol 49 (2023) 1719, doi 10.1016/j.ultrasmedbio.2023.03.016). The stiffest of what surrounds the "
+    "vessel: diastole would give 0.0045, fat of 0.75 kPa (Strain-dependent shear properties of human adipose tissue in "
+    "vivo, J Mech Behav Biomed Mater 2023) 0.0006",
     "bulk_modulus_mpa": "20: choice, a hundred times the fibrous shear modulus (Poisson's ratio 0.495)",
-    "vessel_bending_n_mm2": "2: choice without a source; the area of a stented lumen hardly depends on it",
+    "vessel_bending_n_mm2": "from the wall's own constant, 6 C10 pi/4 (r_outer^4 - r_inner^4) of the healthy vessel: a "
+    "tube's second moment of area times the small-strain modulus of the Yeoh wall",
     "edge_decay_mm": "0.6: choice, of the order of sqrt(r t) (3 (1 - nu^2))^(-1/4) for a shell of radius r and "
     "thickness t (Timoshenko, Theory of Plates and Shells), 0.8 mm for 1.4 and 0.7 mm",
 }

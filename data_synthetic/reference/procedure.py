@@ -45,7 +45,7 @@ def treat(model, steps, s_mm, settings, stents_here, name):
         radius = float(step.balloon.radius_at(s_mm))
         distance = np.linalg.norm(model.lumen_position(), axis=1)
         start = max(float(distance.min()) - 0.05, 0.0)
-        if step.stent and step.stent.holds(s_mm) and stents_here:
+        if step.stent and step.stent.covers(s_mm) and stents_here:
             carried = step.stent
         if radius > start:
             model.set_loads(

@@ -51,9 +51,7 @@ def run(scene_path, anatomy, truth_path, out, settings_path=None):
     field, records, free_s = slices.lumen_field(model, patient, steps, settings)
     stents = [step.stent for step in steps if step.stent]
     middle = 0.5 * (free_s[0] + free_s[-1])
-    outer = float(branch.healthy(np.array(middle))) + patient.wall_mm
-    foundation = np.pi * outer * settings["support_mpa_per_mm"]
-    straight_s, straight = straightening.offset(branch.axis, stents, settings["vessel_bending_n_mm2"], foundation)
+    straight_s, straight = straightening.of_patient(branch, patient.wall_mm, stents, middle, settings)
     resting = [(centre, radius) for _, centre, _, radius in ends(branches)]
     surface = _moved_surface(
         lumen,
@@ -81,7 +79,7 @@ def run(scene_path, anatomy, truth_path, out, settings_path=None):
         "steps": [{"name": s.name, "action": s.action, **vars(s.balloon)} for s in steps],
         "stents": [vars(stent) for stent in stents],
         "slices": sorted(records, key=lambda r: (r["s_mm"], r["stented"])),
-        "recoil_percent": _recoil(records),
+        "recoil_percent": _recoil(records, slices.spans(steps)),
         "minimal_stent_area_mm2": min((r["area_mm2"] for r in records if r["stented"]), default=None),
         "largest_straightening_mm": float(np.linalg.norm(straight, axis=1).max()),
         "error_estimate": error,
@@ -126,14 +124,17 @@ def _check_inside(steps, branch, scene_path):
             )
 
 
-def _recoil(records):
-    """Mean loss of radius in per cent from the last inflation to the end, over the stented slices."""
-    losses = [
-        100 * (1 - r["history"][-1]["radius_mm"] / r["history"][-1]["inflated_radius_mm"])
-        for r in records
-        if r["stented"]
-    ]
-    return float(np.mean(losses)) if losses else None
+def _recoil(records, spans):
+    """Mean loss of radius in per cent from the last inflation to the end, along the stented spans; None without one."""
+    lost, length = 0.0, 0.0
+    for start, end in spans:
+        held = [r for r in records if r["stented"] and start - 1e-3 <= r["s_mm"] <= end + 1e-3]
+        s = np.array([r["s_mm"] for r in held])
+        last = [r["history"][-1] for r in held]
+        loss = np.array([100 * (1 - h["radius_mm"] / h["inflated_radius_mm"]) for h in last])
+        order = np.argsort(s)
+        lost, length = lost + np.trapz(loss[order], s[order]), length + np.ptp(s)
+    return float(lost / length) if length else None
 
 
 def _coarser(settings):

@@ -4,8 +4,11 @@ import sys
 
 import numpy as np
 
-from . import deformation, procedure, tissue
+from . import deformation, own_error, procedure, tissue
 from .slice_model import SliceModel
+
+REFINEMENTS = 3  # rounds in which slices are added
+NEAREST_MM = 0.09  # slices are not added closer than this
 
 
 class Patient:
@@ -29,24 +32,24 @@ def slice_positions(axis_length_mm, steps, spacing_mm, margin_mm):
     low = min(step.balloon.reach()[0] for step in steps) - margin_mm
     high = max(step.balloon.reach()[1] for step in steps) + margin_mm
     low, high = max(low, 0.5), min(high, axis_length_mm - 0.5)
-    spans = _union([(step.stent.start_s_mm, step.stent.end_s_mm) for step in steps if step.stent])
 
     def even(a, b):
         return np.linspace(a, b, max(int(np.ceil((b - a) / spacing_mm)), 2) + 1)
 
-    held = [(a, b, even(a, b)) for a, b in spans]
+    held = [(a, b, even(a, b)) for a, b in spans(steps)]
     # Without the stent slices matter outside the spans only, and at their ends.
     free, start = [], low
-    for a, b in spans:
+    for a, b, _ in held:
         free += [even(start, a)] if a - start > 0.05 else [[a]]
         start = b
     free += [even(start, high)] if high - start > 0.05 else [[start]]
     return np.unique(np.concatenate(free).round(9)), held
 
 
-def _union(spans):
+def spans(steps):
+    """[(start, end)] of the stretches (mm of arc length) that the stents of the steps hold, overlapping ones joined."""
     merged = []
-    for a, b in sorted(spans):
+    for a, b in sorted((step.stent.start_s_mm, step.stent.end_s_mm) for step in steps if step.stent):
         if merged and a <= merged[-1][1]:
             merged[-1] = (merged[-1][0], max(b, merged[-1][1]))
         else:
@@ -81,28 +84,50 @@ def solve(model, patient, steps, s_mm, settings, stented):
 
 
 def lumen_field(model, patient, steps, settings):
-    """(LumenDeformation, records, arc lengths of the slices without a stent (n,)) from all slices of the branch."""
-    free_s, spans = slice_positions(
+    """(LumenDeformation, records, arc lengths of the slices without a stent (n,)) from all slices of the branch.
+
+    Stented spans get slices between the even ones where these do not follow the area (`own_error.missed`).
+    """
+    free_s, stretches = slice_positions(
         patient.branch.axis.length_mm, steps, settings["slice_spacing_mm"], settings["margin_mm"]
     )
-    total = len(free_s) + sum(len(s) for _, _, s in spans)
-    print(f"{total} slices on {patient.branch.name}", file=sys.stderr)
     records = []
 
-    def span(positions, stented):
-        displacements = []
-        for s in positions:
-            moved, record = solve(model, patient, steps, s, settings, stented)
-            displacements.append(moved)
-            records.append(record)
-            print(
-                f"slice {len(records)}/{total}: s {s:.2f} mm, radius {record['radius_before_mm']:.3f} -> "
-                f"{np.sqrt(record['area_mm2'] / np.pi):.3f} mm, {record['iterations']} iterations",
-                file=sys.stderr,
-            )
-        coupling = settings["edge_decay_mm"] if stented else 0.0
-        return deformation.SpanField(positions, model.annulus.theta_rad, np.array(displacements), coupling)
+    def solved(s, stented):
+        moved, record = solve(model, patient, steps, s, settings, stented)
+        records.append(record)
+        print(
+            f"slice {len(records)}: s {s:.2f} mm, radius {record['radius_before_mm']:.3f} -> "
+            f"{np.sqrt(record['area_mm2'] / np.pi):.3f} mm, {record['iterations']} iterations",
+            file=sys.stderr,
+        )
+        return moved, record["area_mm2"]
 
+    def span(positions, stented):
+        found = {float(s): solved(s, stented) for s in positions}
+        for _ in range(REFINEMENTS if stented else 0):
+            s = np.array(sorted(found))
+            area = np.array([found[x][1] for x in s])
+            error = own_error.missed(s, area, settings["edge_decay_mm"])
+            added = between(s, error > settings["slice_tolerance_percent"])
+            if not len(added):
+                break
+            found.update({float(x): solved(x, stented) for x in added})
+        s = np.array(sorted(found))
+        coupling = settings["edge_decay_mm"] if stented else 0.0
+        return deformation.SpanField(s, model.annulus.theta_rad, np.array([found[x][0] for x in s]), coupling)
+
+    print(
+        f"{len(free_s)} slices on {patient.branch.name}, {sum(len(s) for _, _, s in stretches)} stented",
+        file=sys.stderr,
+    )
     free = span(free_s, False)
-    held = [span(s, True) for _, _, s in spans]
+    held = [span(s, True) for _, _, s in stretches]
     return deformation.LumenDeformation(free, held, settings["edge_decay_mm"]), records, free_s
+
+
+def between(s_mm, coarse):
+    """Arc lengths (k,) halfway from each slice that is `coarse` (n,) bool to its neighbours, if NEAREST_MM or more."""
+    beside = np.flatnonzero(coarse[1:] | coarse[:-1])
+    beside = beside[np.diff(s_mm)[beside] > 2 * NEAREST_MM]
+    return 0.5 * (s_mm[beside] + s_mm[beside + 1])

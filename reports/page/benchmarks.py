@@ -29,6 +29,10 @@ TITLES = {
         "Reference: slices against a solid in three dimensions",
         "A row is a mesh of the solid; errors are those of the slices' area.",
     ),
+    "reference_sensitivity": (
+        "Reference: what its constants are worth",
+        "A row is a constant changed by a factor: mean area of three stented slices, or curvature of the stented axis.",
+    ),
 }
 UNITS = {"mm2": "mm²", "mm": "mm", "s": "s", "mib": "MiB", "percent": "%", "n": "N", "bar": "bar"}
 MOST_ROWS = 200

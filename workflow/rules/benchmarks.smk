@@ -7,6 +7,7 @@ BENCHMARKS = {
     "flow_hard_cases": "hard_cases.csv",
     "anatomy_speed": "benchmark.csv",
     "reference_against_solid": "benchmark.csv",
+    "reference_sensitivity": "sensitivity.csv",
 }
 
 
@@ -119,6 +120,8 @@ rule reference_against_solid:
         program=LUMEN,
         code=code("data_synthetic", "data_synthetic.generate", "data_synthetic.reference.against_solid"),
         script="tests/verification/data_synthetic/solid_benchmark.py",
+        shared="tests/verification/data_synthetic/benchmark_case.py",
+        case="config/cases/quick_focal.yaml",
     output:
         "results/benchmarks/reference_against_solid/benchmark.csv",
     log:
@@ -129,7 +132,29 @@ rule reference_against_solid:
     params:
         out=output_folder,
     shell:
-        "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out}"
+        "workflow/run.sh {log} /usr/bin/python3 {input.script} --case {input.case} --out {params.out}"
+
+
+rule reference_sensitivity:
+    message:
+        "benchmark: how much the reference depends on its constants"
+    input:
+        program=LUMEN,
+        code=code("data_synthetic", "data_synthetic.generate", "data_synthetic.reference.sensitivity"),
+        script="tests/verification/data_synthetic/sensitivity_benchmark.py",
+        shared="tests/verification/data_synthetic/benchmark_case.py",
+        case="config/cases/lad01.yaml",
+    output:
+        "results/benchmarks/reference_sensitivity/sensitivity.csv",
+    log:
+        "results/benchmarks/logs/reference_sensitivity.log",
+    benchmark:
+        "results/benchmarks/logs/reference_sensitivity.tsv"
+    threads: workflow.cores
+    params:
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 {input.script} --case {input.case} --out {params.out}"
 
 
 rule flow_against_openfoam:

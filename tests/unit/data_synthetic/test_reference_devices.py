@@ -55,7 +55,7 @@ def test_pressure_off_the_chart_is_refused(pressure):
 def test_a_stent_step_has_its_balloon_and_hold():
     branch, (step,) = devices.steps(SCENE, "scene.json")
     assert branch == "main" and step.balloon.name == "b" and step.stent.recoil_share == pytest.approx(0.96)
-    assert step.stent.holds(12.5) and step.stent.holds(27.5) and not step.stent.holds(27.6)
+    assert step.stent.covers(12.5) and step.stent.covers(27.5) and not step.stent.covers(27.6)
 
 
 @pytest.mark.parametrize(

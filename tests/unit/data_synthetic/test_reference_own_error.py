@@ -1,12 +1,14 @@
 """The reference's own error, from an area whose errors are known."""
 
+import types
+
 import numpy as np
 import pytest
 
-from data_synthetic.reference import own_error, run
+from data_synthetic.reference import devices, own_error, run, slices
 
 STEP, MESH = 0.02, 0.08  # error of the area per mm of load step, and of one element
-SETTINGS = {"radius_step_mm": 0.2, "check_slices": 3}
+SETTINGS = {"radius_step_mm": 0.2, "check_slices": 3, "edge_decay_mm": 0.0}
 
 
 def area(s_mm):
@@ -36,10 +38,19 @@ def test_mesh_and_step_are_told_apart():
 
 
 def test_spacing_is_the_curvature_of_the_area():
-    found = own_error.estimate(records(61), SETTINGS, measured)["spacing_area_percent"]
-    # linear interpolation over 2 h misses h^2 / 2 |A''|, here at most 0.01 / 2 of an area of 7
-    assert found["largest"] == pytest.approx(100 * 0.5 * 0.1**2 / 7, rel=0.05)
-    assert found["mean"] < found["largest"]
+    coarse, fine = (own_error.estimate(records(n), SETTINGS, measured)["spacing_area_percent"] for n in (31, 61))
+    # at an extremum between slices h apart, one left out, the cubic is flat: h^2 / 2 |A''|, here of an area of 7
+    for found, h in ((coarse, 0.2), (fine, 0.1)):
+        assert 0.5 < found["largest"] / (100 * 0.5 * h**2 / 7) < 1.05
+        assert 0 < found["mean"] < found["largest"]
+    assert (
+        2.5 < coarse["largest"] / fine["largest"] < 5.5
+    )  # second order, but for where between slices the extremum lies
+
+
+def test_a_straight_line_is_not_missed():
+    s = np.array([0.0, 0.7, 1.0, 2.5, 3.0])
+    assert own_error.missed(s, np.pi * (3 + 2 * s) ** 2, 0.6) == pytest.approx(0, abs=1e-9)
 
 
 def test_no_check_asked_for():
@@ -52,3 +63,33 @@ def test_a_coarser_reference_says_so():
     assert run._coarser(default) == {}
     coarse = default | {"slice_spacing_mm": 1.0, "elements_around": 16, "radius_step_mm": 0.05, "elements_through": 9}
     assert run._coarser(coarse) == {"slice_spacing_mm": [1.0, 0.75], "elements_around": [16, 24]}
+
+
+def test_slices_are_added_where_the_area_bends_sharply(monkeypatch):
+    """A kink in the area, as a balloon's end leaves one: slices gather there, and there alone."""
+    kink, positions = 11.3, []
+
+    def solve(model, patient, steps, s_mm, settings, stented):
+        value = 8.0 + 2.0 * max(s_mm - kink, 0.0)
+        positions.append((s_mm, stented))
+        record = {"s_mm": s_mm, "stented": stented, "area_mm2": value, "radius_before_mm": 1.0, "iterations": 1}
+        return np.full((4, 2), value), record
+
+    monkeypatch.setattr(slices, "solve", solve)
+    balloon = devices.Balloon("b", 12.0, 14.0, 1.5, 1.0, 20.0, 1.2)
+    steps = [devices.Step("stent", "stent", balloon, devices.Stent("s", 6.0, 18.0, 0.955, 0.2, 20.0))]
+    axis = types.SimpleNamespace(length_mm=40.0)
+    patient = types.SimpleNamespace(branch=types.SimpleNamespace(name="main", axis=axis))
+    model = types.SimpleNamespace(annulus=types.SimpleNamespace(theta_rad=np.arange(4) * np.pi / 2))
+    settings = run.load_settings(None)
+    _, records, _ = slices.lumen_field(model, patient, steps, settings)
+    held = np.array(sorted(s for s, stented in positions if stented))
+    even = np.linspace(6, 18, 17)
+    added = held[np.abs(held[:, None] - even).min(axis=1) > 1e-9]
+    assert 2 <= len(added) <= 8 and np.abs(added - kink).max() < 1.2
+    assert len(records) == len(positions) and not any(s in added for s, stented in positions if not stented)
+    area = np.array([8.0 + 2.0 * max(s - kink, 0.0) for s in held])
+    tolerance = settings["slice_tolerance_percent"]
+    coupling = settings["edge_decay_mm"]
+    assert own_error.missed(even, 8.0 + 2.0 * np.maximum(even - kink, 0), coupling).max() > tolerance
+    assert own_error.missed(held, area, coupling).max() <= tolerance

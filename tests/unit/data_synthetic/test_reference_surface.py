@@ -1,7 +1,5 @@
 """Slices to surface: interpolation, edges of the stent, refinement, straightening, materials."""
 
-import types
-
 import numpy as np
 import pytest
 
@@ -93,12 +91,11 @@ def test_refinement_is_watertight_keeps_area_and_halves_stretched_edges(branches
 
 def test_stiff_stent_straightens_a_bend(branches):
     axis = branches[0].axis
-    stent = types.SimpleNamespace(start_s_mm=8.0, end_s_mm=22.0, bending_n_mm2=20.0)
     s, none = straightening.offset(axis, [], 2.0, 0.08)
     assert np.all(none == 0)
     kept = []
     for stiffness in (2.0, 20.0, 200.0):
-        stent.bending_n_mm2 = stiffness
+        stent = devices.Stent("stent", 8.0, 22.0, 0.955, 0.22, stiffness)
         s, w = straightening.offset(axis, [stent], 2.0, 0.08)
         bent = np.gradient(axis.frame(s)[0], s, axis=0) + np.gradient(np.gradient(w, s, axis=0), s, axis=0)
         kept.append(np.linalg.norm(bent, axis=1)[(s > 9) & (s < 21)].mean())
@@ -128,12 +125,14 @@ def test_tissues_carry_what_coronary_lesions_do():
 def test_every_material_constant_names_a_source_or_says_that_it_has_none():
     defaults = schema.with_defaults({}, schema.read("reference"))
     numeric = {"slice_spacing_mm", "margin_mm", "elements_around", "elements_through", "radius_step_mm", "check_slices"}
+    numeric |= {"slice_tolerance_percent"}
     physical = set(defaults) - numeric - {"edge_mm", "wall_c10_mpa", "wall_c20_mpa"}
     assert physical <= set(materials.SETTINGS_SOURCE)
     for text in [kind.source for kind in materials.OF_TYPE.values()] + [materials.WALL_SOURCE]:
         assert "doi" in text or "J Physiol" in text
     for key in physical:
-        assert materials.SETTINGS_SOURCE[key].startswith(f"{defaults[key]:g}: ")
+        value = "from " if defaults[key] is None else f"{defaults[key]:g}: "
+        assert materials.SETTINGS_SOURCE[key].startswith(value)
     for kind in materials.OF_TYPE.values():
         for value in (kind.shear_mpa, kind.yield_mpa, kind.hardening_mpa):
             assert f"{value:g}" in kind.source

@@ -1,0 +1,104 @@
+"""How much the reference's answer depends on each of its constants that are choices, one varied at a time.
+
+Areas from three slices of the stented stretch, its tightest and two beside; curvature of the whole stented axis from the
+straightening beam. An area does not know the beam's constants, the beam none of the slices' but the support.
+"""
+
+import csv
+import dataclasses
+import pathlib
+import sys
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from common.errors import InputError
+from common.files import replacing
+
+from . import run, slices, straightening
+
+OF_SLICES = ("stent_stiffness_mpa_per_mm", "wall_c10_mpa", "wall_c20_mpa", "bulk_modulus_mpa", "support_mpa_per_mm")
+SLICE_FACTORS, BEAM_FACTORS = (0.5, 2.0), (0.25, 0.5, 2.0, 4.0)
+STENT_BENDING, VESSEL_BENDING, SUPPORT = "stent bending_stiffness_n_mm2", "vessel_bending_n_mm2", "support_mpa_per_mm"
+PLACES = (0.25, 0.5, 0.75)  # of the stented stretch
+
+
+def study(scene_path, truth_path, out, settings_path=None):
+    """Writes `out`/sensitivity.csv, a row for each constant and factor. Raises InputError, ComputationError."""
+    scene, settings = run.load_scene(scene_path), run.load_settings(settings_path)
+    patient, steps = run.patient_and_steps(scene, scene_path, truth_path)
+    stents = [step.stent for step in steps if step.stent]
+    if not stents:
+        raise InputError("no stent in the scene", f"{scene_path}: procedure", "none", "a plan with a stent")
+    rows = _area_rows(patient, steps, stents, settings) + _curvature_rows(patient, stents, settings)
+    with replacing(pathlib.Path(out) / "sensitivity.csv") as partial:
+        with open(partial, "w", newline="") as handle:
+            writer = csv.DictWriter(handle, list(rows[0]), lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(rows)
+    return rows
+
+
+def stretch(stents):
+    """Arc lengths (mm) from the first stent's start to the last one's end."""
+    return min(s.start_s_mm for s in stents), max(s.end_s_mm for s in stents)
+
+
+def _row(quantity, constant, value, factor, result, base):
+    change = 100 * (result / base - 1)
+    print(f"{constant} x {factor:g}: {quantity} {result:.5g} ({change:+.2f} %)", file=sys.stderr)
+    return {
+        "constant": constant,
+        "value": f"{value:.6g}",
+        "factor": f"{factor:g}",
+        "quantity": quantity,
+        "result": f"{result:.6g}",
+        "change_percent": f"{change:.3f}",
+    }
+
+
+def _area_rows(patient, steps, stents, settings):
+    low, high = stretch(stents)
+
+    def area(changed):
+        model = slices.model_of(changed)
+        places = [low + share * (high - low) for share in PLACES]
+        return np.mean([slices.solve(model, patient, steps, s, changed, True)[1]["area_mm2"] for s in places])
+
+    base = area(settings)
+    rows = [_row("area_mm2", "none", 1, 1, base, base)]
+    for key in OF_SLICES:
+        for factor in SLICE_FACTORS:
+            value = settings[key] * factor
+            rows.append(_row("area_mm2", key, value, factor, area({**settings, key: value}), base))
+    return rows
+
+
+def _curvature_rows(patient, stents, settings):
+    low, high = stretch(stents)
+    middle = 0.5 * (low + high)
+    own = straightening.vessel_bending_n_mm2(patient.branch, patient.wall_mm, middle, settings)
+    known = {**settings, VESSEL_BENDING: own}
+    base = curvature(patient, stents, known, (low, high))
+    name = "curvature_per_mm"
+    rows = [_row(name, "no stent", 0, 1, curvature(patient, [], known, (low, high)), base)]
+    rows.append(_row(name, "none", 1, 1, base, base))
+    for factor in BEAM_FACTORS:
+        for key in (SUPPORT, VESSEL_BENDING):
+            value = known[key] * factor
+            found = curvature(patient, stents, {**known, key: value}, (low, high))
+            rows.append(_row(name, key, value, factor, found, base))
+        stiffer = [dataclasses.replace(s, bending_n_mm2=s.bending_n_mm2 * factor) for s in stents]
+        found = curvature(patient, stiffer, known, (low, high))
+        rows.append(_row(name, STENT_BENDING, stiffer[0].bending_n_mm2, factor, found, base))
+    return rows
+
+
+def curvature(patient, stents, settings, between):
+    """Mean curvature (1/mm) of the axis between two arc lengths (mm), straightened by the stents."""
+    axis, middle = patient.branch.axis, 0.5 * sum(between)
+    s, moved = straightening.of_patient(patient.branch, patient.wall_mm, stents, middle, settings)
+    spline = CubicSpline(s, axis.point(s) + moved)
+    at = np.linspace(*between, 200)
+    first, second = spline(at, 1), spline(at, 2)
+    return float(np.mean(np.linalg.norm(np.cross(first, second), axis=1) / np.linalg.norm(first, axis=1) ** 3))

@@ -1,0 +1,63 @@
+"""The table of sensitivities, with slices whose area is a known function of the constants."""
+
+import csv
+import types
+
+import numpy as np
+import pytest
+
+from common.errors import InputError
+from data_synthetic.reference import devices, run, sensitivity, slices
+
+
+@pytest.fixture
+def table(branches, monkeypatch, tmp_path):
+    balloon = devices.Balloon("b", 13.0, 10.0, 1.5, 1.6, 20.0, 1.2)
+    steps = [devices.Step("stent", "stent", balloon, devices.Stent("s", 8.0, 18.0, 0.955, 0.2, 20.0))]
+    patient = types.SimpleNamespace(branch=branches[0], branches=branches, wall_mm=0.7)
+
+    def solve(model, patient, steps, s_mm, settings, stented):
+        return None, {"area_mm2": 8 * settings["stent_stiffness_mpa_per_mm"] ** 0.1 + s_mm}
+
+    monkeypatch.setattr(run, "load_scene", lambda path: {})
+    monkeypatch.setattr(run, "patient_and_steps", lambda *_: (patient, steps))
+    monkeypatch.setattr(slices, "model_of", lambda settings: None)
+    monkeypatch.setattr(slices, "solve", solve)
+
+    def made():
+        sensitivity.study("scene", "truth", tmp_path)
+        with open(tmp_path / "sensitivity.csv", newline="") as handle:
+            return list(csv.DictReader(handle))
+
+    made.steps = steps
+    return made
+
+
+def change(rows, quantity, constant, factor):
+    (row,) = [r for r in rows if (r["quantity"], r["constant"], r["factor"]) == (quantity, constant, factor)]
+    return float(row["change_percent"])
+
+
+def test_each_constant_is_varied_alone(table):
+    rows = table()
+    base = 8 * 1.5**0.1 + 13
+    for factor in ("0.5", "2"):
+        expected = 100 * ((8 * (1.5 * float(factor)) ** 0.1 + 13) / base - 1)
+        assert change(rows, "area_mm2", "stent_stiffness_mpa_per_mm", factor) == pytest.approx(expected, abs=1e-3)
+        assert change(rows, "area_mm2", "wall_c10_mpa", factor) == 0
+    assert {r["constant"] for r in rows if r["quantity"] == "area_mm2"} == {"none", *sensitivity.OF_SLICES}
+
+
+def test_what_resists_keeps_the_curvature_and_what_is_stiff_takes_it(table):
+    rows = table()
+    for constant, sign in ((sensitivity.SUPPORT, 1), (sensitivity.VESSEL_BENDING, 1), (sensitivity.STENT_BENDING, -1)):
+        found = [change(rows, "curvature_per_mm", constant, f"{f:g}") for f in sensitivity.BEAM_FACTORS]
+        assert np.all(np.diff(np.multiply(sign, found)) > 0), constant
+        assert sign * found[0] < 0 < sign * found[-1]
+    assert change(rows, "curvature_per_mm", "no stent", "1") > 0
+
+
+def test_a_plan_without_a_stent_is_refused(table):
+    table.steps[0] = devices.Step("balloon", "predilatation", table.steps[0].balloon, None)
+    with pytest.raises(InputError, match="no stent"):
+        table()

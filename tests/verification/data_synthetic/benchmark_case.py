@@ -1,0 +1,33 @@
+"""What the reference's benchmarks share: a case grown, measured and planned, and tables written."""
+
+import csv
+import os
+import pathlib
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+PYTHON = [sys.executable, "-m"]
+
+
+def run(*words):
+    """Runs a command of the project with one thread. Raises CalledProcessError where it fails."""
+    environment = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": str(ROOT)}
+    subprocess.run([str(word) for word in words], env=environment, check=True)
+
+
+def planned(case, folder):
+    """(plan.json, truth.json) of a synthetic case, made in `folder`."""
+    source, anatomy, plan = folder / "source", folder / "anatomy", folder / "vci" / "plan.json"
+    run(*PYTHON, "data_synthetic", "generate", case, "--out", source)
+    run(ROOT / "build" / "lumen", "process", source / "lumen.vtp", "--units", "mm", "--out", anatomy)
+    run(*PYTHON, "anatomy", "plan", case, "--anatomy", anatomy, "--devices", ROOT / "config/devices", "--out", plan)
+    return plan, source / "truth.json"
+
+
+def write(path, table):
+    """Writes a list of dicts of the same keys as CSV."""
+    with open(path, "w", newline="") as handle:
+        writer = csv.DictWriter(handle, list(table[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(table)

@@ -1,0 +1,26 @@
+"""How much the reference's answer depends on its constants, as CSV.
+
+Run: /usr/bin/python3 tests/verification/data_synthetic/sensitivity_benchmark.py --out FOLDER [--case CASE.yaml]; about
+a minute. The case is grown, measured and planned first (build/lumen).
+"""
+
+import argparse
+import pathlib
+import tempfile
+
+from benchmark_case import PYTHON, ROOT, planned, run
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--out", type=pathlib.Path, required=True)
+    parser.add_argument("--case", type=pathlib.Path, default=ROOT / "config/cases/lad01.yaml")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as name:
+        plan, truth = planned(options.case.resolve(), pathlib.Path(name))
+        place = ["--scene", plan, "--truth", truth, "--out", options.out.resolve()]
+        run(*PYTHON, "data_synthetic", "reference-sensitivity", *place)
+
+
+if __name__ == "__main__":
+    main()
