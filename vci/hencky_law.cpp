@@ -4,7 +4,13 @@
 
 namespace vci {
 
-HenckyLaw::Response HenckyLaw::response_at(const Vec2& square) const {
+namespace {
+
+constexpr double rounding = 1e-9; // of the yield strain, where a set made permanent leaves the strain
+
+} // namespace
+
+HenckyLaw::Response HenckyLaw::response_at(const Vec2& square, bool flows) const {
   const Vec2 log_strain = at_depth(square);
   const double c = 1.0 / (1.0 - poisson_ratio * poisson_ratio);
   Mat2 d;
@@ -14,7 +20,7 @@ HenckyLaw::Response HenckyLaw::response_at(const Vec2& square) const {
   const double w = std::sqrt(w2);
   Response r;
   r.strain = w;
-  r.yields = w > yield_strain;
+  r.yields = w > yield_strain * (1 + (flows ? -rounding : rounding));
   double phi, dphi_over_w; // dphi/dw / w
   if (r.yields) {
     const double excess = w - yield_strain;

@@ -30,7 +30,9 @@ struct HenckyLaw {
     bool yields;
   };
   /// @param square squared principal stretches of the lumen
-  Response response_at(const Vec2& square) const;
+  /// @param flows the last step left a set: at the yield strain, where that leaves it, the tangent is that of yield;
+  /// else it is the elastic one, whatever the rounding
+  Response response_at(const Vec2& square, bool flows = false) const;
   Response response(const Vec2& log_strain) const { return response_at((2 * log_strain).array().exp()); }
   bool yields_at(const Vec2& square) const { return strain_squared(at_depth(square)) > yield_strain * yield_strain; }
   /// Elastic part of w that stays after yield: E times it is the stress reached.

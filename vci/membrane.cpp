@@ -113,7 +113,7 @@ double Membrane::energy(const Vectors& x) const {
 void Membrane::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const {
   for (const Element& e : elements_) {
     const Principal p = principal(edges(e.v, x) * e.shape);
-    const HenckyLaw::Response r = e.law.response_at(p.square);
+    const HenckyLaw::Response r = e.law.response_at(p.square, e.flows);
     // gradients of the shape functions in the principal frame
     Vec2 g[3];
     g[1] = p.v.transpose() * e.shape.row(0).transpose();
@@ -156,8 +156,10 @@ void Membrane::declare(BlockPattern& pattern) const {
 }
 
 void Membrane::link(const BlockMatrix& matrix) {
-  for (Element& e : elements_)
+  for (Element& e : elements_) {
     e.slots = slots_of(matrix, e.v);
+    e.flows = false; // bodies have come or gone: whether it goes on is not known
+  }
 }
 
 void Membrane::commit(const Vectors& x) {
@@ -165,7 +167,8 @@ void Membrane::commit(const Vectors& x) {
     if (std::isinf(e.law.yield_strain))
       continue;
     const Principal p = principal(edges(e.v, x) * e.shape);
-    if (!e.law.yields_at(p.square))
+    e.flows = e.law.yields_at(p.square);
+    if (!e.flows)
       continue;
     const Vec2 flow = e.law.flow(0.5 * p.square.array().log());
     e.shape =

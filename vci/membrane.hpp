@@ -30,6 +30,7 @@ private:
     Mat2 shape;         // B P
     double area;
     HenckyLaw law;
+    bool flows = false; // the last step left a set
   };
   std::vector<Element> elements_;
 };

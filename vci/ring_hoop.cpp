@@ -17,9 +17,13 @@ struct Tension {
   double energy, force, tangent; ///< N mm, N, N/mm
 };
 
+/// A set just made permanent leaves |e| at the yield strain but for rounding, which must not choose the tangent: a ring
+/// that is let go would be taken for one that flows, and be thrown far back by its first step.
+constexpr double at_yield = 1e-9;
+
 Tension tension(const RingHoops::Ring& r, double length) {
   const double e = length / r.rest_length - 1, y = r.yield_strain, excess = std::abs(e) - y;
-  if (excess <= 0)
+  if (excess <= (r.flows != 0 && r.flows * e > 0 ? -at_yield : at_yield))
     return {0.5 * r.stiffness * r.rest_length * e * e, r.stiffness * e, r.stiffness / r.rest_length};
   return {r.stiffness * r.rest_length * (0.5 * y * y + y * excess + 0.5 * r.hardening * excess * excess),
           std::copysign(r.stiffness * (y + r.hardening * excess), e), r.stiffness * r.hardening / r.rest_length};
@@ -72,16 +76,20 @@ void RingHoops::declare(BlockPattern& pattern) const {
 
 void RingHoops::link(const BlockMatrix& matrix) {
   slots_.clear();
-  for (const Ring& r : rings_)
+  for (Ring& r : rings_) {
+    r.flows = 0; // bodies have come or gone: whether it goes on is not known
     for (std::size_t k = 0; k < r.vertices.size(); ++k)
       slots_.push_back(slots_of(matrix, std::array<int, 2>{r.vertices[k], r.vertices[(k + 1) % r.vertices.size()]}));
+  }
 }
 
 void RingHoops::commit(const Vectors& x) {
   for (Ring& r : rings_) {
     const double length = length_of(r.vertices, x), e = length / r.rest_length - 1;
     const double excess = std::abs(e) - r.yield_strain;
+    r.flows = 0;
     if (excess > 0) {
+      r.flows = e > 0 ? 1 : -1;
       r.yield_strain += r.hardening * excess;
       r.rest_length = length / (1 + std::copysign(r.yield_strain, e));
     }

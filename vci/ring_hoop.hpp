@@ -15,6 +15,7 @@ public:
     double stiffness;                   ///< k, N
     double yield_strain, hardening = 0; ///< e_y, H (0 to 1)
     double rest_length = 0;             ///< L0, mm
+    int flows = 0;                      ///< sign of e where the last step left a set: its tangent is then H k
   };
   explicit RingHoops(std::vector<Ring> rings) : rings_(std::move(rings)) {}
 
