@@ -17,10 +17,8 @@ from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
 from common.errors import ComputationError
-from flow import compat, fading, linear, locate, newton, ramp, viscosity
+from flow import compat, fading, linear, locate, predicted_start, ramp, viscosity
 from flow.forms import NavierStokes
-
-FROM_PREDICTED = 8  # Newton steps from a reduced model's flow, after which the way from rest is taken
 
 
 @dataclasses.dataclass
@@ -220,12 +218,12 @@ class FlowProblem:
     def solve(self, resistances_at, predicted=None):
         """Outcome at full flow from the flow that a reduced model predicts, and where this fails from rest.
 
-        resistances_at(fraction) -> (n,) outlet resistances; predicted: flow.predictor.Predictor, of use where it models
-        the whole lumen (in a tree what it gives at the branch points is too rough). Raises ComputationError when no
+        resistances_at(fraction) -> (n,) outlet resistances; predicted: flow.predictor.Predictor, of use as
+        flow.predicted_start says. Raises ComputationError when no
         flow with c <= fading.LARGEST_MIXING is found.
         """
-        if predicted and predicted.whole:
-            found = self._from_predicted(predicted)
+        found = predicted_start.try_from(self, predicted) if predicted else None
+        if found:
             if found.converged:
                 return found
             self.restart()
@@ -237,15 +235,6 @@ class FlowProblem:
         self.restart()
         return fading.from_rest(self, resistances_at)
 
-    def _from_predicted(self, predicted):
-        """Outcome of Newton's method from the flow of the reduced models."""
-        self.boundaries.full()
-        self.forms.mixing.value = 0.0
-        points, _ = self.space.nodes()
-        self.take(*predicted.fields(points), float(np.sum(predicted.flows)))
-        print("from the reduced models' flow", file=self.log, flush=True)
-        return newton.newton(self, self.settings.residual_absolute, self.settings.residual_relative, FROM_PREDICTED)
-
     def solve_from_guess(self, coarse, predicted=None):
         """Outcome at full flow from the flow on another mesh of the same lumen (a solved FlowProblem).
 
@@ -253,9 +242,9 @@ class FlowProblem:
         which c fades. Where c is not 0 the reduced models' flow is tried first, as in `solve`: a finer mesh may resolve
         the jet whose flow the coarse one has not. Raises ComputationError.
         """
-        if coarse.mixing > 0 and predicted and predicted.whole:
-            found = self._from_predicted(predicted)
-            if found.converged:
+        if coarse.mixing > 0 and predicted:
+            found = predicted_start.try_from(self, predicted)
+            if found and found.converged:
                 return found
         self.boundaries.full()
         self.set_guess(coarse.space, coarse.state.x.array, coarse.inflow)
