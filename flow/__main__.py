@@ -1,4 +1,4 @@
-"""Command line: `python3 -m flow boundary | mesh | solve`."""
+"""Command line: `python3 -m flow boundary | mesh | solve | rank`."""
 
 import argparse
 import json
@@ -6,7 +6,7 @@ import pathlib
 
 from common import config
 from common.errors import InputError, guarded
-from common.files import write_json
+from common.files import replacing, write_json
 from flow import settings as settings_module
 
 
@@ -82,6 +82,24 @@ def solve_command(arguments):
     print(f"FFR {answer['ffr']:.4f}")
 
 
+def rank_command(arguments):
+    """Plans of a patient ranked by a reduced model's FFR, with the model's measured error."""
+    from flow import boundary, ranking
+
+    settings = settings_module.from_arguments(arguments)
+    document = _read_json(arguments.boundary, "boundary.json")
+    boundary.check(document, arguments.boundary)
+    plans = dict(given.partition("=")[::2] for given in arguments.plans)
+    if len(plans) < len(arguments.plans) or not all(plans.values()):
+        raise InputError("plans are not named apart", "command line", arguments.plans, "give NAME=FOLDER for each")
+    measured = [(path, _read_json(path, "ffr.json")) for path in arguments.measured]
+    model = "axisymmetric" if settings.model == "3d" else settings.model
+    table = ranking.rank(plans, document, settings, model, measured)
+    with replacing(pathlib.Path(arguments.out)) as partial:
+        table.to_csv(partial, index=False, float_format="%.6g")
+    print(table.to_string(index=False))
+
+
 def parser():
     """The argument parser of all commands."""
     top = argparse.ArgumentParser(prog="python3 -m flow", description=__doc__.splitlines()[0])
@@ -117,7 +135,16 @@ def parser():
     solve.add_argument("--sections", help="sections.csv of the same lumen (default: beside the centreline)")
     solve.add_argument("--out", required=True, help="folder for solution.vtu, ffr.json, pullback.csv")
     solve.set_defaults(run=solve_command)
-    for command in (boundary, mesh, solve):
+
+    rank = commands.add_parser("rank", help=rank_command.__doc__)
+    rank.add_argument("plans", nargs="+", metavar="NAME=FOLDER", help="anatomy step's folder of a plan's lumen")
+    rank.add_argument("--boundary", required=True, help="boundary.json")
+    rank.add_argument(
+        "--measured", nargs="+", default=[], metavar="FFR.json", help="3D answers of this patient: the model's error"
+    )
+    rank.add_argument("--out", required=True, help="ranking.csv")
+    rank.set_defaults(run=rank_command)
+    for command in (boundary, mesh, solve, rank):
         settings_module.add_options(command)
     return top
 

@@ -1,0 +1,65 @@
+"""Several plans of one patient ranked by a reduced model's FFR, the model's measured error beside.
+
+The error is the largest difference of the 3D model's answers to the reduced model's in this patient (any ffr.json with
+both); without any it is what was measured in other patients (README). The model errs alike in lumens that are alike:
+two plans are told apart where they differ by more than those differences vary, or, with fewer than two of them, by
+more than the error.
+"""
+
+import json
+import pathlib
+
+import numpy as np
+import pandas as pd
+
+from common.errors import InputError
+from flow import centreline, predictor, reduced
+
+COLUMNS = ("rank", "plan", "ffr", "error", "model", "as_good_as_best", "inlet_flow_m3_per_s", "cpu_seconds")
+ELSEWHERE = {"axisymmetric": 0.03, "network": 0.035}  # README: |3D minus model| in trees above an FFR of .85
+
+
+def model_error(model, documents):
+    """(error, what two plans must differ by) in FFR of a model; documents: [(path, document of ffr.json)]."""
+    found = []
+    for path, document in documents:
+        models = document.get("models", {})
+        both = [models.get(name, {}).get("ffr") for name in ("3d", model)]
+        if None in both:
+            raise InputError("no 3D answer beside the reduced model's", path, model, "give an ffr.json of model 3d")
+        found.append(both[0] - both[1])
+    error = float(np.abs(found).max()) if found else ELSEWHERE[model]
+    return error, float(np.ptp(found)) if len(found) > 1 else error
+
+
+def plan(folder, document, settings, model):
+    """{"ffr", "inlet_flow_m3_per_s", "cpu_seconds"} by the model of the lumen whose anatomy step wrote to `folder`."""
+    folder = pathlib.Path(folder)
+    for name in ("centreline.vtp", "sections.csv", "anatomy.json"):
+        if not (folder / name).is_file():
+            raise InputError("not a plan's lumen", folder / name, "missing", "run the anatomy step on the plan's lumen")
+    tree = centreline.read(folder / "centreline.vtp")
+    anatomy = json.loads((folder / "anatomy.json").read_text())
+    network = reduced.Network(
+        anatomy, reduced.read_sections(folder / "sections.csv"), document, settings.expansion_loss
+    )
+    predicted = predictor.Predictor(network, tree, document, settings)
+    answer = predicted.answers()[model]
+    predicted.destroy()
+    if answer["ffr"] is None:
+        raise InputError("the axisymmetric model has no answer", folder, answer["reason"], "rank by the network")
+    flow = float(np.sum(answer["outlet_flows_m3_per_s"]))
+    return {"ffr": answer["ffr"], "inlet_flow_m3_per_s": flow, "cpu_seconds": answer.get("cpu_seconds", 0.0)}
+
+
+def rank(plans, document, settings, model, measured):
+    """Table with COLUMNS, best first. plans: {name: folder}; measured: [(path, document of ffr.json)]."""
+    error, apart = model_error(model, measured)
+    rows = []
+    for name, folder in plans.items():
+        answer = plan(folder, document, settings, model)
+        rows.append({"plan": name, "error": error, "model": model} | answer)
+    table = pd.DataFrame(rows).sort_values(["ffr", "plan"], ascending=[False, True], ignore_index=True)
+    table["rank"] = table["ffr"].rank(method="min", ascending=False).astype(int)
+    table["as_good_as_best"] = table["ffr"].max() - table["ffr"] <= apart
+    return table[list(COLUMNS)]

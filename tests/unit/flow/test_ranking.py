@@ -1,0 +1,74 @@
+"""Plans ranked by the reduced models: their order, the model's error, what is refused."""
+
+import json
+
+import pandas as pd
+import pytest
+
+import tubes
+from common.errors import InputError
+from flow import __main__ as command_line
+from flow import ranking
+
+LENGTH, RADIUS = 30.0, 1.4
+LEFT = {"small": 0.1, "large": 0.65, "middle": 0.35}  # narrowing that each plan leaves
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Lumens of three plans, one folder each, and the patient's boundary.json."""
+    top = tmp_path_factory.mktemp("plans")
+    for name, reduction in LEFT.items():
+        radius = tubes.lesion(RADIUS, reduction, 15.0, 10.0)
+        tubes.write_case(top / name, tubes.tube(LENGTH, radius, 0.6), [tubes.line(LENGTH, radius)])
+    patient = ["--lvm-g", "60", "--sbp-mmhg", "120", "--dbp-mmhg", "80"]
+    anatomy = ["--anatomy", str(top / "small" / "anatomy.json")]
+    command_line.main(["boundary", *anatomy, *patient, "--out", str(top / "boundary.json")])
+    return top
+
+
+def _rank(folder, *more):
+    command = ["rank", *(f"{name}={folder / name}" for name in LEFT), "--boundary", str(folder / "boundary.json")]
+    command_line.main([*command, "--out", str(folder / "ranking.csv"), *more])
+    return pd.read_csv(folder / "ranking.csv")
+
+
+@pytest.mark.parametrize("model", ["axisymmetric", "network"])
+def test_the_least_narrowing_is_the_best(folder, model):
+    table = _rank(folder, "--model", model)
+    assert list(table["plan"]) == ["small", "middle", "large"] and list(table["rank"]) == [1, 2, 3]
+    assert table["ffr"].is_monotonic_decreasing
+    assert (table["error"] == ranking.ELSEWHERE[model]).all() and (table["model"] == model).all()
+    assert list(table["as_good_as_best"])[0] and not list(table["as_good_as_best"])[-1]
+
+
+def test_3d_answers_of_the_patient_set_the_error(folder):
+    measured = []
+    for number, three_d in enumerate((0.88, 0.875)):
+        models = {"3d": {"ffr": three_d}, "axisymmetric": {"ffr": 0.9}, "network": {"ffr": 0.95}}
+        path = folder / f"ffr{number}.json"
+        path.write_text(json.dumps({"models": models}))
+        measured.append(str(path))
+    one = _rank(folder, "--measured", measured[0])
+    assert one["error"].to_numpy() == pytest.approx(0.02)
+    assert list(one["as_good_as_best"]) == [True, True, False]
+    two = _rank(folder, "--measured", *measured)
+    assert two["error"].to_numpy() == pytest.approx(0.025)
+    assert list(two["as_good_as_best"]) == [True, False, False]  # the two answers differ by .005 only
+    assert list(two["ffr"]) == list(one["ffr"])
+
+
+def test_an_answer_without_the_3d_model_says_nothing_of_the_error():
+    with pytest.raises(InputError, match="no 3D answer"):
+        ranking.model_error("network", [("ffr.json", {"models": {"network": {"ffr": 0.9}}})])
+
+
+@pytest.mark.parametrize("plans", [["small"], ["a=small", "a=large"], ["a=nowhere"]])
+def test_bad_plans_are_refused(folder, plans, capfd):
+    plans = [plan.replace("=", f"={folder}/") for plan in plans]
+    with pytest.raises(SystemExit) as ended:
+        command_line.main(
+            ["rank", *plans, "--boundary", str(folder / "boundary.json"), "--out", str(folder / "refused.csv")]
+        )
+    assert ended.value.code == 2 and not (folder / "refused.csv").exists()
+    assert "plan" in capfd.readouterr().err
