@@ -1,8 +1,7 @@
 // The program lumen: any lumen surface in, trustworthy geometry out.
-#include "common/error.hpp"
+#include "common/command_line.hpp"
 #include "process.hpp"
 #include "surface_file.hpp"
-#include <CLI/CLI.hpp>
 #include <iostream>
 #include <vtkObject.h>
 
@@ -68,7 +67,7 @@ void check(const Options& options, const std::string& repaired) {
 } // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"lumen: checks, repairs, remeshes and measures a coronary lumen surface (lengths in mm)"};
+  CLI::App app{"lumen: checks, repairs, remeshes and measures a coronary lumen surface (lengths in mm)", "lumen"};
   app.require_subcommand(1);
   Options options;
   std::string out;
@@ -97,7 +96,8 @@ int main(int argc, char** argv) {
   remesh_command->add_option("--out", out, "surface to write: .vtp or .stl")->required();
 
   vtkObject::GlobalWarningDisplayOff(); // what a reader cannot read is said once, by InputError
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = common::exit_code_of_parsing(app, argc, argv))
+    return *code;
   return common::guarded([&] {
     if (!given.inlet.empty())
       options.inlet = points_of(given.inlet, "--inlet").front();

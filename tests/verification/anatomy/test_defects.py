@@ -232,3 +232,13 @@ def test_truncated_file_is_refused(lumen, tube, tmp_path):
     (tmp_path / "half.vtp").write_bytes(whole[: len(whole) // 2])
     done = lumen(tmp_path / "half.vtp", tmp_path / "out")
     assert done.returncode == 2 and "half.vtp" in done.stderr and not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    "options, said",
+    [(["--label", "x"], "label"), (["--edge"], "edge"), (["--colour", "red"], "colour"), (["--inlet", "1,2"], "inlet")],
+)
+def test_command_line_that_is_not_understood(lumen, tube, tmp_path, options, said):
+    done = lumen(surfaces.write(tmp_path / "tube.vtp", *tube), tmp_path / "out", *options)
+    assert done.returncode == 2 and done.stderr.count("error:") == 1 and said in done.stderr
+    assert "lumen process --help" in done.stderr and not (tmp_path / "out").exists()

@@ -1,0 +1,28 @@
+// A command line that is not understood is bad input like any other: one message, exit code 2.
+#pragma once
+#include "common/error.hpp"
+#include <CLI/CLI.hpp>
+#include <optional>
+
+namespace common {
+
+/// Parses the command line. Nothing where a command is to run; else the exit code of the program: 0 after --help, 2
+/// after one message that names the command and what it does not understand.
+inline std::optional<int> exit_code_of_parsing(CLI::App& app, int argc, const char* const* argv) {
+  try {
+    app.parse(argc, argv);
+    return std::nullopt;
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0)
+      return app.exit(e);
+    std::string command = app.get_name();
+    for (const CLI::App* chosen : app.get_subcommands())
+      command += " " + chosen->get_name();
+    std::cerr
+        << InputError("the command line is not understood", command, e.what(), "see " + command + " --help").what()
+        << '\n';
+    return 2;
+  }
+}
+
+} // namespace common
