@@ -1,11 +1,13 @@
 #include "ends.hpp"
 #include "common/error.hpp"
 #include "fill_hole.hpp"
+#include "remesh.hpp"
 #include <CGAL/AABB_face_graph_triangle_primitive.h>
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
 #include <CGAL/AABB_triangle_primitive.h>
 #include <CGAL/Polygon_mesh_processing/connected_components.h>
+#include <CGAL/Polygon_mesh_processing/measure.h>
 #include <algorithm>
 #include <numeric>
 #include <set>
@@ -63,6 +65,21 @@ End measured(const Mesh& mesh, const std::vector<Face>& faces) {
   return end;
 }
 
+// The connected parts of the tagged faces, in a stable order.
+std::map<std::size_t, std::vector<Face>> cap_patches(Mesh& mesh) {
+  const RegionMap region = region_map(mesh);
+  auto patch = mesh.add_property_map<Face, std::size_t>("f:patch").first;
+  auto rim = mark_rims(mesh);
+  PMP::connected_components(mesh, patch, CGAL::parameters::edge_is_constrained_map(rim));
+  std::map<std::size_t, std::vector<Face>> caps;
+  for (Face f : mesh.faces())
+    if (region[f] != 0)
+      caps[patch[f]].push_back(f);
+  mesh.remove_property_map(patch);
+  mesh.remove_property_map(rim);
+  return caps;
+}
+
 } // namespace
 
 void cap_open_ends(Mesh& mesh, std::vector<Repair>& repairs) {
@@ -112,6 +129,21 @@ void tag_from_soup(Mesh& mesh, const Soup& soup) {
   }
 }
 
+void drop_scraps_of_caps(Mesh& mesh, std::vector<Repair>& repairs) {
+  RegionMap region = region_map(mesh);
+  const auto patches = cap_patches(mesh);
+  std::map<int, double> largest;
+  for (const auto& [id, faces] : patches)
+    largest[region[faces[0]]] = std::max(largest[region[faces[0]]], PMP::area(faces, mesh));
+  for (const auto& [id, faces] : patches)
+    if (const double area = PMP::area(faces, mesh);
+        area < largest[region[faces[0]]] && area < M_PI * smallest_end * smallest_end) {
+      repairs.push_back({"scrap of a cap taken as wall", faces.size(), "at " + place(centroid(mesh, faces[0]))});
+      for (Face f : faces)
+        region[f] = 0;
+    }
+}
+
 double flatten_caps(Mesh& mesh) {
   double largest = 0;
   for (const auto& [id, faces] : faces_by_region(mesh)) {
@@ -128,19 +160,8 @@ double flatten_caps(Mesh& mesh) {
 
 std::vector<End> measured_ends(Mesh& mesh) {
   RegionMap region = region_map(mesh);
-  auto patch = mesh.add_property_map<Face, std::size_t>("f:patch").first;
-  auto rim = mesh.add_property_map<Edge, bool>("e:rim", false).first;
-  for (Edge e : mesh.edges()) {
-    const Halfedge h = mesh.halfedge(e);
-    rim[e] = region[mesh.face(h)] != region[mesh.face(mesh.opposite(h))];
-  }
-  PMP::connected_components(mesh, patch, CGAL::parameters::edge_is_constrained_map(rim));
-  std::map<std::size_t, std::vector<Face>> caps;
-  for (Face f : mesh.faces())
-    if (region[f] != 0)
-      caps[patch[f]].push_back(f);
   std::vector<std::pair<End, std::vector<Face>>> found;
-  for (const auto& [id, faces] : caps)
+  for (const auto& [id, faces] : cap_patches(mesh))
     found.emplace_back(measured(mesh, faces), faces);
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.first.area > b.first.area; });
@@ -151,8 +172,6 @@ std::vector<End> measured_ends(Mesh& mesh) {
       region[f] = end.region;
     ends.push_back(end);
   }
-  mesh.remove_property_map(patch);
-  mesh.remove_property_map(rim);
   return ends;
 }
 

@@ -11,11 +11,16 @@ namespace anatomy {
 void cap_open_ends(Mesh& mesh, std::vector<Repair>& repairs);
 
 /// Tags the flat end caps of a closed mesh by shape: planar patches (within 12 degrees and 3 % of their size), round,
-/// from whose rim the wall leaves along the normal. A patch already tagged is left alone.
-void tag_flat_caps(Mesh& mesh);
+/// from whose rim the wall leaves along the normal, and of at least this radius (mm). A patch already tagged is left
+/// alone.
+void tag_flat_caps(Mesh& mesh, double least_radius = 0);
 
 /// Tags faces with the soup's region_id, by the nearest triangle of the soup.
 void tag_from_soup(Mesh& mesh, const Soup& soup);
+
+/// Tags as wall what is apart from a larger cap of the same tag and below smallest_end in radius, as the removal of
+/// self-intersections leaves beside a rim.
+void drop_scraps_of_caps(Mesh& mesh, std::vector<Repair>& repairs);
 
 /// Moves the vertices of each tagged cap onto the cap's plane; returns the largest move in mm.
 double flatten_caps(Mesh& mesh);

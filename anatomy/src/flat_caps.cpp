@@ -116,7 +116,7 @@ bool is_cap(const Mesh& mesh, const Shape& shape, const std::vector<Face>& patch
 
 } // namespace
 
-void tag_flat_caps(Mesh& mesh) {
+void tag_flat_caps(Mesh& mesh, double least_radius) {
   mesh.collect_garbage(); // faces count on from zero
   RegionMap region = region_map(mesh);
   const Shape shape = shape_of(mesh);
@@ -127,7 +127,7 @@ void tag_flat_caps(Mesh& mesh) {
     taken[f] = region[f] != 0;
   }
   // a lumen's mean radius bounds the size of its ends from below: bumps of a few triangles are not ends
-  const double radius = smallest_radius * 2 * std::abs(PMP::volume(mesh)) / PMP::area(mesh);
+  const double radius = std::max(least_radius, smallest_radius * 2 * std::abs(PMP::volume(mesh)) / PMP::area(mesh));
   for (Face seed : mesh.faces()) {
     if (taken[seed] || shape.area[seed] < sliver * shape.mean_area)
       continue;

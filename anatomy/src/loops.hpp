@@ -12,6 +12,8 @@ struct Loop {
   double area = 0;            ///< projected on that plane, mm2
 };
 
+constexpr double smallest_end = 0.15; ///< mm, radius; what a cut leaves open where it grazes a rough wall is smaller
+
 /// The loops in a stable order (by their first halfedge).
 std::vector<Loop> boundary_loops(const Mesh& mesh);
 

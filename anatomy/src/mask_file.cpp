@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <vtkDataArrayRange.h>
+#include <vtkDoubleArray.h>
+#include <vtkFieldData.h>
 #include <vtkFlyingEdges3D.h>
 #include <vtkImageCast.h>
 #include <vtkImageConnectivityFilter.h>
@@ -276,6 +278,10 @@ vtkSmartPointer<vtkPolyData> surface_of_label(const Mask& mask, int label, const
     points->InsertNextPoint(p.x(), p.y(), p.z());
   }
   surface->SetPoints(points);
+  vtkNew<vtkDoubleArray> edge;
+  edge->SetName(voxel_edge_array);
+  edge->InsertNextValue(mask.to_file.topLeftCorner<3, 3>().colwise().norm().maxCoeff());
+  surface->GetFieldData()->AddArray(edge);
   if (mask.to_file.determinant() < 0) // a frame of the other hand turns the triangles inward
     for (vtkIdType i = 0; i < surface->GetNumberOfCells(); ++i)
       surface->GetPolys()->ReverseCellAtId(i);

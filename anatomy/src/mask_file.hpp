@@ -30,5 +30,6 @@ vtkSmartPointer<vtkPolyData> surface_of_label(const Mask& mask, int label, const
                                               std::vector<Repair>& repairs);
 
 constexpr int any_label = 0;
+constexpr const char* voxel_edge_array = "voxel_edge"; ///< of the surface's field data: the longest edge of a voxel
 
 } // namespace anatomy

@@ -1,5 +1,6 @@
 #include "process.hpp"
 #include "cap_files.hpp"
+#include "coarse_mask.hpp"
 #include "common/error.hpp"
 #include "cut_ends.hpp"
 #include "ends.hpp"
@@ -26,6 +27,8 @@ using common::InputError;
 
 constexpr double finest_start = 0.05;     // mm
 constexpr double most_triangles = 250000; // of a mesh to start from: some 20 s
+constexpr double smallest_cap = 1.5;      // voxels: a thin lumen of voxels has facets as large as one on its wall
+constexpr long few_rings = 4;             // more are not vessels that touch
 
 // Whether a mesh of this edge (mm) may be tried where a coarser one fails.
 bool may_start_from(double edge, const Mesh& surface) {
@@ -54,6 +57,12 @@ void check_options(const Options& options) {
                        std::to_string(radii) + " radii", "choose 0.5 to 20 radii, or 0 for none");
   if (!options.caps.empty() && (options.inlet || !options.outlets.empty()))
     throw InputError("ends given twice", "--cap", "with --inlet or --outlet", "give caps or points, not both");
+}
+
+void say_warnings(const std::vector<Repair>& repairs, std::size_t from) {
+  for (std::size_t i = from; i < repairs.size(); ++i)
+    if (repairs[i].warning)
+      std::cerr << "lumen: warning: " << repairs[i].what << ": " << repairs[i].detail << '\n';
 }
 
 // Tags as numbered by the tree, instead of by area.
@@ -85,12 +94,17 @@ void cut_flat(Prepared& out, const Options& options) {
 void check_no_handle(Mesh& mesh) {
   PMP::remove_isolated_vertices(mesh);
   mesh.collect_garbage();
-  if (const auto places = places_on_handles(mesh); !places.empty())
-    throw InputError("the lumen forms a ring, as no coronary tree does", "near " + place(vec(mesh.point(places[0]))),
-                     "Euler number " +
-                         std::to_string(static_cast<long>(mesh.number_of_vertices() + mesh.number_of_faces()) -
-                                        static_cast<long>(mesh.number_of_edges())),
-                     "separate the vessels that touch there, or fill the hole through the lumen");
+  const auto places = places_on_handles(mesh);
+  if (places.empty())
+    return;
+  const long euler =
+      static_cast<long>(mesh.number_of_vertices() + mesh.number_of_faces()) - static_cast<long>(mesh.number_of_edges());
+  const long rings = 1 - euler / 2;
+  throw InputError(rings > 1 ? "the lumen forms " + std::to_string(rings) + " rings, as no coronary tree does"
+                             : "the lumen forms a ring, as no coronary tree does",
+                   "near " + place(vec(mesh.point(places[0]))), "Euler number " + std::to_string(euler),
+                   rings > few_rings ? "smooth or re-segment the surface: so many are noise as large as its triangles"
+                                     : "separate the vessels that touch there, or fill the hole through the lumen");
 }
 
 // Which end is which: as in the earlier state, by the given caps, by the given points, or by size.
@@ -180,14 +194,16 @@ Prepared prepare(const Options& options, StepTimer& timer) {
   cap_open_ends(out.mesh, out.repairs);
   orient_outward(out.mesh, out.repairs);
   remove_small_handles(out.mesh, out.repairs);
+  check_no_handle(out.mesh); // what follows keeps those there are, and takes long where there are many
   timer.start("self-intersections");
   remove_self_intersections(out.mesh, out.repairs);
   check_no_handle(out.mesh);
+  drop_scraps_of_caps(out.mesh, out.repairs);
   timer.start("caps");
   if (!caps.empty())
     tag_given_caps(out.mesh, caps);
   else if (soup.region.empty())
-    tag_flat_caps(out.mesh);
+    tag_flat_caps(out.mesh, smallest_cap * voxel_edge(out.input));
   out.ends = measured_ends(out.mesh);
   cut_flat(out, options);
   check_no_handle(out.mesh);
@@ -198,9 +214,7 @@ Prepared prepare(const Options& options, StepTimer& timer) {
   out.given = out.mesh;
   if (is_coarse(out.mesh))
     out.mesh = curved_refined(out.mesh);
-  for (const Repair& repair : out.repairs)
-    if (repair.warning)
-      std::cerr << "lumen: warning: " << repair.what << ": " << repair.detail << '\n';
+  say_warnings(out.repairs, 0);
   return out;
 }
 
@@ -234,6 +248,9 @@ Anatomy process(const Options& options, StepTimer& timer) {
   timer.start("sections");
   out.sections = cut_sections(prepared.mesh, out.branches, out.ends);
   smooth_noisy_areas(out.branches, out.sections, out.repairs);
+  const std::size_t said = out.repairs.size();
+  warn_of_few_voxels(out.branches, out.sections, voxel_edge(prepared.input), out.repairs);
+  say_warnings(out.repairs, said);
   timer.start("lesions");
   out.profiles = reference_profiles(out.branches, out.sections, out.repairs);
   out.lesions = find_lesions(out.branches, out.sections, out.profiles);

@@ -21,8 +21,7 @@ namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
 using ComponentMap = Mesh::Property_map<Face, std::size_t>;
 
-constexpr double comparable = 0.2;    // of the largest component's area
-constexpr double smallest_end = 0.15; // mm; what a cut leaves open where it grazes a rough wall is smaller
+constexpr double comparable = 0.2; // of the largest component's area
 
 // Whether b lists a's corners in the opposite sense; orienting keeps the order of triangles and only swaps corners.
 bool reversed(const std::vector<std::size_t>& a, const std::vector<std::size_t>& b) {

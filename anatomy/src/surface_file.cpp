@@ -15,6 +15,7 @@
 #include <vtkCellArrayIterator.h>
 #include <vtkCellData.h>
 #include <vtkDataArray.h>
+#include <vtkFieldData.h>
 #include <vtkOBJReader.h>
 #include <vtkPLYReader.h>
 #include <vtkSTLReader.h>
@@ -175,10 +176,19 @@ vtkSmartPointer<vtkPolyData> in_millimetres(const std::string& path, const std::
     points->SetPoint(i, x[0] * scale, x[1] * scale, x[2] * scale);
   }
   data->SetPoints(points);
+  if (vtkDataArray* edge = read->GetFieldData()->GetArray(voxel_edge_array); edge && is_mask_file(path)) {
+    edge->SetTuple1(0, scale * edge->GetTuple1(0));
+    data->GetFieldData()->AddArray(edge);
+  }
   return data;
 }
 
 } // namespace
+
+double voxel_edge(vtkPolyData* data) {
+  vtkDataArray* edge = data->GetFieldData()->GetArray(voxel_edge_array);
+  return edge ? edge->GetTuple1(0) : 0;
+}
 
 double millimetres_per(const std::string& units) {
   if (units == "mm")

@@ -17,6 +17,9 @@ vtkSmartPointer<vtkPolyData> read_triangles(const std::string& path, const std::
 vtkSmartPointer<vtkPolyData> read_surface(const std::string& path, const std::string& units, int label,
                                           std::vector<Repair>& repairs);
 
+/// The longest edge of the voxels (mm) of the mask that a surface was read from; 0 for other surfaces.
+double voxel_edge(vtkPolyData* data);
+
 /// The triangles and, if present, the cell array region_id.
 Soup soup_of(vtkPolyData* data);
 

@@ -11,10 +11,11 @@ using namespace anatomy;
 namespace {
 
 // A cone from radius 1.6 at x = 0 to 1.2 at x = 12.
-Mesh cone(bool capped) {
+Mesh cone(bool capped, double edge = 0.4) {
   shapes::Tube tube = shapes::straight(1.6, 12);
   tube.radius = [](double s) { return 1.6 - s / 30; };
   tube.capped = capped;
+  tube.edge = edge;
   std::vector<Repair> repairs;
   Mesh mesh = repaired(shapes::soup_of(tube), repairs);
   region_map(mesh);
@@ -120,6 +121,23 @@ TEST(Naming, LikeAnEarlierState) {
   std::vector<End> two = three_ends();
   two.pop_back();
   EXPECT_THROW(naming_like(two, like), common::InputError);
+}
+
+TEST(Ends, AScrapBesideACapIsWallAgain) {
+  Mesh mesh = cone(true, 0.2);
+  tag_flat_caps(mesh);
+  RegionMap region = region_map(mesh);
+  const int tag = *std::max_element(region.begin(), region.end());
+  const auto middle = [&](Face f) { return std::abs(mesh.point(mesh.target(mesh.halfedge(f))).x() - 6) < 0.5; };
+  const Face scrap = *std::find_if(mesh.faces().begin(), mesh.faces().end(), middle);
+  region[scrap] = tag;
+  Mesh copy = mesh;
+  ASSERT_EQ(measured_ends(copy).size(), 3u);
+  std::vector<Repair> repairs;
+  drop_scraps_of_caps(mesh, repairs);
+  EXPECT_TRUE(shapes::reported(repairs, "scrap of a cap taken as wall"));
+  EXPECT_EQ(region[scrap], 0);
+  expect_the_cones_ends(measured_ends(mesh));
 }
 
 } // namespace

@@ -76,6 +76,21 @@ def test_a_lumen_of_one_voxel_is_refused(lumen, tmp_path):
     assert done.returncode == 2 and "too thin for the mask's voxels" in done.stderr and "mask.nii" in done.stderr
 
 
+@pytest.mark.parametrize("voxels", [1.25, 1.5, 1.75, 2.5])
+def test_a_lumen_of_few_voxels_is_said_with_its_place(lumen, tmp_path, voxels):
+    matrix = masks.affine([0.5] * 3)
+    labels, a, b = vessel(matrix, (62, 36, 38), ((9.3, 12.1, 12.7), (52.2, 23.4, 24.9)), (0.5 * voxels,) * 2)
+    done = lumen(masks.nrrd(tmp_path / "mask.nrrd", labels, matrix), tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    off, ratio = measured(tmp_path / "out", a, b, (0.5 * voxels,) * 2)
+    assert len(ratio) > 20 and abs(ratio.mean() - 1) < 0.1 and off.max() < 0.25
+    warned = "lumen: warning: lumen of few voxels" in done.stderr
+    assert warned or (voxels > 2 and np.abs(ratio - 1).max() < 0.2)  # never silently wrong
+    if voxels < 2:
+        said = float(done.stderr.split("the narrowest ")[1].split(" voxels")[0])
+        assert said == pytest.approx(voxels * np.sqrt(ratio.min()), rel=0.02)
+
+
 @pytest.mark.parametrize("radius", [1.0, 1.5])
 def test_area_is_not_biased(lumen, tmp_path, radius):
     """A single Gaussian of this width loses 7 % of the area at R = 1 mm, 3 % at R = 1.5 mm."""
