@@ -1,6 +1,6 @@
 """How much the reference's answer depends on each of its constants that are choices, one varied at a time.
 
-Areas from three slices of the stented stretch, its tightest and two beside; curvature of the whole stented axis from the
+Areas from three slices of the stented stretch, at its quarters; curvature of the whole stented axis from the
 straightening beam. An area does not know the beam's constants, the beam none of the slices' but the support.
 """
 

@@ -21,6 +21,15 @@ def test_files_are_valid_cases_and_the_same_whatever_the_count(tmp_path):
     assert draw.one(5, 1) != draw.one(6, 1) != draw.one(6, 2)
 
 
+def test_a_cohort_may_have_any_size(tmp_path, monkeypatch):
+    made = draw.one(5, 1)
+    monkeypatch.setattr(draw, "one", lambda seed, number: made)
+    monkeypatch.setattr(draw.config, "load_case", lambda path: made)
+    paths = draw.run(1001, 5, tmp_path)
+    assert len(set(paths)) == 1001 and all(path.is_file() for path in paths)
+    assert [paths[k].name for k in (0, 998, 999)] == ["patient001.yaml", "patient999.yaml", "patient1000.yaml"]
+
+
 def test_values_keep_to_their_ranges_and_vary():
     rng = np.random.default_rng(1)
     cases = [draw._case(rng) for _ in range(400)]
@@ -57,7 +66,7 @@ def test_what_cannot_be_built_is_drawn_again(monkeypatch):
     assert len(tried) >= 2 and case["vessel"]["seed"] == tried[-1]
 
 
-@pytest.mark.parametrize("count, seed, key", [(0, 1, "--count"), (1000, 1, "--count"), (1, -1, "--seed")])
+@pytest.mark.parametrize("count, seed, key", [(0, 1, "--count"), (-3, 1, "--count"), (1, -1, "--seed")])
 def test_bad_numbers_are_refused(tmp_path, count, seed, key):
     with pytest.raises(InputError, match=key):
         draw.run(count, seed, tmp_path)

@@ -49,6 +49,10 @@ def test_truth_states_what_was_asked(made):
     assert lesion["true_diameter_stenosis_percent"] == pytest.approx(asked["diameter_stenosis_percent"], abs=0.1)
     assert document["surface"]["wall_error_rms_mm"] < 0.001
     assert [b["name"] for b in document["branches"]] == ["main", "side1", "side2"]
+    m, forks = document["murray_exponent"], document["bifurcations"]
+    assert len(forks) == 2
+    for fork in forks:
+        assert fork["before_mm"] ** m == pytest.approx(fork["after_mm"] ** m + fork["side_mm"] ** m, rel=1e-9)
 
 
 def test_truth_read_back_gives_the_same_radii(made):
