@@ -18,14 +18,16 @@ from vci.benchmark import SCENES, outcome_of, with_errors
 from vci.scenes import write_scene
 
 COLUMNS = (
-    "case,variant,outcome,steps,cg_iterations,largest_residual,max_penetration_mm,cpu_seconds,factor,"
+    "case,variant,edge_mm,outcome,steps,cg_iterations,largest_residual,max_penetration_mm,cpu_seconds,factor,"
     "mean_csa_mm2,mla_mm2,mean_csa_error_percent,mla_error_percent"
 ).split(",")
 NAMES = ("straight", "curved 0.12 per mm", "eccentric", "calcified")  # of the benchmark's scenes
 TEXTBOOK = {"integration": "textbook", "maximal_steps_per_stage": 20000}
+COARSE = 0.8  # mm: the default once more, on a coarser mesh
 VARIANTS = {
     "adaptive": {},
     "textbook": {"numerics": TEXTBOOK},
+    "textbook, contact with facets": {"numerics": TEXTBOOK | {"contact_surface": "facets"}},
     "textbook, solves to 1e-3": {"numerics": TEXTBOOK | {"pcg_tolerance": 1e-3, "pcg_maximal_iterations": 3000}},
     "springs, Lame": {"wall": {"model": "mass-spring"}},
     "springs, Van Gelder": {"wall": {"model": "mass-spring", "spring_mapping": "van_gelder"}},
@@ -47,12 +49,13 @@ def run_scene(options, name):
     folder, program = options.out / name.replace(" ", "_"), options.build / "vci"
     numerics = {"residual_tolerance": 3e-4, "device_edge_mm": 0.3}
     runs = [(variant, options.edge, settings) for variant, settings in VARIANTS.items()]
+    runs.append(("adaptive, coarse", COARSE, {"numerics": {"device_edge_mm": 1.125 * COARSE}}))
     rows = []
     for number, (variant, edge, settings) in enumerate(
         [*runs, ("reference", 0.6 * options.edge, {"numerics": numerics})]
     ):
         scene = write_scene(folder / str(number), dataclasses.replace(tube, edge=edge), **how, **settings)
-        rows.append({"case": name, "variant": variant} | outcome_of(program, scene))
+        rows.append({"case": name, "variant": variant, "edge_mm": edge} | outcome_of(program, scene))
         print(f"{name}, {variant}: {rows[-1]}", file=sys.stderr)
     return compared(rows)
 

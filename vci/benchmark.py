@@ -1,11 +1,11 @@
 """Speed against error of the deployment: scenes at several edges, tolerances and precisions, as CSV and as a figure.
 
-/usr/bin/python3 -m vci.benchmark [results/cases/quick_focal ...] --edges 0.8 0.6 0.4 0.3 --out results/benchmark
+/usr/bin/python3 -m vci.benchmark [results/cases/quick_branch ...] [--generated] --out results/benchmark
 
-Without case folders the generated scenes of SCENES are run. A case's error is taken against its own run at the finest
-edge with a tenth of the smallest residual tolerance. One run at a time, one thread; `seconds` are the engine's own
-(wall clock of all stages), `cpu_seconds` and memory those of the whole program. medians.csv holds the medians over
-the cases.
+The generated scenes of SCENES are run where no case folders are given, or before them with --generated. A case's error
+is taken against its own run at the finest edge with a tenth of the smallest residual tolerance. One run at a time, one
+thread; `seconds` are the engine's own (wall clock of all stages), `cpu_seconds` and memory those of the whole program,
+`microseconds_per_vertex_step` CPU time over steps and wall vertices. medians.csv holds the medians over the cases.
 """
 
 import argparse
@@ -25,12 +25,13 @@ from vci.scenes import Tube, write_scene
 
 COLUMNS = (
     "case,edge_mm,residual_tolerance,precision,outcome,wall_vertices,steps,cg_iterations,largest_residual,"
-    "max_penetration_mm,"
-    "seconds,cpu_seconds,peak_memory_mib,mean_csa_mm2,mla_mm2,mean_csa_error_percent,mla_error_percent"
+    "max_penetration_mm,seconds,cpu_seconds,microseconds_per_vertex_step,peak_memory_mib,"
+    "mean_csa_mm2,mla_mm2,mean_csa_error_percent,mla_error_percent"
 ).split(",")
 
 SETTING = ("edge_mm", "residual_tolerance", "precision")
 ERRORS = ("mean_csa_error_percent", "mla_error_percent")
+MEDIANS = ("steps", "seconds", "cpu_seconds", "microseconds_per_vertex_step", "peak_memory_mib", *ERRORS)
 SCENES = {
     "straight": (Tube(stenosis=0.6), {}),
     "curved 0.12 per mm": (Tube(stenosis=0.6, curvature=0.12), {}),
@@ -42,12 +43,12 @@ SCENES = {
 
 
 def run(command):
-    """(exit code, standard error, CPU seconds, peak memory in MiB) of a program."""
+    """(exit code, standard error, CPU seconds) of a program."""
     process = subprocess.Popen([str(c) for c in command], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
     messages = process.stderr.read()
     _, status, usage = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
-    return process.returncode, messages, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024
+    return process.returncode, messages, usage.ru_utime + usage.ru_stime
 
 
 def surface_of(case):
@@ -66,7 +67,7 @@ def remeshed(programs, case, edge, folder):
     surface, units = surface_of(case)
     if not (anatomy / "lumen.vtp").is_file():
         remesh = [programs / "lumen", "process", surface, "--units", units, "--edge", edge, "--out", anatomy]
-        code, messages, _, _ = run(remesh)
+        code, messages, _ = run(remesh)
         if code:
             raise ComputationError("the lumen cannot be remeshed", str(case), f"edge {edge} mm", messages.strip())
     scene = json.loads((case / "vci" / "scene.json").read_text())
@@ -94,16 +95,19 @@ def deploy(programs, case, setting, folder):
 def outcome_of(program, scene):
     """Runs a scene (results beside it, in vci/): outcome, CPU seconds, memory and, where it balanced, what came out."""
     out = scene.parent / "vci"
-    code, messages, cpu, memory = run([program, "deploy", scene, "--out", out])
-    row = {"outcome": "refused" if code else "balanced", "cpu_seconds": cpu, "peak_memory_mib": memory}
+    code, messages, cpu = run([program, "deploy", scene, "--out", out])
+    row = {"outcome": "refused" if code else "balanced", "cpu_seconds": cpu}
     if code:
         print(messages.strip().splitlines()[-3:], file=sys.stderr)
         return row
     result = json.loads((out / "deployment.json").read_text())
     stages, area = result["stages"], [p["area_mm2"] for p in result["csa_profile"]]
+    steps = sum(s["steps"] for s in stages)
     return row | {
+        "peak_memory_mib": result["peak_memory_mib"],
+        "microseconds_per_vertex_step": 1e6 * cpu / (steps * result["wall_vertices"]),
         "wall_vertices": result["wall_vertices"],
-        "steps": sum(s["steps"] for s in stages),
+        "steps": steps,
         "cg_iterations": sum(s["cg_iterations"] for s in stages),
         "largest_residual": max(s["residual"] for s in stages),
         "max_penetration_mm": max(s["max_penetration_mm"] for s in stages),
@@ -123,7 +127,7 @@ def medians(rows):
     for setting in dict.fromkeys(tuple(r[k] for k in SETTING) for r in rows):
         own = [r for r in rows if tuple(r[k] for k in SETTING) == setting and r["outcome"] == "balanced"]
         row = dict(zip(SETTING, setting)) | {"cases": len(own)}
-        for key in ("steps", "seconds", "cpu_seconds", "peak_memory_mib", *ERRORS):
+        for key in MEDIANS:
             values = [abs(r[key]) for r in own if key in r]
             row[key] = float(np.median(values)) if values else ""
         result.append(row)
@@ -147,20 +151,36 @@ def with_errors(rows):
     return rows
 
 
+def pareto(points):
+    """Of (cost, error) pairs those that no cheaper one undercuts, by cost."""
+    front = []
+    for cost, error in sorted(points):
+        if not front or error < front[-1][1]:
+            front.append((cost, error))
+    return front
+
+
 def draw(rows, path):
-    """Pareto figure: errors of the mean and of the minimal area against seconds, a line per case."""
+    """Figure: errors of the mean and of the minimal area against seconds with the Pareto front of the medians, and the
+    cost of a step per vertex against the number of vertices."""
     import matplotlib
 
     matplotlib.use("Agg")
     from matplotlib import pyplot
 
-    figure, both = pyplot.subplots(1, 2, figsize=(11, 4), sharey=True)
+    figure, (*both, cost) = pyplot.subplots(1, 3, figsize=(16, 4))
     for axes, key, what in zip(both, ERRORS, ("mean", "minimal")):
         for case in dict.fromkeys(r["case"] for r in rows):
             points = [r for r in rows if r["case"] == case and r.get(key)]
             axes.loglog([r["cpu_seconds"] for r in points], [abs(r[key]) for r in points], "o", label=case)
+        front = pareto([(r["cpu_seconds"], r[key]) for r in medians(rows) if r[key]])
+        axes.loglog(*zip(*front), "k-", label="front of the medians")
         axes.set(xlabel="CPU seconds, one core", ylabel=f"error of the {what} area in the stent, %")
     both[1].legend(fontsize=8)
+    key = "microseconds_per_vertex_step"
+    known = [r for r in rows if key in r]
+    cost.semilogx([r["wall_vertices"] for r in known], [r[key] for r in known], "o")
+    cost.set(xlabel="vertices of the wall", ylabel="microseconds per vertex and step", ylim=(0, None))
     figure.savefig(path, dpi=150, bbox_inches="tight")
 
 
@@ -168,7 +188,8 @@ def draw(rows, path):
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="python3 -m vci.benchmark", description=__doc__.splitlines()[0])
     parser.add_argument("cases", nargs="*", type=pathlib.Path, help="folders of cases; generated scenes without")
-    parser.add_argument("--edges", nargs="+", type=float, default=[0.8, 0.6, 0.4, 0.3], help="mm")
+    parser.add_argument("--generated", action="store_true", help="the generated scenes before the folders' cases")
+    parser.add_argument("--edges", nargs="+", type=float, default=[1.0, 0.8, 0.6, 0.4, 0.3], help="mm")
     parser.add_argument("--tolerances", nargs="+", type=float, default=[3e-3], help="residuals at which a stage ends")
     parser.add_argument("--precisions", nargs="+", choices=["single", "double"], default=["single"])
     parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path("build"), help="folder of vci and lumen")
@@ -179,7 +200,7 @@ def main(arguments=None):
     settings = [(e, t, p) for e in edges for t in options.tolerances for p in options.precisions]
     settings.append((edges[-1], min(options.tolerances) / 10, options.precisions[-1]))
     rows = []
-    for case in options.cases or SCENES:
+    for case in [*(SCENES if options.generated or not options.cases else ()), *options.cases]:
         own = []
         for setting in settings:
             folder = options.out / name_of(case).replace(" ", "_") / f"edge_{setting[0]:g}"
@@ -189,7 +210,7 @@ def main(arguments=None):
         write_table(rows, COLUMNS, options.out / "benchmark.csv")
     write_table(
         medians(rows),
-        [*SETTING, "cases", "steps", "seconds", "cpu_seconds", "peak_memory_mib", *ERRORS],
+        [*SETTING, "cases", *MEDIANS],
         options.out / "medians.csv",
     )
     draw(rows, options.out / "benchmark.png")

@@ -11,15 +11,25 @@ namespace {
 
 constexpr double search_reach = 0.5; // mm: a vertex deeper than this beyond a surface is not found any more
 
-} // namespace
+// Vertices that bear far more than others (calcium's edge, a window's rim) meet a second, stiffer ramp: in ramps, over
+// the stiffness. Where it begins, ordinary contact does not get to: all of it that stiff does not settle.
+constexpr double deep_from = 1.5, deep_ramp = 2, deep_stiffness = 20;
 
-RampLaw contact_ramp(double gap, const ContactSettings& s) {
-  const double a = s.distance - gap, w = s.ramp;
+/// Quadratic over the width w, then linear; nothing below a = 0.
+RampLaw ramp(double a, double stiffness, double w) {
   if (a <= 0)
     return {0, 0, 0};
   if (a < w)
-    return {s.stiffness * a * a * a / (6 * w), s.stiffness * a * a / (2 * w), s.stiffness * a / w};
-  return {s.stiffness * (w * w / 6 + 0.5 * a * (a - w)), s.stiffness * (a - 0.5 * w), s.stiffness};
+    return {stiffness * a * a * a / (6 * w), stiffness * a * a / (2 * w), stiffness * a / w};
+  return {stiffness * (w * w / 6 + 0.5 * a * (a - w)), stiffness * (a - 0.5 * w), stiffness};
+}
+
+} // namespace
+
+RampLaw contact_ramp(double gap, const ContactSettings& s) {
+  const RampLaw law = ramp(s.distance - gap, s.stiffness, s.ramp);
+  const RampLaw deep = ramp(s.distance - gap - deep_from * s.ramp, deep_stiffness * s.stiffness, deep_ramp * s.ramp);
+  return {law.energy + deep.energy, law.pressure + deep.pressure, law.stiffness + deep.stiffness};
 }
 
 RampLaw averaged_ramp(double from, double to, const ContactSettings& s) {
@@ -145,7 +155,7 @@ void SurfaceContact::measure(const System& system, const Vectors& normals, const
       continue; // the surfaces do not face each other here
     const Vec3 q =
         foot.weights[0] * system.x[t[0]] + foot.weights[1] * system.x[t[1]] + foot.weights[2] * system.x[t[2]];
-    const double gap = sign * (n.dot(q - p) + sagitta(t, foot.weights, system.x, units));
+    const double gap = sign * (n.dot(q - p) + (settings_.smooth ? sagitta(t, foot.weights, system.x, units) : 0.0));
     RampLaw law = contact_ramp(gap, settings_);
     if (settings_.time_averaged && ahead > 0) {
       const Vec3 closing = system.velocity[vertex] - foot.weights[0] * system.velocity[t[0]] -
@@ -166,6 +176,7 @@ void SurfaceContact::measure(const System& system, const Vectors& normals, const
     Vec3& kept = side.slip[place];
     kept = slip[place] - n.dot(slip[place]) * n;
     ContactPoint point{link, area, gap, area * law.pressure, Vec3::Zero(), &kept};
+    point.share = share;
     add_friction(point, settings_);
     points.push_back(point);
   }

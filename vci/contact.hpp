@@ -13,7 +13,8 @@ struct ContactSettings {
   double skin = 0.2;               ///< mm
   double friction = 0.1;           ///< Coulomb's mu
   double friction_stiffness = 2.0; ///< MPa/mm: tangential stress per slip below the limit
-  bool time_averaged = false;      ///< eq 18: the law's mean over the gaps of a step, where the velocity is followed
+  bool smooth = true;         ///< the surface through the triangles' corners (sagitta); false: the triangles themselves
+  bool time_averaged = false; ///< eq 18: the law's mean over the gaps of a step, where the velocity is followed
 };
 
 /// The ramp: with a = delta - gap, pressure kappa a^2 / (2 w) for a below w, kappa (a - w / 2) above.
@@ -29,11 +30,12 @@ RampLaw averaged_ramp(double from, double to, const ContactSettings& settings);
 /// when the surfaces cross, so that nothing can tunnel. Normal and weights are held within a step.
 struct ContactPoint {
   PointLink link;
-  double area;  ///< of the vertex, mm^2
-  double gap;   ///< mm
-  double force; ///< N along the normal
-  Vec3 drag;    ///< friction force, N: opposes the slip, at most mu times the normal force
-  Vec3* slip;   ///< elastic part of the tangential displacement since first touch, mm; kept by the contact
+  double area;      ///< of the vertex, mm^2
+  double gap;       ///< mm
+  double force;     ///< N along the normal
+  Vec3 drag;        ///< friction force, N: opposes the slip, at most mu times the normal force
+  Vec3* slip;       ///< elastic part of the tangential displacement since first touch, mm; kept by the contact
+  double share = 1; ///< of the surface that is there: it fades towards open edges and windows
 };
 
 /// Regularised Coulomb friction: elastic slip, mapped back where it passes the limit. Sets slip, drag and the link's

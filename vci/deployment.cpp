@@ -217,8 +217,8 @@ private:
     result_.stages.push_back({step.name, stage.name, seconds_since(start), r});
     std::cerr << step.name << " / " << stage.name << ": " << r.steps << " steps, " << r.cg_iterations
               << " cg iterations, residual " << r.residual << ", " << r.contacts << " contacts, penetration "
-              << r.mean_penetration << " mean " << r.maximal_penetration << " max mm, " << result_.stages.back().seconds
-              << " s\n";
+              << r.mean_penetration << " mean " << r.maximal_penetration << " max mm" << deepest_place(r, system_)
+              << ", " << result_.stages.back().seconds << " s\n";
     if (!r.converged)
       refuse(step, stage, r);
     after_balance(stage, step);

@@ -56,7 +56,7 @@ def reason_of(messages):
 
 def result_row(case, program, scene):
     """Runs a scene and returns its row."""
-    code, messages, cpu, _ = run([program, "deploy", scene, "--out", scene.parent / "out"])
+    code, messages, cpu = run([program, "deploy", scene, "--out", scene.parent / "out"])
     row = {"case": case, "cpu_seconds": round(cpu, 2)}
     if code:
         kind = {2: "input refused", 3: "refused"}.get(code, f"failed with exit code {code}")

@@ -69,9 +69,13 @@ Imbalance largest_imbalance(const Vectors& total, const std::vector<char>& fixed
 void read_contact(const Forces& f, RelaxResult& result) {
   result.contacts = static_cast<int>(f.points.size());
   result.maximal_penetration = result.mean_penetration = 0;
+  result.deepest = {-1, -1};
   for (const ContactPoint& p : f.points) {
-    const double depth = std::max(0.0, -p.gap);
-    result.maximal_penetration = std::max(result.maximal_penetration, depth);
+    const double depth = p.share * std::max(0.0, -p.gap);
+    if (depth > result.maximal_penetration) {
+      result.maximal_penetration = depth;
+      result.deepest = {p.link.vertex[0], p.link.vertex[1]};
+    }
     result.mean_penetration += depth / static_cast<double>(f.points.size());
   }
 }

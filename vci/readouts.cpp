@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <numbers>
 #include <vtkPointData.h>
 
@@ -34,6 +35,17 @@ double reference_area(const Lumen& lumen, const Path& path, const Segment& segme
         break;
       }
   return count > 0 ? sum / count : 0;
+}
+
+/// Of this program's own memory since it began, MiB; 0 where the system does not say. (The resource usage of a process
+/// begins with that of the program it was forked from.)
+double peak_memory_mib() {
+  std::ifstream status("/proc/self/status");
+  std::string key;
+  for (double kib = 0; status >> key;)
+    if (key == "VmHWM:" && status >> kib)
+      return kib / 1024;
+  return 0;
 }
 
 double turning(const Path& path, const Segment& s) {
@@ -85,6 +97,7 @@ json readouts(const Scene& scene, const Lumen& lumen, const std::map<std::string
   out["switched_off"] = d.switched_off;
   out["wall_vertices"] = d.vertices;
   out["seconds"] = total;
+  out["peak_memory_mib"] = peak_memory_mib();
 
   const Segment segment = reported_segment(scene);
   out["segment"] = {{"branch", segment.branch}, {"s_start_mm", segment.s_start}, {"s_end_mm", segment.s_end}};

@@ -95,6 +95,7 @@ Numerics read_numerics(const json& entry, const std::string& where, json& used) 
   c.distance = o.number("contact_distance_mm", 0, 0.2, c.distance);
   c.ramp = o.number("contact_ramp_mm", 1e-4, 0.2, c.ramp);
   c.skin = o.number("contact_skin_mm", 1e-3, 0.4, c.skin);
+  c.smooth = !choice("contact_surface", "smooth", "facets");
   c.friction = o.number("friction_coefficient", 0, 1, c.friction);
   c.friction_stiffness = o.number("friction_stiffness_mpa_per_mm", 1e-3, 1e4, c.friction_stiffness);
   i.textbook = choice("integration", "adaptive", "textbook");
