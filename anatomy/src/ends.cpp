@@ -7,7 +7,6 @@
 #include <CGAL/AABB_tree.h>
 #include <CGAL/AABB_triangle_primitive.h>
 #include <CGAL/Polygon_mesh_processing/connected_components.h>
-#include <CGAL/Polygon_mesh_processing/measure.h>
 #include <algorithm>
 #include <numeric>
 #include <set>
@@ -134,10 +133,10 @@ void drop_scraps_of_caps(Mesh& mesh, std::vector<Repair>& repairs) {
   const auto patches = cap_patches(mesh);
   std::map<int, double> largest;
   for (const auto& [id, faces] : patches)
-    largest[region[faces[0]]] = std::max(largest[region[faces[0]]], PMP::area(faces, mesh));
+    largest[region[faces[0]]] = std::max(largest[region[faces[0]]], measured(mesh, faces).area);
   for (const auto& [id, faces] : patches)
-    if (const double area = PMP::area(faces, mesh);
-        area < largest[region[faces[0]]] && area < M_PI * smallest_end * smallest_end) {
+    if (const End end = measured(mesh, faces);
+        end.area < largest[region[faces[0]]] && end.radius() < smallest_end) { // its shadow: scraps are crumpled
       repairs.push_back({"scrap of a cap taken as wall", faces.size(), "at " + place(centroid(mesh, faces[0]))});
       for (Face f : faces)
         region[f] = 0;
