@@ -76,8 +76,18 @@ Eigen::VectorXd inverse_diagonal(const Sparse& l, const Eigen::VectorXd& d) {
   return z.col(0).head(n);
 }
 
+// The straight line of least weighted squares through (i, y).
+Eigen::VectorXd line_through(const Eigen::VectorXd& y, const Eigen::VectorXd& w) {
+  const Eigen::ArrayXd x = Eigen::ArrayXd::LinSpaced(y.size(), 0, static_cast<double>(y.size() - 1));
+  const double mean_x = w.dot(x.matrix()) / w.sum(), mean_y = w.dot(y) / w.sum();
+  const Eigen::ArrayXd from_mean = x - mean_x;
+  const double slope = (w.array() * from_mean * (y.array() - mean_y)).sum() / (w.array() * from_mean.square()).sum();
+  return (mean_y + slope * from_mean).matrix();
+}
+
 // The smooth profile for the penalty with the least Mallows' C_p. Samples nearer than `stride` share their noise, which
-// would pass for shape: the penalty is chosen by every stride-th one, and serves all.
+// would pass for shape: the penalty is chosen by every stride-th one, and serves all. However stiff, the penalty leaves
+// a parabola; a plain taper competes with it.
 Eigen::VectorXd smoothed(const Profile& profile, Eigen::Index stride, double sigma) {
   const Eigen::VectorXd& y = profile.radius;
   Eigen::VectorXd w = profile.weight;
@@ -90,6 +100,9 @@ Eigen::VectorXd smoothed(const Profile& profile, Eigen::Index stride, double sig
     diagonal.diagonal() = weight;
     return Sparse(diagonal + lambda * penalty);
   };
+  const auto score_of = [&](const Eigen::VectorXd& z, double freedom) {
+    return w.dot((z - y).cwiseAbs2()) / static_cast<double>(stride) + 2 * caution * sigma * sigma * freedom;
+  };
   Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::NaturalOrdering<int>> solver;
   double best = 0, least = 1e300;
   for (double log_lambda = -3; log_lambda <= 9; log_lambda += 0.25) {
@@ -98,14 +111,14 @@ Eigen::VectorXd smoothed(const Profile& profile, Eigen::Index stride, double sig
       continue;
     const Eigen::VectorXd z = solver.solve(Eigen::VectorXd(w.cwiseProduct(y)));
     const Sparse l = solver.matrixL();
-    const double freedom = inverse_diagonal(l, solver.vectorD()).dot(w);
-    const double score =
-        w.dot((z - y).cwiseAbs2()) / static_cast<double>(stride) + 2 * caution * sigma * sigma * freedom;
+    const double score = score_of(z, inverse_diagonal(l, solver.vectorD()).dot(w));
     if (score < least) {
       least = score;
       best = std::pow(10.0, log_lambda);
     }
   }
+  if (score_of(line_through(y, w), 2) < least)
+    return line_through(y, profile.weight);
   solver.compute(system(profile.weight, best));
   return solver.solve(Eigen::VectorXd(profile.weight.cwiseProduct(y)));
 }

@@ -10,9 +10,9 @@ namespace anatomy {
 double area_noise(const std::vector<Branch>& branches, const std::vector<Section>& sections);
 
 /// Replaces the areas of the sections flagged ok by those of a smooth profile of the radius along each branch
-/// (discrete spline with third differences as its penalty, as strong as Mallows' C_p says for that noise), where
-/// area_noise is above least_area_noise; the diameters keep their ratio to the equivalent one. A surface without noise
-/// keeps the areas as cut. Appends what was done to `notes`.
+/// (a straight line, or a discrete spline with third differences as its penalty, as Mallows' C_p says for that noise),
+/// where area_noise is above least_area_noise; the diameters keep their ratio to the equivalent one. A surface without
+/// noise keeps the areas as cut. Appends what was done to `notes`.
 void smooth_noisy_areas(const std::vector<Branch>& branches, std::vector<Section>& sections,
                         std::vector<Repair>& notes);
 
