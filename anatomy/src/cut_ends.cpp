@@ -2,6 +2,7 @@
 #include "common/error.hpp"
 #include "inner_balls.hpp"
 #include "tips.hpp"
+#include <CGAL/Polygon_mesh_processing/connected_components.h>
 #include <CGAL/Polygon_mesh_processing/corefinement.h>
 #include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/repair.h>
@@ -198,6 +199,7 @@ double cut(Mesh& mesh, const Plane& plane, Vertex tip, const std::string& remedy
     refuse();
   for (Face f : drop)
     CGAL::Euler::remove_face(mesh.halfedge(f), mesh);
+  PMP::keep_largest_connected_components(mesh, 1); // bumps of a rough wall that the plane cuts off stand alone now
   mesh.remove_property_map(marked);
   return lost;
 }

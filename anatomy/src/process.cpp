@@ -99,6 +99,9 @@ void check_no_handle(Mesh& mesh) {
     return;
   const long euler =
       static_cast<long>(mesh.number_of_vertices() + mesh.number_of_faces()) - static_cast<long>(mesh.number_of_edges());
+  if (euler > 2)
+    throw InputError("the surface falls into pieces", "near " + place(vec(mesh.point(places[0]))),
+                     "Euler number " + std::to_string(euler), "smooth or re-segment the surface there");
   const long rings = 1 - euler / 2;
   throw InputError(rings > 1 ? "the lumen forms " + std::to_string(rings) + " rings, as no coronary tree does"
                              : "the lumen forms a ring, as no coronary tree does",
