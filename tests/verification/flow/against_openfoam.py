@@ -20,12 +20,14 @@ import openfoam_case  # noqa: E402
 import tubes  # noqa: E402
 
 from common.errors import ComputationError, InputError, guarded  # noqa: E402
+from flow import settings  # noqa: E402
 
 OUTLET, FLOW, DENSITY, VISCOSITY = 70 * 133.322, 150e-6 / 60, 1060.0, 0.004  # SI
 RADIUS, LENGTH, THROAT, REDUCTION = 1.6, 50.0, 20.0, 0.62  # mm
 PLACES = (0.01, 45.0)  # mm: just behind the inlet, and where FFR is read
 OPENFOAM_EDGES = (0.8, 0.55, 0.4, 0.3, 0.22)  # mm
-RINGS = (3, 4, 5, 6)  # of the fine mesh
+RINGS = (3, 4, 5, 6)  # of our only mesh
+ADAPTIVE = 0  # in their place: the default, two meshes made, the coarse one solved and the fine one where it is needed
 TIMES = ("mesh_cpu_s", "solve_cpu_s")
 COLUMNS = (
     "solver",
@@ -81,15 +83,26 @@ def openfoam(edge_mm, folder):
     return row | {"ffr": ffr(found.pop("pressures_pa")), "outcome": "converged"} | found
 
 
+def spacing(rings):
+    """Options by which the sections are as far apart as `flow mesh` sets them on a coarse mesh with so many rings."""
+    defaults = settings.make()
+    ratio = defaults.rings / rings
+    return [
+        text
+        for name in ("stations_throat", "stations_plain")
+        for text in ("--" + name.replace("_", "-"), str(getattr(defaults, name) * ratio))
+    ]
+
+
 def ours(rings, folder):
-    """Row of one pair of meshes: fine, and the coarse one that it starts from."""
-    row = {"solver": "vci", "resolution": f"{rings} rings from {rings - 1}"}
+    """Row of one mesh with so many rings, or of the default settings (ADAPTIVE)."""
+    row = {"solver": "vci", "resolution": f"{rings} rings" if rings else "default, adaptive"}
     folder.mkdir(parents=True, exist_ok=True)
     branch = tubes.line(LENGTH, RADIUS_PROFILE)
     tubes.write_case(folder, tubes.tube(LENGTH, RADIUS_PROFILE, 0.4), [branch], None)
     (folder / "boundary.json").write_text(json.dumps(document()))
-    meshes, line = ["mesh.msh", "--coarse", "mesh_coarse.msh"], ["--centreline", "centreline.vtp"]
-    sizes = ["--rings", str(rings), "--coarse-rings", str(rings - 1), "--ffr-tolerance", "0"]  # both meshes
+    meshes, line = ["mesh.msh"] + ["--coarse", "mesh_coarse.msh"] * (not rings), ["--centreline", "centreline.vtp"]
+    sizes = ["--rings", str(rings), *spacing(rings)] if rings else []
     seconds = []
     for command in (
         ["mesh", "lumen.vtp", *line, "--out", *meshes, *sizes],
@@ -104,9 +117,9 @@ def ours(rings, folder):
         seconds.append(sum(os.times()[2:4]) - started)
         if done.returncode:
             return row | {"outcome": f"{command[0]} ended with exit code {done.returncode}"}
-    answer, mesh = (json.loads((folder / name).read_text()) for name in ("ffr.json", "mesh.json"))
+    answer = json.loads((folder / "ffr.json").read_text())
     return row | {
-        "cells": mesh["cells"],
+        "cells": answer["cells"],
         "ffr": answer["ffr"],
         "mesh_cpu_s": seconds[0],
         "solve_cpu_s": seconds[1],
@@ -155,7 +168,7 @@ def main():
     parser.add_argument("--out", required=True, type=pathlib.Path, help="folder of table, figure and the runs")
     parser.add_argument("--edges", nargs="+", type=float, default=OPENFOAM_EDGES, help="of OpenFOAM's meshes, mm")
     parser.add_argument(
-        "--rings", nargs="+", type=int, default=RINGS, help="of our fine meshes; the coarse has one less"
+        "--rings", nargs="+", type=int, default=(ADAPTIVE, *RINGS), help=f"of our only mesh; {ADAPTIVE}: default"
     )
     options = parser.parse_args()
     missing = openfoam_case.missing_programs()
