@@ -3,7 +3,7 @@
 import argparse
 import pathlib
 
-from common.errors import guarded
+from common.errors import InputError, guarded
 
 
 def _parser():
@@ -13,7 +13,7 @@ def _parser():
     make.add_argument("case", type=pathlib.Path, help="case file, config/cases/<case>.yaml")
     make.add_argument("--out", type=pathlib.Path, required=True, help="folder for lumen.vtp and truth.json")
     draw = commands.add_parser("draw", help="cases of a random cohort from stated distributions")
-    draw.add_argument("--count", type=int, required=True, help="number of patients, 1 to 999")
+    draw.add_argument("--count", type=int, required=True, help="number of patients")
     draw.add_argument("--seed", type=int, required=True, help="patient k of a seed is the same whatever the count")
     draw.add_argument("--out", type=pathlib.Path, required=True, help="folder for patient001.yaml, ...")
     fe = commands.add_parser("reference", help="independent finite-element post-PCI lumen")
@@ -38,9 +38,15 @@ def _parser():
     vary.add_argument("--truth", type=pathlib.Path, required=True, help="truth.json of the virtual patient")
     vary.add_argument("--settings", type=pathlib.Path, help="YAML or JSON with the keys of the section `reference`")
     vary.add_argument("--out", type=pathlib.Path, required=True, help="folder for sensitivity.csv")
-    other = commands.add_parser("reference-ccx", help="a slice against CalculiX, where that is installed")
+    other = commands.add_parser("reference-ccx", help="slices against CalculiX, where that is installed")
+    other.add_argument("--scene", type=pathlib.Path, help="plan.json: a slice of this case instead (with --truth)")
+    other.add_argument("--truth", type=pathlib.Path, help="truth.json of the virtual patient")
+    other.add_argument("--settings", type=pathlib.Path, help="YAML or JSON with the keys of the section `reference`")
+    other.add_argument("--s", type=float, metavar="MM", help="arc length of that slice; else the tightest stented one")
     other.add_argument("--program", default="ccx", help="CalculiX (Debian package calculix-ccx)")
-    other.add_argument("--out", type=pathlib.Path, required=True, help="folder for slices_vs_calculix.json")
+    other.add_argument(
+        "--out", type=pathlib.Path, required=True, help="folder for slices_vs_calculix.json, case_vs_calculix.json"
+    )
     scan = commands.add_parser("phantom", help="CT volume of a lumen")
     scan.add_argument("lumen", type=pathlib.Path, help="closed lumen.vtp with flat ends")
     scan.add_argument("--settings", type=pathlib.Path, help="YAML or JSON with the keys of the section `ct`")
@@ -86,9 +92,15 @@ def main(arguments=None):
 
         sensitivity.study(options.scene, options.truth, options.out, options.settings)
     elif options.command == "reference-ccx":
-        from .reference import against_calculix
+        from .reference import against_calculix, calculix_case
 
-        against_calculix.compare(options.out, options.program)
+        if (options.scene is None) != (options.truth is None):
+            raise InputError("one of two is missing", "--scene, --truth", "given alone", "give both, or neither")
+        if options.scene:
+            place = (options.scene, options.truth, options.out, options.program)
+            calculix_case.compare(*place, options.s, options.settings)
+        else:
+            against_calculix.compare(options.out, options.program)
     elif options.command == "phantom":
         from .ct import scan
 

@@ -1,32 +1,24 @@
 """The slice against CalculiX (ccx 2.20), another code: a thick ring of plaque and wall, inflated and let go.
 
 The same nodes, loads and constants: eccentric ring, plaque (J2, neo-Hookean, hardening) inside, Yeoh wall outside, a
-pressure on the lumen that follows it up to two levels and back to none. CalculiX takes one layer of C3D20R in plane
-strain; its finite plasticity is that of Simo too (*PLASTIC with NLGEOM), its Yeoh energy penalises the volume by
-(J - 1)^2 where the slice has (J^2 - 1)/2 - ln J.
+pressure on the lumen that follows it up to two levels and back to none.
 """
 
-import os
 import pathlib
-import shutil
-import subprocess
 import tempfile
 
 import numpy as np
 
-from common.errors import ComputationError, InputError
 from common.files import write_json
 
-from . import materials
+from . import calculix, materials
 from .slice_model import SliceModel
 
 AROUND, THROUGH = 16, 4
 INNER_MM, C10_MPA, C20_MPA, BULK_MPA = 0.8, 0.05, 0.2, 20.0
 PRESSURES_MPA = (0.045, 0.075, 0.0)
-HEIGHT_MM = 0.2
 INCREMENTS = 12  # a step of load, in both programs
 SEAT_MPA_PER_MM = 1e-7  # holds the slice against rigid motion; CalculiX pins a node
-TIMEOUT_S = 900
 
 
 def ring():
@@ -55,63 +47,21 @@ def slice_positions():
     return np.array(found)
 
 
-def nodes_and_elements():
-    """(coordinates {number: (x, y, z)}, elements (n, 20), depth index (n,) of their first node) of one layer."""
-    theta, inner, outer = ring()
-    rows = 2 * THROUGH + 1
-    depth = np.linspace(0, 1, rows)
-    radius = inner[:, None] + (outer - inner)[:, None] * depth
-    x, y = radius * np.cos(theta)[:, None], radius * np.sin(theta)[:, None]
-    columns = len(theta)
-
-    def number(i, j, k):
-        return 1 + (k * columns + i % columns) * rows + j
-
-    ring_nodes = [(0, 0), (0, 2), (2, 2), (2, 0), (0, 1), (1, 2), (2, 1), (1, 0)]  # (round, depth): corners, middles
-    elements, first = [], []
-    for i in range(0, columns, 2):
-        for j in range(0, rows - 1, 2):
-            low, high = ([number(i + a, j + b, k) for a, b in ring_nodes] for k in (0, 2))
-            upright = [number(i + a, j + b, 1) for a, b in ring_nodes[:4]]
-            elements.append(low[:4] + high[:4] + low[4:] + high[4:] + upright)
-            first.append(j)
-    used = {n for element in elements for n in element}
-    coordinates = {
-        number(i, j, k): (x[i, j], y[i, j], 0.5 * k * HEIGHT_MM)
-        for k in range(3)
-        for i in range(columns)
-        for j in range(rows)
-        if number(i, j, k) in used
-    }
-    return coordinates, np.array(elements), np.array(first)
-
-
-def _lines(values, per_line=12):
-    values = [str(v) for v in values]
-    return [", ".join(values[i : i + per_line]) + "," for i in range(0, len(values), per_line)]
+def ring_layer():
+    """The ring as one layer of CalculiX's elements."""
+    return calculix.layer(*ring(), THROUGH)
 
 
 def deck():
     """Text of the CalculiX input."""
-    coordinates, elements, first = nodes_and_elements()
-    plaque = materials.FIBROUS
-    mu, bulk = plaque.shear_mpa, BULK_MPA
-    young, poisson = 9 * bulk * mu / (3 * bulk + mu), (3 * bulk - 2 * mu) / (2 * (3 * bulk + mu))
-    rows = 2 * THROUGH + 1
-    lumen = [1 + i * rows for i in range(2 * AROUND)]
-    inside = first < THROUGH
-    out = ["*NODE, NSET=ALL"]
-    out += [f"{n}, {x:.12f}, {y:.12f}, {z:.12f}" for n, (x, y, z) in sorted(coordinates.items())]
-    for name, chosen in (("PLAQUE", inside), ("WALL", ~inside)):
-        out.append(f"*ELEMENT, TYPE=C3D20R, ELSET={name}")
-        for number in np.flatnonzero(chosen):
-            out += _lines([number + 1, *elements[number]], 11)
-    out += ["*NSET, NSET=LUMEN", *_lines(lumen), "*ELSET, ELSET=INSIDE", *_lines(np.flatnonzero(first == 0) + 1)]
-    # One node of the outside is pinned along x; the ring is symmetric about that axis.
-    out += ["*BOUNDARY", "ALL, 3, 3", f"{rows}, 1, 2", f"{AROUND * rows + rows}, 2, 2"]
-    out += ["*MATERIAL, NAME=PLAQUE", "*ELASTIC", f"{young:.12g}, {poisson:.12g}", "*PLASTIC"]
-    out += [f"{plaque.yield_mpa}, 0.", f"{plaque.yield_mpa + 10 * plaque.hardening_mpa}, 10."]
-    out += ["*MATERIAL, NAME=WALL", "*HYPERELASTIC, YEOH", f"{C10_MPA}, {C20_MPA}, 0., {2 / bulk:.12g}, 0., 0."]
+    layer, plaque = ring_layer(), materials.FIBROUS
+    inside = layer.depth < THROUGH // 2
+    out = calculix.mesh_lines(layer, {"PLAQUE": inside, "WALL": ~inside})
+    out += ["*ELSET, ELSET=INSIDE", *calculix.lines(np.flatnonzero(layer.depth == 0) + 1)]
+    # One node of the outside is pinned, the one across held on the axis about which the ring is symmetric.
+    out += ["*BOUNDARY", f"{layer.outside[0]}, 1, 2", f"{layer.outside[AROUND]}, 2, 2"]
+    out += calculix.plaque_lines("PLAQUE", plaque.shear_mpa, plaque.yield_mpa, plaque.hardening_mpa, BULK_MPA)
+    out += calculix.wall_lines("WALL", C10_MPA, C20_MPA, BULK_MPA)
     out += [f"*SOLID SECTION, ELSET={name}, MATERIAL={name}" for name in ("PLAQUE", "WALL")]
     for pressure in PRESSURES_MPA:
         out += ["*STEP, NLGEOM, INC=10000", "*STATIC", f"{1 / INCREMENTS}, 1., 1e-6, {1 / INCREMENTS}"]
@@ -119,33 +69,10 @@ def deck():
     return "\n".join(out) + "\n"
 
 
-def _printed(text):
-    """Displacements (steps, nodes, 2) of the last increment of each step in the text of a .dat file."""
-    blocks = [block.split("\n\n") for block in text.split("displacements")[1:]]
-    found = [np.array([line.split()[1:3] for line in block[1].strip().splitlines()], float) for block in blocks]
-    if len(found) != len(PRESSURES_MPA) or any(len(values) != 2 * AROUND for values in found):
-        raise ComputationError(
-            "CalculiX did not finish", "reference-ccx", f"{len(found)} results", "look at the folder's ring.log"
-        )
-    return np.array(found)
-
-
 def calculix_positions(program, folder):
-    """Positions (steps, 2 around, 2) of the lumen's nodes by CalculiX, run in `folder`.
-
-    Raises InputError where the program is missing, ComputationError where it fails.
-    """
-    path = shutil.which(program)
-    if path is None:
-        raise InputError("CalculiX is not installed", "--program", program, "apt-get install calculix-ccx")
-    folder = pathlib.Path(folder)
-    (folder / "ring.inp").write_text(deck())
-    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
-    with open(folder / "ring.log", "w") as log:
-        subprocess.run([path, "ring"], cwd=folder, env=environment, stdout=log, stderr=log, timeout=TIMEOUT_S)
-    results = folder / "ring.dat"
-    moved = _printed(results.read_text() if results.is_file() else "")
+    """Positions (steps, 2 around, 2) of the lumen's nodes by CalculiX, run in `folder`. Raises as calculix does."""
     theta, inner, _ = ring()
+    moved = calculix.displacements(program, deck(), folder, len(PRESSURES_MPA), len(theta))
     return np.stack([inner * np.cos(theta), inner * np.sin(theta)], axis=1) + moved
 
 

@@ -56,11 +56,12 @@ def volumetric_stress(f, bulk):
     return 0.5 * bulk * (ufl.det(f) ** 2 - 1)
 
 
-def device_pressure(distance, radius, stiffness, cap, smoothing_mm=0.004):
+def device_pressure(distance, radius, stiffness, cap, smoothing_mm=0.004, sqrt=ufl.sqrt):
     """Pressure of a round device of `radius` on a wall at `distance` from its axis: smoothcap(k <R - d>).
 
     The gap is smoothed over smoothing_mm; smoothcap(p) = p c / (p^4 + c^4)^(1/4) tends to the cap c.
+    sqrt: numpy.sqrt for arrays.
     """
     gap = radius - distance
-    p = stiffness * 0.5 * (gap + ufl.sqrt(gap**2 + smoothing_mm**2))
+    p = stiffness * 0.5 * (gap + sqrt(gap**2 + smoothing_mm**2))
     return p * cap / (p**4 + cap**4) ** 0.25

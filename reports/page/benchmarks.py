@@ -29,6 +29,10 @@ TITLES = {
         "Reference: slices against a solid in three dimensions",
         "A row is a mesh of the solid; errors are those of the slices' area.",
     ),
+    "reference_against_calculix": (
+        "Reference: slices against CalculiX",
+        "A row is a load of an inflated ring, or a stage of one slice through its procedure, by both codes.",
+    ),
     "reference_sensitivity": (
         "Reference: what its constants are worth",
         "A row is a constant changed by a factor: mean area of three stented slices, or curvature of the stented axis.",

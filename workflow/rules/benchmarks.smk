@@ -157,6 +157,34 @@ rule reference_sensitivity:
         "workflow/run.sh {log} /usr/bin/python3 {input.script} --case {input.case} --out {params.out}"
 
 
+rule reference_against_calculix:
+    message:
+        "benchmark: the reference's slices against CalculiX (package calculix-ccx), by its own name only"
+    input:
+        program=LUMEN,
+        code=code(
+            "data_synthetic",
+            "data_synthetic.generate",
+            "data_synthetic.reference.against_calculix",
+            "data_synthetic.reference.calculix_case",
+        ),
+        script="tests/verification/data_synthetic/calculix_benchmark.py",
+        shared="tests/verification/data_synthetic/benchmark_case.py",
+        case="config/cases/lad01.yaml",
+    output:
+        "results/benchmarks/reference_against_calculix/ring.csv",
+        "results/benchmarks/reference_against_calculix/case.csv",
+    log:
+        "results/benchmarks/logs/reference_against_calculix.log",
+    benchmark:
+        "results/benchmarks/logs/reference_against_calculix.tsv"
+    threads: workflow.cores
+    params:
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 {input.script} --case {input.case} --out {params.out}"
+
+
 rule flow_against_openfoam:
     message:
         "benchmark: the flow beside OpenFOAM's simpleFoam (package openfoam), by its own name only"

@@ -1,0 +1,206 @@
+"""One slice of a patient through its whole procedure, against CalculiX: predilatation, stent, post-dilatation, recoil.
+
+The slice does the study's own steps with its devices. Where each load step leaves the lumen's nodes is prescribed to
+CalculiX on the same mesh, tissues and support; what is compared after each inflation and deflation is the pressure that
+its tissue then needs from the device, with the pressure of the slice's device. By the stiffness of tissue and device a
+difference of pressure is one of area. (With devices as bodies in contact CalculiX 2.20 lost its convergence while the
+balloon opened.) Both codes take one tissue an element, that of its middle.
+"""
+
+import pathlib
+import tempfile
+
+import numpy as np
+
+from common.errors import InputError
+from common.files import write_json
+
+from . import calculix, procedure, run, solid, tissue
+from .slice_model import SliceModel
+from .tube_procedure import enclosed_area
+
+SETTING_KEYS = ("wall_c10_mpa", "wall_c20_mpa", "bulk_modulus_mpa", "support_mpa_per_mm")
+SIDE_POINTS, SIDE_WEIGHTS = np.polynomial.legendre.leggauss(3)
+
+
+class RecordedSlice(SliceModel):
+    """A slice that keeps of each load step its name, the lumen's nodes (mm) and the devices' mean pressure (MPa)."""
+
+    def place(self, inner_mm, outer_mm, material):
+        """As SliceModel; forgets what was recorded."""
+        super().place(inner_mm, outer_mm, material)
+        self.recorded = []
+
+    def advance(self, target, name="load"):
+        """As SliceModel, and records what it came to."""
+        super().advance(target, name)
+        at, loads = self.lumen_position(), self.loads()
+        self.recorded.append({"name": name, "lumen": at, "pressure": mean_pressure(at, loads), "loads": loads})
+
+
+def mean_pressure(lumen, loads):
+    """int p n . x ds / (2 A) in MPa over a lumen (2 around, 2) of quadratic sides: p itself where it is the same all round.
+
+    loads: as a SliceModel's.
+    """
+    first, middle, last = lumen[0::2], lumen[1::2], np.roll(lumen[0::2], -1, axis=0)
+    total, area = 0.0, 0.0
+    for x, weight in zip(SIDE_POINTS, SIDE_WEIGHTS):
+        at = 0.5 * x * (x - 1) * first + (1 - x * x) * middle + 0.5 * x * (x + 1) * last
+        along = (x - 0.5) * first - 2 * x * middle + (x + 0.5) * last
+        swept = weight * (at[:, 0] * along[:, 1] - at[:, 1] * along[:, 0])
+        distance, pressure = np.linalg.norm(at, axis=1), loads["pressure"]
+        for device in ("balloon", "stent"):
+            law = [loads[f"{device}_{name}"] for name in ("radius", "stiffness", "cap")]
+            pressure = pressure + loads[f"{device}_share"] * solid.device_pressure(distance, *law, sqrt=np.sqrt)
+        total, area = total + np.sum(pressure * swept), area + np.sum(swept)
+    return float(total / area)
+
+
+class Section:
+    """The section of a patient at s_mm, one tissue an element: for both codes.
+
+    theta, inner, outer: (2 around,) rad and mm; tissues (around, through, 4): share of plaque, 0 or 1, and its constants.
+    """
+
+    def __init__(self, patient, s_mm, settings):
+        around, self.through = settings["elements_around"], settings["elements_through"]
+        self.theta = np.pi * np.arange(2 * around) / around
+        self.inner, self.outer = tissue.rays(patient.branch, patient.wall_mm, s_mm, self.theta)
+        depth = (np.arange(self.through) + 0.5) / self.through
+        radius = self.inner[1::2, None] + (self.outer - self.inner)[1::2, None] * depth
+        angle = np.broadcast_to(self.theta[1::2, None], radius.shape)
+        values = tissue.constants(patient.branch, np.full(radius.size, s_mm), angle.ravel(), radius.ravel())
+        self.tissues = np.stack(values, axis=1).reshape(around, self.through, 4)
+        self.tissues[..., 0] = self.tissues[..., 0] > 0.5
+
+    def material(self, angle, radius):
+        """Tissue of the element at points (n,) in rad and mm, as SliceModel.place wants it."""
+        turn = np.mod(angle, 2 * np.pi) * len(self.theta) / (4 * np.pi)
+        column = np.minimum(turn.astype(int), len(self.theta) // 2 - 1)
+        x = 2 * (turn - column) - 1
+        edges = []
+        for ray in (self.inner, self.outer):
+            first, middle, last = ray[2 * column], ray[2 * column + 1], ray[(2 * column + 2) % len(ray)]
+            edges.append(0.5 * x * (x - 1) * first + (1 - x * x) * middle + 0.5 * x * (x + 1) * last)
+        depth = (radius - edges[0]) / (edges[1] - edges[0]) * self.through
+        return tuple(self.tissues[column, np.clip(depth.astype(int), 0, self.through - 1)].T)
+
+    def deck(self, settings, lumens):
+        """Text of CalculiX's input: a step for each of the lumens (steps, 2 around, 2), positions in mm."""
+        layer = calculix.layer(self.theta, self.inner, self.outer, self.through)
+        each = self.tissues[layer.column, layer.depth].copy()
+        each[each[:, 0] == 0, 1:] = 0
+        kinds, of_element = np.unique(each.round(9), axis=0, return_inverse=True)
+        sets = {f"TISSUE{k}": of_element == k for k in range(len(kinds))}
+        out = calculix.mesh_lines(layer, sets)
+        bulk = settings["bulk_modulus_mpa"]
+        for name, (plaque, *constants) in zip(sets, kinds):
+            wall = calculix.wall_lines(name, settings["wall_c10_mpa"], settings["wall_c20_mpa"], bulk)
+            out += calculix.plaque_lines(name, *constants, bulk) if plaque else wall
+        out += [f"*SOLID SECTION, ELSET={name}, MATERIAL={name}" for name in sets]
+        out += calculix.support_lines(layer, settings["support_mpa_per_mm"])
+        for moved in lumens - self.lumen():
+            out += ["*STEP, NLGEOM, INC=1000", "*STATIC", "0.5, 1., 1e-6, 1.", *layer.prescribed_lines(moved)]
+            out += ["*NODE PRINT, NSET=WHOLELUMEN, FREQUENCY=1000", "RF", "*END STEP"]
+        return "\n".join(out) + "\n"
+
+    def lumen(self):
+        """Positions (2 around, 2) in mm of the lumen's nodes at rest."""
+        return self.inner[:, None] * np.stack([np.cos(self.theta), np.sin(self.theta)], axis=1)
+
+
+def stages(recorded, steps):
+    """[(step name, "inflated" or "deflated", index of its load step)]: widest lumen of a step, and its end."""
+    found = []
+    for step in steps:
+        mine = [k for k, entry in enumerate(recorded) if entry["name"].endswith(f"step {step.name}")]
+        if mine:
+            widest = max(mine, key=lambda k: areas(recorded[k]["lumen"][None])[0])
+            found += [(step.name, "inflated", widest), (step.name, "deflated", mine[-1])]
+    return found
+
+
+def areas(lumens):
+    """Areas (n,) in mm2 of lumens (n, 2 around, 2)."""
+    return enclosed_area(lumens[:, :, 0], lumens[:, :, 1])
+
+
+def compared(recorded, forces, steps):
+    """Rows: a stage's lumen area (mm2, the same in both codes), pressures (MPa) and what they mean for the area.
+
+    forces (load steps, lumen's nodes at all heights, 2, position and force each): see by_calculix.
+    """
+    rows = []
+    for name, stage, index in stages(recorded, steps):
+        entry, area = recorded[index], float(areas(recorded[index]["lumen"][None])[0])
+        position, force = forces[index]
+        theirs = float(np.sum(position * force) / (2 * area * calculix.HEIGHT_MM))
+        radius = np.sqrt(area / np.pi)
+        stiffness = max(_tissue_stiffness(recorded, index), 0.0) + _device_stiffness(entry["loads"])
+        rows.append(
+            {
+                "step": name,
+                "stage": stage,
+                "area_mm2": area,
+                "slice_pressure_mpa": entry["pressure"],
+                "calculix_pressure_mpa": theirs,
+                "pressure_difference_mpa": entry["pressure"] - theirs,
+                "worth_in_area_percent": float(200 * abs(entry["pressure"] - theirs) / (stiffness * radius)),
+            }
+        )
+    return rows
+
+
+def _device_stiffness(loads):
+    """Of the devices that hold the lumen, MPa/mm."""
+    return sum(loads[f"{d}_share"] * loads[f"{d}_stiffness"] for d in ("balloon", "stent") if loads[f"{d}_radius"])
+
+
+def _tissue_stiffness(recorded, index):
+    """Change of pressure over that of the radius (MPa/mm) in the load step before."""
+    radius = np.sqrt(areas(np.stack([entry["lumen"] for entry in recorded[index - 1 : index + 1]])) / np.pi)
+    change = recorded[index]["pressure"] - recorded[index - 1]["pressure"]
+    return change / (radius[1] - radius[0]) if abs(radius[1] - radius[0]) > 1e-6 else 0.0
+
+
+def compare(scene_path, truth_path, out, program="ccx", s_mm=None, settings_path=None):
+    """Writes `out`/case_vs_calculix.json. s_mm: arc length of the slice; None: the tightest under the stent.
+
+    Raises InputError, ComputationError.
+    """
+    scene, settings = run.load_scene(scene_path), run.load_settings(settings_path)
+    patient, steps = run.patient_and_steps(scene, scene_path, truth_path)
+    held = [step.stent for step in steps if step.stent]
+    if not held:
+        raise InputError("no stent in the scene", f"{scene_path}: procedure", "none", "a plan with a stent")
+    if s_mm is None:
+        places = np.linspace(*held[0].ends(), 200)
+        s_mm = float(places[np.argmin(patient.branch.radius(places))])
+    section = Section(patient, s_mm, settings)
+    recorded = by_slice(section, steps, s_mm, settings)
+    forces = by_calculix(section, recorded, settings, program)
+    rows = compared(recorded, forces, steps)
+    document = {"schema": "vci-case-vs-calculix-1", "case": scene.get("case"), "s_mm": s_mm, "stages": rows}
+    write_json(pathlib.Path(out) / "case_vs_calculix.json", document)
+    for row in rows:
+        print(", ".join(f"{key} {value:.5g}" if isinstance(value, float) else str(value) for key, value in row.items()))
+    return document
+
+
+def by_slice(section, steps, s_mm, settings):
+    """What a RecordedSlice records of the steps."""
+    model = RecordedSlice(settings["elements_around"], section.through, *(settings[key] for key in SETTING_KEYS))
+    model.place(section.inner, section.outer, section.material)
+    procedure.treat(model, steps, s_mm, settings, True, "section")
+    return model.recorded
+
+
+def by_calculix(section, recorded, settings, program):
+    """[(positions (n, 2) mm, forces (n, 2) N)] of the lumen's nodes at all heights, after each load step."""
+    lumens = np.array([entry["lumen"] for entry in recorded])
+    with tempfile.TemporaryDirectory() as folder:
+        text = section.deck(settings, lumens)
+        layer = calculix.layer(section.theta, section.inner, section.outer, section.through)
+        forces = calculix.printed(program, text, folder, "forces", len(lumens), len(layer.whole_lumen()[0]))
+    return [(lumen[layer.whole_lumen()[1]], force) for lumen, force in zip(lumens, forces)]

@@ -1,0 +1,33 @@
+"""The reference's slices against CalculiX (Debian package calculix-ccx), as CSV.
+
+Run: /usr/bin/python3 tests/verification/data_synthetic/calculix_benchmark.py --out FOLDER [--case CASE.yaml]; a minute
+or two. ring.csv: an inflated ring; case.csv: the tightest stented slice of a case through its whole procedure. The case is grown, measured and planned first (build/lumen).
+"""
+
+import argparse
+import json
+import pathlib
+import tempfile
+
+from benchmark_case import PYTHON, ROOT, planned, run, write
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--out", type=pathlib.Path, required=True)
+    parser.add_argument("--case", type=pathlib.Path, default=ROOT / "config/cases/lad01.yaml")
+    options = parser.parse_args()
+    out = options.out.resolve()
+    out.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        command = [*PYTHON, "data_synthetic", "reference-ccx", "--out", folder]
+        run(*command)
+        write(out / "ring.csv", json.loads((folder / "slices_vs_calculix.json").read_text())["loads"])
+        plan, truth = planned(options.case.resolve(), folder)
+        run(*command, "--scene", plan, "--truth", truth)
+        write(out / "case.csv", json.loads((folder / "case_vs_calculix.json").read_text())["stages"])
+
+
+if __name__ == "__main__":
+    main()
