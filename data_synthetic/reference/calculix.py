@@ -23,8 +23,8 @@ class Layer:
     """One layer of 20-node bricks in a ring.
 
     coordinates: {number: (x, y, z)} mm; elements (n, 20): their nodes; column, depth (n,): which element round and
-    through the wall; lumen (2 around,), outside (2 around,): numbers of the nodes at z = 0 of the two circles; top: what
-    is added to them for the nodes at z = HEIGHT_MM.
+    through the wall; lumen (2 around,), outside (2 around,): numbers of the nodes at z = 0 of the two circles; top: is
+    added to them for the nodes at z = HEIGHT_MM.
     """
 
     coordinates: dict
@@ -52,7 +52,7 @@ class Layer:
 
 
 def layer(theta, inner, outer, through):
-    """The Layer of nodes on rays at theta (2 around,) rad from inner to outer (2 around,) mm, `through` elements deep."""
+    """The Layer of nodes on rays at theta (2 around,) rad, from inner to outer (2 around,) mm, `through` elements."""
     rows, columns = 2 * through + 1, len(theta)
     share = np.linspace(0, 1, rows)
     radius = inner[:, None] + (outer - inner)[:, None] * share

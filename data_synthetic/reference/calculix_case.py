@@ -39,9 +39,9 @@ class RecordedSlice(SliceModel):
 
 
 def mean_pressure(lumen, loads):
-    """int p n . x ds / (2 A) in MPa over a lumen (2 around, 2) of quadratic sides: p itself where it is the same all round.
+    """int p n . x ds / (2 A) in MPa over a lumen (2 around, 2) of quadratic sides, loads as a SliceModel's.
 
-    loads: as a SliceModel's.
+    It is p itself where that is the same all round.
     """
     first, middle, last = lumen[0::2], lumen[1::2], np.roll(lumen[0::2], -1, axis=0)
     total, area = 0.0, 0.0
@@ -60,7 +60,7 @@ def mean_pressure(lumen, loads):
 class Section:
     """The section of a patient at s_mm, one tissue an element: for both codes.
 
-    theta, inner, outer: (2 around,) rad and mm; tissues (around, through, 4): share of plaque, 0 or 1, and its constants.
+    theta, inner, outer: (2 around,) rad and mm; tissues (around, through, 4): share of plaque, 0 or 1, its constants.
     """
 
     def __init__(self, patient, s_mm, settings):

@@ -1,7 +1,8 @@
 """The reference's slices against CalculiX (Debian package calculix-ccx), as CSV.
 
 Run: /usr/bin/python3 tests/verification/data_synthetic/calculix_benchmark.py --out FOLDER [--case CASE.yaml]; a minute
-or two. ring.csv: an inflated ring; case.csv: the tightest stented slice of a case through its whole procedure. The case is grown, measured and planned first (build/lumen).
+or two. ring.csv: an inflated ring; case.csv: the tightest stented slice of a case through its whole procedure. The case
+is grown, measured and planned first (build/lumen).
 """
 
 import argparse
