@@ -7,28 +7,33 @@ wall clock, as anatomy.json has them: use an idle machine, or go by cpu_s.
 import argparse
 import csv
 import json
+import multiprocessing
 import os
 import pathlib
 import subprocess
 import sys
 import tempfile
-
-import numpy as np
-import surfaces
+from math import cos, sin
 
 LUMEN = pathlib.Path(__file__).resolve().parents[3] / "build" / "lumen"
 FOUR_BRANCHES = [
     ((0, 0, 0), (40, 0, 0), 1.7, 1.4),
-    ((10, 0, 0), (10 + 9 * np.cos(1.0), 0, 9 * np.sin(1.0)), 0.9, 0.8),
-    ((18, 0, 0), (18 + 10 * np.cos(0.9), 10 * np.sin(0.9), 0), 1.0, 0.9),
-    ((29, 0, 0), (29 + 8 * np.cos(1.0), 0, -8 * np.sin(1.0)), 0.8, 0.7),
+    ((10, 0, 0), (10 + 9 * cos(1.0), 0, 9 * sin(1.0)), 0.9, 0.8),
+    ((18, 0, 0), (18 + 10 * cos(0.9), 10 * sin(0.9), 0), 1.0, 0.9),
+    ((29, 0, 0), (29 + 8 * cos(1.0), 0, -8 * sin(1.0)), 0.8, 0.7),
 ]
 TRIANGLES_AT_02 = 38000  # of the tree at 0.2 mm grid spacing; they grow as its inverse square
 COARSEST = 130000  # triangles taken from a grid; more are made by splitting each into four
 
 
-def tree_of(triangles):
-    """(points, triangles) of the tree with about this many triangles."""
+def write_tree(triangles, path):
+    """Writes the tree with about this many triangles.
+
+    Run in a process of its own, and imports there: what this one has held counts as its children's peak memory.
+    """
+    import numpy as np
+    import surfaces
+
     splits = 0
     while triangles / 4**splits > COARSEST:
         splits += 1
@@ -40,20 +45,23 @@ def tree_of(triangles):
         points = np.vstack([points, points[unique].mean(axis=1)])
         a, b, c = cells.T
         cells = np.vstack([np.column_stack(t) for t in ((a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca))])
-    return points, cells
+    surfaces.write(path, points, cells)
 
 
 def measured(triangles, folder):
     """{column: value} of one run."""
-    points, cells = tree_of(triangles)
-    surface = surfaces.write(folder / "tree.stl", points, cells)
+    surface = folder / "tree.stl"
+    writer = multiprocessing.get_context("spawn").Process(target=write_tree, args=(triangles, surface))
+    writer.start()
+    writer.join()
+    given = (surface.stat().st_size - 84) // 50  # of a binary STL
     process = subprocess.Popen([LUMEN, "process", surface, "--out", folder / "out"], stderr=subprocess.DEVNULL)
     _, status, usage = os.wait4(process.pid, 0)
     if status != 0:
-        raise SystemExit(f"lumen process failed at {len(cells)} triangles: run it on {surface}")
+        raise SystemExit(f"lumen process failed at {given} triangles: run it on the tree of this size")
     steps = json.loads((folder / "out" / "anatomy.json").read_text())["timings_s"]
     row = {
-        "triangles": len(cells),
+        "triangles": given,
         "cpu_s": round(usage.ru_utime + usage.ru_stime, 2),
         "peak_mib": round(usage.ru_maxrss / 1024),
     }

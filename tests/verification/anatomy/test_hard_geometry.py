@@ -157,3 +157,11 @@ def test_vessels_that_fuse_to_a_ring_are_refused(measured, tmp_path):
     assert done.returncode == 2 and "forms a ring" in done.stderr and "Euler number 0" in done.stderr
     x, y, z = map(float, done.stderr.split("near (")[1].split(")")[0].split(", "))
     assert 5 < x < 25 and -2 < y < 8 and abs(z) < 2  # on the ring, not at an end
+
+
+def test_noise_as_large_as_the_triangles_is_refused_early(measured, tmp_path):
+    """Tens of handles: said so before the search for self-intersections, which took up to 20 s only to be refused."""
+    segments = [((0, 0, 0), (12, 0, 0), 1.6, 1.4)]
+    done, *_ = measured(surfaces.write(tmp_path / "n.vtp", *surfaces.tree(segments, spacing=0.13, noise=0.1)), "out")
+    assert done.returncode == 2 and "rings, as no coronary tree does" in done.stderr
+    assert "noise as large as its triangles" in done.stderr and "lumen: self-intersections" not in done.stderr
