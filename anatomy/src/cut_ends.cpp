@@ -14,15 +14,15 @@ namespace {
 namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
 
-constexpr double least_prominence = 2; // mean radii that a vessel must stand out by to have an end of its own
-constexpr double behind_last_ball =
-    0.5; // radii from the last ball's centre to the cut: the plane may tilt by 26 degrees
-constexpr double still_widening = 1.15; // growth of the radius over one radius of a tip that tapers
-constexpr double half_width = 2;        // of the cutting square, in radii: wide enough for ovals, not for neighbours
-constexpr double band = 0.6;            // radii before and behind a cut in which the wall shows the axis
-constexpr double cos_agree = 0.87;      // 30 degrees
-constexpr double at_end = 1.4;          // radii from an end's centre to a tip that is its rim's
-constexpr double reach = 3;             // radii within which a point names a tip or a place on the axis
+constexpr double least_prominence = 2;   // mean radii that a vessel must stand out by to have an end of its own
+constexpr double behind_last_ball = 0.5; // radii from its centre to the cut: the plane may tilt by 26 degrees
+constexpr double still_widening = 1.15;  // growth of the radius over one radius of a tip that tapers
+constexpr double half_width = 2;         // of the cutting square, in radii: wide enough for ovals, not for neighbours
+constexpr double band = 0.6;             // radii before and behind a cut in which the wall shows the axis
+constexpr double cos_agree = 0.87;       // 30 degrees
+constexpr double at_end = 1.4;           // radii from an end's centre to a tip that is its rim's
+constexpr double beside_rough = 0.1;     // radii; where noise has left a vertex without a ball of its own
+constexpr double reach = 3;              // radii within which a point names a tip or a place on the axis
 
 // A way through the balls, from a tip inwards, by arc length.
 struct Way {
@@ -64,14 +64,22 @@ bool at_an_end(const Vec3& p, const std::vector<End>& ends) {
                      [&](const End& end) { return (p - end.centre).norm() < at_end * end.radius(); });
 }
 
-// The largest inner ball that touches the vertex.
-std::size_t last_ball(const Mesh& mesh, const Balls& balls, Vertex tip) {
-  const Vec3 p = vec(mesh.point(tip));
+// The largest of the balls whose surface is within `near` radii of p; their number if there is none.
+std::size_t largest_ball_at(const Vec3& p, const Balls& balls, double near) {
   std::size_t best = balls.centre.size();
   for (std::size_t i = 0; i < balls.centre.size(); ++i)
-    if (std::abs((balls.centre[i] - p).norm() - balls.radius[i]) < 1e-6 * balls.radius[i] &&
+    if (std::abs((balls.centre[i] - p).norm() - balls.radius[i]) < near * balls.radius[i] &&
         (best == balls.centre.size() || balls.radius[i] > balls.radius[best]))
       best = i;
+  return best;
+}
+
+// The largest inner ball that touches the vertex, or comes near it where the vertex stands out of a rough wall.
+std::size_t last_ball(const Mesh& mesh, const Balls& balls, Vertex tip) {
+  const Vec3 p = vec(mesh.point(tip));
+  std::size_t best = largest_ball_at(p, balls, 1e-6);
+  if (best == balls.centre.size())
+    best = largest_ball_at(p, balls, beside_rough);
   if (best == balls.centre.size())
     throw InputError("no axis found at a rounded end", place(p), "no inscribed ball",
                      "cut the end flat, or leave it open");

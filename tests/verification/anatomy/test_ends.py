@@ -42,9 +42,10 @@ def test_rounded_ends_are_cut_across_the_axis(summary_of, rounded):
         assert end["diameter_mm"] == pytest.approx(2 * r1, rel=0.03)
 
 
-def test_noisy_rounded_ends(summary_of, tmp_path):
+@pytest.mark.parametrize("seed", [1, 4])  # 4: the vertex at a tip stands out so far that no ball touches it
+def test_noisy_rounded_ends(summary_of, tmp_path, seed):
     points, triangles = surfaces.tree(TREE, rounded=True)
-    points = points + 0.05 * np.random.default_rng(1).standard_normal(points.shape)
+    points = points + 0.05 * np.random.default_rng(seed).standard_normal(points.shape)
     summary = summary_of(surfaces.write(tmp_path / "tree.stl", points, triangles))
     assert reported(summary, "rounded end cut flat") == 3
     assert [round(end["diameter_mm"], 1) for end in summary["ends"]] == [
