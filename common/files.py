@@ -5,15 +5,22 @@ import json
 import os
 import pathlib
 
+from common.errors import InputError
+
 
 @contextlib.contextmanager
 def replacing(path):
     """Yields a temporary path (same folder, same suffix) that becomes `path` if the block succeeds.
 
-    The temporary file is removed if the block raises.
+    The temporary file is removed if the block raises. Raises InputError where the folder cannot be made.
     """
     path = pathlib.Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError("no folder can be made here", path.parent, error.strerror, "another folder") from error
+    if path.is_dir():
+        raise InputError("a file cannot replace a folder", path, "a folder", "another name")
     partial = path.with_name(f".partial-{os.getpid()}-{path.name}")
     try:
         yield partial

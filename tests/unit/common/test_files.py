@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from common.errors import InputError
 from common.files import replacing, write_json
 
 
@@ -29,3 +30,12 @@ def test_json_refuses_numbers_that_are_not_finite(tmp_path):
     with pytest.raises(ValueError):
         write_json(tmp_path / "b.json", {"a": float("nan")})
     assert not (tmp_path / "b.json").exists()
+
+
+def test_a_place_where_nothing_can_be_written_is_refused(tmp_path):
+    (tmp_path / "a").write_text("file")
+    for place, where in ((tmp_path / "a" / "b.json", tmp_path / "a"), (tmp_path, tmp_path)):
+        with pytest.raises(InputError) as caught:
+            write_json(place, {})
+        assert caught.value.where == str(where)
+    assert (tmp_path / "a").read_text() == "file"
