@@ -62,6 +62,43 @@ def _measured(branch, lesion):
     }
 
 
+AGAIN = "run data_synthetic generate again"
+SHAPES = {"s_mm": 1, "points_mm": 2, "radius_mm": 1, "healthy_radius_mm": 1, "shift_mm": 2}  # dimensions of the samples
+
+
+def check(document, path):
+    """Raises InputError, by its key, for a part of the document (dict) that is missing or cannot be of a vessel."""
+    for key in ("branches", "wall_thickness_mm"):
+        if key not in document:
+            raise InputError("incomplete truth file", f"{path}: {key}", "missing", AGAIN)
+    wall = document["wall_thickness_mm"]
+    if not isinstance(wall, (int, float)) or not 0 < wall < np.inf:
+        raise InputError("not a thickness", f"{path}: wall_thickness_mm", wall, f"a positive number; {AGAIN}")
+    if not isinstance(document["branches"], list) or not document["branches"]:
+        raise InputError("no branches in the truth file", f"{path}: branches", document["branches"], AGAIN)
+    for number, entry in enumerate(document["branches"], start=1):
+        _check_branch(entry, f"{path}: branches[{number}]")
+
+
+def _check_branch(entry, where):
+    for key in ("name", "parent", "s_on_parent_mm", "lesions", *SHAPES):
+        if not isinstance(entry, dict) or key not in entry:
+            raise InputError("incomplete truth file", f"{where}.{key}", "missing", AGAIN)
+    count = len(entry["s_mm"]) if isinstance(entry["s_mm"], list) else 0
+    for key, dimensions in SHAPES.items():
+        try:
+            values = np.array(entry[key], float)
+        except (TypeError, ValueError):
+            values = np.zeros(0)
+        if values.shape != ((count,), (count, 3))[dimensions - 1] or count < 2 or not np.isfinite(values).all():
+            wanted = f"{count} finite samples, as many as of s_mm"
+            raise InputError("samples that are none", f"{where}.{key}", f"shape {values.shape}", f"{wanted}; {AGAIN}")
+        if key == "s_mm" and np.any(np.diff(values) <= 0):
+            raise InputError("arc lengths that do not rise", f"{where}.{key}", float(np.diff(values).min()), AGAIN)
+        if key.endswith("radius_mm") and values.min() <= 0:
+            raise InputError("a radius that is not positive", f"{where}.{key}", float(values.min()), AGAIN)
+
+
 def load(path):
     """(branches, wall thickness mm) of the truth.json at `path`. Raises InputError if it is not one."""
     path = pathlib.Path(path)
@@ -74,11 +111,7 @@ def load(path):
     schema = found.get("schema") if isinstance(found, dict) else None
     if schema != SCHEMA:
         raise InputError("not a truth file", f"{path}: schema", schema, f"expected {SCHEMA}")
-    missing = [key for key in ("branches", "wall_thickness_mm") if key not in found]
-    if missing:
-        raise InputError(
-            "incomplete truth file", f"{path}: {missing[0]}", "missing", "run data_synthetic generate again"
-        )
+    check(found, path)
     branches = []
     for entry in found["branches"]:
         axis = Curve(entry["points_mm"])

@@ -75,6 +75,29 @@ def test_truth_of_another_kind_is_refused(tmp_path):
         truth.load(tmp_path / "none.json")
 
 
+@pytest.mark.parametrize(
+    "change, key",
+    [
+        (lambda d: d.update(wall_thickness_mm=-0.7), "wall_thickness_mm"),
+        (lambda d: d.update(wall_thickness_mm="0.7"), "wall_thickness_mm"),
+        (lambda d: d.update(branches=[]), "branches"),
+        (lambda d: d["branches"][1].pop("shift_mm"), "branches[2].shift_mm"),
+        (lambda d: d["branches"][0].update(radius_mm=d["branches"][0]["radius_mm"][:50]), "branches[1].radius_mm"),
+        (lambda d: d["branches"][0]["radius_mm"].__setitem__(3, -0.5), "branches[1].radius_mm"),
+        (lambda d: d["branches"][0]["radius_mm"].__setitem__(3, float("nan")), "branches[1].radius_mm"),
+        (lambda d: d["branches"][0]["points_mm"].__setitem__(3, [0, "x", 0]), "branches[1].points_mm"),
+        (lambda d: d["branches"][0]["s_mm"].reverse(), "branches[1].s_mm"),
+    ],
+)
+def test_a_truth_that_cannot_be_of_a_vessel_is_refused_by_its_key(made, tmp_path, change, key):
+    document = json.loads((made / "truth.json").read_text())
+    change(document)
+    (tmp_path / "truth.json").write_text(json.dumps(document))
+    with pytest.raises(InputError) as caught:
+        truth.load(tmp_path / "truth.json")
+    assert caught.value.where == f"{tmp_path / 'truth.json'}: {key}"
+
+
 def test_a_bad_case_ends_with_code_2_and_writes_nothing(tmp_path, capsys):
     bad = tmp_path / "bad.yaml"
     bad.write_text(CASE.read_text().replace("centre_s_mm: 19.5", "centre_s_mm: 38"))
