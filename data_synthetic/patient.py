@@ -86,6 +86,7 @@ def check(vessel, where):
         _check_taper(side, end, f"side_branches[{index + 1}]", refuse)
     for index, lesion in enumerate(vessel["lesions"]):
         _check_lesion(vessel, lesion, f"lesions[{index + 1}]", refuse)
+        _check_overlap(vessel["lesions"][:index], lesion, f"lesions[{index + 1}]", refuse)
 
 
 def _check_taper(branch, end, key, refuse):
@@ -96,6 +97,23 @@ def _check_taper(branch, end, key, refuse):
             f"{branch['taper_percent_per_cm']} over {branch['length_mm']} mm: {end:.2f} mm left at the end",
             f"at least {NARROWEST_END_MM} mm: less taper, a shorter or a wider branch",
         )
+
+
+def _check_overlap(others, lesion, key, refuse):
+    """Where lesions overlap the deeper one counts: an axis that they shift differently would jump from one to the other."""
+    start, end = disease.extent(lesion)
+    for number, other in enumerate(others, start=1):
+        low, high = disease.extent(other)
+        if other["branch"] != lesion["branch"] or end <= low or high <= start:
+            continue
+        shifts = [(le["eccentricity"], le["direction_deg"] % 360 if le["eccentricity"] else 0) for le in (other, lesion)]
+        if shifts[0] != shifts[1]:
+            refuse(
+                "lesion overlaps another that shifts the lumen differently",
+                f"{key}.centre_s_mm",
+                f"{lesion['centre_s_mm']} (from {start:.1f} to {end:.1f} mm; lesions[{number}] {low:.1f} to {high:.1f} mm)",
+                f"clear of it, or the eccentricity and direction_deg of lesions[{number}]",
+            )
 
 
 def _check_lesion(vessel, lesion, key, refuse):

@@ -60,6 +60,19 @@ def test_an_impossible_vessel_is_refused_by_its_key(vessel, changes, key):
     assert caught.value.where.startswith(f"case.yaml: {key}")
 
 
+def test_lesions_may_overlap_only_where_the_lumen_shifts_alike(vessel):
+    """Otherwise the axis would jump, and the tree be refused for bends that no other seed would cure."""
+    first = lesion(centre_s_mm=10, eccentricity=0.4, direction_deg=30)
+    for second in (lesion(centre_s_mm=14, eccentricity=0.4, direction_deg=390), lesion(centre_s_mm=18.1)):
+        patient.check(vessel(lesions=[first, second], side_branches=[]), "case.yaml")
+    for change in ({"eccentricity": 0.3, "direction_deg": 30}, {"eccentricity": 0.4, "direction_deg": 31}, {}):
+        with pytest.raises(InputError, match="overlaps another") as caught:
+            patient.check(vessel(lesions=[first, lesion(centre_s_mm=14, **change)], side_branches=[]), "case.yaml")
+        assert caught.value.where == "case.yaml: vessel.lesions[2].centre_s_mm"
+    concentric = [lesion(centre_s_mm=10, direction_deg=30), lesion(centre_s_mm=14)]
+    patient.check(vessel(lesions=concentric, side_branches=[]), "case.yaml")
+
+
 @pytest.mark.parametrize(
     "path, value",
     [
