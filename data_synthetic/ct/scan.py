@@ -1,7 +1,6 @@
 """From a lumen surface to its CT volume and sidecar."""
 
 import hashlib
-import json
 import pathlib
 
 import numpy as np
@@ -10,6 +9,7 @@ from common import config, schema, vtp
 from common.errors import InputError
 from common.files import write_json
 
+from ..scene import load as load_scene
 from . import image, phantom, struts, vessel
 
 SCHEMA = "vci-ct-1"
@@ -34,7 +34,7 @@ def run(lumen_path, out, settings_path=None, struts_path=None, scene_path=None, 
     elif scene_path:
         if not centreline_path:
             raise InputError("stents need the lumen's centreline", "--centreline", "missing", "give centreline.vtp")
-        scene = _load_scene(scene_path)
+        scene = load_scene(scene_path)
         pieces = struts.of_scene(scene, poly, branches_of(centreline_path), scene_path)
         source = "rings laid on the wall" if pieces else "none"
     metal = (pieces[0], pieces[1] * settings["strut_thickness_mm"] ** 2) if pieces else None
@@ -65,16 +65,6 @@ def sidecar(volume, settings, lumen_path, strut_source):
         "struts": strut_source,
         "settings": settings,
     }
-
-
-def _load_scene(path):
-    path = pathlib.Path(path)
-    if not path.is_file():
-        raise InputError("no such file", path, "missing", "write the scene with the planning command")
-    scene = json.loads(path.read_text())
-    if "procedure" not in scene or "devices" not in scene:
-        raise InputError("not a scene", path, "no devices or no procedure", "give vci/plan.json or vci/scene.json")
-    return scene
 
 
 def branches_of(path):

@@ -12,6 +12,7 @@ from ..curves import Curve
 RING_PITCH_MM = 1.3
 WAVE_MM = 0.45  # half the height of a ring's wave
 STEP_MM = 0.02
+OVERHANG_MM = 0.5  # of a stent past the end: a straightened vessel is that much shorter than the one planned on
 
 
 def laid_on(poly, axis_points_mm, start_s_mm, end_s_mm, crowns, links, thickness_mm):
@@ -82,16 +83,25 @@ def of_scene(scene, poly, centreline, where):
     centreline: {branch name: points (n, 3) mm} of the same lumen. Raises InputError for a branch that it lacks.
     """
     found = []
-    for i, step in enumerate(scene["procedure"]):
-        for j, use in enumerate(step["devices"]):
+    for i, step in enumerate(scene["procedure"], start=1):
+        for j, use in enumerate(step["devices"], start=1):
+            key = f"{where}: procedure[{i}].devices[{j}]"
+            if use["device"] not in scene["devices"]:
+                raise InputError("no such device", f"{key}.device", use["device"], "list it under devices")
             device = scene["devices"][use["device"]]
             if device["kind"] != "stent":
                 continue
+            missing = [name for name in ("crowns", "links", "strut_thickness_mm") if name not in device]
+            if missing:
+                at = f"{where}: devices.{use['device']}.{missing[0]}"
+                raise InputError("missing key", at, "nothing", "write the scene with the planning command")
             if use["branch"] not in centreline:
-                key = f"{where}: procedure[{i}].devices[{j}].branch"
-                raise InputError("no such branch", key, use["branch"], ", ".join(centreline))
-            half = 0.5 * device["length_mm"]
-            s, axis = use["centre_s_mm"], centreline[use["branch"]]
+                raise InputError("no such branch", f"{key}.branch", use["branch"], ", ".join(centreline))
+            axis, half, s = centreline[use["branch"]], 0.5 * device["length_mm"], use["centre_s_mm"]
+            length = float(np.linalg.norm(np.diff(axis, axis=0), axis=1).sum())
+            if not half - OVERHANG_MM <= s <= length - half + OVERHANG_MM:
+                inside = f"between {half:.1f} and {length - half:.1f} mm"
+                raise InputError("stent beyond the vessel", f"{key}.centre_s_mm", s, inside)
             size = device["strut_thickness_mm"]
             found.append(laid_on(poly, axis, s - half, s + half, device["crowns"], device["links"], size))
     if not found:

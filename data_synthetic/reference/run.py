@@ -12,15 +12,11 @@ from common.files import write_json
 
 from .. import truth
 from ..field import LumenField, ends
+from ..scene import load as load_scene
 from . import deformation, devices, materials, output, own_error, refine, slices, straightening
 
-
-def load_scene(path):
-    """The scene (dict) at `path`. Raises InputError if it is not one."""
-    path = pathlib.Path(path)
-    if not path.is_file():
-        raise InputError("no such file", path, "missing", "write the scene with the planning command")
-    return config.load(path, "reference_scene")
+ON_WALL_MM = 0.05
+LEAST_ON_WALL = 0.8  # of the lumen's points: 0.94 to 0.98 in the lumens of generate and of the anatomy step, rest on caps
 
 
 def load_settings(path):
@@ -46,7 +42,9 @@ def run(scene_path, anatomy, truth_path, out, settings_path=None):
     scene, settings = load_scene(scene_path), load_settings(settings_path)
     patient, steps = patient_and_steps(scene, scene_path, truth_path)
     branch, branches = patient.branch, patient.branches
-    lumen = vtp.read_triangles(pathlib.Path(anatomy) / "lumen.vtp", "run the anatomy step first")
+    lumen_path = pathlib.Path(anatomy) / "lumen.vtp"
+    lumen = vtp.read_triangles(lumen_path, "run the anatomy step first")
+    _check_same_vessel(lumen, branches, lumen_path)
     model = slices.model_of(settings)
     field, records, free_s = slices.lumen_field(model, patient, steps, settings)
     stents = [step.stent for step in steps if step.stent]
@@ -96,7 +94,7 @@ def _moved_surface(lumen, branches, move, edge_mm):
     """The lumen (vtkPolyData) refined where it is stretched, and moved. Raises ComputationError if it folds."""
     field = LumenField(branches)
     before, triangles = vtp.arrays(lumen)
-    from_wall = np.abs(field.value(before)) < 0.05  # not on a cap's disc
+    from_wall = _on_wall(field, before)
 
     def on_lumen(points, parents):
         nonlocal from_wall
@@ -109,6 +107,23 @@ def _moved_surface(lumen, branches, move, edge_mm):
     moved = move(points)
     output.check_not_folded(triangles, points, moved)
     return output.refined_surface(lumen, points, moved, triangles, parents, old)
+
+
+def _on_wall(field, points):
+    """Which points (n, 3) lie on the true wall, not on a cap's disc: (n,) bool."""
+    return np.abs(field.value(points)) < ON_WALL_MM
+
+
+def _check_same_vessel(lumen, branches, where):
+    """Raises InputError for a lumen (vtkPolyData) of another vessel than the truth's, or of an earlier one."""
+    share = float(_on_wall(LumenField(branches), vtp.points(lumen)).mean())
+    if share < LEAST_ON_WALL:
+        raise InputError(
+            "the lumen is not the one before the procedure of this truth",
+            where,
+            f"{100 * share:.0f} % of its points within {ON_WALL_MM} mm of the true wall",
+            f"{100 * LEAST_ON_WALL:.0f} % or more: the anatomy of the same generated vessel",
+        )
 
 
 def _check_inside(steps, branch, scene_path):

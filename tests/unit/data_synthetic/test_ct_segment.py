@@ -191,8 +191,35 @@ def test_a_scene_needs_the_centreline_and_a_known_branch(ct_tubes, tmp_path):
     (tmp_path / "scene.json").write_text(json.dumps(scene))
     with pytest.raises(InputError, match="centreline"):
         scan.run(tmp_path / "lumen.vtp", tmp_path / "out", scene_path=tmp_path / "scene.json")
-    with pytest.raises(InputError, match=r"procedure\[0\].devices\[0\].branch"):
+    with pytest.raises(InputError, match=r"procedure\[1\].devices\[1\].branch"):
         struts.of_scene(scene, poly, {"main": np.zeros((2, 3))}, "scene.json")
+
+
+@pytest.mark.parametrize(
+    "change, key",
+    [
+        (lambda s: s["procedure"][0]["devices"][0].update(device="bms"), "procedure[1].devices[1].device"),
+        (lambda s: s["devices"]["des"].pop("crowns"), "devices.des.crowns"),
+        (lambda s: s["procedure"][0]["devices"][0].update(centre_s_mm=30.0), "procedure[1].devices[1].centre_s_mm"),
+    ],
+)
+def test_a_stent_that_cannot_be_laid_is_refused_by_its_key(ct_tubes, change, key):
+    poly, _ = ct_tubes.tube(throat(0.9))
+    device = {"kind": "stent", "length_mm": 8.0, "crowns": 6, "links": 2, "strut_thickness_mm": 0.08}
+    use = {"device": "des", "branch": "main", "centre_s_mm": 7.0}
+    scene = {"devices": {"des": device}, "procedure": [{"devices": [use]}]}
+    change(scene)
+    with pytest.raises(InputError) as caught:
+        struts.of_scene(scene, poly, {"main": np.linspace([0, 0, 0], [0, 0, 14], 80)}, "scene.json")
+    assert caught.value.where == f"scene.json: {key}"
+
+
+@pytest.mark.parametrize("text", ["{", "[]", '{"procedure": [], "devices": {}}'])
+def test_a_file_that_is_no_scene_is_refused_before_rendering(ct_tubes, tmp_path, text):
+    vtp.write(tmp_path / "lumen.vtp", ct_tubes.tube(throat(0.9))[0])
+    (tmp_path / "scene.json").write_text(text)
+    with pytest.raises(InputError, match="scene.json"):
+        scan.run(tmp_path / "lumen.vtp", tmp_path, scene_path=tmp_path / "scene.json", centreline_path=tmp_path / "c")
 
 
 def test_smoothing_goes_through_both_ends():

@@ -122,6 +122,17 @@ def test_a_device_beyond_the_vessel_is_refused_and_nothing_written(patient, caps
     assert not (patient / "bad").exists()
 
 
+def test_the_lumen_of_another_vessel_is_refused(patient, tmp_path, capsys):
+    lumen = vtp.read(patient / "source/lumen.vtp", "")
+    moved = vtp.surface(vtp.points(lumen) + [0, 0, 0.2], vtp.triangles(lumen))
+    vtp.write(tmp_path / "lumen.vtp", moved)
+    arguments = ["--scene", patient / "scene.json", "--anatomy", tmp_path, "--truth", patient / "source/truth.json"]
+    with pytest.raises(SystemExit) as caught:
+        command.main([str(a) for a in ["reference", *arguments, "--out", tmp_path / "out"]])
+    assert caught.value.code == 2 and "lumen.vtp" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
 def test_slices_are_near_a_coarse_solid_in_three_dimensions(patient):
     """The command on a mesh of seconds; figures of finer ones are in the README."""
     arguments = ["reference-3d", "--scene", patient / "scene.json", "--truth", patient / "source/truth.json"]

@@ -1,0 +1,14 @@
+"""The scene of a procedure, as far as this part reads it: what was done, with which devices, where."""
+
+import pathlib
+
+from common import config
+from common.errors import InputError
+
+
+def load(path):
+    """The scene (dict) at `path`, plan.json or scene.json. Raises InputError if it is not one."""
+    path = pathlib.Path(path)
+    if not path.is_file():
+        raise InputError("no such file", path, "missing", "write the scene with the planning command")
+    return config.load(path, "reference_scene")
