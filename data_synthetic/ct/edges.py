@@ -18,6 +18,7 @@ USUAL_SIGMA_MM = 0.315  # at which that window was chosen
 WALL_TRUST, HEALTHY_WALL_HU = 0.75, 50.0
 WALL_SHARE = 0.45  # tissue beside the lumen is at most this share of the blood: calcium and metal are not tissue
 BRIGHT, BRIGHT_REACH_MM, STENT_SHARE = 1.15, 3.0, 0.5
+BESIDE_MM = 0.5  # past a stent's end: what metal the blur brings in there, the filter along the axis would spread
 OUTLIER = 1.35  # rays longer than this times the section's usual radius run into a side branch or a neighbour
 FILTER_MM = 2.25  # window of the cubic filter along the axis; bias-free for lesions longer than about 4 mm
 HARMONICS = 4
@@ -84,6 +85,12 @@ def bright(profiles, blood):
     stent = uniform_filter1d(met.mean(axis=1), 9, mode="nearest") > STENT_SHARE
     calcium = met & ~stent[:, None]
     return np.where(calcium, profiles.r_mm[np.argmax(above, axis=2)], np.inf), stent
+
+
+def beside(stent, s_mm):
+    """Sections (n,) bool within a stent or so near its ends, BESIDE_MM, that the blur brings its metal in."""
+    reach = int(round(BESIDE_MM / (s_mm[1] - s_mm[0])))
+    return uniform_filter1d(stent.astype(float), 2 * reach + 1, mode="nearest") > 0.5 / (2 * reach + 1)
 
 
 def tidy(radius):
@@ -169,9 +176,10 @@ def find(profiles, method, blood, sigma_mm=None, rounds=4):
             share = edge_share(mean, sigma_mm)[:, None]
     if method == "psf_edge":
         if stent.any():
-            reach = radius[stent].max() + 0.3
-            inner = stented.fit(profiles.hu[stent], profiles.r_mm, blood, HEALTHY_WALL_HU, sigma_mm, reach)
-            radius[stent] = tidy(inner)[0]
+            metal = beside(stent, profiles.s_mm)
+            reach = radius[metal].max() + 0.3
+            inner = stented.fit(profiles.hu[metal], profiles.r_mm, blood, HEALTHY_WALL_HU, sigma_mm, reach)
+            radius[metal] = tidy(inner)[0]
             radius = filtered(radius, profiles.s_mm)
         bend = along(radius.mean(axis=1), profiles.s_mm, 1.5 * FILTER_MM, derivative=2)
         radius = radius - 0.5 * sigma_mm**2 * np.clip(bend, -0.6, 0.6)[:, None]

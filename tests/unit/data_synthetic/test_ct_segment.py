@@ -113,13 +113,18 @@ def test_a_stent_blooms_and_psf_edge_takes_it_off(ct_tubes):
     )
     ends = [(name, z * direction) for name, z in ENDS.items()]
     inside = [("main", s, s * direction, direction) for s in np.arange(4.5, 9.6, 0.5)]
-    bias = {}
+    ends_of_stent = np.concatenate([np.arange(a - 1.5, a + 1.6, 0.25) for a in (3, 11)])
+    bias, at_ends = {}, {}
     for method in ("psf_edge", "half_maximum"):
         result = segment.segment(volume, ends, dict(settings["segmentation"], method=method))
         points, triangles, _ = surface.build(result["field"], 0.2)
         bias[method] = evaluate.compare(vtp.arrays(poly), (points, triangles), inside)["mean_difference_mm2"]
+        area = [evaluate.section_area(points, triangles, s * direction, direction) for s in ends_of_stent]
+        at_ends[method] = np.array(area) - np.pi * 1.6**2
         assert "calcium_or_metal" in [w["code"] for w in result["warnings"]]
     assert bias["half_maximum"] > 2 and abs(bias["psf_edge"]) < 0.6
+    # Metal that the blur brings in beyond the ends is no lumen either.
+    assert at_ends["half_maximum"].max() > 1 and np.abs(at_ends["psf_edge"]).max() < 0.5
 
 
 def test_struts_touch_the_wall_and_have_their_length(ct_tubes):
