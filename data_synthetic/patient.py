@@ -100,20 +100,25 @@ def _check_taper(branch, end, key, refuse):
 
 
 def _check_overlap(others, lesion, key, refuse):
-    """Where lesions overlap the deeper one counts: an axis that they shift differently would jump from one to the other."""
+    """Where lesions overlap the deeper counts: an axis that they shift differently would jump between them."""
     start, end = disease.extent(lesion)
     for number, other in enumerate(others, start=1):
         low, high = disease.extent(other)
         if other["branch"] != lesion["branch"] or end <= low or high <= start:
             continue
-        shifts = [(le["eccentricity"], le["direction_deg"] % 360 if le["eccentricity"] else 0) for le in (other, lesion)]
-        if shifts[0] != shifts[1]:
+        if _shift(other) != _shift(lesion):
+            both = f"from {start:.1f} to {end:.1f} mm; lesions[{number}] {low:.1f} to {high:.1f} mm"
             refuse(
                 "lesion overlaps another that shifts the lumen differently",
                 f"{key}.centre_s_mm",
-                f"{lesion['centre_s_mm']} (from {start:.1f} to {end:.1f} mm; lesions[{number}] {low:.1f} to {high:.1f} mm)",
+                f"{lesion['centre_s_mm']} ({both})",
                 f"clear of it, or the eccentricity and direction_deg of lesions[{number}]",
             )
+
+
+def _shift(lesion):
+    """(eccentricity, direction in degrees); 0 for the direction of a concentric one."""
+    return lesion["eccentricity"], lesion["direction_deg"] % 360 if lesion["eccentricity"] else 0
 
 
 def _check_lesion(vessel, lesion, key, refuse):

@@ -16,7 +16,7 @@ from ..scene import load as load_scene
 from . import deformation, devices, materials, output, own_error, refine, slices, straightening
 
 ON_WALL_MM = 0.05
-LEAST_ON_WALL = 0.8  # of the lumen's points: 0.94 to 0.98 in the lumens of generate and of the anatomy step, rest on caps
+LEAST_ON_WALL = 0.8  # of the lumen's points; in those of generate and of the anatomy step 0.94 to 0.98, rest on caps
 
 
 def load_settings(path):
