@@ -1,6 +1,7 @@
 #include "surface_file.hpp"
 #include "common/error.hpp"
 #include "mask_file.hpp"
+#include "obj_check.hpp"
 #include "ply_check.hpp"
 #include <algorithm>
 #include <array>
@@ -90,8 +91,10 @@ vtkSmartPointer<vtkPolyData> read_by_suffix(const std::string& path, int label, 
     check_ply(path);
     return read_with<vtkPLYReader>(path);
   }
-  if (suffix == ".obj")
+  if (suffix == ".obj") {
+    check_obj(path);
     return read_with<vtkOBJReader>(path);
+  }
   throw InputError("unknown surface format", path, suffix.empty() ? "no suffix" : suffix,
                    "give a surface (.stl, .vtp, .ply, .obj) or a labelled mask (.nii, .nii.gz, .nrrd, .mha, .mhd)");
 }

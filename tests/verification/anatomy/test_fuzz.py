@@ -46,6 +46,24 @@ def test_ply_records_of_the_wrong_length_are_refused(lumen, tmp_path):
     assert "vertex 4" in refused(lumen, path, b"\n".join(lines))
 
 
+@pytest.mark.parametrize(
+    "face, said",
+    [
+        (b"1//1 2//1 3//1", "normal"),
+        (b"1/1 2/1 3/7", "texture coordinate"),
+        (b"1/1 2/1 3/-7", "texture coordinate"),
+        (b"1 2 999999", "point"),
+        (b"0 1 2", "point"),
+    ],
+)
+def test_obj_faces_name_what_the_file_has(lumen, tmp_path, face, said):
+    lines = fuzz.FORMATS["o.obj"](tmp_path / "tube.obj").read_bytes().rstrip().split(b"\n")
+    lines[-1:] = [b"vt 0 0", b"f " + face, lines[-1]]
+    message = refused(lumen, tmp_path / "tube.obj", b"\n".join(lines) + b"\n")
+    assert f"a face names a {said} that the file does not have" in message
+    assert f"line {len(lines) - 1}" in message
+
+
 @pytest.mark.parametrize("field", [b"sizes", b"type", b"encoding"])
 def test_nrrd_headers_need_what_the_reader_needs(lumen, tmp_path, field):
     whole = fuzz.FORMATS["m.nrrd"](tmp_path / "m.nrrd").read_bytes()
