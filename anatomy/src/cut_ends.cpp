@@ -244,10 +244,10 @@ bool cut_tips(Mesh& mesh, const std::vector<End>& ends, const std::vector<Vec3>&
       return (w - p).norm() < (1 + reach) * balls.radius[ball] && !at_an_end(w, ends);
     });
     if (ends.size() >= 2 && !asked) {
-      repairs.push_back({"rounded end left closed", 1,
-                         "at " + place(p) +
-                             ": taken as wall since two flat ends are known; name it by --outlet to "
-                             "have it cut"});
+      repairs.push_back(
+          {"rounded end left closed", 1,
+           "at " + place(p) + ": taken as wall since two flat ends are known; name it by --outlet to have it cut",
+           true});
       continue;
     }
     const auto from = tip == tips[0].vertex ? tips[1].vertex : tips[0].vertex;
