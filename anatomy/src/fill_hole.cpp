@@ -60,6 +60,25 @@ std::vector<Face> filled_in_parts(Mesh& mesh, const Ring& ring) {
   return faces;
 }
 
+// The loop's points that lie on the edge of h, from its source to its target.
+std::vector<Point> points_on(const Mesh& mesh, const Ring& ring, Halfedge h, double tolerance) {
+  const Vec3 a = vec(mesh.point(mesh.source(h))), along = vec(mesh.point(mesh.target(h))) - a;
+  std::vector<std::pair<double, Point>> found;
+  for (Vertex v : ring) {
+    const Vec3 p = vec(mesh.point(v)) - a;
+    const double length = along.norm(), t = p.dot(along) / (length * length);
+    if (v != mesh.source(h) && v != mesh.target(h) && t * length > tolerance && (1 - t) * length > tolerance &&
+        (p - t * along).norm() < tolerance)
+      found.emplace_back(t, mesh.point(v));
+  }
+  std::sort(found.begin(), found.end());
+  std::vector<Point> points;
+  for (const auto& [t, p] : found)
+    if (points.empty() || points.back() != p)
+      points.push_back(p);
+  return points;
+}
+
 } // namespace
 
 std::vector<Face> filled(Mesh& mesh, Halfedge border) {
@@ -72,6 +91,27 @@ std::vector<Face> filled(Mesh& mesh, Halfedge border) {
   if (faces.empty())
     PMP::triangulate_hole(mesh, border, std::back_inserter(faces));
   return faces;
+}
+
+std::size_t divided(Mesh& mesh, Halfedge border, double tolerance) {
+  Ring ring;
+  std::vector<Halfedge> edges;
+  for (Halfedge h : CGAL::halfedges_around_face(border, mesh)) {
+    ring.push_back(mesh.target(h));
+    edges.push_back(h);
+  }
+  if (ring.size() > most_edges)
+    return 0;
+  std::size_t count = 0;
+  for (Halfedge h : edges)
+    for (const Point& p : points_on(mesh, ring, h, tolerance)) {
+      const Halfedge before = CGAL::Euler::split_edge(h, mesh); // h goes on from the new vertex
+      mesh.point(mesh.target(before)) = p;
+      const Halfedge inside = mesh.opposite(h); // its face is a quadrangle now
+      CGAL::Euler::split_face(inside, mesh.next(mesh.next(inside)), mesh);
+      ++count;
+    }
+  return count;
 }
 
 std::vector<Face> capped(Mesh& mesh, const Loop& loop) {

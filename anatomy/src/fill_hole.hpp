@@ -8,6 +8,10 @@ namespace anatomy {
 /// triangulation.
 std::vector<Face> filled(Mesh& mesh, Halfedge border);
 
+/// Divides the loop's edges where points of the loop lie on them (within `tolerance`, mm), so that these can be
+/// stitched to the edges of the other side; how many. Loops of more than 250 edges are left as they are.
+std::size_t divided(Mesh& mesh, Halfedge border, double tolerance);
+
 /// Closes a plane loop by its constrained Delaunay triangulation, refined to the density of the rim; its faces, none if
 /// the loop cannot be closed.
 std::vector<Face> capped(Mesh& mesh, const Loop& loop);

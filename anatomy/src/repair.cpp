@@ -92,6 +92,17 @@ void keep_largest_component(Mesh& mesh, std::vector<Repair>& repairs) {
   mesh.remove_property_map(component);
 }
 
+// Edges divided on one side only leave a hole without width, which no triangles fill.
+void close_t_junctions(Mesh& mesh, double tolerance, std::vector<Repair>& repairs) {
+  std::size_t count = 0;
+  for (const Loop& loop : boundary_loops(mesh))
+    count += divided(mesh, loop.halfedge, tolerance);
+  if (count == 0)
+    return;
+  PMP::stitch_borders(mesh);
+  repairs.push_back({"edges divided", count, "where points of the triangles beside them lie on them"});
+}
+
 void fill_holes(Mesh& mesh, std::vector<Repair>& repairs) {
   for (const Loop& loop : boundary_loops(mesh)) {
     if (is_open_end(mesh, loop) && std::sqrt(loop.area / M_PI) > smallest_end)
@@ -122,6 +133,7 @@ Mesh repaired(const Soup& soup, std::vector<Repair>& repairs) {
     repairs.push_back({"borders stitched", stitched, "pairs of edges"});
   keep_largest_component(mesh, repairs);
   PMP::remove_degenerate_faces(mesh);
+  close_t_junctions(mesh, weld_tolerance * diagonal, repairs);
   fill_holes(mesh, repairs);
   mesh.collect_garbage();
   return mesh;

@@ -82,6 +82,19 @@ def degenerate(points, triangles):
     return points, np.vstack([triangles, [[5, 5, 9], [7, 8, 7]]])
 
 
+def t_junctions(points, triangles):
+    """Edges divided on one side only, by points exactly on them: coordinates are multiples of 2^-16."""
+    points = np.round(points * 2**16) / 2**16
+    added, pieces, whole = [], [], np.ones(len(triangles), dtype=bool)
+    for t in range(0, len(triangles), 17):
+        a, b, c = triangles[t]
+        m, q = len(points) + len(added), len(points) + len(added) + 1
+        added += [(points[a] + points[b]) / 2, (3 * points[a] + points[b]) / 4]
+        pieces += [[a, q, c], [q, m, c], [m, b, c]]
+        whole[t] = False
+    return np.vstack([points, added]), np.vstack([triangles[whole], pieces])
+
+
 DEFECTS = {
     degenerate: "degenerate triangles dropped",
     flipped: "triangles turned",
@@ -94,6 +107,7 @@ DEFECTS = {
     open_ends: "open end capped",
     second_component: "components dropped",
     self_intersection: "self-intersections removed",
+    t_junctions: "edges divided",
 }
 
 
