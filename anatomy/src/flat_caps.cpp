@@ -2,6 +2,7 @@
 #include "ends.hpp"
 #include <CGAL/Polygon_mesh_processing/compute_normal.h>
 #include <CGAL/Polygon_mesh_processing/measure.h>
+#include <CGAL/convex_hull_2.h>
 #include <algorithm>
 #include <deque>
 #include <set>
@@ -38,12 +39,12 @@ Shape shape_of(const Mesh& mesh) {
   return shape;
 }
 
-// Faces reached from `seed` through faces within 12 degrees of its normal, or too small to have one but in its plane.
-std::vector<Face> grown(const Mesh& mesh, const Shape& shape, Face seed, std::vector<bool>& taken) {
+// Faces reached from `seed` through faces within 12 degrees of `normal`, or too small to have one but in its plane.
+std::vector<Face> grown(const Mesh& mesh, const Shape& shape, Face seed, const Vec3& normal, std::vector<bool>& taken) {
   std::vector<Face> patch;
   std::deque<Face> front{seed};
   taken[seed] = true;
-  const Vec3 origin = vec(mesh.point(mesh.target(mesh.halfedge(seed)))), normal = shape.normal[seed];
+  const Vec3 origin = vec(mesh.point(mesh.target(mesh.halfedge(seed))));
   const double near_plane = 0.1 * std::sqrt(shape.mean_area);
   const auto belongs = [&](Face g) {
     if (shape.area[g] > sliver * shape.mean_area)
@@ -86,23 +87,48 @@ double no_wall(const Mesh& mesh, const Shape& shape, const std::vector<Face>& pa
   return area > 0 ? sum / area : 1;
 }
 
-bool is_cap(const Mesh& mesh, const Shape& shape, const std::vector<Face>& patch, double smallest_area) {
-  const std::set<Face> inside(patch.begin(), patch.end());
+Vec3 area_vector(const Shape& shape, const std::vector<Face>& patch) {
   Vec3 total = Vec3::Zero();
+  for (Face f : patch)
+    total += shape.area[f] * shape.normal[f];
+  return total;
+}
+
+// Length of the convex hull's outline of the patch seen along its normal.
+double hull_perimeter(const Mesh& mesh, const std::vector<Face>& patch, const Vec3& normal) {
+  using Planar = Kernel::Point_2;
+  const Vec3 u = normal.unitOrthogonal(), v = normal.cross(u);
+  std::vector<Planar> points, hull;
+  for (Face f : patch)
+    for (Vertex corner : mesh.vertices_around_face(mesh.halfedge(f)))
+      points.emplace_back(u.dot(vec(mesh.point(corner))), v.dot(vec(mesh.point(corner))));
+  CGAL::convex_hull_2(points.begin(), points.end(), std::back_inserter(hull));
+  double perimeter = 0;
+  for (std::size_t i = 0; i < hull.size(); ++i)
+    perimeter += std::sqrt(CGAL::squared_distance(hull[i], hull[(i + 1) % hull.size()]));
+  return perimeter;
+}
+
+// Whether the patch is plane, round (by the outline of its faces or of its hull) and has a sharp rim.
+bool is_cap(const Mesh& mesh, const Shape& shape, const std::vector<Face>& patch, double smallest_area, bool by_hull) {
+  const std::set<Face> inside(patch.begin(), patch.end());
   double perimeter = 0;
   int corners = 0;
-  for (Face f : patch) {
-    total += shape.area[f] * shape.normal[f];
+  for (Face f : patch)
     for (Halfedge h : mesh.halfedges_around_face(mesh.halfedge(f)))
       if (!inside.contains(mesh.face(mesh.opposite(h)))) {
         perimeter += (vec(mesh.point(mesh.source(h))) - vec(mesh.point(mesh.target(h)))).norm();
         ++corners;
       }
-  }
+  const Vec3 total = area_vector(shape, patch);
   const double area = total.norm();
-  if (corners < fewest_corners || area < smallest_area || 4 * M_PI * area < smallest_roundness * perimeter * perimeter)
+  if (corners < fewest_corners || area < smallest_area)
     return false;
   const Vec3 normal = total / area;
+  if (by_hull)
+    perimeter = hull_perimeter(mesh, patch, normal);
+  if (4 * M_PI * area < smallest_roundness * perimeter * perimeter)
+    return false;
   double lowest = 1e300, highest = -1e300;
   for (Face f : patch)
     for (Vertex v : mesh.vertices_around_face(mesh.halfedge(f))) {
@@ -128,15 +154,32 @@ void tag_flat_caps(Mesh& mesh, double least_radius) {
   }
   // a lumen's mean radius bounds the size of its ends from below: bumps of a few triangles are not ends
   const double radius = std::max(least_radius, smallest_radius * 2 * std::abs(PMP::volume(mesh)) / PMP::area(mesh));
-  for (Face seed : mesh.faces()) {
-    if (taken[seed] || shape.area[seed] < sliver * shape.mean_area)
-      continue;
-    const std::vector<Face> patch = grown(mesh, shape, seed, taken);
-    if (!is_cap(mesh, shape, patch, M_PI * radius * radius))
-      continue;
+  const double smallest_area = M_PI * radius * radius;
+  const auto tag = [&](const std::vector<Face>& patch) {
     ++next;
     for (Face f : patch)
       region[f] = next;
+  };
+  std::vector<std::pair<Face, Vec3>> undecided;
+  for (Face seed : mesh.faces()) {
+    if (taken[seed] || shape.area[seed] < sliver * shape.mean_area)
+      continue;
+    const std::vector<Face> patch = grown(mesh, shape, seed, shape.normal[seed], taken);
+    const Vec3 total = area_vector(shape, patch);
+    if (is_cap(mesh, shape, patch, smallest_area, false))
+      tag(patch);
+    else if (total.norm() > smallest_area)
+      undecided.emplace_back(seed, total.normalized());
+  }
+  // what contouring chamfers has a zigzag for a rim, and seeds on it that lie out of the cap's plane
+  for (const auto& [seed, normal] : undecided) {
+    for (Face f : mesh.faces())
+      taken[f] = region[f] != 0;
+    if (taken[seed])
+      continue;
+    const std::vector<Face> patch = grown(mesh, shape, seed, normal, taken);
+    if (is_cap(mesh, shape, patch, smallest_area, true))
+      tag(patch);
   }
 }
 

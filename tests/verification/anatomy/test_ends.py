@@ -71,6 +71,24 @@ def test_a_closed_stub_beside_flat_ends_is_wall_unless_named(summary_of, tmp_pat
     assert summary["ends"][2]["branch"] == "side1"
 
 
+def test_flat_ends_with_chamfered_rims(summary_of, tmp_path):
+    """A contoured field leaves a chamfer one grid cell wide round each flat end, which makes its outline a zigzag."""
+    low, field = surfaces.tree_field(TREE)
+    grid = low + 0.2 * np.moveaxis(np.indices(field.shape), 0, -1)
+    flat = [(-1.0, 0, 0), *(np.subtract(b, a) / np.linalg.norm(np.subtract(b, a)) for a, b, _, _ in TREE)]
+    for end, normal in zip([TREE[0][0], TREE[0][1], TREE[1][1]], flat):
+        field = np.where(
+            np.linalg.norm(grid - end, axis=-1) < 2.5, np.maximum(field, (grid - end) @ np.array(normal)), field
+        )
+    surface = surfaces.level_surface(low, field, 0.2)
+    surface.Update()
+    summary = summary_of(surfaces.write(tmp_path / "tree.stl", *surfaces.arrays(surface.GetOutput())))
+    assert reported(summary, "rounded end cut flat") == 0 and len(summary["ends"]) == 3
+    for end, r, centre in zip(summary["ends"], (1.7, 1.4, 0.9), [TREE[0][0], TREE[0][1], TREE[1][1]]):
+        assert -0.25 < end["diameter_mm"] - 2 * r < 0  # the chamfer is not the cap's
+        assert np.linalg.norm(np.subtract(end["centre_mm"], centre)) < 0.05
+
+
 def test_cut_on_request(summary_of, tmp_path):
     surface = surfaces.write(tmp_path / "tree.vtp", *surfaces.tree(TREE))
     summary = summary_of(surface, "--cut", "25,0.5,0")
