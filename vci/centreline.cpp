@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <vtkAbstractArray.h>
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
@@ -32,6 +33,17 @@ Vec3 Path::at(double s) const {
 
 Vec3 Path::tangent(double s) const {
   return (at(s + 0.5) - at(s - 0.5)).normalized();
+}
+
+double Path::turning(double s_start, double s_end) const {
+  const int count = std::max(1, static_cast<int>(std::lround(s_end - s_start)));
+  const double step = (s_end - s_start) / count;
+  double sum = 0;
+  for (int k = 0; k < count; ++k) {
+    const Vec3 a = tangent(s_start + k * step), b = tangent(s_start + (k + 1) * step);
+    sum += std::atan2(a.cross(b).norm(), a.dot(b));
+  }
+  return sum;
 }
 
 std::vector<Frame> Path::frames(const std::vector<double>& s) const {

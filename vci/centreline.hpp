@@ -19,6 +19,9 @@ public:
   double end() const { return s_.back(); }
   Vec3 at(double s) const;
   Vec3 tangent(double s) const; ///< unit; a chord over 1 mm
+  /// How far the path turns in all from s_start to s_end, rad: the angles between tangents 1 mm apart. (The angle
+  /// between the tangents at its ends would miss bends that undo each other.)
+  double turning(double s_start, double s_end) const;
   std::vector<Frame> frames(const std::vector<double>& s) const;
   const Vectors& points() const { return points_; }
 

@@ -48,9 +48,9 @@ double peak_memory_mib() {
   return 0;
 }
 
-double turning(const Path& path, const Segment& s) {
-  const double c = path.tangent(s.s_start).dot(path.tangent(s.s_end));
-  return std::acos(std::clamp(c, -1.0, 1.0)) * 180.0 / std::numbers::pi;
+/// How much less the axis turns in all along the segment, degrees.
+double degrees_less(const Path& before, const Path& after, const Segment& s) {
+  return (before.turning(s.s_start, s.s_end) - after.turning(s.s_start, s.s_end)) * 180.0 / std::numbers::pi;
 }
 
 } // namespace
@@ -108,7 +108,7 @@ json readouts(const Scene& scene, const Lumen& lumen, const std::map<std::string
   for (const json& row : out["csa_profile"])
     smallest = std::min(smallest, row["area_mm2"].get<double>());
   out["minimal_lumen_area_mm2"] = smallest;
-  out["straightening_deg"] = turning(path_before, segment) - turning(path_after, segment);
+  out["straightening_deg"] = degrees_less(path_before, path_after, segment);
 
   out["stents"] = json::array();
   for (const StentHistory& h : d.stents) {
