@@ -1,4 +1,5 @@
 // The program vci: deploy, radius-correct, inflate, crush.
+#include "common/command_line.hpp"
 #include "common/error.hpp"
 #include "vci/bench.hpp"
 #include "vci/crush.hpp"
@@ -7,7 +8,6 @@
 #include "vci/readouts.hpp"
 #include "vci/strut_pattern.hpp"
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <fstream>
 #include <unistd.h>
@@ -186,7 +186,7 @@ int run_crush(const fs::path& scene_file, const std::string& device) {
 } // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Virtual coronary intervention: what balloon and stent do to a narrowed artery"};
+  CLI::App app{"Virtual coronary intervention: what balloon and stent do to a narrowed artery", "vci"};
   app.require_subcommand(1);
   std::string scene, out, device, frames;
   int every_steps = 0;
@@ -205,7 +205,8 @@ int main(int argc, char** argv) {
   CLI::App* crush_command = app.add_subcommand("crush", "radial strength and free recoil of a stent on the bench, CSV");
   crush_command->add_option("scene", scene, "scene.json that defines the stent and its balloon")->required();
   crush_command->add_option("--device", device, "key under devices")->required();
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = common::exit_code_of_parsing(app, argc, argv))
+    return *code;
   return common::guarded([&] {
     if (*deploy_command)
       return run_deploy(scene, out, frames, every_steps);

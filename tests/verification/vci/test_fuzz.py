@@ -99,3 +99,11 @@ def test_the_unchanged_scene_is_read(binary, scene):
     command = [str(binary("vci")), "deploy", str(scene), "--out", str(scene.parent / "out")]
     result = subprocess.run(command, text=True, capture_output=True, timeout=SECONDS)
     assert result.returncode == 3 and "force balance" in result.stderr, result.stderr
+
+
+@pytest.mark.parametrize("options", [["--every", "1"], ["--frames-every", "-1"], ["--out"]])
+def test_command_line_that_is_not_understood(binary, scene, tmp_path, options):
+    command = [str(binary("vci")), "deploy", str(scene), "--out", str(tmp_path / "out"), *options]
+    result = subprocess.run(command, text=True, capture_output=True, timeout=SECONDS)
+    assert result.returncode == 2 and result.stderr.count("error:") == 1
+    assert "vci deploy --help" in result.stderr and not (tmp_path / "out").exists()
