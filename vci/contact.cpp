@@ -176,7 +176,6 @@ void SurfaceContact::measure(const System& system, const Vectors& normals, const
     Vec3& kept = side.slip[place];
     kept = slip[place] - n.dot(slip[place]) * n;
     ContactPoint point{link, area, gap, area * law.pressure, Vec3::Zero(), &kept};
-    point.share = share;
     add_friction(point, settings_);
     points.push_back(point);
   }

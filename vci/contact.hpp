@@ -30,12 +30,11 @@ RampLaw averaged_ramp(double from, double to, const ContactSettings& settings);
 /// when the surfaces cross, so that nothing can tunnel. Normal and weights are held within a step.
 struct ContactPoint {
   PointLink link;
-  double area;      ///< of the vertex, mm^2
-  double gap;       ///< mm
-  double force;     ///< N along the normal
-  Vec3 drag;        ///< friction force, N: opposes the slip, at most mu times the normal force
-  Vec3* slip;       ///< elastic part of the tangential displacement since first touch, mm; kept by the contact
-  double share = 1; ///< of the surface that is there: it fades towards open edges and windows
+  double area;  ///< of the vertex, mm^2
+  double gap;   ///< mm
+  double force; ///< N along the normal
+  Vec3 drag;    ///< friction force, N: opposes the slip, at most mu times the normal force
+  Vec3* slip;   ///< elastic part of the tangential displacement since first touch, mm; kept by the contact
 };
 
 /// Regularised Coulomb friction: elastic slip, mapped back where it passes the limit. Sets slip, drag and the link's

@@ -71,7 +71,7 @@ void read_contact(const Forces& f, RelaxResult& result) {
   result.maximal_penetration = result.mean_penetration = 0;
   result.deepest = {-1, -1};
   for (const ContactPoint& p : f.points) {
-    const double depth = p.share * std::max(0.0, -p.gap);
+    const double depth = std::max(0.0, -p.gap);
     if (depth > result.maximal_penetration) {
       result.maximal_penetration = depth;
       result.deepest = {p.link.vertex[0], p.link.vertex[1]};

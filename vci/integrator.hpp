@@ -41,8 +41,7 @@ struct RelaxResult {
   Imbalance imbalance;  ///< only where it did not converge
   int steps = 0, cg_iterations = 0, contacts = 0;
   double residual = 0;
-  double maximal_penetration = 0, mean_penetration = 0; ///< mm, over the contact points; gaps above 0 count as 0,
-                                                        ///< depths beyond a fading surface by its share
+  double maximal_penetration = 0, mean_penetration = 0; ///< mm, over the contact points; gaps above 0 count as 0
   std::array<int, 2> deepest{-1, -1}; ///< the vertex of the maximal penetration and one of the surface it is in
 };
 
