@@ -1,12 +1,13 @@
 """The case's plan with every device in full: the document of scene.json without wall and numerics."""
 
 import os
+import sys
 
 from common import config
 from common.errors import InputError
 from common.files import write_json
 
-from . import catalogue, sizing
+from . import catalogue, remarks, sizing
 from .measured import branch_named, lesion_number, read_summary
 
 PASCAL_PER_MMHG = 133.322387415
@@ -17,6 +18,11 @@ def run(case_file, anatomy_folder, devices_folder, out):
     case = config.load_case(case_file)
     families = config.load_devices(devices_folder)
     summary = read_summary(anatomy_folder)
+    steps = case["plan"]
+    if steps == "auto":
+        steps = sizing.propose(summary, families, str(case_file))
+        for remark in remarks.of_proposal(summary, steps):
+            print(f"warning: {case_file}: plan: auto: {remark}", file=sys.stderr)
     relative = os.path.relpath(anatomy_folder.resolve(), out.resolve().parent)
     document = {
         "schema": "vci-scene-1",
@@ -24,7 +30,7 @@ def run(case_file, anatomy_folder, devices_folder, out):
         "lumen": f"{relative}/lumen.vtp",
         "centreline": f"{relative}/centreline.vtp",
         "patient": {"map_pa": mean_arterial_pressure_pa(case["patient"])},
-        **procedure(case["plan"], families, summary, str(case_file)),
+        **procedure(steps, families, summary, str(case_file)),
     }
     write_json(out, document)
 
@@ -36,9 +42,7 @@ def mean_arterial_pressure_pa(patient):
 
 
 def procedure(steps, families, summary, where):
-    """{segment, devices, procedure} of a plan ("auto" or steps) in a measured lumen; `where` is for messages."""
-    if steps == "auto":
-        steps = sizing.propose(summary, families, where)
+    """{segment, devices, procedure} of a plan's steps in a measured lumen; `where` is for messages."""
     devices, done, stents, used = {}, [], [], {}
     for i, step in enumerate(steps):
         placed = []

@@ -2,8 +2,9 @@
 
 Sizing as in the EAPCI consensus on intracoronary imaging (Raeber et al., Eur Heart J 2018;39:3281-3300): the stent by
 the distal reference, rounded up to the catalogue; landing zones in healthy wall and, where a little more length allows
-it, not in a side branch's mouth; post-dilatation with a non-compliant balloon at the proximal reference, in a vessel
-that tapers by more than half a millimetre only in the stent's proximal part.
+it, neither in a side branch's mouth nor in another lesion; lesions with no landing zone between them under one stent;
+post-dilatation with a non-compliant balloon at the proximal reference, but not more than half a millimetre above the
+distal one; in a vessel that tapers by more than that only in the stent's proximal part.
 """
 
 from common.errors import InputError
@@ -14,12 +15,14 @@ MARGIN_MM = 2.5  # healthy wall under each end of the stent
 EDGE_MM = 1.5  # least distance of a device from the ends of its branch
 OVERSIZE_MM = 0.5  # of the stent over the distal reference at most
 TAPER_MM = 0.5  # from the proximal to the distal reference that one balloon may dilate alike
-SHIFT_MM = 0.5  # step in which a stent is moved out of a side branch's mouth
+SHIFT_MM = 0.5  # step in which a stent is moved out of a side branch's mouth or another lesion
+SIGNIFICANT_PERCENT = 50  # diameter stenosis from which a lesion is usually treated
+AND = " and "  # between the names of lesions under one stent
 PREDILATATION, STENT, POSTDILATATION = "semi_compliant", "des", "non_compliant"
 
 
 def propose(summary, families, where):
-    """Plan steps (as in a case file, placed by centre_s_mm) for the most severe lesion of `summary`.
+    """Plan steps (as in a case file, placed by centre_s_mm) for the `target` of `summary`.
 
     Raises InputError if there is no lesion, or if the catalogue or the branch does not fit it.
     """
@@ -33,7 +36,7 @@ def propose(summary, families, where):
     for family in (PREDILATATION, STENT, POSTDILATATION):
         if family not in families:
             raise InputError("plan: auto needs a device family", where, family, f"add {family}.yaml to the devices")
-    lesion = summary["lesions"][0]
+    lesion = target(summary)
     distal, proximal = lesion["distal_reference_diameter_mm"], lesion["proximal_reference_diameter_mm"]
     extent = lesion["s_end_mm"] - lesion["s_start_mm"]
     stent_d = _stent_diameter(families, distal, proximal, where)
@@ -41,9 +44,12 @@ def propose(summary, families, where):
     pre_d = _at_most(families[PREDILATATION]["diameters_mm"], distal, "predilatation diameter", where)
     pre_l = _at_most(families[PREDILATATION]["lengths_mm"], stent_l, "predilatation length", where)
     pre_l = min([x for x in families[PREDILATATION]["lengths_mm"] if x >= extent and x <= pre_l], default=pre_l)
-    target = max(proximal, stent_d)
-    post_d = min(families[POSTDILATATION]["diameters_mm"], key=lambda size: abs(size - target))
-    tapers = target - distal > TAPER_MM
+    wanted_d = max(proximal, stent_d)
+    tapers = wanted_d - distal > TAPER_MM
+    sizes = families[POSTDILATATION]["diameters_mm"]
+    if not tapers:  # dilates the distal reference, too
+        sizes = [size for size in sizes if size <= distal + TAPER_MM + 1e-9] or sizes[:1]
+    post_d = min(sizes, key=lambda size: abs(size - wanted_d))
     covered = stent_l / 2 if tapers else stent_l
     post_l = _at_most(families[POSTDILATATION]["lengths_mm"], covered, "post-dilatation length", where)
     post_centre = round(centre - (stent_l - post_l) / 2, 3) if tapers else centre
@@ -58,8 +64,30 @@ def propose(summary, families, where):
     return [
         step("predilatation", PREDILATATION, pre_d, pre_l, pre_d, centre),
         step("stent", STENT, stent_d, stent_l, stent_d, centre),
-        step("postdilatation", POSTDILATATION, post_d, post_l, target, post_centre),
+        step("postdilatation", POSTDILATATION, post_d, post_l, wanted_d, post_centre),
     ]
+
+
+def target(summary):
+    """The most severe lesion of `summary`, with those of its branch that leave no landing zone between (tandem).
+
+    Such lesions are those of at least SIGNIFICANT_PERCENT less than two margins away; the entry that stands for them
+    has the names of all, the extent from the first to the last, and the references at its two ends.
+    """
+    found = dict(summary["lesions"][0])
+    near = [other for other in summary["lesions"][1:] if other["branch"] == found["branch"]]
+    near = [other for other in near if other["diameter_stenosis_percent"] >= SIGNIFICANT_PERCENT]
+    while near:
+        gaps = [max(o["s_start_mm"] - found["s_end_mm"], found["s_start_mm"] - o["s_end_mm"]) for o in near]
+        nearest = gaps.index(min(gaps))
+        if gaps[nearest] >= 2 * MARGIN_MM:
+            break
+        other = near.pop(nearest)
+        found["name"] += AND + other["name"]
+        for at, side in (("s_start_mm", "proximal"), ("s_end_mm", "distal")):
+            if (other[at] < found[at]) == (side == "proximal"):
+                found |= {key: other[key] for key in (at, f"{side}_reference_diameter_mm")}
+    return found
 
 
 def _stent_diameter(families, distal, proximal, where):
@@ -114,8 +142,8 @@ def _stent_place(summary, lesion, lengths, where):
 
 
 def _clear_of_mouths(summary, lesion, lengths, branch, centred):
-    """The first (length, centre) by rising length and shift with no end in a side branch's mouth, else `centred`."""
-    mouths = _mouths(summary, lesion["branch"])
+    """The first (length, centre) by rising length and shift with no end in a mouth or a lesion, else `centred`."""
+    taken = [*mouths(summary, lesion["branch"]).values(), *other_lesions(summary, lesion)]
     middle = 0.5 * (lesion["s_start_mm"] + lesion["s_end_mm"])
     candidates = [centred]
     for length in lengths:
@@ -125,19 +153,26 @@ def _clear_of_mouths(summary, lesion, lengths, branch, centred):
     for length, centre in candidates:
         ends = (centre - length / 2, centre + length / 2)
         inside = EDGE_MM <= ends[0] and ends[1] <= branch["length_mm"] - EDGE_MM
-        if inside and not any(low < end < high for end in ends for low, high in mouths):
+        if inside and not any(low < end < high for end in ends for low, high in taken):
             return length, centre
     return centred
 
 
-def _mouths(summary, parent):
-    """[(s_low, s_high)] of the mouths on a branch, as wide as its side branches' outlets."""
+def mouths(summary, parent):
+    """{side branch: (s_low, s_high)} of the mouths on a branch, mm, as wide as their outlets."""
     width = {end["branch"]: end["diameter_mm"] for end in summary.get("ends", ()) if end["kind"] == "outlet"}
     sides = [branch for branch in summary["branches"] if branch.get("parent") == parent]
-    return [
-        (side["s_on_parent_mm"] - width[side["name"]] / 2, side["s_on_parent_mm"] + width[side["name"]] / 2)
+    return {
+        side["name"]: (side["s_on_parent_mm"] - width[side["name"]] / 2, side["s_on_parent_mm"] + width[side["name"]] / 2)
         for side in sides
-    ]
+    }
+
+
+def other_lesions(summary, lesion):
+    """[(s_start, s_end)] in mm of the lesions on a (merged) lesion's branch that it does not cover."""
+    inside = (lesion["s_start_mm"], lesion["s_end_mm"])
+    spans = [(o["s_start_mm"], o["s_end_mm"]) for o in summary["lesions"] if o["branch"] == lesion["branch"]]
+    return [span for span in spans if span[0] < inside[0] or span[1] > inside[1]]
 
 
 def _at_most(sizes, wanted, what, where):
@@ -151,9 +186,9 @@ def _inside(centre, device_length, branch_length, where):
     lowest, highest = EDGE_MM + device_length / 2, branch_length - EDGE_MM - device_length / 2
     if lowest > highest:
         raise InputError(
-            "the stent is longer than the branch",
+            "the stent is longer than the branch has room for",
             where,
-            f"{device_length} mm in {branch_length:.1f} mm",
+            f"{device_length} mm, and {EDGE_MM} mm to each end, in {branch_length:.1f} mm",
             "write the plan's steps with a shorter stent",
         )
     return round(min(max(centre, lowest), highest), 3)

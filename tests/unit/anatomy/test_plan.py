@@ -5,32 +5,7 @@ import json
 import pytest
 
 from anatomy import catalogue, plan, sizing
-from common import config
 from common.errors import InputError
-
-
-@pytest.fixture(scope="module")
-def families(repo_root):
-    return config.load_devices(repo_root / "config" / "devices")
-
-
-@pytest.fixture
-def summary():
-    lesion = {
-        "name": "lesion1",
-        "branch": "main",
-        "s_start_mm": 16.0,
-        "s_mla_mm": 20.0,
-        "s_end_mm": 26.0,
-        "mld_mm": 1.1,
-        "reference_diameter_mm": 3.1,
-        "proximal_reference_diameter_mm": 3.3,
-        "distal_reference_diameter_mm": 2.9,
-        "diameter_stenosis_percent": 64.0,
-    }
-    side = {"name": "side1", "length_mm": 9.0, "s_on_parent_mm": 20.0}
-    branches = [{"name": "main", "length_mm": 50.0, "s_on_parent_mm": 0.0}, side]
-    return {"schema": "vci-anatomy-1", "lesions": [lesion], "branches": branches}
 
 
 def wish(device="des", diameter=3.0, length=15, pressure=11, **place):
@@ -97,7 +72,8 @@ def test_balloon_away_from_the_stent_may_be_larger(families, summary):
 
 
 def test_proposed_plan_follows_the_sizing_rules(families, summary):
-    pre, stent, post = (step["devices"][0] for step in sizing.propose(summary, families, "case"))
+    steps = sizing.propose(summary, families, "case")
+    pre, stent, post = (step["devices"][0] for step in steps)
     assert stent["diameter_mm"] == 3.0  # 2.9 rounded up
     assert stent["length_mm"] == 15  # 10 mm and two margins
     assert pre["diameter_mm"] == 2.75 and pre["length_mm"] == 12  # not above the distal reference, covers the lesion
@@ -105,7 +81,7 @@ def test_proposed_plan_follows_the_sizing_rules(families, summary):
     assert pre["pressure_bar"] == 8 and stent["pressure_bar"] == 11
     assert 12 <= post["pressure_bar"] <= 20
     assert {d["centre_s_mm"] for d in (pre, stent, post)} == {21.0}
-    assert plan.procedure("auto", families, summary, "case")["segment"]["s_end_mm"] == 28.5
+    assert plan.procedure(steps, families, summary, "case")["segment"]["s_end_mm"] == 28.5
 
 
 def test_proposed_stent_stays_in_its_branch(families, summary):
@@ -151,6 +127,51 @@ def test_tapered_vessel_is_postdilated_in_its_proximal_part(families, summary):
     _, stent, post = (step["devices"][0] for step in sizing.propose(summary, families, "case"))
     assert post["diameter_mm"] == 4.0 and post["length_mm"] <= stent["length_mm"] / 2
     assert post["centre_s_mm"] - post["length_mm"] / 2 == stent["centre_s_mm"] - stent["length_mm"] / 2
+
+
+def test_post_dilatation_does_not_overstretch_the_distal_reference(families, summary):
+    """References 0.48 mm apart, but the balloon nearest to the proximal one is 0.59 mm above the distal one."""
+    summary["lesions"][0].update(distal_reference_diameter_mm=3.16, proximal_reference_diameter_mm=3.64)
+    _, stent, post = (step["devices"][0] for step in sizing.propose(summary, families, "case"))
+    assert post["diameter_mm"] == 3.5 and post["length_mm"] == stent["length_mm"]
+    assert post["pressure_bar"] == 20  # 3.58 mm
+
+
+def second_lesion(summary, start, end, percent=58.0, branch="main"):
+    """Adds a lesion behind or before the first one."""
+    references = {"proximal_reference_diameter_mm": 3.0, "distal_reference_diameter_mm": 2.6}
+    place = {"name": "lesion2", "branch": branch, "s_start_mm": start, "s_mla_mm": (start + end) / 2, "s_end_mm": end}
+    summary["lesions"].append({**place, **references, "diameter_stenosis_percent": percent})
+
+
+def test_tandem_lesions_come_under_one_stent(families, summary):
+    """2.5 mm between them: a stent for the first alone would end in the second."""
+    second_lesion(summary, 28.5, 34.0)
+    pre, stent, _ = (step["devices"][0] for step in sizing.propose(summary, families, "case"))
+    ends = [stent["centre_s_mm"] + sign * stent["length_mm"] / 2 for sign in (-1, 1)]
+    assert ends[0] <= 16 - sizing.MARGIN_MM and ends[1] >= 34 + sizing.MARGIN_MM
+    assert stent["diameter_mm"] == 2.75 and pre["diameter_mm"] == 2.5  # by the second one's distal reference, 2.6 mm
+    assert pre["length_mm"] >= 18  # from the first one's start to the second one's end
+
+
+def test_tandem_lesion_before_the_worst_one(families, summary):
+    second_lesion(summary, 8.0, 13.0)
+    stent = sizing.propose(summary, families, "case")[1]["devices"][0]
+    assert stent["centre_s_mm"] - stent["length_mm"] / 2 <= 8 - sizing.MARGIN_MM and stent["diameter_mm"] == 3.0
+
+
+@pytest.mark.parametrize("change", [{"start": 31.1, "end": 36.0}, {"percent": 30.0}, {"branch": "side1"}])
+def test_lesions_apart_mild_or_elsewhere_are_no_tandem(families, summary, change):
+    second_lesion(summary, **{"start": 29.0, "end": 34.0, **change})
+    assert sizing.target(summary)["s_end_mm"] == 26.0
+
+
+def test_stent_does_not_end_in_a_mild_lesion(families, summary):
+    """Ends at 13.5 and 28.5 mm: moved by 0.5 mm out of a narrowing that begins at 28.3 mm."""
+    summary["lesions"][0].update(s_start_mm=16.5, s_end_mm=25.5)
+    second_lesion(summary, 28.3, 33.0, percent=25.0)
+    stent = sizing.propose(summary, families, "case")[1]["devices"][0]
+    assert stent["length_mm"] == 15 and stent["centre_s_mm"] == 20.5
 
 
 @pytest.mark.parametrize("mouth, length, centre", [(29.0, 18, 21.0), (28.4, 18, 22.0), (21.0, 15, 21.0)])
