@@ -12,19 +12,35 @@ matplotlib.use("Agg")
 from matplotlib import pyplot as plt  # noqa: E402  (the backend comes first)
 from matplotlib.collections import LineCollection  # noqa: E402
 
+POSITION = ("x_mm", "y_mm", "z_mm")
+WIDTH, PROFILE, LOWEST = 10, 4.5, 3.0  # inches: of the picture, height of the diameters', least height of the tree's
+
 
 def run(anatomy_folder, out):
     """Writes the picture of an anatomy folder as .png or .svg."""
     if out.suffix not in (".png", ".svg"):
         raise InputError("unknown picture format", out, out.suffix, "name a .png or .svg file")
     summary, branches = read_summary(anatomy_folder), read_sections(anatomy_folder)
-    figure, (tree, profile) = plt.subplots(2, 1, figsize=(10, 10), height_ratios=(1.3, 1), layout="constrained")
-    labels = _draw_tree(figure, tree, summary, branches)
+    project = _plane(np.vstack([_column(rows, *POSITION) for rows in branches.values()]))
+    height = _height(project, branches)
+    figure, (tree, profile) = plt.subplots(
+        2, 1, figsize=(WIDTH, height + PROFILE), height_ratios=(height, PROFILE), layout="constrained"
+    )
+    figure.get_layout_engine().set(h_pad=0.1)
+    labels = _draw_tree(figure, tree, project, summary, branches)
     _draw_profile(profile, summary, branches)
     _place(figure, tree, labels)
     with replacing(out) as partial:
         figure.savefig(partial, dpi=130, metadata={"Software": None} if out.suffix == ".png" else {"Date": None})
     plt.close(figure)
+
+
+def _height(project, branches):
+    """Inches of the tree's picture, LOWEST or more, that leave it no empty band."""
+    points = project(np.vstack([_column(rows, *POSITION) for rows in branches.values()]))
+    thick = max(row["equivalent_diameter_mm"] for rows in branches.values() for row in rows)
+    width, height = np.ptp(points, axis=0) + thick
+    return max(LOWEST, float(0.85 * WIDTH * height / width))
 
 
 def _plane(points):
@@ -39,15 +55,14 @@ def _column(rows, *names):
     return np.array([[row[name] for name in names] for row in rows])
 
 
-def _draw_tree(figure, axes, summary, branches):
-    project = _plane(np.vstack([_column(rows, "x_mm", "y_mm", "z_mm") for rows in branches.values()]))
+def _draw_tree(figure, axes, project, summary, branches):
     diameters = np.concatenate([_column(rows, "equivalent_diameter_mm")[:, 0] for rows in branches.values()])
     colours = matplotlib.colors.Normalize(diameters.min(), diameters.max())
     labels, wall = [], []
     for name, rows in branches.items():
-        lines = _draw_branch(axes, project, rows, colours)
-        x = project(_column(rows, "x_mm", "y_mm", "z_mm"))
-        wall.append(x)
+        lines, drawn = _draw_branch(axes, project, rows, colours)
+        x = project(_column(rows, *POSITION))
+        wall.append(drawn)
         labels.append((_label(axes, name, x[len(x) // 3], fontsize=11, weight="bold"), 45))
     _draw_roots(axes, project, summary, branches)
     for number, lesion in enumerate(summary["lesions"], 1):
@@ -65,7 +80,7 @@ def _draw_tree(figure, axes, summary, branches):
 
 
 def _place(figure, axes, labels):
-    """Moves each label (annotation, preferred angle in degrees, axis points to keep clear of) off the others.
+    """Moves each label (annotation, preferred angle in degrees, points of the vessel to keep clear of) off the others.
 
     The nearest place round its point, in 16 directions from the preferred one, that meets no label placed before and
     no vessel; where all are taken, the one that meets least.
@@ -96,8 +111,8 @@ def _place(figure, axes, labels):
 
 
 def _draw_branch(axes, project, rows, colours):
-    """The branch's silhouette, its sections by diameter and its axis; returns the sections' collection."""
-    x = project(_column(rows, "x_mm", "y_mm", "z_mm"))
+    """The branch's silhouette, its sections by diameter and its axis: (the sections' collection, points drawn)."""
+    x = project(_column(rows, *POSITION))
     radius = _column(rows, "equivalent_diameter_mm") / 2
     along = np.gradient(x, axis=0)
     across = np.column_stack([-along[:, 1], along[:, 0]]) / np.maximum(np.linalg.norm(along, axis=1), 1e-9)[:, None]
@@ -108,7 +123,7 @@ def _draw_branch(axes, project, rows, colours):
     axes.add_collection(lines)
     axes.plot(*x.T, color="k", lw=0.8)
     _label_arc_length(axes, rows, x)
-    return lines
+    return lines, np.vstack([left, 0.5 * (left + x), x, 0.5 * (x + right), right])
 
 
 def _draw_roots(axes, project, summary, branches):
@@ -117,15 +132,15 @@ def _draw_roots(axes, project, summary, branches):
         if branch["parent"] is None or not {branch["name"], branch["parent"]} <= branches.keys():
             continue
         root = min(branches[branch["parent"]], key=lambda row: abs(row["s_mm"] - branch["s_on_parent_mm"]))
-        ends = project(_column([root, branches[branch["name"]][0]], "x_mm", "y_mm", "z_mm"))
+        ends = project(_column([root, branches[branch["name"]][0]], *POSITION))
         axes.plot(*ends.T, ":", color="k", lw=0.9)
 
 
 def _draw_lesion(axes, project, number, lesion, rows):
     part = [r for r in rows if lesion["s_start_mm"] <= r["s_mm"] <= lesion["s_end_mm"]]
-    axes.plot(*project(_column(part, "x_mm", "y_mm", "z_mm")).T, color="crimson", lw=3, zorder=3)
+    axes.plot(*project(_column(part, *POSITION)).T, color="crimson", lw=3, zorder=3)
     throat = min(rows, key=lambda r: abs(r["s_mm"] - lesion["s_mla_mm"]))
-    where = project(_column([throat], "x_mm", "y_mm", "z_mm"))[0]
+    where = project(_column([throat], *POSITION))[0]
     text = f"lesion {number}: {lesion['diameter_stenosis_percent']:.0f} %"
     return _label(axes, text, where, color="crimson", arrowprops={"arrowstyle": "-", "color": "crimson"})
 
@@ -161,7 +176,8 @@ def _draw_profile(axes, summary, branches):
         axes.axvspan(*span, color="crimson", alpha=0.08)
         references = (lesion["proximal_reference_diameter_mm"], lesion["distal_reference_diameter_mm"])
         axes.plot(span, references, "--", color="crimson")
-        axes.text(span[0], 0.1 + 0.25 * (number - 1), f"lesion {number} ({lesion['branch']})", color="crimson")
+        text = f"lesion {number}, {lesion['branch']}: {lesion['diameter_stenosis_percent']:.0f} %"
+        axes.text(span[0], 0.02 + 0.05 * (number - 1), text, color="crimson", transform=axes.get_xaxis_transform())
     axes.set(xlabel="s (mm)", ylabel="diameter (mm)", title="equivalent diameter; band: smallest to largest chord")
     axes.set_ylim(bottom=0)
     axes.legend(title="x ostium, | end")

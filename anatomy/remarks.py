@@ -24,8 +24,8 @@ def _severity(summary, lesion):
     percent = lesion["diameter_stenosis_percent"]
     if percent < sizing.SIGNIFICANT_PERCENT:
         yield (
-            f"{lesion['name']} narrows the diameter by {percent:.0f} % only: below {sizing.SIGNIFICANT_PERCENT} % a stent"
-            " is rarely indicated, look at the FFR first"
+            f"{lesion['name']} narrows the diameter by {percent:.0f} % only: below {sizing.SIGNIFICANT_PERCENT} % a"
+            " stent is rarely indicated, look at the FFR first"
         )
     for other in summary["lesions"]:
         treated = other["name"] in lesion["name"].split(sizing.AND)
@@ -48,7 +48,7 @@ def _margins(lesion, ends):
 def _landing(summary, lesion, ends):
     for name, (low, high) in sizing.mouths(summary, lesion["branch"]).items():
         if any(low < end < high for end in ends):
-            yield f"the stent ends in the mouth of {name} ({low:.1f} to {high:.1f} mm): no length of the catalogue avoids it"
+            yield f"the stent ends in the mouth of {name} ({low:.1f} to {high:.1f} mm), which no length avoids"
     for low, high in sizing.other_lesions(summary, lesion):
         if any(low < end < high for end in ends):
             yield f"the stent ends in the narrowing from {low:.1f} to {high:.1f} mm, not in healthy wall"

@@ -162,10 +162,8 @@ def mouths(summary, parent):
     """{side branch: (s_low, s_high)} of the mouths on a branch, mm, as wide as their outlets."""
     width = {end["branch"]: end["diameter_mm"] for end in summary.get("ends", ()) if end["kind"] == "outlet"}
     sides = [branch for branch in summary["branches"] if branch.get("parent") == parent]
-    return {
-        side["name"]: (side["s_on_parent_mm"] - width[side["name"]] / 2, side["s_on_parent_mm"] + width[side["name"]] / 2)
-        for side in sides
-    }
+    middles = {side["name"]: side["s_on_parent_mm"] for side in sides}
+    return {name: (s - width[name] / 2, s + width[name] / 2) for name, s in middles.items()}
 
 
 def other_lesions(summary, lesion):

@@ -6,6 +6,7 @@ import json
 import numpy as np
 import pytest
 from matplotlib import pyplot as plt
+from matplotlib.text import Text
 
 from anatomy import picture
 from common.errors import InputError
@@ -76,3 +77,31 @@ def test_labels_keep_clear_of_each_other_and_of_the_vessel():
     clear = axes.transData.transform(wall)
     assert not any(box.contains(*point) for box in boxes for point in clear)
     plt.close(figure)
+
+
+def test_no_label_lies_on_the_wall(folder, monkeypatch):
+    """The branches' silhouettes, not their axes alone, are kept clear."""
+    place, on_wall = picture._place, []
+
+    def checked(figure, axes, labels):
+        place(figure, axes, labels)
+        figure.canvas.draw()
+        outlines = [axes.transData.transform_path(patch.get_path()) for patch in axes.patches]
+        boxes = [Text.get_window_extent(label) for label, *_ in labels]  # without the leaders
+        on_wall.extend(outline.intersects_bbox(box, filled=True) for outline in outlines for box in boxes)
+
+    monkeypatch.setattr(picture, "_place", checked)
+    picture.run(folder, folder / "a.png")
+    assert len(on_wall) == 8 and not any(on_wall)  # two branches, four labels
+
+
+@pytest.mark.parametrize("swing, lowest", [(0.1, True), (5, False)])
+def test_picture_is_as_high_as_the_tree(folder, swing, lowest):
+    lines = [line.split(",") for line in (folder / "sections.csv").read_text().splitlines()]
+    rows = [line for line in lines if line[0] == "main"]
+    for i, row in enumerate(rows):
+        row[4] = str(swing * np.sin(i / 3))
+    (folder / "sections.csv").write_text("\n".join([HEADER, *(",".join(row) for row in rows)]) + "\n")
+    picture.run(folder, folder / "a.png")
+    height = plt.imread(folder / "a.png").shape[0] / 130 - picture.PROFILE
+    assert (height < picture.LOWEST + 0.1) == lowest and height < 1.1 * picture.WIDTH
