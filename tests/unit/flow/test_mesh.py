@@ -5,7 +5,7 @@ import pytest
 
 import tubes
 from common.errors import ComputationError
-from flow import centreline, curving, extension, mesh, refine, spaces, surface, tet10
+from flow import centreline, curving, extension, mesh, refine, size_field, spaces, surface, tet10, volume_mesh
 
 
 @pytest.fixture(scope="module")
@@ -102,6 +102,17 @@ def test_refinement_reaches_its_target_on_the_surface():
     assert length.max() < 1.4 * 0.3 + 1e-12
     wall = np.unique(finer.triangles[finer.region == 0])
     assert np.abs(np.hypot(*finer.points[wall, 1:].T) - 1.5).max() < 0.003
+
+
+def test_the_same_surface_gives_the_same_tetrahedra(monkeypatch):
+    surface, branches = tubes.fork(length=12.0, at=5.0, side_length=5.0, edge_mm=0.5)
+    sizes = size_field.SizeField(centreline.Tree(branches), 1.5, 0.1)
+    found = []
+    for extra in ("", ":/a/further/folder" * 20):  # longer paths move the memory of a program that sees them
+        monkeypatch.setenv("PYTHONPATH", f"/usr/lib{extra}")
+        found.append(volume_mesh.fill(surface, sizes, 0.5))
+    assert (found[0][1].shape, found[0][0].shape) == (found[1][1].shape, found[1][0].shape)
+    assert (found[0][1] == found[1][1]).all() and (found[0][0] == found[1][0]).all()
 
 
 def test_a_bad_mesh_is_refused(monkeypatch, settings):
