@@ -4,7 +4,6 @@ Needs the programs of Debian's package `openfoam`. Lengths in mm where a name sa
 """
 
 import os
-import pathlib
 import re
 import shutil
 import subprocess
@@ -13,15 +12,14 @@ import numpy as np
 
 from common.errors import ComputationError
 
-PROGRAMS = ("gmshToFoam", "transformPoints", "polyDualMesh", "renumberMesh", "simpleFoam")
-MOST_ITERATIONS = 1500
-GRADIENTS = (
-    "Gauss linear",
-    "cellLimited Gauss linear 1",
-)  # of the velocity: the second converges where the first cycles
+PROGRAMS = ("gmshToFoam", "transformPoints", "polyDualMesh", "renumberMesh", "checkMesh", "simpleFoam")
+# gradients of the velocity and the iterations they are given: the second converges where the first cycles
+GRADIENTS = {"Gauss linear": 600, "cellLimited Gauss linear 1": 1500}
+LAST = 200  # iterations over which the mean is taken where it does not converge
+SETTLED = 1e-4  # of the pressure fallen: an iteration from which on it is that near its last value is counted too
 HEADER = "FoamFile { version 2.0; format ascii; class %s; object %s; }\n"
 SCHEMES = """ddtSchemes { default steadyState; }
-gradSchemes { default Gauss linear; grad(U) %s; }
+gradSchemes { default Gauss linear; grad(U) %(gradient)s; }
 divSchemes
 {
     default none;
@@ -41,14 +39,14 @@ SIMPLE { consistent yes; nNonOrthogonalCorrectors 0; residualControl { p 1e-5; U
 relaxationFactors { equations { U 0.9; } }
 """
 CONTROL = """application simpleFoam;
-startFrom startTime; startTime 0; stopAt endTime; endTime %d; deltaT 1;
-writeControl timeStep; writeInterval %d; writeFormat ascii; writePrecision 12; timePrecision 8;
+startFrom startTime; startTime 0; stopAt endTime; endTime %(iterations)d; deltaT 1;
+writeControl timeStep; writeInterval %(iterations)d; writeFormat ascii; writePrecision 12; timePrecision 8;
 runTimeModifiable false;
 functions
 {
     axis
     {
-        type probes; libs (sampling); probeLocations (%s); fields (p); interpolationScheme cellPoint;
+        type probes; libs (sampling); probeLocations (%(places)s); fields (p); interpolationScheme cellPoint;
         writePrecision 10;
     }
 }
@@ -98,54 +96,78 @@ def tetrahedra(radius, length_mm, throat_mm, edge_mm, path):
         gmsh.finalize()
 
 
-def run(folder, radius, length_mm, throat_mm, places_mm, edge_mm, flow, density, viscosity):
-    """Meshes and solves.
+def mesh(folder, radius, length_mm, throat_mm, places_mm, edge_mm, flow, density, viscosity):
+    """Writes the case with its polyhedra and boundary values: {cells, volume_mm3, mesh_cpu_s}.
 
-    Returns {cells, pressures_pa: over the outlet's, on the axis at places_mm, iterations, mesh_cpu_s, solve_cpu_s,
-    gradient: the first of GRADIENTS with which it converges, whose seconds count}. Raises ComputationError where a
-    program fails or simpleFoam does not converge.
+    Pressures are probed on the axis at places_mm. Raises ComputationError where a program fails.
     """
-    folder = pathlib.Path(folder)
     shutil.rmtree(folder, ignore_errors=True)
     for name in ("system", "constant", "0"):
         (folder / name).mkdir(parents=True)
     places = " ".join(f"({s * 1e-3:.9g} 0 0)" for s in places_mm)
-    control = CONTROL % (MOST_ITERATIONS, MOST_ITERATIONS, places)
-    for name, text in (("controlDict", control), ("fvSolution", SOLUTION), ("fvSchemes", SCHEMES % GRADIENTS[0])):
-        _write(folder / "system" / name, "dictionary", text)
+    values = {"places": places, "iterations": 1, "gradient": "Gauss linear"}
+    for name, text in (("controlDict", CONTROL), ("fvSolution", SOLUTION), ("fvSchemes", SCHEMES)):
+        _write(folder / "system" / name, "dictionary", text % values)
     started = _children_cpu()
     own = os.times()
     tetrahedra(radius, length_mm, throat_mm, edge_mm, folder / "tube.msh")
-    meshing = sum(os.times()[:2]) - sum(own[:2])
+    seconds = sum(os.times()[:2]) - sum(own[:2])
     _call(folder, "gmshToFoam", "tube.msh")
     boundary = folder / "constant" / "polyMesh" / "boundary"
     boundary.write_text(re.sub(r"(wall\s*{\s*type\s*)patch", r"\1wall", boundary.read_text()))
     _call(folder, "transformPoints", "-scale", "(0.001 0.001 0.001)")
     _call(folder, "polyDualMesh", "60", "-overwrite", "-concaveMultiCells")
+    _onto_wall(folder, radius)
     _call(folder, "renumberMesh", "-overwrite")
-    meshing += _children_cpu() - started
+    seconds += _children_cpu() - started
     _fields(folder, float(radius(0.0)) * 1e-3, flow, density, viscosity)
-    for gradient in GRADIENTS:
-        _write(folder / "system" / "fvSchemes", "dictionary", SCHEMES % gradient)
-        shutil.rmtree(folder / "postProcessing", ignore_errors=True)
-        started = _children_cpu()
-        converged = re.search(r"SIMPLE solution converged in (\d+) iterations", _call(folder, "simpleFoam"))
-        if converged:
-            break
-        shutil.rmtree(folder / str(MOST_ITERATIONS))
-    else:
-        raise ComputationError(
-            "simpleFoam did not converge", str(folder), f"{MOST_ITERATIONS} iterations", "see its log"
-        )
-    last = (folder / "postProcessing" / "axis" / "0" / "p").read_text().splitlines()[-1]
+    checked = _call(folder, "checkMesh")
     return {
-        "cells": int(re.search(r"nCells:\s*(\d+)", (folder / "constant" / "polyMesh" / "owner").read_text()).group(1)),
-        "pressures_pa": [density * float(p) for p in last.split()[1:]],
-        "iterations": int(converged.group(1)),
-        "mesh_cpu_s": meshing,
-        "solve_cpu_s": _children_cpu() - started,
-        "gradient": gradient,
+        "cells": int(re.search(r"cells:\s+(\d+)", checked).group(1)),
+        "volume_mm3": 1e9 * float(re.search(r"Total volume = ([-+.eE\d]+?)\.? ", checked).group(1)),
+        "mesh_cpu_s": seconds,
     }
+
+
+def solve(folder, gradient, density):
+    """Solves a case that `mesh` wrote with one of GRADIENTS, from rest.
+
+    Returns {converged, iterations, pressures_pa: on the axis at the probed places, over the outlet's, means of the LAST
+    iterations where it does not converge, scatter_pa: their standard deviations, 0 where it does, flow_m3_per_s: out of
+    the outlet, solve_cpu_s, settled_cpu_s: until the pressure's fall stays within SETTLED of its last value, None where
+    it does not converge}. Raises ComputationError where simpleFoam fails.
+    """
+    _write(folder / "system" / "fvSchemes", "dictionary", SCHEMES % {"gradient": gradient})
+    control = folder / "system" / "controlDict"
+    control.write_text(re.sub(r"(endTime|writeInterval) \d+", rf"\1 {GRADIENTS[gradient]}", control.read_text()))
+    for old in [folder / "postProcessing", *folder.glob("[1-9]*")]:
+        shutil.rmtree(old, ignore_errors=True)
+    started = _children_cpu()
+    log = _call(folder, "simpleFoam")
+    seconds = _children_cpu() - started
+    converged = re.search(r"SIMPLE solution converged in (\d+) iterations", log)
+    table = np.loadtxt(folder / "postProcessing" / "axis" / "0" / "p", ndmin=2)[:, 1:] * density
+    last = table[-1:] if converged else table[-LAST:]
+    fall = table[:, 0] - table[:, 1]
+    far = np.flatnonzero(np.abs(fall / fall[-1] - 1) > SETTLED)
+    after = np.array(re.findall(r"ExecutionTime = ([\d.]+) s", log), float)
+    return {
+        "converged": converged is not None,
+        "iterations": len(table),
+        "pressures_pa": last.mean(axis=0),
+        "scatter_pa": last.std(axis=0),
+        "flow_m3_per_s": _outflow(folder),
+        "solve_cpu_s": seconds,
+        "settled_cpu_s": float(after[far[-1] + 1]) if converged and len(far) else None,
+    }
+
+
+def _outflow(folder):
+    """Flow through the outlet in m3/s of the last fields written."""
+    latest = max((path for path in folder.glob("[1-9]*")), key=lambda path: int(path.name))
+    text = (latest / "phi").read_text()
+    values = re.search(r"outlet\s*{.*?List<scalar>\s*\d+\s*\((.*?)\)", text, re.S).group(1)
+    return float(np.sum(np.array(values.split(), float)))
 
 
 def _write(path, kind, text):
@@ -166,17 +188,38 @@ def _call(folder, *command):
     return done.stdout
 
 
-def _inlet_faces(folder):
-    """Area vectors (m2) and centres (m) of the inlet's faces, from the mesh in ASCII."""
+NUMBER = r"([-+.eE\d]+)"
+POINT = re.compile(rf"^\({NUMBER} {NUMBER} {NUMBER}\)$", re.M)
+
+
+def _points(folder):
+    """Points (n, 3) of the mesh in m, from its file in ASCII."""
+    return np.array(POINT.findall((folder / "constant" / "polyMesh" / "points").read_text()), float)
+
+
+def _faces(folder, patch):
+    """[array of the points' numbers] of a patch's faces."""
     mesh = folder / "constant" / "polyMesh"
-    number = r"([-+.eE\d]+)"
-    points = np.array(re.findall(rf"^\({number} {number} {number}\)$", (mesh / "points").read_text(), re.M), float)
-    text = (mesh / "faces").read_text()
-    faces = [np.array(face.split(), int) for face in re.findall(r"\d+\s*\(([\d\s]+)\)", text)]
-    entry = re.search(r"inlet\s*{(.*?)}", (mesh / "boundary").read_text(), re.S).group(1)
+    entry = re.search(patch + r"\s*{(.*?)}", (mesh / "boundary").read_text(), re.S).group(1)
     count, start = (int(re.search(rf"{key}\s+(\d+)", entry).group(1)) for key in ("nFaces", "startFace"))
-    areas, centres = [], []
-    for face in faces[start : start + count]:
+    faces = re.findall(r"\d+\s*\(([\d\s]+)\)", (mesh / "faces").read_text())[start : start + count]
+    return [np.array(face.split(), int) for face in faces]
+
+
+def _onto_wall(folder, radius):
+    """Moves the wall's points outwards to the true radius: the dual mesh's lie on chords."""
+    points = _points(folder)
+    chosen = np.unique(np.concatenate(_faces(folder, "wall")))
+    distance = np.hypot(points[chosen, 1], points[chosen, 2])
+    points[chosen, 1:] *= (1e-3 * radius(1e3 * points[chosen, 0]) / distance)[:, None]
+    path, rows = folder / "constant" / "polyMesh" / "points", iter(points)
+    path.write_text(POINT.sub(lambda _: "({:.12g} {:.12g} {:.12g})".format(*next(rows)), path.read_text()))
+
+
+def _inlet_faces(folder):
+    """Area vectors (m2) and centres (m) of the inlet's faces."""
+    points, areas, centres = _points(folder), [], []
+    for face in _faces(folder, "inlet"):
         corners = points[face]
         middle = corners.mean(axis=0)
         parts = 0.5 * np.cross(corners - middle, np.roll(corners, -1, axis=0) - middle)
