@@ -9,6 +9,7 @@ BENCHMARKS = {
     "reference_against_solid": "benchmark.csv",
     "reference_sensitivity": "sensitivity.csv",
 }
+STATE_FILES = ("lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json")  # of a deployed lumen, as the flow takes it
 
 
 rule benchmarks:
@@ -83,6 +84,9 @@ rule flow_hard_cases:
     input:
         code=code("flow", "flow.mesh", "flow.solve"),
         script="tests/verification/flow/hard_cases.py",
+        reference="tests/verification/flow/axisymmetric.py",
+        boundary="results/cases/quick_focal/flow/boundary.json",
+        deployed=multiext("results/cases/quick_focal/vci/anatomy/", *STATE_FILES),
     output:
         "results/benchmarks/flow_hard_cases/hard_cases.csv",
     log:
@@ -93,7 +97,8 @@ rule flow_hard_cases:
     params:
         out=output_folder,
     shell:
-        "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out}"
+        "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out} all"
+        " --state results/cases/quick_focal/vci"
 
 
 rule anatomy_speed:

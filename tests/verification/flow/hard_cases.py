@@ -1,15 +1,17 @@
-"""Hard cases of the flow solver as a table: python3 tests/verification/flow/hard_cases.py --out DIR [CASE ...].
+"""Hard cases of the flow solver as a table: python3 tests/verification/flow/hard_cases.py --out DIR all | CASE ...
 
 A state of a study's case, as a deployed lumen, is one more: --state results/cases/<case>/<state>.
 
-Writes DIR/hard_cases.csv: case, outcome (converged, converged with eddy viscosity, unsteady, refused), FFR, error
-estimate, FFR of the axisymmetric model and of the 1D network, residual in N, eddy viscosity left, dofs of the mesh
-that answered, factorizations on all meshes, CPU seconds, peak memory. A case is meshed and solved by `python3 -m flow`
-with default settings; rows of cases that are not run again stay.
+Writes DIR/hard_cases.csv: case, outcome (converged, converged with eddy viscosity, unsteady, refused), FFR, its
+reference (axisymmetric.py, which shares no code with the solver; of straight tubes only) and error, the error estimate,
+FFR of the reduced models, residual in N, eddy viscosity left, amplitude of an unsteady FFR, dofs of the mesh that
+answered, factorizations on all meshes, CPU seconds of the solve, peak memory. A case is meshed and solved by
+`python3 -m flow` with default settings; rows of cases that are not run again stay.
 """
 
 import argparse
 import csv
+import dataclasses
 import json
 import pathlib
 import shutil
@@ -19,15 +21,40 @@ import sys
 import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "unit" / "flow")]
+sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "unit" / "flow"), str(pathlib.Path(__file__).parent)]
 
+import axisymmetric  # noqa: E402
 import tubes  # noqa: E402
 
 PA_PER_MMHG = 133.322
 MAP, VENOUS, FLOW = 93 * PA_PER_MMHG, 5 * PA_PER_MMHG, 200e-6 / 60  # Pa, Pa, m3/s at hyperaemia
 RADIUS, EDGE = 1.6, 0.4  # mm
-COLUMNS = ("case", "outcome", "ffr", "estimate", "ffr_axisymmetric", "ffr_1d", "residual_n", "eddy", "dofs")
-COLUMNS += ("factorizations", "cpu_s", "mib")
+REFERENCE_CELLS = (120, 12)  # along and across, Q3-Q2: within 2e-5 of the published values of the single lesions
+COLUMNS = ("case", "outcome", "ffr", "reference", "error", "estimate", "ffr_axisymmetric", "ffr_1d", "residual_n")
+COLUMNS += ("eddy", "amplitude", "dofs", "factorizations", "cpu_s", "mib")
+
+
+@dataclasses.dataclass
+class Tube:
+    """A straight tube: radius (of s) and lengths in mm, throat where the reference is finest; share of FLOW."""
+
+    radius: object
+    length: float
+    throat: float
+    probe: float
+    share: float = 1.0
+
+    def case(self):
+        """(Surface, branches, parents, document)."""
+        branches = [tubes.line(self.length, self.radius)]
+        surface = tubes.tube(self.length, self.radius, EDGE)
+        return surface, branches, None, document(branches, [self.share], self.probe)
+
+    def reference(self, flow):
+        """FFR of the axisymmetric solution; flow: a guess of the inflow in m3/s."""
+        _, _, _, boundary = self.case()
+        tube = axisymmetric.Tube(self.radius, self.length, self.throat, boundary, REFERENCE_CELLS)
+        return tube.ffr(flow, self.probe)
 
 
 def document(branches, shares, probe_mm):
@@ -53,33 +80,39 @@ def document(branches, shares, probe_mm):
     }
 
 
-def _tube(radius, length, probe_mm, axis=None, edge=EDGE):
-    surface, branches = tubes.tube(length, radius, edge, axis), [tubes.line(length, radius, axis)]
-    return surface, branches, None, document(branches, [1.0], probe_mm)
-
-
 def single(reduction, outlet_mm=50.0):
     """Cosine lesion 15-25 mm, the outlet at outlet_mm."""
-    return _tube(tubes.lesion(RADIUS, reduction, 20, 10), outlet_mm, min(45.0, outlet_mm - 2.0))
+    return Tube(tubes.lesion(RADIUS, reduction, 20, 10), outlet_mm, 20.0, min(45.0, outlet_mm - 2.0))
 
 
 def tandem():
     """Two lesions of 60 %, 5 mm between them."""
     first, second = tubes.lesion(RADIUS, 0.6, 15, 10), tubes.lesion(RADIUS, 0.6, 30, 10)
-    return _tube(lambda s: np.minimum(first(s), second(s)), 60.0, 55.0)
+    return Tube(lambda s: np.minimum(first(s), second(s)), 60.0, 22.5, 55.0)
+
+
+def throat_re_1500():
+    """Lesion of 50 % at 808 mL/min of hyperaemic flow: a Reynolds number of about 1,500 at the throat."""
+    return Tube(tubes.lesion(RADIUS, 0.5, 20, 10), 60.0, 20.0, 55.0, 4.04)
+
+
+STRAIGHT = {
+    **{f"single_{percent}": single(percent / 100) for percent in (62, 75, 80, 85, 90)},
+    "tandem_60": tandem(),
+    "outlet_2d_behind_62": single(0.62, 25 + 4 * RADIUS),
+    "throat_re_1500": throat_re_1500(),
+}
+
+
+def _bent(radius, length, probe_mm, axis):
+    branches = [tubes.line(length, radius, axis)]
+    return tubes.tube(length, radius, EDGE, axis), branches, None, document(branches, [1.0], probe_mm)
 
 
 def eccentric():
     """Lesion of 62 % whose axis is off the vessel's by nine tenths of what it takes from the radius."""
     radius = tubes.lesion(RADIUS, 0.62, 20, 10)
-    return _tube(radius, 50.0, 45.0, lambda s, a, b: np.stack([s, a + 0.9 * (RADIUS - radius(s)), b], axis=-1))
-
-
-def throat_re_1500():
-    """Lesion of 50 % at 808 mL/min of hyperaemic flow: a Reynolds number of about 1,500 at the throat."""
-    radius = tubes.lesion(RADIUS, 0.5, 20, 10)
-    branches = [tubes.line(60.0, radius)]
-    return tubes.tube(60.0, radius, EDGE), branches, None, document(branches, [4.04], 55.0)
+    return _bent(radius, 50.0, 45.0, lambda s, a, b: np.stack([s, a + 0.9 * (RADIUS - radius(s)), b], axis=-1))
 
 
 def sharp_bend():
@@ -93,7 +126,7 @@ def sharp_bend():
         y = bend - (bend - a) * np.cos(angle) + after
         return np.stack([x, y, b], axis=-1)
 
-    return _tube(tubes.lesion(RADIUS, 0.5, 15, 10), 45.0, 40.0, axis)
+    return _bent(tubes.lesion(RADIUS, 0.5, 15, 10), 45.0, 40.0, axis)
 
 
 def fork(shares, **sizes):
@@ -103,16 +136,15 @@ def fork(shares, **sizes):
     return surface, branches, {"side1": ("main", sizes["at"])}, document(branches, shares, sizes["length"] - 4.0)
 
 
-CASES = {
-    **{f"single_{percent}": lambda percent=percent: single(percent / 100) for percent in (62, 75, 80, 85, 90)},
-    "tandem_60": tandem,
-    "eccentric_62": eccentric,
-    "outlet_2d_behind_62": lambda: single(0.62, 25 + 4 * RADIUS),
+CASES = {  # the dearest last
+    **{name: tube.case for name, tube in STRAIGHT.items() if name != "throat_re_1500"},
     "outlets_0.7_and_4_mm": lambda: fork([1 - 0.0116, 0.0116], radius=2.0, side_radius=0.35, edge_mm=0.3),
     "resistances_1_to_100": lambda: fork([100 / 101, 1 / 101]),
     "sharp_bend_50": sharp_bend,
-    "throat_re_1500": throat_re_1500,
+    "throat_re_1500": STRAIGHT["throat_re_1500"].case,
+    "eccentric_62": eccentric,
 }
+ALL = "all"
 STATE_FILES = ("lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json")
 
 
@@ -135,7 +167,7 @@ def outcome(answer):
     """What became of a case, in words: answer is the document of ffr.json."""
     if answer["unsteady"]:
         begin, end = answer["unsteady"]["window_s"]
-        return f"unsteady: mean over {end - begin:.2f} s, amplitude {answer['unsteady']['ffr_amplitude']:.4f}"
+        return f"unsteady: mean over {end - begin:.2f} s"
     return "converged with eddy viscosity" if answer["jet_mixing"] else "converged"
 
 
@@ -155,16 +187,20 @@ def run(name, folder):
             reason = (folder / f"{command[0]}.log").read_text().strip().splitlines()[-1]
             return {"case": name, "outcome": f"{command[0]} refused, exit {done.returncode}: {reason}"}
     answer = json.loads((folder / "ffr.json").read_text())
-    eddy, axisymmetric = answer["jet_mixing"], answer["models"]["axisymmetric"]["ffr"]
+    return {"case": name, "outcome": outcome(answer), **figures(answer), **compared(name, answer)}
+
+
+def figures(answer):
+    """Columns of the table that a document of ffr.json fills."""
+    axisymmetric_ffr, estimate = answer["models"]["axisymmetric"]["ffr"], answer["error_estimate"]
     return {
-        "case": name,
-        "outcome": outcome(answer),
         "ffr": f"{answer['ffr']:.4f}",
-        "estimate": f"{answer['error_estimate']['ffr']:.4f}" if answer["error_estimate"] else "unknown",
-        "ffr_axisymmetric": "none" if axisymmetric is None else f"{axisymmetric:.4f}",
+        "estimate": f"{estimate['ffr']:.4f}" if estimate else "unknown",
+        "ffr_axisymmetric": "none" if axisymmetric_ffr is None else f"{axisymmetric_ffr:.4f}",
         "ffr_1d": f"{answer['models']['network']['ffr']:.4f}",
         "residual_n": f"{answer['residual_absolute']:.0e}",
-        "eddy": f"{eddy:g}",
+        "eddy": f"{answer['jet_mixing']:g}",
+        "amplitude": f"{answer['unsteady']['ffr_amplitude']:.4f}" if answer["unsteady"] else "",
         "dofs": answer["dofs"],
         "factorizations": sum(mesh.get("factorizations", 0) for mesh in answer["meshes"]),
         "cpu_s": f"{answer['cpu_seconds']:.0f}",
@@ -172,14 +208,23 @@ def run(name, folder):
     }
 
 
+def compared(name, answer):
+    """Columns `reference` and `error` of a straight tube."""
+    if name not in STRAIGHT:
+        return {}
+    reference = STRAIGHT[name].reference(answer["inlet_flow_m3_per_s"])
+    return {"reference": f"{reference:.4f}", "error": f"{answer['ffr'] - reference:+.4f}"}
+
+
 def main():
     """Runs the named cases, or all, and updates the table after each."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("cases", nargs="*", metavar="CASE", help=f"of {', '.join(CASES)} (default: all)")
+    parser.add_argument("cases", nargs="*", metavar="CASE", help=f"of {', '.join(CASES)}; {ALL}: each of them")
     parser.add_argument("--state", action="append", default=[], type=pathlib.Path, help="results/cases/<case>/<state>")
     parser.add_argument("--out", required=True, type=pathlib.Path, help="folder of the table and the cases' files")
     arguments = parser.parse_args()
-    unknown = sorted(set(arguments.cases) - set(CASES))
+    chosen = list(CASES) if ALL in arguments.cases else arguments.cases
+    unknown = sorted(set(chosen) - set(CASES))
     if unknown:
         parser.error(f"no such case: {', '.join(unknown)}")
     arguments.out.mkdir(parents=True, exist_ok=True)
@@ -189,7 +234,7 @@ def main():
         with open(table, newline="") as file:
             rows = {row["case"]: row for row in csv.DictReader(file)}
     states = {f"{state.parent.name}_{state.name}": state for state in arguments.state}
-    for name in [*(arguments.cases or ([] if states else CASES)), *states]:
+    for name in [*states, *chosen]:
         folder = arguments.out / name
         copy(states[name], folder) if name in states else write(name, folder)
         rows[name] = run(name, folder)
