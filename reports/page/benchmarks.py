@@ -16,10 +16,15 @@ TITLES = {
         "Whole vessel, fixed small step, plain conjugate gradients; a factor is how many times less processor time.",
     ),
     "deployment_hard_cases": ("Deployment: hard cases", "Each ends in force balance, or is refused with its reason."),
-    "flow_hard_cases": ("Blood flow: hard cases", "Each converges, or is refused with its reason."),
+    "flow_hard_cases": (
+        "Blood flow: hard cases",
+        "Each converges, is answered by a mean over time with its amplitude, or is refused with its reason. References "
+        "are axisymmetric solutions that share no code with the solver; eddy is the share of jet viscosity left.",
+    ),
     "flow_against_openfoam": (
         "Blood flow: speed against error beside OpenFOAM",
-        "A row is a mesh of the same narrowed tube; errors of FFR are against an axisymmetric solution.",
+        "A row is a mesh of the same narrowed tube; errors of FFR are against an axisymmetric solution. Settled: the "
+        "solve's seconds until FFR kept its value.",
     ),
     "anatomy_speed": (
         "Anatomy: seconds against input size",
@@ -39,13 +44,16 @@ TITLES = {
     ),
 }
 UNITS = {"mm2": "mm²", "mm": "mm", "s": "s", "mib": "MiB", "percent": "%", "n": "N", "bar": "bar"}
+WORDS = {"ffr": "FFR", "csa": "CSA", "mla": "MLA", "cpu": "CPU", "cg": "CG", "1d": "1D", "mib": "MiB"}
+ALONE = {"mib": "memory (MiB)"}
 MOST_ROWS = 200
 
 
 def benchmarks(folder):
     """[{name, title, text, tables, figures}] of the benchmarks in `folder` that were run, in the order of TITLES.
 
-    A table is {name, columns, rows}: texts as in the CSV, numbers shortened to four digits. Folders of other names come
+    A table is {name, columns, rows}: texts as in the CSV, numbers shortened to four digits; a column is {heading, text:
+    whether it holds words}. Columns without a value are left out. Folders of other names come
     last under their own name. Raises InputError for a table without a header.
     """
     if folder is None or not folder.is_dir():
@@ -77,24 +85,36 @@ def read_rows(path):
         lines = list(csv.reader(file))
     if not lines or not any(lines[0]):
         raise InputError("a benchmark's table is empty", path, "no header", "run `snakemake benchmarks` again")
-    rows = [[shortened(value) for value in line] for line in lines[1 : MOST_ROWS + 1]]
-    return {"name": path.stem.replace("_", " "), "columns": [heading(name) for name in lines[0]], "rows": rows}
+    rows = [line + [""] * (len(lines[0]) - len(line)) for line in lines[1 : MOST_ROWS + 1]]
+    filled = [k for k in range(len(lines[0])) if not rows or any(row[k] for row in rows)]
+    columns = [{"heading": heading(lines[0][k]), "text": not any(is_number(row[k]) for row in rows)} for k in filled]
+    return {
+        "name": path.stem.replace("_", " "),
+        "columns": columns,
+        "rows": [[shortened(row[k]) if k else row[k].replace("_", " ") for k in filled] for row in rows],
+    }
 
 
 def heading(column):
     """A column's name in words, its unit in brackets: mean_csa_mm2 -> mean csa (mm²)."""
+    if column in ALONE:
+        return ALONE[column]
     words = column.split("_")
-    if len(words) > 1 and words[-1] in UNITS:
-        return " ".join(words[:-1]) + f" ({UNITS[words[-1]]})"
-    return " ".join(words)
+    unit = f" ({UNITS[words.pop()]})" if len(words) > 1 and words[-1] in UNITS else ""
+    return " ".join(WORDS.get(word, word) for word in words) + unit
+
+
+def is_number(value):
+    """Whether a text is that of a number."""
+    try:
+        float(value)
+    except ValueError:
+        return False
+    return True
 
 
 def shortened(value):
     """A number with at most four digits, any other text as it is."""
-    try:
-        number = float(value)
-    except ValueError:
+    if not is_number(value) or value.lstrip("-").isdigit():
         return value
-    if value.lstrip("-").isdigit():
-        return value
-    return f"{number:.4g}"
+    return f"{float(value):.4g}"

@@ -133,7 +133,7 @@ def test_benchmarks_that_were_run_are_shown(study, tmp_path):
     path, folder = study(("tube", {})), tmp_path / "cases" / "tube"
     assert 'id="benchmarks"' not in path.read_text()
     for name, table in (
-        ("flow_hard_cases", "case,residual_n,cpu_s\nsharp bend,1.23456e-9,31\n"),
+        ("flow_hard_cases", "case,outcome,ffr,residual_n,reason,cpu_s\nsharp_bend,fine,0.5,1.23456e-9,,31\n"),
         ("another", "n,seconds\n20000,0.5\n"),
     ):
         (tmp_path / "benchmarks" / name).mkdir(parents=True)
@@ -145,6 +145,9 @@ def test_benchmarks_that_were_run_are_shown(study, tmp_path):
     text = path.read_text()
     for words in ("<th>residual (N)</th>", "<td>1.235e-09</td>", "<td>0.5</td>", "<th>20000</th>", "sharp bend"):
         assert words in text, words
+    for words in ('<th class="text">outcome</th>', '<td class="text">fine</td>', "<th>FFR</th>", "<th>CPU (s)</th>"):
+        assert words in text, words
+    assert ">reason</th>" not in text  # nothing in it
     assert text.index("Blood flow: hard cases") < text.index("<h3>another</h3>") and "data:image/png" in text
     (tmp_path / "benchmarks" / "another" / "table.csv").write_text("")
     with pytest.raises(SystemExit):

@@ -176,13 +176,15 @@ def draw(rows, path):
         for label, colour, chosen in series(rows):
             points = [(sum(r[k] for k in keys), abs(r["error"]), r["outcome"] == "converged") for r in chosen]
             x, y, converged = zip(*points)
-            panel.loglog(x, y, "-", color=colour, label=label)
+            panel.loglog(x, y, "o-", color=colour, label=label)
             for a, b, full in points:
                 panel.plot(a, b, "o", color=colour, markerfacecolor=colour if full else "white")
         panel.set(xlabel="CPU seconds", title=title)
         panel.grid(True, which="both", alpha=0.3)
     axes[0].set_ylabel("error of FFR")
-    axes[1].legend(fontsize=8)
+    figure.legend(
+        *axes[0].get_legend_handles_labels(), loc="upper center", bbox_to_anchor=(0.5, 0.0), ncol=2, fontsize=8
+    )
     figure.savefig(path, dpi=150, bbox_inches="tight")
     pyplot.close(figure)
 
