@@ -3,6 +3,8 @@
 FFR = p / MAP; where the inflow is given, p over the pressure at the inlet's centre.
 """
 
+import sys
+
 import numpy as np
 import pandas as pd
 
@@ -10,6 +12,8 @@ from common.errors import ComputationError
 
 M_PER_MM = 1e-3
 SPACING_MM = 0.5
+AROUND_MM = 1.0  # of a probe: where its FFR's slope is taken
+RISING = 5e-4  # of FFR a mm: beyond it the third decimal depends on where the probe is
 FAR = 3.0  # a probe further than this many local radii from the centreline belongs to another vessel
 
 
@@ -78,4 +82,22 @@ def at_probes(probes, tree, sampler, map_pa):
                 "ffr": float(pressure[0] / map_pa),
             }
         )
+    return found
+
+
+def rising(probes, table):
+    """Warnings, printed too, one a probe round which FFR rises by more than RISING along the vessel.
+
+    table: that of `pullback`. FFR rises behind a narrowing until the jet has reattached, and where a branch takes part of the flow.
+    """
+    found = []
+    for probe in probes:
+        line = table[(table["branch"] == probe["branch"]) & ((table["s_mm"] - probe["s_mm"]).abs() <= AROUND_MM)]
+        slope = np.polyfit(line["s_mm"], line["ffr"], 1)[0] if len(line) > 1 else 0.0
+        if slope > RISING:
+            found.append(
+                f"FFR at the probe {probe['name']} depends on its place: it still rises by {slope:.4f} a mm, as behind"
+                " a narrowing whose jet has not reattached; a probe further on reads more"
+            )
+            print(found[-1], file=sys.stderr, flush=True)
     return found

@@ -101,7 +101,7 @@ def run(mesh, coarse, document, tree, network, settings, folder):
         solved = reduced_answer.Reduced(predicted, paths[0])
         reference = ffr.reference_pa(document, tree, solved.sampler)
         answer, table = reduced_answer.collect(settings.model, predicted, solved, document, reference)
-    answer["models"], answer["warnings"] = models, compared(models)
+    answer["models"], answer["warnings"] = models, compared(models) + ffr.rising(answer["probes"], table)
     answer["reduced_model"] = {"model": "1D network", **models["network"]}
     answer["seconds"] = time.perf_counter() - begin
     answer["cpu_seconds"] = time.process_time() - begin_cpu
