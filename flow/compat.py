@@ -94,6 +94,19 @@ def cell_dofs(space):
     return lists.reshape(-1, len(space.dofmap.cell_dofs(0)))
 
 
+def part(mixed, index, element):
+    """(space of a mixed space's part, (n,) the mixed space's dofs by those of the part); element: the part's.
+
+    As collapse(), which takes forty times as long on cubic elements in 0.5.2.
+    """
+    space = fem.FunctionSpace(mixed.mesh, element)
+    size, cells = space.dofmap.bs, cell_dofs(space)
+    own = (size * cells[:, :, None] + np.arange(size)).reshape(len(cells), -1)
+    dofs = np.empty(own.max() + 1, np.int32)
+    dofs[own] = mixed.sub(index).dofmap.list.array.reshape(own.shape)
+    return space, dofs
+
+
 def quadratic_cells(space):
     """(points (n, 3), cells (t, 10)) of a quadratic space: its nodes, cells in the node order of flow.tet10."""
     topology, _, points = create_vtk_mesh(space)

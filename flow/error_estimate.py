@@ -8,7 +8,7 @@ LEAST_RATIO = 1.05  # of the mesh widths: below it two meshes say nothing
 
 
 def of(solved, document, tree, distal, coarser=None):
-    """{"ffr": total, ...} of a flow.solve.Solved, or None where too little is known.
+    """{"ffr": total, ...} of a flow.adaptive.Solved, or None where too little is known.
 
     The mesh's part is the larger of `goal` (flow.goal_error) and, with a Solved `coarser`, of `mesh` (Richardson's).
     distal(sampler) -> FFR at the probe `distal`.
@@ -17,7 +17,7 @@ def of(solved, document, tree, distal, coarser=None):
     parts = {"goal": SAFETY * abs(signed), "goal_signed": signed}
     if coarser:
         parts.update(two_meshes(solved, coarser, distal))
-    total = max(parts["goal"], parts.get("mesh", 0.0))
+    total = of_mesh(parts)
     if solved.problem.mixing > 0:
         if len(solved.problem.passed) < 2:  # nothing to continue from: what is known of the mesh alone says too little
             return None
@@ -27,6 +27,11 @@ def of(solved, document, tree, distal, coarser=None):
     return {"ffr": total, **parts, "method": f"dual-weighted residual times {SAFETY:g}{compared}"}
 
 
+def of_mesh(parts):
+    """The mesh's part of an estimate."""
+    return max(parts["goal"], parts.get("mesh", 0.0))
+
+
 def of_mean(steady, mixing, difference):
     """Estimate for the mean of a flow that changes in time: the mesh's part of `steady`, the estimate of the steady
     flow at c = mixing, and by how much the means of the two halves of its window differ; None where `steady` is None.
@@ -34,7 +39,7 @@ def of_mean(steady, mixing, difference):
     if steady is None:
         return None
     parts = {key: steady[key] for key in ("goal", "goal_signed", "mesh", "ffr_coarse", "ffr_fine") if key in steady}
-    total = max(parts["goal"], parts.get("mesh", 0.0)) + difference
+    total = of_mesh(parts) + difference
     method = f"of the mesh as in the steady flow at jet mixing {mixing:g}, plus the difference of half windows"
     return {"ffr": total, **parts, "mean": difference, "method": method}
 

@@ -36,15 +36,21 @@ def from_rest(problem, resistances_at):
     return polish(problem)
 
 
-def from_guess(problem, known):
-    """Outcome at full flow from the present state, a flow at c = `known` on another mesh. Raises ComputationError."""
+def from_guess(problem, known, only_known=False):
+    """Outcome at full flow from the present state, a flow at c = `known` on another mesh. Raises ComputationError.
+
+    only_known: no larger c is tried.
+    """
     guess = problem.state.x.array.copy(), problem.inflow
-    for first in sorted({known, *(c for c in MIXING[:-1] if c >= 1.2 * known)}):
+    for first in [known] if only_known else sorted({known, *(c for c in MIXING[:-1] if c >= 1.2 * known)}):
         problem.state.x.array[:], problem.inflow = guess
-        if _reach(problem, first).converged:
+        found = _reach(problem, first)
+        if found.converged:
             _pass(problem)
             fade(problem, [c for c in MIXING if c < 0.8 * first])
             return polish(problem)
+    if only_known:
+        raise problem.stalled(found)
     problem.state.x.array[:], problem.inflow = guess
     problem.forms.mixing.value = MIXING[0]
     settle(problem)

@@ -42,6 +42,7 @@ class NavierStokes:
     """
 
     def __init__(self, space, state, density, viscosity, grad_div, backflow, jet_length):
+        self.density = density
         u, p = ufl.split(state)
         v, q = ufl.TestFunctions(space.W)
         du, dp = ufl.TrialFunctions(space.W)

@@ -18,9 +18,10 @@ from common.errors import ComputationError
 
 RELATIVE = 1e-5  # residual of a step over the pressure load
 MOST_CORRECTIONS = 24  # of one step
-LIKE = (0.6, 1.7)  # ratio of the weights of du/dt within which an old factorization is used
+LIKE = (0.3, 3.0)  # ratio of the weights of du/dt within which an old factorization is used
 MOST_RENEWALS = 3  # of the factorization in one step
-SLOW = 0.5  # a correction that leaves more of the residual asks for a new factorization
+SLOW, MOST_SLOW = 0.5, 2  # more corrections than that which leave more of the residual ask for a new factorization
+MANY = 8  # corrections in a step, after which the next step has a new one
 
 
 class Inertia:
@@ -60,7 +61,7 @@ class Stepper:
         self.values = [problem.state.x.array.copy()]  # last, one before, ...
         self.inflows = [problem.inflow]
         self.lengths = []
-        self.factorized_weight = None
+        self.factorized_weight, self.secants = None, problem.secants()
 
     def step(self, dt):
         """Goes on by dt (s); returns the size of the step's error in m/s (root mean square), None for the first two.
@@ -112,32 +113,45 @@ class Stepper:
         return formula / (formula + parabola) * float(np.sqrt(3 * np.mean(velocity**2)))
 
     def _solve(self):
-        """Newton's method with the last factorization while it serves. Raises ComputationError."""
-        problem, renewals, good = self.problem, 0, RELATIVE * self.problem.load
+        """Newton's method with the last factorization and secants while they serve. Raises ComputationError."""
+        problem, renewals, slow, good = self.problem, 0, 0, RELATIVE * self.problem.load
         free, inlet, norm = problem.residual()
-        for _ in range(MOST_CORRECTIONS):
+        self.secants.pause()
+        for count in range(MOST_CORRECTIONS):
             if norm <= good:
                 free.destroy()
+                if count > MANY:
+                    self.factorized_weight = None
                 return
-            if self.factorized_weight is None or not LIKE[0] < self.inertia.weight / self.factorized_weight < LIKE[1]:
+            if not self._serves() or slow > MOST_SLOW:
                 if renewals == MOST_RENEWALS:
                     break
-                problem.linearise(problem.forms.tangent)
-                self.factorized_weight = self.inertia.weight
-                renewals += 1
-            base, base_inflow, before = problem.state.x.array.copy(), problem.inflow, norm
-            update = problem.correction(free, inlet)
+                self._renew()
+                renewals, slow = renewals + 1, 0
+            before = norm
+            update, inflow_update = problem.correction(free, inlet)
             free.destroy()
-            problem.move(base, base_inflow, *update, 1.0)
+            base, base_inflow = problem.state.x.array.copy(), problem.inflow
+            step = self.secants.step(np.append(base[problem.space.free], base_inflow), np.append(update, inflow_update))
+            problem.move(base, base_inflow, step[:-1], step[-1], 1.0)
             free, inlet, norm = problem.residual()
             if not np.isfinite(norm):
                 break
-            if norm > max(SLOW * before, good):
-                self.factorized_weight = None
+            slow += norm > max(SLOW * before, good)
         free.destroy()
+        self.factorized_weight = None
         raise ComputationError(
             "a step in time failed", f"{self.time:.4g} s", f"residual {norm:.3g} N", "a shorter step may help"
         )
+
+    def _serves(self):
+        """Whether the last factorization is of about this step's length."""
+        return self.factorized_weight is not None and LIKE[0] < self.inertia.weight / self.factorized_weight < LIKE[1]
+
+    def _renew(self):
+        """Factorizes the tangent at the present state."""
+        self.problem.linearise(self.problem.forms.tangent)
+        self.factorized_weight, self.secants = self.inertia.weight, self.problem.secants()
 
     def pause(self):
         """Makes the problem steady again."""

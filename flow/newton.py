@@ -5,6 +5,9 @@ than the correction before. The residual, whose largest parts lie in the small c
 the way to a jet's steady flow; the corrections, in m/s at the nodes, need not. Where the residual falls to half, as
 from a creeping flow whose tangent knows no jet, that is good enough. The factor of the next step is that at which the
 two corrections would differ by as much as they did.
+
+Where a whole step leaves a much smaller correction the flow is near, and steps with the same factorization and the
+secants of the last ones (flow.secants) go on while the corrections shrink: each costs a residual and a solve.
 """
 
 import dataclasses
@@ -13,6 +16,10 @@ import numpy as np
 
 GOOD_RESIDUAL = 0.5  # of the residual before: a step that reaches it is taken whatever its correction
 LEAST_FACTOR = 0.08  # of Newton's update: below it the state is too far from the solution
+NEAR = 0.3  # the correction after a whole step over that before, below which the factorization is used again
+NEARER = 0.1  # the same, below which it serves the dual solution (flow.goal_error) too
+SHRINKS = 0.5  # a correction above this share of the one before asks for a new factorization
+MOST_SECANTS = 8  # steps with one factorization
 
 
 @dataclasses.dataclass
@@ -22,6 +29,7 @@ class Step:
     before: float
     after: float
     correction: np.ndarray
+    inflow_correction: float
     factor: float
 
 
@@ -49,6 +57,12 @@ def newton(problem, absolute, relative, limit, most_picard=0):
         if last is not None:
             free, inlet, norm = reached
             problem.report(norm, f"Newton {last.factor:.2g}")
+            if last.factor == 1 and last.after < NEAR * last.before and not problem.small(norm, absolute, relative):
+                moved = np.append(base[problem.space.free], base_inflow), np.append(update, inflow_update)
+                free, inlet, norm = _go_on(problem, reached, moved, last, (absolute, relative))
+                if last.after > NEARER * last.before:
+                    problem.outdate()
+                last = None
             continue
         free, inlet, norm = residual_at(0.0)
         if most_picard == 0 or problem.left <= 0:
@@ -71,6 +85,35 @@ def picard(problem, free, inlet, rate, name):
     return reached
 
 
+def _go_on(problem, reached, moved, last, limits):
+    """`problem.residual()` after steps with the last factorization and secants; frees that of `reached`.
+
+    reached: `problem.residual()` after the Step `last`; moved: state and update before it; limits: of the residual.
+    Where a step does not serve the state is that before it.
+    """
+    secants = problem.secants()
+    secants.step(*moved)
+    correction, size = (last.correction, last.inflow_correction), last.after
+    for count in range(MOST_SECANTS):
+        base, base_inflow, before = problem.state.x.array.copy(), problem.inflow, reached[2]
+        step = secants.step(np.append(base[problem.space.free], base_inflow), np.append(*correction))
+        problem.move(base, base_inflow, step[:-1], step[-1], 1.0)
+        reached[0].destroy()
+        reached = problem.residual()
+        if np.isfinite(reached[2]):
+            correction = problem.correction(*reached[:2])
+            now = problem.speed(correction[0])
+        if not np.isfinite(reached[2]) or now > size and reached[2] > before:
+            problem.move(base, base_inflow, 0.0, 0.0, 0.0)
+            reached[0].destroy()
+            return problem.residual()
+        problem.report(reached[2], "secants")
+        if problem.small(reached[2], *limits) or now > SHRINKS * size:
+            break
+        size = now
+    return reached
+
+
 def _first_factor(problem, last, update):
     """The factor to try first, from what the step before showed of the tangent's change."""
     if last is None:
@@ -86,10 +129,10 @@ def _search(problem, residual_at, update, factor, norm_before):
     while factor >= LEAST_FACTOR:
         free, inlet, norm = residual_at(factor)
         if np.isfinite(norm):
-            correction, _ = problem.correction(free, inlet)
+            correction, inflow_correction = problem.correction(free, inlet)
             after = problem.speed(correction)
             if after < before or norm < GOOD_RESIDUAL * norm_before:
-                return Step(before, after, correction, factor), (free, inlet, norm)
+                return Step(before, after, correction, inflow_correction, factor), (free, inlet, norm)
             bend = problem.speed(correction - (1 - factor) * update)
             factor = min(0.5 * before * factor**2 / bend, 0.5 * factor)
         else:

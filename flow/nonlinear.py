@@ -17,7 +17,7 @@ from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
 from common.errors import ComputationError
-from flow import compat, fading, linear, locate, predicted_start, ramp, viscosity
+from flow import compat, fading, linear, locate, predicted_start, ramp, secants, viscosity
 from flow.forms import NavierStokes
 
 
@@ -55,13 +55,12 @@ class FlowProblem:
         )
         self.free = PETSc.IS().createGeneral(space.free, comm=space.mesh.comm)
         self.free_velocity = np.isin(space.free, space.v_map)
-        self.matrix = fem_petsc.create_matrix(self.forms.tangent)
-        self.free_matrix = None
+        self.matrix = self.free_matrix = None
         self.solver = linear.DirectSolver(space.mesh.comm)
         self.full_residual = compat.petsc_vector(fem.Function(space.W)).copy()
         self.profile = compat.petsc_vector(boundaries.profile)
         self.columns_of_outlets = [flux.getSubVector(self.free).copy() for flux in boundaries.flux]
-        self.load = self._load_norm()
+        self.load = boundaries.load(self.columns_of_outlets)
         self.history = []
         self.bordered = None
         self.inertia = None  # flow.marching.Inertia while the flow is marched in time
@@ -76,11 +75,6 @@ class FlowProblem:
     def left(self):
         """Factorizations that are still allowed."""
         return self.allowed - self.spent - self.solver.factorizations
-
-    def _load_norm(self):
-        """Norm of the pressure load at rest, of MAP on the inlet and P_v, or what is given, on the outlets."""
-        parts = [column.norm() * p for column, p in zip(self.columns_of_outlets, self.boundaries.behind)]
-        return float(np.linalg.norm(parts + [self.boundaries.map_pa * self.boundaries.inlet_area]))
 
     def residual(self):
         """(free part as vector, inflow equation in Pa, norm in N) at the present state.
@@ -119,6 +113,8 @@ class FlowProblem:
 
     def linearise(self, form):
         """Factorizes the linearisation `form` at the present state; `correction` solves with it."""
+        if self.matrix is None:
+            self.matrix = fem_petsc.create_matrix(self.forms.tangent)
         self.matrix.zeroEntries()
         fem_petsc.assemble_matrix(self.matrix, form)
         self.matrix.assemble()
@@ -143,6 +139,10 @@ class FlowProblem:
         for vector in (forward, backward):
             vector.destroy()
 
+    def outdate(self):
+        """Says that the last linearisation is of a state too far away for `dual`."""
+        self.linearised_as = None
+
     def forget(self):
         """Frees the last linearisation."""
         if self.bordered:
@@ -150,6 +150,15 @@ class FlowProblem:
             self.bordered.columns[0].destroy()
             self.bordered.destroy()
             self.bordered = None
+
+    def release(self):
+        """Frees matrix and factors; the next linearisation makes them anew."""
+        self.forget()
+        self.solver.release()
+        for matrix in (self.matrix, self.free_matrix):
+            if matrix is not None:
+                matrix.destroy()
+        self.matrix = self.free_matrix = None
 
     def correction(self, residual, inlet):
         """(update of the free dofs as array, of the inflow) by the last linearisation; residual and inlet as `residual`
@@ -164,7 +173,7 @@ class FlowProblem:
     def dual(self, goal):
         """Values (n,) over W of z with K^T z = goal, K being Newton's tangent at a solved flow; goal: vector over W.
 
-        The last step's tangent serves, which differs by what that step changed.
+        The last factorization serves, which is of a state near by (flow.newton).
         """
         if self.bordered is None or self.linearised_as != (True, self.mixing):
             self.linearise(self.forms.tangent)
@@ -189,6 +198,12 @@ class FlowProblem:
     def speed(self, update):
         """Size of an update of the free dofs: the norm of its velocities in m/s."""
         return float(np.linalg.norm(update[self.free_velocity]))
+
+    def secants(self):
+        """Empty flow.secants.Secants of the free dofs and the inflow: velocities in m/s weigh as pressures over rho."""
+        density = self.forms.density
+        weights = np.where(self.free_velocity, 1.0, 1.0 / density)
+        return secants.Secants(np.append(weights, 0.0))
 
     def small(self, norm, absolute, relative):
         """Whether the residual meets both limits; the relative one is to the pressure load."""
@@ -219,8 +234,7 @@ class FlowProblem:
         """Outcome at full flow from the flow that a reduced model predicts, and where this fails from rest.
 
         resistances_at(fraction) -> (n,) outlet resistances; predicted: flow.predictor.Predictor, of use as
-        flow.predicted_start says. Raises ComputationError when no
-        flow with c <= fading.LARGEST_MIXING is found.
+        flow.predicted_start says. Raises ComputationError when no flow with c <= fading.LARGEST_MIXING is found.
         """
         found = predicted_start.try_from(self, predicted) if predicted else None
         if found:
@@ -235,12 +249,12 @@ class FlowProblem:
         self.restart()
         return fading.from_rest(self, resistances_at)
 
-    def solve_from_guess(self, coarse, predicted=None):
+    def solve_from_guess(self, coarse, predicted=None, only_known=False):
         """Outcome at full flow from the flow on another mesh of the same lumen (a solved FlowProblem).
 
         Newton's method starts from that flow at the c that was reached there, and where this fails at larger ones, from
-        which c fades. Where c is not 0 the reduced models' flow is tried first, as in `solve`: a finer mesh may resolve
-        the jet whose flow the coarse one has not. Raises ComputationError.
+        which c fades (only_known: not at larger ones). Where c is not 0 the reduced models' flow is tried first, as in `solve`: a finer mesh may resolve
+        the jet whose flow the coarse one has not. Raises ComputationError; the state is then the guess.
         """
         if coarse.mixing > 0 and predicted:
             found = predicted_start.try_from(self, predicted)
@@ -248,7 +262,12 @@ class FlowProblem:
                 return found
         self.boundaries.full()
         self.set_guess(coarse.space, coarse.state.x.array, coarse.inflow)
-        return fading.from_guess(self, coarse.mixing)
+        guess = self.state.x.array.copy()
+        try:
+            return fading.from_guess(self, coarse.mixing, only_known)
+        except ComputationError:
+            self.state.x.array[:], self.inflow = guess, coarse.inflow
+            raise
 
     def stalled(self, found):
         return ComputationError(

@@ -53,6 +53,14 @@ class Boundaries:
             self.resistance /= fraction
             self.behind = self.map_pa - fraction * (self.map_pa - self.behind)
 
+    def load(self, columns):
+        """Norm in N of the pressure load at rest: MAP on the inlet, P_v, or what is given, on the outlets.
+
+        columns: [flux of outlet i in the free dofs].
+        """
+        parts = [column.norm() * pressure for column, pressure in zip(columns, self.behind)]
+        return float(np.linalg.norm(parts + [self.map_pa * self.inlet_area]))
+
     def outflows(self, vector):
         """Flow through each outlet in m3/s of a state's vector."""
         return np.array([flux.dot(vector) for flux in self.flux])

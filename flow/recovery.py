@@ -7,7 +7,6 @@ Becker and Rannacher 2001, Acta Numerica 10.)
 """
 
 import numpy as np
-from scipy.sparse import coo_matrix
 
 EXPONENTS = np.array([[i, j, k] for i in range(4) for j in range(4 - i) for k in range(4 - i - j)])
 TERMS = {degree: EXPONENTS[EXPONENTS.sum(axis=1) <= degree] for degree in (2, 3)}
@@ -19,41 +18,37 @@ class Patches:
     """The cells (t, 10) of quadratic tetrahedra with nodes (n, 3), by the corners that they share."""
 
     def __init__(self, nodes, cells):
-        self.nodes, self.cells = nodes, cells
-        corner = cells[:, :4]
-        self.corners = np.unique(corner)
-        self.cells_at = _incidence(corner, len(nodes)).T.tocsr()
-        self.corners_of = _incidence(corner, len(nodes))
+        self.nodes, self.corner = nodes, cells[:, :4]
+        order = np.argsort(self.corner, axis=None, kind="stable")
+        self.corners, first = np.unique(self.corner.ravel()[order], return_index=True)
+        self.cells_at = dict(zip(self.corners, np.split(order // 4, first[1:])))
 
     def recover(self, fields):
         """[(m, k) values at `targets`] of fields [(degree, sources (t, a), values (n, k), targets (m, 3), of (t, b))].
 
         sources: the cells' nodes at which `values` are known; of: the numbers of the targets that lie in each cell.
         """
-        known = [_incidence(sources, len(self.nodes)) for _, sources, *_ in fields]
-        wanted = [_incidence(of, len(targets)) for *_, targets, of in fields]
         sums = [np.zeros((len(targets), values.shape[1])) for _, _, values, targets, _ in fields]
         counts = [np.zeros(len(targets)) for *_, targets, _ in fields]
-        for corner in self.corners:
-            cells = self.cells_at[corner].indices
+        for cells in self.cells_at.values():
             beside = None
-            for k, (degree, _, values, targets, _) in enumerate(fields):
+            for k, (degree, sources, values, targets, of) in enumerate(fields):
                 terms = TERMS[degree]
-                near = np.unique(known[k][cells].indices)
+                near = _members(sources[cells])
                 if len(near) < PLENTY * len(terms):
                     if beside is None:
-                        beside = np.unique(self.cells_at[np.unique(self.corners_of[cells].indices)].indices)
-                    near = np.unique(known[k][beside].indices)
-                at = np.unique(wanted[k][cells].indices)
+                        beside = np.concatenate([self.cells_at[corner] for corner in _members(self.corner[cells])])
+                    near = _members(sources[beside])
+                at = _members(of[cells])
                 sums[k][at] += _fitted(self.nodes[near], values[near], targets[at], terms)
                 counts[k][at] += 1
         return [total / count[:, None] for total, count in zip(sums, counts)]
 
 
-def _incidence(lists, size):
-    """Sparse (t, size) with ones at the members (t, a) of each row."""
-    rows = np.repeat(np.arange(len(lists)), lists.shape[1])
-    return coo_matrix((np.ones(lists.size), (rows, lists.ravel())), (len(lists), size)).tocsr()
+def _members(lists):
+    """Ascending, each once: np.unique without its overhead."""
+    found = np.sort(lists, axis=None)
+    return found[np.concatenate([[True], found[1:] != found[:-1]])]
 
 
 def _fitted(points, values, targets, terms):
@@ -68,7 +63,7 @@ def _fitted(points, values, targets, terms):
 
 def _monomials(x, terms):
     """(n, terms) of coordinates x (n, 3)."""
-    powers = np.ones((4,) + x.shape)
+    powers = np.ones((4,) + x.T.shape)
     for degree in range(1, 4):
-        powers[degree] = powers[degree - 1] * x
-    return powers[terms[:, 0], :, 0].T * powers[terms[:, 1], :, 1].T * powers[terms[:, 2], :, 2].T
+        powers[degree] = powers[degree - 1] * x.T
+    return (powers[terms[:, 0], 0] * powers[terms[:, 1], 1] * powers[terms[:, 2], 2]).T

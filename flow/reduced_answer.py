@@ -33,7 +33,7 @@ class Reduced:
         self.sampler = Sampler(predicted, self.space)
 
     def destroy(self):
-        """As flow.solve.Solved; the Predictor's is its owner's to call."""
+        """As flow.adaptive.Solved; the Predictor's is its owner's to call."""
 
 
 def collect(model, predicted, solved, document, reference):

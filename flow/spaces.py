@@ -32,11 +32,10 @@ class LumenSpace:
                 "mesh lacks physical groups", where, sorted(present), "wall 1, inlet 2 and outlets 12.. are needed"
             )
         self.ds = ufl.Measure("ds", domain=mesh, subdomain_data=facets)
-        element = compat.mixed_element(compat.vector_element(mesh, degree), compat.scalar_element(mesh, degree - 1))
-        self.W = compat.function_space(mesh, element)
-        self.V, v_map = self.W.sub(0).collapse()
-        self.Q, q_map = self.W.sub(1).collapse()
-        self.v_map, self.q_map = np.asarray(v_map), np.asarray(q_map)
+        elements = compat.vector_element(mesh, degree), compat.scalar_element(mesh, degree - 1)
+        self.W = compat.function_space(mesh, compat.mixed_element(*elements))
+        self.V, self.v_map = compat.part(self.W, 0, elements[0])
+        self.Q, self.q_map = compat.part(self.W, 1, elements[1])
         self.wall = self._velocity_dofs(PHYSICAL_WALL)
         self.inlet = np.setdiff1d(self._velocity_dofs(PHYSICAL_INLET), self.wall)
         size = self.W.dofmap.index_map.size_local * self.W.dofmap.index_map_bs

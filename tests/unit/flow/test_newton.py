@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from common.errors import ComputationError
-from flow import fading, newton, settings
+from flow import fading, newton, secants, settings
 
 
 class _Vector:
@@ -27,7 +27,14 @@ class _Equations:
         self.inflow = 0.0
         self.solver = types.SimpleNamespace(factorizations=0)
         self.forms = types.SimpleNamespace(tangent=None)
-        self.allowed = 100
+        self.space = types.SimpleNamespace(free=slice(None))
+        self.allowed, self.said = 100, []
+
+    def secants(self):
+        return secants.Secants(np.append(np.ones(len(self.state.x.array)), 0.0))
+
+    def outdate(self):
+        self.said.append("outdated")
 
     @property
     def left(self):
@@ -58,6 +65,7 @@ class _Equations:
 
     def report(self, norm, kind):
         self.norms.append(norm)
+        self.said.append(kind)
 
 
 def test_steps_are_damped_where_whole_ones_diverge():
@@ -75,6 +83,35 @@ def test_residual_may_rise_where_the_correction_falls():
     found = newton.newton(problem, 1e-9, 1.0, 12)
     assert problem.norms[0] > at_start
     assert found.converged and found.iterations <= 6
+
+
+def test_near_the_solution_one_factorization_serves_several_steps():
+    rng = np.random.default_rng(2)
+    mixing = np.eye(6) + 0.1 * rng.normal(size=(6, 6))
+
+    def solve():
+        problem = _Equations(lambda x: mixing @ x + 0.3 * x**2 - 1, lambda x: mixing + np.diag(0.6 * x), np.ones(6))
+        return problem, newton.newton(problem, 1e-12, 1.0, 12)
+
+    problem, found = solve()
+    assert found.converged and problem.said.count("secants") >= 2
+    always = newton.NEAR
+    try:
+        newton.NEAR = 0.0
+        exact, reached = solve()
+    finally:
+        newton.NEAR = always
+    assert "secants" not in exact.said and found.iterations < reached.iterations
+    assert problem.state.x.array == pytest.approx(exact.state.x.array, abs=1e-11)
+
+
+def test_a_secant_step_that_makes_it_worse_is_taken_back():
+    problem = _Equations(lambda x: np.where(x > 0.5, x, 1e3), lambda x: np.eye(1), [0.4])
+    problem.linearise(None)
+    problem.state.x.array = np.array([1.0])
+    step = newton.Step(4.0, 1.0, np.array([-0.9]), 0.0, 1.0)
+    *_, norm = newton._go_on(problem, problem.residual(), (np.ones(2) * 5, np.ones(2)), step, (1e-9, 1.0))
+    assert norm == 1.0 and problem.state.x.array == pytest.approx([1.0])
 
 
 def test_no_root_is_given_up():
