@@ -44,9 +44,9 @@ def within(estimate, settings):
 
 
 class Search:
-    """The answer of one lumen to `settings.ffr_tolerance`; document: boundary.json; predicted: flow.predictor.Predictor.
+    """The answer of one lumen to `settings.ffr_tolerance`.
 
-    meshes: record of what was found on each mesh.
+    document: boundary.json; predicted: flow.predictor.Predictor; meshes: record of what was found on each mesh.
     """
 
     def __init__(self, document, settings, tree, predicted):

@@ -19,7 +19,7 @@ M_PER_MM = 1e-3
 
 
 def of(solved, document, tree):
-    """Estimate of FFR's error at the probe `distal` with its sign (computed minus true); solved: flow.adaptive.Solved."""
+    """Estimate of FFR's error at the probe `distal`, computed minus true; solved: flow.adaptive.Solved."""
     problem, space = solved.problem, solved.space
     goal = _goal(problem, document, tree)
     dual = problem.dual(goal)

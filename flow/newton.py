@@ -19,7 +19,8 @@ LEAST_FACTOR = 0.08  # of Newton's update: below it the state is too far from th
 NEAR = 0.3  # the correction after a whole step over that before, below which the factorization is used again
 NEARER = 0.1  # the same, below which it serves the dual solution (flow.goal_error) too
 SHRINKS = 0.5  # a correction above this share of the one before asks for a new factorization
-MOST_SECANTS = 8  # steps with one factorization
+MOST_SECANTS = 10  # steps with one factorization
+MARGIN = 0.03  # of the limits: down to it secants go on, as one of Newton's steps would end far below them
 
 
 @dataclasses.dataclass
@@ -33,11 +34,11 @@ class Step:
     factor: float
 
 
-def newton(problem, absolute, relative, limit, most_picard=0):
+def newton(problem, absolute, relative, limit, most_picard=0, exact=False):
     """Outcome from the present state down to residuals `absolute` (N) and `relative` (to the load).
 
     Ends after `limit` factorizations or the last one allowed, and where no factor helps: there up to `most_picard`
-    steps of Picard's are tried.
+    steps of Picard's are tried. exact: each step by its own tangent, without secants.
     """
     free, inlet, norm = problem.residual()
     start, last = problem.solver.factorizations, None
@@ -57,9 +58,10 @@ def newton(problem, absolute, relative, limit, most_picard=0):
         if last is not None:
             free, inlet, norm = reached
             problem.report(norm, f"Newton {last.factor:.2g}")
-            if last.factor == 1 and last.after < NEAR * last.before and not problem.small(norm, absolute, relative):
+            near = last.factor == 1 and last.after < NEAR * last.before
+            if near and not exact and not problem.small(norm, absolute, relative):
                 moved = np.append(base[problem.space.free], base_inflow), np.append(update, inflow_update)
-                free, inlet, norm = _go_on(problem, reached, moved, last, (absolute, relative))
+                free, inlet, norm = _go_on(problem, reached, moved, last, (MARGIN * absolute, MARGIN * relative))
                 if last.after > NEARER * last.before:
                     problem.outdate()
                 last = None

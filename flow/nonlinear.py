@@ -4,8 +4,7 @@ Unknowns: the dofs x that no boundary fixes, the inflow Q (the inlet's velocity 
 P_i (held at P_v + R_i Q_i, so their equations leave no residual). The inflow's equation is the momentum equation
 tested with g: F(w; g) = MAP, in Pa; it enters the norm times the inlet's area, in N as the other residuals.
 
-From rest the flow is raised in steps (flow.ramp); where that finds no steady flow a jet viscosity is faded
-(flow.fading).
+From rest the flow is raised in steps (flow.ramp), else a jet viscosity is faded (flow.fading).
 """
 
 import dataclasses
@@ -101,15 +100,10 @@ class FlowProblem:
         return free, inlet, norm
 
     def residual_norm(self):
-        """Norm of the residual in N at the present state."""
+        """Norm of the residual in N; updates mean_inlet_pressure, in Pa, weighted with the profile."""
         free, _, norm = self.residual()
         free.destroy()
         return norm
-
-    def inlet_pressure(self):
-        """Mean pressure at the inlet in Pa, weighted with the profile, at the present state."""
-        self.residual_norm()
-        return self.mean_inlet_pressure
 
     def linearise(self, form):
         """Factorizes the linearisation `form` at the present state; `correction` solves with it."""
@@ -146,18 +140,17 @@ class FlowProblem:
     def forget(self):
         """Frees the last linearisation."""
         if self.bordered:
-            self.bordered.rows[0].destroy()
-            self.bordered.columns[0].destroy()
-            self.bordered.destroy()
+            for part in (self.bordered.rows[0], self.bordered.columns[0], self.bordered):
+                part.destroy()
             self.bordered = None
 
     def release(self):
         """Frees matrix and factors; the next linearisation makes them anew."""
         self.forget()
         self.solver.release()
-        for matrix in (self.matrix, self.free_matrix):
-            if matrix is not None:
-                matrix.destroy()
+        if self.matrix is not None:
+            self.matrix.destroy()
+            self.free_matrix.destroy()
         self.matrix = self.free_matrix = None
 
     def correction(self, residual, inlet):
@@ -184,8 +177,8 @@ class FlowProblem:
         values[self.space.free] = x.array
         values[self.space.inlet] = y[0] * self.boundaries.profile.x.array[self.space.inlet]
         transposed.destroy()
-        for vector in (right, x):
-            vector.destroy()
+        right.destroy()
+        x.destroy()
         return values
 
     def move(self, base, base_inflow, update, inflow_update, factor):
@@ -201,8 +194,7 @@ class FlowProblem:
 
     def secants(self):
         """Empty flow.secants.Secants of the free dofs and the inflow: velocities in m/s weigh as pressures over rho."""
-        density = self.forms.density
-        weights = np.where(self.free_velocity, 1.0, 1.0 / density)
+        weights = np.where(self.free_velocity, 1.0, 1.0 / self.forms.density)
         return secants.Secants(np.append(weights, 0.0))
 
     def small(self, norm, absolute, relative):
@@ -252,9 +244,9 @@ class FlowProblem:
     def solve_from_guess(self, coarse, predicted=None, only_known=False):
         """Outcome at full flow from the flow on another mesh of the same lumen (a solved FlowProblem).
 
-        Newton's method starts from that flow at the c that was reached there, and where this fails at larger ones, from
-        which c fades (only_known: not at larger ones). Where c is not 0 the reduced models' flow is tried first, as in `solve`: a finer mesh may resolve
-        the jet whose flow the coarse one has not. Raises ComputationError; the state is then the guess.
+        Newton's method starts from that flow at the c that was reached there, and where this fails (unless only_known)
+        at larger ones, from which c fades. Where c is not 0 the reduced models' flow is tried first, as in `solve`: a
+        finer mesh may resolve the jet. Raises ComputationError; the state is then the guess.
         """
         if coarse.mixing > 0 and predicted:
             found = predicted_start.try_from(self, predicted)
@@ -298,8 +290,7 @@ class FlowProblem:
 
     def destroy(self):
         """Frees PETSc's memory."""
-        self.forget()
+        self.release()
         self.solver.destroy()
-        for petsc_object in [self.matrix, self.free_matrix, self.free, self.full_residual] + self.columns_of_outlets:
-            if petsc_object is not None:
-                petsc_object.destroy()
+        for petsc_object in [self.free, self.full_residual] + self.columns_of_outlets:
+            petsc_object.destroy()
