@@ -88,8 +88,7 @@ def at_probes(probes, tree, sampler, map_pa):
 def rising(probes, table):
     """Warnings, printed too, one a probe round which FFR rises by more than RISING along the vessel.
 
-    table: that of `pullback`. FFR rises behind a narrowing until the jet has reattached, and where a branch takes part of
-    the flow.
+    table: that of `pullback`. FFR rises behind a narrowing until the jet has reattached, and where a branch takes flow.
     """
     found = []
     for probe in probes:
