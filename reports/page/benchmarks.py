@@ -43,7 +43,17 @@ TITLES = {
         "A row is a constant changed by a factor: mean area of three stented slices, or curvature of the stented axis.",
     ),
 }
-UNITS = {"mm2": "mm²", "mm": "mm", "s": "s", "mib": "MiB", "percent": "%", "n": "N", "bar": "bar"}
+UNITS = {
+    "mm2": "mm²",
+    "mm3": "mm³",
+    "mlmin": "mL/min",
+    "mm": "mm",
+    "s": "s",
+    "mib": "MiB",
+    "percent": "%",
+    "n": "N",
+    "bar": "bar",
+}
 WORDS = {"ffr": "FFR", "csa": "CSA", "mla": "MLA", "cpu": "CPU", "cg": "CG", "1d": "1D", "mib": "MiB"}
 ALONE = {"mib": "memory (MiB)"}
 MOST_ROWS = 200
@@ -99,7 +109,7 @@ def heading(column):
     """A column's name in words, its unit in brackets: mean_csa_mm2 -> mean csa (mm²)."""
     if column in ALONE:
         return ALONE[column]
-    words = column.split("_")
+    words = column.replace("ml_per_min", "mlmin").split("_")
     unit = f" ({UNITS[words.pop()]})" if len(words) > 1 and words[-1] in UNITS else ""
     return " ".join(WORDS.get(word, word) for word in words) + unit
 
