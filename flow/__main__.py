@@ -3,10 +3,12 @@
 import argparse
 import json
 import pathlib
+import sys
 
 from common import config
 from common.errors import InputError, guarded
 from common.files import replacing, write_json
+from flow import parallel
 from flow import settings as settings_module
 
 
@@ -65,9 +67,16 @@ def mesh_command(arguments):
 
 def solve_command(arguments):
     """Steady flow and FFR on a mesh."""
+    settings = settings_module.from_arguments(arguments)
+    parallel.launch(settings.ranks, arguments.command_line)
+    with parallel.together():
+        _solve(arguments, settings)
+
+
+def _solve(arguments, settings):
+    """On every rank."""
     from flow import boundary, centreline, reduced, solve
 
-    settings = settings_module.from_arguments(arguments)
     document = _read_json(arguments.boundary, "boundary.json")
     boundary.check(document, arguments.boundary)
     folder = pathlib.Path(arguments.centreline).parent
@@ -153,7 +162,9 @@ def parser():
 def main(argv=None):
     """Runs one command."""
     arguments = parser().parse_args(argv)
-    arguments.run(arguments)
+    arguments.command_line = sys.argv[1:] if argv is None else argv
+    if arguments.command == "solve" or not parallel.launched() or parallel.first():
+        arguments.run(arguments)
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ import numpy as np
 import ufl
 from dolfinx import fem
 from dolfinx.io import gmshio
+from dolfinx.mesh import meshtags
 from dolfinx.plot import create_vtk_mesh
 from mpi4py import MPI
 
@@ -81,6 +82,15 @@ def function_space(mesh, element):
 def form(expression):
     """Compiled form."""
     return fenicsx.form(expression, FLAGS)
+
+
+def on_cells(expression, mesh, cells):
+    """A UFL form with its integrals over cells restricted to `cells` (numbers, ascending)."""
+    dim = mesh.topology.dim
+    tags = meshtags(mesh, dim, cells.astype(np.int32), np.ones(len(cells), np.int32))
+    chosen = {"subdomain_id": 1, "subdomain_data": tags}
+    parts = [part.reconstruct(**chosen) if part.integral_type() == "cell" else part for part in expression.integrals()]
+    return ufl.Form(parts)
 
 
 def petsc_vector(function):

@@ -108,12 +108,13 @@ class NavierStokes:
         speed = ufl.sqrt(ufl.inner(u, u) + SLOWEST**2)
         inertia = density * self.rate * speed / width * ufl.inner(du, v) * dx
         self._mass = density * ufl.inner(du, v) * dx
+        self._space = space
         self._picard = stokes(du, dp) + oseen(du) + jet(du) + inertia
 
     @functools.cached_property
     def tangent(self):
         """Newton's: the derivative of the residual (compiled when first asked for)."""
-        return compat.form(self._tangent)
+        return self._shared(self._tangent)
 
     @functools.cached_property
     def mass(self):
@@ -123,4 +124,9 @@ class NavierStokes:
     @functools.cached_property
     def picard(self):
         """Picard's linearisation with inertia."""
-        return compat.form(self._picard)
+        return self._shared(self._picard)
+
+    def _shared(self, expression):
+        """Compiled, over the cells that this MPI rank assembles (flow.spaces; all where the space says nothing)."""
+        cells = getattr(self._space, "shared_cells", None)
+        return compat.form(expression if cells is None else compat.on_cells(expression, self._space.mesh, cells))

@@ -3,21 +3,25 @@
     [A  B] [x]   [f]          x = A^-1 f - (A^-1 B) y,   (D - C A^-1 B) y = g - C A^-1 f
     [C  D] [y] = [g]
 
-A is sparse (velocity and pressure dofs that no boundary fixes), the border has one row and column for the
-inflow and one
-for each outlet. `DirectSolver` factorizes A by MUMPS; a solver of another kind needs the same three methods.
+A is sparse (velocity and pressure dofs that no boundary fixes), the border has one row and column for the inflow and
+one for each outlet. `DirectSolver` factorizes A by MUMPS; a solver of another kind needs the same three methods.
 """
 
 import numpy as np
 from petsc4py import PETSc
 
 from common.errors import ComputationError
+from flow import parallel
 
 
 class DirectSolver:
-    """MUMPS factorization of A, its symbolic part reused; one KSP for all steps (a new one each step leaks factors)."""
+    """MUMPS factorization of A, its symbolic part reused; one KSP for all steps (a new one each step leaks factors).
+
+    On several MPI ranks A is given and held by rows, each rank its share; right sides and solutions are whole on each.
+    """
 
     def __init__(self, comm):
+        self.comm, self.shared, self.parts = comm, None, None
         self.ksp = PETSc.KSP().create(comm)
         self.ksp.setType("preonly")
         pc = self.ksp.getPC()
@@ -32,17 +36,36 @@ class DirectSolver:
         self.factorizations = 0
 
     def set_matrix(self, matrix):
-        """Factorizes `matrix`. Raises ComputationError when MUMPS cannot."""
-        self.ksp.setOperators(matrix)
+        """Factorizes `matrix` (its rows of this rank's share). Raises ComputationError when MUMPS cannot."""
+        self.ksp.setOperators(matrix if self.comm.size == 1 else self._shared(matrix))
         try:
             self.ksp.setUp()
         except PETSc.Error as error:
             raise ComputationError("factorization failed", "MUMPS", error, "check memory and the mesh") from error
         self.factorizations += 1
 
+    def _shared(self, rows):
+        """The matrix over all ranks whose share on this one is `rows`, of the same pattern each time."""
+        starts, columns, values = rows.getValuesCSR()
+        if self.shared is None:
+            size = (rows.size[0], rows.size[1]), (rows.size[0], rows.size[1])
+            self.shared = PETSc.Mat().createAIJ(size, csr=(starts, columns, values), comm=self.comm)
+            self.parts = self.shared.createVecs()
+        else:
+            self.shared.setValuesCSR(starts, columns, values)
+            self.shared.assemble()
+        return self.shared
+
     def solve(self, right, solution, transposed=False):
         """solution <- A^-1 right, or A^-T right."""
-        (self.ksp.solveTranspose if transposed else self.ksp.solve)(right, solution)
+        solve = self.ksp.solveTranspose if transposed else self.ksp.solve
+        if self.comm.size == 1:
+            solve(right, solution)
+        else:
+            own, found = self.parts
+            own.array[:] = right.array[slice(*own.getOwnershipRange())]
+            solve(own, found)
+            solution.array[:] = parallel.collected(found.array_r, solution.size)
         if self.ksp.getConvergedReason() < 0:
             reason = self.ksp.getConvergedReason()
             raise ComputationError("linear solve failed", "MUMPS", f"reason {reason}", "check the mesh and resistances")
@@ -50,8 +73,13 @@ class DirectSolver:
     def release(self):
         """Frees the factors; the next matrix is factorized as the first was."""
         self.ksp.reset()
+        if self.shared is not None:
+            for petsc_object in (self.shared, *self.parts):
+                petsc_object.destroy()
+            self.shared = None
 
     def destroy(self):
+        self.release()
         self.ksp.destroy()
 
 

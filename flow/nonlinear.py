@@ -16,7 +16,7 @@ from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
 from common.errors import ComputationError
-from flow import compat, fading, linear, locate, predicted_start, ramp, secants, viscosity
+from flow import compat, fading, linear, locate, parallel, predicted_start, ramp, secants, viscosity
 from flow.forms import NavierStokes
 
 
@@ -53,9 +53,10 @@ class FlowProblem:
             jet_length,
         )
         self.free = PETSc.IS().createGeneral(space.free, comm=space.mesh.comm)
+        self.rows = PETSc.IS().createGeneral(space.rows, comm=space.mesh.comm)
         self.free_velocity = np.isin(space.free, space.v_map)
         self.matrix = self.free_matrix = None
-        self.solver = linear.DirectSolver(space.mesh.comm)
+        self.solver = linear.DirectSolver(parallel.world())
         self.full_residual = compat.petsc_vector(fem.Function(space.W)).copy()
         self.profile = compat.petsc_vector(boundaries.profile)
         self.columns_of_outlets = [flux.getSubVector(self.free).copy() for flux in boundaries.flux]
@@ -114,14 +115,16 @@ class FlowProblem:
         self.matrix.assemble()
         if self.inertia:
             self.inertia.add_tangent(self.matrix)
-        self.free_matrix = self.matrix.createSubMatrix(self.free, self.free, self.free_matrix)
+        self.free_matrix = self.matrix.createSubMatrix(self.rows, self.free, self.free_matrix)
         self.solver.set_matrix(self.free_matrix)
         forward, backward = self.profile.duplicate(), self.profile.duplicate()
         self.matrix.mult(self.profile, forward)
         self.matrix.multTranspose(self.profile, backward)
         resistance = self.boundaries.resistance
         outlets = [column for column, r in zip(self.columns_of_outlets, resistance) if r > 0]
-        columns = [forward.getSubVector(self.free).copy()] + outlets
+        column = forward.getSubVector(self.free).copy()
+        column.array[:] = parallel.collected(forward.array[self.space.rows], len(self.space.free))
+        columns = [column] + outlets
         rows = [backward.getSubVector(self.free).copy()] + outlets
         corner = np.diag(np.concatenate([[self.profile.dot(forward)], -1.0 / resistance[resistance > 0]]))
         if self.boundaries.inflow is not None:
@@ -292,5 +295,5 @@ class FlowProblem:
         """Frees PETSc's memory."""
         self.release()
         self.solver.destroy()
-        for petsc_object in [self.free, self.full_residual] + self.columns_of_outlets:
+        for petsc_object in [self.free, self.rows, self.full_residual] + self.columns_of_outlets:
             petsc_object.destroy()

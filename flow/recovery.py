@@ -8,6 +8,8 @@ Becker and Rannacher 2001, Acta Numerica 10.)
 
 import numpy as np
 
+from flow import parallel
+
 EXPONENTS = np.array([[i, j, k] for i in range(4) for j in range(4 - i) for k in range(4 - i - j)])
 TERMS = {degree: EXPONENTS[EXPONENTS.sum(axis=1) <= degree] for degree in (2, 3)}
 PLENTY = 1.5  # times the polynomial's terms: with fewer nodes the patch is enlarged by the cells beside it
@@ -30,7 +32,8 @@ class Patches:
         """
         sums = [np.zeros((len(targets), values.shape[1])) for _, _, values, targets, _ in fields]
         counts = [np.zeros(len(targets)) for *_, targets, _ in fields]
-        for cells in self.cells_at.values():
+        patches = list(self.cells_at.values())
+        for cells in patches[slice(*parallel.share(len(patches)))]:
             beside = None
             for k, (degree, sources, values, targets, of) in enumerate(fields):
                 terms = TERMS[degree]
@@ -42,7 +45,7 @@ class Patches:
                 at = _members(of[cells])
                 sums[k][at] += _fitted(self.nodes[near], values[near], targets[at], terms)
                 counts[k][at] += 1
-        return [total / count[:, None] for total, count in zip(sums, counts)]
+        return [parallel.total(values) / parallel.total(count)[:, None] for values, count in zip(sums, counts)]
 
 
 def _members(lists):

@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 
-from flow import adaptive, energy, ffr, output, predictor, reduced_answer, viscosity, wall_shear
+from flow import adaptive, energy, ffr, output, parallel, predictor, reduced_answer, viscosity, wall_shear
 
 LARGE = 0.05  # difference of the models' FFR that is said
 
@@ -39,10 +39,12 @@ def run(mesh, coarse, document, tree, network, settings, folder):
         answer, table = reduced_answer.collect(settings.model, predicted, solved, document, reference)
     answer["models"], answer["warnings"] = models, compared(models) + ffr.rising(answer["probes"], table)
     answer["reduced_model"] = {"model": "1D network", **models["network"]}
+    answer["ranks"] = parallel.world().size
     answer["seconds"] = time.perf_counter() - begin
-    answer["cpu_seconds"] = time.process_time() - begin_cpu
-    answer["peak_memory_mib"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-    output.write_all(pathlib.Path(folder), fields(solved, document, reference), table, answer)
+    answer["cpu_seconds"] = parallel.total(time.process_time() - begin_cpu)
+    answer["peak_memory_mib"] = parallel.total(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+    if parallel.first():
+        output.write_all(pathlib.Path(folder), fields(solved, document, reference), table, answer)
     solved.destroy()
     predicted.destroy()
     return answer

@@ -3,6 +3,8 @@
 flow.goal_error asks for the next richer pair, P3 and P2, on the same mesh.
 """
 
+import functools
+
 import numpy as np
 import ufl
 from dolfinx import fem
@@ -10,7 +12,7 @@ from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
 from common.errors import InputError
-from flow import compat, tet10
+from flow import compat, parallel, tet10
 from flow.mesh import PHYSICAL_INLET, PHYSICAL_OUTLET_BASE, PHYSICAL_WALL
 
 M_PER_MM = 1e-3
@@ -42,6 +44,20 @@ class LumenSpace:
         self.free = np.setdiff1d(np.arange(size), np.concatenate([self.wall, self.inlet])).astype(np.int32)
         if self.free.size == 0 or self.inlet.size == 0:
             raise InputError("inlet has no node inside its rim", where, len(self.inlet), "use a finer mesh")
+
+    @functools.cached_property
+    def rows(self):
+        """The free dofs whose equations this MPI rank assembles."""
+        return self.free[slice(*parallel.share(len(self.free)))]
+
+    @functools.cached_property
+    def shared_cells(self):
+        """Cells on which the matrix is assembled, those at `rows` and at the inlet; None: all, on one rank."""
+        if parallel.world().size == 1:
+            return None
+        wanted = np.zeros(self.dofs, bool)
+        wanted[self.rows] = wanted[self.inlet] = True
+        return np.flatnonzero(wanted[compat.cell_dofs(self.W)].any(axis=1))
 
     @property
     def dofs(self):

@@ -61,6 +61,7 @@ rule flow_solve:
         "results/cases/{case}/logs/{state}/flow_solve.log",
     benchmark:
         "results/cases/{case}/benchmarks/{state}/flow_solve.tsv"
+    threads: INPUTS.value("flow", "ranks")
     params:
         out=output_folder,
     shell:

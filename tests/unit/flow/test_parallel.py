@@ -1,0 +1,108 @@
+"""Two MPI ranks: the same answer as one, files written once; what each rank assembles; refusals."""
+
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import tubes
+from common.errors import InputError
+from flow import __main__ as command_line
+from flow import parallel, spaces
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+LENGTH = 8.0
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory):
+    """A narrowed tube, meshed through the command line, and its boundary values."""
+    folder, radius = tmp_path_factory.mktemp("ranks"), tubes.lesion(1.2, 0.3, 4.0, 4.0)
+    tubes.write_case(folder, tubes.tube(LENGTH, radius, 0.4), [tubes.line(LENGTH, radius)])
+    line, rings = ["--centreline", str(folder / "centreline.vtp")], ["--rings", "3", "--coarse-rings", "2"]
+    command_line.main(["mesh", str(folder / "lumen.vtp"), *line, *rings, "--out", str(folder / "mesh.msh")])
+    patient = ["--lvm-g", "60", "--sbp-mmhg", "120", "--dbp-mmhg", "80"]
+    anatomy = ["--anatomy", str(folder / "anatomy.json")]
+    command_line.main(["boundary", *anatomy, *patient, "--out", str(folder / "boundary.json")])
+    return folder
+
+
+def _solve(case, out, *options):
+    """The ended process of a solve."""
+    command = [sys.executable, "-m", "flow", "solve", str(case / "mesh.msh"), "--boundary", str(case / "boundary.json")]
+    command += ["--centreline", str(case / "centreline.vtp"), "--out", str(out), *options]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
+    return subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=400)
+
+
+@pytest.mark.skipif(shutil.which("mpirun") is None, reason="needs mpirun (package openmpi-bin)")
+def test_two_ranks_give_the_answer_of_one(case, tmp_path):
+    one, two = _solve(case, tmp_path / "one"), _solve(case, tmp_path / "two", "--ranks", "2")
+    assert one.returncode == two.returncode == 0, two.stderr
+    found = [json.loads((tmp_path / name / "ffr.json").read_text()) for name in ("one", "two")]
+    assert [answer["ranks"] for answer in found] == [1, 2]
+    assert found[1]["ffr"] == pytest.approx(found[0]["ffr"], abs=1e-6)
+    assert found[1]["error_estimate"]["ffr"] == pytest.approx(found[0]["error_estimate"]["ffr"], rel=1e-4)
+    assert found[1]["iterations"] == found[0]["iterations"]
+    assert sorted(path.name for path in (tmp_path / "two").iterdir()) == ["ffr.json", "pullback.csv", "solution.vtu"]
+    assert two.stdout.count("FFR") == 1  # one rank speaks
+    hopeless = ["--max-newton-iterations", "1", "--residual-absolute", "1e-20", "--march-steps", "0"]
+    refused = _solve(case, tmp_path / "refused", "--ranks", "2", *hopeless)
+    assert refused.returncode == 3, refused.stderr
+    assert "stalled" in refused.stderr and not (tmp_path / "refused" / "ffr.json").exists()
+
+
+def test_rows_of_two_ranks_make_the_whole_matrix(case, monkeypatch):
+    from dolfinx.fem import petsc as fem_petsc
+
+    from flow import compat, outlets, jet, nonlinear, centreline, settings
+
+    document, tree = json.loads((case / "boundary.json").read_text()), centreline.read(case / "centreline.vtp")
+
+    def assembled(rank, size):
+        world = type("World", (), {"rank": rank, "size": size})
+        monkeypatch.setattr(parallel, "share", lambda count: (rank * count // size, (rank + 1) * count // size))
+        space = spaces.read(case / "mesh.msh")
+        length, bounds = jet.mixing_length(space, tree, 0.1), outlets.Boundaries(space, document)
+        problem = nonlinear.FlowProblem(space, bounds, document, settings.make(), length)
+        problem.state.x.array[:] = np.random.default_rng(0).normal(size=space.dofs)
+        monkeypatch.setattr(parallel, "world", lambda: world)
+        matrix = fem_petsc.assemble_matrix(problem.forms.tangent)
+        monkeypatch.undo()
+        matrix.assemble()
+        rows, cells = space.rows, space.__dict__.get("shared_cells")
+        values = matrix.createSubMatrix(problem.rows, problem.free)
+        found = values.norm(), len(rows), cells, len(compat.cell_dofs(space.W))
+        matrix.destroy()
+        values.destroy()
+        problem.destroy()
+        return found
+
+    whole, first, second = assembled(0, 1), assembled(0, 2), assembled(1, 2)
+    assert first[1] + second[1] == whole[1]
+    assert np.hypot(first[0], second[0]) == pytest.approx(whole[0], rel=1e-12)
+    assert whole[2] is None
+    for part in (first, second):
+        assert len(part[2]) < 0.75 * part[3]  # neighbours are few: the dofs are numbered along the vessel
+
+
+def test_shares_follow_one_another(monkeypatch):
+    monkeypatch.setattr(parallel, "world", lambda: type("World", (), {"rank": 1, "size": 3}))
+    assert parallel.share(10) == (3, 6)
+    assert parallel.shares(10).tolist() == [3, 3, 4]
+
+
+def test_ranks_without_mpirun_are_refused(monkeypatch):
+    monkeypatch.setattr(parallel.shutil, "which", lambda name: None)
+    for name in parallel.LAUNCHED:
+        monkeypatch.delenv(name, raising=False)
+    with pytest.raises(InputError, match="mpirun"):
+        parallel.launch(2, ["solve"])
+    parallel.launch(1, ["solve"])
+    monkeypatch.setenv(parallel.LAUNCHED[0], "2")
+    parallel.launch(2, ["solve"])  # this is one of the ranks
