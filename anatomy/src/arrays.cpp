@@ -1,16 +1,16 @@
 #include "arrays.hpp"
 #include <algorithm>
 #include <vtkCell.h>
+#include <vtkCellLocator.h>
 #include <vtkDataArray.h>
 #include <vtkGenericCell.h>
 #include <vtkPointData.h>
-#include <vtkStaticCellLocator.h>
 
 namespace anatomy {
 namespace {
 
 void carry_plaque(const Mesh& mesh, vtkPolyData* input, vtkDataArray* thickness, vtkDataArray* type, Arrays& arrays) {
-  vtkNew<vtkStaticCellLocator> locator;
+  vtkNew<vtkCellLocator> locator; // vtkStaticCellLocator hands back another cell than the nearest (VTK 9.1)
   locator->SetDataSet(input);
   locator->BuildLocator();
   vtkNew<vtkGenericCell> cell;
@@ -33,6 +33,16 @@ void carry_plaque(const Mesh& mesh, vtkPolyData* input, vtkDataArray* thickness,
     }
     arrays.plaque_thickness_mm[v] = t / total;
     arrays.plaque_type[v] = static_cast<int>(type->GetTuple1(cell->GetPointId(heaviest)));
+  }
+}
+
+// The inner points of caps, which are no wall.
+void clear_caps(const Mesh& mesh, Arrays& arrays) {
+  const RegionMap region = region_map(mesh);
+  for (Vertex v : mesh.vertices()) {
+    const auto faces = mesh.faces_around_target(mesh.halfedge(v));
+    if (std::none_of(faces.begin(), faces.end(), [&](Face f) { return region[f] == 0; }))
+      arrays.plaque_thickness_mm[v] = arrays.plaque_type[v] = 0;
   }
 }
 
@@ -64,6 +74,7 @@ Arrays arrays_of(const Mesh& mesh, const std::vector<Branch>& branches, const st
   vtkDataArray* type = input->GetPointData()->GetArray("plaque_type");
   if (thickness && type)
     carry_plaque(mesh, input, thickness, type, arrays);
+  clear_caps(mesh, arrays);
   return arrays;
 }
 

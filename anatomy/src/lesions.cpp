@@ -7,9 +7,8 @@ namespace {
 constexpr double shortest = 1.0; // mm
 
 Lesion measured(const std::vector<Calibre>& part, const ReferenceProfile& profile, std::size_t branch) {
-  const auto narrowest = std::max_element(part.begin(), part.end(), [&](const Calibre& a, const Calibre& b) {
-    return a.diameter / profile.diameter(a.s) > b.diameter / profile.diameter(b.s);
-  });
+  const auto narrowest = std::min_element(part.begin(), part.end(),
+                                          [](const Calibre& a, const Calibre& b) { return a.diameter < b.diameter; });
   Lesion lesion;
   lesion.branch = branch;
   lesion.s_start = part.front().s;
