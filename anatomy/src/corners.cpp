@@ -1,5 +1,6 @@
 #include "corners.hpp"
 #include "remesh.hpp"
+#include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/boost/graph/Euler_operations.h>
 #include <algorithm>
 #include <functional>
@@ -134,6 +135,7 @@ struct Mender {
   const Mesh& surface;
   const WallTree& wall;
   double wanted;
+  bool careful;
   std::set<Face> hopeless; // at their best already
 
   std::set<Vertex> around(Face f) const {
@@ -199,7 +201,8 @@ struct Mender {
         moving.insert(Vertex(static_cast<Mesh::size_type>(k)));
       relax(trial, moving);
       const double corner = corner_of(trial, moving);
-      if (corner > best_corner && folded(trial, moving) <= folded(mesh, patch)) {
+      if (corner > best_corner && folded(trial, moving) <= folded(mesh, patch) &&
+          !(careful && crosses(trial, moving))) {
         best_corner = corner;
         best = std::move(trial);
         if (corner >= wanted)
@@ -228,6 +231,17 @@ struct Mender {
     }));
   }
 
+  // Whether the triangles at these vertices, and those beside them, cross each other.
+  static bool crosses(const Mesh& in, const std::set<Vertex>& patch) {
+    std::set<Face> faces;
+    for (Vertex v : patch)
+      if (!in.is_removed(v))
+        for (Vertex w : in.vertices_around_target(in.halfedge(v)))
+          for (Face f : in.faces_around_target(in.halfedge(w)))
+            faces.insert(f);
+    return CGAL::Polygon_mesh_processing::does_self_intersect(faces, in);
+  }
+
   double smallest() const {
     double corner = 180;
     for (Face f : mesh.faces())
@@ -248,8 +262,8 @@ struct Mender {
 
 } // namespace
 
-void widen_corners(Mesh& mesh, const Mesh& surface, const WallTree& wall, double wanted, int passes) {
-  Mender mender{mesh, surface, wall, wanted, {}};
+void widen_corners(Mesh& mesh, const Mesh& surface, const WallTree& wall, double wanted, int passes, bool careful) {
+  Mender mender{mesh, surface, wall, wanted, careful, {}};
   mender.mesh.set_recycle_garbage(false); // an index names one face for good
   // what could not be widened at first may be once its neighbours have changed
   for (int pass = 0; pass < passes && (pass == 0 || mender.smallest() < wanted - slack); ++pass) {

@@ -141,9 +141,9 @@ struct Remesher {
   Mesh finished() {
     untangle(mesh);
     check_remeshed(mesh, field.edge());
-    for (int passes : {3, 1}) {
+    for (const auto& [passes, careful] : {std::pair{3, false}, {1, false}, {3, true}}) {
       Mesh widened = mesh;
-      widen_corners(widened, surface, wall, aimed_corner, passes);
+      widen_corners(widened, surface, wall, aimed_corner, passes, careful);
       if (!PMP::does_self_intersect(widened))
         return widened;
     }
