@@ -21,7 +21,7 @@ constexpr double cos_cap = 0.9;       // 26 degrees between their normals
 constexpr double least_covered = 0.5; // of the cap's area, by the faces that lie on it
 
 GivenCap measured(const std::string& path, const Soup& soup) {
-  GivenCap cap{path, Vec3::Zero(), Vec3::Zero(), 0, soup};
+  GivenCap cap{path, Vec3::Zero(), Vec3::Zero(), 0, 1, soup};
   double weight = 0;
   Vec3 total = Vec3::Zero();
   for (const Triangle& t : soup.triangles) {
@@ -36,6 +36,7 @@ GivenCap measured(const std::string& path, const Soup& soup) {
   cap.centre /= weight;
   cap.area = total.norm();
   cap.normal = total / cap.area;
+  cap.flatness = cap.area / weight;
   if (!(cap.area > 0))
     throw InputError("a cap without area", path, std::to_string(soup.triangles.size()) + " triangles",
                      "give the triangles that close one end");
@@ -76,6 +77,9 @@ void tag_given_caps(Mesh& mesh, const std::vector<GivenCap>& caps) {
       region[f] = next;
       covered += area.norm();
     }
+    if (covered < least_covered * cap.area && cap.flatness < cos_cap)
+      throw InputError("a given cap is not flat", cap.path, "at " + place(cap.centre),
+                       "name the ends by --inlet and --outlet: rounded ones are cut flat");
     if (covered < least_covered * cap.area)
       throw InputError("no end of the vessel at a given cap", cap.path,
                        "its centre " + place(cap.centre) + ", area " + std::to_string(cap.area) + " mm2",

@@ -8,6 +8,7 @@ struct GivenCap {
   std::string path;
   Vec3 centre = Vec3::Zero(), normal = Vec3::Zero(); ///< of its area; the sense of the normal is not used
   double area = 0;                                   ///< mm2
+  double flatness = 1;                               ///< its area seen along the normal, over that of its triangles
   Soup triangles;
 };
 
@@ -15,7 +16,7 @@ struct GivenCap {
 std::vector<GivenCap> read_caps(const std::vector<std::string>& paths, const std::string& units);
 
 /// Tags the faces of the closed mesh that lie on a given cap, unless an end that was capped before (tagged) is there.
-/// Throws InputError where neither is.
+/// Throws InputError where neither is, or where a cap is not flat.
 void tag_given_caps(Mesh& mesh, const std::vector<GivenCap>& caps);
 
 } // namespace anatomy

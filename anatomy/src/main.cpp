@@ -2,6 +2,8 @@
 #include "common/command_line.hpp"
 #include "process.hpp"
 #include "surface_file.hpp"
+#include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <vtkObject.h>
 
@@ -19,6 +21,8 @@ std::vector<Vec3> points_of(const std::vector<double>& coordinates, const std::s
     throw common::InputError("a point has three coordinates", option, std::to_string(coordinates.size()) + " numbers",
                              "write " + option + " x,y,z for each point");
   std::vector<Vec3> points;
+  if (!std::all_of(coordinates.begin(), coordinates.end(), [](double x) { return std::isfinite(x); }))
+    throw common::InputError("a coordinate is no number", option, "nan or inf", "write " + option + " x,y,z in mm");
   for (std::size_t i = 0; i < coordinates.size(); i += 3)
     points.emplace_back(coordinates[i], coordinates[i + 1], coordinates[i + 2]);
   return points;
@@ -30,7 +34,8 @@ void add_input(CLI::App& command, Options& options, GivenPoints& given) {
                   "lumen surface (.stl, .vtp, .ply, .obj) or labelled mask (.nii, .nii.gz, .nrrd, .mha, .mhd)")
       ->required();
   command.add_option("--units", options.units, "length unit of the file: mm, cm or m")->capture_default_str();
-  command.add_option("--label", options.label, "the lumen's label in a mask; default: the only one");
+  command.add_option("--label", options.label, "the lumen's label in a mask; default: the only one")
+      ->check([](const std::string& label) { return std::string(label == "0" ? "0 is what is no vessel" : ""); });
   command.add_option("--cut", given.cuts, "cut the vessel flat across at its axis near x,y,z (mm); repeat for each")
       ->delimiter(',');
   command.add_option(

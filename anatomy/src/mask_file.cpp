@@ -1,6 +1,7 @@
 #include "mask_file.hpp"
 #include "common/error.hpp"
 #include "mask_header.hpp"
+#include "mask_labels.hpp"
 #include <algorithm>
 #include <cmath>
 #include <vtkDataArrayRange.h>
@@ -47,36 +48,6 @@ Eigen::Matrix4d nifti_affine(vtkNIFTIImageReader& reader) {
   for (int j = 0; j < 3; ++j)
     m.col(j) *= reader.GetOutput()->GetSpacing()[j];
   return m;
-}
-
-void check_labels(vtkImageData* image, const std::string& path) {
-  const int* size = image->GetDimensions();
-  if (image->GetNumberOfScalarComponents() != 1 || std::min({size[0], size[1], size[2]}) < 2)
-    throw InputError("not a three-dimensional mask", path,
-                     std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " + std::to_string(size[2]) +
-                         " voxels of " + std::to_string(image->GetNumberOfScalarComponents()) + " components",
-                     "give one scalar label for each voxel of a volume");
-  for (const double value : vtk::DataArrayValueRange<1>(image->GetPointData()->GetScalars()))
-    if (value != std::round(value) || std::abs(value) > 2e9)
-      throw InputError("the image is not a labelled mask", path, "a voxel of value " + std::to_string(value),
-                       "give whole numbers, 0 outside the lumen");
-}
-
-// The label to take: the one asked for, or the only one there is.
-int chosen_label(vtkIntArray* labels, int label, const std::string& path) {
-  std::map<int, vtkIdType> counts;
-  for (const int value : vtk::DataArrayValueRange<1>(labels))
-    if (value != 0)
-      ++counts[value];
-  std::string known;
-  for (const auto& [value, count] : counts)
-    known += (known.empty() ? "" : ", ") + std::to_string(value) + " (" + std::to_string(count) + " voxels)";
-  if (label == any_label ? counts.size() == 1 : counts.contains(label))
-    return label == any_label ? counts.begin()->first : label;
-  if (counts.empty())
-    throw InputError("the mask is empty", path, "no voxel other than 0", "check the segmentation");
-  throw InputError(label == any_label ? "the mask has several labels" : "no such label in the mask", path, known,
-                   "name the lumen's by --label");
 }
 
 // 1 where the label is, in a box about it with a margin of zeros.

@@ -118,7 +118,10 @@ nlohmann::ordered_json summary(const Anatomy& anatomy, const StepTimer& timer) {
 
 void write_anatomy(const Anatomy& anatomy, const StepTimer& timer, const std::string& folder) {
   namespace fs = std::filesystem;
-  fs::create_directories(folder);
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error)
+    throw common::InputError("the folder cannot be made", folder, error.message(), "name one that can be written");
   const std::vector<std::string> names{"lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json"};
   const auto partial = [&](const std::string& name) { return fs::path(folder) / (".partial-" + name); };
   try {

@@ -208,7 +208,7 @@ void check_diagonal(double diagonal_mm, const std::string& units, const std::str
 }
 
 void check_mean_radius(double radius_mm, const std::string& units, const std::string& path) {
-  check_range(radius_mm, 0.2, 8, "mean radius", units, path);
+  check_range(radius_mm, 0.3, 6, "mean radius", units, path);
 }
 
 vtkSmartPointer<vtkPolyData> read_triangles(const std::string& path, const std::string& units) {

@@ -106,7 +106,10 @@ void write_surface(const Mesh& mesh, const std::string& path) {
   } else {
     throw common::InputError("unknown surface format", path, target.extension().string(), "name a .vtp or .stl file");
   }
-  std::filesystem::rename(partial, target);
+  std::error_code error;
+  std::filesystem::rename(partial, target, error);
+  if (error) // VTK does not say that it could not open the file
+    throw common::InputError("the file cannot be written", path, error.message(), "check the folder and its rights");
 }
 
 } // namespace anatomy

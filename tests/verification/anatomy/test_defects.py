@@ -170,6 +170,15 @@ def test_implausible_scale_is_refused(lumen, tube, tmp_path, scale, declared, li
     assert lumen(surface, tmp_path / "out", "--units", likely).returncode == 0
 
 
+def test_a_wide_vessel_in_centimetres_is_refused(lumen, tmp_path):
+    """Long enough for a vessel in mm, but of 0.27 mm radius throughout."""
+    points, triangles = surfaces.tube(surfaces.straight, lambda s: 2.9 + 0 * s, 60)
+    surface = surfaces.write(tmp_path / "tube.vtp", 0.1 * points, triangles)
+    done = lumen(surface, tmp_path / "out")
+    assert done.returncode == 2 and "mean radius" in done.stderr and "declare units cm" in done.stderr
+    assert lumen(surface, tmp_path / "out", "--units", "cm").returncode == 0
+
+
 def test_a_ball_is_refused_with_a_remedy(lumen, tmp_path):
     sphere = surfaces.vtk.vtkSphereSource()
     sphere.SetRadius(3)

@@ -1,6 +1,7 @@
 """Ends of every kind: rounded ones cut flat, ends given as points or cap files, cuts on request, flow extensions."""
 
 import csv
+import subprocess
 
 import numpy as np
 import pytest
@@ -105,6 +106,25 @@ def test_a_cut_away_from_the_vessel_is_refused(lumen, tmp_path):
     assert done.returncode == 2 and "no vessel near" in done.stderr and not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize("option", ["--inlet", "--outlet", "--cut"])
+@pytest.mark.parametrize("point", ["nan,0,0", "0,inf,0"])
+def test_a_point_of_no_numbers_is_refused(lumen, tmp_path, option, point):
+    """Every distance to it compares as not larger: it was taken for the first end."""
+    surface = surfaces.write(tmp_path / "tube.vtp", *surfaces.tube(surfaces.straight, lambda s: 1.5 + 0 * s, 15))
+    done = lumen(surface, tmp_path / "out", option, point)
+    assert done.returncode == 2 and option in done.stderr and "no number" in done.stderr
+
+
+def test_a_folder_that_cannot_be_made_is_refused(lumen, binary, tmp_path):
+    surface = surfaces.write(tmp_path / "tube.vtp", *surfaces.tube(surfaces.straight, lambda s: 1.5 + 0 * s, 15))
+    (tmp_path / "file").write_text("")
+    done = lumen(surface, tmp_path / "file")
+    assert done.returncode == 2 and done.stderr.count("error:") == 1 and "defect" not in done.stderr
+    command = [str(binary("lumen")), "remesh", str(surface), "--out", str(tmp_path / "absent" / "tube.vtp")]
+    done = subprocess.run(command, text=True, capture_output=True, timeout=60)
+    assert done.returncode == 2 and done.stderr.count("error:") == 1 and "defect" not in done.stderr
+
+
 @pytest.mark.parametrize("wall", ["open", "closed"])
 def test_caps_given_as_files(summary_of, lumen, tmp_path, wall):
     points, triangles = surfaces.tube(surfaces.arc(0.1), lambda s: 1.6 - 0.01 * s, 20)
@@ -121,6 +141,19 @@ def test_caps_given_as_files(summary_of, lumen, tmp_path, wall):
     astray = surfaces.write(tmp_path / "astray.stl", points + [0, 0, 9], triangles[last])
     done = lumen(surface, tmp_path / "other", "--cap", astray, "--cap", names[1])
     assert done.returncode == 2 and ("at a given cap" in done.stderr or "near the given point" in done.stderr)
+
+
+def test_a_dome_as_cap_file_is_refused_as_such(lumen, tmp_path):
+    """The very triangles of a rounded end: as a cap they are not flat, and without the option they are cut."""
+    points, triangles = surfaces.tube(surfaces.arc(0.1), lambda s: 1.6 - 0.01 * s, 20)
+    first, last = ((triangles == len(points) - k).any(axis=1) for k in (2, 1))
+    points = points.copy()
+    points[-2] -= [1.2, 0, 0]
+    surface = surfaces.write(tmp_path / "wall.stl", points, triangles)
+    caps = [surfaces.write(tmp_path / f"{k}.stl", points, triangles[at]) for k, at in enumerate((first, last))]
+    done = lumen(surface, tmp_path / "out", "--cap", caps[0], "--cap", caps[1])
+    assert done.returncode == 2 and "not flat" in done.stderr and "0.stl" in done.stderr
+    assert lumen(surface, tmp_path / "out", "--inlet", "0,0,0").returncode == 0
 
 
 def test_flow_extensions(summary_of, tmp_path):

@@ -118,6 +118,22 @@ def test_the_label_is_chosen(lumen, tmp_path):
     assert done.returncode == 2 and "no such label" in done.stderr
 
 
+def test_background_and_images_are_no_masks(lumen, tmp_path):
+    """The lumen's complement, a full image, and CT values: refused as what they are, in a few lines."""
+    matrix = masks.affine([0.4] * 3)
+    labels, *_ = vessel(matrix, (82, 50, 24))
+    for wrong, said in (
+        (1 - labels, "fills the image"),
+        (0 * labels + 1, "fills the image"),
+        (1000 * labels + np.arange(labels.size).reshape(labels.shape) % 700, "several labels"),
+    ):
+        done = lumen(masks.nifti(tmp_path / "mask.nii", wrong, matrix), tmp_path / "out")
+        assert done.returncode == 2 and said in done.stderr, done.stderr
+        assert done.stderr.count("error:") == 1 and len(done.stderr) < 1000
+    done = lumen(masks.nifti(tmp_path / "mask.nii", labels, matrix), tmp_path / "out", "--label", 0)
+    assert done.returncode == 2 and "label" in done.stderr
+
+
 def test_islands_are_dropped_and_said(lumen, tmp_path):
     matrix = masks.affine([0.4] * 3)
     labels, *_ = vessel(matrix, (82, 50, 24))
