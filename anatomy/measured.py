@@ -33,8 +33,15 @@ def read_sections(folder):
     except OSError as error:
         raise InputError("no readable table of sections", path, error, "run `lumen process` first") from error
     branches = {}
-    for row in rows:
-        branches.setdefault(row["branch"], []).append({**row, **{key: float(row[key]) for key in _NUMBERS}})
+    for line, row in enumerate(rows, 2):
+        try:
+            numbers = {key: float(row[key]) for key in _NUMBERS}
+        except (KeyError, TypeError, ValueError) as error:
+            where = f"{path}, line {line}"
+            raise InputError("not a table of sections", where, error, "run `lumen process` again") from error
+        branches.setdefault(row["branch"], []).append({**row, **numbers})
+    if not branches:
+        raise InputError("no section in the table", path, "no rows", "run `lumen process` again")
     return branches
 
 

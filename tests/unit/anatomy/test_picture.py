@@ -64,6 +64,18 @@ def test_refusals(folder):
     assert not (folder / "a.png").exists()
 
 
+@pytest.mark.parametrize("cut, what", [(1, "no section"), (20, "line 20"), (None, "line 2")])
+def test_a_broken_table_is_refused_with_its_line(folder, cut, what):
+    lines = (folder / "sections.csv").read_text().splitlines()
+    broken = [lines[0].replace("s_mm", "s"), *lines[1:]] if cut is None else lines[:cut]
+    if cut == 20:
+        broken[-1] = broken[-1].rsplit(",", 8)[0]
+    (folder / "sections.csv").write_text("\n".join(broken) + "\n")
+    with pytest.raises(InputError, match=f"(?s){what}"):
+        picture.run(folder, folder / "a.png")
+    assert not (folder / "a.png").exists()
+
+
 def test_labels_keep_clear_of_each_other_and_of_the_vessel():
     figure, axes = plt.subplots()
     wall = np.column_stack([np.linspace(0, 10, 200), np.full(200, 5.0)])
