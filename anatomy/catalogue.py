@@ -65,6 +65,7 @@ def _balloon(values, diameter_mm, length_mm):
         "nominal_diameter_mm": diameter_mm,
         "length_mm": length_mm,
         **{name: values[name] for name in _BALLOON},
+        **{name: values[name] for name in ("folding",) if name in values},
         "chart": {
             "pressure_bar": chart["pressure_bar"],
             "diameter_mm": [round(diameter_mm * percent / 100, 6) for percent in chart["diameter_percent"]],

@@ -5,6 +5,12 @@
 
 namespace vci {
 
+namespace {
+
+constexpr double buckled_share = 0.02; // stiffness of a film in compression over that in tension
+
+} // namespace
+
 BalloonChart::BalloonChart(const std::vector<double>& pressure_mpa, const std::vector<double>& diameter_mm,
                            double crimped_diameter_mm) {
   if (pressure_mpa.size() < 2 || pressure_mpa.size() != diameter_mm.size())
@@ -19,6 +25,20 @@ BalloonChart::BalloonChart(const std::vector<double>& pressure_mpa, const std::v
   for (std::size_t k = 1; k < pressure_.size(); ++k)
     if (!(pressure_[k] > pressure_[k - 1]) || !(diameter_[k] > diameter_[k - 1]))
       throw std::invalid_argument("a balloon chart must rise in pressure and diameter from the crimped balloon on");
+}
+
+BalloonChart BalloonChart::of_unfolded(const std::vector<double>& pressure_mpa,
+                                       const std::vector<double>& diameter_mm) {
+  const double slope = (pressure_mpa[1] - pressure_mpa[0]) / (diameter_mm[1] - diameter_mm[0]);
+  const double unfolded = diameter_mm[0] - pressure_mpa[0] / slope;
+  if (!(unfolded > 0))
+    throw std::invalid_argument("a balloon chart that has no diameter at no pressure, by its first slope");
+  BalloonChart chart;
+  chart.pressure_ = {-buckled_share * slope * 0.5 * unfolded, 0.0};
+  chart.diameter_ = {0.5 * unfolded, unfolded};
+  chart.pressure_.insert(chart.pressure_.end(), pressure_mpa.begin(), pressure_mpa.end());
+  chart.diameter_.insert(chart.diameter_.end(), diameter_mm.begin(), diameter_mm.end());
+  return chart;
 }
 
 std::size_t BalloonChart::segment_of_diameter(double diameter_mm) const {

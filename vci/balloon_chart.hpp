@@ -14,6 +14,10 @@ public:
   BalloonChart(const std::vector<double>& pressure_mpa, const std::vector<double>& diameter_mm,
                double crimped_diameter_mm);
 
+  /// The chart of a balloon that is unfolded already: continued with its first slope to no pressure. Below that
+  /// diameter the film buckles: a fiftieth of that slope, and the pressure is negative.
+  static BalloonChart of_unfolded(const std::vector<double>& pressure_mpa, const std::vector<double>& diameter_mm);
+
   double pressure_at(double diameter_mm) const;
   double slope_at(double diameter_mm) const; ///< MPa/mm
   double diameter_at(double pressure_mpa) const;
@@ -21,6 +25,7 @@ public:
   double first_moment(double diameter_mm) const;
 
 private:
+  BalloonChart() = default;
   std::size_t segment_of_diameter(double diameter_mm) const;
   std::vector<double> pressure_, diameter_;
 };

@@ -87,12 +87,13 @@ double settle(System& system, Interactions& interactions, const Numerics& numeri
 }
 
 /// Opens a stent by its balloon at the balloon's nominal diameter and takes the balloon out of the system again.
-double open_by_balloon(System& system, const Stent& stent, const StentSpec& spec, const BalloonSpec& balloon_spec,
+double open_by_balloon(System& system, const Stent& stent, const StentSpec& spec, BalloonSpec balloon_spec,
                        const Numerics& numerics) {
+  balloon_spec.folding.reset(); // its folds are out before the stent gives way
   const RingGrid grid = balloon_grid(balloon_spec, numerics.device_edge);
   std::vector<double> radii;
-  for (double profile : grid.profile)
-    radii.push_back(std::min(0.5 * balloon_spec.crimped_diameter * profile, 0.45 * spec.crimped_diameter - clearance));
+  for (double share : grid.start)
+    radii.push_back(std::min(0.5 * balloon_spec.crimped_diameter * share, 0.45 * spec.crimped_diameter - clearance));
   Balloon balloon = add_balloon(system, balloon_spec, grid, straight(grid), radii);
   Interactions touching;
   touching.contacts.emplace_back(balloon.body, stent.body, numerics.contact);

@@ -1,6 +1,7 @@
 #include "vci/deployment.hpp"
 #include "common/error.hpp"
 #include "vci/apposition.hpp"
+#include "vci/folding.hpp"
 #include "vci/placement.hpp"
 #include "vci/refusal.hpp"
 #include "vci/textbook.hpp"
@@ -39,8 +40,10 @@ public:
            << " mm from every device: " << lumen.points.size() - wall_.vertex.size() << " of " << lumen.points.size()
            << " vertices stay where they are";
     result_.switched_off = {whole ? "nothing of the wall: textbook integration takes the whole vessel" : region.str(),
-                            "folding: balloons start as small tubes that unfold softly",
-                            "self-contact of the wall and of the devices",
+                            any_folded(scene) ? "folding of balloons whose entries do not ask for it"
+                                              : "folding: balloons start as small tubes that unfold softly",
+                            any_folded(scene) ? "self-contact of all but folded balloons"
+                                              : "self-contact of the wall and of the devices",
                             "mean blood pressure during occlusion: kept as prestress"};
     for (const std::string& line : result_.switched_off)
       std::cerr << "switched off: " << line << '\n';
@@ -180,6 +183,7 @@ private:
       balloons_.push_back(
           add_balloon(system_, balloon_of(step.devices[k]), courses[k].grid, courses[k].frames, radii[k]));
       add_contacts(balloons_.back().body, std::move(sides[k]));
+      add_layers(interactions_, system_, balloons_.back(), balloon_of(step.devices[k]), scene_.numerics.contact);
       for (std::size_t other = 0; other < k; ++other)
         interactions_.contacts.emplace_back(balloons_[k].body, balloons_[other].body, scene_.numerics.contact,
                                             ContactSides{false, {}, {}});
@@ -195,9 +199,7 @@ private:
 
   void remove_balloons() {
     while (!balloons_.empty()) {
-      const int body = balloons_.back().body;
-      std::erase_if(interactions_.contacts,
-                    [&](const SurfaceContact& c) { return c.inner() == body || c.outer() == body; });
+      interactions_.forget(balloons_.back().body);
       system_.remove_last_body();
       balloons_.pop_back();
     }
@@ -212,7 +214,9 @@ private:
     // during an inflation stents slide and open along the wall; ties are made anew at its end
     if (stage.with_balloons)
       interactions_.ties.clear();
-    const IntegratorSettings& settings = scene_.numerics.integrator;
+    IntegratorSettings settings = scene_.numerics.integrator;
+    for (std::size_t k = 0; k < balloons_.size(); ++k)
+      settings = with_folds(settings, balloon_of(step.devices[k]), stage.pressure_fraction < 1);
     const RelaxResult r = (settings.textbook ? relax_textbook : relax)(system_, interactions_, settings, &balance_);
     result_.stages.push_back({step.name, stage.name, seconds_since(start), r});
     std::cerr << step.name << " / " << stage.name << ": " << r.steps << " steps, " << r.cg_iterations

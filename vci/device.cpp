@@ -1,5 +1,6 @@
 #include "vci/device.hpp"
 #include "vci/cell_shear.hpp"
+#include "vci/folding.hpp"
 #include "vci/foundation.hpp"
 #include "vci/hinge.hpp"
 #include "vci/membrane.hpp"
@@ -20,7 +21,9 @@ constexpr double balloon_hinge = 0.002;          // N mm per edge, keeps the gri
 // N mm per edge: struts bending across the ring, E w t^3 / 12 for 235 GPa and 0.09 mm by 0.08 mm, half of it since
 // struts run aslant, one of them for each 1.2 mm of length.
 constexpr double stent_hinge = 0.4, stent_hinge_thickness = 0.08;
+constexpr double crease_yield = 0.02; // rad per edge: the folded membrane is limp, its creases set and are ironed out
 constexpr double shaft_anchor = 0.02; // N/mm per vertex of the end rings
+constexpr double neck_hold = 0.4;     // N/mm per end ring of a folded balloon, whose rings have more vertices
 // A grid of fibres alone has no shear stiffness: weak films give it, the stent's with more hardening.
 constexpr HenckyLaw balloon_film{0.3, 0.3, 0.0, 0.05, 0.02};
 constexpr HenckyLaw stent_film{0.3, 0.3, 0.0, 0.05, 0.1};
@@ -96,13 +99,15 @@ Triangles RingGrid::triangles() const {
 
 RingGrid balloon_grid(const BalloonSpec& spec, double edge) {
   RingGrid g;
-  g.around = even_count(pi * spec.nominal_diameter, edge);
+  g.around = spec.folding ? vertices_round_folded(spec, edge) : even_count(pi * spec.nominal_diameter, edge);
+  const double needs = spec.folding ? 2 * folded_section(spec, g.around).outer / spec.crimped_diameter : 1.0;
   const int body = std::max(2, static_cast<int>(std::lround(spec.length / edge)));
   const int cone = std::max(2, static_cast<int>(std::lround(spec.shoulder / edge)));
   const double tip = tip_share;
   const auto add = [&](double s, double profile) {
     g.s.push_back(s);
     g.profile.push_back(profile);
+    g.start.push_back(needs * profile);
   };
   for (int k = 0; k < cone; ++k)
     add(-0.5 * spec.length - spec.shoulder * (cone - k) / cone, tip + (1 - tip) * std::sin(0.5 * pi * k / cone));
@@ -120,6 +125,7 @@ RingGrid stent_grid(const StentSpec& spec, double edge) {
   for (int k = 0; k <= n; ++k) {
     g.s.push_back(spec.length * (static_cast<double>(k) / n - 0.5));
     g.profile.push_back(1.0);
+    g.start.push_back(1.0);
   }
   return g;
 }
@@ -137,14 +143,17 @@ Vectors place_grid(const RingGrid& grid, const std::vector<Frame>& frames, const
 
 Balloon add_balloon(System& system, const BalloonSpec& spec, RingGrid grid, const std::vector<Frame>& frames,
                     const std::vector<double>& radius) {
-  const Vectors points = place_grid(grid, frames, radius);
+  const bool folded = spec.folding.has_value();
+  const Vectors points = folded ? place_folded(spec, grid, frames, radius) : place_grid(grid, frames, radius);
   const int first = system.vertices();
   const int body =
       system.add_body("balloon", points, grid.triangles(), surface_density, std::vector<char>(points.size(), 0));
   std::vector<double> pressure_mpa = spec.chart_pressure_bar;
   for (double& p : pressure_mpa)
     p *= mpa_per_bar;
-  auto chart = std::make_shared<const BalloonChart>(pressure_mpa, spec.chart_diameter, spec.crimped_diameter);
+  auto chart = std::make_shared<const BalloonChart>(
+      folded ? BalloonChart::of_unfolded(pressure_mpa, spec.chart_diameter)
+             : BalloonChart(pressure_mpa, spec.chart_diameter, spec.crimped_diameter));
 
   const std::vector<double> width = ring_widths(grid);
   std::vector<HoopChart::Hoop> hoops;
@@ -165,18 +174,21 @@ Balloon add_balloon(System& system, const BalloonSpec& spec, RingGrid grid, cons
   Fibres& fibres = system.add_force(body, std::make_unique<Fibres>(axial));
   Pressure& pressure = system.add_force(body, std::make_unique<Pressure>(system.body(body).triangles, system.x, 0.0));
 
-  const Vectors rest = straight_grid(grid, 0.5 * spec.nominal_diameter);
+  const Vectors rest = straight_grid(grid, 0.5 * (folded ? unfolded_diameter(spec) : spec.nominal_diameter));
   std::vector<EdgePair> edges = interior_edges(grid.triangles(), rest);
+  const std::vector<double> coefficients = folded ? shell_coefficients(edges, rest, bending_rigidity(*spec.folding))
+                                                  : std::vector<double>(edges.size(), balloon_hinge);
   shift(edges, first);
-  const std::vector<double> coefficients(edges.size(), balloon_hinge);
-  system.add_force(body, std::make_unique<Hinges>(edges, shifted(rest, first), coefficients, 0.1));
+  system.add_force(body, std::make_unique<Hinges>(edges, folded ? system.x : shifted(rest, first), coefficients,
+                                                  folded ? crease_yield : 0.1));
   const Triangles& triangles = system.body(body).triangles;
-  system.add_force(
-      body, std::make_unique<Membrane>(triangles, system.x, std::vector<HenckyLaw>(triangles.size(), balloon_film)));
+  system.add_force(body, std::make_unique<Membrane>(triangles, folded ? shifted(rest, first) : system.x,
+                                                    std::vector<HenckyLaw>(triangles.size(), balloon_film)));
   std::vector<Anchors::Element> anchors;
+  const double hold = folded ? neck_hold / grid.around : shaft_anchor;
   for (int k = 0; k < grid.around; ++k)
     for (int v : {first + k, first + (grid.rings() - 1) * grid.around + k})
-      anchors.push_back({v, system.x[v], shaft_anchor});
+      anchors.push_back({v, system.x[v], hold});
   system.add_force(body, std::make_unique<Anchors>(anchors));
   return {body, std::move(grid), &pressure, &fibres, chart};
 }

@@ -12,6 +12,7 @@ struct RingGrid {
   int around = 0;
   std::vector<double> s;       ///< along the straight device, from its centre, mm
   std::vector<double> profile; ///< share of the body's diameter
+  std::vector<double> start;   ///< share of the crimped diameter that it needs at the start
   int rings() const { return static_cast<int>(s.size()); }
   Triangles triangles() const; ///< outward
 };

@@ -43,6 +43,10 @@ CASES = {
     "first step x1000": (Tube(), {"numerics": {"initial_step_ms": 300}}),
     "25 bar": (Tube(), {"pressures": (10, 11, 25)}),
     "overlapping stents": (Tube(length=36), {"shifts": (-4.5, 4.5)}),
+    "folded balloons": (
+        Tube(stenosis=0.6, eccentricity=0.8),
+        {"folding": {}, "numerics": {"maximal_steps_per_stage": 1500}},
+    ),
     "kissing balloons": (Tube(), {"kissing": 0.6, "pressures": (10, 11, 12)}),
 }
 

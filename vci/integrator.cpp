@@ -20,8 +20,7 @@ void assemble(System& system, Interactions& interactions, Forces& f) {
   system.evaluate(f.elastic, f.foundation, f.pressure, true);
   const Vectors normals = area_vectors(system);
   f.points.clear();
-  for (SurfaceContact& contact : interactions.contacts)
-    contact.detect(system, normals, f.points);
+  interactions.detect(system, normals, f.points);
   f.contact.assign(system.x.size(), Vec3::Zero());
   add_contact_forces(f.points, f.contact);
   add_tie_forces(interactions.ties, system.x, f.contact);
@@ -81,6 +80,19 @@ void read_contact(const Forces& f, RelaxResult& result) {
 }
 
 } // namespace
+
+void Interactions::forget(int body) {
+  std::erase_if(contacts, [&](const SurfaceContact& c) { return c.inner() == body || c.outer() == body; });
+  std::erase_if(self_contacts, [&](const SelfContact& c) { return c.body() == body; });
+}
+
+void Interactions::detect(const System& system, const Vectors& normals, std::vector<ContactPoint>& points,
+                          double ahead) {
+  for (SurfaceContact& contact : contacts)
+    contact.detect(system, normals, points, ahead);
+  for (SelfContact& contact : self_contacts)
+    contact.detect(system, normals, points);
+}
 
 RelaxResult relax(System& system, Interactions& interactions, const IntegratorSettings& s, Balance* balance) {
   RelaxResult result;

@@ -1,6 +1,6 @@
 // Pseudo-transient backward Euler towards force balance.
 #pragma once
-#include "vci/contact.hpp"
+#include "vci/self_contact.hpp"
 
 #include <functional>
 
@@ -25,8 +25,13 @@ struct IntegratorSettings {
 /// What couples the bodies beyond their own forces.
 struct Interactions {
   std::vector<SurfaceContact> contacts;
+  std::vector<SelfContact> self_contacts; ///< of bodies whose layers lie on one another
   std::vector<Tie> ties;
   std::function<void(int)> after_step; ///< where given, called with the number of steps done
+  /// Ends the contacts of a body.
+  void forget(int body);
+  /// All active contact points. @param ahead ms over which a time-averaged law follows the velocities
+  void detect(const System& system, const Vectors& normals, std::vector<ContactPoint>& points, double ahead = 0);
 };
 
 /// Where the largest force is left unbalanced.

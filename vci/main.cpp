@@ -156,12 +156,16 @@ int run_radius_correct(const fs::path& scene_file, const fs::path& out) {
   return 0;
 }
 
-int run_inflate(const fs::path& scene_file, const std::string& device) {
+int run_inflate(const fs::path& scene_file, const std::string& device, int wings) {
   const Scene scene = read_scene(scene_file);
   if (!scene.balloons.contains(device))
     throw common::InputError("no such balloon in the scene", scene_file.string() + ": devices", device,
                              "name an entry with kind balloon");
-  const BalloonSpec& spec = scene.balloons.at(device);
+  BalloonSpec spec = scene.balloons.at(device);
+  if (wings > 0) {
+    spec.folding = spec.folding.value_or(FoldingSpec{});
+    spec.folding->wings = wings;
+  }
   std::cout << "pressure_bar,chart_diameter_mm,diameter_mm,length_mm,residual,steps\n";
   for (const InflationPoint& p : inflate(spec, scene.numerics, spec.chart_pressure_bar))
     std::cout << p.pressure_bar << ',' << p.chart_diameter_mm << ',' << p.diameter_mm << ',' << p.length_mm << ','
@@ -189,7 +193,7 @@ int main(int argc, char** argv) {
   CLI::App app{"Virtual coronary intervention: what balloon and stent do to a narrowed artery", "vci"};
   app.require_subcommand(1);
   std::string scene, out, device, frames;
-  int every_steps = 0;
+  int every_steps = 0, wings = 0;
   CLI::App* deploy_command = app.add_subcommand("deploy", "run a scene's procedure");
   CLI::App* correct_command = app.add_subcommand("radius-correct", "the baseline: set the radius to the device's");
   for (CLI::App* command : {deploy_command, correct_command}) {
@@ -199,6 +203,7 @@ int main(int argc, char** argv) {
   CLI::App* inflate_command = app.add_subcommand("inflate", "free expansion of a balloon against its chart, CSV");
   inflate_command->add_option("scene", scene, "scene.json that defines the balloon")->required();
   inflate_command->add_option("--device", device, "key under devices")->required();
+  inflate_command->add_option("--wings", wings, "fold the balloon into so many wings first")->check(CLI::Range(2, 6));
   deploy_command->add_option("--frames", frames, "folder for the state at each stage's end, with frames.pvd");
   deploy_command->add_option("--frames-every", every_steps, "and after every so many steps")
       ->check(CLI::PositiveNumber);
@@ -214,6 +219,6 @@ int main(int argc, char** argv) {
       return run_radius_correct(scene, out);
     if (*crush_command)
       return run_crush(scene, device);
-    return run_inflate(scene, device);
+    return run_inflate(scene, device, wings);
   });
 }

@@ -95,7 +95,7 @@ std::vector<double> start_radii(const System& system, const Course& device, doub
       }
     }
     const double fits = 0.95 * std::sqrt(nearest) - start_clearance;
-    radii.push_back(std::max(0.05, std::min(0.5 * crimped_diameter * device.grid.profile[r], fits)));
+    radii.push_back(std::max(0.05, std::min(0.5 * crimped_diameter * device.grid.start[r], fits)));
   }
   return radii;
 }

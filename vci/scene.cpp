@@ -155,6 +155,24 @@ Step read_step(const json& entry, const std::string& where, const Scene& scene) 
 
 } // namespace
 
+namespace {
+
+FoldingSpec read_folding(const json& entry, const std::string& where) {
+  CheckedObject o(entry, where);
+  FoldingSpec f;
+  f.wings = o.integer("wings", 2, 6, f.wings);
+  f.shaft_diameter = o.number("shaft_diameter_mm", 0.2, 2, f.shaft_diameter);
+  f.membrane_thickness = o.number("membrane_thickness_mm", 0.01, 0.1, f.membrane_thickness);
+  const std::string wrap = o.text("wrap", "counterclockwise");
+  if (wrap != "counterclockwise" && wrap != "clockwise")
+    throw common::InputError("an unknown sense", o.path("wrap"), wrap, "use counterclockwise or clockwise");
+  f.clockwise = wrap == "clockwise";
+  o.finish();
+  return f;
+}
+
+} // namespace
+
 BalloonSpec read_balloon(const json& entry, const std::string& where) {
   CheckedObject o(entry, where);
   o.ignore("kind");
@@ -169,8 +187,12 @@ BalloonSpec read_balloon(const json& entry, const std::string& where) {
   b.chart_pressure_bar = chart.numbers("pressure_bar");
   b.chart_diameter = chart.numbers("diameter_mm");
   chart.finish();
+  if (o.has("folding"))
+    b.folding = read_folding(o.child("folding", true), o.path("folding"));
   try {
     BalloonChart(b.chart_pressure_bar, b.chart_diameter, b.crimped_diameter);
+    if (b.folding)
+      BalloonChart::of_unfolded(b.chart_pressure_bar, b.chart_diameter);
   } catch (const std::invalid_argument& e) {
     throw common::InputError(e.what(), o.path("chart"), entry.at("chart").dump().substr(0, 80),
                              "give the maker's chart, rising in both columns");

@@ -159,13 +159,22 @@ def stent(diameter, length, delivery):
 
 
 def write_scene(
-    folder, tube, size=1.0, pressures=(10, 11, 16), shifts=(0.0,), length=12.0, wall=None, numerics=None, kissing=0.0
+    folder,
+    tube,
+    size=1.0,
+    pressures=(10, 11, 16),
+    shifts=(0.0,),
+    length=12.0,
+    wall=None,
+    numerics=None,
+    kissing=0.0,
+    folding=None,
 ):
     """Writes geometry and scene.json of a predilatation, stents and a postdilatation; returns the scene's path.
 
     size: device over vessel diameter; pressures: bar, of the three inflations; shifts: mm from the lesion's middle,
     one for each stent; length: mm, of the stents; kissing: where above 0, two balloons so many times as wide as the
-    vessel are inflated side by side instead of the postdilatation.
+    vessel are inflated side by side instead of the postdilatation; folding: that of predilatation and delivery balloon.
     """
     folder.mkdir(parents=True, exist_ok=True)
     write_geometry(folder, tube)
@@ -176,6 +185,10 @@ def write_scene(
         "stent": stent(diameter, length, "delivery"),
         "post": balloon(diameter, length - 2),
     }
+
+    if folding is not None:
+        for name in ("pre", "delivery"):
+            devices[name]["folding"] = folding
 
     def step(name, action, device, centre, pressure):
         place = {"device": device, "centre_s_mm": centre, "pressure_bar": pressure}

@@ -25,8 +25,7 @@ int step(System& system, Interactions& interactions, const IntegratorSettings& s
   system.evaluate(elastic, foundation, force, true);
   std::vector<ContactPoint> points;
   const Vectors normals = area_vectors(system);
-  for (SurfaceContact& contact : interactions.contacts)
-    contact.detect(system, normals, points, h);
+  interactions.detect(system, normals, points, h);
   add_contact_forces(points, force);
   add_tie_forces(interactions.ties, system.x, force);
   std::vector<PointLink> links;

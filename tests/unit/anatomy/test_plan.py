@@ -193,6 +193,13 @@ def test_pressure_reaches_the_wanted_diameter(families):
     assert catalogue.pressure_for(balloon, 2.0) == 12
 
 
+def test_a_family_may_ask_for_folding(families):
+    family = families["non_compliant"] | {"folding": {"wings": 2}}
+    assert "folding" not in catalogue.entries(families, "non_compliant", 3.0, 12, "case")["non_compliant_3.00x12"]
+    entry = catalogue.entries(families | {"non_compliant": family}, "non_compliant", 3.0, 12, "case")
+    assert entry["non_compliant_3.00x12"]["folding"] == {"wings": 2}
+
+
 def test_mean_arterial_pressure():
     assert plan.mean_arterial_pressure_pa({"sbp_mmhg": 120, "dbp_mmhg": 80}) == pytest.approx(96 * 133.322, rel=1e-5)
 

@@ -92,7 +92,7 @@ TEST(AveragedRamp, IsTheMeanOverTheWay) {
 
 /// A tube of evenly spaced vertices about the z axis.
 void add_tube(System& system, int around, double radius, double turn) {
-  RingGrid grid{around, {}, {}};
+  RingGrid grid{around, {}, {}, {}};
   std::vector<Frame> frames;
   for (int r = 0; r < 12; ++r) {
     grid.s.push_back(0.7 * r);

@@ -133,4 +133,17 @@ TEST(Sections, AreaOfATube) {
   EXPECT_NEAR(throat(l, l.points), M_PI * 0.75 * 0.75, 0.03);
 }
 
+TEST(Deployment, AFoldedBalloonEndsWhereTheCrimpedOneDoes) {
+  const Lumen l = tube(0.8);
+  Scene scene = scene_with({predilatation});
+  const Deployment crimped = deploy(scene, l, axis());
+  scene.balloons["pre"].folding = FoldingSpec{};
+  const Deployment folded = deploy(scene, l, axis());
+  EXPECT_GT(folded.stages[0].result.steps, 2 * crimped.stages[0].result.steps) << "it has unfolded";
+  EXPECT_NE(folded.switched_off, crimped.switched_off);
+  EXPECT_NEAR(throat(l, folded.points), throat(l, crimped.points), 0.01 * throat(l, crimped.points));
+  scene.balloons["pre"].folding->shaft_diameter = 0.75;
+  EXPECT_THROW(deploy(scene, l, axis()), common::InputError) << "its profile is full of shaft";
+}
+
 } // namespace

@@ -76,6 +76,13 @@ TEST(Scene, FillsInDefaults) {
   EXPECT_DOUBLE_EQ(scene.stents.at("s").hoop_stiffness, 0.22 * 1.5 / 0.03) << "Laplace: radial strength";
   EXPECT_TRUE(std::isinf(scene.wall.plaque[3].yield_strain));
   EXPECT_EQ(scene.settings["numerics"]["region_margin_mm"], 6);
+  EXPECT_FALSE(scene.balloons.at("b").folding.has_value()) << "off unless it is asked for";
+  json folded = good_scene();
+  folded["devices"]["b"]["folding"] = {{"wrap", "clockwise"}};
+  const auto folding = read(folded).balloons.at("b").folding;
+  ASSERT_TRUE(folding.has_value());
+  EXPECT_EQ(folding->wings, 3);
+  EXPECT_TRUE(folding->clockwise);
 }
 
 TEST(Scene, RefusesBadValuesWithTheirKey) {
@@ -96,6 +103,9 @@ TEST(Scene, RefusesBadValuesWithTheirKey) {
   expect("/devices/s/balloon", "c", "delivery balloon");
   expect("/devices/s/kind", "laser", "kind of device");
   expect("/devices/b/chart/diameter_mm", {2.8, 2.7, 3.2}, "chart");
+  expect("/devices/b/folding", {{"wings", 7}}, "folding.wings");
+  expect("/devices/b/folding", {{"wrap", "left"}}, "folding.wrap");
+  expect("/devices/b/folding", {{"pleats", 3}}, "pleats");
   expect("/procedure/0/action", "pray", "action");
   expect("/procedure/0/devices/0/device", "x", "does not define");
   expect("/procedure/0/devices/0/pressure_bar", 39, "burst");
