@@ -24,7 +24,7 @@ TITLES = {
     "flow_against_openfoam": (
         "Blood flow: speed against error beside OpenFOAM",
         "A row is a mesh of the same narrowed tube; errors of FFR are against an axisymmetric solution. Settled: the "
-        "solve's seconds until FFR kept its value.",
+        "solve's seconds until FFR kept its value; where it did not converge FFR is a mean over iterations.",
     ),
     "anatomy_speed": (
         "Anatomy: seconds against input size",
@@ -57,12 +57,13 @@ UNITS = {
 WORDS = {"ffr": "FFR", "csa": "CSA", "mla": "MLA", "cpu": "CPU", "cg": "CG", "1d": "1D", "mib": "MiB"}
 ALONE = {"mib": "memory (MiB)"}
 MOST_ROWS = 200
+SHORT = 7  # characters
 
 
 def benchmarks(folder):
     """[{name, title, text, tables, figures}] of the benchmarks in `folder` that were run, in the order of TITLES.
 
-    A table is {name, columns, rows}: texts as in the CSV, numbers shortened to four digits; a column is {heading, text:
+    A table is {name, columns, rows}: texts as in the CSV, long numbers to four digits; a column is {heading, text:
     whether it holds words}. Columns without a value are left out. Folders of other names come
     last under their own name. Raises InputError for a table without a header.
     """
@@ -124,7 +125,7 @@ def is_number(value):
 
 
 def shortened(value):
-    """A number with at most four digits, any other text as it is."""
-    if not is_number(value) or value.lstrip("-").isdigit():
+    """A number as it is where it is short, else with four digits; any other text as it is."""
+    if len(value) <= SHORT or not is_number(value) or value.lstrip("-").isdigit():
         return value
     return f"{float(value):.4g}"
