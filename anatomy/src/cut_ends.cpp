@@ -1,9 +1,8 @@
 #include "cut_ends.hpp"
 #include "common/error.hpp"
 #include "inner_balls.hpp"
+#include "plane_cut.hpp"
 #include "tips.hpp"
-#include <CGAL/Polygon_mesh_processing/connected_components.h>
-#include <CGAL/Polygon_mesh_processing/corefinement.h>
 #include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/repair.h>
 #include <algorithm>
@@ -17,10 +16,9 @@ using common::InputError;
 constexpr double least_prominence = 2;   // mean radii that a vessel must stand out by to have an end of its own
 constexpr double behind_last_ball = 0.5; // radii from its centre to the cut: the plane may tilt by 26 degrees
 constexpr double still_widening = 1.15;  // growth of the radius over one radius of a tip that tapers
-constexpr double half_width = 2;         // of the cutting square, in radii: wide enough for ovals, not for neighbours
 constexpr double band = 0.6;             // radii before and behind a cut in which the wall shows the axis
 constexpr double cos_agree = 0.87;       // 30 degrees
-constexpr double at_end = 1.4;           // radii from an end's centre to a tip that is its rim's
+constexpr double beside_end = 0.4;       // radii from an end's rim to a tip that is the rim's
 constexpr double beside_rough = 0.1;     // radii; where noise has left a vertex without a ball of its own
 constexpr double reach = 3;              // radii within which a point names a tip or a place on the axis
 
@@ -59,9 +57,33 @@ Way way_from(const Balls& balls, const Ways& ways, std::size_t ball) {
   return way;
 }
 
-bool at_an_end(const Vec3& p, const std::vector<End>& ends) {
-  return std::any_of(ends.begin(), ends.end(),
-                     [&](const End& end) { return (p - end.centre).norm() < at_end * end.radius(); });
+// Places round which what stands out of the wall is an end's rim: each end's centre, and how far it reaches from there.
+struct EndReach {
+  const End* end;
+  double reach; // mm: to the farthest point of the rim, which of an oval is well beyond its radius, and a little more
+};
+
+std::vector<EndReach> reaches_of(const Mesh& mesh, const std::vector<End>& ends) {
+  std::map<int, EndReach> found;
+  for (const End& end : ends)
+    found[end.region] = {&end, 0};
+  const RegionMap region = region_map(mesh);
+  for (Face f : mesh.faces())
+    if (const auto it = found.find(region[f]); it != found.end())
+      for (Vertex v : mesh.vertices_around_face(mesh.halfedge(f)))
+        it->second.reach = std::max(it->second.reach, (vec(mesh.point(v)) - it->second.end->centre).norm());
+  std::vector<EndReach> reaches;
+  for (const auto& [tag, at] : found)
+    reaches.push_back({at.end, at.reach + beside_end * at.end->radius()});
+  return reaches;
+}
+
+// The end whose rim p is near, or none.
+const End* end_at(const Vec3& p, const std::vector<EndReach>& reaches) {
+  for (const auto& [end, far] : reaches)
+    if ((p - end->centre).norm() < far)
+      return end;
+  return nullptr;
 }
 
 // The largest of the balls whose surface is within `near` radii of p; their number if there is none.
@@ -87,11 +109,9 @@ std::size_t last_ball(const Mesh& mesh, const Balls& balls, Vertex tip) {
 }
 
 // The ball at a tip, whether a cap ends it or not.
-std::size_t ball_of(const Mesh& mesh, const Balls& balls, const std::vector<End>& ends, Vertex tip) {
-  for (const End& end : ends)
-    if (at_an_end(vec(mesh.point(tip)), {end}))
-      return ball_at(balls, end);
-  return last_ball(mesh, balls, tip);
+std::size_t ball_of(const Mesh& mesh, const Balls& balls, const std::vector<EndReach>& reaches, Vertex tip) {
+  const End* end = end_at(vec(mesh.point(tip)), reaches);
+  return end ? ball_at(balls, *end) : last_ball(mesh, balls, tip);
 }
 
 double cut_place(const Way& way) {
@@ -101,11 +121,6 @@ double cut_place(const Way& way) {
       return way.s[i];
   return 0.5 * way.length();
 }
-
-struct Plane {
-  Vec3 centre, normal; ///< the normal points along the way, away from the tip
-  double radius;
-};
 
 // Across the direction to which the wall's normals about the cut are most nearly perpendicular: the balls scatter too
 // much to show it within a degree. Where these disagree with the way (a side branch beside the cut), the way decides.
@@ -130,97 +145,16 @@ Plane plane_across(const Mesh& mesh, const Way& way, double where) {
   return {centre, normal.dot(along) > cos_agree ? normal : along, r};
 }
 
-// Faces made by a cut take the tag of the face they come from.
-struct KeepTags : PMP::Corefinement::Default_visitor<Mesh> {
-  RegionMap region;
-  Mesh* mesh = nullptr;
-  int tag = 0;
-  void before_subface_creations(Face f, Mesh& m) {
-    if (&m == mesh)
-      tag = region[f];
-  }
-  void after_subface_created(Face f, Mesh& m) {
-    if (&m == mesh)
-      region[f] = tag;
-  }
-};
-
-// Faces reached from `from` without crossing a marked edge.
-template <class Marked> std::vector<Face> side_of(const Mesh& mesh, const Marked& marked, Face from) {
-  std::vector<bool> seen(mesh.num_faces(), false);
-  std::vector<Face> faces{from};
-  seen[from] = true;
-  for (std::size_t i = 0; i < faces.size(); ++i)
-    for (Halfedge h : mesh.halfedges_around_face(mesh.halfedge(faces[i]))) {
-      const Face g = mesh.face(mesh.opposite(h));
-      if (g != Mesh::null_face() && !marked[mesh.edge(h)] && !seen[g]) {
-        seen[g] = true;
-        faces.push_back(g);
-      }
-    }
-  return faces;
-}
-
-// Drops the side of the plane that holds `tip`, or the smaller one without a tip; the opening is the only one it makes.
-double cut(Mesh& mesh, const Plane& plane, Vertex tip, const std::string& remedy) {
-  Mesh square;
-  const Vec3 u = half_width * plane.radius * plane.normal.unitOrthogonal(), v = plane.normal.cross(u);
-  std::array<Vertex, 4> corner;
-  for (int k = 0; k < 4; ++k)
-    corner[static_cast<std::size_t>(k)] =
-        square.add_vertex(point(plane.centre + (k == 0 || k == 3 ? -u : u) + (k < 2 ? -v : v)));
-  square.add_face(corner[0], corner[1], corner[2]);
-  square.add_face(corner[0], corner[2], corner[3]);
-  auto marked = mesh.add_property_map<Edge, bool>("e:cut", false).first;
-  KeepTags visitor;
-  visitor.region = region_map(mesh);
-  visitor.mesh = &mesh;
-  PMP::corefine(mesh, square, CGAL::parameters::edge_is_constrained_map(marked).visitor(visitor));
-  // the cut's own loop is the one nearest to the axis
-  Edge nearest;
-  double least = 1e300;
-  for (Edge e : mesh.edges())
-    if (const double d = (vec(mesh.point(mesh.vertex(e, 0))) - plane.centre).norm(); marked[e] && d < least) {
-      least = d;
-      nearest = e;
-    }
-  const auto refuse = [&] {
-    throw InputError("a plane across the vessel does not separate its end", place(plane.centre),
-                     "radius " + std::to_string(plane.radius) + " mm", remedy);
-  };
-  if (least > 1e299)
-    refuse();
-  std::vector<Face> drop = side_of(mesh, marked, mesh.face(mesh.halfedge(nearest)));
-  std::vector<Face> other = side_of(mesh, marked, mesh.face(mesh.opposite(mesh.halfedge(nearest))));
-  const auto holds = [&](const std::vector<Face>& faces) {
-    return std::any_of(faces.begin(), faces.end(), [&](Face f) {
-      const auto corners = mesh.vertices_around_face(mesh.halfedge(f));
-      return std::find(corners.begin(), corners.end(), tip) != corners.end();
-    });
-  };
-  if (tip == Mesh::null_vertex() ? PMP::area(other, mesh) < PMP::area(drop, mesh) : holds(other))
-    std::swap(drop, other);
-  if (tip != Mesh::null_vertex() && (!holds(drop) || holds(other)))
-    refuse();
-  const double lost = PMP::area(drop, mesh);
-  if (lost > 0.5 * PMP::area(mesh)) // both sides hang together somewhere else
-    refuse();
-  for (Face f : drop)
-    CGAL::Euler::remove_face(mesh.halfedge(f), mesh);
-  PMP::keep_largest_connected_components(mesh, 1); // bumps of a rough wall that the plane cuts off stand alone now
-  mesh.remove_property_map(marked);
-  return lost;
-}
-
 double mean_radius(const Mesh& mesh) {
   return 2 * std::abs(PMP::volume(mesh)) / PMP::area(mesh);
 }
 
-void report_cut(std::vector<Repair>& repairs, const std::string& what, const Plane& plane, double lost) {
-  char detail[160];
-  std::snprintf(detail, sizeof detail, "radius %.3f mm at %s, %.2f mm2 of wall dropped", plane.radius,
-                place(plane.centre).c_str(), lost);
-  repairs.push_back({what, 1, detail});
+void report_short(std::vector<Repair>& repairs, const Vec3& tip, const Way& way) {
+  char detail[192];
+  std::snprintf(detail, sizeof detail,
+                "at %s, radius %.3f mm: its axis is %.3f mm long, less than its radius; taken as wall",
+                place(tip).c_str(), way.radius.front(), way.length());
+  repairs.push_back({"short tip left closed", 1, detail, true});
 }
 
 } // namespace
@@ -229,9 +163,10 @@ bool cut_tips(Mesh& mesh, const std::vector<End>& ends, const std::vector<Vec3>&
   PMP::remove_isolated_vertices(mesh);
   mesh.collect_garbage(); // indices count on from zero
   const std::vector<Tip> tips = tips_of(mesh, least_prominence * mean_radius(mesh));
+  const std::vector<EndReach> reaches = reaches_of(mesh, ends);
   std::vector<Vertex> rounded;
   for (const Tip& tip : tips)
-    if (!at_an_end(vec(mesh.point(tip.vertex)), ends))
+    if (!end_at(vec(mesh.point(tip.vertex)), reaches))
       rounded.push_back(tip.vertex);
   if (rounded.empty() || tips.size() < 2)
     return false;
@@ -241,7 +176,7 @@ bool cut_tips(Mesh& mesh, const std::vector<End>& ends, const std::vector<Vec3>&
     const std::size_t ball = last_ball(mesh, balls, tip);
     const Vec3 p = vec(mesh.point(tip));
     const bool asked = std::any_of(wanted.begin(), wanted.end(), [&](const Vec3& w) {
-      return (w - p).norm() < (1 + reach) * balls.radius[ball] && !at_an_end(w, ends);
+      return (w - p).norm() < (1 + reach) * balls.radius[ball] && !end_at(w, reaches);
     });
     if (ends.size() >= 2 && !asked) {
       repairs.push_back(
@@ -251,9 +186,11 @@ bool cut_tips(Mesh& mesh, const std::vector<End>& ends, const std::vector<Vec3>&
       continue;
     }
     const auto from = tip == tips[0].vertex ? tips[1].vertex : tips[0].vertex;
-    const Way way = way_from(balls, cheapest_ways(balls, ball_of(mesh, balls, ends, from)), ball);
-    if (way.length() < way.radius.front()) // a ball has tips but no vessel between them
+    const Way way = way_from(balls, cheapest_ways(balls, ball_of(mesh, balls, reaches, from)), ball);
+    if (way.length() < way.radius.front()) { // a ball has tips but no vessel between them
+      report_short(repairs, p, way);
       continue;
+    }
     cuts.emplace_back(tip, plane_across(mesh, way, cut_place(way)));
   }
   for (const auto& [tip, plane] : cuts)
@@ -270,11 +207,12 @@ void cut_across(Mesh& mesh, const std::vector<End>& ends, const std::vector<Vec3
   mesh.collect_garbage();
   const std::vector<Tip> tips = tips_of(mesh, least_prominence * mean_radius(mesh));
   const Balls balls = inner_balls(mesh, ends);
+  const std::vector<EndReach> reaches = reaches_of(mesh, ends);
   std::vector<Way> ways;
   if (tips.size() >= 2) {
-    const Ways from_tip = cheapest_ways(balls, ball_of(mesh, balls, ends, tips[0].vertex));
+    const Ways from_tip = cheapest_ways(balls, ball_of(mesh, balls, reaches, tips[0].vertex));
     for (std::size_t t = 1; t < tips.size(); ++t)
-      ways.push_back(way_from(balls, from_tip, ball_of(mesh, balls, ends, tips[t].vertex)));
+      ways.push_back(way_from(balls, from_tip, ball_of(mesh, balls, reaches, tips[t].vertex)));
   }
   for (const Vec3& p : points) {
     const Way* nearest = nullptr;

@@ -79,39 +79,45 @@ std::map<std::size_t, std::vector<Face>> cap_patches(Mesh& mesh) {
   return caps;
 }
 
+// Moves the loop's corners onto its plane; returns the largest move in mm.
+double onto_plane(Mesh& mesh, const Loop& loop) {
+  double farthest = 0;
+  for (Vertex v : CGAL::vertices_around_face(loop.halfedge, mesh)) {
+    const Vec3 p = vec(mesh.point(v));
+    const double off = loop.normal.dot(Vec3(p - loop.centre));
+    mesh.point(v) = point(p - off * loop.normal);
+    farthest = std::max(farthest, std::abs(off));
+  }
+  return farthest;
+}
+
 } // namespace
 
-void cap_open_ends(Mesh& mesh, std::vector<Repair>& repairs) {
+std::vector<OpenEnd> cap_open_ends(Mesh& mesh, std::vector<Repair>& repairs) {
   RegionMap region = region_map(mesh);
+  std::vector<OpenEnd> open;
   int next = 0;
   for (Face f : mesh.faces())
     next = std::max(next, region[f]);
   for (const Loop& loop : boundary_loops(mesh)) {
-    const double radius = std::sqrt(loop.area / M_PI);
-    double farthest = 0;
-    for (Vertex v : CGAL::vertices_around_face(loop.halfedge, mesh))
-      farthest = std::max(farthest, std::abs(loop.normal.dot(Vec3(vec(mesh.point(v)) - loop.centre))));
-    if (farthest > 0.25 * radius)
-      throw InputError("an open end is not cut flat", place(loop.centre),
-                       "rim up to " + std::to_string(farthest) + " mm from its plane, radius " +
-                           std::to_string(radius) + " mm",
-                       "cut the end by a plane across the vessel");
-    for (Vertex v : CGAL::vertices_around_face(loop.halfedge, mesh)) {
-      const Vec3 p = vec(mesh.point(v));
-      mesh.point(v) = point(p - loop.normal.dot(Vec3(p - loop.centre)) * loop.normal);
-    }
-    const std::vector<Face> faces = capped(mesh, loop);
+    OpenEnd end = open_end(mesh, loop);
+    const double farthest = end.ragged ? 0 : onto_plane(mesh, loop);
+    const std::vector<Face> faces = end.ragged ? closed_as_it_is(mesh, loop, end) : capped(mesh, loop);
     if (faces.empty())
       throw InputError("an open end cannot be closed", place(loop.centre),
                        std::to_string(loop.halfedges) + " edges round it", "cut the end by a plane across the vessel");
-    ++next;
-    for (Face f : faces)
-      region[f] = next;
-    char detail[128];
-    std::snprintf(detail, sizeof detail, "radius %.3f mm at %s, rim moved %.4f mm", radius, place(loop.centre).c_str(),
-                  farthest);
-    repairs.push_back({"open end capped", 1, detail});
+    if (!end.ragged) {
+      end.tag = ++next;
+      for (Face f : faces)
+        region[f] = next;
+      char detail[128];
+      std::snprintf(detail, sizeof detail, "radius %.3f mm at %s, rim moved %.4f mm", std::sqrt(loop.area / M_PI),
+                    place(loop.centre).c_str(), farthest);
+      repairs.push_back({"open end capped", 1, detail});
+    }
+    open.push_back(end);
   }
+  return open;
 }
 
 void tag_from_soup(Mesh& mesh, const Soup& soup) {
@@ -128,7 +134,7 @@ void tag_from_soup(Mesh& mesh, const Soup& soup) {
   }
 }
 
-void drop_scraps_of_caps(Mesh& mesh, std::vector<Repair>& repairs) {
+void drop_scraps_of_caps(Mesh& mesh, const std::set<int>& single, std::vector<Repair>& repairs) {
   RegionMap region = region_map(mesh);
   const auto patches = cap_patches(mesh);
   std::map<int, double> largest;
@@ -136,22 +142,24 @@ void drop_scraps_of_caps(Mesh& mesh, std::vector<Repair>& repairs) {
     largest[region[faces[0]]] = std::max(largest[region[faces[0]]], measured(mesh, faces).area);
   for (const auto& [id, faces] : patches)
     if (const End end = measured(mesh, faces);
-        end.area < largest[region[faces[0]]] && end.radius() < smallest_end) { // its shadow: scraps are crumpled
+        end.area < largest[region[faces[0]]] && // its shadow: scraps are crumpled
+        (end.radius() < smallest_end || single.contains(region[faces[0]]))) {
       repairs.push_back({"scrap of a cap taken as wall", faces.size(), "at " + place(centroid(mesh, faces[0]))});
       for (Face f : faces)
         region[f] = 0;
     }
 }
 
-double flatten_caps(Mesh& mesh) {
-  double largest = 0;
+Move flatten_caps(Mesh& mesh) {
+  Move largest;
   for (const auto& [id, faces] : faces_by_region(mesh)) {
     const End end = measured(mesh, faces);
     for (Vertex v : vertices_of(mesh, faces)) {
       const Vec3 p = vec(mesh.point(v));
       const double off = end.normal.dot(Vec3(p - end.centre));
       mesh.point(v) = point(p - off * end.normal);
-      largest = std::max(largest, std::abs(off));
+      if (std::abs(off) > largest.distance)
+        largest = {std::abs(off), vec(mesh.point(v))};
     }
   }
   return largest;

@@ -1,14 +1,17 @@
 // The flat ends of the lumen: found, flattened, measured, and named once the tree is known.
 #pragma once
+#include "ragged_ends.hpp"
 #include "types.hpp"
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 
 namespace anatomy {
 
 /// Closes every open end with a flat cap (its rim is moved onto its least-squares plane first) and tags the cap's faces
-/// 1, 2, ... after the regions in use. Throws InputError if a rim is farther than 0.25 of its radius from its plane.
-void cap_open_ends(Mesh& mesh, std::vector<Repair>& repairs);
+/// 1, 2, ... after the regions in use. Rims that this would crumple are closed as they are, without a tag. Returns what
+/// cut_ragged needs. Throws InputError if a rim is too ragged for that, or cannot be closed.
+std::vector<OpenEnd> cap_open_ends(Mesh& mesh, std::vector<Repair>& repairs);
 
 /// Tags the flat end caps of a closed mesh by shape: planar patches (within 12 degrees and 3 % of their size), round,
 /// from whose rim the wall leaves along the normal, and of at least this radius (mm). A patch already tagged is left
@@ -19,11 +22,17 @@ void tag_flat_caps(Mesh& mesh, double least_radius = 0);
 void tag_from_soup(Mesh& mesh, const Soup& soup);
 
 /// Tags as wall what is apart from a larger cap of the same tag and below smallest_end in radius, as the removal of
-/// self-intersections leaves beside a rim.
-void drop_scraps_of_caps(Mesh& mesh, std::vector<Repair>& repairs);
+/// self-intersections leaves beside a rim; of the tags `single`, which one cap each has, whatever its radius.
+void drop_scraps_of_caps(Mesh& mesh, const std::set<int>& single, std::vector<Repair>& repairs);
 
-/// Moves the vertices of each tagged cap onto the cap's plane; returns the largest move in mm.
-double flatten_caps(Mesh& mesh);
+/// How far the largest move went, and where to.
+struct Move {
+  double distance = 0; ///< mm
+  Vec3 to = Vec3::Zero();
+};
+
+/// Moves the vertices of each tagged cap onto the cap's plane; returns the largest move.
+Move flatten_caps(Mesh& mesh);
 
 /// The ends by their tags, one per connected cap; retags them 1, 2, ... by falling area.
 std::vector<End> measured_ends(Mesh& mesh);

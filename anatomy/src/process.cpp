@@ -1,5 +1,6 @@
 #include "process.hpp"
 #include "cap_files.hpp"
+#include "checks.hpp"
 #include "coarse_mask.hpp"
 #include "common/error.hpp"
 #include "cut_ends.hpp"
@@ -10,8 +11,8 @@
 #include "refine.hpp"
 #include "repair.hpp"
 #include "section_noise.hpp"
+#include "spikes.hpp"
 #include "surface_file.hpp"
-#include "tips.hpp"
 #include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/repair.h>
 #include <filesystem>
@@ -28,7 +29,6 @@ using common::InputError;
 constexpr double finest_start = 0.05;     // mm
 constexpr double most_triangles = 250000; // of a mesh to start from: some 20 s
 constexpr double smallest_cap = 1.5;      // voxels: a thin lumen of voxels has facets as large as one on its wall
-constexpr long few_rings = 4;             // more are not vessels that touch
 
 // Whether a mesh of this edge (mm) may be tried where a coarser one fails.
 bool may_start_from(double edge, const Mesh& surface) {
@@ -65,6 +65,13 @@ void say_warnings(const std::vector<Repair>& repairs, std::size_t from) {
       std::cerr << "lumen: warning: " << repairs[i].what << ": " << repairs[i].detail << '\n';
 }
 
+std::set<int> tags_of(const std::vector<OpenEnd>& open) {
+  std::set<int> tags;
+  for (const OpenEnd& end : open)
+    tags.insert(end.tag);
+  return tags;
+}
+
 // Tags as numbered by the tree, instead of by area.
 void retag(Mesh& mesh, const std::vector<End>& ends, const std::vector<End>& before) {
   RegionMap region = region_map(mesh);
@@ -88,26 +95,6 @@ void cut_flat(Prepared& out, const Options& options) {
     return;
   cap_open_ends(out.mesh, out.repairs);
   out.ends = measured_ends(out.mesh);
-}
-
-// Vessels that fuse beside each other, as hairpins do in a segmentation, leave a closed surface with a handle.
-void check_no_handle(Mesh& mesh) {
-  PMP::remove_isolated_vertices(mesh);
-  mesh.collect_garbage();
-  const auto places = places_on_handles(mesh);
-  if (places.empty())
-    return;
-  const long euler =
-      static_cast<long>(mesh.number_of_vertices() + mesh.number_of_faces()) - static_cast<long>(mesh.number_of_edges());
-  if (euler > 2)
-    throw InputError("the surface falls into pieces", "near " + place(vec(mesh.point(places[0]))),
-                     "Euler number " + std::to_string(euler), "smooth or re-segment the surface there");
-  const long rings = 1 - euler / 2;
-  throw InputError(rings > 1 ? "the lumen forms " + std::to_string(rings) + " rings, as no coronary tree does"
-                             : "the lumen forms a ring, as no coronary tree does",
-                   "near " + place(vec(mesh.point(places[0]))), "Euler number " + std::to_string(euler),
-                   rings > few_rings ? "smooth or re-segment the surface: so many are noise as large as its triangles"
-                                     : "separate the vessels that touch there, or fill the hole through the lumen");
 }
 
 // Which end is which: as in the earlier state, by the given caps, by the given points, or by size.
@@ -194,25 +181,25 @@ Prepared prepare(const Options& options, StepTimer& timer) {
   if (!soup.region.empty())
     tag_from_soup(out.mesh, soup);
   timer.start("ends");
-  cap_open_ends(out.mesh, out.repairs);
+  const std::vector<OpenEnd> open = cap_open_ends(out.mesh, out.repairs);
   orient_outward(out.mesh, out.repairs);
   remove_small_handles(out.mesh, out.repairs);
   check_no_handle(out.mesh); // what follows keeps those there are, and takes long where there are many
   timer.start("self-intersections");
   remove_self_intersections(out.mesh, out.repairs);
   check_no_handle(out.mesh);
-  drop_scraps_of_caps(out.mesh, out.repairs);
+  drop_scraps_of_caps(out.mesh, tags_of(open), out.repairs);
+  cut_ragged(out.mesh, open, out.repairs);
   timer.start("caps");
   if (!caps.empty())
     tag_given_caps(out.mesh, caps);
   else if (soup.region.empty())
     tag_flat_caps(out.mesh, smallest_cap * voxel_edge(out.input));
+  flatten_spikes(out.mesh, out.repairs);
   out.ends = measured_ends(out.mesh);
   cut_flat(out, options);
   check_no_handle(out.mesh);
-  const double moved = flatten_caps(out.mesh);
-  if (moved > 1e-3)
-    out.repairs.push_back({"caps flattened", out.ends.size(), "moved up to " + std::to_string(moved) + " mm"});
+  report_move(out.repairs, flatten_caps(out.mesh), out.ends.size());
   check_mean_radius(2 * PMP::volume(out.mesh) / PMP::area(out.mesh), options.units, options.input);
   out.given = out.mesh;
   if (is_coarse(out.mesh))
@@ -233,6 +220,7 @@ Anatomy process(const Options& options, StepTimer& timer) {
   out.edge = options.edge;
   out.repairs = prepared.repairs;
   out.ends = prepared.ends;
+  check_ends_seen(prepared.mesh, prepared.ends);
   const Naming naming = named(out.ends, options, like);
   timer.start("extend");
   prepared.mesh = extended(prepared.mesh, out.ends, extensions(options, out.ends.size(), naming.inlet));
@@ -251,16 +239,19 @@ Anatomy process(const Options& options, StepTimer& timer) {
   timer.start("sections");
   out.sections = cut_sections(prepared.mesh, out.branches, out.ends);
   smooth_noisy_areas(out.branches, out.sections, out.repairs);
-  const std::size_t said = out.repairs.size();
+  std::size_t said = out.repairs.size();
   warn_of_few_voxels(out.branches, out.sections, voxel_edge(prepared.input), out.repairs);
-  say_warnings(out.repairs, said);
   timer.start("lesions");
   out.profiles = reference_profiles(out.branches, out.sections, out.repairs);
+  say_warnings(out.repairs, said);
   out.lesions = find_lesions(out.branches, out.sections, out.profiles);
   timer.start("grade");
   retag(prepared.mesh, out.ends, before);
   out.mesh = graded_mesh(start, kept, prepared.mesh, EdgeField(options.edge, out.branches, out.profiles));
   out.quality = quality_of(out.mesh);
+  said = out.repairs.size();
+  warn_of_corner(out.repairs, out.quality);
+  say_warnings(out.repairs, said);
   timer.start("arrays");
   out.arrays = arrays_of(out.mesh, out.branches, out.profiles, prepared.input);
   return out;

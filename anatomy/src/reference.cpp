@@ -1,14 +1,18 @@
 #include "reference.hpp"
 #include <algorithm>
+#include <optional>
 
 namespace anatomy {
 namespace {
 
 constexpr double flow_exponent = 2.55;
-constexpr double quantile = 0.75;   // of the diameters, where the first fit lies
-constexpr double band = 0.03;       // of the diameter: sections this near to the profile count as healthy
-constexpr std::size_t fewest = 8;   // sections for a profile
-constexpr double least_share = 0.1; // a profile may not lose more than all but this of D^m to its side branches
+constexpr double upper = 0.75;          // quantile of the diameters where the first fit lies: narrowings do not move it
+constexpr double middle = 0.5;          // where it lies if a dilatation has
+constexpr double band = 0.03;           // of the diameter: sections this near to the profile count as healthy
+constexpr std::size_t fewest = 8;       // sections for a profile
+constexpr double least_widening = 1.15; // of a dilatation: an ostium's sections may be 8 % too wide
+constexpr double many_more = 1.25;      // healthy sections beside a dilatation than the envelope finds
+constexpr double least_share = 0.1;     // a profile may not lose more than all but this of D^m to its side branches
 
 // What the branches that leave before s carry, in mm^m.
 double carried_off(const std::vector<std::pair<double, double>>& sides, double s) {
@@ -34,7 +38,8 @@ void fit(ReferenceProfile& profile, const std::vector<Calibre>& trunk, const std
 }
 
 // Quantile regression by iteratively reweighted least squares, then least squares of the sections near that line.
-ReferenceProfile fitted(const std::vector<Calibre>& measured, std::vector<std::pair<double, double>> sides) {
+ReferenceProfile fitted(const std::vector<Calibre>& measured, std::vector<std::pair<double, double>> sides,
+                        double quantile = upper) {
   std::vector<Calibre> trunk = measured;
   for (Calibre& c : trunk)
     c.diameter = std::pow(std::pow(c.diameter, flow_exponent) + carried_off(sides, c.s), 1 / flow_exponent);
@@ -62,6 +67,41 @@ std::size_t healthy(const ReferenceProfile& profile, const std::vector<Calibre>&
   return static_cast<std::size_t>(std::count_if(measured.begin(), measured.end(), [&](const Calibre& c) {
     return std::abs(c.diameter - profile.diameter(c.s)) < band * c.diameter;
   }));
+}
+
+// The stretch of the sections wider than the profile, if there are at least `fewest` healthy ones before and after it.
+std::optional<std::pair<double, double>> dilatation(const ReferenceProfile& profile,
+                                                    const std::vector<Calibre>& measured) {
+  const auto wide = [&](const Calibre& c) { return c.diameter > profile.diameter(c.s) / (1 - band); };
+  const auto first = std::find_if(measured.begin(), measured.end(), wide);
+  const auto last = std::find_if(measured.rbegin(), measured.rend(), wide).base();
+  if (first == measured.end() || healthy(profile, {measured.begin(), first}) < fewest ||
+      healthy(profile, {last, measured.end()}) < fewest)
+    return std::nullopt;
+  return std::pair{first->s, (last - 1)->s};
+}
+
+// The upper envelope, unless it follows a dilatation: a stretch wider than the vessel is on both sides of it.
+ReferenceProfile beside_dilatations(const std::vector<Calibre>& measured, const Branch& branch,
+                                    std::vector<Repair>& notes) {
+  const ReferenceProfile envelope = fitted(measured, {}), low = fitted(measured, {}, middle);
+  const auto wide = dilatation(low, measured);
+  if (!wide)
+    return envelope;
+  double widest = 0, widening = 0;
+  for (const Calibre& c : measured)
+    if (c.s >= wide->first && c.s <= wide->second) {
+      widest = std::max(widest, c.diameter);
+      widening = std::max(widening, c.diameter / low.diameter(c.s));
+    }
+  if (widening < least_widening ||
+      static_cast<double>(healthy(low, measured)) < many_more * static_cast<double>(healthy(envelope, measured)))
+    return envelope;
+  char detail[192];
+  std::snprintf(detail, sizeof detail, "%s from %.1f to %.1f mm along it: up to %.2f mm wide, %.2f mm beside it",
+                branch.name.c_str(), wide->first, wide->second, widest, low.diameter(wide->first));
+  notes.push_back({"dilatation left out of the reference", 1, detail, true});
+  return low;
 }
 
 ReferenceProfile constant(const Branch& branch) {
@@ -114,7 +154,7 @@ std::vector<ReferenceProfile> reference_profiles(const std::vector<Branch>& bran
     for (std::size_t k = 0; k < branches.size(); ++k)
       if (branches[k].parent == branches[b].id)
         sides.emplace_back(branches[k].s_on_parent, profiles[k].diameter(branches[k].s_outside));
-    profiles[b] = fitted(measured, {});
+    profiles[b] = beside_dilatations(measured, branches[b], notes);
     if (sides.empty())
       continue;
     const ReferenceProfile stepped = fitted(measured, sides);

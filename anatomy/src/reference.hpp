@@ -14,9 +14,10 @@ struct ReferenceProfile {
 };
 
 /// One profile per branch, fitted robustly to the upper envelope of the sections away from the ends, so that
-/// narrowings, bulges and ostia do not move it; steps at the side branches are kept if they bring more sections to the
-/// profile. A branch with fewer than 8 such sections has a constant profile, twice the median of its inscribed radius;
-/// that is said in `notes`.
+/// narrowings and ostia do not move it, and through the middle of them where that finds more healthy sections, on both
+/// sides of a stretch wider than these: a dilatation, warned of in `notes`. Steps at the side branches are kept if they
+/// bring more sections to the profile. A branch with fewer than 8 such sections has a constant profile, twice the
+/// median of its inscribed radius; that is said in `notes`.
 std::vector<ReferenceProfile> reference_profiles(const std::vector<Branch>& branches,
                                                  const std::vector<Section>& sections, std::vector<Repair>& notes);
 

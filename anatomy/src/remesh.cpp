@@ -109,8 +109,10 @@ Quality quality_of(const Mesh& mesh) {
   for (Face f : mesh.faces()) {
     const double angle = smallest_corner(mesh, f);
     quality.min_angle_rim_deg = std::min(quality.min_angle_rim_deg, angle);
-    if (!touches_cap(mesh, f))
-      quality.min_angle_deg = std::min(quality.min_angle_deg, angle);
+    if (angle < quality.min_angle_deg && !touches_cap(mesh, f)) {
+      quality.min_angle_deg = angle;
+      quality.min_angle_at = vec(mesh.point(mesh.target(mesh.halfedge(f))));
+    }
   }
   quality.volume_mm3 = PMP::volume(mesh);
   return quality;

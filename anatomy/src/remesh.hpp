@@ -29,8 +29,9 @@ double smallest_corner(const Mesh& mesh, Face f);
 bool touches_cap(const Mesh& mesh, Face f);
 
 struct Quality {
-  double min_angle_deg = 0;     ///< smallest corner of a wall triangle away from the rims
-  double min_angle_rim_deg = 0; ///< smallest corner of all triangles
+  double min_angle_deg = 0;         ///< smallest corner of a wall triangle away from the rims
+  Vec3 min_angle_at = Vec3::Zero(); ///< its place, mm
+  double min_angle_rim_deg = 0;     ///< smallest corner of all triangles
   double smallest_edge_mm = 0;
   double volume_mm3 = 0;
 };

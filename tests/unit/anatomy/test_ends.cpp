@@ -48,13 +48,35 @@ TEST(Ends, FlatCapsAreFoundByShape) {
   expect_the_cones_ends(measured_ends(mesh));
 }
 
-TEST(Ends, ASlantedRimIsRefusedWithItsPlace) {
+// The cone, open, with the half of its inlet's rim moved this far outwards.
+Mesh stepped(double step) {
   Mesh mesh = cone(false);
   for (Vertex v : mesh.vertices())
     if (mesh.is_border(v) && mesh.point(v).x() < 1 && mesh.point(v).y() > 0)
-      mesh.point(v) = Point(-1.5, mesh.point(v).y(), mesh.point(v).z());
+      mesh.point(v) = Point(-step, mesh.point(v).y(), mesh.point(v).z());
+  return mesh;
+}
+
+TEST(Ends, ARimSteppedByMoreThanItsRadiusIsRefusedWithItsPlace) {
+  Mesh mesh = stepped(2.5);
   std::vector<Repair> repairs;
   EXPECT_THROW(cap_open_ends(mesh, repairs), common::InputError);
+}
+
+TEST(Ends, ASteppedRimIsCutBehindItsStep) {
+  Mesh mesh = stepped(0.8);
+  std::vector<Repair> repairs;
+  const std::vector<OpenEnd> open = cap_open_ends(mesh, repairs);
+  orient_outward(mesh, repairs);
+  EXPECT_EQ(std::count_if(open.begin(), open.end(), [](const OpenEnd& end) { return end.ragged; }), 1);
+  cut_ragged(mesh, open, repairs);
+  EXPECT_TRUE(shapes::reported(repairs, "ragged end cut flat"));
+  EXPECT_TRUE(CGAL::is_closed(mesh));
+  const std::vector<End> ends = measured_ends(mesh);
+  ASSERT_EQ(ends.size(), 2u);
+  EXPECT_GT(ends[0].centre.x(), 0);
+  EXPECT_LT(ends[0].centre.x(), 0.8);
+  EXPECT_NEAR(ends[0].radius(), 1.6 - ends[0].centre.x() / 30, 0.05);
 }
 
 TEST(Ends, RemeshingKeepsTagsFlatnessAndQuality) {
@@ -64,7 +86,7 @@ TEST(Ends, RemeshingKeepsTagsFlatnessAndQuality) {
   for (double edge : {0.5, 0.25}) {
     Mesh fine = remeshed(mesh, edge, mesh);
     expect_the_cones_ends(measured_ends(fine));
-    EXPECT_LT(flatten_caps(fine), 1e-12);
+    EXPECT_LT(flatten_caps(fine).distance, 1e-12);
     const Quality quality = quality_of(fine);
     EXPECT_GT(quality.min_angle_deg, 30) << edge;
     EXPECT_GT(quality.min_angle_rim_deg, 15) << edge;
@@ -134,7 +156,7 @@ TEST(Ends, AScrapBesideACapIsWallAgain) {
   Mesh copy = mesh;
   ASSERT_EQ(measured_ends(copy).size(), 3u);
   std::vector<Repair> repairs;
-  drop_scraps_of_caps(mesh, repairs);
+  drop_scraps_of_caps(mesh, {}, repairs);
   EXPECT_TRUE(shapes::reported(repairs, "scrap of a cap taken as wall"));
   EXPECT_EQ(region[scrap], 0);
   expect_the_cones_ends(measured_ends(mesh));

@@ -163,6 +163,20 @@ def tube(axis, radius, length, edge=0.4, noise=0.0, seed=1, capped=True):
     return points, np.vstack(triangles)
 
 
+def sawtooth(points, triangles, ends, depth, seed=1, reach=2.5):
+    """Ends (centre, outward normal, radius) opened by deleting the triangles whose middle lies beyond the end's plane.
+
+    The plane varies by `depth` (mm) from triangle to triangle, and holds within `reach` radii of the end.
+    """
+    middle = points[triangles].mean(axis=1)
+    keep = np.ones(len(triangles), dtype=bool)
+    varied = depth * np.random.default_rng(seed).random(len(triangles))
+    for centre, normal, radius in ends:
+        near = np.linalg.norm(middle - centre, axis=1) < reach * radius
+        keep &= ~(near & ((middle - centre) @ normal > -varied))
+    return points, triangles[keep]
+
+
 def tree_field(segments, spacing=0.2, rounded=False):
     """(low corner, field) of the distance (mm) to straight cones (start, end, r0, r1), negative inside, on a grid.
 

@@ -1,0 +1,98 @@
+"""What is not as wanted but goes on is said, with its place; and what is sound is not warned of."""
+
+import json
+
+import numpy as np
+import pytest
+import surfaces
+
+
+@pytest.fixture
+def said(lumen, tmp_path):
+    """said(points, triangles, *options) -> (standard error, rows of sections.csv); asserts success."""
+
+    def run(points, triangles, *options):
+        surface = surfaces.write(tmp_path / "s.vtp", points, triangles)
+        done = lumen(surface, tmp_path / "out", *options)
+        assert done.returncode == 0, done.stderr
+        with (tmp_path / "out" / "sections.csv").open() as file:
+            head, *rows = [line.strip().split(",") for line in file]
+        return done.stderr, [dict(zip(head, row)) for row in rows]
+
+    return run
+
+
+def place_in(text, what):
+    """The first place "(x, y, z) mm" in the line of standard error that says `what`."""
+    line = next(line for line in text.splitlines() if what in line)
+    return np.array([float(x) for x in line.split(" (")[-1].split("at (")[-1].split(")")[0].split(", ")])
+
+
+def areas(rows):
+    return np.array([float(row["area_mm2"]) for row in rows if row["flag"] == "ok"])
+
+
+@pytest.mark.parametrize("capped", [True, False])
+def test_oval_ends_are_not_taken_for_rounded_ones(said, capped):
+    points, triangles = surfaces.tube(surfaces.arc(0.05), lambda s: 1.5 + 0 * s, 20, 0.3, capped=capped)
+    errors, _ = said(points * [1, 1, 2.2], triangles)
+    assert "rounded end" not in errors and "short tip" not in errors
+
+
+def test_a_rounded_end_left_closed_is_warned_of_with_its_place(said):
+    tree = [((0, 0, 0), (20, 0, 0), 1.5, 1.5), ((10, 0, 0), (10, 7, 0), 1.0, 1.0)]
+    (p, t), (q, u) = surfaces.tree(tree), surfaces.tree(tree, rounded=True)
+    t, u = t[p[t].mean(axis=1)[:, 1] < 4], u[q[u].mean(axis=1)[:, 1] > 4]
+    errors, _ = said(np.vstack([p, q]), np.vstack([t, u + len(p)]))
+    line = next(line for line in errors.splitlines() if "warning: rounded end left closed" in line)
+    assert abs(np.linalg.norm(place_in(line, "left closed") - [10, 7, 0]) - 1) < 0.1  # on the half ball
+    errors, _ = said(p, surfaces.tree(tree)[1])
+    assert "left closed" not in errors
+
+
+@pytest.mark.parametrize("edge, height", [(0.4, 1.0), (0.4, -0.7), (0.2, 0.6)])
+def test_a_single_vertex_that_stands_out_is_put_back(said, edge, height):
+    points, triangles = surfaces.tube(surfaces.straight, lambda s: 1.5 + 0 * s, 20, edge)
+    errors, rows = said(points, triangles)
+    assert "spike" not in errors
+    clean = areas(rows)
+    v = np.linalg.norm(points - [10, 1.5, 0], axis=1).argmin()
+    points[v, 1:] *= 1 + height / 1.5
+    errors, rows = said(points, triangles)
+    assert "repair: spikes flattened (1)" in errors
+    assert np.linalg.norm(place_in(errors, "spikes flattened") - points[v]) < 0.01
+    assert areas(rows) == pytest.approx(clean, rel=2e-3)
+
+
+def test_a_dilatation_is_no_reference(lumen, tmp_path):
+    """A bulge of 60 % with a narrowing beside it: one lesion, measured against the vessel."""
+
+    def radius(s):
+        return 1.5 + 0.9 * np.exp(-(((s - 13) / 3) ** 2)) - 0.6 * np.exp(-(((s - 28) / 2) ** 2))
+
+    surface = surfaces.write(tmp_path / "s.vtp", *surfaces.tube(surfaces.straight, radius, 40, 0.3))
+    done = lumen(surface, tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert "warning: dilatation left out of the reference: main" in done.stderr
+    lesions = json.loads((tmp_path / "out" / "anatomy.json").read_text())["lesions"]
+    assert len(lesions) == 1
+    assert lesions[0]["reference_diameter_mm"] == pytest.approx(3.0, rel=0.01)
+    assert lesions[0]["diameter_stenosis_percent"] == pytest.approx(40, abs=1)
+
+
+def test_vessel_healthy_between_two_narrowings_is_no_dilatation(said):
+    def radius(s):
+        return 1.5 - 0.5 * np.exp(-(((s - 9) / 3) ** 2)) - 0.5 * np.exp(-(((s - 21) / 3) ** 2))
+
+    errors, _ = said(*surfaces.tube(surfaces.straight, radius, 30, 0.3))
+    assert "dilatation" not in errors
+
+
+def test_caps_that_are_not_flat_are_warned_of(said):
+    points, triangles = surfaces.tube(surfaces.straight, lambda s: 1.5 + 0 * s, 20, 0.3)
+    rim = np.isclose(points[:, 0], 20) & (np.hypot(points[:, 1], points[:, 2]) > 1)
+    for off, warned in ((0.0, False), (0.03, True)):
+        p = points.copy()
+        p[rim, 0] += off * np.sign(p[rim, 1]) * np.sign(p[rim, 2])
+        errors, _ = said(p, triangles)
+        assert ("warning: caps flattened" in errors) == warned
