@@ -7,11 +7,12 @@ namespace {
 
 namespace PMP = CGAL::Polygon_mesh_processing;
 
-constexpr double least_slope = 0.5;       // edges: 27 degrees all round
-constexpr double least_radii = 0.05;      // mean radii of the lumen: less hardly changes a section
-constexpr double least_outlier = 8;       // times the scatter of the vertices round it
-constexpr double worth_a_look = 0.35;     // edges
-constexpr Eigen::Index most_unknowns = 6; // of a quadric; three more points show how they scatter
+constexpr double least_slope = 0.5;         // edges: 27 degrees all round
+constexpr double least_radii = 0.15;        // mean radii of the lumen: less hardly changes a section
+constexpr double least_outlier = 8;         // times the scatter of the vertices round it
+constexpr double worth_a_look = 0.35;       // edges
+constexpr std::size_t most_neighbours = 12; // the apex of a fan over a whole end stands out, too
+constexpr Eigen::Index most_unknowns = 6;   // of a quadric; three more points show how they scatter
 
 struct Ring {
   std::vector<Vertex> vertices; // in order
@@ -85,7 +86,8 @@ void flatten_spikes(Mesh& mesh, std::vector<Repair>& repairs) {
   Vec3 where = Vec3::Zero();
   for (Vertex v : mesh.vertices()) {
     const Ring ring = ring_of(mesh, v);
-    if (std::abs(over_ring(mesh, v, ring)) < worth_a_look * ring.edge || near_cap(mesh, region, ring))
+    if (ring.vertices.size() > most_neighbours || std::abs(over_ring(mesh, v, ring)) < worth_a_look * ring.edge ||
+        near_cap(mesh, region, ring))
       continue;
     const auto [height, scatter] = over_quadric(mesh, v, ring);
     if (std::abs(height) < std::max({least_slope * ring.edge, least_radii * radius, least_outlier * scatter}))

@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <numeric>
 #include <set>
+#include <vtkBoundingBox.h>
+#include <vtkPointLocator.h>
 #include <vtkPoints.h>
-#include <vtkPolyData.h>
 #include <vtkSmartPointer.h>
-#include <vtkStaticPointLocator.h>
 
 namespace anatomy {
 namespace {
@@ -33,17 +33,28 @@ void report(std::vector<Repair>& repairs, const std::string& what, std::size_t c
 } // namespace
 
 Soup welded(const Soup& soup, double tolerance, std::vector<Repair>& repairs) {
+  vtkBoundingBox box;
+  for (const Point& p : soup.points)
+    box.AddPoint(p.x(), p.y(), p.z());
+  double bounds[6] = {0, 0, 0, 0, 0, 0};
+  if (box.IsValid())
+    box.GetBounds(bounds);
+  // One point after another: the threads of vtkStaticPointLocator::MergePoints leave some unmerged, now and then
+  // (VTK 9.1).
+  auto locator = vtkSmartPointer<vtkPointLocator>::New();
   auto points = vtkSmartPointer<vtkPoints>::New();
   points->SetDataTypeToDouble();
-  for (const Point& p : soup.points)
-    points->InsertNextPoint(p.x(), p.y(), p.z());
-  auto cloud = vtkSmartPointer<vtkPolyData>::New();
-  cloud->SetPoints(points);
-  auto locator = vtkSmartPointer<vtkStaticPointLocator>::New();
-  locator->SetDataSet(cloud);
-  locator->BuildLocator();
-  std::vector<vtkIdType> merged(soup.points.size());
-  locator->MergePoints(tolerance, merged.data());
+  locator->SetTolerance(tolerance);
+  locator->InitPointInsertion(points, bounds, static_cast<vtkIdType>(soup.points.size()));
+  std::vector<std::size_t> first; // of those merged into a point
+  std::vector<std::size_t> merged(soup.points.size());
+  for (std::size_t i = 0; i < soup.points.size(); ++i) {
+    const double p[3] = {soup.points[i].x(), soup.points[i].y(), soup.points[i].z()};
+    vtkIdType id = 0;
+    if (locator->InsertUniquePoint(p, id))
+      first.push_back(i);
+    merged[i] = first[static_cast<std::size_t>(id)];
+  }
 
   Soup out;
   out.region = soup.region;
@@ -52,9 +63,7 @@ Soup welded(const Soup& soup, double tolerance, std::vector<Repair>& repairs) {
   for (const Triangle& t : soup.triangles) {
     Triangle corners;
     for (int k = 0; k < 3; ++k) {
-      auto root = t[static_cast<std::size_t>(k)];
-      while (static_cast<std::size_t>(merged[root]) != root) // a merged point may have been merged further
-        root = static_cast<std::size_t>(merged[root]);
+      const std::size_t root = merged[t[static_cast<std::size_t>(k)]];
       if (number[root] == unused) {
         number[root] = out.points.size();
         out.points.push_back(soup.points[root]);
