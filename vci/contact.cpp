@@ -15,8 +15,6 @@ constexpr double search_reach = 0.5; // mm: a vertex deeper than this beyond a s
 // the stiffness. Where it begins, ordinary contact does not get to: all of it that stiff does not settle.
 constexpr double deep_from = 1.5, deep_ramp = 2, deep_stiffness = 20;
 
-constexpr double fading_rim = 0.25; // share of the last row of triangles over which a surface fades before an open edge
-
 /// Quadratic over the width w, then linear; nothing below a = 0.
 RampLaw ramp(double a, double stiffness, double w) {
   if (a <= 0)
@@ -47,15 +45,15 @@ bool SurfaceContact::blind(const System& system, int body, int vertex) const {
   return !flags.empty() && flags[vertex - system.body(body).first];
 }
 
-/// 1 inside a surface, falling to 0 at an open edge: beyond it nothing touches, and a contact that ended abruptly there
-/// would flip for ever. It falls late: a vertex that stands alone at a rim bears its load with its share and sinks in.
+/// 1 inside a surface, falling to 0 over the last row of triangles before an open edge: beyond the edge nothing
+/// touches, and a contact that ended abruptly there would flip for ever.
 double SurfaceContact::share_seen(const System& system, int body, const Triangle& t, const Vec3& weights) const {
   const Body& target = system.body(body);
   double share = 1;
   for (int k = 0; k < 3; ++k)
     if (target.boundary[t[k] - target.first] || blind(system, body, t[k]))
       share -= weights[k];
-  return std::min(1.0, share / fading_rim);
+  return share;
 }
 
 void add_friction(ContactPoint& point, const ContactSettings& s) {
