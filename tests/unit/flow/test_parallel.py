@@ -12,7 +12,6 @@ import pytest
 
 import tubes
 from common.errors import InputError
-from flow import __main__ as command_line
 from flow import parallel, spaces
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
@@ -22,13 +21,8 @@ LENGTH = 8.0
 @pytest.fixture(scope="module")
 def case(tmp_path_factory):
     """A narrowed tube, meshed through the command line, and its boundary values."""
-    folder, radius = tmp_path_factory.mktemp("ranks"), tubes.lesion(1.2, 0.3, 4.0, 4.0)
-    tubes.write_case(folder, tubes.tube(LENGTH, radius, 0.4), [tubes.line(LENGTH, radius)])
-    line, rings = ["--centreline", str(folder / "centreline.vtp")], ["--rings", "3", "--coarse-rings", "2"]
-    command_line.main(["mesh", str(folder / "lumen.vtp"), *line, *rings, "--out", str(folder / "mesh.msh")])
-    patient = ["--lvm-g", "60", "--sbp-mmhg", "120", "--dbp-mmhg", "80"]
-    anatomy = ["--anatomy", str(folder / "anatomy.json")]
-    command_line.main(["boundary", *anatomy, *patient, "--out", str(folder / "boundary.json")])
+    folder = tmp_path_factory.mktemp("ranks")
+    tubes.mesh_narrowed(folder, 0.3, LENGTH, 1.2)
     return folder
 
 

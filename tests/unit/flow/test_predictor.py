@@ -14,19 +14,8 @@ MAP, VENOUS, DENSITY, MU = 12000.0, 600.0, 1060.0, 0.004
 
 
 def _document(branches, flows, probe_mm):
-    outlets = [
-        {
-            "name": f"outlet{k + 1}",
-            "region_id": k + 2,
-            "branch": branch.name,
-            "flow_m3_per_s": flow,
-            "resistance_pa_s_per_m3": (MAP - VENOUS) / flow,
-        }
-        for k, (branch, flow) in enumerate(zip(branches, flows))
-    ]
-    probe = {"name": "distal", "branch": "main", "s_mm": probe_mm, "point_mm": branches[0].point(probe_mm).tolist()}
-    document = {"map_pa": MAP, "venous_pressure_pa": VENOUS, "density_kg_per_m3": DENSITY, "viscosity_pa_s": MU}
-    return {**document, "outlets": outlets, "probes": [probe]}
+    resistances = [(MAP - VENOUS) / flow for flow in flows]
+    return tubes.boundary_document(branches, flows, resistances, probe_mm, MU, (MAP, VENOUS), DENSITY)
 
 
 def test_poiseuille_drop():

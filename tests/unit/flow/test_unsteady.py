@@ -19,13 +19,8 @@ LENGTH, RADIUS = 8.0, 1.2
 @pytest.fixture(scope="module")
 def case(tmp_path_factory):
     """A mildly narrowed tube, meshed through the command line, and its boundary values."""
-    folder, radius = tmp_path_factory.mktemp("marched"), tubes.lesion(RADIUS, 0.2, 4.0, 4.0)
-    tubes.write_case(folder, tubes.tube(LENGTH, radius, 0.4), [tubes.line(LENGTH, radius)])
-    line, coarse = ["--centreline", str(folder / "centreline.vtp")], ["--rings", "3", "--coarse-rings", "2"]
-    command_line.main(["mesh", str(folder / "lumen.vtp"), *line, *coarse, "--out", str(folder / "mesh.msh")])
-    patient = ["--lvm-g", "60", "--sbp-mmhg", "120", "--dbp-mmhg", "80"]
-    anatomy = ["--anatomy", str(folder / "anatomy.json")]
-    command_line.main(["boundary", *anatomy, *patient, "--out", str(folder / "boundary.json")])
+    folder = tmp_path_factory.mktemp("marched")
+    tubes.mesh_narrowed(folder, 0.2, LENGTH, RADIUS)
     return folder
 
 

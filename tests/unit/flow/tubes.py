@@ -8,6 +8,7 @@ import vtk
 from scipy.spatial import Delaunay
 from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 
+from flow import __main__ as command_line
 from flow import centreline
 from flow.surface import Surface
 
@@ -172,6 +173,43 @@ def write_case(folder, surface, branches, parents=None, lesions=()):
         )
     document = {"schema": "vci-anatomy-1", "ends": ends, "branches": tree, "lesions": list(lesions)}
     (folder / "anatomy.json").write_text(json.dumps(document))
+
+
+def mesh_narrowed(folder, reduction, length_mm=8.0, radius_mm=1.2):
+    """Files of a tube narrowed in its middle, its two meshes (2 and 3 rings) and boundary.json, by the command line."""
+    radius = lesion(radius_mm, reduction, length_mm / 2, 4.0)
+    write_case(folder, tube(length_mm, radius, 0.4), [line(length_mm, radius)])
+    along, rings = ["--centreline", str(folder / "centreline.vtp")], ["--rings", "3", "--coarse-rings", "2"]
+    command_line.main(["mesh", str(folder / "lumen.vtp"), *along, *rings, "--out", str(folder / "mesh.msh")])
+    patient = ["--lvm-g", "60", "--sbp-mmhg", "120", "--dbp-mmhg", "80"]
+    anatomy = ["--anatomy", str(folder / "anatomy.json")]
+    command_line.main(["boundary", *anatomy, *patient, "--out", str(folder / "boundary.json")])
+
+
+def boundary_document(branches, flows, resistances, probe_mm, viscosity, pressures=(12000.0, 600.0), density=1060.0):
+    """boundary.json's content: outlets of the branches with flows (m3/s) and resistances (Pa s/m3), probe on the first.
+
+    pressures: mean arterial, venous, Pa; density, kg/m3; viscosity, Pa s.
+    """
+    outlets = [
+        {
+            "name": f"outlet{k + 1}",
+            "region_id": k + 2,
+            "branch": branch.name,
+            "flow_m3_per_s": flow,
+            "resistance_pa_s_per_m3": resistance,
+        }
+        for k, (branch, flow, resistance) in enumerate(zip(branches, flows, resistances))
+    ]
+    point = np.asarray(branches[0].point(probe_mm)).tolist()
+    return {
+        "map_pa": pressures[0],
+        "venous_pressure_pa": pressures[1],
+        "density_kg_per_m3": density,
+        "viscosity_pa_s": viscosity,
+        "outlets": outlets,
+        "probes": [{"name": "distal", "branch": "main", "s_mm": probe_mm, "point_mm": point}],
+    }
 
 
 def write_lumen(path, surface):

@@ -23,24 +23,8 @@ PROBE = 12.0  # mm
 
 
 def _document(branches):
-    outlets_ = [
-        {
-            "name": f"outlet{k + 1}",
-            "region_id": k + 2,
-            "branch": branch.name,
-            "resistance_pa_s_per_m3": resistance,
-            "flow_m3_per_s": (MAP - VENOUS) / resistance,
-        }
-        for k, (branch, resistance) in enumerate(zip(branches, RESISTANCES))
-    ]
-    return {
-        "map_pa": MAP,
-        "venous_pressure_pa": VENOUS,
-        "density_kg_per_m3": DENSITY,
-        "viscosity_pa_s": VISCOSITY,
-        "outlets": outlets_,
-        "probes": [{"name": "distal", "branch": "main", "s_mm": PROBE, "point_mm": [PROBE, 0.0, 0.0]}],
-    }
+    flows = [(MAP - VENOUS) / resistance for resistance in RESISTANCES]
+    return tubes.boundary_document(branches, flows, RESISTANCES, PROBE, VISCOSITY, (MAP, VENOUS), DENSITY)
 
 
 def _solve(folder, surface, branches, parents=None, mesh_options=()):
