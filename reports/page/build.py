@@ -42,6 +42,7 @@ def build_report(cases, study_dir, figures_dir, out, junit=(), software=None, co
             agreement=agreement_rows(agreement),
             errors={kind: ERRORS[kind] for kind in ERRORS if kind in [row["error"] for row in agreement]},
             imaging=imaging_warnings(contexts),
+            flow_warnings=[{"case": c["name"], "id": c["id"], **row} for c in contexts for row in c["flow_warnings"]],
             agreement_figure=optional_image(figures_dir / "agreement.svg") if agreement else None,
             scatter=image_uri(figures_dir / "ffr_before_after.svg"),
             published=published(),

@@ -54,12 +54,22 @@ def case_context(files, figures_dir):
         ],
         "switched_off": [as_text(item) for item in (deployment or {}).get("switched_off", [])],
         "flow": flow,
+        "flow_warnings": flow_warnings(flow),
         "modified": [state for state, row in flow.items() if not _steady(row["solution"])],
         "reference": optional_json(files.folder / "reference" / "reference.json"),
         "still": image_uri(figures_dir / f"{files.case}_lumen.png"),
         "curves": [{"uri": image_uri(figures_dir / f"{files.case}_{name}.svg"), "alt": text} for name, text in CURVES],
         "viewer": viewer_data(files, metrics),
     }
+
+
+def flow_warnings(flow):
+    """Rows {state, message} of what the flow solver warned of, in the order of the states."""
+    return [
+        {"state": state, "message": message.rstrip(".")}
+        for state, row in flow.items()
+        for message in row["solution"].get("warnings", [])
+    ]
 
 
 def _steady(solution):

@@ -92,6 +92,20 @@ def test_report_with_ct_keeps_three_errors_apart_and_shows_the_warnings(study):
         check_report(path)
 
 
+def test_warnings_of_the_flow_are_shown_with_case_and_state(study, tmp_path):
+    path, folder = study(("tube", {})), tmp_path / "cases" / "tube"
+    assert "Doubtful FFR" not in path.read_text()
+    file = folder / "flow" / "rc" / "ffr.json"
+    message = "FFR at the probe distal depends on its place: it still rises by 0.0016 a mm"
+    file.write_text(json.dumps(json.loads(file.read_text()) | {"warnings": [message]}))
+    places = ["--study-dir", str(tmp_path / "study"), "--figures-dir", str(tmp_path / "figures")]
+    main(["report", "--case-dir", str(folder), *places, "--out", str(path)])
+    text = path.read_text()
+    assert f"<li><b>Radius correction</b>: {message}</li>" in text
+    assert f'<a href="#case-tube">tube</a> (rc), {message}.' in text
+    assert text.count(message) == 2, "with its case and among the limits, of this state alone"
+
+
 def test_report_without_any_reference_or_tests_says_so(study):
     text = study(("own", {"states": ("pre", "vci")})).read_text()
     assert "No case of this run has a reference" in text
