@@ -19,7 +19,7 @@ from flow.sweep import disc as disc_module
 from flow.sweep import lattice, section, spans, stations, stitch
 
 SAMPLING_RADII = 0.2  # distance of the sections that are tried, in radii
-SHEAR_SPREAD = 0.05  # growth per length of the radius about which a jet's shear layer lies
+SHEAR_SPREAD = 0.03  # growth per length of the radius about which a jet's shear layer lies
 MOVE_RADII = 0.5  # by which an end moves into its span when it cannot be stitched
 TRIES = 8
 DISC_REGION = 1000  # regions of the end discs while a junction is filled

@@ -14,7 +14,7 @@ from flow.sweep import axis as axis_module
 
 REACH = 2.5  # radii of the branch within which a section's wall is looked for
 LARGEST_ASPECT = 3.0  # largest over smallest radius of a section
-LARGEST_EDGE, GRADING = 0.8, 0.3  # of the rings (rings_at)
+LARGEST_EDGE, GRADING = 0.82, 0.3  # of the rings (rings_at)
 FULLNESS = 3  # power of rho with which edges follow the lattice
 
 

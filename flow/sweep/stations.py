@@ -4,7 +4,8 @@ import numpy as np
 
 NEIGHBOURHOOD_MM = 20.0  # the healthy radius at s is the smaller of the largest ones this far up- and downstream
 NARROWED, HEALTHY = 0.75, 0.95  # of the healthy radius: a throat; a plain vessel
-GROWTH_BEFORE = 0.3  # of the spacing per length, upstream of a throat
+# of the spacing per length, up- and downstream of a throat, where stations_plain is 1
+GROWTH_BEFORE, GROWTH_BEHIND = 0.3, 0.06
 TURN = 0.35  # rad, largest turn of the axis between stations
 STEP_MM = 0.05
 
@@ -13,17 +14,21 @@ def spacing(branch, settings, s_mm):
     """Wanted distance in mm between sections at arc lengths s_mm (n,) of a branch.
 
     At a point whose radius R is the fraction q of the healthy one it is R times `stations_throat` for q <= 0.75 and
-    R times `stations_plain` for q >= 0.95. Downstream it grows no faster than the jet spreads.
+    R times `stations_plain` for q >= 0.95, and grows slowly from a throat on along its jet.
     """
     radius = branch.radius_mm
-    upstream = _running_maximum(branch.s_mm, radius, -1)
-    downstream = _running_maximum(branch.s_mm, radius, 1)
-    share = np.clip((radius / np.minimum(upstream, downstream) - NARROWED) / (HEALTHY - NARROWED), 0, 1)
+    share = np.clip((healthy_share(branch) - NARROWED) / (HEALTHY - NARROWED), 0, 1)
     own = radius * (settings.stations_throat + share * (settings.stations_plain - settings.stations_throat))
     own = np.minimum(own, TURN / np.maximum(_curvature(branch), 1e-9))
     gap = s_mm[:, None] - branch.s_mm
-    slope = np.where(gap > 0, settings.stations_throat * settings.jet_spread, GROWTH_BEFORE)
+    slope = settings.stations_plain * np.where(gap > 0, GROWTH_BEHIND, GROWTH_BEFORE)
     return np.min(own + slope * np.abs(gap), axis=1)
+
+
+def healthy_share(branch):
+    """Radius over the healthy one (n,) at the branch's points."""
+    upstream = _running_maximum(branch.s_mm, branch.radius_mm, -1)
+    return branch.radius_mm / np.minimum(upstream, _running_maximum(branch.s_mm, branch.radius_mm, 1))
 
 
 def _running_maximum(s, radius, direction):
