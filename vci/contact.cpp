@@ -15,6 +15,10 @@ constexpr double search_reach = 0.5; // mm: a vertex deeper than this beyond a s
 // the stiffness. Where it begins, ordinary contact does not get to: all of it that stiff does not settle.
 constexpr double deep_from = 1.5, deep_ramp = 2, deep_stiffness = 20;
 
+// A contact that slides meets no more friction along its way, but sticks again where it turns back: all of the
+// stiffness taken away there does not settle, none of it makes it creep.
+constexpr double relieved = 0.7;
+
 /// Quadratic over the width w, then linear; nothing below a = 0.
 RampLaw ramp(double a, double stiffness, double w) {
   if (a <= 0)
@@ -60,6 +64,8 @@ void add_friction(ContactPoint& point, const ContactSettings& s) {
   const double stiffness = point.area * s.friction_stiffness, trial = stiffness * point.slip->norm();
   const double limit = s.friction * point.force;
   const double share = trial > limit ? limit / trial : 1.0;
+  point.link.sliding =
+      share < 1 ? Vec3(std::sqrt(relieved * share * stiffness) * point.slip->normalized()) : Vec3::Zero();
   *point.slip *= share;
   point.drag = -stiffness * *point.slip;
   point.link.tangential_stiffness = share * stiffness;

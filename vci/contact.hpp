@@ -38,7 +38,7 @@ struct ContactPoint {
 };
 
 /// Regularised Coulomb friction: elastic slip, mapped back where it passes the limit. Sets slip, drag and the link's
-/// tangential stiffness (secant of the trial state, never negative).
+/// tangential stiffness (secant of the trial state, never negative; where it slides, less along its way).
 void add_friction(ContactPoint& point, const ContactSettings& settings);
 
 /// How two surfaces lie, and which of their vertices do not see the other one (flags; empty: all see it). A foot among

@@ -8,6 +8,7 @@ namespace vci {
 namespace {
 
 constexpr double smallest_step = 0.03; // ms
+constexpr int held_steps = 8;          // with all of friction's stiffness, after a step that turned back
 constexpr double rounding = 1e-9;      // N: a wall that is back in its first state is balanced by nothing
 
 struct Forces {
@@ -57,6 +58,40 @@ double large_displacement(const Vectors& dx) {
   return std::sqrt(*place);
 }
 
+/// The part of a step's matrix that changes with its length: what it adds to the diagonal, N/mm per vertex.
+class Inertia {
+public:
+  Inertia(const System& system, const IntegratorSettings& s) : system_(system), s_(s) {}
+  /// 1 + b / h: the whole step is divided by it.
+  double factor(double h) const { return 1 + s_.stiffness_damping / h; }
+  /// Puts the part of a step of h ms in place of that of the step before, or on a matrix made anew.
+  void put(double h, bool anew, BlockMatrix& matrix) {
+    if (anew)
+      added_.assign(system_.vertices(), 0.0);
+    for (int i = 0; i < system_.vertices(); ++i) {
+      const double part = (system_.mass[i] / (h * h) + s_.damping * system_.area[i] / h) / factor(h);
+      matrix.block(matrix.diagonal_slot(i)).diagonal().array() += part - added_[i];
+      added_[i] = part;
+    }
+  }
+
+private:
+  const System& system_;
+  const IntegratorSettings& s_;
+  std::vector<double> added_;
+};
+
+/// Whether a step takes back much of the one before.
+bool turns_back(const Vectors& dx, const Vectors& last) {
+  double along = 0, now = 0, before = 0;
+  for (std::size_t i = 0; i < last.size(); ++i) {
+    along += dx[i].dot(last[i]);
+    now += dx[i].squaredNorm();
+    before += last[i].squaredNorm();
+  }
+  return along < -0.3 * std::sqrt(now * before);
+}
+
 Imbalance largest_imbalance(const Vectors& total, const std::vector<char>& fixed) {
   Imbalance largest;
   for (std::size_t i = 0; i < total.size(); ++i)
@@ -97,11 +132,12 @@ void Interactions::detect(const System& system, const Vectors& normals, std::vec
 RelaxResult relax(System& system, Interactions& interactions, const IntegratorSettings& s, Balance* balance) {
   RelaxResult result;
   Forces f;
-  Vectors dx;
+  Vectors dx, last_dx, load;
   std::vector<PointLink> links;
   PcgMemory memory;
+  Inertia inertia(system, s);
   double h = s.initial_step, previous_residual = 0, best_residual = 1e300;
-  int best_step = 0;
+  int best_step = 0, held = 0;
   bool settling = false;
   system.velocity.assign(system.x.size(), Vec3::Zero());
   while (true) {
@@ -133,26 +169,27 @@ RelaxResult relax(System& system, Interactions& interactions, const IntegratorSe
     }
     previous_residual = f.residual;
 
-    BlockMatrix& matrix = system.matrix();
-    const double factor = 1 + s.stiffness_damping / h;
     links.clear();
-    for (const ContactPoint& p : f.points)
+    for (const ContactPoint& p : f.points) {
       links.push_back(p.link);
+      if (held > 0) // what slid may stick again
+        links.back().sliding.setZero();
+    }
     for (const Tie& tie : interactions.ties)
       links.push_back(tie.link);
-    for (int i = 0; i < system.vertices(); ++i) {
-      matrix.block(matrix.diagonal_slot(i)).diagonal().array() +=
-          (system.mass[i] / (h * h) + s.damping * system.area[i] / h) / factor;
-      f.total[i] = (f.total[i] + system.mass[i] / h * system.velocity[i]) / factor;
-    }
-    const SolveResult solve = solve_pcg(matrix, links, system.fixed, f.total, dx, s.pcg, &memory);
-    result.cg_iterations += solve.iterations;
-    ++result.steps;
-    const double typical = large_displacement(dx);
     const double limit = 1.5 * s.displacement_per_step;
-    if (typical > limit && h > smallest_step) { // plastic set that it leaves would stay: not taken
+    double typical = 0;
+    for (bool anew = true;; anew = false) {
+      inertia.put(h, anew, system.matrix());
+      load.resize(f.total.size());
+      for (int i = 0; i < system.vertices(); ++i)
+        load[i] = (f.total[i] + system.mass[i] / h * system.velocity[i]) / inertia.factor(h);
+      result.cg_iterations += solve_pcg(system.matrix(), links, system.fixed, load, dx, s.pcg, &memory).iterations;
+      ++result.steps;
+      typical = large_displacement(dx);
+      if (typical <= limit || h <= smallest_step || result.steps == s.maximal_steps)
+        break; // a longer one is not taken: plastic set that it leaves would stay
       h = std::max(smallest_step, h * std::clamp(s.displacement_per_step / typical, 0.1, 0.5));
-      continue;
     }
     // A vertex that overshoots is held back alone: the others' step is good.
     const bool inertial = h <= 0.5;
@@ -165,6 +202,8 @@ RelaxResult relax(System& system, Interactions& interactions, const IntegratorSe
     }
     add_slip(f.points, dx);
     system.commit();
+    held = turns_back(dx, last_dx) ? held_steps : held - 1;
+    last_dx = dx;
     if (interactions.after_step)
       interactions.after_step(result.steps);
     const double wish = typical > 0 ? s.displacement_per_step / typical : 2.0;

@@ -5,18 +5,19 @@
 
 namespace vci {
 
-/// A stiffness k n n^T + k_t (I - n n^T) on a weighted sum of up to four vertices: contacts and ties, kept out of the
-/// sparse pattern because they come and go.
+/// A stiffness k n n^T + k_t (I - n n^T) - s s^T on a weighted sum of up to four vertices: contacts and ties, kept out
+/// of the sparse pattern because they come and go.
 struct PointLink {
   std::array<int, 4> vertex; ///< -1 marks an unused place
   std::array<double, 4> weight;
   Vec3 normal;
   double normal_stiffness;     ///< N/mm
   double tangential_stiffness; ///< N/mm
+  Vec3 sliding = Vec3::Zero(); ///< s, tangential: what a contact that slides lacks along its way, (N/mm)^(1/2)
   Mat3 stiffness() const {
     Mat3 k = (normal_stiffness - tangential_stiffness) * normal * normal.transpose();
     k.diagonal().array() += tangential_stiffness;
-    return k;
+    return k - sliding * sliding.transpose();
   }
 };
 

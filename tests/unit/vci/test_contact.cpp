@@ -211,8 +211,13 @@ TEST(Friction, SticksElasticallyThenSlidesAtTheLimitAndRemembersTheAnchor) {
   slide(10);
   EXPECT_NEAR(p.drag[0], -limit, 1e-12);
   EXPECT_LT(p.link.tangential_stiffness, 0.1 * stiffness);
+  const Mat3 sliding =
+      p.link.stiffness(); // along its way the drag no longer grows, but for what keeps it from turning back
+  EXPECT_NEAR(sliding(0, 0), 0.3 * sliding(1, 1), 1e-12);
+  EXPECT_NEAR(sliding(2, 2), 6, 1e-12);
   slide(-limit / stiffness); // back by the elastic slip: the anchor has moved along
   EXPECT_NEAR(p.drag[0], 0, 1e-9);
+  EXPECT_NEAR(p.link.stiffness()(0, 0), stiffness, 1e-12) << "it sticks again";
   Vectors f(2, Vec3::Zero());
   slide(-10);
   p.force = 0;
