@@ -40,8 +40,8 @@ struct Search {
       const int k = static_cast<int>(reinterpret_cast<std::intptr_t>(node->data));
       const Triangle& t = triangles[k];
       const ClosestPoint c = closest_on_triangle(p, x[t[0]], x[t[1]], x[t[2]]);
-      const double distance = std::sqrt(c.distance_squared);
-      if (distance <= reach) {
+      if (c.distance_squared <= reach * reach) {
+        const double distance = std::sqrt(c.distance_squared);
         found.push_back({k, distance, c.weights});
         reach = std::min(reach, distance + slack);
       }
@@ -73,8 +73,12 @@ BroadPhase::BroadPhase(BroadPhase&&) noexcept = default;
 BroadPhase& BroadPhase::operator=(BroadPhase&&) noexcept = default;
 
 void BroadPhase::update(const Triangles& triangles, const Vectors& x) {
-  for (std::size_t k = 0; k < triangles.size(); ++k)
-    tree_->leaves[k]->bv = box_of(triangles[k], x);
+  for (std::size_t k = 0; k < triangles.size(); ++k) {
+    const Vec3 &a = x[triangles[k][0]], &b = x[triangles[k][1]], &c = x[triangles[k][2]];
+    Box& box = tree_->leaves[k]->bv;
+    box.min_ = a.cwiseMin(b).cwiseMin(c);
+    box.max_ = a.cwiseMax(b).cwiseMax(c);
+  }
   tree_->hierarchy.refit();
 }
 
