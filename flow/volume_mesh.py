@@ -3,8 +3,8 @@
 gmsh raises C++ exceptions that Python cannot catch, so flow/gmsh_fill.py is run as a program, which reads a surface and
 a size field from one .npz file and writes nodes and tetrahedra to another. gmsh's optimiser goes through sets ordered
 by address, so that its tetrahedra depend on where the memory of its process lies, down to the lengths of paths and
-variables and to whether Python compiled a module. For the same surface to give the same mesh the program is read from
-standard input, with an environment of its own: only TMPDIR is seen.
+variables, to whether Python compiled a module and to the seed of its string hashes, by which it lays out dictionaries.
+For the same surface to give the same mesh the program is read from standard input, with an environment of its own.
 """
 
 import pathlib
@@ -18,8 +18,8 @@ from common.errors import ComputationError
 from flow import gmsh_fill
 
 PROGRAM = pathlib.Path(__file__).with_name("gmsh_fill.py")
-COMMAND = [sys.executable, "-I", "-B", "-"]
-ENVIRONMENT = {"PATH": "/usr/bin:/bin", "LC_ALL": "C", "OMP_NUM_THREADS": "1"}
+COMMAND = [sys.executable, "-s", "-P", "-B", "-"]  # -I without -E, which would not see the seed
+ENVIRONMENT = {"PATH": "/usr/bin:/bin", "LC_ALL": "C", "OMP_NUM_THREADS": "1", "PYTHONHASHSEED": "0"}
 
 
 def fill(surface, size_field, spacing_mm):
