@@ -75,7 +75,7 @@ def solve_command(arguments):
 
 def _solve(arguments, settings):
     """On every rank."""
-    from flow import boundary, centreline, reduced, solve
+    from flow import boundary, centreline, extended, reduced, solve
 
     document = _read_json(arguments.boundary, "boundary.json")
     boundary.check(document, arguments.boundary)
@@ -86,8 +86,9 @@ def _solve(arguments, settings):
         if path and not pathlib.Path(path).is_file():
             raise InputError("no such mesh", path, "missing", "make it with `flow mesh`")
     tree = centreline.read(arguments.centreline)
-    network = reduced.Network(anatomy, sections, document, settings.expansion_loss)
-    answer = solve.run(arguments.mesh, arguments.coarse, document, tree, network, settings, arguments.out)
+    extensions = extended.read(arguments.mesh_report or pathlib.Path(arguments.mesh).with_suffix(".json"))
+    case = extended.Extended(extensions, tree, anatomy, sections, document, settings)
+    answer = solve.run(arguments.mesh, arguments.coarse, case, arguments.out)
     print(f"FFR {answer['ffr']:.4f}")
 
 
@@ -141,6 +142,7 @@ def parser():
     solve.add_argument("--boundary", required=True, help="boundary.json")
     solve.add_argument("--centreline", required=True, help="centreline.vtp of the same lumen")
     solve.add_argument("--anatomy", help="anatomy.json of the same lumen (default: beside the centreline)")
+    solve.add_argument("--mesh-report", help="report of `flow mesh`, for its extensions (default: beside the mesh)")
     solve.add_argument("--sections", help="sections.csv of the same lumen (default: beside the centreline)")
     solve.add_argument("--out", required=True, help="folder for solution.vtu, ffr.json, pullback.csv")
     solve.set_defaults(run=solve_command)

@@ -1,29 +1,106 @@
-"""Straight extensions of the outlets: the cap's rim extruded along the cap's outward normal."""
+"""Straight extensions of inlets or outlets too close to a narrowing: the cap's rim extruded along its normal.
+
+A jet that leaves through an outlet takes its kinetic energy with it, and the pressure that it would have won back
+behind the outlet is missing upstream. So an outlet nearer than `outlet_clearance_diameters` of its own diameters behind
+the end of a narrowing gets a straight tube up to that distance, an inlet nearer than `inlet_clearance_diameters` before
+the start of one likewise; `outlet_extension_diameters` lengthens each outlet at least so far. FFR is read in the
+original anatomy (flow.ffr).
+"""
+
+import dataclasses
 
 import numpy as np
 
-from flow.surface import WALL, INLET, Surface
+from flow.centreline import Branch, Tree
+from flow.surface import INLET, WALL, Surface
+from flow.sweep import spans, stations
+
+SPACING_MM = 0.25  # of the centreline's points in an extension
 
 
-def extend_outlets(surface, diameters):
-    """(surface, {region_id: length_mm}) with every outlet longer by `diameters` of its own diameters.
+@dataclasses.dataclass
+class Extension:
+    """Of the cap region_id at an end of a branch: length_mm along direction (3,), because the narrowing's end (outlet)
+    or start (inlet) lies distance_mm from the cap; None where the length was asked for."""
 
-    The cap moves, the wall grows by layers about as long as the rim's edges.
+    region_id: int
+    branch: str
+    length_mm: float
+    direction: list
+    distance_mm: float
+
+
+def needed(surface, tree, settings):
+    """[Extension] of the caps that lie too close to a narrowing, or whose extension the settings ask for."""
+    found = []
+    for axis in spans.axes(surface, tree).values():
+        for cap, at_end in zip(axis.cap_ids, (False, True)):
+            if cap is None:
+                continue
+            normal, diameter = _cap(surface, cap)
+            clearance = settings.outlet_clearance_diameters if at_end else settings.inlet_clearance_diameters
+            distance = _to_narrowing(axis.branch, at_end)
+            asked = settings.outlet_extension_diameters * diameter if at_end else 0.0
+            length = max(asked, clearance * diameter - distance)
+            if length > 0:
+                reason = float(distance) if length > asked else None
+                found.append(Extension(cap, axis.branch.name, float(length), normal.tolist(), reason))
+    return found
+
+
+def _to_narrowing(branch, from_end):
+    """Distance in mm of a branch's end (or start) from the nearest end (start) of a narrowing; infinite without one.
+
+    A narrowing is below 0.75 of the healthy radius somewhere (flow.sweep.stations) and reaches to 0.95 of it.
     """
-    lengths = {}
-    if diameters == 0:
-        return surface, lengths
-    for cap in surface.caps:
-        if cap != INLET:
-            surface, lengths[cap] = _extend(surface, cap, diameters)
-    return surface, lengths
+    s, share = branch.s_mm, stations.healthy_share(branch)
+    if from_end:
+        s, share = branch.length_mm - s[::-1], share[::-1]
+    narrow = np.flatnonzero(share <= stations.NARROWED)
+    if len(narrow) == 0:
+        return np.inf
+    before = np.flatnonzero(share[: narrow[0]] >= stations.HEALTHY)
+    return s[before[-1]] if len(before) else 0.0
 
 
-def _extend(surface, cap, diameters):
+def extend(surface, extensions):
+    """The surface with its caps moved out: the wall grows by layers about as long as the rim's edges."""
+    for one in extensions:
+        surface = _extend(surface, one.region_id, one.length_mm)
+    return surface
+
+
+def prolonged(tree, extensions):
+    """The tree, its centrelines continued straight through the extensions; s = 0 moves to a longer inlet's start."""
+    branches = {branch.name: branch for branch in tree}
+    for one in extensions:
+        branch = branches[one.branch]
+        steps = max(2, int(np.ceil(one.length_mm / SPACING_MM)))
+        along = np.linspace(0.0, one.length_mm, steps + 1)
+        at_start = one.region_id == INLET
+        k = 0 if at_start else -1
+        more = branch.points[k] + along[1:, None] * np.asarray(one.direction)
+        radius = np.full(steps, branch.radius_mm[k])
+        if at_start:
+            points, radius = np.concatenate([more[::-1], branch.points]), np.append(radius, branch.radius_mm)
+            s = np.concatenate([branch.s_mm[0] + along[:-1], branch.s_mm + one.length_mm])
+        else:
+            points, radius = np.concatenate([branch.points, more]), np.append(branch.radius_mm, radius)
+            s = np.concatenate([branch.s_mm, branch.s_mm[-1] + along[1:]])
+        branches[one.branch] = Branch(branch.name, branch.branch_id, points, s, radius)
+    return Tree(list(branches.values()))
+
+
+def _cap(surface, cap):
+    """(unit normal outwards (3,), diameter in mm of the circle of its area) of a cap."""
+    vector = surface.area_vectors()[surface.region == cap].sum(axis=0)
+    area = float(np.linalg.norm(vector))
+    return vector / area, 2.0 * np.sqrt(area / np.pi)
+
+
+def _extend(surface, cap, length):
     in_cap = surface.region == cap
-    vector = surface.area_vectors()[in_cap].sum(axis=0)
-    area = np.linalg.norm(vector)
-    normal, length = vector / area, diameters * 2.0 * np.sqrt(area / np.pi)
+    normal, _ = _cap(surface, cap)
     rim = _rim(surface.triangles[in_cap])
     spacing = np.linalg.norm(surface.points[rim[:, 1]] - surface.points[rim[:, 0]], axis=1).mean()
     layers = max(1, round(length / spacing))
@@ -51,8 +128,7 @@ def _extend(surface, cap, diameters):
         wall += [np.stack([b, a, c], axis=1), np.stack([b, c, d], axis=1)]
     wall = np.concatenate(wall)[:, ::-1]
     region = np.concatenate([surface.region, np.full(len(wall), WALL)])
-    extended = Surface(np.concatenate([points] + copies), np.concatenate([triangles, wall]), region)
-    return extended, float(length)
+    return Surface(np.concatenate([points] + copies), np.concatenate([triangles, wall]), region)
 
 
 def _rim(triangles):

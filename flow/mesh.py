@@ -1,5 +1,7 @@
 """Volume mesh of a lumen: surface -> refined, extended surface -> linear tetrahedra -> curved tetrahedra -> files."""
 
+import dataclasses
+
 import numpy as np
 
 from common.errors import ComputationError
@@ -25,9 +27,10 @@ def build(surface, tree, cells_per_radius, settings, rings=None, coarsening=1.0)
     Raises ComputationError where the mesh is not good enough to be solved on.
     """
     rings = rings or settings.rings
+    extensions = extension.needed(surface, tree, settings)
+    tree = extension.prolonged(tree, extensions)
     sizes = size_field.SizeField(tree, cells_per_radius, settings.jet_spread)
-    surface = refine.refine(surface, sizes)
-    surface, lengths = extension.extend_outlets(surface, settings.outlet_extension_diameters)
+    surface = extension.extend(refine.refine(surface, sizes), extensions)
     try:
         mesh, figures, swept = _swept(surface, tree, sizes, settings, rings, coarsening)
     except (hybrid.NoSpans, ComputationError) as error:
@@ -46,7 +49,7 @@ def build(surface, tree, cells_per_radius, settings, rings=None, coarsening=1.0)
         "swept": swept,
         "quality": figures,
         "volume_mm3": surface.volume_mm3(),
-        "outlet_extensions_mm": {str(region): length for region, length in lengths.items()},
+        "extensions": [dataclasses.asdict(one) for one in extensions],
     }
     return mesh, report
 

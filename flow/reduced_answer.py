@@ -36,20 +36,20 @@ class Reduced:
         """As flow.adaptive.Solved; the Predictor's is its owner's to call."""
 
 
-def collect(model, predicted, solved, document, reference):
+def collect(model, predicted, solved, case, reference):
     """(document of ffr.json without timings, pullback table) of the reduced model `model`, solved: a Reduced.
 
-    Raises ComputationError where the axisymmetric model has no answer.
+    case: flow.extended.Extended. Raises ComputationError where the axisymmetric model has no answer.
     """
     if model == "axisymmetric" and predicted.tube is None:
         raise ComputationError("the axisymmetric model has no answer", "model", predicted.reason, "use another model")
-    network, flows = predicted.network, predicted.flows
-    probes = ffr.at_probes(document["probes"], predicted.tree, solved.sampler, reference)
+    network, tree, flows = case.network, case.original, predicted.flows
+    probes = ffr.at_probes(case.document["probes"], tree, solved.sampler, reference)
 
     def flow_at(branch, s_mm):
         return float(flows[network.downstream(branch, s_mm)].sum())
 
-    table = ffr.pullback(predicted.tree, solved.sampler, reference, flow_at)
+    table = ffr.pullback(tree, solved.sampler, reference, flow_at)
     pressure = {name: values[-1] for name, (_, values) in predicted.pressures.items()}
     answer = {
         "schema": "vci-ffr-1",

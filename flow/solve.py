@@ -7,17 +7,22 @@ import time
 
 import numpy as np
 
-from flow import adaptive, energy, ffr, output, parallel, predictor, reduced_answer, viscosity, wall_shear
+from flow import adaptive, energy, ffr, output, parallel, reduced_answer, viscosity, wall_shear
 
 LARGE = 0.05  # difference of the models' FFR that is said
 
 
-def run(mesh, coarse, document, tree, network, settings, folder):
-    """Solves and writes solution.vtu, pullback.csv and ffr.json to `folder`; returns the document of ffr.json."""
+def run(mesh, coarse, case, folder):
+    """Solves and writes solution.vtu, pullback.csv and ffr.json to `folder`; returns the document of ffr.json.
+
+    case: flow.extended.Extended.
+    """
     begin, begin_cpu = time.perf_counter(), time.process_time()
     paths = [path for path in (coarse, mesh) if path]
-    predicted = predictor.Predictor(network, tree, document, settings)
+    document, settings, tree, network = case.document, case.settings, case.original, case.network
+    predicted = case.predictor()
     models = predicted.answers()
+    extensions = case.report(models)
     print(f"1D network: FFR {models['network']['ffr']:.4f}", file=sys.stderr, flush=True)
     if settings.model == "3d":
         search = adaptive.Search(document, settings, tree, predicted)
@@ -36,8 +41,9 @@ def run(mesh, coarse, document, tree, network, settings, folder):
             predicted.uncouple()
         solved = reduced_answer.Reduced(predicted, paths[0])
         reference = ffr.reference_pa(document, tree, solved.sampler)
-        answer, table = reduced_answer.collect(settings.model, predicted, solved, document, reference)
+        answer, table = reduced_answer.collect(settings.model, predicted, solved, case, reference)
     answer["models"], answer["warnings"] = models, compared(models) + ffr.rising(answer["probes"], table)
+    answer["extensions"] = extensions
     answer["reduced_model"] = {"model": "1D network", **models["network"]}
     answer["ranks"] = parallel.world().size
     answer["seconds"] = time.perf_counter() - begin

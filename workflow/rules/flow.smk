@@ -50,6 +50,7 @@ rule flow_solve:
         unpack(INPUTS.anatomy_files),
         mesh="results/cases/{case}/flow/{state}/mesh.msh",
         coarse="results/cases/{case}/flow/{state}/mesh_coarse.msh",
+        summary="results/cases/{case}/flow/{state}/mesh.json",
         boundary="results/cases/{case}/flow/boundary.json",
         settings="results/cases/{case}/settings/flow.json",
         code=code("flow", "flow.boundary", "flow.centreline", "flow.reduced", "flow.solve"),
@@ -67,4 +68,4 @@ rule flow_solve:
     shell:
         "workflow/run.sh {log} /usr/bin/python3 -m flow solve {input.mesh} --coarse {input.coarse}"
         " --boundary {input.boundary} --centreline {input.centreline} --anatomy {input.anatomy}"
-        " --sections {input.sections} --settings {input.settings} --out {params.out}"
+        " --sections {input.sections} --mesh-report {input.summary} --settings {input.settings} --out {params.out}"

@@ -175,11 +175,15 @@ def write_case(folder, surface, branches, parents=None, lesions=()):
     (folder / "anatomy.json").write_text(json.dumps(document))
 
 
+AS_IT_IS = {"outlet_clearance_diameters": 0, "inlet_clearance_diameters": 0}  # settings: ends are not extended
+
+
 def mesh_narrowed(folder, reduction, length_mm=8.0, radius_mm=1.2):
     """Files of a tube narrowed in its middle, its two meshes (2 and 3 rings) and boundary.json, by the command line."""
     radius = lesion(radius_mm, reduction, length_mm / 2, 4.0)
     write_case(folder, tube(length_mm, radius, 0.4), [line(length_mm, radius)])
     along, rings = ["--centreline", str(folder / "centreline.vtp")], ["--rings", "3", "--coarse-rings", "2"]
+    rings += [text for name in AS_IT_IS for text in ("--" + name.replace("_", "-"), "0")]
     command_line.main(["mesh", str(folder / "lumen.vtp"), *along, *rings, "--out", str(folder / "mesh.msh")])
     patient = ["--lvm-g", "60", "--sbp-mmhg", "120", "--dbp-mmhg", "80"]
     anatomy = ["--anatomy", str(folder / "anatomy.json")]

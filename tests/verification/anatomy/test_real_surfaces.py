@@ -57,7 +57,7 @@ def test_becomes_a_volume_mesh(process, run_module, tmp_path, name):
     mesh = json.loads((tmp_path / "mesh.json").read_text())
     assert mesh["cells"] > 1000
     area = {str(end["region_id"]): end["area_mm2"] for end in summary["ends"]}
-    extended = sum(length * area[region] for region, length in mesh["outlet_extensions_mm"].items())
+    extended = sum(one["length_mm"] * area[str(one["region_id"])] for one in mesh["extensions"])
     assert mesh["volume_mm3"] == pytest.approx(summary["mesh"]["volume_mm3"] + extended, rel=0.02)
 
 

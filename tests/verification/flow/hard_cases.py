@@ -36,13 +36,17 @@ COLUMNS += ("eddy", "amplitude", "dofs", "factorizations", "cpu_s", "mib")
 
 @dataclasses.dataclass
 class Tube:
-    """A straight tube: radius (of s) and lengths in mm, throat where the reference is finest; share of FLOW."""
+    """A straight tube: radius (of s) and lengths in mm, throat where the reference is finest; share of FLOW.
+
+    continued: length of the tube that the reference is of, longer where the vessel goes on behind the outlet.
+    """
 
     radius: object
     length: float
     throat: float
     probe: float
     share: float = 1.0
+    continued: float = 0.0
 
     def case(self):
         """(Surface, branches, parents, document)."""
@@ -53,7 +57,8 @@ class Tube:
     def reference(self, flow):
         """FFR of the axisymmetric solution; flow: a guess of the inflow in m3/s."""
         _, _, _, boundary = self.case()
-        tube = axisymmetric.Tube(self.radius, self.length, self.throat, boundary, REFERENCE_CELLS)
+        length = max(self.length, self.continued)
+        tube = axisymmetric.Tube(self.radius, length, self.throat, boundary, REFERENCE_CELLS)
         return tube.ffr(flow, self.probe)
 
 
@@ -81,8 +86,9 @@ def document(branches, shares, probe_mm):
 
 
 def single(reduction, outlet_mm=50.0):
-    """Cosine lesion 15-25 mm, the outlet at outlet_mm."""
-    return Tube(tubes.lesion(RADIUS, reduction, 20, 10), outlet_mm, 20.0, min(45.0, outlet_mm - 2.0))
+    """Cosine lesion 15-25 mm, the vessel cut off at outlet_mm of 50."""
+    radius = tubes.lesion(RADIUS, reduction, 20, 10)
+    return Tube(radius, outlet_mm, 20.0, min(45.0, outlet_mm - 2.0), continued=50.0)
 
 
 def tandem():

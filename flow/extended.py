@@ -1,0 +1,81 @@
+"""What a solve knows of a mesh's extensions (flow.extension): the reduced models go through them, FFR is read without."""
+
+import json
+import pathlib
+
+import pandas as pd
+
+from common.errors import InputError
+from flow import extension, predictor, reduced
+from flow.surface import INLET
+
+
+def read(path):
+    """[flow.extension.Extension] of a report of `flow mesh`; none where there is no report. Raises InputError."""
+    path = pathlib.Path(path)
+    if not path.is_file():
+        return []
+    try:
+        return [extension.Extension(**one) for one in json.loads(path.read_text())["extensions"]]
+    except (json.JSONDecodeError, KeyError, TypeError) as error:
+        raise InputError("not a report of the volume mesh", path, error, "make it with `flow mesh`") from error
+
+
+class Extended:
+    """The tree and the network with the extensions, and the 1D network without, of one lumen."""
+
+    def __init__(self, extensions, tree, anatomy, sections, document, settings):
+        self.extensions, self.original = extensions, tree
+        self.document, self.settings = document, settings
+        self.network = reduced.Network(anatomy, sections, document, settings.expansion_loss)
+        self.tree = extension.prolonged(tree, extensions)
+        self._longer = prolonged_network(anatomy, sections, extensions)
+
+    def predictor(self):
+        """flow.predictor.Predictor of the tree with its extensions."""
+        network = reduced.Network(*self._longer, self.document, self.settings.expansion_loss)
+        return predictor.Predictor(network, self.tree, self.document, self.settings)
+
+    def report(self, models):
+        """Entry `extensions` of ffr.json; models: of it, with the extensions.
+
+        ffr_change: of each reduced model, what the extensions do to its FFR: the error there would be without them.
+        """
+        if not self.extensions:
+            return {"ends": [], "ffr_change": {}}
+        names = {outlet["region_id"]: outlet["name"] for outlet in self.document["outlets"]} | {INLET: "inlet"}
+        without = predictor.Predictor(self.network, self.original, self.document, self.settings)
+        before = without.answers()
+        without.destroy()
+        change = {
+            name: models[name]["ffr"] - entry["ffr"]
+            for name, entry in before.items()
+            if entry["ffr"] is not None and models[name]["ffr"] is not None
+        }
+        ends = [
+            {"name": names[one.region_id], "length_mm": one.length_mm, "narrowing_mm": one.distance_mm}
+            for one in self.extensions
+        ]
+        return {"ends": ends, "ffr_change": change}
+
+
+def prolonged_network(anatomy, sections, extensions):
+    """(anatomy, sections) of flow.reduced.Network with the extensions, each of its end section's area."""
+    for one in extensions:
+        rows = sections[sections["branch"] == one.branch].sort_values("s_mm")
+        if one.region_id == INLET:
+            sections, end = sections.copy(), rows.iloc[[0]].copy()
+            sections.loc[sections["branch"] == one.branch, "s_mm"] += one.length_mm
+            anatomy = {**anatomy, "branches": [_shifted(branch, one) for branch in anatomy["branches"]]}
+            end["s_mm"] = 0.0
+        else:
+            end = rows.iloc[[-1]].copy()
+            end["s_mm"] += one.length_mm
+        sections = pd.concat([sections, end], ignore_index=True)
+    return anatomy, sections
+
+
+def _shifted(branch, one):
+    if branch["parent"] != one.branch:
+        return branch
+    return {**branch, "s_on_parent_mm": branch["s_on_parent_mm"] + one.length_mm}

@@ -1,0 +1,70 @@
+"""Extensions of ends that lie too close to a narrowing."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import tubes
+from common.errors import InputError
+from flow import centreline, extended, extension, settings, surface
+
+NARROWED = tubes.lesion(1.5, 0.5, 8, 6)  # 0.95 of the radius again at 10.4 mm and before 5.6 mm
+
+
+def _needed(length=14.0, radius=NARROWED, **given):
+    tree = centreline.Tree([tubes.line(length, radius)])
+    tube = tubes.tube(length, radius, 0.3)
+    return tube, tree, extension.needed(tube, tree, settings.make(**given))
+
+
+def test_an_end_too_close_to_a_narrowing_is_extended_to_its_clearance():
+    tube, tree, found = _needed(outlet_clearance_diameters=4, inlet_clearance_diameters=2.5)
+    assert [(one.region_id, one.branch) for one in found] == [(1, "main"), (2, "main")]
+    inlet, outlet = found
+    assert outlet.distance_mm == pytest.approx(3.6, abs=0.3) and inlet.distance_mm == pytest.approx(5.6, abs=0.3)
+    assert outlet.length_mm + outlet.distance_mm == pytest.approx(12.0, rel=0.01)
+    assert inlet.length_mm + inlet.distance_mm == pytest.approx(7.5, rel=0.01)
+    assert outlet.direction == pytest.approx([1, 0, 0]) and inlet.direction == pytest.approx([-1, 0, 0])
+    longer = extension.extend(tube, found)
+    surface.check(longer, "extended")
+    assert longer.points[:, 0].min() == pytest.approx(-inlet.length_mm)
+    assert longer.points[:, 0].max() == pytest.approx(14 + outlet.length_mm)
+    area = [np.linalg.norm(tube.area_vectors()[tube.region == cap].sum(axis=0)) for cap in (1, 2)]
+    more = sum(a * one.length_mm for a, one in zip(area, found))
+    assert longer.volume_mm3() == pytest.approx(tube.volume_mm3() + more, rel=1e-9)
+    line = extension.prolonged(tree, found).main
+    assert line.length_mm == pytest.approx(14 + inlet.length_mm + outlet.length_mm)
+    assert line.points[0] == pytest.approx([-inlet.length_mm, 0, 0]) and (np.diff(line.s_mm) > 0).all()
+    assert line.radius(8 + inlet.length_mm) == pytest.approx(0.75)
+
+
+def test_far_from_narrowings_nothing_is_extended_but_what_is_asked_for():
+    assert _needed(40.0)[2] == [] == _needed(outlet_clearance_diameters=0, inlet_clearance_diameters=0)[2]
+    assert _needed(14.0, tubes.lesion(1.5, 0.2, 8, 6))[2] == [], "a fifth narrower is no narrowing"
+    _, _, found = _needed(40.0, outlet_extension_diameters=2)
+    assert len(found) == 1 and found[0].length_mm == pytest.approx(6, rel=0.01) and found[0].distance_mm is None
+
+
+def test_the_network_goes_through_the_extensions():
+    found = [extension.Extension(1, "main", 3.0, [-1, 0, 0], 1.0), extension.Extension(2, "main", 5.0, [1, 0, 0], 1.0)]
+    branches = [{"name": "main", "parent": None, "s_on_parent_mm": None}]
+    branches += [{"name": "side", "parent": "main", "s_on_parent_mm": 4.0}]
+    sections = pd.DataFrame({"branch": ["main"] * 2 + ["side"], "s_mm": [0.0, 10, 0], "area_mm2": [7.0, 6, 2]})
+    anatomy, longer = extended.prolonged_network({"branches": branches}, sections, found)
+    assert anatomy["branches"][1]["s_on_parent_mm"] == 7.0 and branches[1]["s_on_parent_mm"] == 4.0
+    main = longer[longer["branch"] == "main"].sort_values("s_mm")
+    assert main["s_mm"].tolist() == [0, 3, 13, 18] and main["area_mm2"].tolist() == [7, 7, 6, 6]
+    assert sections["s_mm"].tolist() == [0, 10, 0]
+
+
+def test_a_report_of_the_mesh_gives_the_extensions(tmp_path):
+    assert extended.read(tmp_path / "none.json") == []
+    path = tmp_path / "mesh.json"
+    one = extension.Extension(2, "main", 3.0, [1.0, 0, 0], None)
+    path.write_text(json.dumps({"extensions": [vars(one)]}))
+    assert extended.read(path) == [one]
+    path.write_text("{}")
+    with pytest.raises(InputError, match="report of the volume mesh"):
+        extended.read(path)
