@@ -1,5 +1,6 @@
 """The README's tables are those of the benchmarks' files."""
 
+import json
 import pathlib
 import sys
 
@@ -18,9 +19,10 @@ TEXT = "before\n<!-- table: flow_hard_cases -->\nold\n<!-- end -->\nafter\n"
 def _write(folder, leave_out=()):
     columns = [name for name in readme_tables.TABLES["flow_hard_cases"][1] if name not in leave_out]
     row = {name: "" for name in columns} | {"case": "single_62", "error": "0.00131"}
-    (folder / "flow_hard_cases").mkdir()
+    folder = folder / "benchmarks" / "flow_hard_cases"
+    folder.mkdir(parents=True)
     lines = [",".join(columns), ",".join(row[name] for name in columns)]
-    (folder / "flow_hard_cases" / "hard_cases.csv").write_text("\n".join(lines) + "\n")
+    (folder / "hard_cases.csv").write_text("\n".join(lines) + "\n")
 
 
 def test_a_table_is_that_of_the_file(tmp_path):
@@ -42,6 +44,29 @@ def test_a_file_without_a_column_is_refused(tmp_path):
         readme_tables.filled(TEXT, tmp_path)
 
 
+def _write_state(folder, case, state, **changes):
+    answer = {"dofs": 9, "ffr": 0.71234, "error_estimate": {"ffr": 0.0014}, "jet_mixing": 0, "unsteady": None}
+    answer |= {"models": {"axisymmetric": {"ffr": 0.7}}, "extensions": {"ends": [{}]}, "warnings": [], "meshes": []}
+    answer |= {"cpu_seconds": 119.4, "peak_memory_mib": 1519.2, **changes}
+    path = folder / "cases" / case / "flow" / state / "ffr.json"
+    path.parent.mkdir(parents=True)
+    path.write_text(json.dumps(answer))
+
+
+def test_the_study_is_a_table_of_its_states_before_the_intervention_first(tmp_path):
+    text = TEXT.replace("flow_hard_cases", "study")
+    assert readme_tables.filled(text, tmp_path) == text
+    _write_state(tmp_path, "lad01", "ct", error_estimate=None)
+    _write_state(tmp_path, "lad01", "pre", meshes=[{"factorizations": 3}, {}, {"factorizations": 4}])
+    lines = readme_tables.filled(text, tmp_path).splitlines()
+    assert lines[2].startswith("| case | state | dofs | FFR |") and len(lines) == 8
+    assert lines[4] == "| lad01 | pre | 9 | 0.7123 | 0.0014 | 0.7000 | 0 |  | 1 | 0 | 7 | 119 | 1519 |"
+    assert lines[5].startswith("| lad01 | ct | 9 | 0.7123 | unknown |")
+    (tmp_path / "cases" / "lad01" / "flow" / "pre" / "ffr.json").write_text("{}")
+    with pytest.raises(InputError, match="not an answer of the flow solver"):
+        readme_tables.filled(text, tmp_path)
+
+
 def test_the_readme_names_tables_that_there_are():
     places = readme_tables.PLACE.findall((ROOT / "flow" / "README.md").read_text())
-    assert {name for _, name, _ in places} == set(readme_tables.TABLES)
+    assert {name for _, name, _ in places} == {*readme_tables.TABLES, readme_tables.STUDY}

@@ -1,13 +1,14 @@
-"""Tables of flow/README.md from the benchmarks' CSV files.
+"""Tables of flow/README.md from the results' files: the benchmarks' CSV, and ffr.json of each state of each case.
 
-    /usr/bin/python3 tests/verification/flow/readme_tables.py --results results/benchmarks --readme flow/README.md
+    /usr/bin/python3 tests/verification/flow/readme_tables.py results
 
-A table stands between the lines `<!-- table: NAME -->` and `<!-- end -->`, NAME being the folder of a benchmark; where
-it was not run the table stays.
+A table stands between the lines `<!-- table: NAME -->` and `<!-- end -->`, NAME being the folder of a benchmark, or
+`study`; where nothing of it was run the table stays.
 """
 
 import argparse
 import csv
+import json
 import pathlib
 import re
 import sys
@@ -53,6 +54,10 @@ TABLES = {
         },
     ),
 }
+STUDY = "study"
+STATES = ("pre", "vci", "rc", "reference", "ct")  # in the order of the rows; others of a case follow
+STUDY_COLUMNS = ("case", "state", "dofs", "FFR", "estimate", "axisymmetric", "c", "amplitude", "ends extended")
+STUDY_COLUMNS += ("warnings", "factorizations", "CPU s", "MiB")
 DIGITS = {"volume_mm3": ".1f", "error": "+.4f", "mesh_cpu_s": ".1f", "solve_cpu_s": ".1f", "settled_cpu_s": ".1f"}
 PLACE = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.S)
 
@@ -76,15 +81,51 @@ def table(path, columns):
     return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
 
+def study(results):
+    """Markdown of the states in results/cases/*/flow/*/ffr.json, or None where there is none."""
+    order = {state: k for k, state in enumerate(STATES)}
+    paths = sorted((results / "cases").glob("*/flow/*/ffr.json"))
+    paths.sort(key=lambda path: (path.parts[-4], order.get(path.parts[-2], len(order)), path.parts[-2]))
+    lines = [STUDY_COLUMNS, ["---"] * len(STUDY_COLUMNS), *(state_row(path) for path in paths)]
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines) if paths else None
+
+
+def state_row(path):
+    """Fields of STUDY_COLUMNS of one ffr.json. Raises InputError where it is of another kind."""
+    try:
+        answer = json.loads(path.read_text())
+        estimate, axisymmetric = answer["error_estimate"], answer["models"]["axisymmetric"]["ffr"]
+        return [
+            path.parts[-4],
+            path.parts[-2],
+            f"{answer['dofs']}",
+            f"{answer['ffr']:.4f}",
+            f"{estimate['ffr']:.4f}" if estimate else "unknown",
+            "none" if axisymmetric is None else f"{axisymmetric:.4f}",
+            f"{answer['jet_mixing']:g}",
+            f"{answer['unsteady']['ffr_amplitude']:.4f}" if answer["unsteady"] else "",
+            f"{len(answer['extensions']['ends'])}",
+            f"{len(answer['warnings'])}",
+            f"{sum(mesh.get('factorizations', 0) for mesh in answer['meshes'])}",
+            f"{answer['cpu_seconds']:.0f}",
+            f"{answer['peak_memory_mib']:.0f}",
+        ]
+    except (json.JSONDecodeError, KeyError, TypeError) as error:
+        raise InputError("not an answer of the flow solver", path, repr(error), "solve this state again") from error
+
+
 def filled(readme, results):
-    """The README's text with the tables of the benchmarks in the folder `results`."""
+    """The README's text with the tables of what was run in the folder `results`."""
 
     def replacement(found):
         name = found.group(2)
+        if name == STUDY:
+            made = study(results)
+            return found.group(1) + made + found.group(3) if made else found.group(0)
         if name not in TABLES:
-            raise InputError("no such table", "flow/README.md", name, ", ".join(TABLES))
+            raise InputError("no such table", "flow/README.md", name, ", ".join([*TABLES, STUDY]))
         file, columns = TABLES[name]
-        path = results / name / file
+        path = results / "benchmarks" / name / file
         return found.group(1) + table(path, columns) + found.group(3) if path.is_file() else found.group(0)
 
     return PLACE.sub(replacement, readme)
@@ -93,8 +134,8 @@ def filled(readme, results):
 @guarded
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--results", required=True, type=pathlib.Path, help="folder of the benchmarks")
-    parser.add_argument("--readme", required=True, type=pathlib.Path)
+    parser.add_argument("results", type=pathlib.Path, help="folder with `benchmarks` and `cases`")
+    parser.add_argument("--readme", default=ROOT / "flow" / "README.md", type=pathlib.Path)
     options = parser.parse_args()
     options.readme.write_text(filled(options.readme.read_text(), options.results))
 
