@@ -1,70 +1,116 @@
-"""The default against the textbook scheme and springs for a wall, on generated scenes: a row each in baseline.csv.
+"""The default against the textbook scheme, each at several costs, and springs for a wall, on generated scenes.
 
-/usr/bin/python3 -m vci.baseline --out results/baseline [--edge 0.5] [--only NAME ...]
+/usr/bin/python3 -m vci.baseline --out results/baseline [--edges 1.0 0.8 ...] [--only NAME ...] [--budget 60]
 
-`factor` is the CPU time of the scene's textbook run over this row's. Errors are taken against the membrane at 0.6 of
-the edge and a tenth of the residual tolerance. One run at a time, one thread; seconds are the whole program's.
+The textbook scheme (fixed steps, conjugate gradients without preconditioner to 1e-3, stopped by velocity, the whole
+vessel) is run at the meshes, steps and velocity stops of TEXTBOOK, the default at several edges; a run that has used
+the budget of CPU seconds is stopped. baseline.csv has a row each. Errors are taken against the default at REFERENCE mm
+and a tenth of its tolerance. levels.csv holds, for each scene and error of the mean area, the cheapest row of each
+scheme within it and their ratio; where the textbook scheme did not get there, its nearest error and all it cost to try.
+One run at a time, one thread; seconds are the whole program's.
 """
 
 import argparse
-import csv
 import dataclasses
+import json
 import pathlib
 import resource
 import sys
 
 from common.errors import InputError, guarded
-from vci.benchmark import SCENES, outcome_of, with_errors
+from vci.benchmark import ERRORS, SCENES, outcome_of, with_errors, write_table
 from vci.scenes import write_scene
+from vci.speed_figures import draw_fronts
 
 COLUMNS = (
-    "case,variant,edge_mm,outcome,steps,cg_iterations,largest_residual,max_penetration_mm,cpu_seconds,factor,"
-    "mean_csa_mm2,mla_mm2,mean_csa_error_percent,mla_error_percent"
-).split(",")
-NAMES = ("straight", "curved 0.12 per mm", "eccentric", "calcified")  # of the benchmark's scenes
-TEXTBOOK = {"integration": "textbook", "maximal_steps_per_stage": 20000}
-COARSE = 0.8  # mm: the default once more, on a coarser mesh
-VARIANTS = {
-    "adaptive": {},
-    "textbook": {"numerics": TEXTBOOK},
-    "textbook, contact with facets": {"numerics": TEXTBOOK | {"contact_surface": "facets"}},
-    "textbook, solves to 1e-3": {"numerics": TEXTBOOK | {"pcg_tolerance": 1e-3, "pcg_maximal_iterations": 3000}},
-    "springs, Lame": {"wall": {"model": "mass-spring"}},
-    "springs, Van Gelder": {"wall": {"model": "mass-spring", "spring_mapping": "van_gelder"}},
-}
+    *"case,scheme,edge_mm,fixed_step_ms,velocity_stop_mm_per_ms,pcg_tolerance,outcome,reason".split(","),
+    *"steps,cg_iterations,largest_residual,max_penetration_mm,cpu_seconds,mean_csa_mm2,mla_mm2".split(","),
+    *ERRORS,
+)
+LEVEL_COLUMNS = (
+    *"case,error_percent,default_edge_mm,default_cpu_seconds,default_error_percent,textbook_edge_mm".split(","),
+    *"textbook_step_ms,textbook_stop_mm_per_ms,textbook_cpu_seconds,textbook_error_percent,times".split(","),
+)
+NAMES = ("straight", "eccentric", "calcified")  # of the benchmark's scenes
+EDGES = [1.0, 0.8, 0.6, 0.4]  # mm, of the default
+REFERENCE = 0.25  # mm
+LEVELS = (5, 3, 1)  # %, of the mean area
+SOLVES = {"pcg_tolerance": 1e-3, "pcg_maximal_iterations": 3000}
+# edge (mm), fixed step (ms), velocity stop (mm/ms), the linear solves: finer meshes cost more and are no nearer
+TEXTBOOK = [
+    *((1.0, 0.01, stop, SOLVES) for stop in (1e-2, 3e-3, 1e-3)),
+    (1.0, 0.003, 1e-3, SOLVES),
+    (1.0, 0.001, 1e-3, SOLVES),
+    (0.6, 0.01, 1e-2, SOLVES),
+    (0.6, 0.01, 1e-2, {}),  # solved no better than the default's
+]
+SPRINGS = {"springs, Lame": {}, "springs, Van Gelder": {"spring_mapping": "van_gelder"}}
 
 
-def compared(rows):
-    """Rows with errors in percent against the last, and how many times faster than the textbook row each is."""
-    textbook = next((r for r in rows if r["variant"] == "textbook"), None)
-    for row in with_errors(rows):
-        if textbook:
-            row["factor"] = textbook["cpu_seconds"] / row["cpu_seconds"]
-    return rows
+def runs_of(edges):
+    """(scheme, edge in mm, its columns, settings of the scene) of every run; the reference last."""
+    for edge in edges:
+        yield "default", edge, {}, {}
+    for edge, step, stop, solves in TEXTBOOK:
+        numerics = {"integration": "textbook", "fixed_step_ms": step, "velocity_stop_mm_per_ms": stop} | solves
+        columns = {
+            k: numerics[k] for k in ("fixed_step_ms", "velocity_stop_mm_per_ms", "pcg_tolerance") if k in numerics
+        }
+        yield "textbook", edge, columns, {"numerics": numerics | {"maximal_steps_per_stage": 20000}}
+    for scheme, mapping in SPRINGS.items():
+        yield scheme, max(edges), {}, {"wall": {"model": "mass-spring"} | mapping}
+    yield "reference", REFERENCE, {}, {"numerics": {"residual_tolerance": 3e-4}}
 
 
 def run_scene(options, name):
-    """The scene's rows: every variant, then the reference."""
+    """The scene's rows: both schemes, the springs, then the reference."""
     tube, how = SCENES[name]
-    folder, program = options.out / name.replace(" ", "_"), options.build / "vci"
-    numerics = {"residual_tolerance": 3e-4, "device_edge_mm": 0.3}
-    runs = [(variant, options.edge, settings) for variant, settings in VARIANTS.items()]
-    runs.append(("adaptive, coarse", COARSE, {"numerics": {"device_edge_mm": 1.125 * COARSE}}))
-    rows = []
-    for number, (variant, edge, settings) in enumerate(
-        [*runs, ("reference", 0.6 * options.edge, {"numerics": numerics})]
-    ):
-        scene = write_scene(folder / str(number), dataclasses.replace(tube, edge=edge), **how, **settings)
-        rows.append({"case": name, "variant": variant, "edge_mm": edge} | outcome_of(program, scene))
-        print(f"{name}, {variant}: {rows[-1]}", file=sys.stderr)
-    return compared(rows)
+    folder, rows = options.out / name.replace(" ", "_"), []
+    for number, (scheme, edge, columns, settings) in enumerate(runs_of(options.edges)):
+        numerics = {"device_edge_mm": min(1.0, 1.125 * edge)} | settings.get("numerics", {})
+        place = folder / str(number)
+        scene = write_scene(place, dataclasses.replace(tube, edge=edge), **how, **settings | {"numerics": numerics})
+        row = {"case": name, "scheme": scheme, "edge_mm": edge} | columns
+        rows.append(row | outcome_of(options.build / "vci", scene, options.budget))
+        print(json.dumps(rows[-1]), file=sys.stderr)
+    return with_errors(rows, rows[-1] if rows[-1]["outcome"] == "balanced" else None)
+
+
+def levels(rows):
+    """For each case and level of error the cheapest row of the default and of the textbook scheme, and their ratio."""
+    key, table = ERRORS[0], []
+    for case in dict.fromkeys(r["case"] for r in rows):
+        own = [r for r in rows if r["case"] == case]
+        for level in LEVELS:
+            row = {"case": case, "error_percent": level}
+            cheapest = {}
+            for scheme in ("default", "textbook"):
+                tried = [r for r in own if r["scheme"] == scheme]
+                within = [r for r in tried if key in r and abs(r[key]) <= level]
+                if within:
+                    best = cheapest[scheme] = min(within, key=lambda r: r["cpu_seconds"])
+                    row[f"{scheme}_edge_mm"] = best["edge_mm"]
+                    row[f"{scheme}_cpu_seconds"] = best["cpu_seconds"]
+                    row[f"{scheme}_error_percent"] = best[key]
+                    if scheme == "textbook":
+                        row["textbook_step_ms"] = best["fixed_step_ms"]
+                        row["textbook_stop_mm_per_ms"] = best["velocity_stop_mm_per_ms"]
+                elif tried:  # not reached: all that was spent on it, and the nearest that came of it
+                    row[f"{scheme}_edge_mm"] = "not reached"
+                    row[f"{scheme}_cpu_seconds"] = sum(r["cpu_seconds"] for r in tried)
+                    row[f"{scheme}_error_percent"] = min((r[key] for r in tried if key in r), key=abs, default="")
+            if len(cheapest) == 2:
+                row["times"] = cheapest["textbook"]["cpu_seconds"] / cheapest["default"]["cpu_seconds"]
+            table.append(row)
+    return table
 
 
 @guarded
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="python3 -m vci.baseline", description=__doc__.splitlines()[0])
     parser.add_argument("--only", nargs="+", help="names of scenes; all without it")
-    parser.add_argument("--edge", type=float, default=0.5, help="mm")
+    parser.add_argument("--edges", nargs="+", type=float, default=EDGES, help="mm: the default's")
+    parser.add_argument("--budget", type=int, default=60, help="CPU seconds after which a run is stopped")
     parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path("build"), help="folder of the program vci")
     parser.add_argument("--out", type=pathlib.Path, required=True, help="folder for baseline.csv and the scenes")
     options = parser.parse_args(arguments)
@@ -73,12 +119,13 @@ def main(arguments=None):
         raise InputError("no such scene", "--only", ", ".join(sorted(unknown)), "use " + "; ".join(NAMES))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     options.out.mkdir(parents=True, exist_ok=True)
-    with (options.out / "baseline.csv").open("w", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS, extrasaction="ignore")
-        writer.writeheader()
-        for name in options.only or NAMES:
-            writer.writerows(run_scene(options, name))
-            file.flush()
+    rows = []
+    for name in options.only or NAMES:
+        rows += run_scene(options, name)
+        known = [{k: r[k] for k in COLUMNS if k in r} for r in rows]
+        write_table(known, COLUMNS, options.out / "baseline.csv")
+        write_table(levels(rows), LEVEL_COLUMNS, options.out / "levels.csv")
+    draw_fronts(rows, ("default", "textbook"), ERRORS[0], options.out / "baseline.png")
 
 
 if __name__ == "__main__":

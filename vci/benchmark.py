@@ -1,10 +1,12 @@
-"""Speed against error of the deployment: scenes at several edges, tolerances and precisions, as CSV and as a figure.
+"""Speed against error of the deployment: scenes at several edges, tolerances, precisions and walls, as CSV and figure.
 
 /usr/bin/python3 -m vci.benchmark [results/cases/quick_branch ...] [--generated] --out results/benchmark
 
-The generated scenes of SCENES are run where no case folders are given, or before them with --generated. A case's error
-is taken against its own run at the finest edge with a tenth of the smallest residual tolerance. One run at a time, one
-thread; `seconds` are the engine's own (wall clock of all stages), `cpu_seconds` and memory those of the whole program,
+The generated scenes of SCENES and the shipped bifurcation are run where no case folders are given, or before them with
+--generated. Tolerances, precisions and walls other than the first are run at the edge `--varied-at` alone. A case's
+error is taken against its finest edge that balances at a tenth of the first residual tolerance or, where none does,
+its finest row that balances: column `reference`. A refused row says why. One run at a time, one thread; `seconds` are
+the engine's own (wall clock of all stages), `cpu_seconds` and memory those of the whole program,
 `microseconds_per_vertex_step` CPU time over steps and wall vertices. medians.csv holds the medians over the cases.
 """
 
@@ -12,25 +14,29 @@ import argparse
 import csv
 import dataclasses
 import json
-import os
 import pathlib
 import resource
-import subprocess
+import signal
 import sys
 
 import numpy as np
 
 from common.errors import ComputationError, InputError, guarded
+from vci.programs import reason_of, run
 from vci.scenes import Tube, write_scene
 
-COLUMNS = (
-    "case,edge_mm,residual_tolerance,precision,outcome,wall_vertices,steps,cg_iterations,largest_residual,"
-    "max_penetration_mm,seconds,cpu_seconds,microseconds_per_vertex_step,peak_memory_mib,"
-    "mean_csa_mm2,mla_mm2,mean_csa_error_percent,mla_error_percent"
-).split(",")
-
-SETTING = ("edge_mm", "residual_tolerance", "precision")
+SETTING = ("edge_mm", "residual_tolerance", "precision", "wall")
 ERRORS = ("mean_csa_error_percent", "mla_error_percent")
+COLUMNS = (
+    "case",
+    *SETTING,
+    *"outcome,reason,wall_vertices,steps,cg_iterations,largest_residual,max_penetration_mm,seconds,cpu_seconds".split(
+        ","
+    ),
+    *"microseconds_per_vertex_step,peak_memory_mib,mean_csa_mm2,mla_mm2".split(","),
+    *ERRORS,
+    "reference",
+)
 MEDIANS = ("steps", "seconds", "cpu_seconds", "microseconds_per_vertex_step", "peak_memory_mib", *ERRORS)
 SCENES = {
     "straight": (Tube(stenosis=0.6), {}),
@@ -40,15 +46,9 @@ SCENES = {
     "calcified": (Tube(stenosis=0.55, eccentricity=0.8, calcium_deg=120), {}),
     "long diffuse": (Tube(length=40, stenosis=0.5, lesion_length=24), {"length": 18}),
 }
-
-
-def run(command):
-    """(exit code, standard error, CPU seconds) of a program."""
-    process = subprocess.Popen([str(c) for c in command], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
-    messages = process.stderr.read()
-    _, status, usage = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    return process.returncode, messages, usage.ru_utime + usage.ru_stime
+BIFURCATION = "bifurcation"  # the shipped bench's first two steps: a stent across the side branch, optimised
+BENCH = pathlib.Path(__file__).resolve().parents[1] / "config"
+BUDGET = 300  # CPU seconds of a run: what takes longer is no row of a table of speeds
 
 
 def surface_of(case):
@@ -61,15 +61,19 @@ def surface_of(case):
     return path, source["units"]
 
 
+def processed(programs, surface, units, edge, out):
+    """The anatomy of a surface remeshed at an edge (mm), in the folder `out`."""
+    if not (out / "lumen.vtp").is_file():
+        code, messages, _ = run(
+            [programs / "lumen", "process", surface, "--units", units, "--edge", edge, "--out", out]
+        )
+        if code:
+            raise ComputationError("the lumen cannot be remeshed", str(surface), f"edge {edge} mm", messages.strip())
+
+
 def remeshed(programs, case, edge, folder):
     """The case's scene (JSON) on its surface remeshed at an edge (mm)."""
-    anatomy = folder / "anatomy"
-    surface, units = surface_of(case)
-    if not (anatomy / "lumen.vtp").is_file():
-        remesh = [programs / "lumen", "process", surface, "--units", units, "--edge", edge, "--out", anatomy]
-        code, messages, _ = run(remesh)
-        if code:
-            raise ComputationError("the lumen cannot be remeshed", str(case), f"edge {edge} mm", messages.strip())
+    processed(programs, *surface_of(case), edge, folder / "anatomy")
     scene = json.loads((case / "vci" / "scene.json").read_text())
     return scene | {"lumen": "anatomy/lumen.vtp", "centreline": "anatomy/centreline.vtp"}
 
@@ -80,30 +84,58 @@ def generated(name, edge, folder):
     return json.loads(write_scene(folder, dataclasses.replace(tube, edge=edge), **how).read_text())
 
 
+def bifurcation(programs, edge, folder):
+    """The bifurcation's scene (JSON) at an edge (mm); its surface is drawn once, beside the edges' folders."""
+    case, source, plan = BENCH / "cases" / "culotte_bench.yaml", folder.parent / "source", folder / "plan.json"
+    if not (source / "lumen.vtp").is_file():
+        called("data_synthetic", "generate", case, "--out", source)
+    processed(programs, source / "lumen.vtp", "mm", edge, folder / "anatomy")
+    called("anatomy", "plan", case, "--anatomy", folder / "anatomy", "--devices", BENCH / "devices", "--out", plan)
+    scene = json.loads(plan.read_text())
+    return scene | {"procedure": scene["procedure"][:2]}
+
+
+def called(*module):
+    code, messages, _ = run([sys.executable, "-m", *module])
+    if code:
+        raise ComputationError("the bifurcation cannot be made", module[0], f"exit code {code}", messages.strip())
+
+
+def scene_of(programs, case, edge, folder):
+    if case == BIFURCATION:
+        return bifurcation(programs, edge, folder)
+    return generated(case, edge, folder) if case in SCENES else remeshed(programs, case, edge, folder)
+
+
 def deploy(programs, case, setting, folder):
     """One row: a case (folder or name of a generated scene) at a setting, the devices' edge in proportion."""
-    edge, tolerance, precision = setting
+    edge, tolerance, precision, wall = setting
     folder.mkdir(parents=True, exist_ok=True)
-    scene = generated(case, edge, folder) if case in SCENES else remeshed(programs, case, edge, folder)
-    default = scene["numerics"].get("device_edge_mm", 0.45)
-    scene["numerics"] |= {"residual_tolerance": tolerance, "device_edge_mm": min(1.0, default * edge / 0.4)}
+    scene = scene_of(programs, case, edge, folder)
+    numerics = scene.get("numerics", {})
+    default = numerics.get("device_edge_mm", 0.45)
+    scene["numerics"] = numerics | {"residual_tolerance": tolerance, "device_edge_mm": min(1.0, default * edge / 0.4)}
     scene["numerics"]["pcg_precision"] = precision
+    scene["wall"] = scene.get("wall", {}) | {"model": wall}
     (folder / "scene.json").write_text(json.dumps(scene))
-    return {"case": name_of(case)} | dict(zip(SETTING, setting)) | outcome_of(programs / "vci", folder / "scene.json")
+    row = outcome_of(programs / "vci", folder / "scene.json", BUDGET)
+    return {"case": name_of(case)} | dict(zip(SETTING, setting)) | row
 
 
-def outcome_of(program, scene):
+def outcome_of(program, scene, budget=None):
     """Runs a scene (results beside it, in vci/): outcome, CPU seconds, memory and, where it balanced, what came out."""
     out = scene.parent / "vci"
-    code, messages, cpu = run([program, "deploy", scene, "--out", out])
-    row = {"outcome": "refused" if code else "balanced", "cpu_seconds": cpu}
+    code, messages, cpu = run([program, "deploy", scene, "--out", out], budget)
+    if code == -signal.SIGXCPU:
+        return {"outcome": "stopped", "reason": f"not done after {budget} CPU s", "cpu_seconds": cpu}
     if code:
-        print(messages.strip().splitlines()[-3:], file=sys.stderr)
-        return row
+        return {"outcome": "refused", "reason": reason_of(messages), "cpu_seconds": cpu}
     result = json.loads((out / "deployment.json").read_text())
     stages, area = result["stages"], [p["area_mm2"] for p in result["csa_profile"]]
     steps = sum(s["steps"] for s in stages)
-    return row | {
+    return {
+        "outcome": "balanced",
+        "cpu_seconds": cpu,
         "peak_memory_mib": result["peak_memory_mib"],
         "microseconds_per_vertex_step": 1e6 * cpu / (steps * result["wall_vertices"]),
         "wall_vertices": result["wall_vertices"],
@@ -118,7 +150,7 @@ def outcome_of(program, scene):
 
 
 def name_of(case):
-    return case if case in SCENES else case.name
+    return case if isinstance(case, str) else case.name
 
 
 def medians(rows):
@@ -141,47 +173,45 @@ def write_table(rows, columns, path):
         writer.writerows(rows)
 
 
-def with_errors(rows):
-    """Rows with their errors in percent against the case's last row, its finest, where that balanced."""
-    truth = rows[-1] if rows[-1]["outcome"] == "balanced" else None
+def with_errors(rows, truth):
+    """Rows with their errors in percent against the row `truth` (None: none balanced)."""
     for row in rows:
-        for name in ("mean_csa", "mla"):
-            if truth and row["outcome"] == "balanced":
+        if truth and row["outcome"] == "balanced":
+            for name in ("mean_csa", "mla"):
                 row[f"{name}_error_percent"] = 100 * (row[f"{name}_mm2"] / truth[f"{name}_mm2"] - 1)
+            if "residual_tolerance" in truth:
+                row["reference"] = f"{truth['edge_mm']:g} mm, {truth['residual_tolerance']:g}"
     return rows
 
 
-def pareto(points):
-    """Of (cost, error) pairs those that no cheaper one undercuts, by cost."""
-    front = []
-    for cost, error in sorted(points):
-        if not front or error < front[-1][1]:
-            front.append((cost, error))
-    return front
+def settings_of(options):
+    """The settings to run at: every edge with the first tolerance, precision and wall, and one edge with the others."""
+    first = (options.tolerances[0], options.precisions[0], options.walls[0])
+    settings = [(edge, *first) for edge in sorted(options.edges, reverse=True)]
+    for place, values in enumerate((options.tolerances, options.precisions, options.walls)):
+        for value in values[1:]:
+            other = (*first[:place], value, *first[place + 1 :])
+            settings.append((options.varied_at, *other))
+    return settings
 
 
-def draw(rows, path):
-    """Figure: errors of the mean and of the minimal area against seconds with the Pareto front of the medians, and the
-    cost of a step per vertex against the number of vertices."""
-    import matplotlib
+def run_case(options, case):
+    """A case's rows, its reference the last: the finest edge that balances at a tenth of the first tolerance."""
 
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
+    def row_at(setting):
+        folder = options.out / name_of(case).replace(" ", "_") / f"edge_{setting[0]:g}"
+        row = deploy(options.build, case, setting, folder)
+        print(f"{name_of(case)}, {setting}: {row['outcome']} {row.get('reason', '')}", file=sys.stderr)
+        return row
 
-    figure, (*both, cost) = pyplot.subplots(1, 3, figsize=(16, 4))
-    for axes, key, what in zip(both, ERRORS, ("mean", "minimal")):
-        for case in dict.fromkeys(r["case"] for r in rows):
-            points = [r for r in rows if r["case"] == case and r.get(key)]
-            axes.loglog([r["cpu_seconds"] for r in points], [abs(r[key]) for r in points], "o", label=case)
-        front = pareto([(r["cpu_seconds"], r[key]) for r in medians(rows) if r[key]])
-        axes.loglog(*zip(*front), "k-", label="front of the medians")
-        axes.set(xlabel="CPU seconds, one core", ylabel=f"error of the {what} area in the stent, %")
-    both[1].legend(fontsize=8)
-    key = "microseconds_per_vertex_step"
-    known = [r for r in rows if key in r]
-    cost.semilogx([r["wall_vertices"] for r in known], [r[key] for r in known], "o")
-    cost.set(xlabel="vertices of the wall", ylabel="microseconds per vertex and step", ylim=(0, None))
-    figure.savefig(path, dpi=150, bbox_inches="tight")
+    rows = [row_at(setting) for setting in settings_of(options)]
+    usual = (options.precisions[0], options.walls[0])
+    for edge in sorted(options.edges):
+        rows.append(row_at((edge, float(f"{options.tolerances[0] / 10:.3g}"), *usual)))
+        if rows[-1]["outcome"] == "balanced":
+            return with_errors(rows, rows[-1])
+    known = [r for r in rows if r["outcome"] == "balanced" and (r["precision"], r["wall"]) == usual]
+    return with_errors(rows, min(known, key=lambda r: (r["edge_mm"], r["residual_tolerance"]), default=None))
 
 
 @guarded
@@ -189,31 +219,28 @@ def main(arguments=None):
     parser = argparse.ArgumentParser(prog="python3 -m vci.benchmark", description=__doc__.splitlines()[0])
     parser.add_argument("cases", nargs="*", type=pathlib.Path, help="folders of cases; generated scenes without")
     parser.add_argument("--generated", action="store_true", help="the generated scenes before the folders' cases")
-    parser.add_argument("--edges", nargs="+", type=float, default=[1.0, 0.8, 0.6, 0.4, 0.3], help="mm")
-    parser.add_argument("--tolerances", nargs="+", type=float, default=[3e-3], help="residuals at which a stage ends")
-    parser.add_argument("--precisions", nargs="+", choices=["single", "double"], default=["single"])
+    parser.add_argument("--only", nargs="+", help="names of generated scenes; all without it")
+    parser.add_argument("--edges", nargs="+", type=float, default=[1.0, 0.8, 0.6, 0.4, 0.3, 0.25], help="mm")
+    parser.add_argument("--tolerances", nargs="+", type=float, default=[3e-3, 1e-2, 1e-3], help="residuals of balance")
+    parser.add_argument("--precisions", nargs="+", choices=["single", "double"], default=["single", "double"])
+    parser.add_argument("--walls", nargs="+", choices=["membrane", "mass-spring"], default=["membrane", "mass-spring"])
+    parser.add_argument("--varied-at", type=float, default=0.4, help="mm: the edge for all but the first of these")
     parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path("build"), help="folder of vci and lumen")
     parser.add_argument("--out", type=pathlib.Path, required=True, help="folder for benchmark.csv and benchmark.png")
     options = parser.parse_args(arguments)
+    names = (*SCENES, BIFURCATION)
+    unknown = set(options.only or []) - set(names)
+    if unknown:
+        raise InputError("no such scene", "--only", ", ".join(sorted(unknown)), "use " + "; ".join(names))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    edges = sorted(options.edges, reverse=True)
-    settings = [(e, t, p) for e in edges for t in options.tolerances for p in options.precisions]
-    settings.append((edges[-1], min(options.tolerances) / 10, options.precisions[-1]))
     rows = []
-    for case in [*(SCENES if options.generated or not options.cases else ()), *options.cases]:
-        own = []
-        for setting in settings:
-            folder = options.out / name_of(case).replace(" ", "_") / f"edge_{setting[0]:g}"
-            own.append(deploy(options.build, case, setting, folder))
-            print(f"{name_of(case)}, {setting}: {own[-1]['outcome']}", file=sys.stderr)
-        rows += with_errors(own)
+    for case in [*((options.only or names) if options.generated or not options.cases else ()), *options.cases]:
+        rows += run_case(options, case)
         write_table(rows, COLUMNS, options.out / "benchmark.csv")
-    write_table(
-        medians(rows),
-        [*SETTING, "cases", *MEDIANS],
-        options.out / "medians.csv",
-    )
-    draw(rows, options.out / "benchmark.png")
+        write_table(medians(rows), [*SETTING, "cases", *MEDIANS], options.out / "medians.csv")
+    from vci.speed_figures import draw_speed
+
+    draw_speed(rows, medians(rows), ERRORS, options.out / "benchmark.png")
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ import resource
 import sys
 
 from common.errors import InputError, guarded
-from vci.benchmark import run
+from vci.programs import reason_of, run
 from vci.scenes import Tube, write_scene
 
 COLUMNS = "case,outcome,reason,residual,mean_penetration_mm,worst_penetration_mm,steps,cpu_seconds,minimal_area_mm2"
@@ -49,13 +49,6 @@ CASES = {
     ),
     "kissing balloons": (Tube(), {"kissing": 0.6, "pressures": (10, 11, 12)}),
 }
-
-
-def reason_of(messages):
-    """What a refusal says, in one line: its last message without the remedy."""
-    lines = [line.strip() for line in messages.strip().splitlines()]
-    start = max((k for k, line in enumerate(lines) if line.startswith("where:")), default=len(lines))
-    return "; ".join(line for line in lines[max(start - 1, 0) : start + 2] if not line.startswith("remedy"))
 
 
 def result_row(case, program, scene):

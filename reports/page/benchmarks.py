@@ -9,11 +9,13 @@ from reports.page.assets import image_uri
 TITLES = {
     "deployment_speed": (
         "Deployment: speed against error",
-        "A row is a scene at one setting; errors are against its finest run.",
+        "A row is a scene at one setting; errors are against the scene's finest balanced run, which `reference` "
+        "names. A refused row says why. Medians are over the scenes that balanced.",
     ),
     "deployment_baseline": (
         "Deployment: beside the textbook scheme",
-        "Whole vessel, fixed small step, plain conjugate gradients; a factor is how many times less processor time.",
+        "Textbook: whole vessel, fixed small step, plain conjugate gradients, stopped by velocity. Both at several "
+        "costs. Levels: the cheapest row of each within an error of the mean area, and the ratio of their times.",
     ),
     "deployment_hard_cases": ("Deployment: hard cases", "Each ends in force balance, or is refused with its reason."),
     "flow_hard_cases": (

@@ -23,8 +23,10 @@ rule deployment_speed:
     input:
         programs=[VCI, LUMEN],
         code=module_code("vci.benchmark"),
+        bifurcation="config/cases/culotte_bench.yaml",
     output:
         "results/benchmarks/deployment_speed/benchmark.csv",
+        "results/benchmarks/deployment_speed/medians.csv",
         "results/benchmarks/deployment_speed/benchmark.png",
     log:
         "results/benchmarks/logs/deployment_speed.log",
@@ -46,6 +48,8 @@ rule deployment_baseline:
         code=module_code("vci.baseline"),
     output:
         "results/benchmarks/deployment_baseline/baseline.csv",
+        "results/benchmarks/deployment_baseline/levels.csv",
+        "results/benchmarks/deployment_baseline/baseline.png",
     log:
         "results/benchmarks/logs/deployment_baseline.log",
     benchmark:

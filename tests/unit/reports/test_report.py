@@ -168,6 +168,25 @@ def test_benchmarks_that_were_run_are_shown(study, tmp_path):
         main(["report", "--case-dir", str(folder), *places, "--out", str(path)])
 
 
+def test_both_tables_of_the_textbook_comparison_and_its_figure_are_shown(study, tmp_path):
+    path, folder = study(("tube", {})), tmp_path / "benchmarks" / "deployment_baseline"
+    folder.mkdir(parents=True)
+    (folder / "baseline.csv").write_text(
+        "case,scheme,outcome,reason\ncalcified,textbook,stopped,not done after 60 CPU s\n"
+    )
+    (folder / "levels.csv").write_text(
+        "case,error_percent,textbook_edge_mm,times\ncalcified,3,1.0,43.21\n,1,not reached,\n"
+    )
+    (folder / "baseline.png").write_bytes(base64.b64decode(PNG))
+    places = ["--study-dir", str(tmp_path / "study"), "--figures-dir", str(tmp_path / "figures")]
+    places += ["--benchmarks", str(tmp_path / "benchmarks")]
+    main(["report", "--case-dir", str(tmp_path / "cases" / "tube"), *places, "--out", str(path)])
+    text = path.read_text()
+    text = text[text.index("Deployment: beside the textbook scheme") :]
+    for words in ("not done after 60 CPU s", "<th>error (%)</th>", "<td>43.21</td>", "not reached", "data:image/png"):
+        assert words in text, words
+
+
 def test_a_missing_figure_is_named(study, tmp_path, capsys):
     path = study(("tube", {}))
     (tmp_path / "figures" / "tube_area.svg").unlink()

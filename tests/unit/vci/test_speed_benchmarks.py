@@ -1,0 +1,111 @@
+"""What the deployment's benchmarks make of their rows: settings, references, refusals, levels of error, tables."""
+
+import argparse
+import csv
+import importlib.util
+import pathlib
+
+import pytest
+
+from common.errors import InputError
+from vci import baseline, benchmark
+from vci.programs import run
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+SPEC = importlib.util.spec_from_file_location(
+    "vci_readme_tables", ROOT / "tests" / "verification" / "vci" / "readme_tables.py"
+)
+tables = importlib.util.module_from_spec(SPEC)
+SPEC.loader.exec_module(tables)
+
+
+def options(**changes):
+    usual = {"edges": [0.8, 0.4], "tolerances": [3e-3, 1e-2], "precisions": ["single", "double"]}
+    usual |= {"walls": ["membrane", "mass-spring"], "varied_at": 0.4, "build": pathlib.Path(), "out": pathlib.Path()}
+    return argparse.Namespace(**usual | changes)
+
+
+def test_all_but_the_first_values_are_run_at_one_edge():
+    assert benchmark.settings_of(options()) == [
+        (0.8, 3e-3, "single", "membrane"),
+        (0.4, 3e-3, "single", "membrane"),
+        (0.4, 1e-2, "single", "membrane"),
+        (0.4, 3e-3, "double", "membrane"),
+        (0.4, 3e-3, "single", "mass-spring"),
+    ]
+
+
+def rows_with(monkeypatch, refused):
+    """A case's rows where the settings (edge, tolerance) `refused` do not balance; areas are 10 + edge."""
+
+    def deploy(_programs, case, setting, _folder):
+        row = {"case": case} | dict(zip(benchmark.SETTING, setting))
+        if setting[:2] in refused:
+            return row | {"outcome": "refused", "reason": "no balance"}
+        return row | {"outcome": "balanced", "mean_csa_mm2": 10 + setting[0], "mla_mm2": 5.0, "cpu_seconds": 1.0}
+
+    monkeypatch.setattr(benchmark, "deploy", deploy)
+    return benchmark.run_case(options(), "straight")
+
+
+def test_errors_are_against_the_finest_run_that_balances_and_say_which(monkeypatch):
+    rows = rows_with(monkeypatch, [])
+    assert rows[-1]["edge_mm"] == 0.4 and rows[-1]["residual_tolerance"] == 3e-4
+    assert rows[0]["mean_csa_error_percent"] == pytest.approx(100 * (10.8 / 10.4 - 1))
+    assert {r["reference"] for r in rows} == {"0.4 mm, 0.0003"}
+    rows = rows_with(monkeypatch, [(0.4, 3e-4)])
+    assert {r.get("reference") for r in rows} == {"0.8 mm, 0.0003", None}
+    assert [r["reason"] for r in rows if r["outcome"] == "refused"] == ["no balance"]
+    rows = rows_with(monkeypatch, [(0.4, 3e-4), (0.8, 3e-4), (0.4, 3e-3)])
+    assert rows[0]["reference"] == "0.4 mm, 0.01", "the finest row there is"
+    rows = rows_with(monkeypatch, [(e, t) for e in (0.8, 0.4) for t in (3e-3, 1e-2, 3e-4)])
+    assert not any("mean_csa_error_percent" in r for r in rows)
+    assert [m["cases"] for m in benchmark.medians(rows)] == [0] * 7
+
+
+def row(scheme, cpu, error, **more):
+    key = benchmark.ERRORS[0]
+    found = {} if error is None else {key: error}
+    return {"case": "straight", "scheme": scheme, "edge_mm": 1.0, "cpu_seconds": cpu} | found | more
+
+
+def test_a_level_of_error_has_the_cheapest_row_of_each_scheme_within_it():
+    rows = [row("default", 0.5, -2.0), row("default", 2.0, 0.2), row("reference", 20.0, 0.0)]
+    rows += [row("textbook", 8.0, 4.0, velocity_stop_mm_per_ms=0.01, fixed_step_ms=0.01), row("textbook", 60.0, None)]
+    rows += [row("textbook", 20.0, 2.5, velocity_stop_mm_per_ms=0.001, fixed_step_ms=0.003)]
+    five, three, one = baseline.levels(rows)
+    assert (five["times"], three["times"]) == (16, 40)
+    assert (three["textbook_step_ms"], three["textbook_stop_mm_per_ms"]) == (0.003, 0.001)
+    assert one["default_cpu_seconds"] == 2.0 and "times" not in one
+    assert one["textbook_edge_mm"] == "not reached" and one["textbook_cpu_seconds"] == 88.0
+    assert one["textbook_error_percent"] == 2.5
+
+
+def test_a_run_is_stopped_once_its_budget_is_used_up():
+    code, _, cpu = run(["/usr/bin/python3", "-c", "while True: pass"], budget=1)
+    assert code < 0 and 0.9 < cpu < 5
+
+
+def test_tables_of_the_readme_are_those_of_the_files(tmp_path):
+    folder = tmp_path / "benchmarks" / "deployment_baseline"
+    folder.mkdir(parents=True)
+    line = dict.fromkeys(baseline.LEVEL_COLUMNS, "") | {
+        "case": "straight",
+        "times": "16.24",
+        "textbook_edge_mm": "not reached",
+    }
+    with (folder / "levels.csv").open("w", newline="") as file:
+        writer = csv.DictWriter(file, baseline.LEVEL_COLUMNS)
+        writer.writeheader()
+        writer.writerow(line)
+    text = "<!-- table: deployment_baseline -->\nold\n<!-- end -->\n"
+    lines = tables.filled(text, tmp_path).splitlines()
+    assert lines[3].startswith("| straight |") and lines[3].endswith("| 16.2 |") and "not reached" in lines[3]
+    assert tables.filled(text, tmp_path / "none") == text
+    with pytest.raises(InputError, match="no such table"):
+        tables.filled(text.replace("baseline", "other"), tmp_path)
+
+
+def test_the_readme_names_tables_that_there_are():
+    places = tables.PLACE.findall((ROOT / "vci" / "README.md").read_text())
+    assert places and {name for _, name, _ in places} <= set(tables.TABLES)

@@ -1,0 +1,32 @@
+"""Programs run one at a time by the benchmarks: CPU seconds, outcome and the reason of a refusal."""
+
+import os
+import resource
+import subprocess
+
+
+def run(command, budget=None):
+    """(exit code, standard error, CPU seconds) of a program, which is ended (a negative code) once it has used `budget`
+    CPU seconds."""
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_CPU, (budget, budget + 5))
+
+    process = subprocess.Popen(
+        [str(c) for c in command],
+        stderr=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        text=True,
+        preexec_fn=limit if budget else None,
+    )
+    messages = process.stderr.read()
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    return process.returncode, messages, usage.ru_utime + usage.ru_stime
+
+
+def reason_of(messages):
+    """What a refusal says, in one line: its last message without the remedy."""
+    lines = [line.strip() for line in messages.strip().splitlines()]
+    start = max((k for k, line in enumerate(lines) if line.startswith("where:")), default=len(lines))
+    return "; ".join(line for line in lines[max(start - 1, 0) : start + 2] if not line.startswith("remedy"))

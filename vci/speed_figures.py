@@ -1,0 +1,52 @@
+"""Figures of the deployment's benchmarks: errors against CPU seconds with their fronts."""
+
+import matplotlib
+
+matplotlib.use("Agg")
+from matplotlib import pyplot  # noqa: E402
+
+
+def pareto(points):
+    """Of (cost, error) pairs those that no cheaper one undercuts, by cost."""
+    front = []
+    for cost, error in sorted(points):
+        if not front or error < front[-1][1]:
+            front.append((cost, error))
+    return front
+
+
+def draw_speed(rows, medians, errors, path):
+    """Figure: errors of the mean and of the minimal area against seconds with the Pareto front of the medians, and the
+    cost of a step per vertex against the number of vertices."""
+    figure, (*both, cost) = pyplot.subplots(1, 3, figsize=(16, 4))
+    for axes, key, what in zip(both, errors, ("mean", "minimal")):
+        for case in dict.fromkeys(r["case"] for r in rows):
+            points = [r for r in rows if r["case"] == case and r.get(key)]
+            axes.loglog([r["cpu_seconds"] for r in points], [abs(r[key]) for r in points], "o", label=case)
+        front = pareto([(r["cpu_seconds"], r[key]) for r in medians if r[key]])
+        if front:
+            axes.loglog(*zip(*front), "k-", label="front of the medians")
+        axes.set(xlabel="CPU seconds, one core", ylabel=f"error of the {what} area in the stent, %")
+    both[1].legend(fontsize=8)
+    key = "microseconds_per_vertex_step"
+    known = [r for r in rows if key in r]
+    cost.semilogx([r["wall_vertices"] for r in known], [r[key] for r in known], "o")
+    cost.set(xlabel="vertices of the wall", ylabel="microseconds per vertex and step", ylim=(0, None))
+    figure.savefig(path, dpi=150, bbox_inches="tight")
+
+
+def draw_fronts(rows, schemes, key, path):
+    """Figure: a scene's errors `key` against CPU seconds, each of the schemes with its front."""
+    cases = list(dict.fromkeys(r["case"] for r in rows))
+    figure, every = pyplot.subplots(1, len(cases), figsize=(5 * len(cases), 4), squeeze=False)
+    for axes, case in zip(every[0], cases):
+        for scheme in schemes:
+            points = [
+                (r["cpu_seconds"], abs(r[key])) for r in rows if (r["case"], r["scheme"]) == (case, scheme) and key in r
+            ]
+            if points:
+                (dots,) = axes.loglog(*zip(*points), "o", label=scheme)
+                axes.loglog(*zip(*pareto(points)), "-", color=dots.get_color())
+        axes.set(title=case, xlabel="CPU seconds, one core", ylabel="error of the mean area in the stent, %")
+    every[0][0].legend()
+    figure.savefig(path, dpi=150, bbox_inches="tight")
