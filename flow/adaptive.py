@@ -10,7 +10,7 @@ import sys
 import time
 
 from common.errors import ComputationError
-from flow import error_estimate, ffr, jet, locate, nonlinear, outlets, spaces, unsteady
+from flow import error_estimate, ffr, jet, linear_choice, locate, nonlinear, outlets, spaces, unsteady
 
 
 class Solved:
@@ -64,6 +64,8 @@ class Search:
             last = path == paths[-1]
             try:
                 solved = self.on_mesh(path, before, last)
+            except linear_choice.Refused:
+                raise
             except ComputationError as error:
                 self.spent += getattr(error, "factorizations", 0)
                 if last and before:
@@ -187,6 +189,7 @@ class Search:
             "ffr": value,
             "error_estimate": estimate["ffr"] if estimate else None,
             "factorizations": solved.problem.solver.factorizations,
+            "linear_iterations": getattr(solved.problem, "iterations", None),
             "cpu_seconds": solved.cpu_seconds,
         }
 
@@ -199,7 +202,12 @@ def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0, m
     space = spaces.read(path)
     boundaries = outlets.Boundaries(space, document)
     jet_length = jet.mixing_length(space, tree, settings.jet_spread)
-    problem = nonlinear.FlowProblem(space, boundaries, document, settings, jet_length, spent)
+    given = space, boundaries, document, settings, jet_length, spent
+    if linear_choice.iterates(space.dofs, start, settings):
+        found = linear_choice.solve(given, start, path)
+        if found:
+            return Solved(path, space, boundaries, *found)
+    problem = nonlinear.FlowProblem(*given)
     print(f"{path}: {space.dofs} dofs", file=sys.stderr, flush=True)
     network = predicted.network
     order = [network.names.index(name) for name in boundaries.names]

@@ -7,6 +7,7 @@ import logging
 import numpy as np
 import ufl
 from dolfinx import fem
+from dolfinx.cpp.fem.petsc import create_matrix
 from dolfinx.io import gmshio
 from dolfinx.mesh import meshtags
 from dolfinx.plot import create_vtk_mesh
@@ -91,6 +92,11 @@ def on_cells(expression, mesh, cells):
     chosen = {"subdomain_id": 1, "subdomain_data": tags}
     parts = [part.reconstruct(**chosen) if part.integral_type() == "cell" else part for part in expression.integrals()]
     return ufl.Form(parts)
+
+
+def block_matrix(compiled):
+    """Empty PETSc matrix of a form on a vector space, stored by the blocks of its nodes."""
+    return create_matrix(compiled, "baij")
 
 
 def petsc_vector(function):

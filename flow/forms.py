@@ -100,6 +100,10 @@ class NavierStokes:
         self.kinetic = lambda tags: 0.5 * density * ufl.inner(u, u) * ufl.dot(u, n) * ds(tags)  # leaves, in W
         residual = stokes(u, p) + oseen(u) + jet(u)
         self.residual = compat.form(residual)
+        self._residual, self._state, self._test = residual, state, ufl.TestFunction(space.W)
+        self._inertia = lambda velocity, du_, v_, cfl: (
+            density / cfl * ufl.sqrt(ufl.inner(velocity, velocity) + SLOWEST**2) / width * ufl.inner(du_, v_) * dx
+        )
         self._tangent = ufl.derivative(residual, state, ufl.TrialFunction(space.W))
         self.rate = fem.Constant(space.mesh, PETSc.ScalarType(0.0))
         width = (6.0 / 8.0) ** 0.5 * abs(ufl.JacobianDeterminant(space.mesh)) ** (
@@ -115,6 +119,19 @@ class NavierStokes:
     def tangent(self):
         """Newton's: the derivative of the residual (compiled when first asked for)."""
         return self._shared(self._tangent)
+
+    def blocks(self, velocity, pressure, cfl):
+        """(tangent's velocity block, the same with inertia, continuity's row) as forms on the spaces of the Functions
+        `velocity` and `pressure`, which hold the state; inertia: as in picard, of the CFL number `cfl`."""
+        V, Q = velocity.function_space, pressure.function_space
+        du, v, q = ufl.TrialFunction(V), ufl.TestFunction(V), ufl.TestFunction(Q)
+        state = ufl.as_vector([*velocity, pressure])
+        zero = [ufl.as_ufl(0.0)]
+        momentum = ufl.replace(self._residual, {self._state: state, self._test: ufl.as_vector([*v, *zero])})
+        continuity = ufl.replace(self._residual, {self._state: state, self._test: ufl.as_vector([*(len(v) * zero), q])})
+        tangent = ufl.derivative(momentum, velocity, du)
+        inertia = self._inertia(velocity, du, v, cfl)
+        return [compat.form(one) for one in (tangent, tangent + inertia, ufl.derivative(continuity, velocity, du))]
 
     @functools.cached_property
     def mass(self):

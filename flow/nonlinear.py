@@ -16,7 +16,7 @@ from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
 from common.errors import ComputationError
-from flow import compat, fading, linear, locate, parallel, predicted_start, ramp, secants, viscosity
+from flow import compat, fading, flow_state, linear, parallel, predicted_start, ramp, secants, viscosity
 from flow.forms import NavierStokes
 
 
@@ -31,7 +31,7 @@ class Outcome:
     history: list
 
 
-class FlowProblem:
+class FlowProblem(flow_state.FlowState):
     """The discrete equations of one lumen: state w (Function on space.W) and inflow.
 
     spent: factorizations made on other meshes, of those that the settings allow.
@@ -65,11 +65,6 @@ class FlowProblem:
         self.bordered = None
         self.inertia = None  # flow.marching.Inertia while the flow is marched in time
         self.passed = []  # (c, values, inflow) of the flows on the path; the last is the answer's
-
-    @property
-    def mixing(self):
-        """Factor c of the jet's mixing length at the present state."""
-        return float(self.forms.mixing.value)
 
     @property
     def left(self):
@@ -166,6 +161,22 @@ class FlowProblem:
         x.destroy()
         return update, -float(y[0])
 
+    def solved_for(self, values, inlet, transposed=False):
+        """(values over W, inflow) of the solution of the last tangent's equations, or of its transposed; the right
+        side's values over W, of which those of fixed dofs do not count, and inlet."""
+        bordered = self.bordered.transpose() if transposed else self.bordered
+        given = self.full_residual.duplicate()
+        given.array[:] = values
+        right = given.getSubVector(self.free).copy()
+        x, y = bordered.solve(right, np.append(inlet, np.zeros(len(bordered.rows) - 1)))
+        found = np.zeros(len(values))
+        found[self.space.free] = x.array
+        for petsc_object in (given, right, x):
+            petsc_object.destroy()
+        if transposed:
+            bordered.destroy()
+        return found, float(y[0])
+
     def dual(self, goal):
         """Values (n,) over W of z with K^T z = goal, K being Newton's tangent at a solved flow; goal: vector over W.
 
@@ -184,17 +195,6 @@ class FlowProblem:
         x.destroy()
         return values
 
-    def move(self, base, base_inflow, update, inflow_update, factor):
-        self.inflow = base_inflow + factor * inflow_update
-        values = base.copy()
-        values[self.space.free] += factor * update
-        values[self.space.inlet] = self.inflow * self.boundaries.profile.x.array[self.space.inlet]
-        self.state.x.array[:] = values
-
-    def speed(self, update):
-        """Size of an update of the free dofs: the norm of its velocities in m/s."""
-        return float(np.linalg.norm(update[self.free_velocity]))
-
     def secants(self):
         """Empty flow.secants.Secants of the free dofs and the inflow: velocities in m/s weigh as pressures over rho."""
         weights = np.where(self.free_velocity, 1.0, 1.0 / self.forms.density)
@@ -211,19 +211,6 @@ class FlowProblem:
     def report(self, norm, kind):
         self.history.append(norm)
         print(f"  residual {norm:.3e} N, {kind}, inflow {self.inflow * 6e7:.2f} mL/min", file=self.log, flush=True)
-
-    def restart(self):
-        """Back to rest."""
-        self.state.x.array[:] = 0.0
-        self.inflow = 0.0
-
-    def scale_to(self, ratio):
-        """Multiplies velocities by `ratio` and pressure losses by its square."""
-        values, pressure = self.state.x.array, self.space.q_map
-        loss = values[pressure] - self.boundaries.map_pa
-        values *= ratio
-        values[pressure] = self.boundaries.map_pa + ratio**2 * loss
-        self.inflow *= ratio
 
     def solve(self, resistances_at, predicted=None):
         """Outcome at full flow from the flow that a reduced model predicts, and where this fails from rest.
@@ -271,25 +258,6 @@ class FlowProblem:
             f"residual {found.residual_absolute:.3e} N, relative {found.residual_relative:.3e}",
             "raise rings, cells_per_radius, outlet_extension_diameters or max_newton_iterations",
         )
-
-    def state_vector(self):
-        """The state's PETSc vector."""
-        return compat.petsc_vector(self.state)
-
-    def set_guess(self, space, state, inflow):
-        """Takes the values `state` on another mesh's LumenSpace, sampled at this mesh's nodes."""
-        points, _ = self.space.nodes()
-        velocity, pressure, _ = locate.FieldSampler(space, state)(points)
-        self.take(velocity, pressure, inflow)
-
-    def take(self, velocity, pressure, inflow):
-        """Takes velocity (n, 3) and pressure (n,) at the velocity nodes, and the inflow, as the state."""
-        values = self.state.x.array
-        values[self.space.v_map] = velocity.ravel()
-        values[self.space.wall] = 0.0
-        self.inflow = inflow
-        values[self.space.inlet] = inflow * self.boundaries.profile.x.array[self.space.inlet]
-        values[self.space.q_map] = self.space.corner_values(pressure)
 
     def destroy(self):
         """Frees PETSc's memory."""

@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 
-from flow import adaptive, energy, ffr, output, parallel, reduced_answer, viscosity, wall_shear
+from flow import adaptive, energy, ffr, linear_choice, output, parallel, reduced_answer, viscosity, wall_shear
 
 LARGE = 0.05  # difference of the models' FFR that is said
 
@@ -19,6 +19,7 @@ def run(mesh, coarse, case, folder):
     """
     begin, begin_cpu = time.perf_counter(), time.process_time()
     paths = [path for path in (coarse, mesh) if path]
+    linear_choice.check(paths, case.settings)
     document, settings, tree, network = case.document, case.settings, case.original, case.network
     predicted = case.predictor()
     models = predicted.answers()

@@ -1,0 +1,114 @@
+"""How the flow solver's cost grows with the mesh: python3 tests/verification/flow/growth.py --out DIR RINGS:COARSE ...
+
+The tube with a lesion of 62 % on meshes of RINGS rings with sections in proportion, each solved from the flow on one of
+COARSE rings, iteratively and, up to --direct-rings, by factorization. Writes DIR/growth.csv: rings, coarse_rings,
+cells, dofs, solver, ffr, linearisations, most linear iterations of one correction, CPU seconds of the fine mesh and of
+the whole process, peak memory; and DIR/exponents.csv: exponents of cells fitted to the whole processes' CPU seconds and
+to memory, by solver. Rows that are not run again stay.
+"""
+
+import argparse
+import csv
+import json
+import pathlib
+import subprocess
+import sys
+
+import numpy as np
+
+sys.path[:0] = [str(pathlib.Path(__file__).parent)]
+
+import hard_cases  # noqa: E402
+
+CASE, DEFAULT_RINGS = "single_62", 4
+STATIONS = {"throat": 0.5, "plain": 1.0}  # of the default rings, in radii
+COLUMNS = ("rings", "coarse_rings", "cells", "dofs", "solver", "ffr", "linearisations", "iterations")
+COLUMNS += ("fine_cpu_s", "cpu_s", "mib")
+
+
+def command(folder, *arguments):
+    """Runs `python3 -m flow` with `arguments` in `folder`, its words in a log there. Raises CalledProcessError."""
+    environment = {"PYTHONPATH": str(hard_cases.ROOT), "PATH": "/usr/bin:/bin", "OMP_NUM_THREADS": "1"}
+    with open(folder / f"{arguments[0]}.log", "w") as log:
+        line = [sys.executable, "-m", "flow", *map(str, arguments)]
+        subprocess.run(line, cwd=folder, stdout=log, stderr=log, env=environment, check=True)
+
+
+def mesh(folder, rings, coarse):
+    """Makes both meshes of the lumen in `folder`."""
+    names = ["--out", f"r{rings}.msh", "--coarse", f"r{rings}_coarse.msh"]
+    sizes = ["--rings", rings, "--coarse-rings", coarse]
+    for name, radii in STATIONS.items():
+        sizes += [f"--stations-{name}", radii * DEFAULT_RINGS / rings]
+    command(folder, "mesh", "lumen.vtp", "--centreline", "centreline.vtp", *names, *sizes)
+
+
+def solve(folder, rings, coarse, solver):
+    """Row of the table."""
+    names = [f"r{rings}.msh", "--coarse", f"r{rings}_coarse.msh", "--boundary", "boundary.json"]
+    out = f"r{rings}_{solver}"
+    chosen = ["--ffr-tolerance", 0, "--linear-solver", solver, "--march-steps", 0]
+    command(folder, "solve", *names, "--centreline", "centreline.vtp", "--out", out, *chosen)
+    answer = json.loads((folder / out / "ffr.json").read_text())
+    fine = answer["meshes"][-1]
+    return {
+        "rings": rings,
+        "coarse_rings": coarse,
+        "cells": answer["cells"],
+        "dofs": answer["dofs"],
+        "solver": solver,
+        "ffr": f"{answer['ffr']:.7f}",
+        "linearisations": fine["factorizations"],
+        "iterations": max(fine["linear_iterations"] or [0]) or "",
+        "fine_cpu_s": f"{fine['cpu_seconds']:.0f}",
+        "cpu_s": f"{answer['cpu_seconds']:.0f}",
+        "mib": f"{answer['peak_memory_mib']:.0f}",
+    }
+
+
+def exponents(rows):
+    """[{solver, of, exponent}] of cells in each column, where a solver has three meshes or more."""
+    found = []
+    for solver in sorted({row["solver"] for row in rows}):
+        mine = [row for row in rows if row["solver"] == solver]
+        for column in ("fine_cpu_s", "cpu_s", "mib") if len(mine) > 2 else ():
+            cells, values = (np.log([float(row[name]) for row in mine]) for name in ("cells", column))
+            found.append({"solver": solver, "of": column, "exponent": f"{np.polyfit(cells, values, 1)[0]:.2f}"})
+    return found
+
+
+def write(path, columns, rows):
+    """Writes a table."""
+    with open(path, "w", newline="") as file:
+        writer = csv.DictWriter(file, columns)
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def main():
+    """Runs the meshes asked for and updates both tables after each solve."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("meshes", nargs="+", metavar="RINGS:COARSE")
+    parser.add_argument("--direct-rings", type=int, default=6, help="most rings solved by factorization too")
+    parser.add_argument("--out", required=True, type=pathlib.Path)
+    arguments = parser.parse_args()
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    table, rows = arguments.out / "growth.csv", {}
+    if table.is_file():
+        with open(table, newline="") as file:
+            rows = {(int(row["rings"]), row["solver"]): row for row in csv.DictReader(file)}
+    folder = arguments.out / CASE
+    hard_cases.write(CASE, folder)
+    for given in arguments.meshes:
+        rings, coarse = map(int, given.split(":"))
+        mesh(folder, rings, coarse)
+        for solver in ("iterative", "direct") if rings <= arguments.direct_rings else ("iterative",):
+            rows[rings, solver] = solve(folder, rings, coarse, solver)
+            print(rows[rings, solver], flush=True)
+            ordered = [rows[key] for key in sorted(rows)]
+            write(table, COLUMNS, ordered)
+            write(arguments.out / "exponents.csv", ("solver", "of", "exponent"), exponents(ordered))
+
+
+if __name__ == "__main__":
+    main()
