@@ -19,6 +19,7 @@ Stars and L are made once, at the first tangent. The transposed equations, of th
 
 import numpy as np
 import scipy.sparse
+import ufl
 from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
@@ -31,6 +32,7 @@ DUAL_TOLERANCE = 1e-3  # of the error estimate's solve
 MOST_ITERATIONS = 60
 INNER = 6  # steps of GMRES for the velocity
 CFL = 20.0  # of the local time step
+HINT = "a finer coarse mesh (coarse_rings), or linear_solver direct where memory allows"
 
 
 class IterativeProblem(nonlinear.FlowProblem):
@@ -43,7 +45,7 @@ class IterativeProblem(nonlinear.FlowProblem):
         super().__init__(space, boundaries, document, settings, jet_length, spent)
         self.coarse, self.iterations, self.blocks = coarse, [], None
         self.transfer = transfer.Transfer(coarse.space, space)
-        volume = fem.assemble_scalar(compat.form(fem.Constant(space.mesh, 1.0) * _dx(space)))
+        volume = fem.assemble_scalar(compat.form(fem.Constant(space.mesh, 1.0) * ufl.dx(space.mesh)))
         width = (volume / len(space.nodes()[1])) ** (1 / 3)
         self.weight = (settings.grad_div_pa_s + document["viscosity_pa_s"]) / width  # N s/m3, of the divergence
         self.fixed = np.zeros(space.dofs, bool)
@@ -117,15 +119,6 @@ class IterativeProblem(nonlinear.FlowProblem):
                 "the linear solver did not converge", f"{found.iterations} iterations", f"{found.residual:.1e}", HINT
             )
         return blocks.unpacked(found.values)
-
-
-HINT = "a finer coarse mesh (coarse_rings), or linear_solver direct where memory allows"
-
-
-def _dx(space):
-    import ufl
-
-    return ufl.Measure("dx", domain=space.mesh)
 
 
 class Blocks:

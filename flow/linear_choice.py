@@ -1,4 +1,4 @@
-"""Which linear solver a mesh gets: MUMPS (flow.linear) or the iterative one (flow.iterative), which needs a coarse mesh.
+"""Which linear solver a mesh gets: MUMPS (flow.linear), or the iterative one (flow.iterative) with a coarse mesh.
 
 Where the iterative solver finds no flow, MUMPS takes over if its factors fit the memory that is free; else the solve is
 refused.

@@ -105,6 +105,27 @@ rule flow_hard_cases:
         " --state results/cases/quick_focal/vci"
 
 
+rule flow_growth:
+    message:
+        "benchmark: growth of the flow solver's cost with the mesh, by its own name only"
+    input:
+        code=code("flow", "flow.mesh", "flow.solve"),
+        script="tests/verification/flow/growth.py",
+        tubes="tests/verification/flow/hard_cases.py",
+    output:
+        "results/benchmarks/flow_growth/growth.csv",
+        "results/benchmarks/flow_growth/exponents.csv",
+    log:
+        "results/benchmarks/logs/flow_growth.log",
+    benchmark:
+        "results/benchmarks/logs/flow_growth.tsv"
+    threads: workflow.cores
+    params:
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out} 4:3 6:4 8:4 11:5"
+
+
 rule anatomy_speed:
     message:
         "benchmark: seconds of the anatomy against input size"

@@ -1,4 +1,4 @@
-"""The iterative solver against MUMPS: the same flow, the same tangent, its transposed; how many iterations; refusals."""
+"""The iterative solver against MUMPS: the same flow, tangent and transposed tangent; iterations needed; refusals."""
 
 import json
 

@@ -53,6 +53,22 @@ TABLES = {
             "mib": "MiB",
         },
     ),
+    "flow_growth": (
+        "growth.csv",
+        {
+            "rings": "rings",
+            "coarse_rings": "coarse",
+            "cells": "cells",
+            "dofs": "dofs",
+            "solver": "solver",
+            "ffr": "FFR",
+            "linearisations": "linearisations",
+            "iterations": "most iterations",
+            "fine_cpu_s": "fine mesh, CPU s",
+            "cpu_s": "both, CPU s",
+            "mib": "MiB",
+        },
+    ),
 }
 STUDY = "study"
 STATES = ("pre", "vci", "rc", "reference", "ct")  # in the order of the rows; others of a case follow
