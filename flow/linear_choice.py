@@ -20,8 +20,8 @@ class Refused(ComputationError):
 
 def iterates(dofs, start, settings):
     """Whether a mesh of so many dofs is solved iteratively from `start`, a flow.adaptive.Solved of a coarser one, or
-    None."""
-    steady = start is not None and start.outcome is not None and start.unsteady is None
+    None: not where that has kept an eddy viscosity, since other starts and the march ask for factorizations."""
+    steady = start is not None and start.outcome is not None and start.unsteady is None and start.mixing == 0
     if settings.linear_solver == "auto":
         return steady and dofs > LARGE and parallel.world().size == 1
     return settings.linear_solver == "iterative" and steady
