@@ -14,7 +14,8 @@ from flow.sweep import axis as axis_module
 
 REACH = 2.5  # radii of the branch within which a section's wall is looked for
 LARGEST_ASPECT = 3.0  # largest over smallest radius of a section
-LARGEST_EDGE, GRADING = 0.82, 0.3  # of the rings (rings_at)
+LARGEST_EDGE = 0.82  # of the rings (rings_at), as the next two: of up to three rings, of more
+GRADING, LAST = (0.3, 0.5), (1 / 3, 1 / 2)
 FULLNESS = 3  # power of rho with which edges follow the lattice
 
 
@@ -76,13 +77,15 @@ class Sections:
 def rings_at(rho, rings, edge):
     """m (m, n): radii at template radii rho (n,), edge (m,) being the jet's radius over the vessel's.
 
-    All rings but the outer one and a half lie within `edge`, which stays below LARGEST_EDGE: narrower towards it by g.
+    All rings but the outer one and a half lie within `edge`, which stays below LARGEST_EDGE: narrower towards it by g
+    (GRADING). The last ring but one lies at the part LAST of the way from there to the wall.
     """
+    grading, last = (pair[int(rings > 3)] for pair in (GRADING, LAST))
     inner = (rings - 1.5) / rings
     edge = np.minimum(edge, LARGEST_EDGE)[:, None]
     x = np.minimum(rho / inner, 1.0)
-    outside = np.maximum(rho - inner, 0.0) / (1.0 - inner)
-    return edge * x * (1.0 + GRADING * (1.0 - x)) + (1.0 - edge) * outside
+    outside = np.interp(rho, [inner, 1.0 - 1.0 / rings, 1.0], [0.0, last, 1.0])
+    return edge * x * (1.0 + grading * (1.0 - x)) + (1.0 - edge) * outside
 
 
 def build(sections, disc, edge):

@@ -144,7 +144,9 @@ def test_rings_gather_at_the_edge_of_the_jet():
     for found in (wide, narrow):
         assert found[0] == 0 and found[-1] == pytest.approx(1) and (np.diff(found) > 0).all()
     assert narrow[25] == pytest.approx(0.4)  # the inner two and a half of four rings
-    assert wide[30] > 0.8
+    assert narrow[30] == pytest.approx(0.4 + 0.5 * 0.6)  # halfway from there to the wall
+    widths = np.diff(wide[::10])
+    assert (widths[1:] / widths[:-1] < 0.7).all()  # narrower towards the wall
 
 
 def test_stations_are_close_at_the_throat_only():
