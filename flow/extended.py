@@ -1,4 +1,4 @@
-"""What a solve knows of a mesh's extensions (flow.extension): the reduced models go through them, FFR is read without."""
+"""What a solve knows of a mesh's extensions (flow.extension): reduced models go through them, FFR is read without."""
 
 import json
 import pathlib
