@@ -1,38 +1,69 @@
 #include "vci/apposition.hpp"
-#include "vci/closest_point.hpp"
+#include "vci/broad_phase.hpp"
 #include "vci/contact.hpp"
+#include "vci/foot.hpp"
+#include "vci/surface.hpp"
+
+#include <algorithm>
+#include <optional>
 
 namespace vci {
 
 namespace {
 
 constexpr double reach = 2.0; // mm: a stent further from the wall faces something else
+constexpr double slack = 0.1; // mm beyond the nearest triangle in which the foot along the normals may lie
+constexpr double nothing = 1e300;
 
-/// Gap (mm) from a wall vertex to a stent, 0 where its foot lies on the stent's end.
-double gap_to(const System& system, const Body& stent, const Vectors& normals, const Vec3& p) {
-  double nearest = 1e300, gap = 0;
-  for (const Triangle& t : stent.triangles) {
-    if ((system.x[t[0]] - p).squaredNorm() > reach * reach)
-      continue;
-    const ClosestPoint c = closest_on_triangle(p, system.x[t[0]], system.x[t[1]], system.x[t[2]]);
-    if (c.distance_squared >= nearest)
-      continue;
-    nearest = c.distance_squared;
-    const Vec3 foot = c.weights[0] * system.x[t[0]] + c.weights[1] * system.x[t[1]] + c.weights[2] * system.x[t[2]];
-    gap = c.weights.minCoeff() > 0 ? (p - foot).dot(normals[t[0]].normalized()) : 0.0;
+/// Gap (mm) from a wall vertex to the smooth surface of a stent, as contact measures it, 0 in contact; none where the
+/// foot lies on the stent's end or the two do not face one way.
+std::optional<double> gap_to(const System& system, const Body& stent, const Vectors& units, int vertex,
+                             const std::vector<int>& candidates) {
+  double closest = 0;
+  const Vec3& p = system.x[vertex];
+  const Foot foot = foot_of(p, candidates, system, units, stent, closest);
+  if (foot.triangle < 0)
+    return std::nullopt;
+  const Triangle& t = stent.triangles[foot.triangle];
+  double inside = 0;
+  Vec3 q = Vec3::Zero();
+  for (int k = 0; k < 3; ++k) {
+    inside += stent.boundary[t[k] - stent.first] ? 0 : foot.weights[k];
+    q += foot.weights[k] * system.x[t[k]];
   }
-  return std::max(0.0, gap);
+  const Vec3 n = interpolated_normal(t, foot.weights, units);
+  if (inside <= 1e-9 || n.dot(units[vertex]) <= 0)
+    return std::nullopt;
+  return std::max(0.0, n.dot(p - q) - sagitta(t, foot.weights, system.x, units));
 }
 
 } // namespace
 
 std::vector<double> malapposition(const System& system, const std::string& stent) {
   const Body& wall = system.body(0);
-  const Vectors normals = area_vectors(system);
-  std::vector<double> gaps(wall.count, 0.0);
-  for (int b = 1; b < system.bodies(); ++b)
-    for (int i = 0; system.body(b).name == stent && i < wall.count; ++i)
-      gaps[i] = std::max(gaps[i], gap_to(system, system.body(b), normals, system.x[i]));
+  Vectors units = area_vectors(system);
+  for (Vec3& n : units)
+    n.normalize();
+  std::vector<double> gaps(wall.count, nothing);
+  std::vector<NearTriangle> found;
+  std::vector<int> candidates;
+  for (int b = 1; b < system.bodies(); ++b) {
+    const Body& body = system.body(b);
+    if (body.name != stent)
+      continue;
+    const BroadPhase boxes(body.triangles, system.x);
+    for (int i = 0; i < wall.count; ++i) {
+      boxes.near(system.x[i], body.triangles, system.x, reach, slack, -1, found);
+      candidates.clear();
+      for (const NearTriangle& f : found)
+        candidates.push_back(f.triangle);
+      if (candidates.empty())
+        continue;
+      if (const std::optional<double> gap = gap_to(system, body, units, i, candidates))
+        gaps[i] = std::min(gaps[i], *gap);
+    }
+  }
+  std::replace(gaps.begin(), gaps.end(), nothing, 0.0);
   return gaps;
 }
 
