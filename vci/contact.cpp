@@ -14,6 +14,10 @@ constexpr double search_reach = 0.5; // mm: a vertex deeper than this beyond a s
 // Vertices that bear far more than others (calcium's edge, a window's rim) meet a second, stiffer ramp: in ramps, over
 // the stiffness. Where it begins, ordinary contact does not get to: all of it that stiff does not settle.
 constexpr double deep_from = 1.5, deep_ramp = 2, deep_stiffness = 20;
+// Before a window's rim it fades only where this share of the surface is left: vertices would bear their load with a
+// small share of their area there and sink in. The first ramp fades over the whole row, so that contact comes and goes
+// softly.
+constexpr double deep_fades = 0.1;
 
 // A contact that slides meets no more friction along its way, but sticks again where it turns back: all of the
 // stiffness taken away there does not settle, none of it makes it creep.
@@ -30,17 +34,18 @@ RampLaw ramp(double a, double stiffness, double w) {
 
 } // namespace
 
-RampLaw contact_ramp(double gap, const ContactSettings& s) {
-  const RampLaw law = ramp(s.distance - gap, s.stiffness, s.ramp);
-  const RampLaw deep = ramp(s.distance - gap - deep_from * s.ramp, deep_stiffness * s.stiffness, deep_ramp * s.ramp);
+RampLaw contact_ramp(double gap, const ContactSettings& s, const ShareSeen& seen) {
+  const RampLaw law = ramp(s.distance - gap, seen.first_ramp * s.stiffness, s.ramp);
+  const RampLaw deep =
+      ramp(s.distance - gap - deep_from * s.ramp, seen.deep_ramp * deep_stiffness * s.stiffness, deep_ramp * s.ramp);
   return {law.energy + deep.energy, law.pressure + deep.pressure, law.stiffness + deep.stiffness};
 }
 
-RampLaw averaged_ramp(double from, double to, const ContactSettings& s) {
-  const RampLaw here = contact_ramp(from, s);
+RampLaw averaged_ramp(double from, double to, const ContactSettings& s, const ShareSeen& seen) {
+  const RampLaw here = contact_ramp(from, s, seen);
   if (std::abs(to - from) < 1e-9)
     return here;
-  const RampLaw there = contact_ramp(to, s);
+  const RampLaw there = contact_ramp(to, s, seen);
   return {here.energy, (here.energy - there.energy) / (to - from), (here.pressure - there.pressure) / (to - from)};
 }
 
@@ -49,15 +54,16 @@ bool SurfaceContact::blind(const System& system, int body, int vertex) const {
   return !flags.empty() && flags[vertex - system.body(body).first];
 }
 
-/// 1 inside a surface, falling to 0 over the last row of triangles before an open edge: beyond the edge nothing
-/// touches, and a contact that ended abruptly there would flip for ever.
-double SurfaceContact::share_seen(const System& system, int body, const Triangle& t, const Vec3& weights) const {
+ShareSeen SurfaceContact::share_seen(const System& system, int body, const Triangle& t, const Vec3& weights) const {
   const Body& target = system.body(body);
-  double share = 1;
-  for (int k = 0; k < 3; ++k)
-    if (target.boundary[t[k] - target.first] || blind(system, body, t[k]))
-      share -= weights[k];
-  return share;
+  double before_rims = 1, before_ends = 1, before_windows = 1;
+  for (int k = 0; k < 3; ++k) {
+    const bool end = target.boundary[t[k] - target.first], window = blind(system, body, t[k]);
+    before_ends -= end ? weights[k] : 0;
+    before_windows -= window ? weights[k] : 0;
+    before_rims -= end || window ? weights[k] : 0;
+  }
+  return {before_rims, std::min(before_ends, before_windows / deep_fades)};
 }
 
 void add_friction(ContactPoint& point, const ContactSettings& s) {
@@ -153,8 +159,8 @@ void SurfaceContact::measure(const System& system, const Vectors& normals, const
     c.foot = foot.triangle;
     c.measure = {p, side.travel, -1};
     const Triangle& t = target.triangles[foot.triangle];
-    const double share = share_seen(system, onto, t, foot.weights);
-    if (share <= 1e-9)
+    const ShareSeen seen = share_seen(system, onto, t, foot.weights);
+    if (seen.first_ramp <= 1e-9)
       continue;
     const Vec3 n = interpolated_normal(t, foot.weights, units);
     if ((n.dot(normals[vertex]) > 0) != sides_.nested)
@@ -162,18 +168,18 @@ void SurfaceContact::measure(const System& system, const Vectors& normals, const
     const Vec3 q =
         foot.weights[0] * system.x[t[0]] + foot.weights[1] * system.x[t[1]] + foot.weights[2] * system.x[t[2]];
     const double gap = sign * (n.dot(q - p) + (settings_.smooth ? sagitta(t, foot.weights, system.x, units) : 0.0));
-    RampLaw law = contact_ramp(gap, settings_);
+    RampLaw law = contact_ramp(gap, settings_, seen);
     if (settings_.time_averaged && ahead > 0) {
       const Vec3 closing = system.velocity[vertex] - foot.weights[0] * system.velocity[t[0]] -
                            foot.weights[1] * system.velocity[t[1]] - foot.weights[2] * system.velocity[t[2]];
-      law = averaged_ramp(gap, gap - sign * n.dot(closing) * ahead, settings_);
+      law = averaged_ramp(gap, gap - sign * n.dot(closing) * ahead, settings_, seen);
     }
     if (law.pressure <= 0) {
       c.measure.length =
           settings_.time_averaged ? -1 : clear - settings_.distance - largest_sagitta(t, system.x, units);
       continue;
     }
-    const double area = share * normals[vertex].norm();
+    const double area = normals[vertex].norm();
     const PointLink link{{vertex, t[0], t[1], t[2]},
                          {-sign, sign * foot.weights[0], sign * foot.weights[1], sign * foot.weights[2]},
                          n,
@@ -181,7 +187,7 @@ void SurfaceContact::measure(const System& system, const Vectors& normals, const
                          0.0};
     Vec3& kept = side.slip[place];
     kept = slip[place] - n.dot(slip[place]) * n;
-    ContactPoint point{link, area, gap, area * law.pressure, Vec3::Zero(), &kept};
+    ContactPoint point{link, seen.first_ramp * area, gap, area * law.pressure, Vec3::Zero(), &kept};
     add_friction(point, settings_);
     points.push_back(point);
   }

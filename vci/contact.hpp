@@ -17,14 +17,21 @@ struct ContactSettings {
   bool time_averaged = false; ///< eq 18: the law's mean over the gaps of a step, where the velocity is followed
 };
 
+/// How much of a surface is there for each ramp: 1 inside, falling to 0 over the last row of triangles before an open
+/// edge, for the deep ramp before a window's rim only at its end. Beyond the edge nothing touches, and a contact that
+/// ended abruptly there would flip for ever.
+struct ShareSeen {
+  double first_ramp = 1, deep_ramp = 1;
+};
+
 /// The ramp: with a = delta - gap, pressure kappa a^2 / (2 w) for a below w, kappa (a - w / 2) above.
 struct RampLaw {
   double energy, pressure, stiffness; ///< per area: N/mm, MPa, MPa/mm
 };
-RampLaw contact_ramp(double gap, const ContactSettings& settings);
+RampLaw contact_ramp(double gap, const ContactSettings& settings, const ShareSeen& seen = {});
 /// Its mean while the gap goes evenly from one value to another (eq 18; eq 19's law with the signed gap: by the
 /// unsigned distance a surface that is through pulls itself further).
-RampLaw averaged_ramp(double from, double to, const ContactSettings& settings);
+RampLaw averaged_ramp(double from, double to, const ContactSettings& settings, const ShareSeen& seen = {});
 
 /// A vertex against a triangle. The gap is n . sum(w_k x_k), n the triangle's interpolated normal: it turns negative
 /// when the surfaces cross, so that nothing can tunnel. Normal and weights are held within a step.
@@ -89,7 +96,7 @@ private:
                bool vertex_inside, double ahead, Direction& side, std::vector<ContactPoint>& points) const;
   double largest_move(const System& system, int body) const;
   bool blind(const System& system, int body, int vertex) const;
-  double share_seen(const System& system, int body, const Triangle& t, const Vec3& weights) const;
+  ShareSeen share_seen(const System& system, int body, const Triangle& t, const Vec3& weights) const;
 
   int inner_, outer_;
   ContactSettings settings_;
