@@ -17,7 +17,7 @@ from flow.axisymmetric import Tube
 from flow.sweep import stations
 
 M_PER_MM = 1e-3
-FINER = 0.75  # distance of the sections over those of the swept mesh
+FINER = 0.5  # distance of the sections over those of the swept mesh
 MOST_ROUNDS, SAME_FLOW = 12, 1e-5  # of the coupling; change over the whole flow
 LEFT = 1.0  # radii of the parent from its axis at which a side branch is outside
 SHORTEST = 4.0  # radii of a branch that the axisymmetric model is worth the effort for
