@@ -9,7 +9,7 @@ import sys
 from common.errors import ComputationError, InputError
 from flow import fading, iterative, parallel
 
-LARGE = 200_000  # dofs, from which the iterative solver takes less CPU time or memory than MUMPS (flow/README.md)
+LARGE = 200_000  # dofs, from which the iterative solver takes less CPU time or memory than MUMPS (flow/measured.md)
 MEASURED_DOFS, MEASURED_MIB, POWER = 245_637, 3379, 1.5  # MUMPS' factors, and how they grow with the dofs
 MEMORY = "/proc/meminfo"
 

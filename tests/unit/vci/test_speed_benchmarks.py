@@ -13,7 +13,7 @@ from vci.programs import run
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 SPEC = importlib.util.spec_from_file_location(
-    "vci_readme_tables", ROOT / "tests" / "verification" / "vci" / "readme_tables.py"
+    "vci_measured_tables", ROOT / "tests" / "verification" / "vci" / "measured_tables.py"
 )
 tables = importlib.util.module_from_spec(SPEC)
 SPEC.loader.exec_module(tables)
@@ -86,7 +86,7 @@ def test_a_run_is_stopped_once_its_budget_is_used_up():
     assert code < 0 and 0.9 < cpu < 5
 
 
-def test_tables_of_the_readme_are_those_of_the_files(tmp_path):
+def test_tables_of_the_page_are_those_of_the_files(tmp_path):
     folder = tmp_path / "benchmarks" / "deployment_baseline"
     folder.mkdir(parents=True)
     line = dict.fromkeys(baseline.LEVEL_COLUMNS, "") | {
@@ -106,6 +106,6 @@ def test_tables_of_the_readme_are_those_of_the_files(tmp_path):
         tables.filled(text.replace("baseline", "other"), tmp_path)
 
 
-def test_the_readme_names_tables_that_there_are():
-    places = tables.PLACE.findall((ROOT / "vci" / "README.md").read_text())
+def test_the_page_names_tables_that_there_are():
+    places = tables.PLACE.findall((ROOT / "vci" / "measured.md").read_text())
     assert places and {name for _, name, _ in places} <= set(tables.TABLES)

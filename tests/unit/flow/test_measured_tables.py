@@ -1,4 +1,4 @@
-"""The README's tables are those of the benchmarks' files."""
+"""The tables of flow/measured.md are those of the benchmarks' files."""
 
 import json
 import pathlib
@@ -11,13 +11,13 @@ from common.errors import InputError
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "tests" / "verification" / "flow"))
 
-import readme_tables  # noqa: E402
+import measured_tables  # noqa: E402
 
 TEXT = "before\n<!-- table: flow_hard_cases -->\nold\n<!-- end -->\nafter\n"
 
 
 def _write(folder, leave_out=()):
-    columns = [name for name in readme_tables.TABLES["flow_hard_cases"][1] if name not in leave_out]
+    columns = [name for name in measured_tables.TABLES["flow_hard_cases"][1] if name not in leave_out]
     row = {name: "" for name in columns} | {"case": "single_62", "error": "0.00131"}
     folder = folder / "benchmarks" / "flow_hard_cases"
     folder.mkdir(parents=True)
@@ -27,7 +27,7 @@ def _write(folder, leave_out=()):
 
 def test_a_table_is_that_of_the_file(tmp_path):
     _write(tmp_path)
-    lines = readme_tables.filled(TEXT, tmp_path).splitlines()
+    lines = measured_tables.filled(TEXT, tmp_path).splitlines()
     assert lines[0] == "before" and lines[-1] == "after" and "old" not in lines
     assert lines[2].startswith("| case | outcome |")
     assert lines[4].startswith("| single_62 |") and "| +0.0013 |" in lines[4]
@@ -35,13 +35,13 @@ def test_a_table_is_that_of_the_file(tmp_path):
 
 
 def test_a_benchmark_that_was_not_run_leaves_its_table(tmp_path):
-    assert readme_tables.filled(TEXT, tmp_path) == TEXT
+    assert measured_tables.filled(TEXT, tmp_path) == TEXT
 
 
 def test_a_file_without_a_column_is_refused(tmp_path):
     _write(tmp_path, ["estimate"])
     with pytest.raises(InputError, match="estimate"):
-        readme_tables.filled(TEXT, tmp_path)
+        measured_tables.filled(TEXT, tmp_path)
 
 
 def _write_state(folder, case, state, **changes):
@@ -55,18 +55,18 @@ def _write_state(folder, case, state, **changes):
 
 def test_the_study_is_a_table_of_its_states_before_the_intervention_first(tmp_path):
     text = TEXT.replace("flow_hard_cases", "study")
-    assert readme_tables.filled(text, tmp_path) == text
+    assert measured_tables.filled(text, tmp_path) == text
     _write_state(tmp_path, "lad01", "ct", error_estimate=None)
     _write_state(tmp_path, "lad01", "pre", meshes=[{"factorizations": 3}, {}, {"factorizations": 4}])
-    lines = readme_tables.filled(text, tmp_path).splitlines()
+    lines = measured_tables.filled(text, tmp_path).splitlines()
     assert lines[2].startswith("| case | state | dofs | FFR |") and len(lines) == 8
     assert lines[4] == "| lad01 | pre | 9 | 0.7123 | 0.0014 | 0.7000 | 0 |  | 1 | 0 | 7 | 119 | 1519 |"
     assert lines[5].startswith("| lad01 | ct | 9 | 0.7123 | unknown |")
     (tmp_path / "cases" / "lad01" / "flow" / "pre" / "ffr.json").write_text("{}")
     with pytest.raises(InputError, match="not an answer of the flow solver"):
-        readme_tables.filled(text, tmp_path)
+        measured_tables.filled(text, tmp_path)
 
 
-def test_the_readme_names_tables_that_there_are():
-    places = readme_tables.PLACE.findall((ROOT / "flow" / "README.md").read_text())
-    assert {name for _, name, _ in places} == {*readme_tables.TABLES, readme_tables.STUDY}
+def test_the_page_names_tables_that_there_are():
+    places = measured_tables.PLACE.findall((ROOT / "flow" / "measured.md").read_text())
+    assert {name for _, name, _ in places} == {*measured_tables.TABLES, measured_tables.STUDY}

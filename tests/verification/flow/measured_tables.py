@@ -1,6 +1,6 @@
-"""Tables of flow/README.md from the results' files: the benchmarks' CSV, and ffr.json of each state of each case.
+"""Tables of flow/measured.md from the results' files: the benchmarks' CSV, and ffr.json of each state of each case.
 
-    /usr/bin/python3 tests/verification/flow/readme_tables.py results
+    /usr/bin/python3 tests/verification/flow/measured_tables.py results
 
 A table stands between the lines `<!-- table: NAME -->` and `<!-- end -->`, NAME being the folder of a benchmark, or
 `study`; where nothing of it was run the table stays.
@@ -18,7 +18,7 @@ sys.path[:0] = [str(ROOT)]
 
 from common.errors import InputError, guarded  # noqa: E402
 
-# benchmark: its table's file, and columns of it under the headings of the README
+# benchmark: its table's file, and columns of it under the headings of the page
 TABLES = {
     "flow_against_openfoam": (
         "benchmark.csv",
@@ -79,7 +79,7 @@ PLACE = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.S)
 
 
 def text(column, value):
-    """A value as the README writes it."""
+    """A value as the page writes it."""
     if not value or column not in DIGITS:
         return value
     return f"{float(value):{DIGITS[column]}}"
@@ -130,8 +130,8 @@ def state_row(path):
         raise InputError("not an answer of the flow solver", path, repr(error), "solve this state again") from error
 
 
-def filled(readme, results):
-    """The README's text with the tables of what was run in the folder `results`."""
+def filled(text, results):
+    """The text of measured.md with the tables of what was run in the folder `results`."""
 
     def replacement(found):
         name = found.group(2)
@@ -139,21 +139,21 @@ def filled(readme, results):
             made = study(results)
             return found.group(1) + made + found.group(3) if made else found.group(0)
         if name not in TABLES:
-            raise InputError("no such table", "flow/README.md", name, ", ".join([*TABLES, STUDY]))
+            raise InputError("no such table", "flow/measured.md", name, ", ".join([*TABLES, STUDY]))
         file, columns = TABLES[name]
         path = results / "benchmarks" / name / file
         return found.group(1) + table(path, columns) + found.group(3) if path.is_file() else found.group(0)
 
-    return PLACE.sub(replacement, readme)
+    return PLACE.sub(replacement, text)
 
 
 @guarded
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("results", type=pathlib.Path, help="folder with `benchmarks` and `cases`")
-    parser.add_argument("--readme", default=ROOT / "flow" / "README.md", type=pathlib.Path)
+    parser.add_argument("--page", default=ROOT / "flow" / "measured.md", type=pathlib.Path)
     options = parser.parse_args()
-    options.readme.write_text(filled(options.readme.read_text(), options.results))
+    options.page.write_text(filled(options.page.read_text(), options.results))
 
 
 if __name__ == "__main__":

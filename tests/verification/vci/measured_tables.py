@@ -1,6 +1,6 @@
-"""Tables of vci/README.md from the benchmarks' CSV files.
+"""Tables of vci/measured.md from the benchmarks' CSV files.
 
-    /usr/bin/python3 tests/verification/vci/readme_tables.py results
+    /usr/bin/python3 tests/verification/vci/measured_tables.py results
 
 A table stands between the lines `<!-- table: NAME -->` and `<!-- end -->`, NAME being the folder of a benchmark; where
 it was not run the table stays.
@@ -17,7 +17,7 @@ sys.path[:0] = [str(ROOT)]
 
 from common.errors import InputError, guarded  # noqa: E402
 
-# benchmark: its table's file, and columns of it under the headings of the README
+# benchmark: its table's file, and columns of it under the headings of the page
 TABLES = {
     "deployment_speed": (
         "medians.csv",
@@ -71,7 +71,7 @@ PLACE = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.S)
 
 
 def text(column, value):
-    """A value as the README writes it; words stay."""
+    """A value as the page writes it; words stay."""
     try:
         return f"{float(value):{DIGITS[column]}}" if column in DIGITS else value
     except ValueError:
@@ -90,27 +90,27 @@ def table(path, columns):
     return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
 
-def filled(readme, results):
-    """The README's text with the tables of what was run in the folder `results`."""
+def filled(text, results):
+    """The text of measured.md with the tables of what was run in the folder `results`."""
 
     def replacement(found):
         name = found.group(2)
         if name not in TABLES:
-            raise InputError("no such table", "vci/README.md", name, ", ".join(TABLES))
+            raise InputError("no such table", "vci/measured.md", name, ", ".join(TABLES))
         file, columns = TABLES[name]
         path = results / "benchmarks" / name / file
         return found.group(1) + table(path, columns) + found.group(3) if path.is_file() else found.group(0)
 
-    return PLACE.sub(replacement, readme)
+    return PLACE.sub(replacement, text)
 
 
 @guarded
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("results", type=pathlib.Path, help="folder with `benchmarks`")
-    parser.add_argument("--readme", default=ROOT / "vci" / "README.md", type=pathlib.Path)
+    parser.add_argument("--page", default=ROOT / "vci" / "measured.md", type=pathlib.Path)
     options = parser.parse_args()
-    options.readme.write_text(filled(options.readme.read_text(), options.results))
+    options.page.write_text(filled(options.page.read_text(), options.results))
 
 
 if __name__ == "__main__":
