@@ -7,7 +7,7 @@ through the wall over the ostium's length. In the meridian plane (x, r), u = (u_
       - beta rho <(u.n)_- u, v> at the outlet = 0,      div u = du_x/dx + du_r/dr + u_r / r
 
 Inflow: a parabola. Traction-free outlet, so that pressures are over its. Q2-Q1 elements on curved quadrilaterals.
-Curvature, eccentric lesions and what branches do to the flow are left out: the README has the measured errors.
+Curvature, eccentric lesions and what branches do to the flow are left out: measured.md has the errors.
 """
 
 import numpy as np

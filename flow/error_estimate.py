@@ -2,7 +2,7 @@
 
 from flow import goal_error, locate
 
-SAFETY = 1.5  # times the dual-weighted residual, which found .5 to .8 of the true error where it fell short (README)
+SAFETY = 1.5  # times the dual-weighted residual, which found .5 to .8 of the true error (measured.md)
 ORDER = 2.0  # assumed order of the FFR error in the mesh width: below what was observed, so the estimate errs upwards
 LEAST_RATIO = 1.05  # of the mesh widths: below it two meshes say nothing
 

@@ -1,9 +1,9 @@
 """Several plans of one patient ranked by a reduced model's FFR, the model's measured error beside.
 
 The error is the largest difference of the 3D model's answers to the reduced model's in this patient (any ffr.json with
-both); without any it is what was measured in other patients (README). The model errs alike in lumens that are alike:
-two plans are told apart where they differ by more than those differences vary, or, with fewer than two of them, by
-more than the error.
+both); without any it is what was measured in other patients (measured.md). The model errs alike in lumens that are
+alike: two plans are told apart where they differ by more than those differences vary, or, with fewer than two of them,
+by more than the error.
 """
 
 import json
@@ -16,7 +16,7 @@ from common.errors import InputError
 from flow import centreline, predictor, reduced
 
 COLUMNS = ("rank", "plan", "ffr", "error", "model", "as_good_as_best", "inlet_flow_m3_per_s", "cpu_seconds")
-ELSEWHERE = {"axisymmetric": 0.03, "network": 0.035}  # README: |3D minus model| in trees above an FFR of .85
+ELSEWHERE = {"axisymmetric": 0.03, "network": 0.035}  # measured.md: |3D minus model| in trees above an FFR of .85
 
 
 def model_error(model, documents):
