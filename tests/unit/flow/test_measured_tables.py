@@ -27,7 +27,7 @@ def _write(folder, leave_out=()):
 
 def test_a_table_is_that_of_the_file(tmp_path):
     _write(tmp_path)
-    lines = measured_tables.filled(TEXT, tmp_path).splitlines()
+    lines = measured_tables.PAGE.filled(TEXT, tmp_path).splitlines()
     assert lines[0] == "before" and lines[-1] == "after" and "old" not in lines
     assert lines[2].startswith("| case | outcome |")
     assert lines[4].startswith("| single_62 |") and "| +0.0013 |" in lines[4]
@@ -35,13 +35,13 @@ def test_a_table_is_that_of_the_file(tmp_path):
 
 
 def test_a_benchmark_that_was_not_run_leaves_its_table(tmp_path):
-    assert measured_tables.filled(TEXT, tmp_path) == TEXT
+    assert measured_tables.PAGE.filled(TEXT, tmp_path) == TEXT
 
 
 def test_a_file_without_a_column_is_refused(tmp_path):
     _write(tmp_path, ["estimate"])
     with pytest.raises(InputError, match="estimate"):
-        measured_tables.filled(TEXT, tmp_path)
+        measured_tables.PAGE.filled(TEXT, tmp_path)
 
 
 def _write_state(folder, case, state, **changes):
@@ -55,18 +55,18 @@ def _write_state(folder, case, state, **changes):
 
 def test_the_study_is_a_table_of_its_states_before_the_intervention_first(tmp_path):
     text = TEXT.replace("flow_hard_cases", "study")
-    assert measured_tables.filled(text, tmp_path) == text
+    assert measured_tables.PAGE.filled(text, tmp_path) == text
     _write_state(tmp_path, "lad01", "ct", error_estimate=None)
     _write_state(tmp_path, "lad01", "pre", meshes=[{"factorizations": 3}, {}, {"factorizations": 4}])
-    lines = measured_tables.filled(text, tmp_path).splitlines()
+    lines = measured_tables.PAGE.filled(text, tmp_path).splitlines()
     assert lines[2].startswith("| case | state | dofs | FFR |") and len(lines) == 8
     assert lines[4] == "| lad01 | pre | 9 | 0.7123 | 0.0014 | 0.7000 | 0 |  | 1 | 0 | 7 | 119 | 1519 |"
     assert lines[5].startswith("| lad01 | ct | 9 | 0.7123 | unknown |")
     (tmp_path / "cases" / "lad01" / "flow" / "pre" / "ffr.json").write_text("{}")
     with pytest.raises(InputError, match="not an answer of the flow solver"):
-        measured_tables.filled(text, tmp_path)
+        measured_tables.PAGE.filled(text, tmp_path)
 
 
 def test_the_page_names_tables_that_there_are():
-    places = measured_tables.PLACE.findall((ROOT / "flow" / "measured.md").read_text())
-    assert {name for _, name, _ in places} == {*measured_tables.TABLES, measured_tables.STUDY}
+    names = measured_tables.PAGE.names((ROOT / "flow" / "measured.md").read_text())
+    assert names == {*measured_tables.TABLES, measured_tables.STUDY}

@@ -99,13 +99,13 @@ def test_tables_of_the_page_are_those_of_the_files(tmp_path):
         writer.writeheader()
         writer.writerow(line)
     text = "<!-- table: deployment_baseline -->\nold\n<!-- end -->\n"
-    lines = tables.filled(text, tmp_path).splitlines()
+    lines = tables.PAGE.filled(text, tmp_path).splitlines()
     assert lines[3].startswith("| straight |") and lines[3].endswith("| 16.2 |") and "not reached" in lines[3]
-    assert tables.filled(text, tmp_path / "none") == text
+    assert tables.PAGE.filled(text, tmp_path / "none") == text
     with pytest.raises(InputError, match="no such table"):
-        tables.filled(text.replace("baseline", "other"), tmp_path)
+        tables.PAGE.filled(text.replace("baseline", "other"), tmp_path)
 
 
 def test_the_page_names_tables_that_there_are():
-    places = tables.PLACE.findall((ROOT / "vci" / "measured.md").read_text())
-    assert places and {name for _, name, _ in places} <= set(tables.TABLES)
+    places = tables.PAGE.names((ROOT / "vci" / "measured.md").read_text())
+    assert places and places <= set(tables.TABLES)

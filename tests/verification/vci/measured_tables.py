@@ -6,16 +6,12 @@ A table stands between the lines `<!-- table: NAME -->` and `<!-- end -->`, NAME
 it was not run the table stays.
 """
 
-import argparse
-import csv
 import pathlib
-import re
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parents[3]
-sys.path[:0] = [str(ROOT)]
+sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[1])]
 
-from common.errors import InputError, guarded  # noqa: E402
+from page_tables import Page  # noqa: E402
 
 # benchmark: its table's file, and columns of it under the headings of the page
 TABLES = {
@@ -67,51 +63,7 @@ DIGITS = {
 }
 
 
-PLACE = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.S)
-
-
-def text(column, value):
-    """A value as the page writes it; words stay."""
-    try:
-        return f"{float(value):{DIGITS[column]}}" if column in DIGITS else value
-    except ValueError:
-        return value
-
-
-def table(path, columns):
-    """Markdown of the columns {name in the file: heading} of a CSV file. Raises InputError where one is missing."""
-    with path.open(newline="") as file:
-        reader = csv.DictReader(file)
-        missing = [name for name in columns if name not in (reader.fieldnames or [])]
-        if missing:
-            raise InputError("a benchmark's table lacks columns", path, ", ".join(missing), "run the benchmark again")
-        rows = [[text(name, row[name]) for name in columns] for row in reader]
-    lines = [list(columns.values()), ["---"] * len(columns), *rows]
-    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
-
-
-def filled(text, results):
-    """The text of measured.md with the tables of what was run in the folder `results`."""
-
-    def replacement(found):
-        name = found.group(2)
-        if name not in TABLES:
-            raise InputError("no such table", "vci/measured.md", name, ", ".join(TABLES))
-        file, columns = TABLES[name]
-        path = results / "benchmarks" / name / file
-        return found.group(1) + table(path, columns) + found.group(3) if path.is_file() else found.group(0)
-
-    return PLACE.sub(replacement, text)
-
-
-@guarded
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("results", type=pathlib.Path, help="folder with `benchmarks`")
-    parser.add_argument("--page", default=ROOT / "vci" / "measured.md", type=pathlib.Path)
-    options = parser.parse_args()
-    options.page.write_text(filled(options.page.read_text(), options.results))
-
+PAGE = Page("vci", TABLES, DIGITS)
 
 if __name__ == "__main__":
-    main()
+    PAGE.main()

@@ -1,0 +1,84 @@
+"""Tables of a folder's measured.md from the results' files.
+
+A table stands between the lines `<!-- table: NAME -->` and `<!-- end -->`, NAME being the folder of a benchmark; where
+nothing of it was run the table stays.
+"""
+
+import argparse
+import csv
+import pathlib
+import re
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT)]
+
+from common.errors import InputError, guarded  # noqa: E402
+
+PLACE = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.S)
+
+
+def markdown(headings, rows):
+    """A table of rows of strings."""
+    return "".join(f"| {' | '.join(line)} |\n" for line in [headings, ["---"] * len(headings), *rows])
+
+
+class Page:
+    """The measured.md of `folder`.
+
+    tables: {benchmark: (its table's file, {column there: heading})}; digits: {column: format of its numbers}; made:
+    {name: function of the folder `results` that gives a table's Markdown, or None where nothing was run}.
+    """
+
+    def __init__(self, folder, tables, digits, made=None):
+        self.path, self.tables, self.digits, self.made = ROOT / folder / "measured.md", tables, digits, made or {}
+
+    def text(self, column, value):
+        """A value as the page writes it; words stay."""
+        try:
+            return f"{float(value):{self.digits[column]}}" if column in self.digits else value
+        except ValueError:
+            return value
+
+    def table(self, path, columns):
+        """Markdown of the columns {name in the file: heading} of a CSV file. Raises InputError where one is missing."""
+        with path.open(newline="") as file:
+            reader = csv.DictReader(file)
+            missing = [name for name in columns if name not in (reader.fieldnames or [])]
+            if missing:
+                raise InputError(
+                    "a benchmark's table lacks columns", path, ", ".join(missing), "run the benchmark again"
+                )
+            rows = [[self.text(name, row[name]) for name in columns] for row in reader]
+        return markdown(list(columns.values()), rows)
+
+    @staticmethod
+    def names(text):
+        """The set of tables that a page's text has a place for."""
+        return {name for _, name, _ in PLACE.findall(text)}
+
+    def filled(self, text, results):
+        """The page's text with the tables of what was run in the folder `results`. Raises InputError."""
+
+        def replacement(found):
+            name, table = found.group(2), None
+            if name in self.made:
+                table = self.made[name](results)
+            elif name in self.tables:
+                file, columns = self.tables[name]
+                path = results / "benchmarks" / name / file
+                table = self.table(path, columns) if path.is_file() else None
+            else:
+                raise InputError("no such table", self.path, name, ", ".join([*self.tables, *self.made]))
+            return found.group(0) if table is None else found.group(1) + table + found.group(3)
+
+        return PLACE.sub(replacement, text)
+
+    @guarded
+    def main(self):
+        """The command: writes the page anew from a folder of results."""
+        parser = argparse.ArgumentParser(description=f"Tables of {self.path.relative_to(ROOT)} from results' files.")
+        parser.add_argument("results", type=pathlib.Path, help="folder with `benchmarks` and `cases`")
+        parser.add_argument("--page", default=self.path, type=pathlib.Path)
+        options = parser.parse_args()
+        options.page.write_text(self.filled(options.page.read_text(), options.results))
