@@ -86,8 +86,9 @@ def _solve(arguments, settings):
         if path and not pathlib.Path(path).is_file():
             raise InputError("no such mesh", path, "missing", "make it with `flow mesh`")
     tree = centreline.read(arguments.centreline)
-    extensions = extended.read(arguments.mesh_report or pathlib.Path(arguments.mesh).with_suffix(".json"))
-    case = extended.Extended(extensions, tree, anatomy, sections, document, settings)
+    given = arguments.mesh_report
+    extensions, warnings = (extended.read(given), []) if given else extended.beside(arguments.mesh)
+    case = extended.Extended(extensions, tree, anatomy, sections, document, settings, warnings)
     answer = solve.run(arguments.mesh, arguments.coarse, case, arguments.out)
     print(f"FFR {answer['ffr']:.4f}")
 

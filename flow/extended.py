@@ -2,6 +2,7 @@
 
 import json
 import pathlib
+import sys
 
 import pandas as pd
 
@@ -11,21 +12,35 @@ from flow.surface import INLET
 
 
 def read(path):
-    """[flow.extension.Extension] of a report of `flow mesh`; none where there is no report. Raises InputError."""
+    """[flow.extension.Extension] of a report of `flow mesh`. Raises InputError."""
     path = pathlib.Path(path)
     if not path.is_file():
-        return []
+        raise InputError("no such report of the volume mesh", path, "missing", "`flow mesh` writes one beside its mesh")
     try:
         return [extension.Extension(**one) for one in json.loads(path.read_text())["extensions"]]
     except (json.JSONDecodeError, KeyError, TypeError) as error:
         raise InputError("not a report of the volume mesh", path, error, "make it with `flow mesh`") from error
 
 
-class Extended:
-    """The tree and the network with the extensions, and the 1D network without, of one lumen."""
+def beside(mesh):
+    """([flow.extension.Extension], [warning]) by the report beside a mesh; where there is none, no extensions and the
+    warning, printed too, that none are known of. Raises InputError."""
+    path = pathlib.Path(mesh).with_suffix(".json")
+    if path.is_file():
+        return read(path), []
+    said = f"no report of the mesh ({path.name}): reduced models take it as without extensions; give --mesh-report"
+    print(said, file=sys.stderr, flush=True)
+    return [], [said]
 
-    def __init__(self, extensions, tree, anatomy, sections, document, settings):
-        self.extensions, self.original = extensions, tree
+
+class Extended:
+    """The tree and the network with the extensions, and the 1D network without, of one lumen.
+
+    warnings: what is to be said of how the extensions became known.
+    """
+
+    def __init__(self, extensions, tree, anatomy, sections, document, settings, warnings=()):
+        self.extensions, self.original, self.warnings = extensions, tree, list(warnings)
         self.document, self.settings = document, settings
         self.network = reduced.Network(anatomy, sections, document, settings.expansion_loss)
         self.tree = extension.prolonged(tree, extensions)

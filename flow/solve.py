@@ -43,7 +43,8 @@ def run(mesh, coarse, case, folder):
         solved = reduced_answer.Reduced(predicted, paths[0])
         reference = ffr.reference_pa(document, tree, solved.sampler)
         answer, table = reduced_answer.collect(settings.model, predicted, solved, case, reference)
-    answer["models"], answer["warnings"] = models, compared(models) + ffr.rising(answer["probes"], table)
+    answer["models"] = models
+    answer["warnings"] = case.warnings + compared(models) + ffr.rising(answer["probes"], table)
     answer["extensions"] = extensions
     answer["reduced_model"] = {"model": "1D network", **models["network"]}
     answer["ranks"] = parallel.world().size

@@ -8,6 +8,7 @@ import pytest
 
 import tubes
 from common.errors import InputError
+from flow import __main__ as command_line
 from flow import centreline, extended, extension, settings, surface
 
 NARROWED = tubes.lesion(1.5, 0.5, 8, 6)  # 0.95 of the radius again at 10.4 mm and before 5.6 mm
@@ -60,7 +61,6 @@ def test_the_network_goes_through_the_extensions():
 
 
 def test_a_report_of_the_mesh_gives_the_extensions(tmp_path):
-    assert extended.read(tmp_path / "none.json") == []
     path = tmp_path / "mesh.json"
     one = extension.Extension(2, "main", 3.0, [1.0, 0, 0], None)
     path.write_text(json.dumps({"extensions": [vars(one)]}))
@@ -68,3 +68,28 @@ def test_a_report_of_the_mesh_gives_the_extensions(tmp_path):
     path.write_text("{}")
     with pytest.raises(InputError, match="report of the volume mesh"):
         extended.read(path)
+
+
+def test_a_report_that_is_missing_is_refused_or_said(tmp_path, capsys):
+    """Where it was asked for by name; where none lies beside the mesh."""
+    radius = tubes.lesion(1.2, 0.3, 4.0, 4.0)
+    tubes.write_case(tmp_path, tubes.tube(8.0, radius, 0.4), [tubes.line(8.0, radius)])
+    document = tubes.boundary_document([tubes.line(8.0, radius)], [2e-6], [5e9], 7.0, 0.004)
+    (tmp_path / "boundary.json").write_text(json.dumps(document))
+    line = ["--centreline", str(tmp_path / "centreline.vtp")]
+    meshed = ["--out", str(tmp_path / "mesh.msh"), "--rings", "2", "--json", str(tmp_path / "report.json")]
+    command_line.main(["mesh", str(tmp_path / "lumen.vtp"), *line, *meshed])
+    solve = ["solve", str(tmp_path / "mesh.msh"), *line, "--boundary", str(tmp_path / "boundary.json")]
+    solve += ["--model", "network", "--out", str(tmp_path / "out")]
+    with pytest.raises(SystemExit) as ended:
+        command_line.main([*solve, "--mesh-report", str(tmp_path / "none.json")])
+    assert ended.value.code == 2 and "none.json" in capsys.readouterr().err
+    assert not (tmp_path / "out" / "ffr.json").exists()
+
+    def warnings(*options):
+        command_line.main([*solve, *options])
+        return json.loads((tmp_path / "out" / "ffr.json").read_text())["warnings"]
+
+    said = warnings()
+    assert len(said) == 1 and "mesh.json" in said[0] and said[0] in capsys.readouterr().err
+    assert warnings("--mesh-report", str(tmp_path / "report.json")) == []
