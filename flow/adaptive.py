@@ -189,7 +189,7 @@ class Search:
             "ffr": value,
             "error_estimate": estimate["ffr"] if estimate else None,
             "factorizations": solved.problem.solver.factorizations,
-            "linear_iterations": getattr(solved.problem, "iterations", None),
+            "linear_iterations": solved.problem.iterations,
             "cpu_seconds": solved.cpu_seconds,
         }
 

@@ -101,19 +101,21 @@ class NavierStokes:
         residual = stokes(u, p) + oseen(u) + jet(u)
         self.residual = compat.form(residual)
         self._residual, self._state, self._test = residual, state, ufl.TestFunction(space.W)
-        self._inertia = lambda velocity, du_, v_, cfl: (
-            density / cfl * ufl.sqrt(ufl.inner(velocity, velocity) + SLOWEST**2) / width * ufl.inner(du_, v_) * dx
-        )
         self._tangent = ufl.derivative(residual, state, ufl.TrialFunction(space.W))
         self.rate = fem.Constant(space.mesh, PETSc.ScalarType(0.0))
         width = (6.0 / 8.0) ** 0.5 * abs(ufl.JacobianDeterminant(space.mesh)) ** (
             1.0 / space.mesh.geometry.dim
         )  # about half an edge
-        speed = ufl.sqrt(ufl.inner(u, u) + SLOWEST**2)
-        inertia = density * self.rate * speed / width * ufl.inner(du, v) * dx
+
+        def inertia(velocity, du_, v_, rate_):
+            """Of a backward-Euler step with the local time step h / (|velocity| rate_)."""
+            speed = ufl.sqrt(ufl.inner(velocity, velocity) + SLOWEST**2)
+            return density * rate_ * speed / width * ufl.inner(du_, v_) * dx
+
+        self._inertia = inertia
         self._mass = density * ufl.inner(du, v) * dx
         self._space = space
-        self._picard = stokes(du, dp) + oseen(du) + jet(du) + inertia
+        self._picard = stokes(du, dp) + oseen(du) + jet(du) + inertia(u, du, v, self.rate)
 
     @functools.cached_property
     def tangent(self):
@@ -130,7 +132,7 @@ class NavierStokes:
         momentum = ufl.replace(self._residual, {self._state: state, self._test: ufl.as_vector([*v, *zero])})
         continuity = ufl.replace(self._residual, {self._state: state, self._test: ufl.as_vector([*(len(v) * zero), q])})
         tangent = ufl.derivative(momentum, velocity, du)
-        inertia = self._inertia(velocity, du, v, cfl)
+        inertia = self._inertia(velocity, du, v, 1.0 / cfl)
         return [compat.form(one) for one in (tangent, tangent + inertia, ufl.derivative(continuity, velocity, du))]
 
     @functools.cached_property

@@ -34,8 +34,11 @@ class Outcome:
 class FlowProblem(flow_state.FlowState):
     """The discrete equations of one lumen: state w (Function on space.W) and inflow.
 
-    spent: factorizations made on other meshes, of those that the settings allow.
+    spent: factorizations made on other meshes, of those that the settings allow. iterations: of each linear solve; None
+    where factorizations solve.
     """
+
+    iterations = None
 
     def __init__(self, space, boundaries, document, settings, jet_length, spent=0, log=sys.stderr):
         self.spent, self.allowed = spent, settings.max_newton_iterations

@@ -24,6 +24,7 @@ class _Mesh:
         self.problem = _Problem(
             state=types.SimpleNamespace(x=types.SimpleNamespace(array=np.array([ffr]))),
             inflow=0.0,
+            iterations=None,
             forms=types.SimpleNamespace(mixing=types.SimpleNamespace(value=mixing)),
             solver=types.SimpleNamespace(factorizations=3),
             settings=settings.make(),

@@ -1,12 +1,12 @@
 """The iterative solver against MUMPS: the same flow, tangent and transposed tangent; iterations needed; refusals."""
 
 import json
+import types
 
 import numpy as np
 import pytest
 
 import tubes
-from common.errors import ComputationError
 from flow import __main__ as command_line
 from flow import adaptive, centreline, iterative, linear_choice, predictor, reduced
 from flow import settings as settings_module
@@ -62,7 +62,18 @@ def fork(tmp_path_factory):
     return _Case(tmp_path_factory.mktemp("fork"), surface, branches, {"side1": ("main", 7.0)}, document)
 
 
-@pytest.mark.parametrize("name", ["tube", "fork"])
+@pytest.fixture(scope="module")
+def driven(tmp_path_factory):
+    """The narrowed tube with the inflow given, and behind its outlet a pressure."""
+    radius = tubes.lesion(1.2, 0.3, 4.0, 4.0)
+    branches = [tubes.line(LENGTH, radius)]
+    document = tubes.boundary_document(branches, [2e-6], [0.0], LENGTH - 1.0, 0.004)
+    document["inlet_flow_m3_per_s"] = 2e-6
+    document["outlets"][0]["pressure_pa"] = 11000.0
+    return _Case(tmp_path_factory.mktemp("driven"), tubes.tube(LENGTH, radius, 0.4), branches, None, document)
+
+
+@pytest.mark.parametrize("name", ["tube", "fork", "driven"])
 def test_the_flow_is_that_of_the_factorization(name, request):
     case = request.getfixturevalue(name)
     found, direct = case.found, case.direct
@@ -77,8 +88,9 @@ def test_the_flow_is_that_of_the_factorization(name, request):
     assert max(found.problem.iterations) <= MOST
 
 
-def test_the_operator_is_the_tangent_and_its_transposed(fork):
-    problem = fork.found.problem
+@pytest.mark.parametrize("name", ["fork", "driven"])
+def test_the_operator_is_the_tangent_and_its_transposed(name, request):
+    problem = request.getfixturevalue(name).found.problem
     problem.linearise(problem.forms.tangent)
     blocks, random = problem.blocks, np.random.default_rng(1)
     scale = np.concatenate([np.ones(blocks.count), np.full(len(blocks.of_profile), blocks.weight), [blocks.area]])
@@ -101,11 +113,13 @@ def test_the_operator_is_the_tangent_and_its_transposed(fork):
     assert np.linalg.norm(difference - wanted) < 1e-5 * np.linalg.norm(wanted)
 
 
-def test_the_dual_solution_is_that_of_the_factorization(fork):
-    goal = fork.found.problem.state_vector().copy()
+@pytest.mark.parametrize("name", ["fork", "driven"])
+def test_the_dual_solution_is_that_of_the_factorization(name, request):
+    case = request.getfixturevalue(name)
+    goal = case.found.problem.state_vector().copy()
     goal.array[:] = np.random.default_rng(2).standard_normal(goal.size)
-    goal.array[fork.found.problem.fixed] = 0.0
-    found, wanted = fork.found.problem.dual(goal), fork.direct.problem.dual(goal)
+    goal.array[case.found.problem.fixed] = 0.0
+    found, wanted = case.found.problem.dual(goal), case.direct.problem.dual(goal)
     assert np.linalg.norm(found - wanted) < 0.01 * np.linalg.norm(wanted)
 
 
@@ -139,9 +153,20 @@ def test_without_a_coarse_mesh_it_is_not_to_be_had(tube, tmp_path, capsys):
     assert "coarse mesh" in capsys.readouterr().err
 
 
-def test_a_start_that_is_not_steady_goes_to_the_factorization(tube):
-    chosen = settings_module.make(linear_solver="iterative")
-    assert linear_choice.iterates(10**6, tube.coarse, chosen)
-    assert not linear_choice.iterates(10**6, None, chosen)
-    assert not linear_choice.iterates(10**3, tube.coarse, settings_module.make())
-    assert ComputationError in linear_choice.Refused.__mro__
+def _start(**changes):
+    """What linear_choice asks of a Solved: a steady flow without eddy viscosity, but for the changes."""
+    return types.SimpleNamespace(**{"outcome": "steady", "unsteady": None, "mixing": 0.0, **changes})
+
+
+@pytest.mark.parametrize("solver", ["auto", "iterative"])
+def test_a_start_that_is_not_steady_goes_to_the_factorization(solver):
+    chosen, large = settings_module.make(linear_solver=solver), linear_choice.LARGE + 1
+    assert linear_choice.iterates(large, _start(), chosen)
+    for start in (_start(mixing=0.06), _start(unsteady="a mean"), _start(outcome=None), None):
+        assert not linear_choice.iterates(large, start, chosen)
+
+
+def test_only_large_meshes_iterate_unless_asked_for():
+    assert not linear_choice.iterates(linear_choice.LARGE, _start(), settings_module.make())
+    assert linear_choice.iterates(10, _start(), settings_module.make(linear_solver="iterative"))
+    assert not linear_choice.iterates(10**7, _start(), settings_module.make(linear_solver="direct"))
