@@ -13,7 +13,9 @@ from flow import parallel
 EXPONENTS = np.array([[i, j, k] for i in range(4) for j in range(4 - i) for k in range(4 - i - j)])
 TERMS = {degree: EXPONENTS[EXPONENTS.sum(axis=1) <= degree] for degree in (2, 3)}
 PLENTY = 1.5  # times the polynomial's terms: with fewer nodes the patch is enlarged by the cells beside it
-NEGLIGIBLE = 1e-8  # singular values below this share say nothing about the polynomial
+# Singular values below this share say nothing about the polynomial. In a lattice a patch may have too few levels of
+# nodes for a cubic: exactly so it is 0, with rounded coordinates 1e-7 to 1e-5, which would make spikes of 1e4.
+NEGLIGIBLE = 1e-3
 
 
 class Patches:

@@ -4,6 +4,7 @@ import types
 
 import numpy as np
 import pytest
+from scipy.spatial import Delaunay
 
 from flow import error_estimate, recovery
 
@@ -59,16 +60,18 @@ def test_a_jet_viscosity_without_a_neighbour_says_too_little(goal):
     assert _of(_solved(1000, 0.75, 0.18, [(0.18, 0.75, 1e-6)])) is None
 
 
-def test_recovery_returns_a_cubic_from_its_nodal_values():
-    from scipy.spatial import Delaunay
-
-    rng = np.random.default_rng(3)
-    corners = rng.random((60, 3)) * [4.0, 1.0, 1.0]
-    cells = Delaunay(corners).simplices
+def _quadratic(corners, cells):
+    """(nodes, cells (t, 10)) of the straight tetrahedra (t, 4)."""
     sides = np.sort(cells[:, EDGES].reshape(-1, 2), axis=1)
     edges, number = np.unique(sides, axis=0, return_inverse=True)
     nodes = np.concatenate([corners, corners[edges].mean(axis=1)])
-    ten = np.concatenate([cells, 60 + number.reshape(-1, 6)], axis=1)
+    return nodes, np.concatenate([cells, len(corners) + number.reshape(-1, 6)], axis=1)
+
+
+def test_recovery_returns_a_cubic_from_its_nodal_values():
+    rng = np.random.default_rng(3)
+    corners = rng.random((60, 3)) * [4.0, 1.0, 1.0]
+    nodes, ten = _quadratic(corners, Delaunay(corners).simplices)
 
     def cubic(x):
         return np.stack([x[:, 0] ** 3 - 2 * x[:, 1] ** 2 * x[:, 2] + 1, x[:, 0] * x[:, 1] * x[:, 2]], axis=1)
@@ -77,9 +80,23 @@ def test_recovery_returns_a_cubic_from_its_nodal_values():
         return (x[:, :1] - x[:, 1:2]) ** 2 + x[:, 2:]
 
     targets = nodes[ten].mean(axis=1)
-    own = np.arange(len(cells))[:, None]
-    fields = [(3, ten, cubic(nodes), targets, own), (2, cells, quadratic(nodes), targets, own)]
+    own = np.arange(len(ten))[:, None]
+    fields = [(3, ten, cubic(nodes), targets, own), (2, ten[:, :4], quadratic(nodes), targets, own)]
     velocity, pressure = recovery.Patches(nodes, ten).recover(fields)
     assert np.allclose(velocity, cubic(targets), atol=1e-6)
     assert np.allclose(pressure, quadratic(targets), atol=1e-6)
     assert np.abs(cubic(nodes)[ten].mean(axis=1) - cubic(targets)).max() > 0.01  # the mean of the nodes is not enough
+
+
+def test_recovery_on_a_lattice_does_not_amplify_rounded_coordinates():
+    corners = np.array([[x, 0.5 * y, 0.3 * z] for x in range(6) for y in range(2) for z in range(2)], float)
+    ways = [[0, 4, 6, 7], [0, 4, 5, 7], [0, 2, 6, 7], [0, 2, 3, 7], [0, 1, 5, 7], [0, 1, 3, 7]]  # round a diagonal
+    nodes, ten = _quadratic(corners, np.concatenate([4 * x + np.array(ways) for x in range(5)]))
+    values = np.sin(2.0 * nodes.sum(axis=1))[:, None]  # on three levels of y and z, too few for a cubic
+
+    def recovered(places):
+        targets = places[ten].mean(axis=1)
+        return recovery.Patches(places, ten).recover([(3, ten, values, targets, np.arange(len(ten))[:, None])])[0]
+
+    rounding = 1e-5 * np.random.default_rng(4).standard_normal(nodes.shape)
+    assert np.abs(recovered(nodes + rounding) - recovered(nodes)).max() < 1e-3
