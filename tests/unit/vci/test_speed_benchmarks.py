@@ -70,15 +70,27 @@ def row(scheme, cpu, error, **more):
 
 
 def test_a_level_of_error_has_the_cheapest_row_of_each_scheme_within_it():
+    facets, smooth = baseline.SCHEMES
     rows = [row("default", 0.5, -2.0), row("default", 2.0, 0.2), row("reference", 20.0, 0.0)]
-    rows += [row("textbook", 8.0, 4.0, velocity_stop_mm_per_ms=0.01, fixed_step_ms=0.01), row("textbook", 60.0, None)]
-    rows += [row("textbook", 20.0, 2.5, velocity_stop_mm_per_ms=0.001, fixed_step_ms=0.003)]
-    five, three, one = baseline.levels(rows)
+    rows += [row(smooth, 8.0, 4.0, velocity_stop_mm_per_ms=0.01, fixed_step_ms=0.01), row(smooth, 60.0, None)]
+    rows += [row(smooth, 20.0, 2.5, velocity_stop_mm_per_ms=0.001, fixed_step_ms=0.003)]
+    rows += [row(facets, 30.0, -0.9, velocity_stop_mm_per_ms=0.01, fixed_step_ms=0.01)]
+    table = baseline.levels(rows)
+    assert [r["times"] for r in table if r["contact"] == "facets"] == [60, 60, 15]
+    five, three, one = [r for r in table if r["contact"] == "smooth"]
     assert (five["times"], three["times"]) == (16, 40)
     assert (three["textbook_step_ms"], three["textbook_stop_mm_per_ms"]) == (0.003, 0.001)
     assert one["default_cpu_seconds"] == 2.0 and "times" not in one
     assert one["textbook_edge_mm"] == "not reached" and one["textbook_cpu_seconds"] == 88.0
     assert one["textbook_error_percent"] == 2.5
+
+
+def test_the_textbook_scheme_runs_with_contact_to_facets_and_to_the_smooth_surface():
+    runs = list(baseline.runs_of([1.0]))
+    for scheme, (surface, wanted) in baseline.SCHEMES.items():
+        numerics = [settings["numerics"] for name, _, _, settings in runs if name == scheme]
+        assert len(numerics) == len(wanted) and {n["integration"] for n in numerics} == {"textbook"}
+        assert {n["contact_surface"] for n in numerics} == {surface}
 
 
 def test_a_run_is_stopped_once_its_budget_is_used_up():

@@ -36,6 +36,7 @@ TABLES = {
         {
             "case": "scene",
             "error_percent": "wanted, %",
+            "contact": "textbook's contact",
             "default_edge_mm": "default: edge, mm",
             "default_cpu_seconds": "CPU s",
             "default_error_percent": "error, %",
