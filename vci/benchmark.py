@@ -24,6 +24,7 @@ import numpy as np
 from common.errors import ComputationError, InputError, guarded
 from vci.programs import reason_of, run
 from vci.scenes import Tube, write_scene
+from vci.speed_figures import draw_speed
 
 SETTING = ("edge_mm", "residual_tolerance", "precision", "wall")
 ERRORS = ("mean_csa_error_percent", "mla_error_percent")
@@ -238,8 +239,6 @@ def main(arguments=None):
         rows += run_case(options, case)
         write_table(rows, COLUMNS, options.out / "benchmark.csv")
         write_table(medians(rows), [*SETTING, "cases", *MEDIANS], options.out / "medians.csv")
-    from vci.speed_figures import draw_speed
-
     draw_speed(rows, medians(rows), ERRORS, options.out / "benchmark.png")
 
 

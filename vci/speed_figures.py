@@ -27,7 +27,7 @@ def draw_speed(rows, medians, errors, path):
         if front:
             axes.loglog(*zip(*front), "k-", label="front of the medians")
         axes.set(xlabel="CPU seconds, one core", ylabel=f"error of the {what} area in the stent, %")
-    both[1].legend(fontsize=8)
+    both[1].legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncol=3, fontsize=8)  # below: it would hide points
     key = "microseconds_per_vertex_step"
     known = [r for r in rows if key in r]
     cost.semilogx([r["wall_vertices"] for r in known], [r[key] for r in known], "o")
@@ -38,15 +38,17 @@ def draw_speed(rows, medians, errors, path):
 def draw_fronts(rows, schemes, key, path):
     """Figure: a scene's errors `key` against CPU seconds, each of the schemes with its front."""
     cases = list(dict.fromkeys(r["case"] for r in rows))
-    figure, every = pyplot.subplots(1, len(cases), figsize=(5 * len(cases), 4), squeeze=False)
+    figure, every = pyplot.subplots(1, len(cases), figsize=(5 * len(cases), 4), sharey=True, squeeze=False)
+    known = {}
     for axes, case in zip(every[0], cases):
-        for scheme in schemes:
+        for k, scheme in enumerate(schemes):
             points = [
                 (r["cpu_seconds"], abs(r[key])) for r in rows if (r["case"], r["scheme"]) == (case, scheme) and key in r
             ]
             if points:
-                (dots,) = axes.loglog(*zip(*points), "o", label=scheme)
-                axes.loglog(*zip(*pareto(points)), "-", color=dots.get_color())
-        axes.set(title=case, xlabel="CPU seconds, one core", ylabel="error of the mean area in the stent, %")
-    every[0][0].legend()
+                (known[scheme],) = axes.loglog(*zip(*points), "o", color=f"C{k}")
+                axes.loglog(*zip(*pareto(points)), "-", color=f"C{k}")
+        axes.set(title=case, xlabel="CPU seconds, one core")
+    every[0][0].set_ylabel("error of the mean area in the stent, %")
+    figure.legend(known.values(), known, loc="upper center", bbox_to_anchor=(0.5, 0), ncol=len(schemes))
     figure.savefig(path, dpi=150, bbox_inches="tight")
