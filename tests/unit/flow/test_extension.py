@@ -25,7 +25,7 @@ def test_an_end_too_close_to_a_narrowing_is_extended_to_its_clearance():
     assert [(one.region_id, one.branch) for one in found] == [(1, "main"), (2, "main")]
     inlet, outlet = found
     assert outlet.distance_mm == pytest.approx(3.6, abs=0.3) and inlet.distance_mm == pytest.approx(5.6, abs=0.3)
-    assert outlet.length_mm + outlet.distance_mm == pytest.approx(12.0, rel=0.01)
+    assert outlet.length_mm + outlet.distance_mm == pytest.approx(6.0, rel=0.01)  # half of it: half the radius is left
     assert inlet.length_mm + inlet.distance_mm == pytest.approx(7.5, rel=0.01)
     assert outlet.direction == pytest.approx([1, 0, 0]) and inlet.direction == pytest.approx([-1, 0, 0])
     longer = extension.extend(tube, found)
@@ -46,6 +46,26 @@ def test_far_from_narrowings_nothing_is_extended_but_what_is_asked_for():
     assert _needed(14.0, tubes.lesion(1.5, 0.35, 8, 6))[2] == [], "a third narrower: no jet worth it"
     _, _, found = _needed(40.0, outlet_extension_diameters=2)
     assert len(found) == 1 and found[0].length_mm == pytest.approx(6, rel=0.01) and found[0].distance_mm is None
+
+
+def test_room_behind_a_narrowing_grows_with_its_jet():
+    def room(reduction):
+        found = _needed(14.0, tubes.lesion(1.5, reduction, 8, 6), inlet_clearance_diameters=0)[2]
+        return [one.length_mm + one.distance_mm for one in found]
+
+    assert room(0.41) == []  # it asks for less than there is
+    (milder,), (strong,), (stronger,) = (room(reduction) for reduction in (0.55, 0.6, 0.8))
+    assert strong == pytest.approx(24.0, rel=0.01) and stronger == pytest.approx(24.0, rel=0.01)
+    assert milder == pytest.approx(18.0, rel=0.02)
+
+
+def test_the_narrowing_that_asks_for_most_counts():
+    def radius(s):
+        return np.minimum(tubes.lesion(1.5, 0.7, 8, 6)(s), tubes.lesion(1.5, 0.45, 16, 4)(s))
+
+    _, _, found = _needed(20.0, radius, inlet_clearance_diameters=0)
+    assert len(found) == 1 and found[0].distance_mm == pytest.approx(20 - 10.6, abs=0.4)  # the first's end
+    assert found[0].length_mm + found[0].distance_mm == pytest.approx(24.0, rel=0.01)
 
 
 def test_the_network_goes_through_the_extensions():
