@@ -18,10 +18,10 @@ import numpy as np
 
 sys.path[:0] = [str(pathlib.Path(__file__).parent)]
 
-import hard_cases  # noqa: E402
+import hard_cases  # noqa: E402  (makes the packages of the repository known)
+from flow import settings  # noqa: E402
 
-CASE, DEFAULT_RINGS = "single_62", 4
-STATIONS = {"throat": 0.5, "plain": 1.0}  # of the default rings, in radii
+CASE, DEFAULT = "single_62", settings.make()
 COLUMNS = ("rings", "coarse_rings", "cells", "dofs", "solver", "ffr", "linearisations", "iterations")
 COLUMNS += ("fine_cpu_s", "cpu_s", "mib")
 
@@ -35,11 +35,11 @@ def command(folder, *arguments):
 
 
 def mesh(folder, rings, coarse):
-    """Makes both meshes of the lumen in `folder`."""
+    """Makes both meshes of the lumen in `folder`, sections as far apart as the default's by the ratio of the rings."""
     names = ["--out", f"r{rings}.msh", "--coarse", f"r{rings}_coarse.msh"]
     sizes = ["--rings", rings, "--coarse-rings", coarse]
-    for name, radii in STATIONS.items():
-        sizes += [f"--stations-{name}", radii * DEFAULT_RINGS / rings]
+    for name, radii in (("throat", DEFAULT.stations_throat), ("plain", DEFAULT.stations_plain)):
+        sizes += [f"--stations-{name}", radii * DEFAULT.rings / rings]
     command(folder, "mesh", "lumen.vtp", "--centreline", "centreline.vtp", *names, *sizes)
 
 
