@@ -1,0 +1,134 @@
+// Balloons and stents bend as beams: the moment that holds their ends at an angle, against closed forms.
+#include "vci/device.hpp"
+#include "vci/integrator.hpp"
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <numbers>
+
+namespace {
+
+using namespace vci;
+
+constexpr double pi = std::numbers::pi;
+constexpr double half_length = 4.0;     // mm: rings further from the middle are held
+constexpr double edge = 0.45;           // mm
+constexpr double axial_stiffness = 8.0; // N/mm, of a balloon at its nominal diameter
+constexpr double tip = 0.35;            // a balloon's open end over its diameter
+
+/// An arc of curvature k (1/mm) up to the arc length `half` on both sides of the origin, straight beyond.
+std::vector<Frame> arc(const RingGrid& grid, double k, double half) {
+  std::vector<Frame> frames;
+  for (double s : grid.s) {
+    const double on_arc = std::clamp(s, -half, half), a = k * on_arc;
+    const Vec3 tangent(-std::sin(a), 0, std::cos(a)), outward(std::cos(a), 0, std::sin(a));
+    const Vec3 origin((std::cos(a) - 1) / k, 0, std::sin(a) / k);
+    frames.push_back({origin + (s - on_arc) * tangent, tangent, outward, tangent.cross(outward)});
+  }
+  return frames;
+}
+
+/// The first ring held at the upper end.
+int first_held(const RingGrid& grid) {
+  int ring = grid.rings();
+  while (grid.s[ring - 1] > half_length)
+    --ring;
+  return ring;
+}
+
+/// Moment (N mm) on the upper end about the centre of its first ring.
+double moment_on(System& system, const RingGrid& grid, const Frame& held) {
+  Vectors elastic, foundation, pressure;
+  system.evaluate(elastic, foundation, pressure, false);
+  Vec3 moment = Vec3::Zero();
+  for (int i = first_held(grid) * grid.around; i < system.vertices(); ++i)
+    moment += (system.x[i] - held.origin).cross(elastic[i] + pressure[i]);
+  return std::abs(moment.y());
+}
+
+void balance(System& system, const RingGrid& grid, double tolerance) {
+  for (int i = 0; i < system.vertices(); ++i)
+    system.fixed[i] = std::abs(grid.s[i / grid.around]) > half_length;
+  Interactions none;
+  IntegratorSettings settings;
+  settings.residual_tolerance = tolerance;
+  EXPECT_TRUE(relax(system, none, settings).converged);
+}
+
+struct BentBalloon {
+  double moment, length; ///< N mm; mm between the held rings
+  double radius;         ///< mm, by the chart
+  int around;
+};
+
+/// A 3 mm balloon under pressure (MPa) whose ends are held on an arc of curvature k (1/mm).
+BentBalloon bent_balloon(double pressure, double k) {
+  const BalloonSpec spec{3.0, 12.0, 1.5, 0.8, 14.0, {2, 6, 10, 14, 18}, {2.76, 2.93, 3.06, 3.19, 3.31}};
+  const BalloonChart chart({0.2, 0.6, 1.0, 1.4, 1.8}, spec.chart_diameter, spec.crimped_diameter);
+  const RingGrid grid = balloon_grid(spec, edge);
+  const int ring = first_held(grid);
+  const std::vector<Frame> frames = arc(grid, k, grid.s[ring]);
+  const double radius = 0.5 * chart.diameter_at(pressure);
+  std::vector<double> radii;
+  for (double profile : grid.profile)
+    radii.push_back(radius * profile);
+  System system;
+  Balloon balloon = add_balloon(system, spec, grid, frames, radii);
+  set_pressure(balloon, pressure);
+  balance(system, grid, 1e-5);
+  return {moment_on(system, grid, frames[ring]), 2 * grid.s[ring], radius, grid.around};
+}
+
+/// Stiffness of all axial fibres together (N): their number was set at the nominal diameter of 3 mm.
+constexpr double all_fibres = 2 * pi * 1.5 * axial_stiffness;
+
+TEST(Bending, TautBalloonIsAnEulerBernoulliBeam) {
+  for (double pressure : {0.2, 0.6, 1.0}) {
+    const double k = pressure < 0.5 ? 0.006 : 0.01; // before a fibre goes slack
+    const BentBalloon b = bent_balloon(pressure, k);
+    const double stiffness = 0.5 * all_fibres * b.radius * b.radius; // pi R^3 times stiffness per circumference
+    // The pressure that acts on the polygon of a ring pushes more than the fibres pull, which leave out the open tips:
+    // a beam column between clamps turned against one another.
+    const double circle = pi * b.radius * b.radius, polygon = 0.5 * b.around * std::sin(2 * pi / b.around) / pi;
+    const double push = pressure * circle * (polygon - (1 - tip * tip));
+    const double half = 0.5 * b.length * std::sqrt(push / stiffness);
+    EXPECT_NEAR(b.moment / (k * stiffness * half / std::tan(half)), 1, 0.02) << pressure << " MPa";
+  }
+}
+
+TEST(Bending, BalloonWrinklesWhereItsInnerFibresGoSlack) {
+  const double pressure = 0.2;
+  for (double k : {0.02, 0.04}) {
+    const BentBalloon b = bent_balloon(pressure, k);
+    const double pull = pressure * pi * b.radius * b.radius * (1 - tip * tip);
+    double moment = 0;
+    for (int i = 0; i < b.around; ++i) {
+      const double lever = b.radius * std::cos(2 * pi * i / b.around), strain = std::log1p(k * lever);
+      const double slack = std::min(0.0, strain + pull / all_fibres); // beyond it 2 % of the stiffness is left
+      moment += (all_fibres * (strain - 0.98 * slack) / (1 + k * lever) + pull) * lever / b.around;
+    }
+    EXPECT_NEAR(b.moment / moment, 1, 0.02) << k << " /mm";
+    EXPECT_LT(b.moment, 0.85 * k * 0.5 * all_fibres * b.radius * b.radius) << "it wrinkles";
+  }
+}
+
+TEST(Bending, StentOnAnArcHasItsStatedStiffnessAndFreeLess) {
+  const StentSpec spec{3.0, 12, 1.0, 4.4, 0.08, 8, 2, "b", 0.22 * 1.5 / 0.03, 0.03, 0.5, 20, 0.22, 4.5};
+  const RingGrid grid = stent_grid(spec, edge);
+  const double k = 0.01;
+  const std::vector<Frame> frames = arc(grid, k, spec.length);
+  const std::vector<double> radii(grid.rings(), 1.5);
+  System system;
+  const Stent stent = add_stent(system, spec, "stent", grid, arc(grid, 1e-9, spec.length), radii);
+  system.x = place_grid(grid, frames, radii);
+  const Frame& held = frames[first_held(grid)];
+  const double film = pi * 1.5 * 1.5 * 1.5 * 0.3; // its weak film comes on top
+  EXPECT_NEAR(moment_on(system, grid, held) / k, spec.bending_stiffness + film, 0.02 * spec.bending_stiffness);
+  // a trace of pressure is what the residual is taken against
+  system.add_force(stent.body, std::make_unique<Pressure>(system.body(stent.body).triangles, system.x, 1e-3));
+  balance(system, grid, 1e-2);
+  // as it is: balanced, the grid folds along its diagonals, whose hinges are the softer ones
+  EXPECT_NEAR(moment_on(system, grid, held) / k, 12.8, 0.6);
+}
+
+} // namespace
