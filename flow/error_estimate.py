@@ -1,8 +1,10 @@
 """Error estimate of FFR: what the mesh, and a jet viscosity that could not be taken away, may have done to it."""
 
+import numpy as np
+
 from flow import goal_error, locate
 
-SAFETY = 1.5  # times the dual-weighted residual, which found .5 to .8 of the true error (measured.md)
+SAFETY = 1.5  # times the dual-weighted residual, which found .5 to .8 of the true error where its parts do not cancel
 ORDER = 2.0  # assumed order of the FFR error in the mesh width: below what was observed, so the estimate errs upwards
 LEAST_RATIO = 1.05  # of the mesh widths: below it two meshes say nothing
 
@@ -11,10 +13,12 @@ def of(solved, document, tree, distal, coarser=None):
     """{"ffr": total, ...} of a flow.adaptive.Solved, or None where too little is known.
 
     The mesh's part is the larger of `goal` (flow.goal_error) and, with a Solved `coarser`, of `mesh` (Richardson's).
-    distal(sampler) -> FFR at the probe `distal`.
+    distal(sampler) -> FFR at the probe `distal`. `goal`: the dual-weighted residual with its safety factor, or
+    the sum of the sizes of its parts where they cancel.
     """
-    signed = goal_error.of(solved, document, tree)
-    parts = {"goal": SAFETY * abs(signed), "goal_signed": signed}
+    along = goal_error.of(solved, document, tree)
+    signed, sizes = float(along.sum()), float(np.abs(along).sum())
+    parts = {"goal": max(SAFETY * abs(signed), sizes), "goal_signed": signed, "goal_sizes": sizes}
     if coarser:
         parts.update(two_meshes(solved, coarser, distal))
     total = of_mesh(parts)
@@ -23,8 +27,9 @@ def of(solved, document, tree, distal, coarser=None):
             return None
         parts["jet_mixing"] = jet_viscosity(solved, distal)
         total += parts["jet_mixing"]
-    compared = "" if "mesh" not in parts else f", at least {parts.pop('method')}"
-    return {"ffr": total, **parts, "method": f"dual-weighted residual times {SAFETY:g}{compared}"}
+    compared = "" if "mesh" not in parts else f", {parts.pop('method')}"
+    method = f"dual-weighted residual times {SAFETY:g}, at least the sizes of its parts{compared}"
+    return {"ffr": total, **parts, "method": method}
 
 
 def of_mesh(parts):
@@ -38,7 +43,8 @@ def of_mean(steady, mixing, difference):
     """
     if steady is None:
         return None
-    parts = {key: steady[key] for key in ("goal", "goal_signed", "mesh", "ffr_coarse", "ffr_fine") if key in steady}
+    kept = ("goal", "goal_signed", "goal_sizes", "mesh", "ffr_coarse", "ffr_fine")
+    parts = {key: steady[key] for key in kept if key in steady}
     total = of_mesh(parts) + difference
     method = f"of the mesh as in the steady flow at jet mixing {mixing:g}, plus the difference of half windows"
     return {"ffr": total, **parts, "mean": difference, "method": method}

@@ -4,6 +4,9 @@ Becker and Rannacher 2001, Acta Numerica 10.
 The dual solution z says how much FFR changes with each equation: K^T z = dJ/dw, K being Newton's tangent and J the mean
 of p / MAP near the probe. The error is -R(w; z - i z): zero for z in the space itself (Galerkin), so z is recovered as
 cubic velocity and quadratic pressure (flow.recovery), with which the residual of the present flow is weighted.
+
+Its parts differ in sign along a vessel, and each is known to a half or so: where they nearly cancel the sum says
+nothing. So the parts of stretches one diameter long are told apart too.
 """
 
 import numpy as np
@@ -19,7 +22,8 @@ M_PER_MM = 1e-3
 
 
 def of(solved, document, tree):
-    """Estimate of FFR's error at the probe `distal`, computed minus true; solved: flow.adaptive.Solved."""
+    """Estimated parts (k,) of FFR's error at the probe `distal`, computed minus true, by the stretches of the tree that
+    they arise in; their sum estimates the error. solved: flow.adaptive.Solved."""
     problem, space = solved.problem, solved.space
     goal = _goal(problem, document, tree)
     dual = problem.dual(goal)
@@ -29,9 +33,31 @@ def of(solved, document, tree):
     held = np.concatenate([richer.wall, richer.inlet])
     weight[held] = 0.0
     residual = _residual(problem, richer, document)
-    error = float(residual.array @ weight)
+    parts = residual.array * weight
     residual.destroy()
-    return error
+    stretch = stretches(tree)[tree.nearest(_places(richer) / M_PER_MM)[0]]
+    return np.bincount(stretch, parts)
+
+
+def stretches(tree):
+    """Number (n,) of the stretch in which each point of the tree's centrelines lies, in the order of Tree.nearest.
+
+    A stretch is one local diameter long.
+    """
+    found, first = [], 0
+    for branch in tree:
+        diameters = np.diff(branch.s_mm) / (branch.radius_mm[1:] + branch.radius_mm[:-1])
+        found.append(first + np.floor(np.append(0.0, np.cumsum(diameters)) + 1e-9).astype(int))
+        first = found[-1][-1] + 1
+    return np.concatenate(found)
+
+
+def _places(space):
+    """Points (n, 3) in m of the dofs over W of a LumenSpace."""
+    found = np.empty((space.dofs, 3))
+    found[space.v_map] = np.repeat(space.V.tabulate_dof_coordinates(), 3, axis=0)
+    found[space.q_map] = space.Q.tabulate_dof_coordinates()
+    return found
 
 
 def _goal(problem, document, tree):

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial import Delaunay
 
-from flow import error_estimate, recovery
+import tubes
+from flow import centreline, error_estimate, goal_error, recovery
 
 EDGES = [(0, 1), (1, 2), (0, 2), (0, 3), (2, 3), (1, 3)]
 
@@ -19,10 +20,10 @@ def _solved(cells, sampler, mixing=0.0, passed=()):
 
 @pytest.fixture
 def goal(monkeypatch):
-    """goal(value): the dual-weighted residual from now on."""
+    """goal(values): the parts of the dual-weighted residual from now on."""
 
-    def gives(value):
-        monkeypatch.setattr(error_estimate.goal_error, "of", lambda solved, document, tree: value)
+    def gives(*values):
+        monkeypatch.setattr(error_estimate.goal_error, "of", lambda solved, document, tree: np.array(values))
 
     gives(0.0)
     return gives
@@ -43,6 +44,25 @@ def test_meshes_that_agree_do_not_hide_the_residual(goal):
     estimate = _of(_solved(8000, 0.75), _solved(1000, 0.75))
     assert estimate["ffr"] == pytest.approx(0.004 * error_estimate.SAFETY)
     assert estimate["goal_signed"] == -0.004
+
+
+def test_parts_that_cancel_are_not_taken_for_an_exact_answer(goal):
+    goal(0.003, -0.004, 0.0)
+    estimate = _of(_solved(8000, 0.75))
+    assert estimate["goal_signed"] == pytest.approx(-0.001) and estimate["goal_sizes"] == pytest.approx(0.007)
+    assert estimate["ffr"] == pytest.approx(0.007)
+    goal(0.003, 0.004)  # of one sign: their sum
+    assert _of(_solved(8000, 0.75))["ffr"] == pytest.approx(0.007 * error_estimate.SAFETY)
+
+
+def test_stretches_are_a_diameter_long():
+    """Along each branch by its own diameter, and none of two branches."""
+    wide, narrow = (tubes.line(10.0, lambda s, r=r: r, name=name) for name, r in (("main", 1.25), ("side", 0.5)))
+    found = goal_error.stretches(centreline.Tree([wide, narrow]))
+    first, second = found[: len(wide.s_mm)], found[len(wide.s_mm) :]
+    assert [int(np.sum(first == k)) for k in range(4)] == [10] * 4  # points every .25 mm
+    assert first.max() == 4 and second.min() == 5 and second.max() == 15
+    assert [int(np.sum(second == 5 + k)) for k in range(9)] == [4] * 9
 
 
 def test_meshes_of_the_same_size_say_nothing(goal):
