@@ -40,15 +40,14 @@ LEVELS = (5, 3, 1)  # %, of the mean area
 SOLVES = {"pcg_tolerance": 1e-3, "pcg_maximal_iterations": 3000}
 # edge (mm), fixed step (ms), velocity stop (mm/ms), the linear solves: finer meshes cost more and are no nearer
 TEXTBOOK = [
-    *((1.0, 0.01, stop, SOLVES) for stop in (1e-2, 3e-3, 1e-3)),
+    *((1.0, 0.01, stop, SOLVES) for stop in (1e-2, 3e-3)),
     (1.0, 0.003, 1e-3, SOLVES),
     (1.0, 0.001, 1e-3, SOLVES),
-    (0.6, 0.01, 1e-2, SOLVES),
     (0.6, 0.01, 1e-2, {}),  # solved no better than the default's
 ]
-# the same with contact to flat triangles, whose error follows the mesh
+# the same with contact to flat triangles, whose error follows the mesh: 0.4 mm at the longest step is not done in 60 s
 FACETS = [
-    *((edge, 0.01, 1e-2, SOLVES) for edge in (1.0, 0.6, 0.4, 0.3)),
+    *((edge, 0.01, 1e-2, SOLVES) for edge in (1.0, 0.6)),
     (0.6, 0.003, 1e-3, SOLVES),
     (0.4, 0.003, 1e-2, SOLVES),
 ]

@@ -48,6 +48,18 @@ TABLES = {
             "times": "times",
         },
     ),
+    "deployment_hard_cases": (
+        "hard_cases.csv",
+        {
+            "case": "case",
+            "outcome": "outcome",
+            "mean_penetration_mm": "mean penetration, mm",
+            "worst_penetration_mm": "worst, mm",
+            "steps": "steps",
+            "cpu_seconds": "CPU s",
+            "minimal_area_mm2": "minimal area, mm2",
+        },
+    ),
 }
 DIGITS = {
     "steps": ".0f",
@@ -61,6 +73,9 @@ DIGITS = {
     "textbook_cpu_seconds": ".1f",
     "textbook_error_percent": "+.1f",
     "times": ".1f",
+    "mean_penetration_mm": ".4f",
+    "worst_penetration_mm": ".3f",
+    "minimal_area_mm2": ".1f",
 }
 
 
