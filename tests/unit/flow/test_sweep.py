@@ -149,6 +149,20 @@ def test_rings_gather_at_the_edge_of_the_jet():
     assert (widths[1:] / widths[:-1] < 0.7).all()  # narrower towards the wall
 
 
+@pytest.mark.parametrize("rings", [6, 8, 9])
+def test_many_rings_become_narrower_everywhere(rings):
+    """Two thirds of them within the jet, half as wide where there are twice as many, edges' middles in the middle."""
+    edge = np.array([1.0, 0.4])
+    found = lattice.rings_at(np.linspace(0, 1, 2 * rings + 1), rings, edge)
+    inside = int(np.floor(2 * rings / 3))
+    assert found[:, 2 * inside] == pytest.approx(np.minimum(edge, lattice.LARGEST_EDGE))
+    widths = np.diff(found[:, ::2], axis=1)
+    finer = np.diff(lattice.rings_at(np.linspace(0, 1, 2 * rings + 1), 2 * rings, edge), axis=1)
+    assert finer.max() < 0.55 * widths.max()
+    shares = np.diff(found, axis=1)[:, ::2] / widths
+    assert (np.abs(shares - 0.5) < 0.05).all()
+
+
 def test_stations_are_close_at_the_throat_only():
     branch = tubes.line(50, tubes.lesion(1.6, 0.6, 25, 10))
     given = settings.make()
