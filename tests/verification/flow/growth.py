@@ -1,10 +1,10 @@
-"""How the flow solver's cost grows with the mesh: python3 tests/verification/flow/growth.py --out DIR RINGS:COARSE ...
+"""How the flow solver's cost grows and its error falls with the mesh: python3 tests/verification/flow/growth.py --out DIR RINGS:COARSE ...
 
 The tube with a lesion of 62 % on meshes of RINGS rings with sections in proportion, each solved from the flow on one of
 COARSE rings, iteratively and, up to --direct-rings, by factorization. Writes DIR/growth.csv: rings, coarse_rings,
-cells, dofs, solver, ffr, linearisations, most linear iterations of one correction, CPU seconds of the fine mesh and of
-the whole process, peak memory; and DIR/exponents.csv: exponents of cells fitted to the whole processes' CPU seconds and
-to memory, by solver. Rows that are not run again stay.
+cells, dofs, solver, ffr and its error against axisymmetric.py, linearisations, most linear iterations of one correction,
+CPU seconds of the fine mesh and of the whole process, peak memory; and DIR/exponents.csv: exponents of cells fitted to
+the whole processes' CPU seconds and to memory, by solver. Rows that are not run again stay.
 """
 
 import argparse
@@ -22,7 +22,7 @@ import hard_cases  # noqa: E402  (makes the packages of the repository known)
 from flow import settings  # noqa: E402
 
 CASE, DEFAULT = "single_62", settings.make()
-COLUMNS = ("rings", "coarse_rings", "cells", "dofs", "solver", "ffr", "linearisations", "iterations")
+COLUMNS = ("rings", "coarse_rings", "cells", "dofs", "solver", "ffr", "error", "linearisations", "iterations")
 COLUMNS += ("fine_cpu_s", "cpu_s", "mib")
 
 
@@ -43,8 +43,8 @@ def mesh(folder, rings, coarse):
     command(folder, "mesh", "lumen.vtp", "--centreline", "centreline.vtp", *names, *sizes)
 
 
-def solve(folder, rings, coarse, solver):
-    """Row of the table."""
+def solve(folder, rings, coarse, solver, reference):
+    """Row of the table; reference: FFR."""
     names = [f"r{rings}.msh", "--coarse", f"r{rings}_coarse.msh", "--boundary", "boundary.json"]
     out = f"r{rings}_{solver}"
     chosen = ["--ffr-tolerance", 0, "--linear-solver", solver, "--march-steps", 0]
@@ -58,6 +58,7 @@ def solve(folder, rings, coarse, solver):
         "dofs": answer["dofs"],
         "solver": solver,
         "ffr": f"{answer['ffr']:.7f}",
+        "error": f"{answer['ffr'] - reference:.5f}",
         "linearisations": fine["factorizations"],
         "iterations": max(fine["linear_iterations"] or [0]) or "",
         "fine_cpu_s": f"{fine['cpu_seconds']:.0f}",
@@ -99,11 +100,12 @@ def main():
             rows = {(int(row["rings"]), row["solver"]): row for row in csv.DictReader(file)}
     folder = arguments.out / CASE
     hard_cases.write(CASE, folder)
+    reference = hard_cases.STRAIGHT[CASE].reference(hard_cases.FLOW)
     for given in arguments.meshes:
         rings, coarse = map(int, given.split(":"))
         mesh(folder, rings, coarse)
         for solver in ("iterative", "direct") if rings <= arguments.direct_rings else ("iterative",):
-            rows[rings, solver] = solve(folder, rings, coarse, solver)
+            rows[rings, solver] = solve(folder, rings, coarse, solver, reference)
             print(rows[rings, solver], flush=True)
             ordered = [rows[key] for key in sorted(rows)]
             write(table, COLUMNS, ordered)

@@ -60,6 +60,7 @@ TABLES = {
             "dofs": "dofs",
             "solver": "solver",
             "ffr": "FFR",
+            "error": "error",
             "linearisations": "linearisations",
             "iterations": "most iterations",
             "fine_cpu_s": "fine mesh, CPU s",
