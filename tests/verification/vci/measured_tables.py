@@ -55,6 +55,7 @@ TABLES = {
             "outcome": "outcome",
             "mean_penetration_mm": "mean penetration, mm",
             "worst_penetration_mm": "worst, mm",
+            "within_limits": "within limits",
             "steps": "steps",
             "cpu_seconds": "CPU s",
             "minimal_area_mm2": "minimal area, mm2",
