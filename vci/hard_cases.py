@@ -18,7 +18,8 @@ from common.errors import InputError, guarded
 from vci.programs import reason_of, run
 from vci.scenes import Tube, write_scene
 
-COLUMNS = "case,outcome,reason,residual,mean_penetration_mm,worst_penetration_mm,within_limits,steps,cpu_seconds,minimal_area_mm2"
+COLUMNS = "case,outcome,reason,residual,mean_penetration_mm,worst_penetration_mm,within_limits"
+COLUMNS += ",steps,cpu_seconds,minimal_area_mm2"
 
 
 def calcium(times):

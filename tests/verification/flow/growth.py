@@ -1,8 +1,8 @@
-"""How the flow solver's cost grows and its error falls with the mesh: python3 tests/verification/flow/growth.py --out DIR RINGS:COARSE ...
+"""Cost and error of the flow solver by mesh: python3 tests/verification/flow/growth.py --out DIR RINGS:COARSE ...
 
 The tube with a lesion of 62 % on meshes of RINGS rings with sections in proportion, each solved from the flow on one of
 COARSE rings, iteratively and, up to --direct-rings, by factorization. Writes DIR/growth.csv: rings, coarse_rings,
-cells, dofs, solver, ffr and its error against axisymmetric.py, linearisations, most linear iterations of one correction,
+cells, dofs, solver, ffr, its error against axisymmetric.py, linearisations, most linear iterations of one correction,
 CPU seconds of the fine mesh and of the whole process, peak memory; and DIR/exponents.csv: exponents of cells fitted to
 the whole processes' CPU seconds and to memory, by solver. Rows that are not run again stay.
 """
