@@ -167,4 +167,21 @@ def read(path):
     if not 1.0 < extent < 500.0:
         raise InputError("implausible mesh size", path, f"{extent:.4g}", "coordinates must be in mm")
     mesh.geometry.x[:] *= M_PER_MM
-    return LumenSpace(mesh, facets, path)
+    space = LumenSpace(mesh, facets, path)
+    _check_cells(space, path)
+    return space
+
+
+def _check_cells(space, path):
+    """Raises InputError for cells turned inside out: a flow is found on them as well, but mass is not conserved."""
+    points, cells = space.nodes()
+    lower, _ = tet10.jacobian_bounds(points[cells])
+    bad = np.flatnonzero(lower <= 0)
+    if len(bad):
+        x, y, z = points[cells[bad[0], :4]].mean(axis=0) / M_PER_MM
+        raise InputError(
+            "cells of the mesh are inverted or folded (their Jacobian is not positive throughout)",
+            f"{path}, the first of them around ({x:.3f}, {y:.3f}, {z:.3f}) mm",
+            f"{len(bad)} of {len(cells)} cells",
+            "make the mesh anew with `flow mesh`, which checks every cell",
+        )

@@ -7,7 +7,7 @@ import pytest
 
 import tubes
 from common.errors import ComputationError, InputError
-from flow import boundary, centreline, jet, newton, nonlinear, outlets, spaces
+from flow import boundary, centreline, jet, newton, nonlinear, outlets, spaces, tet10
 from flow import __main__ as command_line
 from flow import settings as settings_module
 
@@ -199,6 +199,47 @@ def test_mesh_in_metres_is_refused(case, tmp_path):
     mesh.write(built, tmp_path / "metres.msh")
     with pytest.raises(InputError, match="mm"):
         spaces.read(tmp_path / "metres.msh")
+
+
+def _bent(case, folder, shift_mm):
+    """File of a mesh of 3 rings of the case's tube, one of whose inner corners is moved along the axis, and how many
+    cells that turns inside out."""
+    from flow import mesh, surface
+
+    tube = surface.read(case / "lumen.vtp")
+    built, _ = mesh.build(tube, centreline.read(case / "centreline.vtp"), 1.5, settings_module.make(rings=3), 3)
+    inner = np.setdiff1d(built.tetrahedra[:, :4], built.triangles)
+    moved = inner[np.argmin(np.linalg.norm(built.points[inner] - [LENGTH / 2, 0, 0], axis=1))]
+    built.points[moved] += [shift_mm, 0, 0]
+    mesh.write(built, folder / "bent.msh")
+    lower, _ = tet10.jacobian_bounds(built.points[built.tetrahedra])
+    return folder / "bent.msh", int((lower <= 0).sum())
+
+
+def _solve_bent(case, path, out):
+    files = ["--boundary", str(case / "boundary.json"), "--centreline", str(case / "centreline.vtp")]
+    with pytest.raises(SystemExit) as ended:
+        command_line.main(["solve", str(path), *files, "--out", str(out)])
+    assert not out.exists()
+    return ended.value.code
+
+
+def test_a_mesh_with_inverted_cells_is_refused(case, tmp_path, capsys):
+    path, folded = _bent(case, tmp_path, 1.0)
+    assert folded > 0 and _solve_bent(case, path, tmp_path / "out") == 2
+    said = capsys.readouterr().err
+    assert "inverted" in said and f"{folded} of" in said and "flow mesh" in said
+    path, folded = _bent(case, tmp_path, 0.01)
+    assert folded == 0
+    spaces.read(path)
+
+
+def test_a_flow_that_loses_mass_is_refused(case, tmp_path, capsys, monkeypatch):
+    """Were the cells not looked at, what the outlets give in place of what comes in would say so."""
+    path, _ = _bent(case, tmp_path, 0.6)
+    monkeypatch.setattr(spaces, "_check_cells", lambda space, path: None)
+    assert _solve_bent(case, path, tmp_path / "out") == 3
+    assert "mass is not conserved" in capsys.readouterr().err
 
 
 def test_mesh_without_an_outlet_is_refused(tmp_path):
