@@ -1,26 +1,14 @@
 """Command line: `python3 -m flow boundary | mesh | solve | rank`."""
 
 import argparse
-import json
 import pathlib
 import sys
 
-from common import config
+from common import config, json_reader
 from common.errors import InputError, guarded
 from common.files import replacing, write_json
 from flow import parallel
 from flow import settings as settings_module
-
-
-def _read_json(path, schema_name):
-    path = pathlib.Path(path)
-    if not path.is_file():
-        raise InputError("no such file", path, "missing", f"it should be a {schema_name} document")
-    try:
-        document = json.loads(path.read_text())
-    except json.JSONDecodeError as error:
-        raise InputError("not a JSON file", path, error, f"it should be a {schema_name} document") from error
-    return document
 
 
 def _patient(arguments):
@@ -37,10 +25,10 @@ def _patient(arguments):
 
 def boundary_command(arguments):
     """Boundary values of a patient from the anatomy before the intervention."""
-    from flow import boundary, centreline
+    from flow import boundary, centreline, lumen_summary
 
     settings = settings_module.from_arguments(arguments)
-    anatomy = _read_json(arguments.anatomy, "anatomy.json")
+    anatomy = lumen_summary.read(arguments.anatomy, "ends")
     tree = centreline.read(arguments.centreline or pathlib.Path(arguments.anatomy).with_name("centreline.vtp"))
     write_json(arguments.out, boundary.make(anatomy, tree, _patient(arguments), settings))
 
@@ -75,17 +63,18 @@ def solve_command(arguments):
 
 def _solve(arguments, settings):
     """On every rank."""
-    from flow import boundary, centreline, extended, reduced, solve
+    from flow import boundary, centreline, extended, ffr, lumen_summary, reduced, solve
 
-    document = _read_json(arguments.boundary, "boundary.json")
-    boundary.check(document, arguments.boundary)
     folder = pathlib.Path(arguments.centreline).parent
-    anatomy = _read_json(arguments.anatomy or folder / "anatomy.json", "anatomy.json")
+    document = json_reader.read(arguments.boundary, "boundary.json").data
+    anatomy = lumen_summary.read(arguments.anatomy or folder / "anatomy.json", "branches")
+    boundary.check(document, arguments.boundary, [branch["name"] for branch in anatomy["branches"]])
     sections = reduced.read_sections(arguments.sections or folder / "sections.csv")
     for path in (arguments.mesh, arguments.coarse):
         if path and not pathlib.Path(path).is_file():
             raise InputError("no such mesh", path, "missing", "make it with `flow mesh`")
     tree = centreline.read(arguments.centreline)
+    ffr.check_probes(document["probes"], tree)
     given = arguments.mesh_report
     extensions, warnings = (extended.read(given), []) if given else extended.beside(arguments.mesh)
     case = extended.Extended(extensions, tree, anatomy, sections, document, settings, warnings)
@@ -98,12 +87,12 @@ def rank_command(arguments):
     from flow import boundary, ranking
 
     settings = settings_module.from_arguments(arguments)
-    document = _read_json(arguments.boundary, "boundary.json")
+    document = json_reader.read(arguments.boundary, "boundary.json").data
     boundary.check(document, arguments.boundary)
     plans = dict(given.partition("=")[::2] for given in arguments.plans)
     if len(plans) < len(arguments.plans) or not all(plans.values()):
         raise InputError("plans are not named apart", "command line", arguments.plans, "give NAME=FOLDER for each")
-    measured = [(path, _read_json(path, "ffr.json")) for path in arguments.measured]
+    measured = [(path, json_reader.read(path, "ffr.json").data) for path in arguments.measured]
     model = "axisymmetric" if settings.model == "3d" else settings.model
     table = ranking.rank(plans, document, settings, model, measured)
     with replacing(pathlib.Path(arguments.out)) as partial:

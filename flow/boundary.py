@@ -10,8 +10,9 @@ The diameters are those of the outlets before the intervention; one set of resis
 
 import math
 
+from common import json_reader, schema
 from common.errors import InputError
-from flow import viscosity
+from flow import lumen_summary, viscosity
 
 PA_PER_MMHG = 133.322
 M3_PER_S_PER_ML_PER_MIN = 1e-6 / 60.0
@@ -46,15 +47,6 @@ def split_by_diameter(diameters_mm, exponent):
     return [weight / total for weight in weights]
 
 
-def _ends(anatomy):
-    ends = anatomy.get("ends") if isinstance(anatomy, dict) else None
-    keys = {"kind", "name", "region_id", "branch", "diameter_mm"}
-    if not ends or not all(isinstance(end, dict) and keys <= set(end) for end in ends):
-        remedy = f"give the anatomy step's document: ends with {', '.join(sorted(keys))}"
-        raise InputError("not a document of the anatomy step", "anatomy.json ends", ends, remedy)
-    return ends
-
-
 def make(anatomy, centreline, patient, settings):
     """The document of boundary.json.
 
@@ -67,7 +59,8 @@ def make(anatomy, centreline, patient, settings):
             "venous pressure is not below MAP", "venous_pressure_mmhg", settings.venous_pressure_mmhg, "usually 5 mmHg"
         )
     q_hyp = hyperaemic_flow_m3_per_s(patient["lvm_g"], settings.hyperaemia_fraction)
-    ends = [end for end in _ends(anatomy) if end["kind"] == "outlet"]
+    lumen_summary.check(anatomy, "anatomy.json", "ends")
+    ends = [end for end in anatomy["ends"] if end["kind"] == "outlet"]
     if not ends:
         raise InputError("no outlet", "anatomy.json ends", "[]", "process the lumen surface again")
     fractions = split_by_diameter([end["diameter_mm"] for end in ends], settings.split_exponent)
@@ -88,7 +81,7 @@ def make(anatomy, centreline, patient, settings):
             pressure = settings.outlet_pressure_mmhg * PA_PER_MMHG
             outlet.update(resistance_pa_s_per_m3=0.0, pressure_pa=pressure)
     given = settings.inlet_flow_ml_per_min * M3_PER_S_PER_ML_PER_MIN
-    return {
+    document = {
         "schema": "vci-boundary-1",
         "inlet_flow_m3_per_s": given if settings.inlet_condition == "flow" else None,
         "map_pa": map_pa,
@@ -100,6 +93,8 @@ def make(anatomy, centreline, patient, settings):
         "outlets": outlets,
         "probes": probes(anatomy, centreline, settings.probe_distance_mm),
     }
+    check(document, branches=[line.name for line in centreline])
+    return document
 
 
 def probes(anatomy, centreline, distance_mm):
@@ -128,28 +123,45 @@ def probes(anatomy, centreline, distance_mm):
     return found
 
 
-def check(document, where="boundary.json"):
-    """Raises InputError for boundary values that cannot be solved with."""
-    keys = ("map_pa", "venous_pressure_pa", "density_kg_per_m3", "viscosity_pa_s", "outlets", "probes")
-    for key in keys:
-        if key not in document:
-            raise InputError("boundary values incomplete", where, f"no key {key}", "make it with `flow boundary`")
-    for key, low, high in (("map_pa", 1e3, 4e4), ("density_kg_per_m3", 500, 2000), ("viscosity_pa_s", 1e-4, 1)):
-        if not low <= document[key] <= high:
-            raise InputError("implausible boundary value", f"{where}: {key}", document[key], f"{low} to {high}, in SI")
+def check(document, where="boundary.json", branches=None):
+    """Raises InputError for boundary values that cannot be solved with; branches: names of those there are, if known."""
+    given = json_reader.Document(where, document)
+    given.check_finite()
+    schema.validate(given, schema.read("boundary"))
     viscosity.of(document, where)
-    inflow = document.get("inlet_flow_m3_per_s")
-    if inflow is not None and not inflow > 0:
-        raise InputError(
-            "inflow is not positive", f"{where}: inlet_flow_m3_per_s", inflow, "give m3/s, or null for MAP"
-        )
-    for outlet in document["outlets"]:
-        if not (
-            outlet["resistance_pa_s_per_m3"] > 0 or (outlet["resistance_pa_s_per_m3"] == 0 and "pressure_pa" in outlet)
-        ):
+    _check_pressures(document, where)
+    for group, keys in (("outlets", ("name", "region_id", "branch")), ("probes", ("name",))):
+        for key in keys:
+            _check_told_apart(document[group], f"{where}: {group}", key)
+    for one in document["outlets"]:
+        resistance = one["resistance_pa_s_per_m3"]
+        if not (resistance > 0 or (resistance == 0 and "pressure_pa" in one)):
             raise InputError(
                 "outlet resistance is not positive",
-                f"{where}: {outlet['name']}",
-                outlet["resistance_pa_s_per_m3"],
+                f"{where}: {one['name']}",
+                resistance,
                 "R_i = (MAP - P_v) / Q_i in Pa s/m3, or 0 with pressure_pa",
             )
+    for one in document["outlets"] + document["probes"] if branches is not None else ():
+        if one["branch"] not in branches:
+            remedy = f"known: {', '.join(branches)}; make both from the same anatomy"
+            raise InputError("no such branch", f"{where}: {one['name']}", one["branch"], remedy)
+
+
+def _check_pressures(document, where):
+    """P_v below MAP, and so the pressure at an outlet where it is given and the flow is not: blood flows to it."""
+    map_pa, remedy = document["map_pa"], f"below map_pa, which is {document['map_pa']:g}, in Pa"
+    if document["venous_pressure_pa"] >= map_pa:
+        where_it_is = f"{where}: venous_pressure_pa"
+        raise InputError("venous pressure is not below MAP", where_it_is, document["venous_pressure_pa"], remedy)
+    for one in document["outlets"] if document.get("inlet_flow_m3_per_s") is None else ():
+        if one.get("pressure_pa", 0.0) >= map_pa:
+            where_it_is = f"{where}: {one['name']} pressure_pa"
+            raise InputError("pressure at an outlet is not below MAP", where_it_is, one["pressure_pa"], remedy)
+
+
+def _check_told_apart(entries, where, key):
+    values = [entry[key] for entry in entries]
+    twice = sorted({value for value in values if values.count(value) > 1})
+    if twice:
+        raise InputError(f"two have the same {key}", where, twice[0], f"give each a {key} of its own")

@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pandas as pd
 
-from common.errors import ComputationError
+from common.errors import ComputationError, InputError
 
 M_PER_MM = 1e-3
 SPACING_MM = 0.5
@@ -56,17 +56,30 @@ def pullback(tree, sampler, map_pa, flow_at):
     return pd.concat(tables, ignore_index=True)
 
 
+def _projected(probe, tree):
+    """(branch, s_mm, shift_mm) of a probe's nearest point on this state's centreline. Raises InputError."""
+    branch = tree[probe["branch"]]
+    s_mm, shift = branch.project(np.array(probe["point_mm"]))
+    if shift > FAR * branch.radius(s_mm):
+        remedy = "boundary.json and centreline of one patient, both in mm"
+        raise InputError(
+            "probe is far from this state's vessel", f"probe {probe['name']}", f"{shift:.2f} mm", f"give {remedy}"
+        )
+    return branch, s_mm, shift
+
+
+def check_probes(probes, tree):
+    """Raises InputError for a probe that does not belong to the tree."""
+    for probe in probes:
+        _projected(probe, tree)
+
+
 def at_probes(probes, tree, sampler, map_pa):
     """[{name, branch, s_mm, point_mm, shift_mm, ffr}]: each probe projected on this state's centreline."""
     found = []
     for probe in probes:
-        branch = tree[probe["branch"]]
-        s_mm, shift = branch.project(np.array(probe["point_mm"]))
+        branch, s_mm, shift = _projected(probe, tree)
         point = branch.point(s_mm)
-        if shift > FAR * branch.radius(s_mm):
-            raise ComputationError(
-                "probe is far from this state's vessel", f"probe {probe['name']}", f"{shift:.2f} mm", "check the states"
-            )
         _, pressure, inside = sampler(point[None] * M_PER_MM)
         if not inside[0]:
             raise ComputationError(

@@ -6,14 +6,13 @@ alike: two plans are told apart where they differ by more than those differences
 by more than the error.
 """
 
-import json
 import pathlib
 
 import numpy as np
 import pandas as pd
 
 from common.errors import InputError
-from flow import centreline, predictor, reduced
+from flow import centreline, ffr, lumen_summary, predictor, reduced
 
 COLUMNS = ("rank", "plan", "ffr", "error", "model", "as_good_as_best", "inlet_flow_m3_per_s", "cpu_seconds")
 ELSEWHERE = {"axisymmetric": 0.03, "network": 0.035}  # measured.md: |3D minus model| in trees above an FFR of .85
@@ -39,7 +38,8 @@ def plan(folder, document, settings, model):
         if not (folder / name).is_file():
             raise InputError("not a plan's lumen", folder / name, "missing", "run the anatomy step on the plan's lumen")
     tree = centreline.read(folder / "centreline.vtp")
-    anatomy = json.loads((folder / "anatomy.json").read_text())
+    anatomy = lumen_summary.read(folder / "anatomy.json", "branches")
+    ffr.check_probes(document["probes"], tree)
     network = reduced.Network(
         anatomy, reduced.read_sections(folder / "sections.csv"), document, settings.expansion_loss
     )

@@ -30,7 +30,10 @@ def from_arguments(arguments):
     if path:
         if not pathlib.Path(path).is_file():
             raise InputError("no such settings file", path, "missing", "give a JSON file with keys of section flow")
-        values = dict(yaml_reader.read(path).data)
+        values = yaml_reader.read(path).data
+        if not isinstance(values, dict):
+            raise InputError("not a group of keys", path, values, "give a JSON file with keys of section flow")
+        values = dict(values)
     values.update({name: getattr(arguments, name) for name in properties() if hasattr(arguments, name)})
     return make(**values)
 

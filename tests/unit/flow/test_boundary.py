@@ -1,5 +1,7 @@
 """Boundary values against the method's formulas, worked out by hand."""
 
+import json
+import math
 import pathlib
 
 import numpy as np
@@ -7,7 +9,8 @@ import pytest
 
 import tubes
 from common.errors import InputError
-from flow import boundary, centreline
+from flow import __main__ as command_line
+from flow import boundary, centreline, ffr, lumen_summary
 from flow import settings as settings_module
 
 
@@ -128,3 +131,137 @@ def test_inflow_that_does_not_enter_is_refused():
     document["inlet_flow_m3_per_s"] = -1e-6
     with pytest.raises(InputError, match="inflow"):
         boundary.check(document)
+
+
+def _changed(place, value):
+    """boundary.json of the tree with the value at `place`, a tuple of keys, changed, or taken out where it is None."""
+    document = boundary.make(_anatomy(), _tree(), PATIENT, settings_module.make())
+    document = json.loads(json.dumps(document))
+    inner = document
+    for key in place[:-1]:
+        inner = inner[key]
+    if value is None:
+        del inner[place[-1]]
+    else:
+        inner[place[-1]] = value
+    return document
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "words"),
+    [
+        (("venous_pressure_pa",), 12798.912, ["venous_pressure_pa", "not below MAP", "12798.9"]),
+        (("outlets", 0, "pressure_pa"), 13000.0, ["outlet1", "not below MAP"]),
+        (("map_pa",), 96.0, ["map_pa", "96.0", "133.322 Pa"]),
+        (("map_pa",), 12.8, ["map_pa", "1 kPa is 1000 Pa"]),
+        (("map_pa",), 96000.0, ["map_pa", "at most 30000 in Pa"]),
+        (("map_pa",), "93", ["map_pa", "'93'", "a number"]),
+        (("outlets", 1, "region_id"), 2, ["outlets", "same region_id", "2"]),
+        (("outlets", 1, "name"), "outlet1", ["outlets", "same name", "outlet1"]),
+        (("outlets", 1, "branch"), "main", ["outlets", "same branch", "main"]),
+        (("outlets", 1, "branch"), "side7", ["outlet2", "side7", "known: main, side1"]),
+        (("probes", 1, "branch"), "side7", ["end_main", "side7", "known: main, side1"]),
+        (("outlets", 1, "resistance_pa_s_per_m3"), math.inf, ["outlets[2].resistance", "not finite"]),
+        (("outlets", 1, "resistance_pa_s_per_m3"), "5e9", ["outlets[2].resistance", "a number"]),
+        (("outlets", 1, "resistance_pa_s_per_m3"), None, ["outlets[2]", "resistance_pa_s_per_m3 is missing"]),
+        (("outlets", 1, "flow_m3_per_s"), None, ["outlets[2]", "flow_m3_per_s is missing"]),
+        (("outlets",), [], ["outlets", "at least 1 entries"]),
+        (("probes",), [], ["probes", "at least 1 entries"]),
+        (("probes",), None, ["probes is missing"]),
+        (("probes", 0, "point_mm"), [1.0, math.nan, 0.0], ["probes[1].point_mm[2]", "not finite"]),
+        (("probes", 0, "point_mm"), [1.0, 0.0], ["probes[1].point_mm", "at least 3 entries"]),
+        (("venous_pressure_pa",), math.nan, ["venous_pressure_pa", "not finite"]),
+        (("inlet_flow_m3_per_s",), "much", ["inlet_flow_m3_per_s", "much", "null"]),
+        (("viscosity",), {"model": "carreau_yasuda"}, ["viscosity", "zero_shear_pa_s is missing"]),
+    ],
+)
+def test_bad_boundary_values_are_refused_in_plain_words(place, value, words):
+    with pytest.raises(InputError) as refused:
+        boundary.check(_changed(place, value), "boundary.json", ["main", "side1"])
+    for word in words:
+        assert word in str(refused.value), str(refused.value)
+
+
+def test_an_outlet_pressure_above_map_is_allowed_where_the_flow_is_given():
+    """Benchmarks: MAP is a scale then."""
+    document = _changed(("outlets", 0, "pressure_pa"), 13000.0)
+    document["inlet_flow_m3_per_s"] = 2e-6
+    boundary.check(document)
+
+
+def test_boundary_values_are_checked_where_they_are_made(settings):
+    anatomy = _anatomy()
+    anatomy["ends"][2]["region_id"] = 2
+    with pytest.raises(InputError, match="same region_id"):
+        boundary.make(anatomy, _tree(), PATIENT, settings)
+    high = settings_module.make(outlet_condition="pressure", outlet_pressure_mmhg=100)
+    with pytest.raises(InputError, match="not below MAP"):
+        boundary.make(_anatomy(), _tree(), PATIENT, high)
+
+
+def _summary():
+    branches = [
+        {"name": "main", "parent": None, "s_on_parent_mm": 0.0},
+        {"name": "side1", "parent": "main", "s_on_parent_mm": 20.0},
+    ]
+    return _anatomy([{"branch": "main", "s_end_mm": 30.0}]) | {"branches": branches}
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "words"),
+    [
+        (("ends", 1, "diameter_mm"), "2.5", ["ends[2].diameter_mm", "'2.5'", "a number"]),
+        (("ends", 1, "diameter_mm"), math.nan, ["ends[2].diameter_mm", "not finite"]),
+        (("ends",), {}, ["ends", "a list"]),
+        (("lesions", 0), {"branch": "main"}, ["lesions[1]", "s_end_mm is missing"]),
+        (("branches", 1, "parent"), "side1", ["not one tree", "side1"]),
+        (("branches", 1, "parent"), "side7", ["not one tree", "side1"]),
+        (("branches", 1, "parent"), None, ["not one tree", "without a parent"]),
+        (("branches", 1, "name"), "main", ["same name"]),
+        (("branches", 1, "s_on_parent_mm"), None, ["side1", "s_on_parent_mm null"]),
+    ],
+)
+def test_a_bad_summary_of_the_lumen_is_refused_in_plain_words(tmp_path, place, value, words):
+    document, path = _summary(), tmp_path / "anatomy.json"
+    path.write_text(json.dumps(document))
+    assert lumen_summary.read(path, "ends", "branches") == document
+    inner = document
+    for key in place[:-1]:
+        inner = inner[key]
+    inner[place[-1]] = value
+    path.write_text(json.dumps(document))
+    with pytest.raises(InputError) as refused:
+        lumen_summary.read(path, "ends", "branches")
+    for word in [str(path), *words]:
+        assert word in str(refused.value), str(refused.value)
+
+
+OF_OTHER_KINDS = ["5", "[]", "{", '"93"']
+
+
+@pytest.mark.parametrize(
+    ("spoilt", "text"),
+    [(name, text) for name in ("boundary.json", "anatomy.json", "settings.json") for text in OF_OTHER_KINDS]
+    + [(name, text) for name in ("boundary.json", "anatomy.json") for text in ("", '{"map_pa": NaN}')],
+)
+def test_a_file_of_another_kind_ends_with_one_clear_error(tmp_path, capsys, spoilt, text):
+    tubes.write_centreline(tmp_path / "centreline.vtp", list(_tree()))
+    (tmp_path / "anatomy.json").write_text(json.dumps(_summary()))
+    document = boundary.make(_anatomy(), _tree(), PATIENT, settings_module.make())
+    (tmp_path / "boundary.json").write_text(json.dumps(document))
+    (tmp_path / "settings.json").write_text("{}")
+    (tmp_path / spoilt).write_text(text)
+    command = ["solve", "none.msh", "--settings", str(tmp_path / "settings.json"), "--out", str(tmp_path / "out")]
+    command += ["--boundary", str(tmp_path / "boundary.json"), "--centreline", str(tmp_path / "centreline.vtp")]
+    with pytest.raises(SystemExit) as ended:
+        command_line.main(command)
+    said = capsys.readouterr().err
+    assert ended.value.code == 2 and spoilt in said, said
+
+
+def test_a_probe_of_another_vessel_is_refused_before_anything_is_solved():
+    probes = [{"name": "distal", "branch": "main", "point_mm": [12.0, 4.4, 0.0]}]
+    ffr.check_probes(probes, _tree())
+    probes[0]["point_mm"][1] = 4.6  # three radii are 4.5 mm
+    with pytest.raises(InputError, match="distal"):
+        ffr.check_probes(probes, _tree())

@@ -1,0 +1,58 @@
+"""Strict JSON: numbers that are not finite are refused, and values are named in the shape common.schema asks for."""
+
+import json
+import math
+import pathlib
+
+from common.errors import InputError
+from common.yaml_reader import key_name
+
+
+class Document:
+    """Content (`data`) of a JSON file, or of one to be; values are addressed as in common.yaml_reader.Document."""
+
+    def __init__(self, file, data):
+        self.file, self.data = file, data
+
+    def line(self, path):
+        """How many values begin before the one at `path`: what comes first in the file."""
+        return next(number for number, (place, _) in enumerate(_walk(self.data, ())) if place == tuple(path))
+
+    def where(self, path):
+        """File and dotted key for an error message."""
+        key = key_name(path)
+        return f"{self.file}, key {key}" if key else str(self.file)
+
+    def check_finite(self):
+        """Raises InputError for the first number that is not: no limit of a schema catches NaN."""
+        for path, value in _walk(self.data, ()):
+            if isinstance(value, float) and not math.isfinite(value):
+                raise InputError("number is not finite", self.where(path), value, "give a finite number")
+
+
+def read(file, kind):
+    """Reads one JSON file into a Document; kind: what it should be, for messages.
+
+    Raises InputError when the file cannot be read, is not JSON, is no group of keys or has a number that is not finite.
+    """
+    file, remedy = pathlib.Path(file), f"it should be a {kind} document"
+    try:
+        data = json.loads(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        what = "no such file" if isinstance(error, FileNotFoundError) else "file cannot be read"
+        raise InputError(what, file, error.strerror, remedy) from None
+    except (ValueError, RecursionError) as error:  # of JSON, of UTF-8, of too long a number, of too deep a nesting
+        raise InputError("not a JSON file", file, error, remedy) from None
+    document = Document(file, data)
+    if not isinstance(data, dict):
+        raise InputError("not a group of keys", file, str(data)[:80], remedy)
+    document.check_finite()
+    return document
+
+
+def _walk(value, path):
+    """(path, value) of a value and all that it holds, in the file's order."""
+    yield path, value
+    children = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, child in children:
+        yield from _walk(child, path + (key,))
