@@ -91,6 +91,9 @@ class Network:
             self.profile[name] = rows["s_mm"].to_numpy(), rows["area_mm2"].to_numpy()
         self.names = [outlet["name"] for outlet in self.outlets]
         self.index = {outlet["branch"]: k for k, outlet in enumerate(self.outlets)}
+        unknown = sorted(set(self.index) - set(branches))
+        if unknown:
+            raise InputError("outlet of an unknown branch", "boundary.json", unknown, "make it from this anatomy")
         missing = sorted(set(branches) - set(self.index))
         if missing:
             raise InputError("branch without an outlet", "boundary.json", missing, "make it from this anatomy")
@@ -220,16 +223,28 @@ class Network:
 
 def read_sections(path):
     """sections.csv as a table. Raises InputError."""
+    remedy = "run the anatomy step"
     try:
         table = pd.read_csv(path)
     except FileNotFoundError as error:
-        raise InputError("no such file of cross-sections", path, "missing", "run the anatomy step") from error
+        raise InputError("no such file of cross-sections", path, "missing", remedy) from error
+    except (OSError, ValueError) as error:  # an empty file, other than text, rows of several lengths
+        raise InputError("not a table of cross-sections", path, error, remedy) from error
     lacking = [column for column in ("branch", "s_mm", "area_mm2") if column not in table.columns]
     if lacking:
-        raise InputError("cross-sections lack columns", path, lacking, "run the anatomy step")
-    if not (table["area_mm2"] > 0).all():
-        row = int((~(table["area_mm2"] > 0)).to_numpy().argmax())
-        raise InputError(
-            "area is not positive", f"{path}, row {row + 2}", table["area_mm2"][row], "run the anatomy step"
-        )
+        raise InputError("cross-sections lack columns", path, lacking, remedy)
+    table["branch"] = table["branch"].astype(str)
+    for column in ("s_mm", "area_mm2"):
+        given, table[column] = table[column], pd.to_numeric(table[column], errors="coerce").astype(float)
+        _refuse_row(path, given, ~np.isfinite(table[column]), f"{column} is not a number", remedy)
+    _refuse_row(path, table["area_mm2"], ~(table["area_mm2"] > 0), "area is not positive", remedy)
+    again = table.duplicated(["branch", "s_mm"])
+    _refuse_row(path, table["s_mm"], again, "two sections of a branch at the same s_mm", remedy)
     return table
+
+
+def _refuse_row(path, values, refused, what, remedy):
+    """Raises InputError for the first of `values` that is refused, by its line in the file."""
+    if refused.any():
+        row = int(refused.to_numpy().argmax())
+        raise InputError(what, f"{path}, row {row + 2}", values[row], remedy)

@@ -95,3 +95,28 @@ def test_sections_are_checked(tmp_path):
     path.write_text("branch,s_mm\nmain,0\n")
     with pytest.raises(InputError, match="area_mm2"):
         reduced.read_sections(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("branch,s_mm,area_mm2\nmain,0,2.0\nmain,1,wide\n", "area_mm2 is not a number(.|\n)*row 3(.|\n)*wide"),
+        ("branch,s_mm,area_mm2\nmain,0,2.0\nmain,1,inf\n", "area_mm2 is not a number(.|\n)*row 3"),
+        ("branch,s_mm,area_mm2\nmain,,2.0\nmain,1,2.0\n", "s_mm is not a number(.|\n)*row 2"),
+        ("branch,s_mm,area_mm2\nmain,0,2.0\nmain,1,2.0\nside,1,2.0\nmain,1,2.1\n", "same s_mm(.|\n)*row 5"),
+        ("", "not a table"),
+        ("branch,s_mm,area_mm2\nmain,0,2.0\nmain,1,2.0,3.0\n", "not a table"),
+    ],
+)
+def test_bad_sections_are_refused_by_their_line(tmp_path, text, words):
+    path = tmp_path / "sections.csv"
+    path.write_text(text)
+    with pytest.raises(InputError, match=words):
+        reduced.read_sections(path)
+
+
+def test_an_outlet_of_an_unknown_branch_is_refused():
+    anatomy = {"branches": [{"name": "main", "parent": None, "s_on_parent_mm": None}]}
+    sections = _sections([("main", np.linspace(0, 50, 11), 1.4)])
+    with pytest.raises(InputError, match="side7"):
+        reduced.Network(anatomy, sections, _document([4e9, 4e9], ["main", "side7"]), 1.14)
