@@ -124,7 +124,7 @@ def probes(anatomy, centreline, distance_mm):
 
 
 def check(document, where="boundary.json", branches=None):
-    """Raises InputError for boundary values that cannot be solved with; branches: names of those there are, if known."""
+    """Raises InputError for boundary values that cannot be solved with; branches: names of those there are, or None."""
     given = json_reader.Document(where, document)
     given.check_finite()
     schema.validate(given, schema.read("boundary"))

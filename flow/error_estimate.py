@@ -5,8 +5,8 @@ import numpy as np
 from flow import goal_error, locate
 
 SAFETY = 1.5  # times the dual-weighted residual, which found .5 to .8 of the true error where its parts do not cancel
-# Assumed order of the FFR error in the mesh width. FFR's error does not fall steadily with the rings and changes its sign
-# (measured.md), so the difference of two meshes is no bound: it says how much FFR still depends on the mesh.
+# Assumed order of the FFR error in the mesh width. FFR's error does not fall steadily with the rings and changes its
+# sign (measured.md), so the difference of two meshes is no bound: it says how much FFR still depends on the mesh.
 ORDER = 2.0
 LEAST_RATIO = 1.05  # of the mesh widths: below it two meshes say nothing
 
