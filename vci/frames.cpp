@@ -25,10 +25,15 @@ bool is_frame(const fs::path& file) {
 } // namespace
 
 FrameWriter::FrameWriter(fs::path folder, const Lumen& lumen) : folder_(std::move(folder)), lumen_(lumen) {
-  fs::create_directories(folder_);
-  for (const auto& entry : fs::directory_iterator(folder_))
-    if (is_frame(entry.path()))
-      fs::remove(entry.path());
+  try {
+    fs::create_directories(folder_);
+    for (const auto& entry : fs::directory_iterator(folder_))
+      if (is_frame(entry.path()))
+        fs::remove(entry.path());
+  } catch (const fs::filesystem_error& e) {
+    throw common::InputError("the folder for frames cannot be written", folder_.string(), e.code().message(),
+                             "name a folder of yours with --frames");
+  }
 }
 
 void FrameWriter::add(const Snapshot& snapshot) {
@@ -52,6 +57,7 @@ void FrameWriter::finish() const {
   std::ofstream file(folder_ / "frames.pvd");
   file << "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n  <Collection>\n"
        << entries_.str() << "  </Collection>\n</VTKFile>\n";
+  file.close(); // what is left of the text is written only now
   if (!file)
     throw common::ComputationError("a file cannot be written", (folder_ / "frames.pvd").string(), "",
                                    "check the folder and free space");

@@ -1,5 +1,6 @@
 #include "vci/lumen.hpp"
 #include "common/error.hpp"
+#include "common/vtk_writing.hpp"
 #include "vci/reading.hpp"
 
 #include <vtkCellArray.h>
@@ -51,7 +52,7 @@ void write_polydata(const std::filesystem::path& file, vtkPolyData* data) {
   writer->SetInputData(data);
   writer->SetDataModeToAppended();
   writer->EncodeAppendedDataOff();
-  if (!writer->Write())
+  if (!common::wrote_xml(writer.Get(), file))
     throw common::ComputationError("a file cannot be written", file.string(), "", "check the folder and free space");
 }
 
@@ -124,7 +125,7 @@ void write_lumen(const std::filesystem::path& vtp, const std::filesystem::path& 
   writer->SetFileName(stl.c_str());
   writer->SetInputData(data);
   writer->SetFileTypeToBinary();
-  if (!writer->Write())
+  if (!common::wrote_stl(writer.Get(), stl, data->GetNumberOfPolys()))
     throw common::ComputationError("a file cannot be written", stl.string(), "", "check the folder and free space");
 }
 

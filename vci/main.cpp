@@ -4,54 +4,17 @@
 #include "vci/bench.hpp"
 #include "vci/crush.hpp"
 #include "vci/frames.hpp"
+#include "vci/output.hpp"
 #include "vci/radius_correction.hpp"
 #include "vci/readouts.hpp"
 #include "vci/strut_pattern.hpp"
 
 #include <chrono>
-#include <fstream>
-#include <unistd.h>
 
 namespace {
 
 namespace fs = std::filesystem;
 using namespace vci;
-
-/// Writes into a folder beside `out` and moves the files into place at the end, so that a failure leaves nothing.
-class Output {
-public:
-  explicit Output(const fs::path& out) : out_(out), partial_(out.string() + ".partial-" + std::to_string(getpid())) {
-    fs::create_directories(partial_ / "devices");
-  }
-  ~Output() {
-    std::error_code ignored; // a leftover temporary folder is no reason to hide the error under way
-    fs::remove_all(partial_, ignored);
-  }
-  const fs::path& folder() const { return partial_; }
-  void publish() const {
-    fs::create_directories(out_);
-    for (const char* name : {"lumen.vtp", "lumen.stl", "devices", "deployment.json"}) {
-      fs::remove_all(out_ / name);
-      if (fs::exists(partial_ / name))
-        fs::rename(partial_ / name, out_ / name);
-    }
-  }
-
-private:
-  fs::path out_, partial_;
-};
-
-void write_json(const fs::path& file, const nlohmann::json& document) {
-  std::ofstream stream(file);
-  stream << document.dump(1) << '\n';
-  if (!stream)
-    throw common::ComputationError("a file cannot be written", file.string(), "", "check the folder and free space");
-}
-
-void forget(const fs::path& out) {
-  for (const char* name : {"lumen.vtp", "lumen.stl", "devices", "deployment.json"})
-    fs::remove_all(out / name);
-}
 
 void check_branches(const Scene& scene, const std::map<std::string, Path>& paths) {
   for (const Step& step : scene.procedure)
@@ -91,11 +54,11 @@ std::vector<PointArray> forces(const Balance& balance) {
 }
 
 int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& frames, int every_steps) {
+  const Output output(out);
   const Scene scene = read_scene(scene_file);
   const Lumen lumen = read_lumen(scene.lumen);
   const auto paths = read_centreline(scene.centreline);
   check_branches(scene, paths);
-  forget(out);
   std::optional<FrameWriter> writer;
   Observer observer{{}, every_steps};
   if (!frames.empty()) {
@@ -105,7 +68,6 @@ int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& 
   const Deployment d = deploy(scene, lumen, paths, writer ? &observer : nullptr);
   if (writer)
     writer->finish();
-  const Output output(out);
   std::vector<PointArray> arrays = forces(d.forces);
   arrays.push_back(displacement(lumen, d.points));
   arrays.push_back({"wall_stretch", 1, d.wall_stretch});
@@ -128,14 +90,13 @@ int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& 
 }
 
 int run_radius_correct(const fs::path& scene_file, const fs::path& out) {
+  const Output output(out);
   const Scene scene = read_scene(scene_file);
   const Lumen lumen = read_lumen(scene.lumen);
   const auto paths = read_centreline(scene.centreline);
   check_branches(scene, paths);
-  forget(out);
   const auto start = std::chrono::steady_clock::now();
   const Vectors points = correct_radius(scene, lumen, paths);
-  const Output output(out);
   write_lumen(output.folder() / "lumen.vtp", output.folder() / "lumen.stl", lumen, points,
               {displacement(lumen, points)});
   const Segment segment = reported_segment(scene);

@@ -1,0 +1,33 @@
+// Whether VTK wrote a file: its writers report success after a failed write.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace common {
+
+/// Runs a writer of VTK's XML files. False where its error code says that it failed, or the file lacks its last tag.
+template <class Writer> bool wrote_xml(Writer* writer, const std::filesystem::path& file) {
+  constexpr std::streamoff tail = 32;
+  if (!writer->Write() || writer->GetErrorCode() != 0)
+    return false;
+  std::ifstream stream(file, std::ios::binary | std::ios::ate);
+  const std::streamoff size = stream.tellg();
+  if (size < tail)
+    return false;
+  std::string end(tail, ' ');
+  stream.seekg(size - tail);
+  return stream.read(end.data(), tail) && end.find("</VTKFile>") != std::string::npos;
+}
+
+/// Runs a writer of binary STL files. False where its error code says that it failed, or the file is too short.
+template <class Writer> bool wrote_stl(Writer* writer, const std::filesystem::path& file, std::int64_t triangles) {
+  constexpr std::int64_t header = 84, of_a_triangle = 50; // bytes
+  if (!writer->Write() || writer->GetErrorCode() != 0)
+    return false;
+  std::error_code none;
+  return static_cast<std::int64_t>(std::filesystem::file_size(file, none)) == header + of_a_triangle * triangles;
+}
+
+} // namespace common

@@ -1,0 +1,28 @@
+// The folder of a run's results, which appear together or not at all.
+#pragma once
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+namespace vci {
+
+class Output {
+public:
+  /// Creates the folder and takes an earlier run's results out of it, before any work. Throws common::InputError where
+  /// files cannot be written there.
+  explicit Output(std::filesystem::path out);
+  ~Output(); ///< removes what was not published
+  Output(const Output&) = delete;
+  Output& operator=(const Output&) = delete;
+  /// Where results are written until they are published; it has a folder `devices`.
+  const std::filesystem::path& folder() const { return partial_; }
+  /// Moves the results into place, deployment.json last.
+  void publish() const;
+
+private:
+  std::filesystem::path out_, partial_;
+};
+
+/// Throws common::ComputationError where not all of it is written.
+void write_json(const std::filesystem::path& file, const nlohmann::json& document);
+
+} // namespace vci
