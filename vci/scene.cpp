@@ -89,8 +89,9 @@ Scene scene_of(const std::filesystem::path& file) {
   scene.numerics = read_numerics(o.child("numerics", false), o.path("numerics"), numerics);
   scene.settings = {{"wall", wall}, {"numerics", numerics}, {"map_pa", scene.map_pa}};
   const json devices = o.child("devices", true);
+  CheckedObject(devices, o.path("devices"));
   for (const auto& [name, entry] : devices.items()) {
-    const std::string at = o.path("devices") + "." + name, kind = entry.value("kind", "missing");
+    const std::string at = o.path("devices") + "." + name, kind = CheckedObject(entry, at).text("kind");
     if (kind == "balloon")
       scene.balloons[name] = read_balloon(entry, at);
     else if (kind == "stent")

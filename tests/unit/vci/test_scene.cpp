@@ -102,6 +102,9 @@ TEST(Scene, RefusesBadValuesWithTheirKey) {
   expect("/patient/map_pa", "high", "number is expected");
   expect("/devices/s/balloon", "c", "delivery balloon");
   expect("/devices/s/kind", "laser", "kind of device");
+  expect("/devices/s/kind", 5, "a text is expected");
+  expect("/devices/s", {1, 2}, "an object is expected");
+  expect("/devices", {1, 2}, "an object is expected");
   expect("/devices/b/chart/diameter_mm", {2.8, 2.7, 3.2}, "chart");
   expect("/devices/b/folding", {{"wings", 7}}, "folding.wings");
   expect("/devices/b/folding", {{"wrap", "left"}}, "folding.wrap");
