@@ -97,7 +97,11 @@ private:
   }
 
   DeviceShape shape_of(int body, const std::string& name, bool with_forces = true) const {
-    DeviceShape shape{name, part(system_.x, body), system_.body(body).triangles, {}};
+    DeviceShape shape{is_stent(body) ? DeviceShape::Kind::stent : DeviceShape::Kind::balloon,
+                      name,
+                      part(system_.x, body),
+                      system_.body(body).triangles,
+                      {}};
     for (Triangle& t : shape.triangles)
       for (int& v : t)
         v -= system_.body(body).first;

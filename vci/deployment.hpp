@@ -14,7 +14,8 @@ struct StageReport {
 
 /// A device as it stands when it matters: a balloon inflated, a stent at the end.
 struct DeviceShape {
-  std::string name;
+  enum class Kind { balloon, stent } kind;
+  std::string name; ///< a balloon's by its step, a stent's device
   Vectors points;
   Triangles triangles;
   Balance forces; ///< at these points, N

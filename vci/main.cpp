@@ -5,6 +5,7 @@
 #include "vci/crush.hpp"
 #include "vci/frames.hpp"
 #include "vci/output.hpp"
+#include "vci/plausibility.hpp"
 #include "vci/radius_correction.hpp"
 #include "vci/readouts.hpp"
 #include "vci/strut_pattern.hpp"
@@ -15,24 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace vci;
-
-void check_branches(const Scene& scene, const std::map<std::string, Path>& paths) {
-  for (const Step& step : scene.procedure)
-    for (const Placement& p : step.devices) {
-      if (!paths.contains(p.branch))
-        throw common::InputError("a branch that the centreline does not have", "step " + step.name, p.branch,
-                                 "use a branch_name of the centreline");
-      const Path& path = paths.at(p.branch);
-      if (p.centre_s < path.start() || p.centre_s > path.end())
-        throw common::InputError("a device is centred beyond its branch", "step " + step.name + ", " + p.device,
-                                 std::to_string(p.centre_s) + " mm",
-                                 "choose centre_s_mm from " + std::to_string(path.start()) + " to " +
-                                     std::to_string(path.end()));
-    }
-  if (scene.segment && !paths.contains(scene.segment->branch))
-    throw common::InputError("a branch that the centreline does not have", "segment", scene.segment->branch,
-                             "use a branch_name of the centreline");
-}
 
 PointArray vectors(const std::string& name, const Vectors& values) {
   PointArray a{name, 3, {}};
@@ -58,7 +41,7 @@ int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& 
   const Scene scene = read_scene(scene_file);
   const Lumen lumen = read_lumen(scene.lumen);
   const auto paths = read_centreline(scene.centreline);
-  check_branches(scene, paths);
+  check_placements(scene, paths);
   std::optional<FrameWriter> writer;
   Observer observer{{}, every_steps};
   if (!frames.empty()) {
@@ -75,7 +58,7 @@ int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& 
   write_lumen(output.folder() / "lumen.vtp", output.folder() / "lumen.stl", lumen, d.points, arrays);
   std::size_t stent = 0;
   for (const DeviceShape& shape : d.balloons) {
-    const bool is_stent = scene.stents.contains(shape.name);
+    const bool is_stent = shape.kind == DeviceShape::Kind::stent;
     const std::string name = is_stent ? "stent" + std::to_string(stent + 1) : shape.name;
     write_shape(output.folder() / "devices" / (name + ".vtp"), shape.points, shape.triangles, {}, forces(shape.forces));
     if (is_stent) {
@@ -94,7 +77,7 @@ int run_radius_correct(const fs::path& scene_file, const fs::path& out) {
   const Scene scene = read_scene(scene_file);
   const Lumen lumen = read_lumen(scene.lumen);
   const auto paths = read_centreline(scene.centreline);
-  check_branches(scene, paths);
+  check_placements(scene, paths);
   const auto start = std::chrono::steady_clock::now();
   const Vectors points = correct_radius(scene, lumen, paths);
   write_lumen(output.folder() / "lumen.vtp", output.folder() / "lumen.stl", lumen, points,

@@ -5,6 +5,7 @@
 #include "vci/settings.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <fstream>
 #include <set>
 
@@ -17,9 +18,22 @@ namespace {
 const std::set<std::string> actions{"predilatation",       "stent",  "postdilatation", "proximal_optimisation",
                                     "side_branch_opening", "kissing"};
 
+/// Names of steps and devices become names of files.
+void check_name(const std::string& name, const std::string& where) {
+  constexpr std::size_t longest = 100;
+  const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return (c < 128 && std::isalnum(c)) || c == ' ' || c == '.' || c == '_' || c == '-';
+  });
+  if (!plain || name.empty() || name.size() > longest || name.front() == '.')
+    throw common::InputError("a name that cannot be a file's", where, json(name).dump().substr(0, 80),
+                             "use letters, digits, space, point, underscore and hyphen, 1 to " +
+                                 std::to_string(longest) + ", no point at first");
+}
+
 Step read_step(const json& entry, const std::string& where, const Scene& scene) {
   CheckedObject o(entry, where);
   Step step{o.text("name"), o.text("action"), {}};
+  check_name(step.name, o.path("name"));
   if (!actions.contains(step.action))
     throw common::InputError(
         "an unknown action", o.path("action"), step.action,
@@ -34,10 +48,19 @@ Step read_step(const json& entry, const std::string& where, const Scene& scene) 
                                "add it under devices or correct the name");
     const BalloonSpec& b = scene.balloons.at(stent ? scene.stents.at(p.device).balloon : p.device);
     p.pressure_bar = d.number("pressure_bar", 0.1, 40);
+    if (stent != (step.action == "stent"))
+      throw common::InputError(stent ? "a stent in a step that only inflates balloons" : "a balloon in a stent's step",
+                               d.path("device"), p.device,
+                               stent ? "name a balloon, or write action stent" : "name a stent, or another action");
     const double ceiling = 1.5 * b.rated_burst_pressure_bar;
     if (p.pressure_bar > ceiling)
       throw common::InputError("a pressure far beyond the balloon's rated burst pressure", d.path("pressure_bar"),
                                std::to_string(p.pressure_bar), "stay below " + std::to_string(ceiling) + " bar");
+    if (p.pressure_bar > b.chart_pressure_bar.back())
+      throw common::InputError("a pressure beyond the end of the balloon's chart", d.path("pressure_bar"),
+                               std::to_string(p.pressure_bar),
+                               "stay at or below its last pressure, " + std::to_string(b.chart_pressure_bar.back()) +
+                                   " bar, or extend the chart");
     d.finish();
     step.devices.push_back(p);
   }
@@ -92,6 +115,7 @@ Scene scene_of(const std::filesystem::path& file) {
   CheckedObject(devices, o.path("devices"));
   for (const auto& [name, entry] : devices.items()) {
     const std::string at = o.path("devices") + "." + name, kind = CheckedObject(entry, at).text("kind");
+    check_name(name, at);
     if (kind == "balloon")
       scene.balloons[name] = read_balloon(entry, at);
     else if (kind == "stent")
@@ -104,8 +128,14 @@ Scene scene_of(const std::filesystem::path& file) {
       throw common::InputError("a stent without its delivery balloon", o.path("devices") + "." + name + ".balloon",
                                stent.balloon, "add that balloon under devices");
   const json steps = o.list("procedure");
-  for (std::size_t k = 0; k < steps.size(); ++k)
-    scene.procedure.push_back(read_step(steps[k], o.path("procedure") + "[" + std::to_string(k) + "]", scene));
+  std::set<std::string> names;
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    const std::string at = o.path("procedure") + "[" + std::to_string(k) + "]";
+    scene.procedure.push_back(read_step(steps[k], at, scene));
+    if (!names.insert(scene.procedure.back().name).second)
+      throw common::InputError("two steps of one name", at + ".name", scene.procedure.back().name,
+                               "name each step otherwise: files are named by it");
+  }
   o.finish();
   return scene;
 }

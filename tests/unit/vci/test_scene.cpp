@@ -115,6 +115,25 @@ TEST(Scene, RefusesBadValuesWithTheirKey) {
   expect("/procedure", json::array(), "one entry or more");
 }
 
+TEST(Scene, RefusesNamesThatAreNoFiles) {
+  const auto named = [](const std::string& step, const std::string& device) {
+    json d = good_scene();
+    d["procedure"][0]["name"] = step;
+    d["devices"][device] = d["devices"]["b"];
+    return refusal(d);
+  };
+  EXPECT_NE(named("stent 1, LAD", "c"), "accepted");
+  EXPECT_EQ(named("Stent 1_prox-3.5", "semi_2.50x12"), "accepted");
+  for (const char* bad : {"../escape", "a/b", "a\\b", ".hidden", "", "line\nbreak", "\u00e9tape"}) {
+    EXPECT_NE(named(bad, "c").find("procedure[0].name"), std::string::npos) << bad;
+    EXPECT_NE(named("p", bad).find("cannot be a file's"), std::string::npos) << bad;
+  }
+  EXPECT_NE(named(std::string(101, 'x'), "c").find("cannot be a file's"), std::string::npos);
+  json d = good_scene();
+  d["procedure"].push_back(d["procedure"][0]);
+  EXPECT_NE(refusal(d).find("two steps of one name"), std::string::npos) << refusal(d);
+}
+
 TEST(Scene, RefusesMissingKeysFilesAndText) {
   json d = good_scene();
   d.erase("patient");

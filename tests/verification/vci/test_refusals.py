@@ -1,0 +1,99 @@
+"""Scenes that ask for what cannot be are refused before any stage, with a message that names the place."""
+
+import json
+import subprocess
+
+import pytest
+
+from vci import scenes
+
+TUBE = scenes.Tube(length=24, edge=1.2, lesion_length=6)
+
+
+@pytest.fixture
+def scene(tmp_path):
+    """(document, run): run(document) deploys it -> (exit code, messages)."""
+    path = scenes.write_scene(tmp_path / "case", TUBE, length=8.0, numerics={"device_edge_mm": 1.0})
+    return json.loads(path.read_text()), path
+
+
+def refusal(binary, scene):
+    document, path = scene
+    path.write_text(json.dumps(document))
+    command = [str(binary("vci")), "deploy", str(path), "--out", str(path.parent / "out")]
+    result = subprocess.run(command, text=True, capture_output=True, timeout=100)
+    assert result.returncode == 2, (result.returncode, result.stderr[-500:])
+    assert "residual" not in result.stderr, "a stage was computed"
+    assert not (path.parent / "out" / "deployment.json").exists()
+    return result.stderr
+
+
+def device(document, step):
+    return document["procedure"][step]["devices"][0]
+
+
+@pytest.mark.parametrize("step, centre", [(0, 22.0), (1, 20.5), (1, 3.0), (2, 22.5)])
+def test_a_device_past_the_end_of_the_vessel(binary, scene, step, centre):
+    device(scene[0], step)["centre_s_mm"] = centre
+    assert "past the end of its branch" in refusal(binary, scene)
+
+
+def test_a_segment_past_the_branch(binary, scene):
+    scene[0]["segment"] = {"branch": "main", "s_start_mm": 5, "s_end_mm": 26}
+    assert "segment reaches past its branch" in refusal(binary, scene)
+
+
+def test_a_pressure_beyond_the_chart_that_the_chart_may_still_say(binary, scene):
+    """Rated 20 bar, chart to 26: 25 bar are within both ceilings, 27 are not."""
+    device(scene[0], 2)["pressure_bar"] = 27
+    assert "end of the balloon's chart" in refusal(binary, scene)
+    device(scene[0], 2)["pressure_bar"] = 25
+    device(scene[0], 2)["device"] = "none"  # refused for another reason: the pressure no longer
+    assert "does not define" in refusal(binary, scene)
+
+
+@pytest.mark.parametrize("step, action", [(1, "predilatation"), (1, "postdilatation"), (0, "stent"), (2, "stent")])
+def test_stents_and_balloons_in_each_others_steps(binary, scene, step, action):
+    scene[0]["procedure"][step]["action"] = action
+    wrong = "a stent in a step" if step == 1 else "a balloon in a stent's step"
+    assert wrong in refusal(binary, scene)
+
+
+def test_a_balloon_too_wide_for_the_stent(binary, scene):
+    """Refused inside the stent, and where it only reaches into it; beside it the vessel alone is dilated."""
+    document = scene[0]
+    document["devices"]["stent"]["maximal_diameter_mm"] = 3.2  # the postdilatation's: 3.26 mm at 16 bar
+    assert "beyond its maximal diameter" in refusal(binary, scene)
+    device(document, 2)["centre_s_mm"] = 12 + 4 + 2.5
+    assert "beyond its maximal diameter" in refusal(binary, scene)
+    device(document, 2)["centre_s_mm"] = 12 + 4 + 4
+    document["segment"] = {"branch": "main", "s_start_mm": 5, "s_end_mm": 26}  # refused for another reason
+    assert "segment" in refusal(binary, scene)
+    device(document, 1)["pressure_bar"] = 16
+    assert "beyond its maximal diameter" in refusal(binary, scene), "by its own balloon"
+
+
+@pytest.mark.parametrize("name", ["../../escape", "a/b", ".hidden", ""])
+def test_a_name_that_is_no_file(binary, scene, tmp_path, name):
+    scene[0]["procedure"][0]["name"] = name
+    assert "cannot be a file's" in refusal(binary, scene)
+    assert not (tmp_path.parent / "escape_balloon.vtp").exists()
+
+
+def test_two_steps_of_one_name(binary, scene):
+    scene[0]["procedure"][2]["name"] = "predilatation"
+    assert "two steps of one name" in refusal(binary, scene)
+
+
+def test_a_stent_named_like_a_balloons_file(binary, scene):
+    """A device's kind is not told by its name: each shape is written under its own kind."""
+    document, path = scene
+    document["devices"]["predilatation_balloon"] = document["devices"].pop("stent")
+    device(document, 1)["device"] = "predilatation_balloon"
+    path.write_text(json.dumps(document))
+    command = [str(binary("vci")), "deploy", str(path), "--out", str(path.parent / "out")]
+    result = subprocess.run(command, text=True, capture_output=True, timeout=100)
+    assert result.returncode == 0, result.stderr[-500:]
+    written = {f.stem for f in (path.parent / "out" / "devices").iterdir()}
+    balloons = {f"{name}_balloon" for name in ("predilatation", "stent 1", "postdilatation")}
+    assert written == balloons | {"stent1", "stent1_struts"}

@@ -1,0 +1,12 @@
+// What a scene asks for against the vessel's branches, before any work.
+#pragma once
+#include "vci/centreline.hpp"
+#include "vci/scene.hpp"
+
+namespace vci {
+
+/// Throws common::InputError where a branch is missing, a device or the reported segment reaches past its branch, or a
+/// balloon would open a stent beyond its maximal diameter.
+void check_placements(const Scene& scene, const std::map<std::string, Path>& paths);
+
+} // namespace vci
