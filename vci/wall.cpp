@@ -101,7 +101,8 @@ Wall add_wall(System& system, const Lumen& lumen, const std::vector<char>& free,
       if (lumen.plaque_type[g] > 0) {
         modulus += lumen.plaque[g] * spec.plaque[lumen.plaque_type[g]].youngs_modulus;
         weight += lumen.plaque[g];
-        type = std::max(type, lumen.plaque_type[g]);
+        if (type == 0 || spec.plaque[lumen.plaque_type[g]].youngs_modulus > spec.plaque[type].youngs_modulus)
+          type = lumen.plaque_type[g];
       }
     }
     const bool bare = thickness < thinnest_plaque || type == 0 || weight <= 0;
