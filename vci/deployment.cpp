@@ -10,7 +10,6 @@
 #include <chrono>
 #include <cmath>
 #include <iostream>
-#include <numeric>
 #include <sstream>
 
 namespace vci {
@@ -19,10 +18,6 @@ namespace {
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-double mean(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
 /// The state of a procedure under way.
@@ -68,12 +63,6 @@ public:
     const std::vector<double> stretch = vertex_stretch(*wall_.intima, system_.body(0).triangles, system_.x);
     for (std::size_t i = 0; i < wall_.vertex.size(); ++i)
       result_.wall_stretch[wall_.vertex[i]] = stretch[i];
-    for (StentHistory& h : result_.stents) {
-      const Vectors centres = ring_centres(system_, h.stent.body, h.stent.grid);
-      h.final_length = 0;
-      for (std::size_t k = 1; k < centres.size(); ++k)
-        h.final_length += (centres[k] - centres[k - 1]).norm();
-    }
     read_malapposition();
     result_.forces = {on_lumen(balance_.pressure), on_lumen(balance_.contact), on_lumen(balance_.foundation),
                       on_lumen(balance_.residual)};
@@ -245,24 +234,30 @@ private:
   void after_balance(const Stage& stage, const Step& step) {
     if (stage.ties_stents)
       tie_stents();
-    for (StentHistory& h : result_.stents) {
-      const double diameter = 2 * mean(ring_radii(system_, h.stent.body, h.stent.grid));
-      (stage.with_balloons ? h.inflated_diameter : h.final_diameter) = diameter;
-    }
+    for (StentHistory& h : result_.stents)
+      if (!stage.with_balloons)
+        note_extraction(h, system_);
+      else if (stage.pressure_fraction == 1.0)
+        note_inflation(h, system_, contacts_onto(h.stent.body, false));
     if (stage.pressure_fraction == 1.0)
       for (std::size_t k = 0; k < balloons_.size(); ++k)
         shapes_.push_back(
             shape_of(balloons_[k].body, step.name + "_balloon" + (balloons_.size() > 1 ? std::to_string(k + 1) : "")));
   }
 
-  void tie_stents() {
+  std::vector<ContactPoint> contacts_onto(int outer, bool of_stents) {
     const Vectors normals = area_vectors(system_);
     std::vector<ContactPoint> points;
     for (SurfaceContact& contact : interactions_.contacts)
-      if (contact.outer() == 0 && is_stent(contact.inner()))
+      if (contact.outer() == outer && is_stent(contact.inner()) == of_stents)
         contact.detect(system_, normals, points);
-    for (const ContactPoint& p : points)
-      interactions_.ties.push_back(tie_of(p, system_.x, scene_.numerics.tie_stiffness));
+    return points;
+  }
+
+  void tie_stents() {
+    if (scene_.numerics.tie_stiffness > 0) // without, contact alone holds them
+      for (const ContactPoint& p : contacts_onto(0, true))
+        interactions_.ties.push_back(tie_of(p, system_.x, scene_.numerics.tie_stiffness));
   }
 
   bool is_stent(int body) const { return system_.body(body).name == "stent"; }

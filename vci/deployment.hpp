@@ -2,6 +2,7 @@
 #pragma once
 #include "vci/device.hpp"
 #include "vci/procedure.hpp"
+#include "vci/stent_history.hpp"
 #include "vci/wall.hpp"
 
 namespace vci {
@@ -19,16 +20,6 @@ struct DeviceShape {
   Vectors points;
   Triangles triangles;
   Balance forces; ///< at these points, N
-};
-
-/// A deployed stent's numbers along the way.
-struct StentHistory {
-  std::string device, branch;
-  double centre_s;
-  Stent stent;
-  double inflated_diameter = 0; ///< mean over its rings, at the end of the last inflation inside it, mm
-  double final_diameter = 0;    ///< after the last extraction, mm
-  double final_length = 0;      ///< along its ring centres, mm
 };
 
 struct Deployment {

@@ -121,11 +121,11 @@ json readouts(const Scene& scene, const Lumen& lumen, const std::map<std::string
     const double reference = reference_area(lumen, before.at(h.branch), own);
     out["stents"].push_back({{"device", h.device},
                              {"branch", h.branch},
-                             {"inflated_diameter_mm", h.inflated_diameter},
+                             {"inflated_diameter_mm", h.inflated_diameter()},
                              {"final_diameter_mm", h.final_diameter},
                              {"minimal_stent_area_mm2", msa},
                              {"expansion_index", reference > 0 ? json(msa / reference) : json(nullptr)},
-                             {"recoil_percent", 100 * (1 - h.final_diameter / h.inflated_diameter)},
+                             {"recoil_percent", 100 * (1 - h.final_diameter / h.inflated_diameter())},
                              {"recoil_percent_of_maker", spec.recoil_percent},
                              {"foreshortening_percent", 100 * (1 - h.final_length / spec.length)}});
   }

@@ -94,7 +94,7 @@ TEST(Deployment, StentKeepsTheLumenOpenInBalanceAndTwiceTheSame) {
     EXPECT_LE(s.result.mean_penetration, 0.05 * 0.0125 + 2e-3);
   }
   ASSERT_EQ(d.stents.size(), 1u);
-  const double recoil = 1 - d.stents[0].final_diameter / d.stents[0].inflated_diameter;
+  const double recoil = 1 - d.stents[0].final_diameter / d.stents[0].inflated_diameter();
   EXPECT_GT(recoil, 0.02);
   EXPECT_LT(recoil, 0.06);
   EXPECT_GT(throat(l, d.points), 0.75 * M_PI * 3.25 * 3.25 / 4);
