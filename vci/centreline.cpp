@@ -35,13 +35,24 @@ Vec3 Path::tangent(double s) const {
   return (at(s + 0.5) - at(s - 0.5)).normalized();
 }
 
-double Path::turning(double s_start, double s_end) const {
-  const int count = std::max(1, static_cast<int>(std::lround(s_end - s_start)));
+/// Unit; of the straight line that fits the path, evenly sampled by its arc length, in the least-squares sense.
+Vec3 Path::fitted_direction(double s_start, double s_end) const {
+  constexpr int samples = 25;
+  Vec3 sum = Vec3::Zero();
+  for (int k = 0; k < samples; ++k)
+    sum += (k - 0.5 * (samples - 1)) * at(s_start + (s_end - s_start) * k / (samples - 1));
+  return sum.normalized();
+}
+
+double Path::turning(double s_start, double s_end, double piece_mm) const {
+  const int count = std::max(2, static_cast<int>((s_end - s_start) / piece_mm));
   const double step = (s_end - s_start) / count;
   double sum = 0;
-  for (int k = 0; k < count; ++k) {
-    const Vec3 a = tangent(s_start + k * step), b = tangent(s_start + (k + 1) * step);
-    sum += std::atan2(a.cross(b).norm(), a.dot(b));
+  Vec3 last = fitted_direction(s_start, s_start + step);
+  for (int k = 1; k < count; ++k) {
+    const Vec3 next = fitted_direction(s_start + k * step, s_start + (k + 1) * step);
+    sum += std::atan2(last.cross(next).norm(), last.dot(next));
+    last = next;
   }
   return sum;
 }

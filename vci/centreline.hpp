@@ -19,14 +19,17 @@ public:
   double end() const { return s_.back(); }
   Vec3 at(double s) const;
   Vec3 tangent(double s) const; ///< unit; a chord over 1 mm
-  /// How far the path turns in all from s_start to s_end, rad: the angles between tangents 1 mm apart. (The angle
-  /// between the tangents at its ends would miss bends that undo each other.)
-  double turning(double s_start, double s_end) const;
+  /// How far the path turns in all from s_start to s_end, rad: the angles between neighbouring pieces of about
+  /// `piece_mm`, two at the least, each with the direction fitted to it. (Angles between short chords add up what the
+  /// points scatter; the angle between the ends misses bends that undo each other.) Half a piece at either end does
+  /// not count.
+  double turning(double s_start, double s_end, double piece_mm) const;
   std::vector<Frame> frames(const std::vector<double>& s) const;
   const Vectors& points() const { return points_; }
 
 private:
   std::size_t piece(double s) const;
+  Vec3 fitted_direction(double s_start, double s_end) const;
   Vectors points_;
   std::vector<double> s_;
 };

@@ -48,9 +48,14 @@ double peak_memory_mib() {
   return 0;
 }
 
-/// How much less the axis turns in all along the segment, degrees.
-double degrees_less(const Path& before, const Path& after, const Segment& s) {
-  return (before.turning(s.s_start, s.s_end) - after.turning(s.s_start, s.s_end)) * 180.0 / std::numbers::pi;
+/// How much less the axis turns in all along the segment, degrees, by pieces as long as the lumen is wide.
+double degrees_less(const Path& before, const Path& after, const Segment& s, const json& profile) {
+  double area = 0;
+  for (const json& row : profile)
+    area += row["area_mm2"].get<double>() / static_cast<double>(profile.size());
+  const double wide = std::max(1.0, 2 * std::sqrt(area / std::numbers::pi));
+  return (before.turning(s.s_start, s.s_end, wide) - after.turning(s.s_start, s.s_end, wide)) * 180.0 /
+         std::numbers::pi;
 }
 
 } // namespace
@@ -108,7 +113,7 @@ json readouts(const Scene& scene, const Lumen& lumen, const std::map<std::string
   for (const json& row : out["csa_profile"])
     smallest = std::min(smallest, row["area_mm2"].get<double>());
   out["minimal_lumen_area_mm2"] = smallest;
-  out["straightening_deg"] = degrees_less(path_before, path_after, segment);
+  out["straightening_deg"] = degrees_less(path_before, path_after, segment, out["csa_profile"]);
 
   out["stents"] = json::array();
   for (const StentHistory& h : d.stents) {

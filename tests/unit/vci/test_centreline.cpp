@@ -24,17 +24,26 @@ Path two_bends(double sign) {
 }
 
 TEST(Path, TurnsByItsBend) {
-  const double all = 2 * arc / radius;
-  EXPECT_NEAR(two_bends(1).turning(1, 2 * arc - 1), all - 2 / radius, 1e-3);
-  EXPECT_NEAR(two_bends(0).turning(1, 2 * arc - 1), arc / radius - 1 / radius, 1e-3);
+  for (double span : {2.0, 4.0}) { // half of it at either end does not count
+    EXPECT_NEAR(two_bends(1).turning(0, 2 * arc, span), (2 * arc - span) / radius, 2e-3);
+    EXPECT_NEAR(two_bends(0).turning(0, 2 * arc, span), (arc - 0.5 * span) / radius, 0.02);
+  }
 }
 
 TEST(Path, BendsThatUndoEachOtherTurnItAllTheSame) {
   const Path path = two_bends(-1);
   EXPECT_NEAR(path.tangent(1).dot(path.tangent(2 * arc - 1)), 1, 1e-3) << "its ends are parallel";
-  const double all = 2 * (arc - 1) / radius;
-  EXPECT_LT(path.turning(1, 2 * arc - 1), all);
-  EXPECT_GT(path.turning(1, 2 * arc - 1), all - 1.0 / radius) << "the last millimetre before the change counts in part";
+  EXPECT_NEAR(path.turning(0, 2 * arc, 2.5), 2 * (arc - 2.5) / radius, 0.02)
+      << "the piece about the change is straight";
+}
+
+TEST(Path, PointsThatScatterDoNotTurnIt) {
+  Vectors points;
+  for (int k = 0; k <= 48; ++k) // 12 mm, by 0.01 mm to one side and the other without order
+    points.push_back({0.25 * k, 0.01 * ((k * 7919 % 13) / 6.0 - 1), 0.01 * ((k * 104729 % 11) / 5.0 - 1)});
+  const double degree = M_PI / 180;
+  EXPECT_LT(Path(points, 0).turning(0, 12, 3), 0.5 * degree);
+  EXPECT_GT(Path(points, 0).turning(0, 12, 1), 1.5 * degree) << "over short pieces it adds up";
 }
 
 } // namespace
