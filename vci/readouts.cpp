@@ -48,11 +48,20 @@ double peak_memory_mib() {
   return 0;
 }
 
+/// The smallest area (mm^2) of a profile; null where it has none.
+json smallest_of(const json& profile) {
+  json smallest = nullptr;
+  for (const json& row : profile)
+    if (!row["area_mm2"].is_null() && (smallest.is_null() || row["area_mm2"] < smallest))
+      smallest = row["area_mm2"];
+  return smallest;
+}
+
 /// How much less the axis turns in all along the segment, degrees, by pieces as long as the lumen is wide.
 double degrees_less(const Path& before, const Path& after, const Segment& s, const json& profile) {
   double area = 0;
   for (const json& row : profile)
-    area += row["area_mm2"].get<double>() / static_cast<double>(profile.size());
+    area += (row["area_mm2"].is_null() ? 0.0 : row["area_mm2"].get<double>()) / static_cast<double>(profile.size());
   const double wide = std::max(1.0, 2 * std::sqrt(area / std::numbers::pi));
   return (before.turning(s.s_start, s.s_end, wide) - after.turning(s.s_start, s.s_end, wide)) * 180.0 /
          std::numbers::pi;
@@ -76,14 +85,17 @@ json area_profile(const Vectors& points, const Triangles& triangles, const Path&
   const int n = std::max(1, static_cast<int>(std::lround((s_end - s_start) / 0.5)));
   for (int k = 0; k <= n; ++k) {
     const double s = s_start + (s_end - s_start) * k / n;
-    profile.push_back({{"s_mm", s}, {"area_mm2", section_area(points, triangles, units, path.at(s), path.tangent(s))}});
+    const double area = section_area(points, triangles, units, path.at(s), path.tangent(s));
+    profile.push_back({{"s_mm", s}, {"area_mm2", area > 0 ? json(area) : json(nullptr)}});
   }
   return profile;
 }
 
 json readouts(const Scene& scene, const Lumen& lumen, const std::map<std::string, Path>& before, const Deployment& d) {
-  json out{
-      {"schema", "vci-deployment-1"}, {"case", scene.case_name}, {"status", "converged"}, {"method", "vci deploy"}};
+  json out{{"schema", "vci-deployment-1"},
+           {"case", scene.case_name},
+           {"status", scene.numerics.integrator.textbook ? "at rest" : "converged"},
+           {"method", "vci deploy"}};
   double total = 0;
   out["stages"] = json::array();
   for (const StageReport& s : d.stages) {
@@ -109,30 +121,26 @@ json readouts(const Scene& scene, const Lumen& lumen, const std::map<std::string
   const Path &path_before = before.at(segment.branch), &path_after = d.paths.at(segment.branch);
   out["csa_profile_before"] = area_profile(lumen.points, lumen.triangles, path_before, segment.s_start, segment.s_end);
   out["csa_profile"] = area_profile(d.points, lumen.triangles, path_after, segment.s_start, segment.s_end);
-  double smallest = 1e300;
-  for (const json& row : out["csa_profile"])
-    smallest = std::min(smallest, row["area_mm2"].get<double>());
-  out["minimal_lumen_area_mm2"] = smallest;
+  out["minimal_lumen_area_mm2"] = smallest_of(out["csa_profile"]);
   out["straightening_deg"] = degrees_less(path_before, path_after, segment, out["csa_profile"]);
 
   out["stents"] = json::array();
   for (const StentHistory& h : d.stents) {
     const StentSpec& spec = scene.stents.at(h.device);
     const Segment own = span_of(scene, {h.device, h.branch, h.centre_s, 0});
-    double msa = 1e300;
-    for (const json& row :
-         area_profile(d.points, lumen.triangles, d.paths.at(h.branch), own.s_start + 0.5, own.s_end - 0.5))
-      msa = std::min(msa, row["area_mm2"].get<double>());
+    const json msa =
+        smallest_of(area_profile(d.points, lumen.triangles, d.paths.at(h.branch), own.s_start + 0.5, own.s_end - 0.5));
     const double reference = reference_area(lumen, before.at(h.branch), own);
-    out["stents"].push_back({{"device", h.device},
-                             {"branch", h.branch},
-                             {"inflated_diameter_mm", h.inflated_diameter()},
-                             {"final_diameter_mm", h.final_diameter},
-                             {"minimal_stent_area_mm2", msa},
-                             {"expansion_index", reference > 0 ? json(msa / reference) : json(nullptr)},
-                             {"recoil_percent", 100 * (1 - h.final_diameter / h.inflated_diameter())},
-                             {"recoil_percent_of_maker", spec.recoil_percent},
-                             {"foreshortening_percent", 100 * (1 - h.final_length / spec.length)}});
+    out["stents"].push_back(
+        {{"device", h.device},
+         {"branch", h.branch},
+         {"inflated_diameter_mm", h.inflated_diameter()},
+         {"final_diameter_mm", h.final_diameter},
+         {"minimal_stent_area_mm2", msa},
+         {"expansion_index", reference > 0 && !msa.is_null() ? json(msa.get<double>() / reference) : json(nullptr)},
+         {"recoil_percent", 100 * (1 - h.final_diameter / h.inflated_diameter())},
+         {"recoil_percent_of_maker", spec.recoil_percent},
+         {"foreshortening_percent", 100 * (1 - h.final_length / spec.length)}});
   }
   for (const char* key : {"minimal_stent_area_mm2", "expansion_index", "recoil_percent", "foreshortening_percent"})
     out[key] = out["stents"].empty() ? json(nullptr) : out["stents"][0][key];
