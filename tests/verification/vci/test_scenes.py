@@ -171,6 +171,34 @@ def test_a_calcified_sector_opens_less(deploy):
     assert stretch[hard][near].mean() < 0.9 * stretch[soft][near].mean()
 
 
+@dataclasses.dataclass(frozen=True)
+class TwoPlaques(Placed):
+    """Plaque of one type on one side of the tube, of another on the other."""
+
+    types: tuple = (1, 2)
+
+    def mesh(self):
+        points, triangles, radius, plaque, kind = super().mesh()
+        return points, triangles, radius, plaque, np.where(kind > 0, np.where(points[:, 0] > 0, *self.types), 0)
+
+
+def test_plaque_is_what_its_constants_say_not_its_number(binary, tmp_path):
+    """Two kinds of plaque that exchange numbers and constants are the same plaque, where they meet too."""
+    soft, hard = ({"youngs_modulus_mpa": e, "yield_strain": y} for e, y in ((0.5, 0.1), (2.0, 0.12)))
+    bits = []
+    for k, (first, second) in enumerate([(hard, soft), (soft, hard)]):
+        path = write_scene(tmp_path / str(k), ("pre",), edge=0.8)
+        scenes.write_geometry(path.parent, TwoPlaques(edge=0.8, types=((1, 2), (2, 1))[k]))
+        plaque = [values | {"hardening": 0.05} for values in (first, second)]
+        scene = json.loads(path.read_text()) | {"wall": {"plaque": dict(zip(("fibrous", "lipid"), plaque))}}
+        path.write_text(json.dumps(scene))
+        command = [str(binary("vci")), "deploy", str(path), "--out", str(path.parent / "out")]
+        result = subprocess.run(command, text=True, capture_output=True, timeout=100)
+        assert result.returncode == 0, result.stderr
+        bits.append(vtk_to_numpy(vtp.read(path.parent / "out" / "lumen.vtp", "").GetPoints().GetData()))
+    assert np.array_equal(*bits)
+
+
 def test_no_device_vertex_outside_the_lumen(deploy):
     folder = deploy()
     distance = vtk.vtkImplicitPolyDataDistance()
