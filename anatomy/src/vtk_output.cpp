@@ -1,5 +1,6 @@
 #include "vtk_output.hpp"
 #include "common/error.hpp"
+#include "common/vtk_writing.hpp"
 #include "output.hpp"
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
@@ -86,8 +87,11 @@ void write_vtp(vtkPolyData* data, const std::filesystem::path& path) {
   vtkNew<vtkXMLPolyDataWriter> writer;
   writer->SetFileName(path.c_str());
   writer->SetInputData(data);
-  if (!writer->Write())
+  if (!common::wrote_xml(writer.Get(), path)) {
+    std::error_code none;
+    std::filesystem::remove(path, none);
     throw common::InputError("the file cannot be written", path.string(), "", "check the folder and the free space");
+  }
 }
 
 void write_surface(const Mesh& mesh, const std::string& path) {
@@ -101,7 +105,7 @@ void write_surface(const Mesh& mesh, const std::string& path) {
     writer->SetFileName(partial.c_str());
     writer->SetFileTypeToBinary();
     writer->SetInputData(data);
-    if (!writer->Write())
+    if (!common::wrote_stl(writer.Get(), partial, data->GetNumberOfPolys()))
       throw common::InputError("the file cannot be written", path, "", "check the folder and the free space");
   } else {
     throw common::InputError("unknown surface format", path, target.extension().string(), "name a .vtp or .stl file");
