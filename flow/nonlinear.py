@@ -40,9 +40,9 @@ class FlowProblem(flow_state.FlowState):
 
     iterations = None
 
-    def __init__(self, space, boundaries, document, settings, jet_length, spent=0, log=sys.stderr):
+    def __init__(self, space, boundaries, document, settings, jet_length, spent=0, log=None):
         self.spent, self.allowed = spent, settings.max_newton_iterations
-        self.space, self.boundaries, self.settings, self.log = space, boundaries, settings, log
+        self.space, self.boundaries, self.settings, self.log = space, boundaries, settings, log or sys.stderr
         self.jet_length = jet_length
         self.state = fem.Function(space.W)
         self.inflow = 0.0
