@@ -76,7 +76,7 @@ def _solve(arguments, settings):
     tree = centreline.read(arguments.centreline)
     ffr.check_probes(document["probes"], tree)
     given = arguments.mesh_report
-    extensions, warnings = (extended.read(given), []) if given else extended.beside(arguments.mesh)
+    extensions, warnings = extended.read(given) if given else extended.beside(arguments.mesh)
     case = extended.Extended(extensions, tree, anatomy, sections, document, settings, warnings)
     answer = solve.run(arguments.mesh, arguments.coarse, case, arguments.out)
     print(f"FFR {answer['ffr']:.4f}")

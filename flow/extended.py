@@ -1,25 +1,38 @@
 """What a solve knows of a mesh's extensions (flow.extension): reduced models go through them, FFR is read without."""
 
-import json
 import pathlib
 import sys
 
 import pandas as pd
 
+from common import json_reader
 from common.errors import InputError
 from flow import extension, predictor, reduced
 from flow.surface import INLET
 
 
 def read(path):
-    """[flow.extension.Extension] of a report of `flow mesh`. Raises InputError."""
-    path = pathlib.Path(path)
-    if not path.is_file():
-        raise InputError("no such report of the volume mesh", path, "missing", "`flow mesh` writes one beside its mesh")
+    """([flow.extension.Extension], [warning]) of a report of `flow mesh`: warnings, printed too, of meshes that could
+    not be swept. Raises InputError."""
+    report = json_reader.read(path, "mesh.json").data
     try:
-        return [extension.Extension(**one) for one in json.loads(path.read_text())["extensions"]]
-    except (json.JSONDecodeError, KeyError, TypeError) as error:
+        extensions = [extension.Extension(**one) for one in report["extensions"]]
+        reasons = {name: part["swept"].get("reason") for name, part in (("fine", report), *_coarse(report))}
+    except (AttributeError, KeyError, TypeError) as error:
         raise InputError("not a report of the volume mesh", path, error, "make it with `flow mesh`") from error
+    warnings = [
+        f"the {name} mesh is not swept along the vessels, its tetrahedra are of one size in all directions: "
+        + " ".join(reason.split())
+        for name, reason in reasons.items()
+        if reason
+    ]
+    for said in warnings:
+        print(said, file=sys.stderr, flush=True)
+    return extensions, warnings
+
+
+def _coarse(report):
+    return [("coarse", report["coarse"])] if "coarse" in report else []
 
 
 def beside(mesh):
@@ -27,7 +40,7 @@ def beside(mesh):
     warning, printed too, that none are known of. Raises InputError."""
     path = pathlib.Path(mesh).with_suffix(".json")
     if path.is_file():
-        return read(path), []
+        return read(path)
     said = f"no report of the mesh ({path.name}): reduced models take it as without extensions; give --mesh-report"
     print(said, file=sys.stderr, flush=True)
     return [], [said]

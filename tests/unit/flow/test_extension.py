@@ -83,8 +83,8 @@ def test_the_network_goes_through_the_extensions():
 def test_a_report_of_the_mesh_gives_the_extensions(tmp_path):
     path = tmp_path / "mesh.json"
     one = extension.Extension(2, "main", 3.0, [1.0, 0, 0], None)
-    path.write_text(json.dumps({"extensions": [vars(one)]}))
-    assert extended.read(path) == [one]
+    path.write_text(json.dumps({"extensions": [vars(one)], "swept": {"cells": 4, "spans": []}}))
+    assert extended.read(path) == ([one], [])
     path.write_text("{}")
     with pytest.raises(InputError, match="report of the volume mesh"):
         extended.read(path)
@@ -113,3 +113,11 @@ def test_a_report_that_is_missing_is_refused_or_said(tmp_path, capsys):
     said = warnings()
     assert len(said) == 1 and "mesh.json" in said[0] and said[0] in capsys.readouterr().err
     assert warnings("--mesh-report", str(tmp_path / "report.json")) == []
+
+
+def test_meshes_that_could_not_be_swept_are_said(tmp_path, capsys):
+    path, failed = tmp_path / "mesh.json", {"cells": 0, "spans": [], "reason": "error: no room\n  where:  span 2"}
+    path.write_text(json.dumps({"extensions": [], "swept": {"cells": 4}, "coarse": {"swept": failed}}))
+    (said,) = extended.read(path)[1]
+    assert "coarse mesh is not swept" in said and said.endswith("error: no room where: span 2")
+    assert said in capsys.readouterr().err
