@@ -15,6 +15,7 @@ SPACING_MM = 0.5
 AROUND_MM = 1.0  # of a probe: where its FFR's slope is taken
 RISING = 5e-4  # of FFR a mm: beyond it the third decimal depends on where the probe is
 FAR = 3.0  # a probe further than this many local radii from the centreline belongs to another vessel
+ASIDE = 0.5  # local radii of a probe's shift beyond which it is said: deployment moves a vessel's axis by up to .15
 
 
 def reference_pa(document, tree, sampler):
@@ -24,10 +25,14 @@ def reference_pa(document, tree, sampler):
     return float(sampler(tree.main.point(0.0)[None] * M_PER_MM)[1][0])
 
 
+def along(branch):
+    """Places s_mm (n,) along a branch at which the pull-back is read."""
+    return np.linspace(0, branch.length_mm, max(2, int(round(branch.length_mm / SPACING_MM)) + 1))
+
+
 def along_branch(branch, sampler):
     """(s_mm (n,), points_mm (n, 3), pressure (n,) Pa) on the branch's centreline, where it runs inside the mesh."""
-    count = max(2, int(round(branch.length_mm / SPACING_MM)) + 1)
-    s = np.linspace(0, branch.length_mm, count)
+    s = along(branch)
     points = branch.point(s)
     _, pressure, inside = sampler(points * M_PER_MM)
     return s[inside], points[inside], pressure[inside]
@@ -95,6 +100,43 @@ def at_probes(probes, tree, sampler, map_pa):
                 "ffr": float(pressure[0] / map_pa),
             }
         )
+    return found
+
+
+def at_ends(names, pressures, case, sampler, reference):
+    """FFR of the outlets `names`, whose pressures at the mesh's ends are given in Pa; where the mesh was extended FFR
+    is read where the vessel ended. case: flow.extended.Extended."""
+    extended = {one.region_id for one in case.extensions}
+    ends = {outlet["name"]: outlet["branch"] for outlet in case.document["outlets"] if outlet["region_id"] in extended}
+    found = []
+    for name, pressure in zip(names, pressures):
+        if name in ends:
+            branch = case.original[ends[name]]
+            pressure = sampler(branch.point(branch.length_mm)[None] * M_PER_MM)[1][0]
+        found.append(float(pressure / reference))
+    return found
+
+
+def displaced(probes, tree, table):
+    """Warnings, printed too, of a centreline that may be another lumen's: probes, as of `at_probes`, that were moved by
+    more than ASIDE, and branches that leave the mesh. table: that of `pullback`."""
+    found = []
+    for probe in probes:
+        radius = tree[probe["branch"]].radius(probe["s_mm"])
+        if probe["shift_mm"] > ASIDE * radius:
+            found.append(
+                f"the probe {probe['name']} lies {probe['shift_mm']:.2f} mm, {probe['shift_mm'] / radius:.2f} radii,"
+                " beside this state's centreline and was moved there; is it of this patient?"
+            )
+    for branch in tree:
+        asked, left = len(along(branch)), int((table["branch"] == branch.name).sum())
+        if left < asked:
+            found.append(
+                f"{asked - left} of {asked} points of the centreline of {branch.name} lie outside the mesh and are left"
+                " out of pullback.csv; is it the centreline of this lumen?"
+            )
+    for said in found:
+        print(said, file=sys.stderr, flush=True)
     return found
 
 

@@ -50,7 +50,8 @@ def collect(model, predicted, solved, case, reference):
         return float(flows[network.downstream(branch, s_mm)].sum())
 
     table = ffr.pullback(tree, solved.sampler, reference, flow_at)
-    pressure = {name: values[-1] for name, (_, values) in predicted.pressures.items()}
+    pressure = [predicted.pressures[outlet["branch"]][1][-1] for outlet in network.outlets]
+    at_ends = ffr.at_ends(network.names, pressure, case, solved.sampler, reference)
     answer = {
         "schema": "vci-ffr-1",
         "status": "converged",
@@ -59,12 +60,12 @@ def collect(model, predicted, solved, case, reference):
         "probes": probes,
         "outlets": [
             {
-                "name": outlet["name"],
+                "name": name,
                 "flow_m3_per_s": float(flow),
-                "pressure_pa": float(pressure[outlet["branch"]]),
-                "ffr": float(pressure[outlet["branch"]] / reference),
+                "pressure_pa": float(p),
+                "ffr": value,
             }
-            for outlet, flow in zip(network.outlets, flows)
+            for name, flow, p, value in zip(network.names, flows, pressure, at_ends)
         ],
         "inlet_flow_m3_per_s": float(flows.sum()),
         "dofs": predicted.tube.dofs if predicted.tube else len(network.segments),

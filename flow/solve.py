@@ -22,7 +22,7 @@ def run(mesh, coarse, case, folder):
     begin, begin_cpu = time.perf_counter(), time.process_time()
     paths = [path for path in (coarse, mesh) if path]
     linear_choice.check(paths, case.settings)
-    document, settings, tree, network = case.document, case.settings, case.original, case.network
+    document, settings, tree = case.document, case.settings, case.original
     predicted = case.predictor()
     models = predicted.answers()
     extensions = case.report(models)
@@ -33,7 +33,7 @@ def run(mesh, coarse, case, folder):
         estimate = solved.estimate
         reference = ffr.reference_pa(document, tree, solved.sampler)
         probes = ffr.at_probes(document["probes"], tree, solved.sampler, reference)
-        answer, table = collect(solved, probes, tree, network, reference)
+        answer, table = collect(solved, probes, case, reference)
         models["3d"] = {"ffr": answer["ffr"], "error_estimate": estimate["ffr"] if estimate else None}
         answer["error_estimate"] = estimate
         answer["ffr_tolerance"] = settings.ffr_tolerance
@@ -47,6 +47,7 @@ def run(mesh, coarse, case, folder):
         answer, table = reduced_answer.collect(settings.model, predicted, solved, case, reference)
     answer["models"] = models
     answer["warnings"] = case.warnings + compared(models) + ffr.rising(answer["probes"], table)
+    answer["warnings"] += ffr.displaced(answer["probes"], tree, table)
     answer["extensions"] = extensions
     answer["reduced_model"] = {"model": "1D network", **models["network"]}
     answer["ranks"] = parallel.world().size
@@ -71,9 +72,9 @@ def compared(models):
     return [said]
 
 
-def collect(solved, probes, tree, network, reference):
-    """(document of ffr.json without timings, pullback table)."""
-    names = solved.boundaries.names
+def collect(solved, probes, case, reference):
+    """(document of ffr.json without timings, pullback table); case: flow.extended.Extended."""
+    tree, network, names = case.original, case.network, solved.boundaries.names
     flow_of = dict(zip(names, solved.outflows))
     by_index = np.array([flow_of[name] for name in network.names])
     pressure = solved.boundaries.pressures(solved.outflows)
@@ -83,6 +84,7 @@ def collect(solved, probes, tree, network, reference):
         return float(by_index[network.downstream(branch, s_mm)].sum())
 
     table = ffr.pullback(tree, solved.sampler, reference, flow_at)
+    at_ends = ffr.at_ends(names, pressure, case, solved.sampler, reference)
     if solved.unsteady:
         for probe, amplitude in zip(probes, solved.unsteady.amplitudes):
             probe["ffr_amplitude"] = float(amplitude)
@@ -93,8 +95,8 @@ def collect(solved, probes, tree, network, reference):
         "ffr": probes[0]["ffr"],
         "probes": probes,
         "outlets": [
-            {"name": name, "flow_m3_per_s": float(q), "pressure_pa": float(p), "ffr": float(p / reference)}
-            for name, q, p in zip(names, solved.outflows, pressure)
+            {"name": name, "flow_m3_per_s": float(q), "pressure_pa": float(p), "ffr": value}
+            for name, q, p, value in zip(names, solved.outflows, pressure, at_ends)
         ],
         "inlet_flow_m3_per_s": inflow,
         "mass_imbalance": _conserved(solved.outflows.sum(), inflow),

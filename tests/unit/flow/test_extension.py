@@ -121,3 +121,21 @@ def test_meshes_that_could_not_be_swept_are_said(tmp_path, capsys):
     (said,) = extended.read(path)[1]
     assert "coarse mesh is not swept" in said and said.endswith("error: no room where: span 2")
     assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("model", ["3d", "network"])
+def test_an_outlets_ffr_is_read_where_the_vessel_ended(tmp_path, model):
+    line, radius = tubes.line(6.0, lambda s: 1.0), 1.0
+    tubes.write_case(tmp_path, tubes.tube(6.0, lambda s: radius, 0.5), [line])
+    document = tubes.boundary_document([line], [2e-6], [5e9], 4.0, 0.004)
+    (tmp_path / "boundary.json").write_text(json.dumps(document))
+    along, mesh = ["--centreline", str(tmp_path / "centreline.vtp")], str(tmp_path / "mesh.msh")
+    longer = ["--outlet-extension-diameters", "3", "--rings", "2"]
+    command_line.main(["mesh", str(tmp_path / "lumen.vtp"), *along, "--out", mesh, *longer])
+    files = ["--boundary", str(tmp_path / "boundary.json"), "--out", str(tmp_path)]
+    command_line.main(["solve", mesh, *along, *files, "--model", model])
+    answer = json.loads((tmp_path / "ffr.json").read_text())
+    (outlet,), table = answer["outlets"], pd.read_csv(tmp_path / "pullback.csv")
+    assert outlet["ffr"] == pytest.approx(table["ffr"].iloc[-1], abs=1e-9) and table["s_mm"].iloc[-1] == 6.0
+    drop = (outlet["ffr"] * 12000.0 - outlet["pressure_pa"]) / (12000.0 - outlet["pressure_pa"])
+    assert drop == pytest.approx(0.5, abs=0.03)  # of Poiseuille's flow, over the second half of 12 mm

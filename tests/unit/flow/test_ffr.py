@@ -4,7 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from flow import ffr
+import tubes
+from flow import centreline, ffr
 
 
 def _line(slopes):
@@ -35,3 +36,19 @@ def test_a_slow_rise_is_let_pass(slope, said):
 def test_only_the_probes_own_branch_counts():
     table = _line({10.0: 0.003})
     assert ffr.rising([_probe("end_side1", 20.0, "side1")], table) == []
+
+
+def _displaced(shift_mm, kept):
+    """What is said of a probe so far from a tube's axis (radius 1.2 mm, 16 mm) and `kept` points of its 33."""
+    tree = centreline.Tree([tubes.line(16.0, lambda s: 1.2)])
+    probe = _probe("distal", 12.0) | {"shift_mm": shift_mm}
+    s = np.linspace(0, 16, 33)[:kept]
+    return ffr.displaced([probe], tree, pd.DataFrame({"branch": "main", "s_mm": s, "ffr": 1.0}))
+
+
+def test_a_centreline_beside_the_lumen_is_said(capsys):
+    assert _displaced(0.59, 33) == []
+    (shifted,) = _displaced(0.61, 33)
+    assert "distal" in shifted and "0.61 mm" in shifted and shifted in capsys.readouterr().err
+    (dropped,) = _displaced(0.0, 28)
+    assert "5 of 33 points" in dropped and "main" in dropped
