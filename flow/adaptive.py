@@ -200,6 +200,7 @@ def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0, m
     spent: factorizations already made of those allowed. march: where there is no steady flow Solved has no outcome.
     """
     space = spaces.read(path)
+    ffr.check_inside(document["probes"], tree, space)
     boundaries = outlets.Boundaries(space, document)
     jet_length = jet.mixing_length(space, tree, settings.jet_spread)
     given = space, boundaries, document, settings, jet_length, spent

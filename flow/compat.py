@@ -40,6 +40,19 @@ def read_gmsh(path, comm=MPI.COMM_SELF, dimension=3):
     return mesh, facets
 
 
+def count_cells(path):
+    """Number of cells of a gmsh file. Raises InputError."""
+    import gmsh
+
+    gmsh.initialize(["gmsh"], False)
+    try:
+        gmsh.option.setNumber("General.Verbosity", 1)
+        _open(gmsh, path)
+        return sum(len(tags) for tags in gmsh.model.mesh.getElements(3)[1])
+    finally:
+        gmsh.finalize()
+
+
 def _open(gmsh, path):
     remedy = "make it with `flow mesh`"
     try:

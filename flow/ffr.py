@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from common.errors import ComputationError, InputError
+from flow import locate
 
 M_PER_MM = 1e-3
 SPACING_MM = 0.5
@@ -77,6 +78,17 @@ def check_probes(probes, tree):
     """Raises InputError for a probe that does not belong to the tree."""
     for probe in probes:
         _projected(probe, tree)
+
+
+def check_inside(probes, tree, space):
+    """Raises InputError for a probe whose place on the tree is outside the mesh of a flow.spaces.LumenSpace."""
+    projected = [_projected(probe, tree) for probe in probes]
+    places = np.array([branch.point(s_mm) for branch, s_mm, _ in projected])
+    _, _, inside = locate.Locator(*space.nodes()).find(places * M_PER_MM)
+    for probe, place, found in zip(probes, places, inside):
+        if not found:
+            value, remedy = f"{place.round(3).tolist()} mm", "give the centreline of the mesh's lumen"
+            raise InputError("probe lies outside the mesh", f"probe {probe['name']}", value, remedy)
 
 
 def at_probes(probes, tree, sampler, map_pa):

@@ -8,7 +8,7 @@ import time
 import numpy as np
 
 from common.errors import ComputationError
-from flow import adaptive, energy, ffr, linear_choice, output, parallel, reduced_answer, viscosity, wall_shear
+from flow import adaptive, energy, ffr, linear_choice, output, parallel, reduced_answer, spaces, viscosity, wall_shear
 
 LARGE = 0.05  # difference of the models' FFR that is said
 LARGEST_IMBALANCE = 1e-8  # of the flow: solves by factorization have 1e-14 to 1e-13, iterative ones up to 1.4e-9
@@ -22,6 +22,7 @@ def run(mesh, coarse, case, folder):
     begin, begin_cpu = time.perf_counter(), time.process_time()
     paths = [path for path in (coarse, mesh) if path]
     linear_choice.check(paths, case.settings)
+    spaces.check_coarser(paths)
     document, settings, tree = case.document, case.settings, case.original
     predicted = case.predictor()
     models = predicted.answers()

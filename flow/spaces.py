@@ -172,6 +172,15 @@ def read(path):
     return space
 
 
+def check_coarser(paths):
+    """Raises InputError unless each mesh file of `paths`, coarse first, has more cells than the one before."""
+    cells = [compat.count_cells(path) for path in paths] if len(paths) > 1 else []
+    for coarse, few, fine, many in zip(paths, cells, paths[1:], cells[1:]):
+        if few >= many:
+            remedy = "give the mesh first and the coarser one with --coarse"
+            raise InputError("the coarse mesh has not fewer cells", coarse, f"{few}, {fine} has {many}", remedy)
+
+
 def _check_cells(space, path):
     """Raises InputError for cells turned inside out: a flow is found on them as well, but mass is not conserved."""
     points, cells = space.nodes()

@@ -286,6 +286,28 @@ def coarse_mesh(case):
     return case / "coarse.msh"
 
 
+def test_coarse_and_fine_mesh_swapped_are_refused_before_anything_is_solved(case, coarse_mesh, tmp_path, capfd):
+    for coarse in (case / "mesh.msh", coarse_mesh):  # finer, and the same
+        arguments = ["solve", str(coarse_mesh), "--coarse", str(coarse), "--boundary", str(case / "boundary.json")]
+        with pytest.raises(SystemExit) as ended:
+            command_line.main(
+                arguments + ["--centreline", str(case / "centreline.vtp"), "--out", str(tmp_path / "out")]
+            )
+        said = capfd.readouterr().err
+        assert ended.value.code == 2 and "not fewer cells" in said and "dofs" not in said
+
+
+def test_a_probe_outside_the_mesh_is_refused_before_anything_is_solved(case, tmp_path, capfd):
+    beside = tubes.line(LENGTH, lambda s: RADIUS, lambda along, e1, e2: np.stack([along, e1 + 3.0, e2], axis=-1))
+    tubes.write_centreline(tmp_path / "centreline.vtp", [beside])
+    files = ["--boundary", str(case / "boundary.json"), "--centreline", str(tmp_path / "centreline.vtp")]
+    files += ["--anatomy", str(case / "anatomy.json"), "--sections", str(case / "sections.csv")]
+    with pytest.raises(SystemExit) as ended:
+        command_line.main(["solve", str(case / "mesh.msh"), *files, "--out", str(tmp_path / "out")])
+    said = capfd.readouterr().err
+    assert ended.value.code == 2 and "outside the mesh" in said and "distal" in said and "dofs" not in said
+
+
 @pytest.mark.parametrize(("tolerance", "meshes"), [(0.05, ["coarse.msh"]), (0.0, ["coarse.msh", "mesh.msh"])])
 def test_the_fine_mesh_is_solved_on_only_where_the_error_asks_for_it(
     case, coarse_mesh, tmp_path, tolerance, meshes, capfd
