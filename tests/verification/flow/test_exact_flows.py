@@ -81,7 +81,7 @@ def _carreau_yasuda_slope(flow, radius, fluid):
 def test_carreau_yasuda_tube(tmp_path):
     length, radius, flow = 8.0, 1.2, 3e-8  # wall rate about 25 /s: viscosity is far from both of its limits there
     branches = [tubes.line(length, lambda s: radius)]
-    document = _document(branches, [400.0 / flow], 0.004, 1000.0, 600.0)
+    document = _document(branches, [400.0 / flow], 0.004, 5000.0, 4600.0)
     document["viscosity"] = viscosity.from_settings(settings.make(viscosity_model="carreau_yasuda"))
     surface = tubes.tube(length, lambda s: radius, 0.2)
     answer = _solve(tmp_path, surface, branches, document, tolerance=["--residual-absolute", "1e-12"])
