@@ -86,6 +86,8 @@ def rank_command(arguments):
     """Plans of a patient ranked by a reduced model's FFR, with the model's measured error."""
     from flow import boundary, ranking
 
+    if getattr(arguments, "model", None) == "3d":
+        raise InputError("not a reduced model", "--model", "3d", "rank by axisymmetric or network")
     settings = settings_module.from_arguments(arguments)
     document = json_reader.read(arguments.boundary, "boundary.json").data
     boundary.check(document, arguments.boundary)
@@ -93,7 +95,7 @@ def rank_command(arguments):
     if len(plans) < len(arguments.plans) or not all(plans.values()):
         raise InputError("plans are not named apart", "command line", arguments.plans, "give NAME=FOLDER for each")
     measured = [(path, json_reader.read(path, "ffr.json").data) for path in arguments.measured]
-    model = "axisymmetric" if settings.model == "3d" else settings.model
+    model = "axisymmetric" if settings.model == "3d" else settings.model  # of a file that `flow solve` shares
     table = ranking.rank(plans, document, settings, model, measured)
     with replacing(pathlib.Path(arguments.out)) as partial:
         table.to_csv(partial, index=False, float_format="%.6g")
@@ -145,15 +147,19 @@ def parser():
     )
     rank.add_argument("--out", required=True, help="ranking.csv")
     rank.set_defaults(run=rank_command)
-    for command in (boundary, mesh, solve, rank):
-        settings_module.add_options(command)
+    for name, command in commands.choices.items():
+        settings_module.add_options(command, name)
     return top
 
 
 @guarded
 def main(argv=None):
     """Runs one command."""
-    arguments = parser().parse_args(argv)
+    top = parser()
+    arguments, left = top.parse_known_args(argv)
+    if left:
+        settings_module.check_left(arguments.command, left)
+        top.error(f"unrecognized arguments: {' '.join(left)}")
     arguments.command_line = sys.argv[1:] if argv is None else argv
     if arguments.command == "solve" or not parallel.launched() or parallel.first():
         arguments.run(arguments)

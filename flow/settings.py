@@ -13,14 +13,38 @@ def properties():
     return schema.read("flow")["properties"]
 
 
-def add_options(parser):
-    """Adds --settings and one option a setting to an argparse parser; options win over the file."""
+def commands_of(name):
+    """Names of the commands that a setting acts in."""
+    return properties()[name]["x-commands"]
+
+
+def option(name):
+    """The option of a setting on the command line."""
+    return "--" + name.replace("_", "-")
+
+
+def add_options(parser, command):
+    """Adds --settings and one option a setting of `command` to an argparse parser; options win over the file.
+
+    The file is shared by the commands: it may hold all keys.
+    """
     group = parser.add_argument_group("settings (config section `flow`)")
-    group.add_argument("--settings", metavar="FILE.json", help="file with the keys of the section")
+    group.add_argument("--settings", metavar="FILE.json", help="file with keys of the section, also of other commands")
     for name, rule in properties().items():
-        kind = {"integer": int, "string": str}.get(rule["type"], float)
-        option = "--" + name.replace("_", "-")
-        group.add_argument(option, dest=name, type=kind, default=argparse.SUPPRESS, help=schema.describe(rule))
+        if command in commands_of(name):
+            kind = {"integer": int, "string": str}.get(rule["type"], float)
+            help_text = schema.describe(rule)
+            group.add_argument(option(name), dest=name, type=kind, default=argparse.SUPPRESS, help=help_text)
+
+
+def check_left(command, words):
+    """Raises InputError for the first of the words that a command did not know which is another command's setting."""
+    options = {option(name): name for name in properties()}
+    for word in words:
+        given = word.partition("=")[0]
+        if given in options:
+            owners = " or ".join(f"`flow {owner}`" for owner in commands_of(options[given]))
+            raise InputError("setting that does not act here", f"flow {command}", given, f"give it to {owners}")
 
 
 def from_arguments(arguments):

@@ -99,9 +99,11 @@ def spacing(rings):
     ]
 
 
-def sizes_of(rings):
-    """Options of `flow mesh` and `flow solve` for one mesh with so many rings; none for ADAPTIVE and BOTH."""
-    return [] if rings in NAMES else ["--rings", str(rings), *spacing(rings)]
+def sizes_of(rings, command):
+    """Options of `flow mesh` or `flow solve` for one mesh with so many rings; none for ADAPTIVE and BOTH."""
+    if rings in NAMES:
+        return []
+    return ["--rings", str(rings)] * (command == "mesh") + spacing(rings)
 
 
 def ours(rings, folder):
@@ -115,8 +117,8 @@ def ours(rings, folder):
     line, tolerance = ["--centreline", "centreline.vtp"], ["--ffr-tolerance", "0"] * (rings == BOTH)
     seconds = []
     for command in (
-        ["mesh", "lumen.vtp", *line, "--out", *meshes, *sizes_of(rings)],
-        ["solve", *meshes, *line, "--boundary", "boundary.json", "--out", ".", *sizes_of(rings), *tolerance],
+        ["mesh", "lumen.vtp", *line, "--out", *meshes, *sizes_of(rings, "mesh")],
+        ["solve", *meshes, *line, "--boundary", "boundary.json", "--out", ".", *sizes_of(rings, "solve"), *tolerance],
     ):
         started = sum(os.times()[2:4])
         environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
