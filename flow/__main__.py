@@ -79,7 +79,7 @@ def _solve(arguments, settings):
     extensions, warnings = extended.read(given) if given else extended.beside(arguments.mesh)
     case = extended.Extended(extensions, tree, anatomy, sections, document, settings, warnings)
     answer = solve.run(arguments.mesh, arguments.coarse, case, arguments.out)
-    print(f"FFR {answer['ffr']:.4f}")
+    print(solve.in_words(answer))
 
 
 def rank_command(arguments):

@@ -12,6 +12,9 @@ import time
 from common.errors import ComputationError
 from flow import error_estimate, ffr, jet, linear_choice, locate, nonlinear, outlets, spaces, unsteady
 
+# of an answer: steady flow; steady flow with c > 0, of a modified model; mean over time
+CONVERGED, EDDY, UNSTEADY = STATUSES = ("converged", "converged with eddy viscosity", "unsteady")
+
 
 class Solved:
     """One mesh with its flow: FlowProblem and its Outcome (None: no steady flow), error estimate, march."""
@@ -30,8 +33,10 @@ class Solved:
 
     @property
     def status(self):
-        """`converged`, or `unsteady` where the flow is a mean over time."""
-        return "unsteady" if self.unsteady else "converged"
+        """One of STATUSES."""
+        if self.unsteady:
+            return UNSTEADY
+        return EDDY if self.problem.mixing > 0 else CONVERGED
 
     def destroy(self):
         self.problem.destroy()
@@ -41,6 +46,16 @@ class Solved:
 def within(estimate, settings):
     """Whether the error is known and estimated below the tolerance asked for."""
     return estimate is not None and estimate["ffr"] <= settings.ffr_tolerance
+
+
+def missed(estimate, settings):
+    """Warnings, printed too, where the error is not known to be within the tolerance asked for."""
+    if within(estimate, settings):
+        return []
+    found = f"is {estimate['ffr']:.4f}, above" if estimate else "is not known: it may be above"
+    said = f"the error of FFR {found} ffr_tolerance = {settings.ffr_tolerance:g}"
+    print(said, file=sys.stderr, flush=True)
+    return [said]
 
 
 class Search:
@@ -88,9 +103,6 @@ class Search:
                 break
             before = solved
             before.problem.release()
-        if not within(solved.estimate, self.settings):
-            said = f"error of FFR not known to be below ffr_tolerance = {self.settings.ffr_tolerance:g}"
-            print(said, file=sys.stderr, flush=True)
         return solved
 
     def on_mesh(self, path, before, last):

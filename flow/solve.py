@@ -40,15 +40,17 @@ def run(mesh, coarse, case, folder):
         answer["ffr_tolerance"] = settings.ffr_tolerance
         answer["tolerance_met"] = adaptive.within(estimate, settings)
         answer["meshes"] = search.meshes
+        warnings = adaptive.missed(estimate, settings)
     else:
         if settings.model == "network":
             predicted.uncouple()
         solved = reduced_answer.Reduced(predicted, paths[0])
         reference = ffr.reference_pa(document, tree, solved.sampler)
         answer, table = reduced_answer.collect(settings.model, predicted, solved, case, reference)
+        warnings = reduced_answer.unknown_error(settings.model)
     answer["models"] = models
     answer["warnings"] = case.warnings + compared(models) + ffr.rising(answer["probes"], table)
-    answer["warnings"] += ffr.displaced(answer["probes"], tree, table)
+    answer["warnings"] += ffr.displaced(answer["probes"], tree, table) + warnings
     answer["extensions"] = extensions
     answer["reduced_model"] = {"model": "1D network", **models["network"]}
     answer["ranks"] = parallel.world().size
@@ -60,6 +62,14 @@ def run(mesh, coarse, case, folder):
     solved.destroy()
     predicted.destroy()
     return answer
+
+
+def in_words(answer):
+    """The answer in one line, with its error and, where the flow is not simply a steady one, its status."""
+    estimate = answer["error_estimate"]
+    error = f"{estimate['ffr']:.4f}" if estimate else "unknown"
+    status = "" if answer["status"] == adaptive.CONVERGED else f" ({answer['status']})"
+    return f"FFR {answer['ffr']:.4f} +- {error}{status}"
 
 
 def compared(models):

@@ -11,6 +11,8 @@ from reports.reading import number, read_json, read_table
 from reports.segment import carry, diameters_at, read_sections
 
 PULLBACK_NUMBERS = ("s_mm", "x_mm", "y_mm", "z_mm", "pressure_pa", "ffr", "flow_m3_per_s")
+# what `flow solve` says of an FFR: of a steady flow, of one that keeps an eddy viscosity, of a mean over time
+ANSWERED = ("converged", "converged with eddy viscosity", "unsteady")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -43,11 +45,11 @@ def read_pullback(path, branch):
 
 
 def read_solution(path):
-    """ffr.json with a finite `ffr`; InputError for one that is neither converged nor a mean over time (unsteady)."""
+    """ffr.json with a finite `ffr`; InputError for one whose status is none of ANSWERED."""
     solution = read_json(path, "flow solve")
     number(solution, "ffr", path)
     status = str(solution.get("status", ""))
-    if status not in ("converged", "unsteady"):
+    if status not in ANSWERED:
         raise InputError("a flow solution is not converged", path, status, "repeat the flow solve of this state")
     return solution
 

@@ -74,7 +74,7 @@ def flow_warnings(flow):
 
 def _steady(solution):
     """Whether ffr.json is of a steady flow without eddy viscosity."""
-    return not solution.get("jet_mixing") and solution.get("status") != "unsteady"
+    return not solution.get("jet_mixing") and solution.get("status") == "converged"
 
 
 def flow_row(files, state):

@@ -34,9 +34,7 @@ class _Mesh:
         )
         self.sampler = self.problem.state
 
-    @property
-    def status(self):
-        return "unsteady" if self.unsteady else "converged"
+    status = adaptive.Solved.status
 
     def read(self):
         """The sampler is the state."""
@@ -90,6 +88,15 @@ def search(monkeypatch, capfd):
     return run
 
 
+def test_an_error_that_is_not_within_the_tolerance_is_warned_of(capsys):
+    chosen = settings.make(ffr_tolerance=0.005)
+    assert adaptive.missed({"ffr": 0.005}, chosen) == [] and capsys.readouterr().err == ""
+    (above,) = adaptive.missed({"ffr": 0.0123}, chosen)
+    (unknown,) = adaptive.missed(None, chosen)
+    assert "0.0123, above ffr_tolerance = 0.005" in above and "not known" in unknown
+    assert capsys.readouterr().err == f"{above}\n{unknown}\n"
+
+
 def test_a_coarse_mesh_within_the_tolerance_answers(search):
     solved, found, tried = search({"coarse.msh": (0.8, 0.0, True, STEADY)}, {})
     assert solved.path == "coarse.msh" and tried == [("coarse.msh", "steady")] and len(found.meshes) == 1
@@ -132,7 +139,8 @@ def test_the_mesh_with_the_smaller_error_answers(search, capfd):
     solved, _, _ = search(meshes, {"coarse.msh": (0.79, 0.002)})
     assert solved.path == "coarse.msh" and "error is the smaller" in capfd.readouterr().err
     solved, _, _ = search(meshes, {})
-    assert solved.path == "fine.msh" and solved.status == "converged" and solved.problem.mixing == 0.27
+    assert solved.path == "fine.msh" and solved.status == "converged with eddy viscosity"
+    assert solved.problem.mixing == 0.27
 
 
 def test_without_any_flow_the_solve_is_refused(search):

@@ -98,6 +98,8 @@ def test_a_reduced_model_answers_alone(tmp_path, model):
     command_line.main(command + ["--model", model])
     answer = json.loads((tmp_path / "ffr.json").read_text())
     assert model in answer["model"] and answer["error_estimate"] is None
+    (said,) = [text for text in answer["warnings"] if "error of this FFR is not known" in text]
+    assert model in said and "3D model in trees" in said
     assert answer["ffr"] == pytest.approx(answer["models"][model]["ffr"], abs=1e-4)
     assert answer["models"]["network"]["ffr"] != answer["models"]["axisymmetric"]["ffr"]
     assert (tmp_path / "solution.vtu").is_file() and (tmp_path / "pullback.csv").is_file()

@@ -7,7 +7,7 @@ import pytest
 
 import tubes
 from common.errors import ComputationError, InputError
-from flow import boundary, centreline, jet, newton, nonlinear, outlets, spaces, tet10
+from flow import boundary, centreline, jet, newton, nonlinear, outlets, solve, spaces, tet10
 from flow import __main__ as command_line
 from flow import settings as settings_module
 
@@ -320,7 +320,17 @@ def test_the_fine_mesh_is_solved_on_only_where_the_error_asks_for_it(
     assert answer["tolerance_met"] == (tolerance > 0)
     assert answer["ffr"] == answer["meshes"][-1]["ffr"]
     assert answer["error_estimate"]["ffr"] == answer["meshes"][-1]["error_estimate"]
-    assert ("ffr_tolerance" in capfd.readouterr().err) == (tolerance == 0)
+    said = capfd.readouterr()
+    assert ("ffr_tolerance" in said.err) == (tolerance == 0)
+    assert ("ffr_tolerance = 0" in "".join(answer["warnings"])) == (tolerance == 0)
+    assert said.out == f"FFR {answer['ffr']:.4f} +- {answer['error_estimate']['ffr']:.4f}\n"
+
+
+def test_the_answer_in_words_has_its_error_and_what_the_flow_is():
+    answer = {"ffr": 0.86174, "error_estimate": {"ffr": 0.0012}, "status": "converged"}
+    assert solve.in_words(answer) == "FFR 0.8617 +- 0.0012"
+    assert solve.in_words(answer | {"error_estimate": None}) == "FFR 0.8617 +- unknown"
+    assert solve.in_words(answer | {"status": "unsteady"}) == "FFR 0.8617 +- 0.0012 (unsteady)"
 
 
 def test_the_fine_mesh_does_not_start_with_nothing_left(case, coarse_mesh, tmp_path, capfd):

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from common.errors import ComputationError, InputError
+from flow import adaptive
+from reports import profiles
 from reports.case_files import CaseFiles
 from reports.metrics import case_metrics
 
@@ -161,6 +163,15 @@ def test_a_solution_that_did_not_converge_is_refused(make_case):
     path.write_text(json.dumps(json.loads(path.read_text()) | {"status": "stalled"}))
     with pytest.raises(InputError, match="not converged"):
         metrics_of(folder)
+
+
+def test_every_answer_of_the_flow_solver_is_read(make_case):
+    assert profiles.ANSWERED == adaptive.STATUSES
+    folder = make_case()
+    path = folder / "flow" / "vci" / "ffr.json"
+    for status in adaptive.STATUSES:
+        path.write_text(json.dumps(json.loads(path.read_text()) | {"status": status}))
+        assert metrics_of(folder)["states"]["vci"]["ffr"]["distal"] > 0
 
 
 @pytest.mark.parametrize("options", [{"margin_mm": -1.0}, {"stations": 20}, {"states": ["vci"]}])

@@ -139,7 +139,7 @@ def ours(rings, folder):
         "mesh_cpu_s": seconds[0],
         "solve_cpu_s": seconds[1],
         "iterations": answer["iterations"],
-        "outcome": "converged with eddy viscosity" if answer["jet_mixing"] else answer["status"],
+        "outcome": answer["status"],
     }
 
 

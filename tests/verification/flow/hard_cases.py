@@ -174,7 +174,7 @@ def outcome(answer):
     if answer["unsteady"]:
         begin, end = answer["unsteady"]["window_s"]
         return f"unsteady: mean over {end - begin:.2f} s"
-    return "converged with eddy viscosity" if answer["jet_mixing"] else "converged"
+    return answer["status"]
 
 
 def run(name, folder):
