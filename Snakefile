@@ -11,7 +11,7 @@ from snakemake.exceptions import WorkflowError
 
 from common.errors import UserError
 from workflow.configuration import Configuration
-from workflow.imports import code, module_code
+from workflow.imports import code, command_code, flow_benchmark_code, module_code
 from workflow.inputs import (
     Inputs,
     anatomy_folder,

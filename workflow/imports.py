@@ -17,6 +17,38 @@ def code(part, *modules):
     return _files({main, *_packages(main)}, [*_imported(main, top_level_only=True), *modules])
 
 
+def command_code(part, function):
+    """As `code`, for the command of which `function` in the part's __main__ does the work: the modules are those that
+    it and the functions of __main__ that it calls import.
+
+    Raises ValueError where __main__ has no such function.
+    """
+    return code(part, *_imported_by(f"{part}.__main__", function))
+
+
+def script_code(script, *folders):
+    """Files behind a script of this repository: itself, those that it imports from beside it or from `folders`, which
+    it puts on its path, and what all these import. Relative to the repository, sorted."""
+    places, found, names, pending = [pathlib.Path(script).parent, *map(pathlib.Path, folders)], set(), set(), [script]
+    while pending:
+        file = str(pending.pop())
+        if file in found:
+            continue
+        found.add(file)
+        for name in _named(ast.walk(ast.parse((ROOT / file).read_text())), ""):
+            beside = [place / f"{name}.py" for place in places if (ROOT / place / f"{name}.py").is_file()]
+            pending += beside[:1]
+            names |= {name} if not beside and _file(name) else set()
+    return sorted(found | set(_files(set(), [*names])))
+
+
+def flow_benchmark_code(script):
+    """Files behind a script of tests/verification/flow that meshes and solves by command."""
+    commands = [command_code("flow", f"{command}_command") for command in ("mesh", "solve")]
+    own = script_code(f"tests/verification/flow/{script}.py", "tests/unit/flow")
+    return sorted({*own, *(file for files in commands for file in files)})
+
+
 def module_code(name):
     """Files behind `python3 -m <name>`, a module that is its own command, e.g. module_code("vci.benchmark")."""
     return _files(set(), [name])
@@ -61,6 +93,29 @@ def _imported(name, top_level_only):
     tree = ast.parse(file.read_text(), filename=str(file))
     nodes = tree.body if top_level_only else ast.walk(tree)
     package = name if file.name == "__init__.py" else name.rpartition(".")[0]
+    return frozenset(module for module in _named(nodes, package) if _file(module) is not None)
+
+
+@functools.lru_cache(maxsize=None)
+def _imported_by(name, function):
+    """Names of this repository's modules that a function of the module `name`, and those that it calls, import."""
+    tree = ast.parse(_file(name).read_text())
+    bodies = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
+    if function not in bodies:
+        raise ValueError(f"no function {function} in {name}")
+    reached, pending, named = set(), [function], set()
+    while pending:
+        function = pending.pop()
+        if function not in reached:
+            reached.add(function)
+            nodes = list(ast.walk(bodies[function]))
+            pending += [node.id for node in nodes if isinstance(node, ast.Name) and node.id in bodies]
+            named |= _named(nodes, name.rpartition(".")[0])
+    return frozenset(module for module in named if _file(module) is not None)
+
+
+def _named(nodes, package):
+    """Full names that the import statements among the nodes may mean, in a module of `package`."""
     found = set()
     for node in nodes:
         if isinstance(node, ast.Import):
@@ -70,4 +125,4 @@ def _imported(name, top_level_only):
             base = parts[: len(parts) - node.level + 1] if node.level else []
             source = ".".join(base + ([node.module] if node.module else []))
             found |= {source} | {f"{source}.{alias.name}" for alias in node.names}
-    return frozenset(module for module in found if _file(module) is not None)
+    return found

@@ -86,9 +86,8 @@ rule flow_hard_cases:
     message:
         "benchmark: hard cases of the flow"
     input:
-        code=code("flow", "flow.mesh", "flow.solve"),
+        code=flow_benchmark_code("hard_cases"),
         script="tests/verification/flow/hard_cases.py",
-        reference="tests/verification/flow/axisymmetric.py",
         boundary="results/cases/quick_focal/flow/boundary.json",
         deployed=multiext("results/cases/quick_focal/vci/anatomy/", *STATE_FILES),
     output:
@@ -109,9 +108,8 @@ rule flow_growth:
     message:
         "benchmark: cost and error of the flow solver by mesh, to 300,000 cells, by its own name only"
     input:
-        code=code("flow", "flow.mesh", "flow.solve"),
+        code=flow_benchmark_code("growth"),
         script="tests/verification/flow/growth.py",
-        tubes="tests/verification/flow/hard_cases.py",
     output:
         "results/benchmarks/flow_growth/growth.csv",
         "results/benchmarks/flow_growth/exponents.csv",
@@ -219,9 +217,8 @@ rule flow_against_openfoam:
     message:
         "benchmark: the flow beside OpenFOAM's simpleFoam (package openfoam), by its own name only"
     input:
-        code=code("flow", "flow.mesh", "flow.solve"),
+        code=flow_benchmark_code("against_openfoam"),
         script="tests/verification/flow/against_openfoam.py",
-        case="tests/verification/flow/openfoam_case.py",
     output:
         "results/benchmarks/flow_against_openfoam/benchmark.csv",
         "results/benchmarks/flow_against_openfoam/benchmark.png",

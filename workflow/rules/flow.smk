@@ -9,7 +9,7 @@ rule boundary:
         centreline="results/cases/{case}/anatomy/centreline.vtp",
         anatomy="results/cases/{case}/anatomy/anatomy.json",
         settings="results/cases/{case}/settings/flow.json",
-        code=code("flow", "flow.boundary", "flow.centreline"),
+        code=command_code("flow", "boundary_command"),
     output:
         "results/cases/{case}/flow/boundary.json",
     log:
@@ -29,7 +29,7 @@ rule flow_mesh:
     input:
         unpack(INPUTS.anatomy_files),
         settings="results/cases/{case}/settings/flow.json",
-        code=code("flow", "flow.centreline", "flow.mesh", "flow.surface"),
+        code=command_code("flow", "mesh_command"),
     output:
         mesh="results/cases/{case}/flow/{state}/mesh.msh",
         coarse="results/cases/{case}/flow/{state}/mesh_coarse.msh",
@@ -53,7 +53,7 @@ rule flow_solve:
         summary="results/cases/{case}/flow/{state}/mesh.json",
         boundary="results/cases/{case}/flow/boundary.json",
         settings="results/cases/{case}/settings/flow.json",
-        code=code("flow", "flow.boundary", "flow.centreline", "flow.reduced", "flow.solve"),
+        code=command_code("flow", "solve_command"),
     output:
         solution="results/cases/{case}/flow/{state}/solution.vtu",
         ffr="results/cases/{case}/flow/{state}/ffr.json",

@@ -11,13 +11,19 @@ PART = {
     "common/__init__.py": "",
     "common/errors.py": "",
     "part/__init__.py": "",
-    "part/__main__.py": "from common import errors\ndef a():\n    import part.other\ndef b():\n    import part.deep\n",
+    "part/__main__.py": "from common import errors\ndef a():\n    import part.other\ndef b():\n    import part.deep\n"
+    "def work():\n    from part import lazy\n    _inner()\ndef _inner():\n    from part.run import go\n",
     "part/other.py": "import json\n",
     "part/deep/__init__.py": "",
     "part/deep/one.py": "from . import two\nfrom ..shared import thing\ndef late():\n    import part.lazy\n",
     "part/deep/two.py": "",
     "part/shared.py": "thing = 1\n",
     "part/lazy.py": "",
+    "part/run.py": "",
+    "bench/script.py": "import sys\nimport beside\nfrom part import shared\n",
+    "bench/beside.py": "def late():\n    import helper\n",
+    "help/helper.py": "from part.deep import two\n",
+    "help/unused.py": "",
 }
 
 
@@ -58,9 +64,51 @@ def test_leaves_other_commands_alone(part):
     assert "part/deep/one.py" not in imports.code("part", "part.other")
 
 
+def test_a_command_has_what_its_function_and_those_it_calls_import(part):
+    common = ["common/__init__.py", "common/errors.py", "part/__init__.py", "part/__main__.py"]
+    assert imports.command_code("part", "work") == [*common, "part/lazy.py", "part/run.py"]
+    assert imports.command_code("part", "a") == [*common, "part/other.py"]
+    with pytest.raises(ValueError, match="none"):
+        imports.command_code("part", "none")
+
+
+def test_a_script_has_what_lies_beside_it_and_in_its_folders(part):
+    own = ["bench/beside.py", "bench/script.py", "help/helper.py"]
+    packages = ["part/__init__.py", "part/deep/__init__.py", "part/deep/two.py", "part/shared.py"]
+    assert imports.script_code("bench/script.py", "help") == own + packages
+
+
+@pytest.mark.parametrize("script", ["hard_cases", "growth", "against_openfoam"])
+def test_a_flow_benchmark_agrees_with_what_python_loads(repo_root, script):
+    """What the script loads, and what it would where it solves the reference."""
+    folder = "tests/verification/flow"
+    program = f"import sys; sys.path[:0] = ['{folder}']; import {script}, axisymmetric"
+    loaded = _loaded(repo_root, program)
+    found = imports.flow_benchmark_code(script)
+    assert f"{folder}/axisymmetric.py" in loaded and loaded <= set(found)
+
+
+def test_a_solve_has_what_its_function_imports(repo_root):
+    program = "from flow import boundary, centreline, extended, reduced, solve, __main__"
+    found = set(imports.command_code("flow", "solve_command"))
+    assert {"flow/extended.py", "flow/predictor.py", "flow/axisymmetric.py"} <= _loaded(repo_root, program) <= found
+    assert "flow/ranking.py" not in found
+
+
 def test_unknown_module_is_an_error(part):
     with pytest.raises(ValueError, match="part.none"):
         imports.code("part", "part.none")
+
+
+def _loaded(repo_root, program):
+    """Files of the repository, relative to it, that a program's imports load."""
+    program += (
+        "\nimport sys, json\n"
+        "print(json.dumps([m.__file__ for m in sys.modules.values() if getattr(m, '__file__', None)]))"
+    )
+    run = subprocess.run(["/usr/bin/python3", "-c", program], cwd=repo_root, text=True, capture_output=True, check=True)
+    files = [str((repo_root / name).resolve()) for name in json.loads(run.stdout)]
+    return {name.removeprefix(f"{repo_root}/") for name in files if name.startswith(f"{repo_root}/")}
 
 
 @pytest.mark.parametrize(
@@ -68,10 +116,5 @@ def test_unknown_module_is_an_error(part):
 )
 def test_agrees_with_what_python_loads(repo_root, part_name, module):
     """Everything of the repository that importing the modules loads is in the closure."""
-    program = (
-        f"import sys, json, {module}, {part_name}.__main__\n"
-        "print(json.dumps([m.__file__ for m in sys.modules.values() if getattr(m, '__file__', None)]))"
-    )
-    run = subprocess.run(["/usr/bin/python3", "-c", program], cwd=repo_root, text=True, capture_output=True, check=True)
-    loaded = {name.removeprefix(f"{repo_root}/") for name in json.loads(run.stdout) if name.startswith(f"{repo_root}/")}
+    loaded = _loaded(repo_root, f"import {module}, {part_name}.__main__")
     assert loaded and loaded <= set(imports.code(part_name, module))
