@@ -1,9 +1,12 @@
 """Several plans of one patient ranked by a reduced model's FFR, the model's measured error beside.
 
+The model goes through the extensions that the plan's mesh would get (flow.extension), as it does in every ffr.json.
+
 The error is the largest difference of the 3D model's answers to the reduced model's in this patient (any ffr.json with
-both); without any it is what was measured in other patients (measured.md). The model errs alike in lumens that are
-alike: two plans are told apart where they differ by more than those differences vary, or, with fewer than two of them,
-by more than the error.
+both), and at least the largest error estimate of those answers; without any it is what was measured in other patients
+(measured.md). The model errs alike in lumens that are alike: two plans are told apart where they differ by more than
+those differences vary, which is known to the sum of two error estimates only, or, with fewer than two of them, by more
+than the error. Where an answer's own error is not known, what was measured elsewhere stands for it.
 """
 
 import pathlib
@@ -12,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from common.errors import InputError
-from flow import centreline, ffr, lumen_summary, predictor, reduced
+from flow import centreline, extended, extension, ffr, lumen_summary, reduced, surface
 
 COLUMNS = ("rank", "plan", "ffr", "error", "model", "as_good_as_best", "inlet_flow_m3_per_s", "cpu_seconds")
 ELSEWHERE = {"axisymmetric": 0.03, "network": 0.035}  # measured.md: |3D minus model| in trees above an FFR of .85
@@ -20,30 +23,33 @@ ELSEWHERE = {"axisymmetric": 0.03, "network": 0.035}  # measured.md: |3D minus m
 
 def model_error(model, documents):
     """(error, what two plans must differ by) in FFR of a model; documents: [(path, document of ffr.json)]."""
-    found = []
+    found, unsure = [], []
     for path, document in documents:
         models = document.get("models", {})
         both = [models.get(name, {}).get("ffr") for name in ("3d", model)]
         if None in both:
             raise InputError("no 3D answer beside the reduced model's", path, model, "give an ffr.json of model 3d")
         found.append(both[0] - both[1])
-    error = float(np.abs(found).max()) if found else ELSEWHERE[model]
-    return error, float(np.ptp(found)) if len(found) > 1 else error
+        estimate = models["3d"].get("error_estimate")
+        unsure.append(ELSEWHERE[model] if estimate is None else estimate)
+    if not found:
+        return ELSEWHERE[model], ELSEWHERE[model]
+    error = float(max(np.abs(found).max(), max(unsure)))
+    return error, float(max(np.ptp(found), sum(sorted(unsure)[-2:]))) if len(found) > 1 else error
 
 
 def plan(folder, document, settings, model):
     """{"ffr", "inlet_flow_m3_per_s", "cpu_seconds"} by the model of the lumen whose anatomy step wrote to `folder`."""
     folder = pathlib.Path(folder)
-    for name in ("centreline.vtp", "sections.csv", "anatomy.json"):
+    for name in ("lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json"):
         if not (folder / name).is_file():
             raise InputError("not a plan's lumen", folder / name, "missing", "run the anatomy step on the plan's lumen")
     tree = centreline.read(folder / "centreline.vtp")
     anatomy = lumen_summary.read(folder / "anatomy.json", "branches")
     ffr.check_probes(document["probes"], tree)
-    network = reduced.Network(
-        anatomy, reduced.read_sections(folder / "sections.csv"), document, settings.expansion_loss
-    )
-    predicted = predictor.Predictor(network, tree, document, settings)
+    sections = reduced.read_sections(folder / "sections.csv")
+    extensions = extension.needed(surface.read(folder / "lumen.vtp"), tree, settings)
+    predicted = extended.Extended(extensions, tree, anatomy, sections, document, settings).predictor()
     answer = predicted.answers()[model]
     predicted.destroy()
     if answer["ffr"] is None:

@@ -9,6 +9,7 @@ import tubes
 from common.errors import InputError
 from flow import __main__ as command_line
 from flow import ranking
+from flow import settings as settings_module
 
 LENGTH, RADIUS = 30.0, 1.4
 LEFT = {"small": 0.1, "large": 0.65, "middle": 0.35}  # narrowing that each plan leaves
@@ -45,7 +46,8 @@ def test_the_least_narrowing_is_the_best(folder, model):
 def test_3d_answers_of_the_patient_set_the_error(folder):
     measured = []
     for number, three_d in enumerate((0.88, 0.875)):
-        models = {"3d": {"ffr": three_d}, "axisymmetric": {"ffr": 0.9}, "network": {"ffr": 0.95}}
+        models = {"3d": {"ffr": three_d, "error_estimate": 0.001}}
+        models |= {"axisymmetric": {"ffr": 0.9}, "network": {"ffr": 0.95}}
         path = folder / f"ffr{number}.json"
         path.write_text(json.dumps({"models": models}))
         measured.append(str(path))
@@ -56,6 +58,42 @@ def test_3d_answers_of_the_patient_set_the_error(folder):
     assert two["error"].to_numpy() == pytest.approx(0.025)
     assert list(two["as_good_as_best"]) == [True, False, False]  # the two answers differ by .005 only
     assert list(two["ffr"]) == list(one["ffr"])
+
+
+def _measured(*answers):
+    """(error, apart) of the network by 3D answers (FFR, its estimate) where the network says .9."""
+    return ranking.model_error(
+        "network",
+        [
+            (f"{k}.json", {"models": {"3d": {"ffr": ffr, "error_estimate": estimate}, "network": {"ffr": 0.9}}})
+            for k, (ffr, estimate) in enumerate(answers)
+        ],
+    )
+
+
+def test_no_plans_are_told_apart_by_less_than_the_3d_answers_are_known_to():
+    assert _measured((0.88, 0.001), (0.88, 0.002)) == pytest.approx((0.02, 0.003))
+    assert _measured((0.88, 0.001), (0.88, 0.002), (0.88, 0.004)) == pytest.approx((0.02, 0.006))
+    assert _measured((0.9, 0.002)) == pytest.approx((0.002, 0.002))
+    unknown = ranking.ELSEWHERE["network"]
+    assert _measured((0.88, 0.001), (0.88, None)) == pytest.approx((unknown, unknown + 0.001))
+
+
+def test_a_plan_is_answered_with_the_extensions_that_its_mesh_would_get(tmp_path):
+    radius = tubes.lesion(RADIUS, 0.65, 9.0, 8.0)  # ends 2 mm before the outlet
+    tubes.write_case(tmp_path / "near", tubes.tube(15.0, radius, 0.6), [tubes.line(15.0, radius)])
+    near = tmp_path / "near"
+    document = tubes.boundary_document([tubes.line(15.0, radius)], [2e-6], [5e9], 14.0, 0.004)
+    (near / "boundary.json").write_text(json.dumps(document))
+    line, mesh = ["--centreline", str(near / "centreline.vtp")], str(near / "mesh.msh")
+    command_line.main(["mesh", str(near / "lumen.vtp"), *line, "--out", mesh, "--rings", "2"])
+    solve = ["solve", mesh, *line, "--boundary", str(near / "boundary.json"), "--out", str(near)]
+    command_line.main([*solve, "--model", "network"])
+    answer = json.loads((near / "ffr.json").read_text())
+    assert answer["extensions"]["ends"] and answer["extensions"]["ffr_change"]["axisymmetric"] < -0.001
+    for model in ("axisymmetric", "network"):
+        found = ranking.plan(near, document, settings_module.make(), model)
+        assert found["ffr"] == pytest.approx(answer["models"][model]["ffr"], abs=1e-9)
 
 
 def test_an_answer_without_the_3d_model_says_nothing_of_the_error():
