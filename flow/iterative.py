@@ -25,7 +25,7 @@ from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
 from common.errors import ComputationError
-from flow import compat, krylov, nonlinear, star, transfer
+from flow import compat, krylov, nonlinear, outlets, star, transfer
 
 TOLERANCE = 1e-2  # of a correction; Newton's method and the secants repeat it
 DUAL_TOLERANCE = 1e-3  # of the error estimate's solve
@@ -66,6 +66,12 @@ class IterativeProblem(nonlinear.FlowProblem):
         free, inlet, _ = super().residual()
         scaled = np.where(self.free_velocity, 1.0, self.weight) * free.array_r
         return free, inlet, float(np.hypot(np.linalg.norm(scaled), inlet * self.boundaries.inlet_area))
+
+    def small(self, norm, absolute, relative):
+        """As FlowProblem's; where the answer is wanted (absolute is finite) mass has to be conserved as well."""
+        lost = self.boundaries.outflows(self.state_vector()).sum() - self.inflow
+        conserved = abs(lost) <= outlets.LARGEST_IMBALANCE * abs(self.inflow)
+        return super().small(norm, absolute, relative) and (conserved or not np.isfinite(absolute))
 
     def linearise(self, form):
         """Assembles the tangent's blocks at the present state. Raises ComputationError for any other `form`."""

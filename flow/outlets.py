@@ -9,6 +9,10 @@ import numpy as np
 from common.errors import InputError
 from flow.mesh import PHYSICAL_INLET, physical_tag
 
+# Largest difference of out- and inflow, of the flow, that is trusted. Solves by factorization have 1e-14 to 1e-13; the
+# iterative solver goes on until it is met.
+LARGEST_IMBALANCE = 1e-8
+
 
 class Boundaries:
     """Inlet at MAP or of given flow, and outlets with resistances or of given pressure, on a LumenSpace; SI units.

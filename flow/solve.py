@@ -8,10 +8,9 @@ import time
 import numpy as np
 
 from common.errors import ComputationError
-from flow import adaptive, energy, ffr, linear_choice, output, parallel, reduced_answer, spaces, viscosity, wall_shear
+from flow import adaptive, energy, ffr, linear_choice, outlets, output, parallel, reduced_answer, spaces, viscosity, wall_shear
 
 LARGE = 0.05  # difference of the models' FFR that is said
-LARGEST_IMBALANCE = 1e-8  # of the flow: solves by factorization have 1e-14 to 1e-13, iterative ones up to 1.4e-9
 
 
 def run(mesh, coarse, case, folder):
@@ -124,14 +123,14 @@ def collect(solved, probes, case, reference):
 
 
 def _conserved(outflow, inflow):
-    """|outflow - inflow| / inflow. Raises ComputationError above LARGEST_IMBALANCE."""
+    """|outflow - inflow| / inflow. Raises ComputationError above outlets.LARGEST_IMBALANCE."""
     imbalance = float(abs(outflow - inflow) / abs(inflow))
-    if not imbalance <= LARGEST_IMBALANCE:
+    if not imbalance <= outlets.LARGEST_IMBALANCE:
         raise ComputationError(
             "mass is not conserved",
             "flow through the outlets against the inlet's",
             f"they differ by {imbalance:.3e} of the flow",
-            f"at most {LARGEST_IMBALANCE:g} is trusted: look at the mesh, lower residual_relative",
+            f"at most {outlets.LARGEST_IMBALANCE:g} is trusted: look at the mesh, lower residual_relative",
         )
     return imbalance
 
