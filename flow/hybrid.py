@@ -61,7 +61,7 @@ def build(surface, tree, sizes, settings, rings, coarsening=1.0, shorter=0.0):
     """Linear mesh of `surface`, every end of a span that is not at a cap moved inwards by `shorter` radii. Raises
     NoSpans, or ComputationError where a junction cannot be filled."""
     slicer = section.Slicer(surface)
-    disc = disc_module.make(rings)
+    disc = disc_module.make(rings, settings.wall_layers)
     found = _find(surface, tree, slicer, disc)
     free = {(number, k) for number, span in enumerate(found) for k in (0, 1) if span.caps[k] is None}
     found = _moved(found, free, shorter)

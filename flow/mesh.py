@@ -46,6 +46,7 @@ def build(surface, tree, cells_per_radius, settings, rings=None, coarsening=1.0)
         "surface_triangles": len(mesh.triangles),
         "cells_per_radius": cells_per_radius,
         "rings": rings,
+        "wall_layers": settings.wall_layers,
         "swept": swept,
         "quality": figures,
         "volume_mm3": surface.volume_mm3(),

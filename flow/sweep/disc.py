@@ -1,8 +1,14 @@
-"""The template of a cross-section: the unit disc in rings of 6, 12, 18, ... points, triangulated."""
+"""The template of a cross-section: the unit disc in rings of 6, 12, 18, ... points, triangulated.
+
+Boundary layers split the outermost ring: the circles between have as many points as the rim, so that the wall's
+triangles stay what they are.
+"""
 
 import dataclasses
 
 import numpy as np
+
+LAYER_GROWTH = 2.0  # of the layers' widths from the wall inwards
 
 
 @dataclasses.dataclass
@@ -20,8 +26,8 @@ class Disc:
     rim: np.ndarray
 
 
-def make(rings):
-    """Disc of `rings` rings of equal width."""
+def make(rings, wall_layers=1):
+    """Disc of `rings` rings of equal width, the outermost split into layers that grow by LAYER_GROWTH inwards."""
     vertices, first = [[0.0, 0.0]], [0]
     for k in range(1, rings + 1):
         first.append(len(vertices))
@@ -29,10 +35,12 @@ def make(rings):
     triangles = []
     for k in range(1, rings + 1):
         triangles += _between(k, first)
+    if wall_layers > 1:
+        vertices, triangles = _layered(wall_layers, vertices, triangles, first[rings])
     vertices, triangles = np.array(vertices), np.array(triangles)
     sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     edges = np.unique(sides, axis=0)
-    rim = np.arange(first[rings], len(vertices))
+    rim = np.arange(len(vertices) - 6 * rings, len(vertices))
     return Disc(rings, vertices, triangles, edges, _middles(vertices, edges), rim)
 
 
@@ -52,6 +60,25 @@ def _between(k, first):
             if j < k - 1:
                 found.append([inner(sector, j), outer(sector, j + 1), inner(sector, j + 1)])
     return found
+
+
+def _layered(layers, vertices, triangles, outermost):
+    """(vertices, triangles) with the outermost ring's triangles in the innermost layer, two a side in the others.
+
+    outermost: number of the outermost ring's first point; the ring moves inwards, further circles follow.
+    """
+    rim, rest = vertices[outermost:], vertices[:outermost]
+    around, inner = len(rim), rest[-1][0]
+    widths = LAYER_GROWTH ** -np.arange(layers, dtype=float)
+    for end in np.cumsum(widths) / widths.sum():
+        rest += [[inner + end * (1.0 - inner), angle] for _, angle in rim]
+    a = np.arange(around)
+    b = (a + 1) % around
+    for layer in range(layers - 1):
+        low = outermost + layer * around
+        sides = np.stack([[a, a + around, b + around], [a, b + around, b]]) + low
+        triangles += np.moveaxis(sides, 1, 2).reshape(-1, 3).tolist()
+    return rest, triangles
 
 
 def _middles(vertices, edges):

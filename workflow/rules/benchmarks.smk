@@ -124,6 +124,25 @@ rule flow_growth:
         "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out} 4:3 5:4 6:4 8:4 10:5"
 
 
+rule flow_wall_shear:
+    message:
+        "benchmark: wall shear stress by boundary layers, by its own name only"
+    input:
+        code=flow_benchmark_code("wall_shear"),
+        script="tests/verification/flow/wall_shear.py",
+    output:
+        "results/benchmarks/flow_wall_shear/wall_shear.csv",
+    log:
+        "results/benchmarks/logs/flow_wall_shear.log",
+    benchmark:
+        "results/benchmarks/logs/flow_wall_shear.tsv"
+    threads: workflow.cores
+    params:
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out} 3:1 3:2 3:3 4:1 4:2"
+
+
 rule anatomy_speed:
     message:
         "benchmark: seconds of the anatomy against input size"

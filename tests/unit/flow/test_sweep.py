@@ -129,13 +129,22 @@ def test_a_sliver_in_a_junction_moves_the_cuts(monkeypatch, forked):
     assert second["to_mm"] == pytest.approx(first["to_mm"] - mesh.SHORTER[1] * 1.5, abs=0.02)
 
 
-def test_disc_is_triangulated_without_overlap():
-    found = disc.make(4)
+@pytest.mark.parametrize(("layers", "triangles"), [(1, 96), (2, 144), (3, 192)])
+def test_disc_is_triangulated_without_overlap(layers, triangles):
+    found = disc.make(4, layers)
     x = found.vertices[:, 0] * np.array([np.cos(found.vertices[:, 1]), np.sin(found.vertices[:, 1])])
     a, b, c = (x[:, found.triangles[:, k]] for k in range(3))
     area = 0.5 * ((b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0])
-    assert len(found.rim) == 24 and len(found.triangles) == 96 and area.min() > 0
+    assert len(found.rim) == 24 and len(found.triangles) == triangles and area.min() > 0
     assert area.sum() == pytest.approx(0.5 * 24 * np.sin(2 * np.pi / 24))
+
+
+def test_boundary_layers_halve_towards_the_wall():
+    found = disc.make(3, 3)
+    radii = np.unique(found.vertices[:, 0].round(12))
+    assert np.diff(radii[-4:]) == pytest.approx(np.array([4, 2, 1]) / 7 / 3)
+    assert (found.vertices[found.rim, 0] == 1).all()
+    assert found.vertices[found.rim, 1] == pytest.approx(disc.make(3).vertices[-18:, 1])  # the wall's vertices stay
 
 
 def test_rings_gather_at_the_edge_of_the_jet():

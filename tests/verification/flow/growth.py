@@ -22,6 +22,7 @@ import hard_cases  # noqa: E402  (makes the packages of the repository known)
 from flow import settings  # noqa: E402
 
 CASE, DEFAULT = "single_62", settings.make()
+SPACING = {"throat": DEFAULT.stations_throat, "plain": DEFAULT.stations_plain}  # of the default's rings
 COLUMNS = ("rings", "coarse_rings", "cells", "dofs", "solver", "ffr", "error", "linearisations", "iterations")
 COLUMNS += ("fine_cpu_s", "cpu_s", "mib")
 
@@ -38,7 +39,7 @@ def mesh(folder, rings, coarse):
     """Makes both meshes of the lumen in `folder`, sections as far apart as the default's by the ratio of the rings."""
     names = ["--out", f"r{rings}.msh", "--coarse", f"r{rings}_coarse.msh"]
     sizes = ["--rings", rings, "--coarse-rings", coarse]
-    for name, radii in (("throat", DEFAULT.stations_throat), ("plain", DEFAULT.stations_plain)):
+    for name, radii in SPACING.items():
         sizes += [f"--stations-{name}", radii * DEFAULT.rings / rings]
     command(folder, "mesh", "lumen.vtp", "--centreline", "centreline.vtp", *names, *sizes)
 

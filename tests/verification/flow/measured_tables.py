@@ -51,6 +51,20 @@ TABLES = {
             "mib": "MiB",
         },
     ),
+    "flow_wall_shear": (
+        "wall_shear.csv",
+        {
+            "rings": "rings",
+            "wall_layers": "layers",
+            "dofs": "dofs",
+            "ffr_error": "error of FFR",
+            "lesion_rms_percent": "rms, % of the peak",
+            "lesion_largest_percent": "largest, %",
+            "peak_error_percent": "peak, %",
+            "behind_rms_pa": "rms behind, Pa",
+            "cpu_s": "CPU s",
+        },
+    ),
     "flow_growth": (
         "growth.csv",
         {

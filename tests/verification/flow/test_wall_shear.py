@@ -1,0 +1,19 @@
+"""Wall shear stress in a narrowing of 62 % against the axisymmetric solution."""
+
+import pathlib
+import sys
+
+sys.path[:0] = [str(pathlib.Path(__file__).parent)]
+
+import hard_cases  # noqa: E402
+import wall_shear  # noqa: E402
+
+
+def test_boundary_layers_resolve_the_wall_shear_stress(tmp_path):
+    """Three rings alone have 4.3 % of the peak, 2.2 % less at the peak."""
+    hard_cases.write(wall_shear.CASE, tmp_path)
+    found = wall_shear.row(tmp_path, 3, 2)
+    print(found)
+    assert float(found["lesion_rms_percent"]) < 2.2
+    assert abs(float(found["peak_error_percent"])) < 1.0
+    assert abs(float(found["ffr_error"])) < 1e-3
