@@ -4,7 +4,7 @@
     [C  D] [y] = [g]
 
 A is sparse (velocity and pressure dofs that no boundary fixes), the border has one row and column for the inflow and
-one for each outlet. `DirectSolver` factorizes A by MUMPS; a solver of another kind needs the same three methods.
+one for each outlet. `DirectSolver` factorizes A by MUMPS; a solver of another kind needs the same methods.
 """
 
 import numpy as np
@@ -70,6 +70,31 @@ class DirectSolver:
             reason = self.ksp.getConvergedReason()
             raise ComputationError("linear solve failed", "MUMPS", f"reason {reason}", "check the mesh and resistances")
 
+    def solve_all(self, rights, solutions, transposed=False):
+        """`solve` of several: the factors pass through memory once for all of them, which is what a solve costs."""
+        if transposed or len(rights) == 1:  # PETSc's interface to MUMPS has no transposed solve of several
+            for right, solution in zip(rights, solutions):
+                self.solve(right, solution, transposed)
+            return
+        size, matrix = rights[0].size, self.ksp.getOperators()[0]
+        own = slice(*matrix.getOwnershipRange())
+        given, found = (
+            PETSc.Mat().createDense(((own.stop - own.start, size), (None, len(rights))), comm=self.comm)
+            for _ in range(2)
+        )
+        for dense in (given, found):
+            dense.setUp()
+        given.getDenseArray()[:] = np.stack([right.array_r[own] for right in rights], axis=1)
+        for dense in (given, found):
+            dense.assemble()
+        self.ksp.getPC().getFactorMatrix().matSolve(given, found)
+        for solution, values in zip(solutions, found.getDenseArray().T):
+            solution.array[:] = parallel.collected(values, size)
+        for dense in (given, found):
+            dense.destroy()
+        if not all(np.isfinite(solution.norm()) for solution in solutions):
+            raise ComputationError("linear solve failed", "MUMPS", "not finite", "check the mesh and resistances")
+
     def release(self):
         """Frees the factors; the next matrix is factorized as the first was."""
         self.ksp.reset()
@@ -92,11 +117,9 @@ class Bordered:
 
     def __init__(self, solver, columns, rows, corner, transposed=False):
         self.solver, self.columns, self.rows, self.corner = solver, columns, rows, corner
-        self.transposed, self.solved = transposed, []
-        for column in columns:
-            vector = column.duplicate()
-            solver.solve(column, vector, transposed)
-            self.solved.append(vector)
+        self.transposed = transposed
+        self.solved = [column.duplicate() for column in columns]
+        solver.solve_all(columns, self.solved, transposed)
         self.schur = np.array(corner, float)
         for i, row in enumerate(rows):
             for j, vector in enumerate(self.solved):
