@@ -98,13 +98,20 @@ def form(expression):
     return fenicsx.form(expression, FLAGS)
 
 
-def on_cells(expression, mesh, cells):
-    """A UFL form with its integrals over cells restricted to `cells` (numbers, ascending)."""
+def on_cells(expression, mesh, cells, facets=None):
+    """A UFL form with its integrals over cells restricted to `cells` (numbers, ascending), those over the boundary to
+    `facets` (tags; None: as they are)."""
     dim = mesh.topology.dim
     tags = meshtags(mesh, dim, cells.astype(np.int32), np.ones(len(cells), np.int32))
-    chosen = {"subdomain_id": 1, "subdomain_data": tags}
-    parts = [part.reconstruct(**chosen) if part.integral_type() == "cell" else part for part in expression.integrals()]
-    return ufl.Form(parts)
+    chosen = {"cell": {"subdomain_id": 1, "subdomain_data": tags}}
+    if facets is not None:
+        chosen["exterior_facet"] = {"subdomain_data": facets}
+    return ufl.Form([part.reconstruct(**chosen.get(part.integral_type(), {})) for part in expression.integrals()])
+
+
+def some_tags(mesh, tags, first, last):
+    """Those of the facets' tags that are numbered first to last - 1 among them."""
+    return meshtags(mesh, tags.dim, tags.indices[first:last], tags.values[first:last])
 
 
 def block_matrix(compiled):

@@ -22,11 +22,13 @@ those above; c > 0 makes the jet's eddy viscosity, by which the way to c = 0 is 
 
 import functools
 
+import numpy as np
 import ufl
 from dolfinx import fem
+from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
-from flow import compat, viscosity as viscosities
+from flow import compat, parallel, viscosity as viscosities
 from flow.mesh import PHYSICAL_INLET
 
 SLOWEST, SMALLEST_RATE = 1e-4, 0.1  # m/s, 1/s: keep the roots of |u| and |D| differentiable at rest
@@ -99,7 +101,7 @@ class NavierStokes:
         self.losses = {"friction": friction(u), "grad_div": dilatation(u), "eddy": jet(u), "backflow": returning(u)}
         self.kinetic = lambda tags: 0.5 * density * ufl.inner(u, u) * ufl.dot(u, n) * ds(tags)  # leaves, in W
         residual = stokes(u, p) + oseen(u) + jet(u)
-        self.residual = compat.form(residual)
+        self.residual = self._summand(residual, space)
         self._residual, self._state, self._test = residual, state, ufl.TestFunction(space.W)
         self._tangent = ufl.derivative(residual, state, ufl.TrialFunction(space.W))
         self.rate = fem.Constant(space.mesh, PETSc.ScalarType(0.0))
@@ -116,6 +118,25 @@ class NavierStokes:
         self._mass = density * ufl.inner(du, v) * dx
         self._space = space
         self._picard = stokes(du, dp) + oseen(du) + jet(du) + inertia(u, du, v, self.rate)
+
+    @staticmethod
+    def _summand(expression, space):
+        """Compiled, over the share of cells and facets of this MPI rank (all on one; `assembled` sums)."""
+        if parallel.world().size == 1 or not hasattr(type(space), "shared_cells"):
+            return compat.form(expression)
+        mesh, facets = space.mesh, space.facets
+        cells = np.arange(*parallel.share(mesh.topology.index_map(mesh.topology.dim).size_local))
+        own = compat.some_tags(mesh, facets, *parallel.share(len(facets.indices)))
+        return compat.form(compat.on_cells(expression, mesh, cells, own))
+
+    def assembled(self, vector):
+        """The residual at the present state, into `vector`; on several MPI ranks whole on each."""
+        with vector.localForm() as local:
+            local.set(0.0)
+        fem_petsc.assemble_vector(vector, self.residual)
+        vector.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
+        if parallel.world().size > 1:
+            vector.array[:] = parallel.total(vector.array)
 
     @functools.cached_property
     def tangent(self):

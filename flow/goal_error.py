@@ -138,7 +138,8 @@ def _residual(problem, richer, document):
         problem.jet_length,
     )
     forms.mixing.value = problem.mixing
-    residual = fem_petsc.assemble_vector(forms.residual)
+    residual = compat.petsc_vector(fem.Function(richer.W)).copy()
+    forms.assembled(residual)
     outflows = boundaries.outflows(problem.state_vector())
     for tag, pressure in zip(richer.outlets, boundaries.pressures(outflows)):
         flux = richer.flux_vector(tag)

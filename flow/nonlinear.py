@@ -80,10 +80,7 @@ class FlowProblem(flow_state.FlowState):
         Where the flow is given the inflow's equation is Q = that, times MAP over it.
         """
         vector = self.full_residual
-        with vector.localForm() as local:
-            local.set(0.0)
-        fem_petsc.assemble_vector(vector, self.forms.residual)
-        vector.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
+        self.forms.assembled(vector)
         outflows = self.boundaries.outflows(compat.petsc_vector(self.state))
         vector.maxpy(self.boundaries.pressures(outflows), self.boundaries.flux)
         if self.inertia:

@@ -1,8 +1,9 @@
 """Several MPI ranks on one solve: all go the same way with the same numbers and share what costs most.
 
 Every rank holds the whole mesh and flow and takes every decision; the matrix is assembled, factorized and solved with
-by rows, the patches of the error estimate are shared out. So the answer is that of one rank but for rounding. One rank
-alone runs the same code. Files are written by the first rank.
+by rows, residuals are summed over the ranks' cells, the patches of the error estimate and the check of the cells are
+shared out. So the answer is that of one rank but for rounding. One rank alone runs the same code. Files are written by
+the first rank.
 """
 
 import contextlib

@@ -184,7 +184,8 @@ def check_coarser(paths):
 def _check_cells(space, path):
     """Raises InputError for cells turned inside out: a flow is found on them as well, but mass is not conserved."""
     points, cells = space.nodes()
-    lower, _ = tet10.jacobian_bounds(points[cells])
+    lower, _ = tet10.jacobian_bounds(points[cells[slice(*parallel.share(len(cells)))]])
+    lower = parallel.collected(lower, len(cells))
     bad = np.flatnonzero(lower <= 0)
     if len(bad):
         x, y, z = points[cells[bad[0], :4]].mean(axis=0) / M_PER_MM

@@ -85,6 +85,31 @@ def test_rows_of_two_ranks_make_the_whole_matrix(case, monkeypatch):
         assert len(part[2]) < 0.75 * part[3]  # neighbours are few: the dofs are numbered along the vessel
 
 
+def test_residuals_of_two_ranks_make_the_whole(case, monkeypatch):
+    from dolfinx import fem
+    from dolfinx.fem import petsc as fem_petsc
+
+    from flow import centreline, forms, jet, viscosity
+
+    tree, space = centreline.read(case / "centreline.vtp"), spaces.read(case / "mesh.msh")
+    length, state = jet.mixing_length(space, tree, 0.1), fem.Function(space.W)
+    state.x.array[:] = np.random.default_rng(0).normal(size=space.dofs)  # flows back through the outlet, too
+
+    def assembled(rank, size):
+        world = type("World", (), {"rank": rank, "size": size})
+        monkeypatch.setattr(parallel, "world", lambda: world)
+        weak = forms.NavierStokes(space, state, 1060.0, viscosity.Newtonian(0.004), 0.2, 0.5, length)
+        weak.mixing.value = 0.1
+        vector = fem_petsc.assemble_vector(weak.residual)
+        monkeypatch.undo()
+        return vector.array.copy()
+
+    whole, first, second = assembled(0, 1), assembled(0, 2), assembled(1, 2)
+    assert first + second == pytest.approx(whole, rel=1e-12, abs=1e-12 * np.abs(whole).max())
+    for part in (first, second):
+        assert 0.4 < np.count_nonzero(part) / np.count_nonzero(whole) < 0.75
+
+
 def test_shares_follow_one_another(monkeypatch):
     monkeypatch.setattr(parallel, "world", lambda: type("World", (), {"rank": 1, "size": 3}))
     assert parallel.share(10) == (3, 6)
