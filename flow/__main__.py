@@ -63,13 +63,18 @@ def solve_command(arguments):
 
 def _solve(arguments, settings):
     """On every rank."""
-    from flow import boundary, centreline, extended, ffr, lumen_summary, reduced, solve
+    from flow import boundary, centreline, extended, ffr, lumen_summary, output, reduced, solve
 
     folder = pathlib.Path(arguments.centreline).parent
+    anatomy_file = arguments.anatomy or folder / "anatomy.json"
+    sections_file = arguments.sections or folder / "sections.csv"
+    read = [arguments.mesh, arguments.coarse, arguments.boundary, arguments.centreline, arguments.mesh_report]
+    read += [arguments.settings, anatomy_file, sections_file]
+    output.clear(pathlib.Path(arguments.out), [pathlib.Path(path) for path in read if path])
     document = json_reader.read(arguments.boundary, "boundary.json").data
-    anatomy = lumen_summary.read(arguments.anatomy or folder / "anatomy.json", "branches")
+    anatomy = lumen_summary.read(anatomy_file, "branches")
     boundary.check(document, arguments.boundary, [branch["name"] for branch in anatomy["branches"]])
-    sections = reduced.read_sections(arguments.sections or folder / "sections.csv")
+    sections = reduced.read_sections(sections_file)
     for path in (arguments.mesh, arguments.coarse):
         if path and not pathlib.Path(path).is_file():
             raise InputError("no such mesh", path, "missing", "make it with `flow mesh`")

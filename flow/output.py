@@ -4,9 +4,26 @@ import numpy as np
 import vtk
 from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 
+from common.errors import InputError
 from common.files import replacing, write_json
+from flow import parallel
 
 MM_PER_M = 1e3
+FILES = ("ffr.json", "pullback.csv", "solution.vtu")
+
+
+def clear(folder, inputs):
+    """Removes an earlier answer from `folder`: after a solve that is refused it would be taken for this one's.
+
+    inputs: paths of the files that the solve reads. Raises InputError on every rank, and removes nothing, where one is
+    among them.
+    """
+    own = [(folder / name).resolve() for name in FILES]
+    for path in inputs:
+        if path.resolve() in own:
+            raise InputError("a solve's input would be replaced by its answer", "--out", path, "another folder")
+    for name in FILES if parallel.first() else ():
+        (folder / name).unlink(missing_ok=True)
 
 
 def write_vtu(path, points, cells, fields):

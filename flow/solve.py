@@ -8,7 +8,8 @@ import time
 import numpy as np
 
 from common.errors import ComputationError
-from flow import adaptive, energy, ffr, linear_choice, outlets, output, parallel, reduced_answer, spaces, viscosity, wall_shear
+from flow import adaptive, energy, ffr, linear_choice, outlets, output, parallel, reduced_answer, spaces
+from flow import viscosity, wall_shear
 
 LARGE = 0.05  # difference of the models' FFR that is said
 

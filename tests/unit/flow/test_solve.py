@@ -157,21 +157,29 @@ def test_tangent_is_the_derivative_of_the_residual(case, mixing):
 
 
 def test_stall_exits_3_and_writes_nothing(case, tmp_path, capsys):
-    arguments = [
-        "solve",
-        str(case / "mesh.msh"),
-        "--boundary",
-        str(case / "boundary.json"),
-        "--out",
-        str(tmp_path / "out"),
-    ]
+    """Nor does it leave an earlier answer, which would be taken for its own; other files stay."""
+    out = tmp_path / "out"
+    arguments = ["solve", str(case / "mesh.msh"), "--boundary", str(case / "boundary.json"), "--out", str(out)]
     arguments += ["--centreline", str(case / "centreline.vtp"), "--residual-absolute", "1e-20"]
     arguments += ["--max-newton-iterations", "12"]
+    out.mkdir()
+    for name in ("ffr.json", "pullback.csv", "solution.vtu", "notes.txt"):
+        (out / name).write_text("{}")
     with pytest.raises(SystemExit) as stop:
         command_line.main(arguments)
     assert stop.value.code == 3
     assert "stalled" in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()
+    assert [path.name for path in out.iterdir()] == ["notes.txt"]
+
+
+def test_an_input_is_not_removed_with_an_earlier_answer(case, tmp_path, capsys):
+    for name in ("ffr.json", "pullback.csv"):
+        (tmp_path / name).write_bytes((case / "boundary.json").read_bytes())
+    command = ["solve", str(case / "mesh.msh"), "--boundary", str(tmp_path / "ffr.json"), "--out", str(tmp_path)]
+    with pytest.raises(SystemExit) as ended:
+        command_line.main(command + ["--centreline", str(case / "centreline.vtp")])
+    assert ended.value.code == 2 and "replaced by its answer" in capsys.readouterr().err
+    assert (tmp_path / "ffr.json").is_file() and (tmp_path / "pullback.csv").is_file()
 
 
 def test_negative_resistance_exits_2(case, tmp_path):
