@@ -65,6 +65,7 @@ def _solve(arguments, settings):
     """On every rank."""
     from flow import boundary, centreline, extended, ffr, lumen_summary, output, reduced, solve
 
+    parallel.check(settings.ranks)
     folder = pathlib.Path(arguments.centreline).parent
     anatomy_file = arguments.anatomy or folder / "anatomy.json"
     sections_file = arguments.sections or folder / "sections.csv"

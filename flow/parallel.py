@@ -42,6 +42,15 @@ def launch(ranks, command):
     os.execv(program, [program, *options, sys.executable, "-m", "flow", *command])
 
 
+def check(ranks):
+    """Raises InputError where other than the `ranks` asked for run: of a launcher that this MPI does not know each
+    process is alone. Without a wish (1) as many as there are share the work."""
+    found = world().size
+    if ranks not in (1, found):
+        remedy = f"start it with `mpirun -n {ranks}`, or outside of mpirun and srun"
+        raise InputError("other ranks run than asked for", "ranks", f"{ranks} asked for, {found} run", remedy)
+
+
 def world():
     """The communicator of all ranks."""
     from mpi4py import MPI

@@ -12,6 +12,7 @@ import pytest
 
 import tubes
 from common.errors import InputError
+from flow import __main__ as command_line
 from flow import parallel, spaces
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
@@ -114,6 +115,16 @@ def test_shares_follow_one_another(monkeypatch):
     monkeypatch.setattr(parallel, "world", lambda: type("World", (), {"rank": 1, "size": 3}))
     assert parallel.share(10) == (3, 6)
     assert parallel.shares(10).tolist() == [3, 3, 4]
+
+
+def test_ranks_that_the_launcher_did_not_start_are_refused(case, tmp_path, monkeypatch, capsys):
+    """As under srun, whose processes an MPI without its support takes for worlds of one."""
+    monkeypatch.setenv("PMI_SIZE", "1")
+    command = ["solve", str(case / "mesh.msh"), "--boundary", str(case / "boundary.json"), "--out", str(tmp_path)]
+    with pytest.raises(SystemExit) as ended:
+        command_line.main(command + ["--centreline", str(case / "centreline.vtp"), "--ranks", "2"])
+    said = capsys.readouterr().err
+    assert ended.value.code == 2 and "2 asked for, 1 run" in said and "mpirun -n 2" in said
 
 
 def test_ranks_without_mpirun_are_refused(monkeypatch):
