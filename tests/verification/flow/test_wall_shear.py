@@ -10,7 +10,7 @@ import wall_shear  # noqa: E402
 
 
 def test_boundary_layers_resolve_the_wall_shear_stress(tmp_path):
-    """Three rings alone have 4.3 % of the peak, 2.2 % less at the peak."""
+    """Three rings alone have 4.4 % of the peak, and 2.4 % less at the peak."""
     hard_cases.write(wall_shear.CASE, tmp_path)
     found = wall_shear.row(tmp_path, 3, 2)
     print(found)
