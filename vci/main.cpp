@@ -37,8 +37,8 @@ std::vector<PointArray> forces(const Balance& balance) {
 }
 
 int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& frames, int every_steps) {
-  const Output output(out);
   const Scene scene = read_scene(scene_file);
+  const Output output(out, {scene_file, scene.lumen, scene.centreline});
   const Lumen lumen = read_lumen(scene.lumen);
   const auto paths = read_centreline(scene.centreline);
   check_placements(scene, paths);
@@ -63,7 +63,8 @@ int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& 
     write_shape(output.folder() / "devices" / (name + ".vtp"), shape.points, shape.triangles, {}, forces(shape.forces));
     if (is_stent) {
       const Struts struts = strut_pattern(scene.stents.at(shape.name), d.stents[stent].stent.grid, shape.points);
-      write_shape(output.folder() / "devices" / (name + "_struts.vtp"), struts.points, {}, struts.lines, {});
+      write_shape(output.folder() / "devices" / (name + "_struts.vtp"), struts.points, struts.triangles, struts.lines,
+                  {});
       ++stent;
     }
   }
@@ -73,8 +74,8 @@ int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& 
 }
 
 int run_radius_correct(const fs::path& scene_file, const fs::path& out) {
-  const Output output(out);
   const Scene scene = read_scene(scene_file);
+  const Output output(out, {scene_file, scene.lumen, scene.centreline});
   const Lumen lumen = read_lumen(scene.lumen);
   const auto paths = read_centreline(scene.centreline);
   check_placements(scene, paths);
@@ -148,9 +149,11 @@ int main(int argc, char** argv) {
   inflate_command->add_option("scene", scene, "scene.json that defines the balloon")->required();
   inflate_command->add_option("--device", device, "key under devices")->required();
   inflate_command->add_option("--wings", wings, "fold the balloon into so many wings first")->check(CLI::Range(2, 6));
-  deploy_command->add_option("--frames", frames, "folder for the state at each stage's end, with frames.pvd");
+  CLI::Option* folder =
+      deploy_command->add_option("--frames", frames, "folder for the state at each stage's end, with frames.pvd");
   deploy_command->add_option("--frames-every", every_steps, "and after every so many steps")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::PositiveNumber)
+      ->needs(folder);
   CLI::App* crush_command = app.add_subcommand("crush", "radial strength and free recoil of a stent on the bench, CSV");
   crush_command->add_option("scene", scene, "scene.json that defines the stent and its balloon")->required();
   crush_command->add_option("--device", device, "key under devices")->required();

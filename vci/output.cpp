@@ -10,15 +10,35 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* results[] = {"lumen.vtp", "lumen.stl", "devices", "deployment.json"};
+constexpr const char* results[] = {"lumen.vtp", "lumen.stl", "deployment.json"}; // devices/*.vtp go before the last
+
+/// The results that are in a folder.
+std::vector<fs::path> results_in(const fs::path& folder) {
+  std::vector<fs::path> found;
+  for (const char* name : results)
+    if (fs::exists(folder / name))
+      found.push_back(folder / name);
+  if (fs::is_directory(folder / "devices"))
+    for (const auto& entry : fs::directory_iterator(folder / "devices"))
+      if (entry.path().extension() == ".vtp")
+        found.push_back(entry.path());
+  return found;
+}
 
 } // namespace
 
-Output::Output(fs::path out) : out_(std::move(out)), partial_(out_ / (".partial-" + std::to_string(getpid()))) {
+Output::Output(fs::path out, const std::vector<fs::path>& inputs)
+    : out_(std::move(out)), partial_(out_ / (".partial-" + std::to_string(getpid()))) {
   try {
     fs::create_directories(out_);
-    for (const char* name : results)
-      fs::remove_all(out_ / name);
+    const std::vector<fs::path> earlier = results_in(out_);
+    for (const fs::path& file : earlier)
+      for (const fs::path& input : inputs)
+        if (fs::exists(input) && fs::equivalent(file, input))
+          throw common::InputError("results would replace what they are made of", out_.string(), input.string(),
+                                   "name another folder with --out");
+    for (const fs::path& file : earlier)
+      fs::remove(file);
     fs::create_directories(partial_ / "devices");
   } catch (const fs::filesystem_error& e) {
     throw common::InputError("the folder for results cannot be written", out_.string(), e.code().message(),
@@ -32,6 +52,9 @@ Output::~Output() {
 }
 
 void Output::publish() const {
+  fs::create_directories(out_ / "devices");
+  for (const auto& entry : fs::directory_iterator(partial_ / "devices"))
+    fs::rename(entry.path(), out_ / "devices" / entry.path().filename());
   for (const char* name : results)
     if (fs::exists(partial_ / name))
       fs::rename(partial_ / name, out_ / name);

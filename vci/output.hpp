@@ -2,14 +2,15 @@
 #pragma once
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 namespace vci {
 
 class Output {
 public:
   /// Creates the folder and takes an earlier run's results out of it, before any work. Throws common::InputError where
-  /// files cannot be written there.
-  explicit Output(std::filesystem::path out);
+  /// files cannot be written there, and where one of the `inputs` would be taken out.
+  Output(std::filesystem::path out, const std::vector<std::filesystem::path>& inputs);
   ~Output(); ///< removes what was not published
   Output(const Output&) = delete;
   Output& operator=(const Output&) = delete;

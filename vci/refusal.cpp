@@ -32,6 +32,12 @@ std::string deepest_place(const RelaxResult& r, const System& system) {
 common::ComputationError no_balance(const std::string& where, const RelaxResult& r, const IntegratorSettings& settings,
                                     const System& system) {
   std::ostringstream value;
+  if (settings.textbook) {
+    value << "still above velocity_stop_mm_per_ms = " << settings.velocity_stop << " after " << r.steps
+          << " steps of fixed_step_ms = " << settings.fixed_step;
+    return common::ComputationError("textbook integration did not come to rest", where, value.str(),
+                                    "raise numerics.maximal_steps_per_stage; no lumen is written");
+  }
   value << "residual " << r.residual << " after " << r.steps << " steps; wanted " << settings.residual_tolerance;
   if (r.stalled)
     value << "; no lower by a tenth for " << settings.stalled_steps << " steps";

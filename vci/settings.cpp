@@ -41,6 +41,9 @@ WallSpec read_wall(const json& entry, const std::string& where, json& used) {
   if (mapping != "lame" && mapping != "van_gelder")
     throw common::InputError("an unknown spring mapping", o.path("spring_mapping"), mapping, "use lame or van_gelder");
   w.spring_mapping = mapping == "lame" ? SpringMapping::lame : SpringMapping::van_gelder;
+  if (w.model != "mass-spring" && mapping != "lame")
+    throw common::InputError("a mapping to springs, without any", o.path("spring_mapping"), mapping,
+                             "set model to mass-spring, or leave it out");
   w.youngs_modulus = o.number("youngs_modulus_mpa", 1e-3, 1e3, w.youngs_modulus);
   w.poisson_ratio = o.number("poisson_ratio", 0, 0.499, w.poisson_ratio);
   w.intima_thickness = o.number("intima_thickness_mm", 0.01, 2, w.intima_thickness);
@@ -95,6 +98,12 @@ Numerics read_numerics(const json& entry, const std::string& where, json& used) 
   i.textbook = choice("integration", "adaptive", "textbook");
   i.fixed_step = o.number("fixed_step_ms", 1e-5, 10, i.fixed_step);
   i.velocity_stop = o.number("velocity_stop_mm_per_ms", 1e-9, 10, i.velocity_stop);
+  const IntegratorSettings usual;
+  if (!i.textbook && (i.fixed_step != usual.fixed_step || i.velocity_stop != usual.velocity_stop))
+    throw common::InputError("a setting of textbook integration, without it",
+                             o.path(i.fixed_step != usual.fixed_step ? "fixed_step_ms" : "velocity_stop_mm_per_ms"),
+                             std::to_string(i.fixed_step != usual.fixed_step ? i.fixed_step : i.velocity_stop),
+                             "set integration to textbook, or leave it out");
   c.time_averaged = choice("contact_law", "one-sided", "time-averaged");
   if (c.time_averaged && !i.textbook)
     throw common::InputError("a contact law that follows velocities, without any", o.path("contact_law"),

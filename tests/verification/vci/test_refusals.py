@@ -97,3 +97,49 @@ def test_a_stent_named_like_a_balloons_file(binary, scene):
     written = {f.stem for f in (path.parent / "out" / "devices").iterdir()}
     balloons = {f"{name}_balloon" for name in ("predilatation", "stent 1", "postdilatation")}
     assert written == balloons | {"stent1", "stent1_struts"}
+
+
+def test_results_that_would_replace_the_scene_s_own_files(binary, scene):
+    """The generated scene's lumen is lumen.vtp beside it."""
+    document, path = scene
+    kept = path.parent / document["lumen"]
+    before = kept.read_bytes()
+    for command in ("deploy", "radius-correct"):
+        result = subprocess.run(
+            [str(binary("vci")), command, str(path), "--out", str(path.parent)], text=True, capture_output=True
+        )
+        assert result.returncode == 2 and "would replace what they are made of" in result.stderr
+        assert kept.read_bytes() == before and path.exists()
+
+
+def test_an_earlier_runs_results_go_and_other_files_stay(binary, scene):
+    document, path = scene
+    out = path.parent / "out"
+    (out / "devices").mkdir(parents=True)
+    for name in ("lumen.vtp", "deployment.json", "devices/old.vtp", "devices/mine.yaml", "notes.txt"):
+        (out / name).write_text("x")
+    document["centreline"] = "missing.vtp"
+    path.write_text(json.dumps(document))
+    result = subprocess.run([str(binary("vci")), "deploy", str(path), "--out", str(out)], capture_output=True)
+    assert result.returncode == 2
+    left = {str(f.relative_to(out)) for f in out.rglob("*") if f.is_file()}
+    assert left == {"devices/mine.yaml", "notes.txt"}
+
+
+@pytest.mark.parametrize(
+    "section, key, value, words",
+    [
+        ("numerics", "fixed_step_ms", 0.001, "a setting of textbook integration"),
+        ("numerics", "velocity_stop_mm_per_ms", 0.5, "a setting of textbook integration"),
+        ("wall", "spring_mapping", "van_gelder", "a mapping to springs"),
+    ],
+)
+def test_a_setting_whose_method_is_not_chosen(binary, scene, section, key, value, words):
+    scene[0].setdefault(section, {})[key] = value
+    assert words in refusal(binary, scene)
+
+
+def test_frames_of_steps_need_a_folder(binary, scene):
+    command = [str(binary("vci")), "deploy", str(scene[1]), "--out", str(scene[1].parent / "out"), "--frames-every", "3"]
+    result = subprocess.run(command, text=True, capture_output=True, timeout=100)
+    assert result.returncode == 2 and "--frames" in result.stderr
