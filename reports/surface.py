@@ -4,13 +4,9 @@ import dataclasses
 
 import numpy as np
 import vtkmodules.vtkFiltersCore as filters
-from vtkmodules.vtkFiltersCore import vtkTubeFilter
 
 from common import vtp
 from reports.reading import read_polydata
-
-STRUT_RADIUS_MM = 0.045  # of struts that come as lines, for the picture only
-STRUT_SIDES = 5
 
 
 @dataclasses.dataclass(frozen=True)
@@ -27,16 +23,8 @@ def read_lumen(path, most_triangles):
 
 
 def read_device(path):
-    """A device as a Surface; struts that are lines become thin tubes. None if the file holds neither."""
-    polydata = read_polydata(path, "vci deploy")
-    if polydata.GetNumberOfLines() > 0 and polydata.GetNumberOfPolys() == 0:
-        tube = vtkTubeFilter()
-        tube.SetInputData(polydata)
-        tube.SetRadius(STRUT_RADIUS_MM)
-        tube.SetNumberOfSides(STRUT_SIDES)
-        tube.Update()
-        polydata = tube.GetOutput()
-    polydata = triangulated(polydata)
+    """A device as a Surface, its lines left out. None if the file holds no triangles."""
+    polydata = triangulated(read_polydata(path, "vci deploy"))
     return to_surface(polydata) if polydata.GetNumberOfPolys() else None
 
 

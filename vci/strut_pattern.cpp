@@ -3,6 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include <vtkCellArray.h>
+#include <vtkNew.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkTriangleFilter.h>
+#include <vtkTubeFilter.h>
+
 namespace vci {
 
 namespace {
@@ -16,6 +23,45 @@ Vec3 on_cylinder(const RingGrid& grid, const Vectors& x, double length_share, do
   const double u = r - r0, v = k - std::floor(k);
   const auto at = [&](int ring, int place) { return x[ring * grid.around + place]; };
   return (1 - u) * ((1 - v) * at(r0, k0) + v * at(r0, k1)) + u * ((1 - v) * at(r0 + 1, k0) + v * at(r0 + 1, k1));
+}
+
+/// Adds tubes about the lines, `thickness` wide, closed at their ends.
+void add_tubes(Struts& s, double thickness) {
+  constexpr int sides = 6;
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  for (const Vec3& p : s.points)
+    points->InsertNextPoint(p.data());
+  vtkNew<vtkCellArray> lines;
+  for (const auto& line : s.lines) {
+    lines->InsertNextCell(static_cast<int>(line.size()));
+    for (int v : line)
+      lines->InsertCellPoint(v);
+  }
+  vtkNew<vtkPolyData> axes;
+  axes->SetPoints(points);
+  axes->SetLines(lines);
+  vtkNew<vtkTubeFilter> tubes;
+  tubes->SetInputData(axes);
+  tubes->SetRadius(0.5 * thickness);
+  tubes->SetNumberOfSides(sides);
+  tubes->CappingOn();
+  tubes->SetOutputPointsPrecision(vtkAlgorithm::DOUBLE_PRECISION);
+  vtkNew<vtkTriangleFilter> cut;
+  cut->SetInputConnection(tubes->GetOutputPort());
+  cut->Update();
+  vtkPolyData* surface = cut->GetOutput();
+  const int first = static_cast<int>(s.points.size());
+  for (vtkIdType i = 0; i < surface->GetNumberOfPoints(); ++i)
+    s.points.emplace_back(surface->GetPoint(i));
+  vtkCellArray* polygons = surface->GetPolys();
+  for (vtkIdType k = 0; k < surface->GetNumberOfPolys(); ++k) {
+    vtkIdType size;
+    const vtkIdType* ids;
+    polygons->GetCellAtId(k, size, ids);
+    s.triangles.push_back(
+        {first + static_cast<int>(ids[0]), first + static_cast<int>(ids[1]), first + static_cast<int>(ids[2])});
+  }
 }
 
 } // namespace
@@ -50,6 +96,7 @@ Struts strut_pattern(const StentSpec& spec, const RingGrid& grid, const Vectors&
       s.lines.push_back(bridge);
     }
   }
+  add_tubes(s, spec.strut_thickness);
   return s;
 }
 

@@ -4,9 +4,11 @@
 
 namespace vci {
 
+/// Axes of the struts as lines, and round tubes of a strut's thickness about them as triangles.
 struct Struts {
   Vectors points;
   std::vector<std::vector<int>> lines;
+  Triangles triangles;
 };
 /// Zigzag rows of `crowns` crowns, one about every 1.2 mm, joined by `links` links; `cylinder` holds the grid's
 /// vertices.

@@ -166,7 +166,7 @@ def write_flow(folder, tube):
 
 
 def write_stent(path, tube, crowns=8, rings=9):
-    """Zig-zag rings joined by links, as lines."""
+    """Zig-zag rings joined by links: axes as lines, and tubes about them as triangles, as `vci deploy` writes."""
     points, lines = [], []
     for ring in range(rings):
         start, count = len(points), 2 * crowns
@@ -179,7 +179,20 @@ def write_stent(path, tube, crowns=8, rings=9):
         lines.append(range(start, start + count + 1))
         if ring:
             lines.append([start - count, start])
-    write_vtp(path, polydata_from(np.array(points), lines=lines))
+    write_vtp(path, with_tubes(polydata_from(np.array(points), lines=lines)))
+
+
+def with_tubes(axes, thickness=0.08):
+    tubes, both = vtk.vtkTubeFilter(), vtk.vtkAppendPolyData()
+    tubes.SetInputData(axes)
+    tubes.SetRadius(0.5 * thickness)
+    tubes.SetNumberOfSides(5)
+    triangles = vtk.vtkTriangleFilter()
+    triangles.SetInputConnection(tubes.GetOutputPort())
+    both.AddInputData(axes)
+    both.AddInputConnection(triangles.GetOutputPort())
+    both.Update()
+    return both.GetOutput()
 
 
 def write_procedure(folder):

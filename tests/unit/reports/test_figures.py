@@ -91,9 +91,11 @@ def test_lumen_is_thinned_and_keeps_its_volume(make_case):
     assert volumes[0] > 0 and volumes[1] == pytest.approx(volumes[0], rel=0.01)
 
 
-def test_struts_given_as_lines_become_tubes(make_case):
-    stent = read_device(make_case() / "vci" / "devices" / "stent1_struts.vtp")
+def test_struts_are_read_without_their_axes(make_case):
+    folder = make_case()
+    stent = read_device(folder / "vci" / "devices" / "stent1_struts.vtp")
     assert len(stent.triangles) > 1000 and stent.triangles.max() < len(stent.points)
+    assert read_device(next(folder.rglob("centreline.vtp"))) is None  # lines alone
 
 
 def test_nothing_to_draw_is_refused(tmp_path):

@@ -1,6 +1,8 @@
 // Balloons follow their chart, whatever the number of vertices round them; stents have their radial strength.
 #include "vci/bench.hpp"
 #include "vci/crush.hpp"
+#include "vci/strut_pattern.hpp"
+#include <cmath>
 #include <gtest/gtest.h>
 #include <stdexcept>
 
@@ -38,6 +40,30 @@ TEST(Crush, StentOfStatedStrengthYieldsThereAfterASmallRecoil) {
     EXPECT_LT(test.points[2].pressure_mpa, 0.25) << "edge " << edge;
     EXPECT_LE(test.residual, numerics.integrator.residual_tolerance);
   }
+}
+
+TEST(Struts, AreClosedTubesOfTheirThicknessAboutTheirAxes) {
+  const StentSpec stent{3.0, 12, 1.0, 4.4, 0.08, 8, 2, "b", 10, 0.03, 0.5, 20, 0.22, 4.5};
+  const RingGrid grid = stent_grid(stent, 0.45);
+  const Struts struts = strut_pattern(stent, grid, straight_grid(grid, 1.5));
+  double length = 0;
+  std::size_t axes = 0;
+  for (const auto& line : struts.lines) {
+    axes += line.size();
+    for (std::size_t k = 1; k < line.size(); ++k)
+      length += (struts.points[line[k]] - struts.points[line[k - 1]]).norm();
+  }
+  EXPECT_GE(struts.lines.size(), 10u + 9u * 2u) << "a row of crowns each 1.2 mm, two links between rows";
+  double six_volumes = 0;
+  for (const Triangle& t : struts.triangles) {
+    for (int v : t)
+      ASSERT_TRUE(v >= static_cast<int>(axes) && v < static_cast<int>(struts.points.size()));
+    six_volumes += struts.points[t[0]].dot(struts.points[t[1]].cross(struts.points[t[2]]));
+  }
+  const double hexagon = 1.5 * std::sqrt(3.0) * 0.04 * 0.04;
+  EXPECT_NEAR(std::abs(six_volumes) / 6, hexagon * length, 0.03 * hexagon * length);
+  for (std::size_t v = axes; v < struts.points.size(); ++v)
+    EXPECT_NEAR(std::hypot(struts.points[v][0], struts.points[v][1]), 1.5, 0.15); // the grid's sides are chords
 }
 
 TEST(BalloonChart, InterpolatesAndInverts) {
