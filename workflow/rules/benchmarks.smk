@@ -82,6 +82,26 @@ rule deployment_hard_cases:
         "workflow/run.sh {log} /usr/bin/python3 -m vci.hard_cases --build {params.build} --out {params.out}"
 
 
+rule deployment_sensitivity:
+    message:
+        "benchmark: what contact distance and margin of the region are worth"
+    input:
+        programs=[VCI],
+        code=module_code("vci.sensitivity"),
+    output:
+        "results/benchmarks/deployment_sensitivity/sensitivity.csv",
+    log:
+        "results/benchmarks/logs/deployment_sensitivity.log",
+    benchmark:
+        "results/benchmarks/logs/deployment_sensitivity.tsv"
+    threads: workflow.cores
+    params:
+        build=programs_folder,
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m vci.sensitivity --build {params.build} --out {params.out}"
+
+
 rule flow_hard_cases:
     message:
         "benchmark: hard cases of the flow"

@@ -48,6 +48,18 @@ TABLES = {
             "times": "times",
         },
     ),
+    "deployment_sensitivity": (
+        "sensitivity.csv",
+        {
+            "setting": "setting",
+            "value": "value, mm",
+            "case": "scene",
+            "mean_csa_change_percent": "mean area, %",
+            "mla_change_percent": "minimal area, %",
+            "steps": "steps",
+            "cpu_seconds": "CPU s",
+        },
+    ),
     "deployment_hard_cases": (
         "hard_cases.csv",
         {
@@ -74,6 +86,8 @@ DIGITS = {
     "textbook_cpu_seconds": ".1f",
     "textbook_error_percent": "+.1f",
     "times": ".1f",
+    "mean_csa_change_percent": "+.2f",
+    "mla_change_percent": "+.2f",
     "mean_penetration_mm": ".4f",
     "worst_penetration_mm": ".3f",
     "minimal_area_mm2": ".1f",
