@@ -62,7 +62,7 @@ def test_every_stage_balances(culotte):
     stages = json.loads((culotte / "deployment.json").read_text())["stages"]
     assert len(stages) == 15
     assert max(s["residual"] for s in stages) <= 3e-3
-    assert max(s["mean_penetration_mm"] for s in stages) <= 0.003
+    assert max(s["mean_penetration_mm"] for s in stages) <= 0.05 * 0.0125  # a twentieth of the contact distance
 
 
 def test_nothing_is_pierced(culotte):

@@ -178,4 +178,19 @@ TEST(Tube, ThickPlaqueAgainstLamesTube) {
     }
 }
 
+TEST(Tube, ThickPlaqueOnJitteredAndGradedMeshes) {
+  constexpr double modulus = 0.3, strain = 0.005, thickness = 1.5;
+  for (Mesh mesh : {Mesh::jittered, Mesh::graded})
+    for (int around : {24, 36})
+      for (double poisson : {0.3, 0.45}) {
+        const auto layers = plaque_layers({0, poisson}, modulus, thickness, radius);
+        const double pressure = strain * lame_stiffness(thickness, modulus, poisson);
+        const double found = widening(tube(mesh, around), {layers.begin(), layers.end()}, 0, pressure) / strain;
+        const double share = std::pow(radius / (radius + thickness), 2);
+        const double softer = (1 + (1 - 2 * poisson) * share) / (2 * (1 - poisson));
+        EXPECT_NEAR(found * softer, 1, 0.02)
+            << around << " round, nu " << poisson << (mesh == Mesh::graded ? " graded" : "");
+      }
+}
+
 } // namespace
