@@ -140,6 +140,14 @@ def test_a_setting_whose_method_is_not_chosen(binary, scene, section, key, value
 
 
 def test_frames_of_steps_need_a_folder(binary, scene):
-    command = [str(binary("vci")), "deploy", str(scene[1]), "--out", str(scene[1].parent / "out"), "--frames-every", "3"]
+    command = [
+        str(binary("vci")),
+        "deploy",
+        str(scene[1]),
+        "--out",
+        str(scene[1].parent / "out"),
+        "--frames-every",
+        "3",
+    ]
     result = subprocess.run(command, text=True, capture_output=True, timeout=100)
     assert result.returncode == 2 and "--frames" in result.stderr
