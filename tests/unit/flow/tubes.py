@@ -76,19 +76,30 @@ def line(length_mm, radius, axis=None, name="main", branch_id=0, spacing_mm=0.25
 
 def fork(radius=1.5, side_radius=0.9, length=24.0, at=10.0, side_length=10.0, angle_deg=60.0, edge_mm=0.4):
     """(Surface, [Branch, Branch]): a straight tube with one side tube, meshed by gmsh."""
+    return branched(radius, length, [(at, side_radius, side_length, angle_deg, 0.0)], edge_mm)
+
+
+def branched(radius, length, sides, edge_mm):
+    """(Surface, [Branch]): a straight tube along +x with side tubes, meshed by gmsh.
+
+    sides: [(where on the tube in mm, radius and length in mm, angle to it and turn about its axis in degrees)].
+    """
     import gmsh
 
-    angle = np.radians(angle_deg)
-    way = np.array([np.cos(angle), np.sin(angle), 0.0])
+    angles = np.radians([side[3:] for side in sides])
+    ways = [np.array([np.cos(a), np.sin(a) * np.cos(turn), np.sin(a) * np.sin(turn)]) for a, turn in angles]
     gmsh.initialize(["gmsh"], False)
     try:
         gmsh.option.setNumber("General.Verbosity", 1)
         for name in ("Min", "Max"):
             gmsh.option.setNumber(f"Mesh.CharacteristicLength{name}", edge_mm)
-        gmsh.model.add("fork")
+        gmsh.model.add("branched")
         main = gmsh.model.occ.addCylinder(0, 0, 0, length, 0, 0, radius)
-        side = gmsh.model.occ.addCylinder(at, 0, 0, *(side_length * way), side_radius)
-        gmsh.model.occ.fuse([(3, main)], [(3, side)])
+        tubes = [
+            gmsh.model.occ.addCylinder(at, 0, 0, *(reach * way), side_radius)
+            for (at, side_radius, reach, *_), way in zip(sides, ways)
+        ]
+        gmsh.model.occ.fuse([(3, main)], [(3, tube) for tube in tubes])
         gmsh.model.occ.synchronize()
         gmsh.model.mesh.generate(2)
         tags, points, _ = gmsh.model.mesh.getNodes()
@@ -98,16 +109,19 @@ def fork(radius=1.5, side_radius=0.9, length=24.0, at=10.0, side_length=10.0, an
         gmsh.finalize()
     used, triangles = np.unique(nodes.astype(int) - 1, return_inverse=True)
     points, triangles = points[used], triangles.reshape(-1, 3)
-    region = np.zeros(len(triangles), int)
-    for tag, height in ((1, points[:, 0]), (2, length - points[:, 0]), (3, side_length - (points - [at, 0, 0]) @ way)):
+    region, starts = np.zeros(len(triangles), int), [np.array([side[0], 0.0, 0.0]) for side in sides]
+    heights = [points[:, 0], length - points[:, 0]]
+    heights += [side[2] - (points - start) @ way for side, start, way in zip(sides, starts, ways)]
+    for tag, height in enumerate(heights, 1):
         region[(np.abs(height[triangles]) < 1e-6).all(axis=1)] = tag
     surface = Surface(points, triangles, region)
     if surface.volume_mm3() < 0:
         surface = Surface(points, triangles[:, ::-1], region)
-    s = np.linspace(0, side_length, 41)
-    start = np.array([at, 0.0, 0.0])
-    side = centreline.Branch("side1", 1, start + s[:, None] * way, s, np.full(41, side_radius))
-    return surface, [line(length, lambda s: radius), side]
+    branches = [line(length, lambda s: radius)]
+    for k, ((_, side_radius, reach, *_), start, way) in enumerate(zip(sides, starts, ways), 1):
+        s = np.linspace(0, reach, 41)
+        branches.append(centreline.Branch(f"side{k}", k, start + s[:, None] * way, s, np.full(41, side_radius)))
+    return surface, branches
 
 
 def lesion(radius_mm, reduction, centre_mm, length_mm):

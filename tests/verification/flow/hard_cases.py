@@ -142,12 +142,41 @@ def fork(shares, **sizes):
     return surface, branches, {"side1": ("main", sizes["at"])}, document(branches, shares, sizes["length"] - 4.0)
 
 
+# side branches: where on the main one, radius, length in mm, angle to it and turn about its axis in degrees
+SIDES = ((12.0, 0.8, 10.0, 60.0, 0.0), (42.0, 1.2, 12.0, 55.0, 160.0), (50.0, 0.9, 10.0, 50.0, 70.0))
+SIDES += ((58.0, 1.0, 10.0, 60.0, 250.0),)
+SPLIT = 2.55  # an outlet's flow goes with its diameter to this power
+
+
+def five_outlets():
+    """A vessel of 70 mm, 4 mm wide, with SIDES; a lesion of 55 %, 10 mm long, between the first two; FFR 10 mm past it.
+
+    The lesion is made by moving the wall's points of the straight vessel towards the axis.
+    """
+    length, radius, first, last = 70.0, 2.0, 17.0, 27.0
+    surface, branches = tubes.branched(radius, length, SIDES, EDGE)
+    narrowed = tubes.lesion(radius, 0.55, 0.5 * (first + last), last - first)
+    points = surface.points.copy()
+    within = (points[:, 0] > first) & (points[:, 0] < last) & (np.hypot(*points[:, 1:].T) < 1.001 * radius)
+    points[within, 1:] *= (narrowed(points[within, 0]) / radius)[:, None]
+    branches[0] = tubes.line(length, narrowed)
+    wide = np.array([branch.radius_mm[-1] for branch in branches]) ** SPLIT
+    parents = {branch.name: ("main", side[0]) for branch, side in zip(branches[1:], SIDES)}
+    return (
+        dataclasses.replace(surface, points=points),
+        branches,
+        parents,
+        document(branches, wide / wide.sum(), last + 10.0),
+    )
+
+
 CASES = {  # the dearest last
     **{name: tube.case for name, tube in STRAIGHT.items() if name != "throat_re_1500"},
     "outlets_0.7_and_4_mm": lambda: fork([1 - 0.0116, 0.0116], radius=2.0, side_radius=0.35, edge_mm=0.3),
     "resistances_1_to_100": lambda: fork([100 / 101, 1 / 101]),
     "sharp_bend_50": sharp_bend,
     "throat_re_1500": STRAIGHT["throat_re_1500"].case,
+    "five_outlets_55": five_outlets,
     "eccentric_62": eccentric,
 }
 ALL = "all"
