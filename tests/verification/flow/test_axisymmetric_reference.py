@@ -48,8 +48,9 @@ def _write(folder, reduction):
     tubes.write_case(folder, tubes.tube(LENGTH, radius, 0.4), [tubes.line(LENGTH, radius)])
 
 
-@pytest.mark.parametrize(("reduction", "tolerance"), [(0.62, 7e-4), (0.75, 7e-4), (0.8, 7e-4)])
-def test_lesion(tmp_path, run_module, reduction, tolerance):
+@pytest.mark.parametrize(("reduction", "tolerance", "most"), [(0.62, 7e-4, 3), (0.75, 7e-4, 2), (0.8, 7e-4, 2)])
+def test_lesion(tmp_path, run_module, reduction, tolerance, most):
+    """most: factorizations from the axisymmetric flow, one more than it takes."""
     _write(tmp_path, reduction)
     (tmp_path / "boundary.json").write_text(json.dumps(_document()))
     line = ["--centreline", tmp_path / "centreline.vtp"]
@@ -67,7 +68,7 @@ def test_lesion(tmp_path, run_module, reduction, tolerance):
     assert answer["mass_imbalance"] < 1e-8
     estimate = answer["error_estimate"]["ffr"]
     assert 0.5 * abs(answer["ffr"] - REFERENCE[reduction]) <= estimate <= answer["ffr_tolerance"]
-    assert answer["iterations"] <= 4  # from the axisymmetric flow
+    assert answer["iterations"] <= most
     assert answer["tolerance_met"] and [mesh["mesh"] for mesh in answer["meshes"]] == ["mesh_coarse.msh"]
 
 
