@@ -60,9 +60,13 @@ class Extended:
         self._longer = prolonged_network(anatomy, sections, extensions)
 
     def predictor(self):
-        """flow.predictor.Predictor of the tree with its extensions."""
+        """flow.predictor.Predictor of the tree with its extensions; the network alone where model is `network`."""
         network = reduced.Network(*self._longer, self.document, self.settings.expansion_loss)
-        return predictor.Predictor(network, self.tree, self.document, self.settings)
+        return self._predictor(network, self.tree)
+
+    def _predictor(self, network, tree):
+        coupled = self.settings.model != "network"
+        return predictor.Predictor(network, tree, self.document, self.settings, coupled)
 
     def report(self, models):
         """Entry `extensions` of ffr.json; models: of it, with the extensions.
@@ -72,7 +76,7 @@ class Extended:
         if not self.extensions:
             return {"ends": [], "ffr_change": {}}
         names = {outlet["region_id"]: outlet["name"] for outlet in self.document["outlets"]} | {INLET: "inlet"}
-        without = predictor.Predictor(self.network, self.original, self.document, self.settings)
+        without = self._predictor(self.network, self.original)
         before = without.answers()
         without.destroy()
         change = {

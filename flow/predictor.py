@@ -25,9 +25,9 @@ SHORTEST = 4.0  # radii of a branch that the axisymmetric model is worth the eff
 
 class Predictor:
     """Flows (outlets,) m3/s, {branch: (s m, pressure Pa)} and velocities of the coupled models; network: solved at
-    `alone`, the flows of the network by itself."""
+    `alone`, the flows of the network by itself. coupled: whether there is an axisymmetric model at all."""
 
-    def __init__(self, network, tree, document, settings):
+    def __init__(self, network, tree, document, settings, coupled=True):
         self.network, self.tree, self.document = network, tree, document
         self.alone = self.flows = network.solve()
         self.alone_pressures = self.pressures = network.pressures(self.flows, network.inlet_pa)
@@ -36,6 +36,9 @@ class Predictor:
         self.branch = tree[probe["branch"]]
         self.s_probe_mm, _ = self.branch.project(np.array(probe["point_mm"]))
         self.radius_mm = {name: _radius(*profile) for name, profile in network.profile.items()}
+        if not coupled:
+            self.reason, self.cpu_seconds = "not asked for", 0.0
+            return
         try:
             self._couple(settings)
         except ComputationError as error:
@@ -108,11 +111,6 @@ class Predictor:
         """Frees PETSc's memory."""
         if self.tube is not None:
             self.tube.destroy()
-
-    def uncouple(self):
-        """Back to the network alone."""
-        self.tube, self.flows, self.pressures = None, self.alone, self.alone_pressures
-        self.network.added.clear()
 
     def ffr(self, pressures):
         """FFR at the probe `distal` of {branch: (s, pressure)}."""

@@ -42,8 +42,6 @@ def run(mesh, coarse, case, folder):
         answer["meshes"] = search.meshes
         warnings = adaptive.missed(estimate, settings)
     else:
-        if settings.model == "network":
-            predicted.uncouple()
         solved = reduced_answer.Reduced(predicted, paths[0])
         reference = ffr.reference_pa(document, tree, solved.sampler)
         answer, table = reduced_answer.collect(settings.model, predicted, solved, case, reference)
