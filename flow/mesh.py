@@ -1,6 +1,7 @@
 """Volume mesh of a lumen: surface -> refined, extended surface -> linear tetrahedra -> curved tetrahedra -> files."""
 
 import dataclasses
+import sys
 
 import numpy as np
 
@@ -37,7 +38,7 @@ def build(surface, tree, cells_per_radius, settings, rings=None, coarsening=1.0)
         points, tetrahedra = volume_mesh.fill(surface, sizes, spacing_mm=max(0.25, float(sizes.size.min())))
         mesh = curving.curve(surface, points, _positive(points, tetrahedra))
         figures = _checked(mesh, np.zeros(len(tetrahedra), bool))
-        swept = {"cells": 0, "spans": [], "reason": str(error)}
+        swept = {"cells": 0, "spans": [], "reason": _unswept(error, settings)}
     report = {
         "element_order": 2,
         "cells": len(mesh.tetrahedra),
@@ -46,13 +47,22 @@ def build(surface, tree, cells_per_radius, settings, rings=None, coarsening=1.0)
         "surface_triangles": len(mesh.triangles),
         "cells_per_radius": cells_per_radius,
         "rings": rings,
-        "wall_layers": settings.wall_layers,
+        "wall_layers": settings.wall_layers if swept["cells"] else 1,
         "swept": swept,
         "quality": figures,
         "volume_mm3": surface.volume_mm3(),
         "extensions": [dataclasses.asdict(one) for one in extensions],
     }
     return mesh, report
+
+
+def _unswept(error, settings):
+    """Why no stretch is swept, and, printed too, what of the settings that leaves undone."""
+    if settings.wall_layers == 1:
+        return str(error)
+    lost = f"no wall_layers, {settings.wall_layers} were asked for: they are of swept stretches, and nothing is swept"
+    print(lost, file=sys.stderr, flush=True)
+    return f"{error}\n{lost}"
 
 
 def _swept(surface, tree, sizes, settings, rings, coarsening):

@@ -7,23 +7,23 @@ import pytest
 
 import tubes
 from common.errors import ComputationError
-from flow import centreline, curving, mesh, refine, size_field, spaces, surface, tet10, volume_mesh
+from flow import centreline, curving, hybrid, mesh, refine, size_field, spaces, surface, tet10, volume_mesh
+from flow import settings as settings_module
+
+
+def _no_spans(*_):
+    raise hybrid.NoSpans("not wanted here")
 
 
 @pytest.fixture(scope="module")
 def built():
     """A bent, narrowed tube in cells of one size in all directions."""
-    from flow import hybrid, settings
-
-    def no_spans(*_):
-        raise hybrid.NoSpans("not wanted here")
-
     radius = tubes.lesion(1.5, 0.4, 8, 8)
     tube = tubes.tube(16, radius, 0.5, tubes.arc(0.05))
     tree = centreline.Tree([tubes.line(16, radius, tubes.arc(0.05))])
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(hybrid, "build", no_spans)
-        return tube, mesh.build(tube, tree, 2.0, settings.make(**tubes.AS_IT_IS))
+        patch.setattr(hybrid, "build", _no_spans)
+        return tube, mesh.build(tube, tree, 2.0, settings_module.make(**tubes.AS_IT_IS))
 
 
 def _volume(quadratic):
@@ -109,6 +109,16 @@ def test_the_same_surface_gives_the_same_tetrahedra(monkeypatch, tmp_path):
     for points, tetrahedra in found[1:]:
         assert (tetrahedra.shape, points.shape) == (found[0][1].shape, found[0][0].shape)
         assert (tetrahedra == found[0][1]).all() and (points == found[0][0]).all()
+
+
+def test_layers_that_nothing_swept_has_are_not_claimed(monkeypatch, capsys):
+    monkeypatch.setattr(hybrid, "build", _no_spans)
+    tree = centreline.Tree([tubes.line(5, lambda s: 1.5)])
+    wanted = settings_module.make(wall_layers=3, **tubes.AS_IT_IS)
+    _, report = mesh.build(tubes.tube(5, lambda s: 1.5), tree, 1.5, wanted)
+    assert report["wall_layers"] == 1
+    assert "not wanted here" in report["swept"]["reason"] and "3 were asked for" in report["swept"]["reason"]
+    assert "no wall_layers, 3 were asked for" in capsys.readouterr().err
 
 
 def test_a_bad_mesh_is_refused(monkeypatch, settings):
