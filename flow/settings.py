@@ -1,6 +1,7 @@
 """The settings of the flow step: names, defaults and ranges are those of config/schemas/flow.schema.yaml."""
 
 import argparse
+import math
 import pathlib
 import types
 
@@ -32,9 +33,20 @@ def add_options(parser, command):
     group.add_argument("--settings", metavar="FILE.json", help="file with keys of the section, also of other commands")
     for name, rule in properties().items():
         if command in commands_of(name):
-            kind = {"integer": int, "string": str}.get(rule["type"], float)
+            kind = str if rule["type"] == "string" else _number
             help_text = schema.describe(rule)
             group.add_argument(option(name), dest=name, type=kind, default=argparse.SUPPRESS, help=help_text)
+
+
+def _number(text):
+    """The number that a text is, else the text: `make` says what is allowed, for a range as for a kind."""
+    for kind in (int, float):
+        try:
+            value = kind(text)
+        except ValueError:
+            continue
+        return value if math.isfinite(value) else text
+    return text
 
 
 def check_left(command, words):
@@ -58,8 +70,10 @@ def from_arguments(arguments):
         if not isinstance(values, dict):
             raise InputError("not a group of keys", path, values, "give a JSON file with keys of section flow")
         values = dict(values)
-    values.update({name: getattr(arguments, name) for name in properties() if hasattr(arguments, name)})
-    return make(**values)
+    given = {name: getattr(arguments, name) for name in properties() if hasattr(arguments, name)}
+    made = make(**{**values, **given})
+    check_switches(vars(made), "flow settings", given)
+    return made
 
 
 def make(**values):
@@ -67,6 +81,19 @@ def make(**values):
     rules = schema.read("flow")
     schema.validate(_Given(values), rules)
     return types.SimpleNamespace(**schema.with_defaults(values, rules))
+
+
+def check_switches(values, where, given=()):
+    """Raises InputError for a setting that another one (`x-with` of the schema) keeps from acting.
+
+    values: {setting: value}, complete; those at their defaults were not wished for, but for the names in `given`.
+    """
+    for name, rule in properties().items():
+        for switch, needed in rule.get("x-with", {}).items():
+            if values[switch] != needed and (name in given or values[name] != rule["default"]):
+                what = f"setting that does not act while {switch} is {values[switch]}"
+                remedy = f"set {switch} to {needed}, or leave {name} out (default {rule['default']})"
+                raise InputError(what, f"{where}: {name}", values[name], remedy)
 
 
 def check_meshes(values, where):

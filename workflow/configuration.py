@@ -8,7 +8,7 @@ import re
 from common import config, schema, yaml_reader
 from common.errors import InputError
 from data_synthetic import patient
-from flow.settings import check_meshes
+from flow.settings import check_meshes, check_switches
 
 CASE_NAME = "[a-z][a-z0-9_]*"
 
@@ -130,6 +130,7 @@ class Configuration:
             schema.validate(document, schema.read(section))
             if section == "flow":
                 check_meshes(values, self.case_file(name))
+                check_switches(values, self.case_file(name))
 
 
 def _case_name(file):

@@ -1,5 +1,6 @@
 """Settings: each command offers those that act in it, and refuses those that do not."""
 
+import json
 import types
 
 import pytest
@@ -134,3 +135,60 @@ def test_a_file_may_hold_the_settings_of_all_commands(folder, tmp_path):
     (tmp_path / "flow.json").write_text('{"rings": 5, "ffr_tolerance": 0.001, "viscosity_pa_s": 0.003}')
     _boundary(folder, "--settings", str(tmp_path / "flow.json"))
     assert '"viscosity_pa_s": 0.003' in (folder / "boundary.json").read_text()
+
+
+@pytest.mark.parametrize(
+    ("command", "given", "allowed"),
+    [
+        ("mesh", ["--wall-layers", "2.5"], "a whole number at least 1 at most 4"),
+        ("mesh", ["--wall-layers", "abc"], "a whole number at least 1 at most 4"),
+        ("mesh", ["--wall-layers", "0"], "a whole number at least 1 at most 4"),
+        ("solve", ["--ranks", "two"], "a whole number at least 1 at most 64"),
+        ("solve", ["--ffr-tolerance", "nan"], "a number at least 0 at most 0.1"),
+        ("solve", ["--linear-solver", "fast"], "one of auto, direct, iterative"),
+    ],
+)
+def test_a_value_that_is_not_allowed_is_refused_with_what_is(command, given, allowed, capsys):
+    required = {
+        "solve": ["mesh.msh", "--boundary", "b.json", "--centreline", "c.vtp", "--out", "out"],
+        "mesh": ["lumen.vtp", "--centreline", "c.vtp", "--out", "mesh.msh"],
+    }
+    with pytest.raises(SystemExit) as ended:
+        command_line.main([command, *required[command], *given])
+    said = capsys.readouterr().err
+    name = given[0].strip("-").replace("-", "_")
+    assert ended.value.code == 2 and allowed in said and name in said and given[1] in said and "usage" not in said
+
+
+def test_a_whole_number_may_have_a_point(folder, monkeypatch):
+    monkeypatch.setattr(settings_module, "check_meshes", lambda values, where: pytest.fail(repr(values["rings"])))
+    with pytest.raises(pytest.fail.Exception, match="^5$"):
+        command_line.main(["mesh", "l.vtp", "--centreline", "c", "--out", "m", "--coarse", "k", "--rings", "5.0"])
+
+
+@pytest.mark.parametrize(
+    ("given", "remedy"),
+    [
+        (["--inlet-flow-ml-per-min", "50"], "set inlet_condition to flow"),
+        (["--inlet-flow-ml-per-min", "200"], "set inlet_condition to flow"),  # the default, but asked for
+        (["--outlet-pressure-mmhg", "70"], "set outlet_condition to pressure"),
+        (["--viscosity-power-index", ".3"], "set viscosity_model to carreau_yasuda"),
+        (["--viscosity-model", "carreau_yasuda", "--viscosity-pa-s", ".003"], "set viscosity_model to newtonian"),
+    ],
+)
+def test_a_setting_whose_switch_is_not_set_is_refused(folder, given, remedy, capsys):
+    with pytest.raises(SystemExit) as ended:
+        _boundary(folder, *given)
+    said = capsys.readouterr().err
+    assert ended.value.code == 2 and remedy in said and "does not act" in said
+
+
+def test_a_file_with_every_default_sets_no_switch(folder, tmp_path, capsys):
+    rules = settings_module.properties()
+    values = {name: rule["default"] for name, rule in rules.items()}
+    (tmp_path / "flow.json").write_text(json.dumps(values))
+    _boundary(folder, "--settings", str(tmp_path / "flow.json"))
+    (tmp_path / "flow.json").write_text(json.dumps(values | {"outlet_pressure_mmhg": 70}))
+    with pytest.raises(SystemExit):
+        _boundary(folder, "--settings", str(tmp_path / "flow.json"))
+    assert "set outlet_condition to pressure" in capsys.readouterr().err
