@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <numbers>
 #include <vtkPointData.h>
 
@@ -48,12 +49,13 @@ double peak_memory_mib() {
   return 0;
 }
 
-/// The smallest area (mm^2) of a profile; null where it has none.
-json smallest_of(const json& profile) {
+/// The smallest, or by another order the first, value under `key` of rows that have one; null where none has.
+template <class Order = std::less<>>
+json smallest_of(const json& rows, const char* key = "area_mm2", Order before = {}) {
   json smallest = nullptr;
-  for (const json& row : profile)
-    if (!row["area_mm2"].is_null() && (smallest.is_null() || row["area_mm2"] < smallest))
-      smallest = row["area_mm2"];
+  for (const json& row : rows)
+    if (!row[key].is_null() && (smallest.is_null() || before(row[key], smallest)))
+      smallest = row[key];
   return smallest;
 }
 
@@ -142,8 +144,10 @@ json readouts(const Scene& scene, const Lumen& lumen, const std::map<std::string
          {"recoil_percent_of_maker", spec.recoil_percent},
          {"foreshortening_percent", 100 * (1 - h.final_length / spec.length)}});
   }
-  for (const char* key : {"minimal_stent_area_mm2", "expansion_index", "recoil_percent", "foreshortening_percent"})
-    out[key] = out["stents"].empty() ? json(nullptr) : out["stents"][0][key];
+  for (const char* key : {"minimal_stent_area_mm2", "expansion_index"})
+    out[key] = smallest_of(out["stents"], key, std::less<>());
+  for (const char* key : {"recoil_percent", "foreshortening_percent"})
+    out[key] = smallest_of(out["stents"], key, std::greater<>());
   out["maximal_malapposition_mm"] = *std::max_element(d.malapposition.begin(), d.malapposition.end());
   return out;
 }

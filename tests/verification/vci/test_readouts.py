@@ -40,9 +40,13 @@ def test_stents_in_series_recoil_as_each_alone(deploy):
     tube = scenes.Tube(length=44, edge=0.8, stenosis=0.4, lesion_length=24)
     shifts = (-7.0, 7.0)
     alone = [deploy(tube, steps(0, 1), shifts=(s,), length=10.0)["stents"][0]["recoil_percent"] for s in shifts]
-    series = [s["recoil_percent"] for s in deploy(tube, steps(0, 1, 2), shifts=shifts, length=10.0)["stents"]]
+    result = deploy(tube, steps(0, 1, 2), shifts=shifts, length=10.0)
+    series = [s["recoil_percent"] for s in result["stents"]]
     assert min(alone) > 2
     assert series == pytest.approx(alone, rel=0.05)
+    for key, worst in (("minimal_stent_area_mm2", min), ("recoil_percent", max), ("foreshortening_percent", max)):
+        values = [stent[key] for stent in result["stents"]]
+        assert values[0] != values[1] and result[key] == worst(values)
 
 
 def test_a_balloon_that_does_not_fill_the_stent_leaves_its_recoil(deploy):
