@@ -9,6 +9,7 @@ The diameters are those of the outlets before the intervention; one set of resis
 """
 
 import math
+import sys
 
 from common import json_reader, schema
 from common.errors import InputError
@@ -16,6 +17,7 @@ from flow import lumen_summary, viscosity
 
 PA_PER_MMHG = 133.322
 M3_PER_S_PER_ML_PER_MIN = 1e-6 / 60.0
+ROUNDING_MM = 1e-6
 
 
 def mean_arterial_pressure_mmhg(sbp_mmhg, dbp_mmhg):
@@ -81,6 +83,7 @@ def make(anatomy, centreline, patient, settings):
             pressure = settings.outlet_pressure_mmhg * PA_PER_MMHG
             outlet.update(resistance_pa_s_per_m3=0.0, pressure_pa=pressure)
     given = settings.inlet_flow_ml_per_min * M3_PER_S_PER_ML_PER_MIN
+    read_at = probes(anatomy, centreline, settings.probe_distance_mm)
     document = {
         "schema": "vci-boundary-1",
         "inlet_flow_m3_per_s": given if settings.inlet_condition == "flow" else None,
@@ -91,7 +94,8 @@ def make(anatomy, centreline, patient, settings):
         "viscosity": viscosity.from_settings(settings),
         "q_hyperaemic_m3_per_s": q_hyp,
         "outlets": outlets,
-        "probes": probes(anatomy, centreline, settings.probe_distance_mm),
+        "probes": read_at,
+        "warnings": too_near(read_at, settings.probe_distance_mm),
     }
     check(document, branches=[line.name for line in centreline])
     return document
@@ -100,8 +104,8 @@ def make(anatomy, centreline, patient, settings):
 def probes(anatomy, centreline, distance_mm):
     """Where FFR is read: `distal` past the most severe lesion, `lesion<k>` past each, `end_<branch>` at each end.
 
-    A probe stays 1.5 diameters inside its branch's end, where the outlet condition does not reach it; without a lesion
-    `distal` is at the end of the main branch.
+    A probe stays 1.5 diameters inside its branch's end, where the outlet condition does not reach it: `distance_mm` is
+    what is left of the distance past the lesion's end. Without a lesion `distal` is at the end of the main branch.
     """
 
     def probe(name, branch, s_mm):
@@ -110,17 +114,34 @@ def probes(anatomy, centreline, distance_mm):
         s_mm = min(s_mm, last)
         return {"name": name, "branch": branch, "s_mm": float(s_mm), "point_mm": line.point(s_mm).tolist()}
 
+    def past(name, lesion):
+        entry = probe(name, lesion["branch"], lesion["s_end_mm"] + distance_mm)
+        return entry | {"distance_mm": entry["s_mm"] - lesion["s_end_mm"]}
+
     lesions = anatomy.get("lesions", [])
     found = []
     if lesions:
-        found.append(probe("distal", lesions[0]["branch"], lesions[0]["s_end_mm"] + distance_mm))
+        found.append(past("distal", lesions[0]))
     else:
         found.append(probe("distal", centreline.main.name, math.inf))
     for k, lesion in enumerate(lesions[1:], start=2):
-        found.append(probe(f"lesion{k}", lesion["branch"], lesion["s_end_mm"] + distance_mm))
+        found.append(past(f"lesion{k}", lesion))
     for line in centreline:
         found.append(probe(f"end_{line.name}", line.name, math.inf))
     return found
+
+
+def too_near(read_at, distance_mm):
+    """Warnings, printed too, of the probes whose branch ends before they are `distance_mm` past their lesion."""
+    warnings = [
+        f"probe {probe['name']} is {probe['distance_mm']:.1f} mm past its lesion's end instead of {distance_mm:g} mm,"
+        f" since branch {probe['branch']} ends: the jet may not have reattached there"
+        for probe in read_at
+        if probe.get("distance_mm", distance_mm) < distance_mm - ROUNDING_MM
+    ]
+    for said in warnings:
+        print(said, file=sys.stderr, flush=True)
+    return warnings
 
 
 def check(document, where="boundary.json", branches=None):

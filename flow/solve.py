@@ -47,7 +47,8 @@ def run(mesh, coarse, case, folder):
         answer, table = reduced_answer.collect(settings.model, predicted, solved, case, reference)
         warnings = reduced_answer.unknown_error(settings.model)
     answer["models"] = models
-    answer["warnings"] = case.warnings + compared(models) + ffr.rising(answer["probes"], table)
+    answer["warnings"] = case.warnings + document.get("warnings", []) + compared(models)
+    answer["warnings"] += ffr.rising(answer["probes"], table)
     answer["warnings"] += ffr.displaced(answer["probes"], tree, table) + warnings
     answer["extensions"] = extensions
     answer["reduced_model"] = {"model": "1D network", **models["network"]}

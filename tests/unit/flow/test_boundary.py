@@ -88,16 +88,21 @@ def test_resistances_draw_the_planned_flow_at_map(settings):
 
 def test_probe_lies_past_the_most_severe_lesion(settings):
     lesion = {"branch": "main", "s_end_mm": 30.0}
-    probe = boundary.make(_anatomy([lesion]), _tree(), PATIENT, settings)["probes"][0]
+    document = boundary.make(_anatomy([lesion]), _tree(), PATIENT, settings)
+    probe = document["probes"][0]
+    assert document["warnings"] == [] and probe["distance_mm"] == pytest.approx(10.0)
     assert (probe["name"], probe["branch"]) == ("distal", "main")
     assert probe["s_mm"] == pytest.approx(40.0)
     assert probe["point_mm"] == pytest.approx([40.0, 0, 0])
 
 
-def test_probe_stays_inside_the_branch(settings):
-    lesion = {"branch": "main", "s_end_mm": 57.0}
-    probe = boundary.make(_anatomy([lesion]), _tree(), PATIENT, settings)["probes"][0]
-    assert probe["s_mm"] == pytest.approx(60 - 3 * 1.5)
+def test_probe_stays_inside_the_branch(settings, capsys):
+    lesion = {"branch": "main", "s_end_mm": 52.0}
+    document = boundary.make(_anatomy([lesion]), _tree(), PATIENT, settings)
+    probe = document["probes"][0]
+    assert probe["s_mm"] == pytest.approx(60 - 3 * 1.5) and probe["distance_mm"] == pytest.approx(3.5)
+    (said,) = document["warnings"]
+    assert "probe distal is 3.5 mm past its lesion's end instead of 10 mm" in said and said in capsys.readouterr().err
 
 
 def test_negative_resistance_is_refused(settings):
@@ -171,6 +176,7 @@ def _changed(place, value):
         (("probes", 0, "point_mm"), [1.0, math.nan, 0.0], ["probes[1].point_mm[2]", "not finite"]),
         (("probes", 0, "point_mm"), [1.0, 0.0], ["probes[1].point_mm", "at least 3 entries"]),
         (("venous_pressure_pa",), math.nan, ["venous_pressure_pa", "not finite"]),
+        (("warnings",), "none", ["warnings", "a list"]),
         (("inlet_flow_m3_per_s",), "much", ["inlet_flow_m3_per_s", "much", "null"]),
         (("viscosity",), {"model": "carreau_yasuda"}, ["viscosity", "zero_shear_pa_s is missing"]),
     ],

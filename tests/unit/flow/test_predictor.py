@@ -90,7 +90,8 @@ def test_a_reduced_model_answers_alone(tmp_path, monkeypatch, model):
     radius = tubes.lesion(1.2, 0.4, 5, 5)
     branches = [tubes.line(12.0, radius)]
     tubes.write_case(tmp_path, tubes.tube(12.0, radius, 0.5), branches)
-    (tmp_path / "boundary.json").write_text(json.dumps(_document(branches, [1.5e-6], 10.0)))
+    document = _document(branches, [1.5e-6], 10.0) | {"warnings": ["probe distal is near"]}
+    (tmp_path / "boundary.json").write_text(json.dumps(document))
     line = ["--centreline", str(tmp_path / "centreline.vtp")]
     mesh = str(tmp_path / "mesh.msh")
     command_line.main(["mesh", str(tmp_path / "lumen.vtp"), *line, "--out", mesh, "--rings", "2"])
@@ -101,7 +102,7 @@ def test_a_reduced_model_answers_alone(tmp_path, monkeypatch, model):
     answer = json.loads((tmp_path / "ffr.json").read_text())
     assert model in answer["model"] and answer["error_estimate"] is None
     (said,) = [text for text in answer["warnings"] if "error of this FFR is not known" in text]
-    assert model in said and "3D model in trees" in said
+    assert model in said and "3D model in trees" in said and "probe distal is near" in answer["warnings"]
     assert answer["ffr"] == pytest.approx(answer["models"][model]["ffr"], abs=1e-4)
     other = answer["models"]["axisymmetric"]
     if model == "network":
