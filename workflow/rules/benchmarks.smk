@@ -163,6 +163,25 @@ rule flow_wall_shear:
         "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out} 3:1 3:2 3:3 4:1 4:2"
 
 
+rule flow_ranks:
+    message:
+        "benchmark: one MPI rank of the flow solver against two, by its own name only"
+    input:
+        code=flow_benchmark_code("ranks"),
+        script="tests/verification/flow/ranks.py",
+    output:
+        "results/benchmarks/flow_ranks/ranks.csv",
+    log:
+        "results/benchmarks/logs/flow_ranks.log",
+    benchmark:
+        "results/benchmarks/logs/flow_ranks.tsv"
+    threads: workflow.cores
+    params:
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out} single_62:5 five_outlets_55"
+
+
 rule anatomy_speed:
     message:
         "benchmark: seconds of the anatomy against input size"

@@ -65,6 +65,28 @@ TABLES = {
             "cpu_s": "CPU s",
         },
     ),
+    "flow_ranks": (
+        "ranks.csv",
+        {
+            "case": "case",
+            "dofs": "dofs",
+            "ranks": "ranks",
+            "ffr": "FFR",
+            "factorizations": "factorizations",
+            "start": "import",
+            "mesh": "mesh",
+            "reduced models": "reduced models",
+            "assembly": "assembly",
+            "residuals": "residuals",
+            "factorization": "factorization",
+            "solves": "solves",
+            "estimate": "error estimate",
+            "rest": "rest",
+            "cpu_s": "busiest rank, CPU s",
+            "cpu_ratio": "times faster",
+            "wall_s": "wall, s",
+        },
+    ),
     "flow_growth": (
         "growth.csv",
         {
