@@ -135,7 +135,7 @@ def too_near(read_at, distance_mm):
     """Warnings, printed too, of the probes whose branch ends before they are `distance_mm` past their lesion."""
     warnings = [
         f"probe {probe['name']} is {probe['distance_mm']:.1f} mm past its lesion's end instead of {distance_mm:g} mm,"
-        f" since branch {probe['branch']} ends: the jet may not have reattached there"
+        f" since branch {probe['branch']} ends"
         for probe in read_at
         if probe.get("distance_mm", distance_mm) < distance_mm - ROUNDING_MM
     ]
