@@ -15,9 +15,14 @@ using Node = fcl::detail::NodeBase<Box>;
 struct BroadPhase::Tree {
   fcl::detail::HierarchyTree<Box> hierarchy;
   std::vector<Node*> leaves;
+  std::vector<int> vertices; ///< of the triangles, ascending
+  Vectors fitted;            ///< where they were when the boxes were fitted
+  double moved = 0;          ///< the largest displacement since, mm
 };
 
 namespace {
+
+constexpr double refit_after = 0.1; // mm: fitting more often costs more than larger boxes do
 
 Box box_of(const Triangle& t, const Vectors& x) {
   return Box(x[t[0]], x[t[1]], x[t[2]]);
@@ -33,7 +38,9 @@ struct Search {
   const Triangles& triangles;
   const Vectors& x;
   double slack, reach;
+  double moved; // a triangle may have left its box by so much
   std::vector<NearTriangle>& found;
+  double others = 1e300; // none of the triangles passed over is nearer
 
   void visit(const Node* node) {
     if (node->isLeaf()) {
@@ -44,6 +51,8 @@ struct Search {
         const double distance = std::sqrt(c.distance_squared);
         found.push_back({k, distance, c.weights});
         reach = std::min(reach, distance + slack);
+      } else {
+        others = std::min(others, std::sqrt(c.distance_squared));
       }
       return;
     }
@@ -53,10 +62,14 @@ struct Search {
       std::swap(near, far);
       std::swap(d_near, d_far);
     }
-    if (d_near <= reach * reach)
-      visit(near);
-    if (d_far <= reach * reach)
-      visit(far);
+    enter(near, d_near);
+    enter(far, d_far);
+  }
+  void enter(const Node* node, double squared) {
+    if (squared <= (reach + moved) * (reach + moved))
+      visit(node);
+    else
+      others = std::min(others, std::sqrt(squared) - moved);
   }
 };
 
@@ -66,6 +79,12 @@ BroadPhase::BroadPhase(const Triangles& triangles, const Vectors& x) : tree_(std
   for (std::size_t k = 0; k < triangles.size(); ++k)
     tree_->leaves.push_back(
         tree_->hierarchy.insert(box_of(triangles[k], x), reinterpret_cast<void*>(static_cast<std::intptr_t>(k))));
+  for (const Triangle& t : triangles)
+    tree_->vertices.insert(tree_->vertices.end(), t.begin(), t.end());
+  std::sort(tree_->vertices.begin(), tree_->vertices.end());
+  tree_->vertices.erase(std::unique(tree_->vertices.begin(), tree_->vertices.end()), tree_->vertices.end());
+  for (int v : tree_->vertices)
+    tree_->fitted.push_back(x[v]);
 }
 
 BroadPhase::~BroadPhase() = default;
@@ -73,6 +92,15 @@ BroadPhase::BroadPhase(BroadPhase&&) noexcept = default;
 BroadPhase& BroadPhase::operator=(BroadPhase&&) noexcept = default;
 
 void BroadPhase::update(const Triangles& triangles, const Vectors& x) {
+  double squared = 0;
+  for (std::size_t k = 0; k < tree_->vertices.size(); ++k)
+    squared = std::max(squared, (x[tree_->vertices[k]] - tree_->fitted[k]).squaredNorm());
+  tree_->moved = std::sqrt(squared);
+  if (tree_->moved <= refit_after)
+    return;
+  tree_->moved = 0;
+  for (std::size_t k = 0; k < tree_->vertices.size(); ++k)
+    tree_->fitted[k] = x[tree_->vertices[k]];
   for (std::size_t k = 0; k < triangles.size(); ++k) {
     const Vec3 &a = x[triangles[k][0]], &b = x[triangles[k][1]], &c = x[triangles[k][2]];
     Box& box = tree_->leaves[k]->bv;
@@ -82,19 +110,24 @@ void BroadPhase::update(const Triangles& triangles, const Vectors& x) {
   tree_->hierarchy.refit();
 }
 
-void BroadPhase::near(const Vec3& p, const Triangles& triangles, const Vectors& x, double reach, double slack,
-                      int guess, std::vector<NearTriangle>& found) const {
+double BroadPhase::near(const Vec3& p, const Triangles& triangles, const Vectors& x, double reach, double slack,
+                        int guess, std::vector<NearTriangle>& found) const {
   found.clear();
   if (tree_->leaves.empty())
-    return;
+    return 1e300;
   if (guess >= 0) { // the nearest triangle is at most as far as this one
     const Triangle& t = triangles[guess];
     reach = std::min(reach, std::sqrt(closest_on_triangle(p, x[t[0]], x[t[1]], x[t[2]]).distance_squared) + slack);
   }
-  Search search{p, triangles, x, slack, reach, found};
+  Search search{p, triangles, x, slack, reach, tree_->moved, found};
   search.visit(tree_->hierarchy.getRoot());
-  std::erase_if(found, [&](const NearTriangle& f) { return f.distance > search.reach; });
+  std::erase_if(found, [&](const NearTriangle& f) {
+    if (f.distance > search.reach)
+      search.others = std::min(search.others, f.distance);
+    return f.distance > search.reach;
+  });
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.triangle < b.triangle; });
+  return search.others;
 }
 
 } // namespace vci

@@ -19,13 +19,15 @@ public:
   BroadPhase(BroadPhase&&) noexcept;
   BroadPhase& operator=(BroadPhase&&) noexcept;
 
-  /// Fits the boxes to new positions.
+  /// Takes note of new positions; the boxes are fitted to them only once a vertex has moved far. Until then the search
+  /// allows for the largest displacement, which never changes what is found.
   void update(const Triangles& triangles, const Vectors& x);
   /// Triangles no further than `reach` from p, and no further than the nearest of them plus `slack`; by index.
   /// @param triangles, x as given to the last update
   /// @param guess a triangle that may be near, or -1: a good one shortens the search and never changes what is found
-  void near(const Vec3& p, const Triangles& triangles, const Vectors& x, double reach, double slack, int guess,
-            std::vector<NearTriangle>& found) const;
+  /// @return a distance (mm) that no other triangle is nearer than
+  double near(const Vec3& p, const Triangles& triangles, const Vectors& x, double reach, double slack, int guess,
+              std::vector<NearTriangle>& found) const;
 
 private:
   struct Tree;

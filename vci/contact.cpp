@@ -77,13 +77,27 @@ void add_friction(ContactPoint& point, const ContactSettings& s) {
   point.link.tangential_stiffness = share * stiffness;
 }
 
+Normals::Normals(Vectors areas) : area(std::move(areas)) {
+  unit.reserve(area.size());
+  for (const Vec3& n : area)
+    unit.push_back(n.normalized());
+}
+
+const BroadPhase& SurfaceTrees::at(const System& system, int body) {
+  const Triangles& triangles = system.body(body).triangles;
+  const auto [place, made] = trees_.try_emplace(body, triangles, system.x);
+  if (!made)
+    place->second.update(triangles, system.x);
+  return place->second;
+}
+
 /// What a search found for a vertex: far from the surface, or candidates.
 void SurfaceContact::face(const System& system, const Vectors& units, int v, const Body& target, bool vertex_inside,
-                          const std::vector<NearTriangle>& found, double travel, Facing& facing) const {
+                          const std::vector<NearTriangle>& found, double others, double travel, Facing& facing) const {
   const Vec3& p = system.x[v];
   facing.triangles.clear();
   facing.foot = -1;
-  facing.search = {p, travel, search_reach - settings_.distance};
+  facing.search = {p, travel, others - settings_.distance};
   if (found.empty())
     return;
   const NearTriangle& foot = *std::min_element(found.begin(), found.end(),
@@ -114,7 +128,7 @@ void SurfaceContact::search(const System& system, const Vectors& units, int from
   const Body &source = system.body(from), &target = system.body(onto);
   side.facing.resize(source.count);
   std::vector<NearTriangle> found;
-  bool fitted = false;
+  const BroadPhase* boxes = nullptr;
   for (int k = 0; k < source.count; ++k) {
     Facing& facing = side.facing[k];
     const Vec3& p = system.x[source.first + k];
@@ -122,22 +136,18 @@ void SurfaceContact::search(const System& system, const Vectors& units, int from
       continue;
     if (!facing.search.used_up(p, side.travel) || keeps_foot(system, units, p, target, side.travel, facing))
       continue;
-    if (!fitted) {
-      if (side.boxes)
-        side.boxes->update(target.triangles, system.x);
-      else
-        side.boxes = std::make_unique<BroadPhase>(target.triangles, system.x);
-      fitted = true;
-    }
+    if (!boxes)
+      boxes = &trees_->at(system, onto);
     // a triangle may become the nearest while both sides move by the skin
-    side.boxes->near(p, target.triangles, system.x, search_reach, 2 * settings_.skin, facing.foot, found);
-    face(system, units, source.first + k, target, vertex_inside, found, side.travel, facing);
+    const double others =
+        boxes->near(p, target.triangles, system.x, search_reach, 2 * settings_.skin, facing.foot, found);
+    face(system, units, source.first + k, target, vertex_inside, found, others, side.travel, facing);
   }
 }
 
-void SurfaceContact::measure(const System& system, const Vectors& normals, const Vectors& units, int from, int onto,
-                             bool vertex_inside, double ahead, Direction& side,
-                             std::vector<ContactPoint>& points) const {
+void SurfaceContact::measure(const System& system, const Normals& normals, int from, int onto, bool vertex_inside,
+                             double ahead, Direction& side, std::vector<ContactPoint>& points) const {
+  const Vectors& units = normals.unit;
   const Body& target = system.body(onto);
   Vectors slip(system.body(from).count, Vec3::Zero());
   side.slip.resize(slip.size(), Vec3::Zero());
@@ -163,7 +173,7 @@ void SurfaceContact::measure(const System& system, const Vectors& normals, const
     if (seen.first_ramp <= 1e-9)
       continue;
     const Vec3 n = interpolated_normal(t, foot.weights, units);
-    if ((n.dot(normals[vertex]) > 0) != sides_.nested)
+    if ((n.dot(units[vertex]) > 0) != sides_.nested)
       continue; // the surfaces do not face each other here
     const Vec3 q =
         foot.weights[0] * system.x[t[0]] + foot.weights[1] * system.x[t[1]] + foot.weights[2] * system.x[t[2]];
@@ -179,7 +189,7 @@ void SurfaceContact::measure(const System& system, const Vectors& normals, const
           settings_.time_averaged ? -1 : clear - settings_.distance - largest_sagitta(t, system.x, units);
       continue;
     }
-    const double area = normals[vertex].norm();
+    const double area = normals.area[vertex].norm();
     const PointLink link{{vertex, t[0], t[1], t[2]},
                          {-sign, sign * foot.weights[0], sign * foot.weights[1], sign * foot.weights[2]},
                          n,
@@ -201,12 +211,8 @@ double SurfaceContact::largest_move(const System& system, int body) const {
   return std::sqrt(moved);
 }
 
-void SurfaceContact::detect(const System& system, const Vectors& normals, std::vector<ContactPoint>& points,
+void SurfaceContact::detect(const System& system, const Normals& normals, std::vector<ContactPoint>& points,
                             double ahead) {
-  Vectors units(system.x.size());
-  for (int b : {inner_, outer_})
-    for (int v = system.body(b).first; v < system.body(b).first + system.body(b).count; ++v)
-      units[v] = normals[v].normalized();
   if (last_.size() != system.x.size()) { // bodies have come or gone
     inner_on_outer_.facing.clear();
     outer_on_inner_.facing.clear();
@@ -215,10 +221,10 @@ void SurfaceContact::detect(const System& system, const Vectors& normals, std::v
     outer_on_inner_.travel += largest_move(system, inner_);
   }
   last_ = system.x;
-  search(system, units, inner_, outer_, sides_.nested, inner_on_outer_);
-  search(system, units, outer_, inner_, false, outer_on_inner_);
-  measure(system, normals, units, inner_, outer_, sides_.nested, ahead, inner_on_outer_, points);
-  measure(system, normals, units, outer_, inner_, false, ahead, outer_on_inner_, points);
+  search(system, normals.unit, inner_, outer_, sides_.nested, inner_on_outer_);
+  search(system, normals.unit, outer_, inner_, false, outer_on_inner_);
+  measure(system, normals, inner_, outer_, sides_.nested, ahead, inner_on_outer_, points);
+  measure(system, normals, outer_, inner_, false, ahead, outer_on_inner_, points);
 }
 
 Tie tie_of(const ContactPoint& point, const Vectors& x, double stiffness_mpa_per_mm) {

@@ -4,6 +4,8 @@
 #include "vci/pcg.hpp"
 #include "vci/system.hpp"
 
+#include <map>
+
 namespace vci {
 
 struct ContactSettings {
@@ -55,19 +57,38 @@ struct ContactSides {
   std::vector<char> inner_blind, outer_blind;
 };
 
+/// Area vectors of all vertices (mm^2) and their directions.
+struct Normals {
+  Vectors area, unit;
+  Normals(Vectors areas); // NOLINT(google-explicit-constructor) ; area vectors are all there is to say
+};
+
+/// The boxes round the surfaces of several contacts, one tree a body.
+class SurfaceTrees {
+public:
+  /// That of a body, fitted to the system's positions as far as a search needs.
+  const BroadPhase& at(const System& system, int body);
+  void forget(int body) { trees_.erase(body); }
+
+private:
+  std::map<int, BroadPhase> trees_;
+};
+
 /// Both directions: inner vertices against outer triangles, outer vertices against inner triangles. Normals of both
 /// surfaces point outwards. Candidates come from the broad phase. A vertex is searched for again, and its gap measured
 /// again, only once it and the other surface may have moved far enough to matter.
 class SurfaceContact {
 public:
-  SurfaceContact(int inner, int outer, const ContactSettings& settings, ContactSides sides = {})
-      : inner_(inner), outer_(outer), settings_(settings), sides_(std::move(sides)) {}
+  /// @param trees shared with other contacts, all of them of one system; none: its own
+  SurfaceContact(int inner, int outer, const ContactSettings& settings, ContactSides sides = {},
+                 std::shared_ptr<SurfaceTrees> trees = {})
+      : inner_(inner), outer_(outer), settings_(settings), sides_(std::move(sides)),
+        trees_(trees ? std::move(trees) : std::make_shared<SurfaceTrees>()) {}
   int inner() const { return inner_; }
   int outer() const { return outer_; }
   /// Appends the active contact points at the system's positions.
-  /// @param normals area vectors of all vertices
   /// @param ahead ms over which a time-averaged law follows the velocities
-  void detect(const System& system, const Vectors& normals, std::vector<ContactPoint>& points, double ahead = 0);
+  void detect(const System& system, const Normals& normals, std::vector<ContactPoint>& points, double ahead = 0);
 
 private:
   /// How far a vertex and the surface it faces may move, taken together, before a finding no longer holds.
@@ -82,18 +103,17 @@ private:
     int foot = -1; ///< the triangle that the vertex met last, or that the search found nearest; -1: none
   };
   struct Direction {
-    std::unique_ptr<BroadPhase> boxes;
     std::vector<Facing> facing; ///< per vertex of the source body
     Vectors slip;               ///< likewise
     double travel = 0;          ///< sum of the target's largest displacements, mm
   };
   void search(const System& system, const Vectors& units, int from, int onto, bool vertex_inside, Direction& side);
   void face(const System& system, const Vectors& units, int v, const Body& target, bool vertex_inside,
-            const std::vector<NearTriangle>& found, double travel, Facing& facing) const;
+            const std::vector<NearTriangle>& found, double others, double travel, Facing& facing) const;
   bool keeps_foot(const System& system, const Vectors& units, const Vec3& p, const Body& target, double travel,
                   const Facing& facing) const;
-  void measure(const System& system, const Vectors& normals, const Vectors& units, int from, int onto,
-               bool vertex_inside, double ahead, Direction& side, std::vector<ContactPoint>& points) const;
+  void measure(const System& system, const Normals& normals, int from, int onto, bool vertex_inside, double ahead,
+               Direction& side, std::vector<ContactPoint>& points) const;
   double largest_move(const System& system, int body) const;
   bool blind(const System& system, int body, int vertex) const;
   ShareSeen share_seen(const System& system, int body, const Triangle& t, const Vec3& weights) const;
@@ -101,6 +121,7 @@ private:
   int inner_, outer_;
   ContactSettings settings_;
   ContactSides sides_;
+  std::shared_ptr<SurfaceTrees> trees_;
   Vectors last_; ///< positions at the last call
   Direction inner_on_outer_, outer_on_inner_;
 };

@@ -128,7 +128,7 @@ private:
   void add_contacts(int inner, std::vector<ContactSides> sides) {
     for (std::size_t body = 0; body < sides.size(); ++body)
       interactions_.contacts.emplace_back(inner, static_cast<int>(body), scene_.numerics.contact,
-                                          std::move(sides[body]));
+                                          std::move(sides[body]), interactions_.trees);
   }
 
   /// Returns the radius (mm) of the stent's thinnest ring.
@@ -179,7 +179,7 @@ private:
       add_layers(interactions_, system_, balloons_.back(), balloon_of(step.devices[k]), scene_.numerics.contact);
       for (std::size_t other = 0; other < k; ++other)
         interactions_.contacts.emplace_back(balloons_[k].body, balloons_[other].body, scene_.numerics.contact,
-                                            ContactSides{false, {}, {}});
+                                            ContactSides{false, {}, {}}, interactions_.trees);
     }
   }
 
@@ -246,7 +246,7 @@ private:
   }
 
   std::vector<ContactPoint> contacts_onto(int outer, bool of_stents) {
-    const Vectors normals = area_vectors(system_);
+    const Normals normals(area_vectors(system_));
     std::vector<ContactPoint> points;
     for (SurfaceContact& contact : interactions_.contacts)
       if (contact.outer() == outer && is_stent(contact.inner()) == of_stents)

@@ -119,12 +119,14 @@ void read_contact(const Forces& f, RelaxResult& result) {
 void Interactions::forget(int body) {
   std::erase_if(contacts, [&](const SurfaceContact& c) { return c.inner() == body || c.outer() == body; });
   std::erase_if(self_contacts, [&](const SelfContact& c) { return c.body() == body; });
+  trees->forget(body);
 }
 
 void Interactions::detect(const System& system, const Vectors& normals, std::vector<ContactPoint>& points,
                           double ahead) {
+  const Normals all(normals);
   for (SurfaceContact& contact : contacts)
-    contact.detect(system, normals, points, ahead);
+    contact.detect(system, all, points, ahead);
   for (SelfContact& contact : self_contacts)
     contact.detect(system, normals, points);
 }

@@ -27,6 +27,7 @@ struct Interactions {
   std::vector<SurfaceContact> contacts;
   std::vector<SelfContact> self_contacts; ///< of bodies whose layers lie on one another
   std::vector<Tie> ties;
+  std::shared_ptr<SurfaceTrees> trees = std::make_shared<SurfaceTrees>(); ///< for the contacts to share
   std::function<void(int)> after_step; ///< where given, called with the number of steps done
   /// Ends the contacts of a body.
   void forget(int body);
