@@ -17,18 +17,34 @@ BlockMatrix::BlockMatrix(BlockPattern pattern) {
     column_.insert(column_.end(), columns[i].begin(), columns[i].end());
     start_.push_back(static_cast<int>(column_.size()));
   }
-  values_.assign(column_.size(), Mat3::Zero());
+  values_of_.resize(column_.size());
   diagonal_.resize(n);
+  std::vector<int> next(n); // entry of a row that mirrors the next block above it
+  int count = 0;
+  for (int i = 0; i < n; ++i) {
+    next[i] = start_[i];
+    diagonal_[i] = entry(i, i);
+  }
   for (int i = 0; i < n; ++i)
-    diagonal_[i] = slot(i, i);
+    for (int k = diagonal_[i]; k < start_[i + 1]; ++k) {
+      values_of_[k] = count;
+      if (column_[k] > i) // rows come in ascending order, and so do the columns of each row below
+        values_of_[next[column_[k]]++] = count;
+      ++count;
+    }
+  values_.assign(count, Mat3::Zero());
+}
+
+int BlockMatrix::entry(int i, int j) const {
+  const auto first = column_.begin() + start_[i], last = column_.begin() + start_[i + 1];
+  const auto it = std::lower_bound(first, last, j);
+  if (i > j || it == last || *it != j)
+    throw std::logic_error("block (" + std::to_string(i) + ", " + std::to_string(j) + ") is not in the pattern");
+  return static_cast<int>(it - column_.begin());
 }
 
 int BlockMatrix::slot(int i, int j) const {
-  const auto first = column_.begin() + start_[i], last = column_.begin() + start_[i + 1];
-  const auto it = std::lower_bound(first, last, j);
-  if (it == last || *it != j)
-    throw std::logic_error("block (" + std::to_string(i) + ", " + std::to_string(j) + ") is not in the pattern");
-  return static_cast<int>(it - column_.begin());
+  return values_of_[entry(i, j)];
 }
 
 void BlockMatrix::set_zero() {
@@ -37,18 +53,15 @@ void BlockMatrix::set_zero() {
 }
 
 void BlockMatrix::multiply(const Vectors& x, Vectors& y) const {
-  const int n = rows();
-  for (int i = 0; i < n; ++i) {
-    double s0 = 0, s1 = 0, s2 = 0;
-    for (int k = start_[i]; k < start_[i + 1]; ++k) {
-      const double* a = values_[k].data(); // column-major
-      const double* v = x[column_[k]].data();
-      s0 += a[0] * v[0] + a[3] * v[1] + a[6] * v[2];
-      s1 += a[1] * v[0] + a[4] * v[1] + a[7] * v[2];
-      s2 += a[2] * v[0] + a[5] * v[1] + a[8] * v[2];
+  std::fill(y.begin(), y.end(), Vec3::Zero());
+  for (int i = 0; i < rows(); ++i)
+    for (int k = diagonal_[i]; k < start_[i + 1]; ++k) {
+      const Mat3& a = values_[values_of_[k]];
+      const int j = column_[k];
+      y[i] += a * x[j];
+      if (j > i)
+        y[j] += a.transpose() * x[i];
     }
-    y[i] = Vec3(s0, s1, s2);
-  }
   for (const RankOne& term : rank_ones_) {
     double along = 0;
     for (std::size_t k = 0; k < term.vertex.size(); ++k)

@@ -27,21 +27,29 @@ struct RankOne {
   double stiffness;
 };
 
-/// Rows in compressed form; each row holds its diagonal block, columns ascending.
+/// Rows in compressed form, columns ascending; each row holds its diagonal block. Only blocks of the upper half have
+/// values: block (j, i) is block (i, j) transposed.
 class BlockMatrix {
 public:
   BlockMatrix() = default;
   explicit BlockMatrix(BlockPattern pattern);
 
   int rows() const { return static_cast<int>(start_.size()) - 1; }
-  /// Position of block (i, j); throws std::logic_error where the pattern has none.
+  /// Position of the values of block (i, j), i <= j; throws std::logic_error where the pattern has none.
   int slot(int i, int j) const;
-  int entries() const { return static_cast<int>(column_.size()); }
-  int row_start(int i) const { return start_[i]; }
-  int column(int slot) const { return column_[slot]; }
-  int diagonal_slot(int i) const { return diagonal_[i]; }
+  int diagonal_slot(int i) const { return values_of_[diagonal_[i]]; }
   Mat3& block(int slot) { return values_[slot]; }
   const Mat3& block(int slot) const { return values_[slot]; }
+  /// Block (i, j) of either half.
+  Mat3 at(int i, int j) const { return i <= j ? values_[slot(i, j)] : Mat3(values_[slot(j, i)].transpose()); }
+
+  // the pattern of both halves, entry by entry
+  int entries() const { return static_cast<int>(column_.size()); }
+  int row_start(int i) const { return start_[i]; }
+  int diagonal_entry(int i) const { return diagonal_[i]; }
+  int column(int entry) const { return column_[entry]; }
+  /// Where an entry's values are, transposed below the diagonal.
+  int slot_of(int entry) const { return values_of_[entry]; }
   void set_zero();
   void add(RankOne term) { rank_ones_.push_back(std::move(term)); }
   const std::vector<RankOne>& rank_ones() const { return rank_ones_; }
@@ -49,7 +57,8 @@ public:
   void multiply(const Vectors& x, Vectors& y) const;
 
 private:
-  std::vector<int> start_, column_, diagonal_;
+  int entry(int i, int j) const;
+  std::vector<int> start_, column_, diagonal_, values_of_;
   std::vector<Mat3> values_;
   std::vector<RankOne> rank_ones_;
 };

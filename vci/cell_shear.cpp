@@ -20,11 +20,8 @@ void CellShear::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffnes
     const std::array<Vec3, 4> gradient{-one / l1, other / l2, one / l1, -other / l2};
     for (int i = 0; i < 4; ++i)
       force[v[i]] -= c * (l1 - l2) * gradient[i];
-    if (!stiffness)
-      continue;
-    for (int i = 0; i < 4; ++i)
-      for (int j = 0; j < 4; ++j)
-        stiffness->block(slots_[k][4 * i + j]) += c * gradient[i] * gradient[j].transpose();
+    if (stiffness)
+      slots_[k].add_rank_one(*stiffness, c, gradient);
   }
 }
 
@@ -36,7 +33,7 @@ void CellShear::declare(BlockPattern& pattern) const {
 void CellShear::link(const BlockMatrix& matrix) {
   slots_.clear();
   for (const Cell& cell : cells_)
-    slots_.push_back(slots_of(matrix, cell.corner));
+    slots_.emplace_back(matrix, cell.corner);
 }
 
 } // namespace vci

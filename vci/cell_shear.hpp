@@ -23,7 +23,7 @@ public:
 
 private:
   std::vector<Cell> cells_;
-  std::vector<std::array<int, 16>> slots_;
+  std::vector<StencilSlots<4>> slots_;
 };
 
 } // namespace vci

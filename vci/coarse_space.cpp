@@ -42,9 +42,13 @@ CoarseSpace::CoarseSpace(const BlockMatrix& matrix, const std::vector<PointLink>
   assign(matrix, fixed, patch_size);
   BlockSum sum(patches_);
   for (int i = 0; i < matrix.rows(); ++i)
-    for (int k = matrix.row_start(i); k < matrix.row_start(i + 1); ++k)
-      if (const int p = patch_[i], q = patch_[matrix.column(k)]; p >= 0 && q >= 0)
-        sum.add(p, q, matrix.block(k));
+    for (int k = matrix.diagonal_entry(i); k < matrix.row_start(i + 1); ++k)
+      if (const int j = matrix.column(k), p = patch_[i], q = patch_[j]; p >= 0 && q >= 0) {
+        const Mat3& block = matrix.block(matrix.slot_of(k));
+        sum.add(p, q, block);
+        if (j > i)
+          sum.add(q, p, block.transpose());
+      }
   for (const PointLink& link : links) {
     const Mat3 stiffness = link.stiffness();
     for (int a = 0; a < 4; ++a)

@@ -32,10 +32,7 @@ void EdgeForce::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffnes
 }
 
 void EdgeForce::add_along(BlockMatrix& matrix, std::size_t k, const Mat3& h) const {
-  matrix.block(slots_[k][0]) += h;
-  matrix.block(slots_[k][1]) -= h;
-  matrix.block(slots_[k][2]) -= h;
-  matrix.block(slots_[k][3]) += h;
+  slots_[k].add(matrix, [&](int a, int b) -> Mat3 { return a == b ? h : -h; });
 }
 
 void EdgeForce::declare(BlockPattern& pattern) const {
@@ -46,7 +43,7 @@ void EdgeForce::declare(BlockPattern& pattern) const {
 void EdgeForce::link(const BlockMatrix& matrix) {
   slots_.clear();
   for (const auto& edge : edges_)
-    slots_.push_back(slots_of(matrix, edge));
+    slots_.emplace_back(matrix, edge);
 }
 
 Fibres::Fibres(const std::vector<Fibre>& fibres) : fibres_(fibres) {

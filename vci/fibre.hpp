@@ -28,7 +28,7 @@ protected:
   std::vector<std::array<int, 2>> edges_;
 
 private:
-  std::vector<std::array<int, 4>> slots_;
+  std::vector<StencilSlots<2>> slots_;
 };
 
 /// Elastic fibre of stiffness k times width w (N): T = k w eps + T0, eps = ln(l / l0). The energy k w l0 eps^2 / 2 is

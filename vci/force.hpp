@@ -1,6 +1,7 @@
 // What every force of the model offers: energy, force (minus its gradient) and stiffness (its Hessian).
 #pragma once
 #include "vci/block_matrix.hpp"
+#include <algorithm>
 
 namespace vci {
 
@@ -28,13 +29,48 @@ public:
   virtual void commit(const Vectors& x) { (void)x; }
 };
 
-/// Slots of a stencil's blocks, row by row.
-template <std::size_t N> std::array<int, N * N> slots_of(const BlockMatrix& matrix, const std::array<int, N>& stencil) {
-  std::array<int, N * N> slots;
-  for (std::size_t i = 0; i < N; ++i)
-    for (std::size_t j = 0; j < N; ++j)
-      slots[N * i + j] = matrix.slot(stencil[i], stencil[j]);
-  return slots;
-}
+/// Where a stencil's blocks are: those of the matrix's upper half.
+template <std::size_t N> class StencilSlots {
+public:
+  StencilSlots() = default;
+  StencilSlots(const BlockMatrix& matrix, const std::array<int, N>& stencil) {
+    for (std::size_t i = 0; i < N; ++i)
+      order_[i] = static_cast<int>(i);
+    std::sort(order_.begin(), order_.end(), [&](int a, int b) { return stencil[a] < stencil[b]; });
+    std::size_t k = 0;
+    for (std::size_t i = 0; i < N; ++i)
+      for (std::size_t j = i; j < N; ++j)
+        slot_[k++] = matrix.slot(stencil[order_[i]], stencil[order_[j]]);
+  }
+  /// The stencil's places in ascending order of their vertices.
+  const std::array<int, N>& order() const { return order_; }
+  /// Adds block(a, b) for places a, b of the stencil; a's vertex comes first.
+  template <class Block> void add(BlockMatrix& matrix, const Block& block) const {
+    std::size_t k = 0;
+    for (std::size_t i = 0; i < N; ++i)
+      for (std::size_t j = i; j < N; ++j)
+        matrix.block(slot_[k++]).noalias() += block(order_[i], order_[j]);
+  }
+  /// Adds blocks by rank of their vertices; those of the upper half count.
+  void add_upper(BlockMatrix& matrix, const Mat3 (&block)[N][N]) const {
+    std::size_t k = 0;
+    for (std::size_t i = 0; i < N; ++i)
+      for (std::size_t j = i; j < N; ++j)
+        matrix.block(slot_[k++]) += block[i][j];
+  }
+  /// Adds c g g^T, g a vector per place.
+  void add_rank_one(BlockMatrix& matrix, double c, const std::array<Vec3, N>& g) const {
+    std::size_t k = 0;
+    for (std::size_t i = 0; i < N; ++i) {
+      const Vec3 scaled = c * g[order_[i]];
+      for (std::size_t j = i; j < N; ++j)
+        matrix.block(slot_[k++]).noalias() += scaled * g[order_[j]].transpose();
+    }
+  }
+
+private:
+  std::array<int, N> order_{};
+  std::array<int, N*(N + 1) / 2> slot_{};
+};
 
 } // namespace vci

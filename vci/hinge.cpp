@@ -65,18 +65,10 @@ void Hinges::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, 
   for (const Element& e : elements_) {
     const Dihedral d = dihedral_of(e, x);
     const double bend = wrapped(d.angle - e.rest_angle);
-    for (int a = 0; a < 4; ++a) {
+    for (int a = 0; a < 4; ++a)
       force[e.v[a]] -= e.coefficient * bend * d.gradient[a];
-      if (stiffness) {
-        const Vec3 scaled = e.coefficient * d.gradient[a];
-        for (int b = 0; b <= a; ++b) {
-          const Mat3 block = scaled * d.gradient[b].transpose();
-          stiffness->block(e.slots[4 * a + b]) += block;
-          if (b < a)
-            stiffness->block(e.slots[4 * b + a]) += block.transpose();
-        }
-      }
-    }
+    if (stiffness)
+      e.slots.add_rank_one(*stiffness, e.coefficient, d.gradient);
   }
 }
 
@@ -87,7 +79,7 @@ void Hinges::declare(BlockPattern& pattern) const {
 
 void Hinges::link(const BlockMatrix& matrix) {
   for (Element& e : elements_)
-    e.slots = slots_of(matrix, e.v);
+    e.slots = {matrix, e.v};
 }
 
 void Hinges::commit(const Vectors& x) {

@@ -23,7 +23,7 @@ public:
 private:
   struct Element {
     std::array<int, 4> v; // edge start, edge end, left and right opposite vertex
-    std::array<int, 16> slots;
+    StencilSlots<4> slots;
     double coefficient, rest_angle;
   };
   std::vector<Element> elements_;

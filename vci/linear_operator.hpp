@@ -31,8 +31,18 @@ public:
   LinearOperator(const BlockMatrix& matrix, const std::vector<PointLink>& links, const std::vector<char>& fixed)
       : matrix_(matrix), fixed_(fixed) {
     values_.resize(9 * static_cast<std::size_t>(matrix.entries()) + 1); // the last column is read with one number more
-    for (int k = 0; k < matrix.entries(); ++k)
-      std::copy_n(matrix.block(k).data(), 9, values_.data() + 9 * static_cast<std::ptrdiff_t>(k));
+    for (int i = 0; i < matrix.rows(); ++i)
+      for (int k = matrix.row_start(i); k < matrix.row_start(i + 1); ++k) {
+        const double* a = matrix.block(matrix.slot_of(k)).data();
+        Real* own = values_.data() + 9 * static_cast<std::ptrdiff_t>(k);
+        if (k < matrix.diagonal_entry(i)) // below the diagonal
+          for (int c = 0; c < 3; ++c)
+            for (int r = 0; r < 3; ++r)
+              own[3 * c + r] = static_cast<Real>(a[3 * r + c]);
+        else
+          for (int e = 0; e < 9; ++e)
+            own[e] = static_cast<Real>(a[e]);
+      }
     for (const PointLink& link : links) {
       Link own{link.vertex, {}, padded(link.stiffness())};
       for (int k = 0; k < 4; ++k) {

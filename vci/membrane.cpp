@@ -134,19 +134,17 @@ void Membrane::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness
       const Vec3 row2 = (c.lift[0] * g00 + c.lift[1] * g11) * normal;
       return u0 * row0.transpose() + u1 * row1.transpose() + normal * row2.transpose();
     };
+    // upper half, in the order of the corners' vertices
+    const auto& corner = e.slots.order();
+    const Vec2 &g1 = g[corner[1]], &g2 = g[corner[2]];
     Mat3 k[3][3];
-    for (int a = 1; a < 3; ++a)
-      for (int b = a; b < 3; ++b)
-        k[a][b] = block(g[a], g[b]);
-    k[2][1] = k[1][2].transpose();
-    for (int b = 1; b < 3; ++b) { // shifts of the whole triangle meet no force
-      k[0][b] = -k[1][b] - k[2][b];
-      k[b][0] = k[0][b].transpose();
-    }
+    k[1][1] = block(g1, g1);
+    k[1][2] = block(g1, g2);
+    k[2][2] = block(g2, g2);
+    k[0][1] = -k[1][1] - k[1][2].transpose(); // shifts of the whole triangle meet no force
+    k[0][2] = -k[1][2] - k[2][2];
     k[0][0] = -k[0][1] - k[0][2];
-    for (int a = 0; a < 3; ++a)
-      for (int b = 0; b < 3; ++b)
-        stiffness->block(e.slots[3 * a + b]) += k[a][b];
+    e.slots.add_upper(*stiffness, k);
   }
 }
 
@@ -157,7 +155,7 @@ void Membrane::declare(BlockPattern& pattern) const {
 
 void Membrane::link(const BlockMatrix& matrix) {
   for (Element& e : elements_) {
-    e.slots = slots_of(matrix, e.v);
+    e.slots = {matrix, e.v};
     e.flows = false; // bodies have come or gone: whether it goes on is not known
   }
 }

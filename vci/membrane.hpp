@@ -25,7 +25,7 @@ public:
 private:
   struct Element {
     Triangle v;
-    std::array<int, 9> slots{};
+    StencilSlots<3> slots;
     Mat2 inverse_edges; // B
     Mat2 shape;         // B P
     double area;

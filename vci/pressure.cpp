@@ -25,8 +25,10 @@ void Pressure::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness
     const Vec3 w = sixth * (x[edges_[k].w0] - x[edges_[k].w1]);
     Mat3 cross;
     cross << 0, -w[2], w[1], w[2], 0, -w[0], -w[1], w[0], 0;
-    stiffness->block(slots_[k][0]) += cross;
-    stiffness->block(slots_[k][1]) -= cross;
+    if (edges_[k].e0 < edges_[k].e1)
+      stiffness->block(slots_[k]) += cross;
+    else
+      stiffness->block(slots_[k]) -= cross; // transposed
   }
 }
 
@@ -38,7 +40,7 @@ void Pressure::declare(BlockPattern& pattern) const {
 void Pressure::link(const BlockMatrix& matrix) {
   slots_.clear();
   for (const EdgePair& e : edges_)
-    slots_.push_back({matrix.slot(e.e0, e.e1), matrix.slot(e.e1, e.e0)});
+    slots_.push_back(matrix.slot(std::min(e.e0, e.e1), std::max(e.e0, e.e1)));
 }
 
 } // namespace vci

@@ -25,7 +25,7 @@ public:
 private:
   Triangles triangles_;
   std::vector<EdgePair> edges_;
-  std::vector<std::array<int, 2>> slots_; // of (e0, e1) and (e1, e0)
+  std::vector<int> slots_; // of (e0, e1) or (e1, e0)
   double pressure_;
 };
 

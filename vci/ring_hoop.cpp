@@ -58,10 +58,7 @@ void RingHoops::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffnes
       const double across = std::max(t.force / l, 0.0);
       Mat3 h = -across * e * e.transpose();
       h.diagonal().array() += across;
-      stiffness->block(slots_[edge][0]) += h;
-      stiffness->block(slots_[edge][1]) -= h;
-      stiffness->block(slots_[edge][2]) -= h;
-      stiffness->block(slots_[edge][3]) += h;
+      slots_[edge].add(*stiffness, [&](int a, int b) -> Mat3 { return a == b ? h : -h; });
     }
     if (stiffness)
       stiffness->add(std::move(term));
@@ -79,7 +76,7 @@ void RingHoops::link(const BlockMatrix& matrix) {
   for (Ring& r : rings_) {
     r.flows = 0; // bodies have come or gone: whether it goes on is not known
     for (std::size_t k = 0; k < r.vertices.size(); ++k)
-      slots_.push_back(slots_of(matrix, std::array<int, 2>{r.vertices[k], r.vertices[(k + 1) % r.vertices.size()]}));
+      slots_.emplace_back(matrix, std::array<int, 2>{r.vertices[k], r.vertices[(k + 1) % r.vertices.size()]});
   }
 }
 
@@ -126,12 +123,10 @@ void RingEvenness::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiff
     const double a2 = a.squaredNorm(), b2 = b.squaredNorm();
     const double ratio = 0.5 * std::log(a2 / b2);
     const std::array<Vec3, 3> g{-a / a2, a / a2 + b / b2, -b / b2}; // of the ratio
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 3; ++i)
       force[e.v[i]] -= e.coefficient * ratio * g[i];
-      if (stiffness)
-        for (int j = 0; j < 3; ++j)
-          stiffness->block(e.slots[3 * i + j]).noalias() += (e.coefficient * g[i]) * g[j].transpose();
-    }
+    if (stiffness)
+      e.slots.add_rank_one(*stiffness, e.coefficient, g);
   }
 }
 
@@ -142,7 +137,7 @@ void RingEvenness::declare(BlockPattern& pattern) const {
 
 void RingEvenness::link(const BlockMatrix& matrix) {
   for (Element& e : elements_)
-    e.slots = slots_of(matrix, e.v);
+    e.slots = {matrix, e.v};
 }
 
 } // namespace vci

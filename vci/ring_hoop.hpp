@@ -28,7 +28,7 @@ public:
 
 private:
   std::vector<Ring> rings_;
-  std::vector<std::array<int, 4>> slots_; // edge by edge
+  std::vector<StencilSlots<2>> slots_; // edge by edge
 };
 
 /// Keeps neighbouring edges of a ring alike: E = c / 2 ln(l_i / l_i+1)^2. Struts are rigid pieces of one pattern; the
@@ -50,7 +50,7 @@ private:
   struct Element {
     std::array<int, 3> v; // two edges in a row
     double coefficient;
-    std::array<int, 9> slots{};
+    StencilSlots<3> slots{};
   };
   std::vector<Element> elements_;
 };

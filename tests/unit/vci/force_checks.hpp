@@ -64,7 +64,7 @@ inline void check_hessian(Force& force, const Vectors& x, double tolerance = 1e-
       force.evaluate(plus, fp, nullptr, true);
       force.evaluate(minus, fm, nullptr, true);
       for (std::size_t i = 0; i < x.size(); ++i) {
-        const Vec3 column = matrix.block(matrix.slot(static_cast<int>(i), static_cast<int>(j))).col(k);
+        const Vec3 column = matrix.at(static_cast<int>(i), static_cast<int>(j)).col(k);
         EXPECT_LT((column + (fp[i] - fm[i]) / (2 * h)).norm(), tolerance * size) << i << ' ' << j << ' ' << k;
       }
     }
