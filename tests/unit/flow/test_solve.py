@@ -1,59 +1,26 @@
-"""The solver on small tubes: Poiseuille's drop, balances, quadratic convergence, and what it refuses."""
+"""The solver on small tubes: Poiseuille's drop, balances, quadratic convergence, which mesh answers."""
 
 import json
 
 import numpy as np
 import pytest
 
+import solved_tube
 import tubes
-from common.errors import ComputationError, InputError
-from flow import boundary, centreline, jet, newton, nonlinear, outlets, solve, spaces, tet10
+from flow import centreline, jet, newton, nonlinear, outlets, solve, spaces
 from flow import __main__ as command_line
 from flow import settings as settings_module
-
-LENGTH, RADIUS = 8.0, 1.2
-MU = 0.004
+from solved_tube import LENGTH, MU, RADIUS
 
 
 @pytest.fixture(scope="module")
 def case(tmp_path_factory):
-    """A straight tube, meshed through the command line, and its boundary values."""
-    folder = tmp_path_factory.mktemp("tube")
-    tubes.write_case(folder, tubes.tube(LENGTH, lambda s: RADIUS, 0.4), [tubes.line(LENGTH, lambda s: RADIUS)])
-    command_line.main(
-        ["mesh", str(folder / "lumen.vtp"), "--centreline", str(folder / "centreline.vtp")]
-        + ["--out", str(folder / "mesh.msh"), "--cells-per-radius", "2.5"]
-    )
-    patient = ["--lvm-g", "60", "--sbp-mmhg", "120", "--dbp-mmhg", "80"]
-    command_line.main(
-        ["boundary", "--anatomy", str(folder / "anatomy.json"), *patient, "--out", str(folder / "boundary.json")]
-    )
-    return folder
-
-
-def _solve(case, out, **changes):
-    document = json.loads((case / "boundary.json").read_text())
-    for key, value in changes.items():
-        document[key] = value
-    path = out / "boundary.json"
-    path.write_text(json.dumps(document))
-    arguments = ["solve", str(case / "mesh.msh"), "--boundary", str(path), "--out", str(out)]
-    command_line.main(arguments + ["--centreline", str(case / "centreline.vtp")])
-    return json.loads((out / "ffr.json").read_text())
-
-
-def test_a_file_that_is_no_mesh_is_refused(case, tmp_path, capsys):
-    (tmp_path / "notes.msh").write_text("not a mesh")
-    command = ["solve", str(tmp_path / "notes.msh"), "--boundary", str(case / "boundary.json")]
-    with pytest.raises(SystemExit) as ended:
-        command_line.main(command + ["--centreline", str(case / "centreline.vtp"), "--out", str(tmp_path / "out")])
-    assert ended.value.code == 2
-    assert "notes.msh" in capsys.readouterr().err
-    assert not (tmp_path / "out" / "ffr.json").exists()
+    """Folder of the straight tube."""
+    return solved_tube.make(tmp_path_factory.mktemp("tube"))
 
 
 def test_poiseuille(case, tmp_path):
-    answer = _solve(case, tmp_path)
+    answer = solved_tube.solve(case, tmp_path)
     flow = answer["inlet_flow_m3_per_s"]
     drop = 8 * MU * LENGTH * 1e-3 * flow / (np.pi * (RADIUS * 1e-3) ** 4)
     found = json.loads((case / "boundary.json").read_text())["map_pa"] - answer["outlets"][0]["pressure_pa"]
@@ -65,7 +32,7 @@ def test_poiseuille(case, tmp_path):
 
 
 def test_energy_balance_of_poiseuille(case, tmp_path):
-    answer = _solve(case, tmp_path)
+    answer = solved_tube.solve(case, tmp_path)
     energy, flow = answer["energy"], answer["inlet_flow_m3_per_s"]
     map_pa = json.loads((case / "boundary.json").read_text())["map_pa"]
     # the same parabola enters and leaves: friction takes the pressure drop times the flow
@@ -78,14 +45,14 @@ def test_energy_balance_of_poiseuille(case, tmp_path):
 
 
 def test_given_inflow_and_outlet_pressure_are_met(case, tmp_path):
-    by_resistance = _solve(case, tmp_path)
+    by_resistance = solved_tube.solve(case, tmp_path)
     flow, pressure = by_resistance["inlet_flow_m3_per_s"], by_resistance["outlets"][0]["pressure_pa"]
     outlet = json.loads((case / "boundary.json").read_text())["outlets"][0]
     outlet.update(resistance_pa_s_per_m3=0.0, pressure_pa=pressure)
-    by_pressure = _solve(case, tmp_path, outlets=[outlet])
+    by_pressure = solved_tube.solve(case, tmp_path, outlets=[outlet])
     assert by_pressure["inlet_flow_m3_per_s"] == pytest.approx(flow, rel=1e-4)
     assert by_pressure["ffr"] == pytest.approx(by_resistance["ffr"], abs=1e-6)
-    by_flow = _solve(case, tmp_path, outlets=[outlet], inlet_flow_m3_per_s=0.5 * flow)
+    by_flow = solved_tube.solve(case, tmp_path, outlets=[outlet], inlet_flow_m3_per_s=0.5 * flow)
     assert by_flow["inlet_flow_m3_per_s"] == pytest.approx(0.5 * flow, rel=1e-9)
     assert by_flow["outlets"][0]["pressure_pa"] == pressure
     map_pa = json.loads((case / "boundary.json").read_text())["map_pa"]
@@ -100,7 +67,7 @@ def test_wall_shear_stress_of_poiseuille(case, tmp_path):
     import vtk
     from vtk.util.numpy_support import vtk_to_numpy
 
-    flow = _solve(case, tmp_path)["inlet_flow_m3_per_s"]
+    flow = solved_tube.solve(case, tmp_path)["inlet_flow_m3_per_s"]
     reader = vtk.vtkXMLUnstructuredGridReader()
     reader.SetFileName(str(tmp_path / "solution.vtu"))
     reader.Update()
@@ -154,133 +121,6 @@ def test_tangent_is_the_derivative_of_the_residual(case, mixing):
     numeric = (difference[0] - difference[1]) / 2e-6
     assert np.linalg.norm(numeric - y.array) < 1e-6 * np.linalg.norm(numeric)
     problem.destroy()
-
-
-def test_stall_exits_3_and_writes_nothing(case, tmp_path, capsys):
-    """Nor does it leave an earlier answer, which would be taken for its own; other files stay."""
-    out = tmp_path / "out"
-    arguments = ["solve", str(case / "mesh.msh"), "--boundary", str(case / "boundary.json"), "--out", str(out)]
-    arguments += ["--centreline", str(case / "centreline.vtp"), "--residual-absolute", "1e-20"]
-    arguments += ["--max-newton-iterations", "12"]
-    out.mkdir()
-    for name in ("ffr.json", "pullback.csv", "solution.vtu", "notes.txt"):
-        (out / name).write_text("{}")
-    with pytest.raises(SystemExit) as stop:
-        command_line.main(arguments)
-    assert stop.value.code == 3
-    assert "stalled" in capsys.readouterr().err
-    assert [path.name for path in out.iterdir()] == ["notes.txt"]
-
-
-def test_an_input_is_not_removed_with_an_earlier_answer(case, tmp_path, capsys):
-    for name in ("ffr.json", "pullback.csv"):
-        (tmp_path / name).write_bytes((case / "boundary.json").read_bytes())
-    command = ["solve", str(case / "mesh.msh"), "--boundary", str(tmp_path / "ffr.json"), "--out", str(tmp_path)]
-    with pytest.raises(SystemExit) as ended:
-        command_line.main(command + ["--centreline", str(case / "centreline.vtp")])
-    assert ended.value.code == 2 and "replaced by its answer" in capsys.readouterr().err
-    assert (tmp_path / "ffr.json").is_file() and (tmp_path / "pullback.csv").is_file()
-
-
-def test_negative_resistance_exits_2(case, tmp_path):
-    document = json.loads((case / "boundary.json").read_text())
-    document["outlets"][0]["resistance_pa_s_per_m3"] = -1.0
-    with pytest.raises(SystemExit) as stop:
-        _solve(case, tmp_path, outlets=document["outlets"])
-    assert stop.value.code == 2
-
-
-def test_outlets_that_the_mesh_lacks_are_refused(case):
-    document = json.loads((case / "boundary.json").read_text())
-    document["outlets"].append({**document["outlets"][0], "name": "outlet2", "region_id": 3})
-    with pytest.raises(InputError, match="outlets"):
-        outlets.Boundaries(spaces.read(case / "mesh.msh"), document)
-
-
-def test_mesh_in_metres_is_refused(case, tmp_path):
-    from flow import mesh
-
-    tube = tubes.tube(4, lambda s: 1.2, 0.8)
-    tree = centreline.Tree([tubes.line(4, lambda s: 1.2)])
-    built, _ = mesh.build(tube, tree, 1.5, settings_module.make())
-    built.points *= 1e-3
-    mesh.write(built, tmp_path / "metres.msh")
-    with pytest.raises(InputError, match="mm"):
-        spaces.read(tmp_path / "metres.msh")
-
-
-def _bent(case, folder, shift_mm):
-    """File of a mesh of 3 rings of the case's tube, one of whose inner corners is moved along the axis, and how many
-    cells that turns inside out."""
-    from flow import mesh, surface
-
-    tube = surface.read(case / "lumen.vtp")
-    built, _ = mesh.build(tube, centreline.read(case / "centreline.vtp"), 1.5, settings_module.make(rings=3), 3)
-    inner = np.setdiff1d(built.tetrahedra[:, :4], built.triangles)
-    moved = inner[np.argmin(np.linalg.norm(built.points[inner] - [LENGTH / 2, 0, 0], axis=1))]
-    built.points[moved] += [shift_mm, 0, 0]
-    mesh.write(built, folder / "bent.msh")
-    lower, _ = tet10.jacobian_bounds(built.points[built.tetrahedra])
-    return folder / "bent.msh", int((lower <= 0).sum())
-
-
-def _solve_bent(case, path, out):
-    files = ["--boundary", str(case / "boundary.json"), "--centreline", str(case / "centreline.vtp")]
-    with pytest.raises(SystemExit) as ended:
-        command_line.main(["solve", str(path), *files, "--out", str(out)])
-    assert not out.exists()
-    return ended.value.code
-
-
-def test_a_mesh_with_inverted_cells_is_refused(case, tmp_path, capsys):
-    path, folded = _bent(case, tmp_path, 1.0)
-    assert folded > 0 and _solve_bent(case, path, tmp_path / "out") == 2
-    said = capsys.readouterr().err
-    assert "inverted" in said and f"{folded} of" in said and "flow mesh" in said
-    path, folded = _bent(case, tmp_path, 0.01)
-    assert folded == 0
-    spaces.read(path)
-
-
-def test_a_flow_that_loses_mass_is_refused(case, tmp_path, capsys, monkeypatch):
-    """Were the cells not looked at, what the outlets give in place of what comes in would say so."""
-    path, _ = _bent(case, tmp_path, 0.6)
-    monkeypatch.setattr(spaces, "_check_cells", lambda space, path: None)
-    assert _solve_bent(case, path, tmp_path / "out") == 3
-    assert "mass is not conserved" in capsys.readouterr().err
-
-
-def test_mesh_without_an_outlet_is_refused(tmp_path):
-    from flow import mesh
-
-    tube = tubes.tube(4, lambda s: 1.2, 0.8)
-    tree = centreline.Tree([tubes.line(4, lambda s: 1.2)])
-    built, _ = mesh.build(tube, tree, 1.5, settings_module.make())
-    built.region = np.where(built.region == 2, 0, built.region)
-    mesh.write(built, tmp_path / "closed.msh")
-    with pytest.raises(InputError, match="physical groups"):
-        spaces.read(tmp_path / "closed.msh")
-
-
-def test_boundary_check_reports_missing_keys():
-    with pytest.raises(InputError, match="venous"):
-        boundary.check({"map_pa": 12000.0})
-
-
-def test_factorization_failure_is_a_computation_error():
-    from petsc4py import PETSc
-    from flow import linear
-
-    solver = linear.DirectSolver(PETSc.COMM_SELF)
-    matrix = PETSc.Mat().createAIJ((2, 2), nnz=2, comm=PETSc.COMM_SELF)
-    matrix.setValues([0, 1], [0, 1], [[np.nan, 1.0], [1.0, np.nan]])
-    matrix.assemble()
-    right, x = matrix.createVecs()
-    right.set(1.0)
-    with pytest.raises(ComputationError):
-        solver.set_matrix(matrix)
-        solver.solve(right, x)
-        assert np.isfinite(x.array).all()
 
 
 @pytest.fixture(scope="module")

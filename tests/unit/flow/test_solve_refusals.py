@@ -1,0 +1,157 @@
+"""What the solver refuses: files, meshes, boundary values, flows that stall or lose mass."""
+
+import json
+
+import numpy as np
+import pytest
+
+import solved_tube
+import tubes
+from common.errors import ComputationError, InputError
+from flow import boundary, centreline, outlets, spaces, tet10
+from flow import __main__ as command_line
+from flow import settings as settings_module
+from solved_tube import LENGTH
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory):
+    """Folder of the straight tube."""
+    return solved_tube.make(tmp_path_factory.mktemp("tube"))
+
+
+def test_a_file_that_is_no_mesh_is_refused(case, tmp_path, capsys):
+    (tmp_path / "notes.msh").write_text("not a mesh")
+    command = ["solve", str(tmp_path / "notes.msh"), "--boundary", str(case / "boundary.json")]
+    with pytest.raises(SystemExit) as ended:
+        command_line.main(command + ["--centreline", str(case / "centreline.vtp"), "--out", str(tmp_path / "out")])
+    assert ended.value.code == 2
+    assert "notes.msh" in capsys.readouterr().err
+    assert not (tmp_path / "out" / "ffr.json").exists()
+
+
+def test_stall_exits_3_and_writes_nothing(case, tmp_path, capsys):
+    """Nor does it leave an earlier answer, which would be taken for its own; other files stay."""
+    out = tmp_path / "out"
+    arguments = ["solve", str(case / "mesh.msh"), "--boundary", str(case / "boundary.json"), "--out", str(out)]
+    arguments += ["--centreline", str(case / "centreline.vtp"), "--residual-absolute", "1e-20"]
+    arguments += ["--max-newton-iterations", "12"]
+    out.mkdir()
+    for name in ("ffr.json", "pullback.csv", "solution.vtu", "notes.txt"):
+        (out / name).write_text("{}")
+    with pytest.raises(SystemExit) as stop:
+        command_line.main(arguments)
+    assert stop.value.code == 3
+    assert "stalled" in capsys.readouterr().err
+    assert [path.name for path in out.iterdir()] == ["notes.txt"]
+
+
+def test_an_input_is_not_removed_with_an_earlier_answer(case, tmp_path, capsys):
+    for name in ("ffr.json", "pullback.csv"):
+        (tmp_path / name).write_bytes((case / "boundary.json").read_bytes())
+    command = ["solve", str(case / "mesh.msh"), "--boundary", str(tmp_path / "ffr.json"), "--out", str(tmp_path)]
+    with pytest.raises(SystemExit) as ended:
+        command_line.main(command + ["--centreline", str(case / "centreline.vtp")])
+    assert ended.value.code == 2 and "replaced by its answer" in capsys.readouterr().err
+    assert (tmp_path / "ffr.json").is_file() and (tmp_path / "pullback.csv").is_file()
+
+
+def test_negative_resistance_exits_2(case, tmp_path):
+    document = json.loads((case / "boundary.json").read_text())
+    document["outlets"][0]["resistance_pa_s_per_m3"] = -1.0
+    with pytest.raises(SystemExit) as stop:
+        solved_tube.solve(case, tmp_path, outlets=document["outlets"])
+    assert stop.value.code == 2
+
+
+def test_outlets_that_the_mesh_lacks_are_refused(case):
+    document = json.loads((case / "boundary.json").read_text())
+    document["outlets"].append({**document["outlets"][0], "name": "outlet2", "region_id": 3})
+    with pytest.raises(InputError, match="outlets"):
+        outlets.Boundaries(spaces.read(case / "mesh.msh"), document)
+
+
+def test_mesh_in_metres_is_refused(case, tmp_path):
+    from flow import mesh
+
+    tube = tubes.tube(4, lambda s: 1.2, 0.8)
+    tree = centreline.Tree([tubes.line(4, lambda s: 1.2)])
+    built, _ = mesh.build(tube, tree, 1.5, settings_module.make())
+    built.points *= 1e-3
+    mesh.write(built, tmp_path / "metres.msh")
+    with pytest.raises(InputError, match="mm"):
+        spaces.read(tmp_path / "metres.msh")
+
+
+def _bent(case, folder, shift_mm):
+    """File of a mesh of 3 rings of the case's tube, one of whose inner corners is moved along the axis, and how many
+    cells that turns inside out."""
+    from flow import mesh, surface
+
+    tube = surface.read(case / "lumen.vtp")
+    built, _ = mesh.build(tube, centreline.read(case / "centreline.vtp"), 1.5, settings_module.make(rings=3), 3)
+    inner = np.setdiff1d(built.tetrahedra[:, :4], built.triangles)
+    moved = inner[np.argmin(np.linalg.norm(built.points[inner] - [LENGTH / 2, 0, 0], axis=1))]
+    built.points[moved] += [shift_mm, 0, 0]
+    mesh.write(built, folder / "bent.msh")
+    lower, _ = tet10.jacobian_bounds(built.points[built.tetrahedra])
+    return folder / "bent.msh", int((lower <= 0).sum())
+
+
+def _solve_bent(case, path, out):
+    files = ["--boundary", str(case / "boundary.json"), "--centreline", str(case / "centreline.vtp")]
+    with pytest.raises(SystemExit) as ended:
+        command_line.main(["solve", str(path), *files, "--out", str(out)])
+    assert not out.exists()
+    return ended.value.code
+
+
+def test_a_mesh_with_inverted_cells_is_refused(case, tmp_path, capsys):
+    path, folded = _bent(case, tmp_path, 1.0)
+    assert folded > 0 and _solve_bent(case, path, tmp_path / "out") == 2
+    said = capsys.readouterr().err
+    assert "inverted" in said and f"{folded} of" in said and "flow mesh" in said
+    path, folded = _bent(case, tmp_path, 0.01)
+    assert folded == 0
+    spaces.read(path)
+
+
+def test_a_flow_that_loses_mass_is_refused(case, tmp_path, capsys, monkeypatch):
+    """Were the cells not looked at, what the outlets give in place of what comes in would say so."""
+    path, _ = _bent(case, tmp_path, 0.6)
+    monkeypatch.setattr(spaces, "_check_cells", lambda space, path: None)
+    assert _solve_bent(case, path, tmp_path / "out") == 3
+    assert "mass is not conserved" in capsys.readouterr().err
+
+
+def test_mesh_without_an_outlet_is_refused(tmp_path):
+    from flow import mesh
+
+    tube = tubes.tube(4, lambda s: 1.2, 0.8)
+    tree = centreline.Tree([tubes.line(4, lambda s: 1.2)])
+    built, _ = mesh.build(tube, tree, 1.5, settings_module.make())
+    built.region = np.where(built.region == 2, 0, built.region)
+    mesh.write(built, tmp_path / "closed.msh")
+    with pytest.raises(InputError, match="physical groups"):
+        spaces.read(tmp_path / "closed.msh")
+
+
+def test_boundary_check_reports_missing_keys():
+    with pytest.raises(InputError, match="venous"):
+        boundary.check({"map_pa": 12000.0})
+
+
+def test_factorization_failure_is_a_computation_error():
+    from petsc4py import PETSc
+    from flow import linear
+
+    solver = linear.DirectSolver(PETSc.COMM_SELF)
+    matrix = PETSc.Mat().createAIJ((2, 2), nnz=2, comm=PETSc.COMM_SELF)
+    matrix.setValues([0, 1], [0, 1], [[np.nan, 1.0], [1.0, np.nan]])
+    matrix.assemble()
+    right, x = matrix.createVecs()
+    right.set(1.0)
+    with pytest.raises(ComputationError):
+        solver.set_matrix(matrix)
+        solver.solve(right, x)
+        assert np.isfinite(x.array).all()
