@@ -112,7 +112,7 @@ class Search:
             path, self.document, self.settings, self.tree, self.predicted, before, self.spent, may_march
         )
         if solved.outcome:
-            solved.estimate = error_estimate.of(solved, self.document, self.tree, self.distal, before)
+            solved.estimate = error_estimate.of(solved, self.document, self.tree, self.at_probes, before)
         if (may_march or self.promising(solved)) and not within(solved.estimate, self.settings):
             self.march(solved, before)
         self.spent += solved.problem.solver.factorizations
@@ -158,7 +158,7 @@ class Search:
         )
         solved.read()
         if solved.unsteady is None:
-            solved.estimate = error_estimate.of(solved, self.document, self.tree, self.distal, before)
+            solved.estimate = error_estimate.of(solved, self.document, self.tree, self.at_probes, before)
             return
         steady = solved if solved.estimate else before  # the last mesh's own steady flow may not be known
         if steady:

@@ -11,27 +11,39 @@ ORDER = 2.0
 LEAST_RATIO = 1.05  # of the mesh widths: below it two meshes say nothing
 
 
-def of(solved, document, tree, distal, coarser=None):
-    """{"ffr": total, ...} of a flow.adaptive.Solved, or None where too little is known.
+def of(solved, document, tree, at_probes, coarser=None):
+    """{"ffr": total at the probe `distal`, "probes": totals at all, ...} of a flow.adaptive.Solved, or None where too
+    little is known.
 
     The mesh's part is the larger of `goal` (flow.goal_error) and, with a Solved `coarser`, of `mesh` (Richardson's).
-    distal(sampler) -> FFR at the probe `distal`. `goal`: the dual-weighted residual with its safety factor, or
-    the sum of the sizes of its parts where they cancel.
+    at_probes(sampler) -> FFR at the probes, `distal` first. `goal`: the dual-weighted residual with its safety factor,
+    or the sum of the sizes of its parts where they cancel. The parts are those of `distal`.
     """
     along = goal_error.of(solved, document, tree)
-    signed, sizes = float(along.sum()), float(np.abs(along).sum())
-    parts = {"goal": max(SAFETY * abs(signed), sizes), "goal_signed": signed, "goal_sizes": sizes}
+    signed, sizes = along.sum(axis=1), np.abs(along).sum(axis=1)
+    goal = of_the_mesh = np.maximum(SAFETY * np.abs(signed), sizes)
+    parts = {"goal": float(goal[0]), "goal_signed": float(signed[0]), "goal_sizes": float(sizes[0])}
+    compared = ""
     if coarser:
-        parts.update(two_meshes(solved, coarser, distal))
-    total = of_mesh(parts)
+        richardson, compared = two_meshes(solved, coarser, at_probes)
+        if richardson is not None:
+            of_the_mesh = np.maximum(goal, richardson["mesh"])
+            parts.update({key: float(values[0]) for key, values in richardson.items()})
+    total = of_the_mesh
     if solved.problem.mixing > 0:
         if len(solved.problem.passed) < 2:  # nothing to continue from: what is known of the mesh alone says too little
             return None
-        parts["jet_mixing"] = jet_viscosity(solved, distal)
-        total += parts["jet_mixing"]
-    compared = "" if "mesh" not in parts else f", {parts.pop('method')}"
+        change = jet_viscosity(solved, at_probes)
+        parts["jet_mixing"] = float(change[0])
+        total = of_the_mesh + change
     method = f"dual-weighted residual times {SAFETY:g}, at least the sizes of its parts{compared}"
-    return {"ffr": total, **parts, "method": method}
+    own = {"probes": total.tolist(), "probes_mesh": of_the_mesh.tolist()}
+    return {"ffr": float(total[0]), **parts, **own, "method": method}
+
+
+def document(estimate):
+    """The estimate at the probe `distal` alone, as in ffr.json; None stays."""
+    return estimate and {key: value for key, value in estimate.items() if key not in ("probes", "probes_mesh")}
 
 
 def of_mesh(parts):
@@ -45,30 +57,29 @@ def of_mean(steady, mixing, difference):
     """
     if steady is None:
         return None
-    kept = ("goal", "goal_signed", "goal_sizes", "mesh", "ffr_coarse", "ffr_fine")
+    kept = ("goal", "goal_signed", "goal_sizes", "mesh", "ffr_coarse", "ffr_fine", "probes_mesh")
     parts = {key: steady[key] for key in kept if key in steady}
     total = of_mesh(parts) + difference
+    probes = [mesh + difference for mesh in parts["probes_mesh"]]
     method = f"of the mesh as in the steady flow at jet mixing {mixing:g}, plus the difference of half windows"
-    return {"ffr": total, **parts, "mean": difference, "method": method}
+    return {"ffr": total, **parts, "probes": probes, "mean": difference, "method": method}
 
 
-def two_meshes(fine, coarse, distal):
-    """Richardson's estimate |fine - coarse| / (r^2 - 1), r^3 the ratio of the numbers of cells; none below 1.05."""
+def two_meshes(fine, coarse, at_probes):
+    """({"mesh", "ffr_coarse", "ffr_fine"} at the probes, words): Richardson's estimate |fine - coarse| / (r^2 - 1), r^3
+    the ratio of the numbers of cells; (None, "") below a ratio of 1.05."""
     cells = [len(item.space.nodes()[1]) for item in (coarse, fine)]
     ratio = (cells[1] / cells[0]) ** (1 / 3)
     if ratio <= LEAST_RATIO:
-        return {}
-    ffr_coarse, ffr_fine = distal(coarse.sampler), distal(fine.sampler)
-    return {
-        "mesh": abs(ffr_fine - ffr_coarse) / (ratio**ORDER - 1),
-        "ffr_coarse": ffr_coarse,
-        "ffr_fine": ffr_fine,
-        "method": f"two meshes, ratio of widths {ratio:.3f}, order {ORDER:g}",
-    }
+        return None, ""
+    ffr_coarse, ffr_fine = (np.asarray(at_probes(item.sampler)) for item in (coarse, fine))
+    mesh = np.abs(ffr_fine - ffr_coarse) / (ratio**ORDER - 1)
+    words = f", two meshes, ratio of widths {ratio:.3f}, order {ORDER:g}"
+    return {"mesh": mesh, "ffr_coarse": ffr_coarse, "ffr_fine": ffr_fine}, words
 
 
-def jet_viscosity(solved, distal):
-    """Change of FFR over the last c passed, continued in a straight line to c = 0."""
+def jet_viscosity(solved, at_probes):
+    """Change of FFR at the probes over the last c passed, continued in a straight line to c = 0."""
     (before, values_before, _), (last, values, _) = solved.problem.passed[-2:]
-    found = [distal(locate.FieldSampler(solved.space, state)) for state in (values_before, values)]
-    return abs(found[1] - found[0]) * last / (before - last)
+    found = [np.asarray(at_probes(locate.FieldSampler(solved.space, state))) for state in (values_before, values)]
+    return np.abs(found[1] - found[0]) * last / (before - last)

@@ -1,10 +1,10 @@
 """What the mesh has done to FFR: the residual weighted by the dual solution.
 
 Becker and Rannacher 2001, Acta Numerica 10.
-The dual solution z says how much FFR changes with each equation: K^T z = dJ/dw, K being Newton's tangent and J the mean
-of p / MAP near the probe. A Newton step -K^-1 R would change J by -R(w; z), so computed minus true is +R(w; z - i z),
-i z being z in the space itself, where R is zero (Galerkin). z is recovered as cubic velocity and quadratic pressure
-(flow.recovery), with which the residual of the present flow is weighted.
+The dual solution z of a probe says how much FFR there changes with each equation: K^T z = dJ/dw, K being Newton's
+tangent and J the mean of p / MAP near the probe. A Newton step -K^-1 R would change J by -R(w; z), so computed minus
+true is +R(w; z - i z), i z being z in the space itself, where R is zero (Galerkin). z is recovered as cubic velocity and
+quadratic pressure (flow.recovery), with which the residual of the present flow is weighted.
 
 Its parts differ in sign along a vessel, and each is known to a half or so: where they nearly cancel the sum says
 nothing. So the parts of stretches one diameter long are told apart too.
@@ -23,21 +23,26 @@ M_PER_MM = 1e-3
 
 
 def of(solved, document, tree):
-    """Estimated parts (k,) of FFR's error at the probe `distal`, computed minus true, by the stretches of the tree that
-    they arise in; their sum estimates the error. solved: flow.adaptive.Solved."""
+    """Estimated parts (p, k) of FFR's error at each of the document's p probes, computed minus true, by the k stretches
+    of the tree that they arise in; their sum estimates the error. solved: flow.adaptive.Solved."""
     problem, space = solved.problem, solved.space
-    goal = _goal(problem, document, tree)
-    dual = problem.dual(goal)
-    goal.destroy()
+    places = [tuple(probe["point_mm"]) for probe in document["probes"]]
+    probes = {place: probe for place, probe in zip(places, document["probes"])}  # some share a place
+    duals = []
+    for probe in probes.values():
+        goal = _goal(problem, document, tree, probe)
+        duals.append(problem.dual(goal))
+        goal.destroy()
     richer = spaces.LumenSpace(space.mesh, space.facets, degree=space.degree + 1)
-    weight = _recovered(space, richer, dual)
+    weights = _recovered(space, richer, duals)
     held = np.concatenate([richer.wall, richer.inlet])
-    weight[held] = 0.0
+    weights[:, held] = 0.0
     residual = _residual(problem, richer, document)
-    parts = residual.array * weight
+    parts = residual.array * weights
     residual.destroy()
     stretch = stretches(tree)[tree.nearest(_places(richer) / M_PER_MM)[0]]
-    return np.bincount(stretch, parts)
+    found = dict(zip(probes, (np.bincount(stretch, one) for one in parts)))
+    return np.array([found[place] for place in places])
 
 
 def stretches(tree):
@@ -61,12 +66,11 @@ def _places(space):
     return found
 
 
-def _goal(problem, document, tree):
-    """Vector over W: derivative of the probe's FFR, its pressure averaged over a ball of about the vessel's radius.
+def _goal(problem, document, tree, probe):
+    """Vector over W: derivative of a probe's FFR, its pressure averaged over a ball of about the vessel's radius.
 
     Where the inflow is given FFR is over the pressure at the inlet's centre, which changes too.
     """
-    probe = document["probes"][0]
     branch = tree[probe["branch"]]
     s_mm, _ = branch.project(np.array(probe["point_mm"]))
     at_probe, pressure = _mean_pressure(problem, branch.point(s_mm), branch.radius(s_mm))
@@ -92,21 +96,25 @@ def _mean_pressure(problem, point_mm, radius_mm):
     return mean, float(mean.dot(problem.state_vector()))
 
 
-def _recovered(space, richer, dual):
-    """Recovered minus interpolated dual solution in the richer space, (n,) values over its W; dual: values over W."""
+def _recovered(space, richer, duals):
+    """Recovered minus interpolated dual solutions in the richer space, (d, n) values over its W; duals: d arrays of
+    values over W, fitted together."""
     nodes, cells = space.nodes()
-    velocity, pressure = dual[space.v_map].reshape(-1, 3), np.zeros((len(nodes), 1))
-    pressure[cells[:, :4], 0] = dual[space.q_map][compat.cell_dofs(space.Q)]
+    velocity, pressure = np.zeros((len(nodes), 3 * len(duals))), np.zeros((len(nodes), len(duals)))
+    for d, dual in enumerate(duals):
+        velocity[:, 3 * d : 3 * d + 3] = dual[space.v_map].reshape(-1, 3)
+        pressure[cells[:, :4], d] = dual[space.q_map][compat.cell_dofs(space.Q)]
     fields = [
         (space.degree + 1, cells, velocity, richer.V.tabulate_dof_coordinates(), compat.cell_dofs(richer.V)),
         (space.degree, cells[:, :4], pressure, richer.Q.tabulate_dof_coordinates(), compat.cell_dofs(richer.Q)),
     ]
     smooth_velocity, smooth_pressure = Patches(nodes, cells).recover(fields)
-    own = _carried(space, richer, dual)
-    difference = np.zeros_like(own)
-    difference[richer.v_map] = smooth_velocity.ravel()
-    difference[richer.q_map] = smooth_pressure.ravel()
-    return difference - own
+    difference = np.zeros((len(duals), richer.dofs))
+    for d, dual in enumerate(duals):
+        difference[d, richer.v_map] = smooth_velocity[:, 3 * d : 3 * d + 3].ravel()
+        difference[d, richer.q_map] = smooth_pressure[:, d]
+        difference[d] -= _carried(space, richer, dual)
+    return difference
 
 
 def _carried(space, richer, values):

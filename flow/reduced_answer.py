@@ -62,6 +62,8 @@ def collect(model, predicted, solved, case, reference):
         raise ComputationError("the axisymmetric model has no answer", "model", predicted.reason, "use another model")
     network, tree, flows = case.network, case.original, predicted.flows
     probes = ffr.at_probes(case.document["probes"], tree, solved.sampler, reference)
+    for probe in probes:
+        probe["error_estimate"] = None
 
     def flow_at(branch, s_mm):
         return float(flows[network.downstream(branch, s_mm)].sum())

@@ -8,7 +8,7 @@ import time
 import numpy as np
 
 from common.errors import ComputationError
-from flow import adaptive, energy, ffr, linear_choice, outlets, output, parallel, reduced_answer, spaces
+from flow import adaptive, energy, error_estimate, ffr, linear_choice, outlets, output, parallel, reduced_answer, spaces
 from flow import viscosity, wall_shear
 
 LARGE = 0.05  # difference of the models' FFR that is said
@@ -36,7 +36,9 @@ def run(mesh, coarse, case, folder):
         probes = ffr.at_probes(document["probes"], tree, solved.sampler, reference)
         answer, table = collect(solved, probes, case, reference)
         models["3d"] = {"ffr": answer["ffr"], "error_estimate": estimate["ffr"] if estimate else None}
-        answer["error_estimate"] = estimate
+        for k, probe in enumerate(probes):
+            probe["error_estimate"] = estimate["probes"][k] if estimate else None
+        answer["error_estimate"] = error_estimate.document(estimate)
         answer["ffr_tolerance"] = settings.ffr_tolerance
         answer["tolerance_met"] = adaptive.within(estimate, settings)
         answer["meshes"] = search.meshes

@@ -20,23 +20,26 @@ def _solved(cells, sampler, mixing=0.0, passed=()):
 
 @pytest.fixture
 def goal(monkeypatch):
-    """goal(values): the parts of the dual-weighted residual from now on."""
+    """goal(values): the parts of the dual-weighted residual from now on, twice as large at a second probe."""
 
     def gives(*values):
-        monkeypatch.setattr(error_estimate.goal_error, "of", lambda solved, document, tree: np.array(values))
+        parts = np.outer([1.0, 2.0], values)
+        monkeypatch.setattr(error_estimate.goal_error, "of", lambda solved, document, tree: parts)
 
     gives(0.0)
     return gives
 
 
 def _of(solved, coarser=None):
-    return error_estimate.of(solved, None, None, lambda sampler: sampler, coarser)
+    """The estimate; at the second probe FFR is lower by .1 on each mesh."""
+    return error_estimate.of(solved, None, None, lambda sampler: [sampler, sampler - 0.1], coarser)
 
 
 def test_second_order_error_is_found_exactly(goal):
     exact, factor = 0.75, 0.04  # FFR = exact + factor h^2 with h = 1 and 1/2
     estimate = _of(_solved(8000, exact + factor / 4), _solved(1000, exact + factor))
     assert estimate["ffr"] == pytest.approx(factor / 4)
+    assert estimate["probes"] == pytest.approx([factor / 4, factor / 4])
 
 
 def test_meshes_that_agree_do_not_hide_the_residual(goal):
@@ -44,6 +47,9 @@ def test_meshes_that_agree_do_not_hide_the_residual(goal):
     estimate = _of(_solved(8000, 0.75), _solved(1000, 0.75))
     assert estimate["ffr"] == pytest.approx(0.004 * error_estimate.SAFETY)
     assert estimate["goal_signed"] == -0.004
+    assert estimate["probes"] == pytest.approx([0.004 * error_estimate.SAFETY, 0.008 * error_estimate.SAFETY])
+    assert estimate["probes"][0] == estimate["ffr"]
+    assert "probes" not in error_estimate.document(estimate) and error_estimate.document(None) is None
 
 
 def test_parts_that_cancel_are_not_taken_for_an_exact_answer(goal):
@@ -73,7 +79,9 @@ def test_remaining_jet_viscosity_is_counted(goal, monkeypatch):
     goal(0.001)
     monkeypatch.setattr(error_estimate.locate, "FieldSampler", lambda space, values: values)
     solved = _solved(1000, 0.75, 0.18, [(0.27, 0.76, 1e-6), (0.18, 0.75, 1e-6)])
-    assert _of(solved)["ffr"] == pytest.approx(0.02 + 0.001 * error_estimate.SAFETY)
+    estimate = _of(solved)
+    assert estimate["ffr"] == pytest.approx(0.02 + 0.001 * error_estimate.SAFETY)
+    assert estimate["probes"][1] == pytest.approx(0.02 + 0.002 * error_estimate.SAFETY)
 
 
 def test_a_jet_viscosity_without_a_neighbour_says_too_little(goal):

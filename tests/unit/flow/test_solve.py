@@ -1,13 +1,14 @@
 """The solver on small tubes: Poiseuille's drop, balances, quadratic convergence, which mesh answers."""
 
 import json
+import types
 
 import numpy as np
 import pytest
 
 import solved_tube
 import tubes
-from flow import centreline, jet, newton, nonlinear, outlets, solve, spaces
+from flow import centreline, goal_error, jet, newton, nonlinear, outlets, solve, spaces
 from flow import __main__ as command_line
 from flow import settings as settings_module
 from solved_tube import LENGTH, MU, RADIUS
@@ -168,6 +169,7 @@ def test_the_fine_mesh_is_solved_on_only_where_the_error_asks_for_it(
     assert answer["tolerance_met"] == (tolerance > 0)
     assert answer["ffr"] == answer["meshes"][-1]["ffr"]
     assert answer["error_estimate"]["ffr"] == answer["meshes"][-1]["error_estimate"]
+    assert answer["probes"][0]["error_estimate"] == answer["error_estimate"]["ffr"]
     said = capfd.readouterr()
     assert ("ffr_tolerance" in said.err) == (tolerance == 0)
     assert ("ffr_tolerance = 0" in "".join(answer["warnings"])) == (tolerance == 0)
@@ -207,4 +209,20 @@ def test_the_dual_solution_says_how_the_goal_changes_with_a_load(case):
     assert newton.newton(problem, 1e-12, 1.0, 8).converged
     after = problem.boundaries.outflows(problem.state_vector())[0]
     assert dual[largest] / profile[largest] == pytest.approx((after - before) / step, rel=1e-4)
+    problem.destroy()
+
+
+def test_each_probe_has_the_error_it_would_have_alone(case):
+    problem, tree = _problem(case), centreline.read(case / "centreline.vtp")
+    assert newton.newton(problem, 1e-12, 1.0, 8).converged
+    solved = types.SimpleNamespace(problem=problem, space=problem.space)
+    probes = [{"branch": "main", "point_mm": tree.main.point(s).tolist()} for s in (0.75 * LENGTH, 0.25 * LENGTH)]
+    document = json.loads((case / "boundary.json").read_text())
+
+    def parts(*chosen):
+        return goal_error.of(solved, document | {"probes": list(chosen)}, tree)
+
+    both, alone = parts(*probes, probes[0]), [parts(probe)[0] for probe in probes]
+    assert both[0] == pytest.approx(alone[0], rel=1e-9) and both[1] == pytest.approx(alone[1], rel=1e-9)
+    assert (both[2] == both[0]).all() and np.abs(both[0] - both[1]).max() > 0.1 * np.abs(both[0]).max()
     problem.destroy()
