@@ -3,8 +3,8 @@
 Becker and Rannacher 2001, Acta Numerica 10.
 The dual solution z of a probe says how much FFR there changes with each equation: K^T z = dJ/dw, K being Newton's
 tangent and J the mean of p / MAP near the probe. A Newton step -K^-1 R would change J by -R(w; z), so computed minus
-true is +R(w; z - i z), i z being z in the space itself, where R is zero (Galerkin). z is recovered as cubic velocity and
-quadratic pressure (flow.recovery), with which the residual of the present flow is weighted.
+true is +R(w; z - i z), i z being z in the space itself, where R is zero (Galerkin). z is recovered as cubic velocity
+and quadratic pressure (flow.recovery), with which the residual of the present flow is weighted.
 
 Its parts differ in sign along a vessel, and each is known to a half or so: where they nearly cancel the sum says
 nothing. So the parts of stretches one diameter long are told apart too.
