@@ -160,6 +160,32 @@ TEST(SurfaceContact, NestedTubesOfFewSidesMeetAsCirclesDo) {
   EXPECT_GT(largest_error(), 0.03) << "facets must show what is put right";
 }
 
+TEST(SurfaceContact, FindsOnTheWayWhatItWouldFindAnew) {
+  ContactSettings settings; // far vertices are not searched for at every turn
+  System system;            // a chord of the outer tube lies up to 0.073 mm within its circle
+  add_tube(system, 10, 1.5, 0);
+  add_tube(system, 12, 1.5, 0.2);
+  const Body inner = system.body(1);
+  const Vectors wide = system.x;
+  const auto shrink = [&](double gap) {
+    for (int v = inner.first; v < inner.first + inner.count; ++v)
+      system.x[v].head<2>() = wide[v].head<2>() * (1 - gap / 1.5);
+  };
+  SurfaceContact on_the_way(1, 0, settings);
+  std::size_t most = 0;
+  for (double gap = 0.9; gap > -0.1; gap -= 0.007) {
+    shrink(gap);
+    std::vector<ContactPoint> found, anew;
+    on_the_way.detect(system, area_vectors(system), found);
+    SurfaceContact(1, 0, settings).detect(system, area_vectors(system), anew);
+    ASSERT_EQ(found.size(), anew.size()) << "gap " << gap;
+    for (std::size_t k = 0; k < found.size(); ++k)
+      EXPECT_NEAR(found[k].gap, anew[k].gap, 1e-7); // mm: to which feet are followed
+    most = std::max(most, found.size());
+  }
+  EXPECT_GT(most, 100u);
+}
+
 TEST(SurfaceContact, HoldsDeepVerticesNearlyToAWindowsRimButNotToAnEnd) {
   System system;
   add_tube(system, 12, 1.5, 0);
