@@ -36,8 +36,18 @@ std::vector<PointArray> forces(const Balance& balance) {
           vectors("foundation_n", balance.foundation), vectors("residual_n", balance.residual)};
 }
 
+/// The scene; where it is refused an earlier run's answer in `out` is gone as well.
+Scene scene_for(const fs::path& scene_file, const fs::path& out) {
+  try {
+    return read_scene(scene_file);
+  } catch (...) {
+    withdraw(out, scene_file);
+    throw;
+  }
+}
+
 int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& frames, int every_steps) {
-  const Scene scene = read_scene(scene_file);
+  const Scene scene = scene_for(scene_file, out);
   const Output output(out, {scene_file, scene.lumen, scene.centreline});
   const Lumen lumen = read_lumen(scene.lumen);
   const auto paths = read_centreline(scene.centreline);
@@ -74,7 +84,7 @@ int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& 
 }
 
 int run_radius_correct(const fs::path& scene_file, const fs::path& out) {
-  const Scene scene = read_scene(scene_file);
+  const Scene scene = scene_for(scene_file, out);
   const Output output(out, {scene_file, scene.lumen, scene.centreline});
   const Lumen lumen = read_lumen(scene.lumen);
   const auto paths = read_centreline(scene.centreline);

@@ -60,6 +60,13 @@ void Output::publish() const {
       fs::rename(partial_ / name, out_ / name);
 }
 
+void withdraw(const fs::path& out, const fs::path& scene) {
+  std::error_code ignored; // the refusal under way matters more
+  const fs::path answer = out / "deployment.json";
+  if (!fs::equivalent(answer, scene, ignored))
+    fs::remove(answer, ignored);
+}
+
 void write_json(const fs::path& file, const nlohmann::json& document) {
   std::ofstream stream(file);
   stream << document.dump(1) << '\n';

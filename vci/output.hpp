@@ -23,6 +23,10 @@ private:
   std::filesystem::path out_, partial_;
 };
 
+/// Takes deployment.json, without which nothing there counts as results, out of a folder whose run is refused before
+/// its inputs are known; not where it is the `scene` itself.
+void withdraw(const std::filesystem::path& out, const std::filesystem::path& scene);
+
 /// Throws common::ComputationError where not all of it is written.
 void write_json(const std::filesystem::path& file, const nlohmann::json& document);
 
