@@ -32,6 +32,11 @@ class Solved:
         self.outflows = self.boundaries.outflows(self.problem.state_vector())
 
     @property
+    def known(self):
+        """Whether this is a steady flow of the unmodified model whose error is estimated: an answer in itself."""
+        return self.status == CONVERGED and self.outcome is not None and self.estimate is not None
+
+    @property
     def status(self):
         """One of STATUSES."""
         if self.unsteady:
@@ -107,9 +112,10 @@ class Search:
 
     def on_mesh(self, path, before, last):
         """Solved on a mesh, from the flow on the one before. Raises ComputationError."""
-        begin, may_march = time.process_time(), last and self.settings.march_steps > 0
+        begin, known = time.process_time(), before is not None and before.known
+        may_march = last and self.settings.march_steps > 0 and not known
         solved = solve_mesh(
-            path, self.document, self.settings, self.tree, self.predicted, before, self.spent, may_march
+            path, self.document, self.settings, self.tree, self.predicted, before, self.spent, may_march, known
         )
         if solved.outcome:
             solved.estimate = error_estimate.of(solved, self.document, self.tree, self.at_probes, before)
@@ -206,10 +212,12 @@ class Search:
         }
 
 
-def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0, march=False):
+def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0, march=False, near=False):
     """Solved from a mesh file; the guess is that of `start` (Solved on another mesh), else of `predicted` (Predictor).
 
     spent: factorizations already made of those allowed. march: where there is no steady flow Solved has no outcome.
+    near: only a flow that Newton's method finds from `start` is wanted, and no large factorization where the iterative
+    solver finds none. Raises ComputationError.
     """
     space = spaces.read(path)
     ffr.check_inside(document["probes"], tree, space)
@@ -217,7 +225,7 @@ def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0, m
     jet_length = jet.mixing_length(space, tree, settings.jet_spread)
     given = space, boundaries, document, settings, jet_length, spent
     if linear_choice.iterates(space.dofs, start, settings):
-        found = linear_choice.solve(given, start, path)
+        found = linear_choice.solve(given, start, path, near)
         if found:
             return Solved(path, space, boundaries, *found)
     problem = nonlinear.FlowProblem(*given)
@@ -232,7 +240,7 @@ def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0, m
         if start is None:
             outcome = problem.solve(resistances_at, predicted)
         else:
-            outcome = problem.solve_from_guess(start.problem, predicted, march and start.mixing > 0)
+            outcome = problem.solve_from_guess(start.problem, predicted, near or march and start.mixing > 0)
     except ComputationError as error:
         error.factorizations = problem.solver.factorizations
         if not march:

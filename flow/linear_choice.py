@@ -12,6 +12,7 @@ from flow import fading, iterative, parallel
 LARGE = 200_000  # dofs, from which the iterative solver takes less CPU time or memory than MUMPS (flow/measured.md)
 MEASURED_DOFS, MEASURED_MIB, POWER = 245_637, 3379, 1.5  # MUMPS' factors, and how they grow with the dofs
 MEMORY = "/proc/meminfo"
+MOST_MIB = 4096  # of factors, where there is an answer already
 
 
 class Refused(ComputationError):
@@ -47,11 +48,12 @@ def free_mib():
     return int(values["MemAvailable"].split()[0]) / 1024
 
 
-def solve(given, start, path):
+def solve(given, start, path, only=False):
     """(IterativeProblem, Outcome) of the flow from `start`, or None where MUMPS is to be asked.
 
     given: the arguments of FlowProblem up to `spent`. Raises Refused where it finds none and MUMPS is out of the
-    question, for want of memory or because it was not asked for.
+    question, for want of memory or because it was not asked for; with `only`, `start` being an answer too, its
+    ComputationError where the factors would be large.
     """
     space, settings = given[0], given[3]
     problem = iterative.IterativeProblem(*given, start.problem)
@@ -62,6 +64,8 @@ def solve(given, start, path):
         return problem, fading.from_guess(problem, start.problem.mixing, True)
     except ComputationError as error:
         problem.destroy()
+        if only and settings.linear_solver == "auto" and factors_mib(space.dofs) > MOST_MIB:
+            raise
         if settings.linear_solver == "iterative" or factors_mib(space.dofs) > free_mib():
             raise Refused(error.what, error.where, error.value, error.remedy) from error
         print(f"{path}: by factorization, since the iterative solver failed:\n{error}", file=sys.stderr, flush=True)

@@ -9,9 +9,13 @@ from common.errors import ComputationError
 from flow import adaptive, settings
 
 PATHS = ["coarse.msh", "fine.msh"]
+# error estimates
 STEADY = {"ffr": 0.001, "goal": 0.001, "goal_signed": 0.001}
 KEPT = {"ffr": 0.02, "goal": 0.001, "goal_signed": 0.001, "jet_mixing": 0.019}  # c > 0 on a mesh that is good enough
 ROUGH = {"ffr": 0.024, "goal": 0.004, "goal_signed": 0.004, "jet_mixing": 0.02}  # c > 0 on one that is not quite
+for one in (KEPT, ROUGH):
+    one["probes_mesh"] = [one["goal"]]
+WIDE = {"ffr": 0.006, "goal": 0.006, "goal_signed": 0.002}  # steady, above the tolerance
 
 
 class _Mesh:
@@ -34,7 +38,7 @@ class _Mesh:
         )
         self.sampler = self.problem.state
 
-    status = adaptive.Solved.status
+    status, known = adaptive.Solved.status, adaptive.Solved.known
 
     def read(self):
         """The sampler is the state."""
@@ -59,8 +63,8 @@ def search(monkeypatch, capfd):
     def run(meshes, marches, whole=False, **values):
         tried = []
 
-        def solve_mesh(path, document, chosen, tree, predicted, start, spent, march):
-            tried.append((path, "steady"))
+        def solve_mesh(path, document, chosen, tree, predicted, start, spent, march, near):
+            tried.append((path, "near" if near else "steady"))
             ffr, mixing, steady, estimate = meshes[path]
             if not steady and not march:
                 error = ComputationError("stalled", path, 0, "none")
@@ -115,6 +119,17 @@ def test_the_fine_mesh_is_tried_before_a_march(search, whole, estimate):
     meshes = {"coarse.msh": (0.8, 0.12, True, estimate), "fine.msh": (0.78, 0.0, True, STEADY)}
     solved, _, tried = search(meshes, {}, whole)
     assert solved.path == "fine.msh" and tried == [("coarse.msh", "steady"), ("fine.msh", "steady")]
+
+
+@pytest.mark.parametrize("steady", [True, False])
+def test_a_steady_coarse_flow_answers_where_the_fine_mesh_has_none_near_it(search, steady):
+    """Neither a search in c nor a march on the larger mesh: the answer's error is known."""
+    meshes = {"coarse.msh": (0.8, 0.0, True, WIDE), "fine.msh": (0.79, 0.0, steady, STEADY)}
+    solved, found, tried = search(meshes, {"fine.msh": (0.7, 0.0)})
+    assert tried == [("coarse.msh", "steady"), ("fine.msh", "near")]
+    assert solved.path == ("fine.msh" if steady else "coarse.msh") and solved.status == "converged"
+    assert solved.estimate == (STEADY if steady else WIDE)
+    assert found.meshes[-1]["mesh"] == solved.path
 
 
 def test_where_the_fine_mesh_does_not_settle_the_coarse_one_is_marched(search, capfd):

@@ -151,10 +151,20 @@ def test_a_factorization_takes_over_where_memory_allows(tube, tmp_path, monkeypa
     tube.command(tmp_path / "out", *coarse)
     answer = json.loads((tmp_path / "out" / "ffr.json").read_text())
     assert answer["meshes"][-1]["linear_iterations"] is None
-    monkeypatch.setattr(linear_choice, "free_mib", lambda: 0.0)
-    with pytest.raises(SystemExit) as ended:
+    with monkeypatch.context() as little, pytest.raises(SystemExit) as ended:
+        little.setattr(linear_choice, "free_mib", lambda: 0.0)
         tube.command(tmp_path / "refused", *coarse)
     assert ended.value.code == 3
+
+
+def test_the_coarse_flow_answers_where_the_factors_would_be_large(tube, tmp_path, monkeypatch):
+    monkeypatch.setattr(iterative, "MOST_ITERATIONS", 2)
+    monkeypatch.setattr(linear_choice, "LARGE", 0)
+    monkeypatch.setattr(linear_choice, "MOST_MIB", 0)
+    tube.command(tmp_path / "out", "--coarse", str(tube.folder / "mesh_coarse.msh"))
+    answer = json.loads((tmp_path / "out" / "ffr.json").read_text())
+    assert answer["meshes"][-1]["mesh"] == "mesh_coarse.msh" and answer["status"] == "converged"
+    assert any("ffr_tolerance" in said for said in answer["warnings"])
 
 
 def test_without_a_coarse_mesh_it_is_not_to_be_had(tube, tmp_path, capsys):
