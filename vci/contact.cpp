@@ -10,7 +10,6 @@ namespace vci {
 namespace {
 
 constexpr double search_reach = 0.5; // mm: a vertex deeper than this beyond a surface is not found any more
-constexpr double bulge = 0.25;       // mm: the smooth surface is no further than this before a triangle
 
 // Vertices that bear far more than others (calcium's edge, a window's rim) meet a second, stiffer ramp: in ramps, over
 // the stiffness. Where it begins, ordinary contact does not get to: all of it that stiff does not settle.
@@ -98,7 +97,8 @@ void SurfaceContact::face(const System& system, const Vectors& units, int v, con
   const Vec3& p = system.x[v];
   facing.triangles.clear();
   facing.foot = -1;
-  facing.search = {p, travel, others - settings_.distance - bulge};
+  // no longer than the search reaches: the smooth surface bulges before its triangles, which their distance leaves out
+  facing.search = {p, travel, std::min(others, search_reach) - settings_.distance};
   if (found.empty())
     return;
   const NearTriangle& foot = *std::min_element(found.begin(), found.end(),
