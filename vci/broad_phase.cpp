@@ -40,7 +40,6 @@ struct Search {
   double slack, reach;
   double moved; // a triangle may have left its box by so much
   std::vector<NearTriangle>& found;
-  double others = 1e300; // none of the triangles passed over is nearer
 
   void visit(const Node* node) {
     if (node->isLeaf()) {
@@ -51,8 +50,6 @@ struct Search {
         const double distance = std::sqrt(c.distance_squared);
         found.push_back({k, distance, c.weights});
         reach = std::min(reach, distance + slack);
-      } else {
-        others = std::min(others, std::sqrt(c.distance_squared));
       }
       return;
     }
@@ -68,8 +65,6 @@ struct Search {
   void enter(const Node* node, double squared) {
     if (squared <= (reach + moved) * (reach + moved))
       visit(node);
-    else
-      others = std::min(others, std::sqrt(squared) - moved);
   }
 };
 
@@ -110,24 +105,19 @@ void BroadPhase::update(const Triangles& triangles, const Vectors& x) {
   tree_->hierarchy.refit();
 }
 
-double BroadPhase::near(const Vec3& p, const Triangles& triangles, const Vectors& x, double reach, double slack,
-                        int guess, std::vector<NearTriangle>& found) const {
+void BroadPhase::near(const Vec3& p, const Triangles& triangles, const Vectors& x, double reach, double slack,
+                      int guess, std::vector<NearTriangle>& found) const {
   found.clear();
   if (tree_->leaves.empty())
-    return 1e300;
+    return;
   if (guess >= 0) { // the nearest triangle is at most as far as this one
     const Triangle& t = triangles[guess];
     reach = std::min(reach, std::sqrt(closest_on_triangle(p, x[t[0]], x[t[1]], x[t[2]]).distance_squared) + slack);
   }
   Search search{p, triangles, x, slack, reach, tree_->moved, found};
   search.visit(tree_->hierarchy.getRoot());
-  std::erase_if(found, [&](const NearTriangle& f) {
-    if (f.distance > search.reach)
-      search.others = std::min(search.others, f.distance);
-    return f.distance > search.reach;
-  });
+  std::erase_if(found, [&](const NearTriangle& f) { return f.distance > search.reach; });
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.triangle < b.triangle; });
-  return search.others;
 }
 
 } // namespace vci

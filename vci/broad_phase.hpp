@@ -25,9 +25,8 @@ public:
   /// Triangles no further than `reach` from p, and no further than the nearest of them plus `slack`; by index.
   /// @param triangles, x as given to the last update
   /// @param guess a triangle that may be near, or -1: a good one shortens the search and never changes what is found
-  /// @return a distance (mm) that no other triangle is nearer than
-  double near(const Vec3& p, const Triangles& triangles, const Vectors& x, double reach, double slack, int guess,
-              std::vector<NearTriangle>& found) const;
+  void near(const Vec3& p, const Triangles& triangles, const Vectors& x, double reach, double slack, int guess,
+            std::vector<NearTriangle>& found) const;
 
 private:
   struct Tree;

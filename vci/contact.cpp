@@ -93,12 +93,11 @@ const BroadPhase& SurfaceTrees::at(const System& system, int body) {
 
 /// What a search found for a vertex: far from the surface, or candidates.
 void SurfaceContact::face(const System& system, const Vectors& units, int v, const Body& target, bool vertex_inside,
-                          const std::vector<NearTriangle>& found, double others, double travel, Facing& facing) const {
+                          const std::vector<NearTriangle>& found, double travel, Facing& facing) const {
   const Vec3& p = system.x[v];
   facing.triangles.clear();
   facing.foot = -1;
-  // no longer than the search reaches: the smooth surface bulges before its triangles, which their distance leaves out
-  facing.search = {p, travel, std::min(others, search_reach) - settings_.distance};
+  facing.search = {p, travel, search_reach - settings_.distance};
   if (found.empty())
     return;
   const NearTriangle& foot = *std::min_element(found.begin(), found.end(),
@@ -140,9 +139,8 @@ void SurfaceContact::search(const System& system, const Vectors& units, int from
     if (!boxes)
       boxes = &trees_->at(system, onto);
     // a triangle may become the nearest while both sides move by the skin
-    const double others =
-        boxes->near(p, target.triangles, system.x, search_reach, 2 * settings_.skin, facing.foot, found);
-    face(system, units, source.first + k, target, vertex_inside, found, others, side.travel, facing);
+    boxes->near(p, target.triangles, system.x, search_reach, 2 * settings_.skin, facing.foot, found);
+    face(system, units, source.first + k, target, vertex_inside, found, side.travel, facing);
   }
 }
 

@@ -109,7 +109,7 @@ private:
   };
   void search(const System& system, const Vectors& units, int from, int onto, bool vertex_inside, Direction& side);
   void face(const System& system, const Vectors& units, int v, const Body& target, bool vertex_inside,
-            const std::vector<NearTriangle>& found, double others, double travel, Facing& facing) const;
+            const std::vector<NearTriangle>& found, double travel, Facing& facing) const;
   bool keeps_foot(const System& system, const Vectors& units, const Vec3& p, const Body& target, double travel,
                   const Facing& facing) const;
   void measure(const System& system, const Normals& normals, int from, int onto, bool vertex_inside, double ahead,
