@@ -122,7 +122,7 @@ class NavierStokes:
     @staticmethod
     def _summand(expression, space):
         """Compiled, over the share of cells and facets of this MPI rank (all on one; `assembled` sums)."""
-        if parallel.world().size == 1 or not hasattr(type(space), "shared_cells"):
+        if parallel.world().size == 1:
             return compat.form(expression)
         mesh, facets = space.mesh, space.facets
         cells = np.arange(*parallel.share(mesh.topology.index_map(mesh.topology.dim).size_local))
