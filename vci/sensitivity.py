@@ -12,13 +12,13 @@ import json
 import pathlib
 import sys
 
+from common import schema
 from common.errors import ComputationError, guarded
 from vci.benchmark import generated, outcome_of
 
 EDGE_MM = 0.6
 CASES = ("straight", "curved 0.12 per mm", "eccentric")
 VARIED = {"contact_distance_mm": (0.00625, 0.0125, 0.025), "region_margin_mm": (1.0, 3.0, 6.0, 12.0)}
-DEFAULTS = {"contact_distance_mm": 0.0125, "region_margin_mm": 6.0}  # config/schemas/deployment.schema.yaml
 AREAS = ("mean_csa", "mla")
 COLUMNS = ("setting", "value", "case", "mean_csa_mm2", "mla_mm2", "mean_csa_change_percent", "mla_change_percent")
 COLUMNS += ("steps", "cpu_seconds")
@@ -39,12 +39,13 @@ def run(program, case, numerics, folder):
 
 def rows(program, out):
     """Rows of the table, case by case."""
+    numerics = schema.read("deployment")["properties"]["numerics"]["properties"]
     for case in CASES:
         name = "".join(c if c.isalnum() else "_" for c in case)
         usual = run(program, case, {}, out / name / "default")
         for setting, values in VARIED.items():
             for value in values:
-                chosen = value == DEFAULTS[setting]
+                chosen = value == numerics[setting]["default"]
                 found = usual if chosen else run(program, case, {setting: value}, out / name / f"{setting}_{value}")
                 yield {"setting": setting, "value": value, "case": case} | {
                     key: found[key] for key in ("mean_csa_mm2", "mla_mm2", "steps", "cpu_seconds")
