@@ -18,6 +18,10 @@ TITLES = {
         "costs. Levels: the cheapest row of each within an error of the mean area, and the ratio of their times.",
     ),
     "deployment_hard_cases": ("Deployment: hard cases", "Each ends in force balance, or is refused with its reason."),
+    "deployment_sensitivity": (
+        "Deployment: what contact distance and margin are worth",
+        "A row is a scene with one setting off its default; changes are those of the areas from the default's.",
+    ),
     "flow_hard_cases": (
         "Blood flow: hard cases",
         "Each converges, is answered by a mean over time with its amplitude, or is refused with its reason. References "
@@ -27,6 +31,19 @@ TITLES = {
         "Blood flow: speed against error beside OpenFOAM",
         "A row is a mesh of the same narrowed tube; errors of FFR are against an axisymmetric solution. Settled: the "
         "solve's seconds until FFR kept its value; where it did not converge FFR is a mean over iterations.",
+    ),
+    "flow_growth": (
+        "Blood flow: cost by mesh",
+        "A row is a mesh of the same narrowed tube; errors of FFR are against an axisymmetric solution. Exponents: of "
+        "the cells, fitted to seconds and memory.",
+    ),
+    "flow_wall_shear": (
+        "Blood flow: wall shear stress by boundary layers",
+        "A row is a mesh of the same narrowed tube; errors in the lesion are in percent of the stress's peak.",
+    ),
+    "flow_ranks": (
+        "Blood flow: one processor against two",
+        "Seconds by section are those of the busiest; a ratio is one processor's over two.",
     ),
     "anatomy_speed": (
         "Anatomy: seconds against input size",

@@ -4,6 +4,7 @@ BENCHMARKS = {
     "deployment_speed": "benchmark.csv",
     "deployment_baseline": "baseline.csv",
     "deployment_hard_cases": "hard_cases.csv",
+    "deployment_sensitivity": "sensitivity.csv",
     "flow_hard_cases": "hard_cases.csv",
     "anatomy_speed": "benchmark.csv",
     "reference_against_solid": "benchmark.csv",
