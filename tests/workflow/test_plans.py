@@ -59,11 +59,11 @@ def test_a_target_that_cannot_be_made_is_named(fresh, shared_data, target, words
 
 def test_benchmarks_stand_apart_and_feed_the_report(finished):
     """The study plans none of them; what they leave makes the report again, and nothing else."""
-    names = {"deployment_speed", "deployment_baseline", "deployment_hard_cases", "flow_hard_cases", "anatomy_speed"}
-    names |= {"reference_against_solid", "reference_sensitivity", "benchmarks"}
+    names = {"deployment_speed", "deployment_baseline", "deployment_hard_cases", "deployment_sensitivity"}
+    names |= {"flow_hard_cases", "anatomy_speed", "reference_against_solid", "reference_sensitivity", "benchmarks"}
     assert finished.planned() == set()
     assert finished.planned("benchmarks") == names
-    for name in ("flow_against_openfoam", "flow_ranks", "reference_against_calculix"):
+    for name in ("flow_against_openfoam", "flow_growth", "flow_wall_shear", "flow_ranks", "reference_against_calculix"):
         assert finished.planned(name) == {name}, "by its name only"
     table = finished.folder / "results" / "benchmarks" / "flow_hard_cases" / "hard_cases.csv"
     table.parent.mkdir(parents=True)
