@@ -1,6 +1,6 @@
 #include "vci/crush.hpp"
 #include "common/error.hpp"
-#include "vci/foundation.hpp"
+#include "vci/iris.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -25,45 +25,6 @@ std::vector<Frame> straight(const RingGrid& grid) {
     frames.push_back({Vec3(0, 0, s), Vec3::UnitZ(), Vec3::UnitX(), Vec3::UnitY()});
   return frames;
 }
-
-/// A radial penalty on vertices further than a radius from the z axis.
-class Iris : public VertexForce {
-public:
-  Iris(std::vector<int> vertices, double stiffness_n_per_mm)
-      : VertexForce(std::move(vertices)), stiffness_(stiffness_n_per_mm) {}
-  void close(double radius) { radius_ = radius; }
-  ForceKind kind() const override { return ForceKind::foundation; }
-  double energy(const Vectors& x) const override {
-    double sum = 0;
-    for (int v : vertices_)
-      sum += 0.5 * stiffness_ * depth(x[v]) * depth(x[v]);
-    return sum;
-  }
-  void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool) const override {
-    for (std::size_t k = 0; k < vertices_.size(); ++k) {
-      const Vec3& p = x[vertices_[k]];
-      const double d = depth(p);
-      if (d <= 0)
-        continue;
-      const Vec3 outward = Vec3(p[0], p[1], 0).normalized(), round = Vec3::UnitZ().cross(outward);
-      force[vertices_[k]] -= stiffness_ * d * outward;
-      if (stiffness)
-        stiffness->block(slots_[k]) +=
-            stiffness_ * (outward * outward.transpose() + d / (radius_ + d) * round * round.transpose());
-    }
-  }
-  /// Its whole force, N.
-  double total(const Vectors& x) const {
-    double sum = 0;
-    for (int v : vertices_)
-      sum += stiffness_ * depth(x[v]);
-    return sum;
-  }
-
-private:
-  double depth(const Vec3& p) const { return std::max(0.0, std::hypot(p[0], p[1]) - radius_); }
-  double stiffness_, radius_ = 1e3;
-};
 
 double mean_diameter(const System& system, const Stent& stent) {
   const std::vector<double> radii = ring_radii(system, stent.body, stent.grid);

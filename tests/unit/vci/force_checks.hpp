@@ -1,6 +1,7 @@
 // Finite-difference checks of forces, and small shapes to do them on.
 #pragma once
 #include "vci/force.hpp"
+#include <Eigen/Dense>
 #include <gtest/gtest.h>
 #include <random>
 
@@ -41,33 +42,66 @@ inline void check_gradient(const Force& force, const Vectors& x) {
     }
 }
 
-inline void check_hessian(Force& force, const Vectors& x, double tolerance = 1e-6) {
-  const double h = 1e-6;
-  BlockPattern pattern(static_cast<int>(x.size()));
+/// A force's matrix, dense. @param exact as in Force::evaluate
+inline Eigen::MatrixXd stiffness_of(Force& force, const Vectors& x, bool exact = true) {
+  const int n = static_cast<int>(x.size());
+  BlockPattern pattern(n);
   std::vector<int> all(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i)
-    all[i] = static_cast<int>(i);
+  for (int i = 0; i < n; ++i)
+    all[i] = i;
   pattern.add(all);
   BlockMatrix matrix(std::move(pattern));
   force.link(matrix);
-  Vectors f(x.size(), Vec3::Zero());
-  force.evaluate(x, f, &matrix, true);
-  double size = 1e-3;
-  for (int i : all)
-    size = std::max(size, matrix.block(matrix.diagonal_slot(i)).norm());
-  for (std::size_t j = 0; j < x.size(); ++j)
-    for (int k = 0; k < 3; ++k) {
-      Vectors plus = x, minus = x;
-      plus[j][k] += h;
-      minus[j][k] -= h;
-      Vectors fp(x.size(), Vec3::Zero()), fm = fp;
-      force.evaluate(plus, fp, nullptr, true);
-      force.evaluate(minus, fm, nullptr, true);
-      for (std::size_t i = 0; i < x.size(); ++i) {
-        const Vec3 column = matrix.at(static_cast<int>(i), static_cast<int>(j)).col(k);
-        EXPECT_LT((column + (fp[i] - fm[i]) / (2 * h)).norm(), tolerance * size) << i << ' ' << j << ' ' << k;
-      }
-    }
+  Vectors f(x.size(), Vec3::Zero()), unit = f, column = f;
+  force.evaluate(x, f, &matrix, exact);
+  Eigen::MatrixXd dense(3 * n, 3 * n);
+  for (int j = 0; j < 3 * n; ++j) {
+    unit[j / 3][j % 3] = 1;
+    matrix.multiply(unit, column);
+    unit[j / 3][j % 3] = 0;
+    for (int i = 0; i < n; ++i)
+      dense.block<3, 1>(3 * i, j) = column[i];
+  }
+  return dense;
+}
+
+/// Minus the derivative of a field of vectors by the positions, by central differences.
+template <class Field> Eigen::MatrixXd differences_of(const Field& field, const Vectors& x) {
+  const double h = 1e-6;
+  const int n = static_cast<int>(x.size());
+  Eigen::MatrixXd dense(3 * n, 3 * n);
+  for (int j = 0; j < 3 * n; ++j) {
+    Vectors plus = x, minus = x;
+    plus[j / 3][j % 3] += h;
+    minus[j / 3][j % 3] -= h;
+    const Vectors fp = field(plus), fm = field(minus);
+    for (int i = 0; i < n; ++i)
+      dense.block<3, 1>(3 * i, j) = -(fp[i] - fm[i]) / (2 * h);
+  }
+  return dense;
+}
+
+/// Minus the derivative of a force.
+inline Eigen::MatrixXd stiffness_by_differences(const Force& force, const Vectors& x) {
+  return differences_of(
+      [&](const Vectors& p) {
+        Vectors f(p.size(), Vec3::Zero());
+        force.evaluate(p, f, nullptr, true);
+        return f;
+      },
+      x);
+}
+
+/// The largest entry of `part` over the largest of `whole`.
+inline double share(const Eigen::MatrixXd& part, const Eigen::MatrixXd& whole) {
+  return part.cwiseAbs().maxCoeff() / whole.cwiseAbs().maxCoeff();
+}
+
+/// The matrix is minus the force's derivative, but for rounding.
+inline void check_hessian(Force& force, const Vectors& x, double tolerance = 1e-6) {
+  const Eigen::MatrixXd matrix = stiffness_of(force, x), differences = stiffness_by_differences(force, x);
+  const double size = std::max(1e-3, matrix.cwiseAbs().maxCoeff());
+  EXPECT_LT((matrix - differences).cwiseAbs().maxCoeff(), tolerance * size);
 }
 
 } // namespace force_checks

@@ -1,0 +1,64 @@
+// Flat bodies to touch one another, and what their contact's matrix foresees.
+#pragma once
+#include "force_checks.hpp"
+#include "vci/contact.hpp"
+#include <cmath>
+
+namespace contact_checks {
+
+using namespace vci;
+
+/// A flat sheet of n x n vertices `edge` apart in a plane of constant z, facing up or down.
+inline void add_sheet(System& system, int n, double edge, const Vec3& corner, bool up) {
+  Vectors points;
+  Triangles triangles;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      points.push_back(corner + edge * Vec3(i, j, 0));
+  for (int i = 0; i + 1 < n; ++i)
+    for (int j = 0; j + 1 < n; ++j) {
+      const int a = i * n + j, b = a + n, c = b + 1, d = a + 1;
+      for (Triangle t : {Triangle{a, b, c}, Triangle{a, c, d}}) {
+        if (!up)
+          std::swap(t[1], t[2]);
+        triangles.push_back(t);
+      }
+    }
+  system.add_body("sheet", points, triangles, 1, std::vector<char>(points.size(), 0));
+}
+
+/// Minus the contact matrix times a displacement.
+inline Vectors answer(const std::vector<PointLink>& links, const Vectors& dx) {
+  Vectors f(dx.size(), Vec3::Zero());
+  for (const PointLink& link : links) {
+    Vec3 r = Vec3::Zero();
+    for (int k = 0; k < 4; ++k)
+      r += link.weight[k] * dx[link.vertex[k]];
+    for (int k = 0; k < 4; ++k)
+      f[link.vertex[k]] -= link.weight[k] * (link.stiffness() * r);
+  }
+  return f;
+}
+
+inline std::vector<PointLink> links_of(const std::vector<ContactPoint>& points) {
+  std::vector<PointLink> links;
+  for (const ContactPoint& p : points)
+    links.push_back(p.link);
+  return links;
+}
+
+inline double norm(const Vectors& f) {
+  double sum = 0;
+  for (const Vec3& v : f)
+    sum += v.squaredNorm();
+  return std::sqrt(sum);
+}
+
+inline Vectors combined(const Vectors& a, double factor, const Vectors& b) {
+  Vectors sum = a;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    sum[i] += factor * b[i];
+  return sum;
+}
+
+} // namespace contact_checks

@@ -1,0 +1,285 @@
+// Contact between surfaces: energy, force and stiffness of the assembled whole.
+// Normals, weights and areas are held within a step. Flat bodies that approach one another change none of them, so that
+// there the matrix must be exact, on each branch of the law; what holding them leaves out elsewhere has a bound.
+#include "contact_checks.hpp"
+#include <map>
+
+namespace {
+
+using namespace vci;
+using namespace contact_checks;
+
+/// A wall in z = 0 and a device below it (nested) or above it (beside), smaller triangles, not vertex over vertex,
+/// beyond the wall's edge on one side and over a window in it.
+struct Pair {
+  System system;
+  ContactSides sides;
+  ContactSettings settings;
+  Vectors lift; ///< of the device, along z away from the wall, per mm of gap
+  explicit Pair(bool nested) {
+    add_sheet(system, 8, 0.5, {0, 0, 0}, true);
+    add_sheet(system, 9, 0.41, {-0.85, 0.133, 0}, nested);
+    sides.nested = nested;
+    sides.outer_blind.assign(64, 0);
+    for (int v : {4 * 8 + 3, 4 * 8 + 4, 4 * 8 + 5, 2 * 8 + 6, 6 * 8 + 2})
+      sides.outer_blind[v] = 1;
+    lift.assign(system.x.size(), Vec3::Zero());
+    for (int v = 64; v < system.vertices(); ++v)
+      lift[v][2] = nested ? -1 : 1;
+  }
+  std::vector<ContactPoint> at(double gap, SurfaceContact& contact) {
+    for (int v = 64; v < system.vertices(); ++v)
+      system.x[v][2] = gap * lift[v][2];
+    std::vector<ContactPoint> points;
+    contact.detect(system, area_vectors(system), points);
+    return points;
+  }
+  Vectors force(double gap, SurfaceContact& contact) {
+    Vectors f(system.x.size(), Vec3::Zero());
+    add_contact_forces(at(gap, contact), f);
+    return f;
+  }
+  /// How much of the surface a point's foot lies on is there, told anew from the flags.
+  ShareSeen seen(const ContactPoint& p) const {
+    const Body& target = system.body(p.link.vertex[0] < 64 ? 1 : 0);
+    double ends = 1, windows = 1, both = 1;
+    for (int k = 1; k < 4; ++k) {
+      const int v = p.link.vertex[k];
+      const double w = std::abs(p.link.weight[k]);
+      const bool end = target.boundary[v - target.first], window = v < 64 && sides.outer_blind[v];
+      ends -= end ? w : 0;
+      windows -= window ? w : 0;
+      both -= end || window ? w : 0;
+    }
+    return {both, std::min(ends, 10 * windows)};
+  }
+};
+
+TEST(SurfaceContact, ApproachMatchesFiniteDifferencesOnEveryBranch) {
+  std::map<std::string, int> fired;
+  // the first ramp's rise and its line, the deep ramp's rise and its line
+  const std::array<std::pair<std::string, double>, 4> depths{
+      {{"rise", 0.004}, {"line", -0.012}, {"deep rise", -0.03}, {"deep line", -0.1}}};
+  for (bool nested : {true, false})
+    for (bool smooth : {true, false})
+      for (const auto& [name, gap] : depths) {
+        Pair pair(nested);
+        pair.settings.smooth = smooth;
+        SurfaceContact follows(1, 0, pair.settings, pair.sides);
+        EXPECT_EQ(norm(pair.force(0.1, follows)), 0) << "far, nothing touches";
+        const double h = 1e-6;
+        for (bool fresh : {true, false}) { // found by a search, or followed
+          const auto contact = [&] { return fresh ? SurfaceContact(1, 0, pair.settings, pair.sides) : follows; };
+          SurfaceContact here = contact(), plus = contact(), minus = contact();
+          const auto energy = [&](double g, double& area) {
+            SurfaceContact c = contact();
+            double sum = 0;
+            area = 0;
+            for (const ContactPoint& p : pair.at(g, c)) {
+              const ShareSeen seen = pair.seen(p);
+              sum += p.area / seen.first_ramp * contact_ramp(p.gap, pair.settings, seen).energy;
+              area += p.area;
+            }
+            return sum;
+          };
+          double area = 0, area_plus = 0, area_minus = 0;
+          energy(gap, area);
+          const double slope = (energy(gap + h, area_plus) - energy(gap - h, area_minus)) / (2 * h);
+          const Vectors up = pair.force(gap + h, plus), down = pair.force(gap - h, minus);
+          const std::vector<ContactPoint> points = pair.at(gap, here);
+          Vectors f(up.size(), Vec3::Zero());
+          add_contact_forces(points, f);
+          const Vectors predicted = answer(links_of(points), pair.lift);
+          double along = 0;
+          for (std::size_t v = 0; v < f.size(); ++v) {
+            along += f[v].dot(pair.lift[v]);
+            EXPECT_LT(((up[v] - down[v]) / (2 * h) - predicted[v]).norm(), 1e-5 * norm(predicted)) << name << ' ' << v;
+          }
+          EXPECT_NEAR(area_plus, area, 1e-9);
+          EXPECT_NEAR(along, -slope, 1e-6 * std::abs(slope)) << name;
+          const double depth = pair.settings.distance - gap, ramps = depth / pair.settings.ramp;
+          EXPECT_EQ(name, ramps < 1 ? "rise" : ramps < 1.5 ? "line" : ramps < 3.5 ? "deep rise" : "deep line");
+          for (const ContactPoint& p : points) {
+            const ShareSeen seen = pair.seen(p);
+            ++fired[name + (p.link.vertex[0] < 64 ? ", wall's vertex" : ", device's vertex")];
+            fired["fades at an end"] += seen.first_ramp < 1 && seen.first_ramp == seen.deep_ramp;
+            fired["fades at a window"] += seen.first_ramp < 1 && seen.deep_ramp >= 1;
+            fired["fades at a window, deep"] += seen.deep_ramp < 1 && seen.deep_ramp > seen.first_ramp + 1e-9;
+            EXPECT_NEAR(p.gap, gap, 1e-9);
+          }
+        }
+      }
+  for (const auto& [name, gap] : depths)
+    for (const std::string who : {", wall's vertex", ", device's vertex"})
+      EXPECT_GE(fired[name + who], 8 * 20) << name << who;
+  EXPECT_GE(fired["fades at an end"], 32 * 8);
+  EXPECT_GE(fired["fades at a window"], 32 * 3);
+  EXPECT_GE(fired["fades at a window, deep"], 8);
+}
+
+TEST(SurfaceContact, FrictionsMatrixIsExactButAlongASlideAndForThePressuresPart) {
+  Pair pair(true);
+  const ContactSettings& s = pair.settings;
+  const Vectors start = [&] {
+    SurfaceContact any(1, 0, s, pair.sides);
+    pair.at(-0.005, any);
+    return pair.system.x;
+  }();
+  // the device's points after it was moved by d since first touch
+  const auto moved = [&](const Vec3& d) {
+    SurfaceContact contact(1, 0, s, pair.sides);
+    pair.system.x = start;
+    std::vector<ContactPoint> points, then;
+    contact.detect(pair.system, area_vectors(pair.system), points);
+    Vectors dx(start.size(), Vec3::Zero());
+    for (int v = 64; v < pair.system.vertices(); ++v)
+      dx[v] = d;
+    add_slip(points, dx);
+    pair.system.x = combined(start, 1, dx);
+    contact.detect(pair.system, area_vectors(pair.system), then);
+    // where the surface fades, a foot that moves changes its share: held, too
+    std::erase_if(then, [&](const ContactPoint& p) { return p.link.vertex[0] < 64 || pair.seen(p).first_ramp < 1; });
+    std::map<int, std::pair<Vec3, PointLink>> by_vertex; // on the vertex itself
+    for (const ContactPoint& p : then)
+      by_vertex[p.link.vertex[0]] = {p.link.weight[0] * (p.force * p.link.normal + p.drag), p.link};
+    return by_vertex;
+  };
+  const double pressure = contact_ramp(-0.005, s).pressure, limit = s.friction * pressure / s.friction_stiffness; // mm
+  const double h = 1e-7;
+  int sticks = 0, slides = 0;
+  for (double way : {0.5 * limit, 3 * limit}) {
+    const Vec3 along = Vec3(0.6, 0.8, 0), across(-0.8, 0.6, 0), d = way * along;
+    const auto here = moved(d);
+    const auto slope = [&](int v, const Vec3& e) {
+      return Vec3((moved(d + h * e).at(v).first - moved(d - h * e).at(v).first) / (2 * h));
+    };
+    for (const auto& [v, point] : here) {
+      if (pair.system.body(1).boundary[v - 64] || v % 3 != 0)
+        continue; // some of them, each of which is a search anew
+      const Mat3 k = point.second.stiffness();
+      const double size = point.second.tangential_stiffness;
+      EXPECT_LT((slope(v, across) + k * across).norm(), 1e-4 * size) << v;
+      if (way < limit) {
+        ++sticks;
+        EXPECT_LT((slope(v, along) + k * along).norm(), 1e-4 * size) << v;
+      } else if (point.second.sliding.norm() > 0) {
+        ++slides; // no more drag along the way; the matrix keeps three tenths of the secant's
+        EXPECT_LT(slope(v, along).norm(), 1e-4 * size) << v;
+        EXPECT_NEAR(along.dot(k * along), 0.3 * size, 1e-9);
+      }
+      // deeper: normal force as the matrix says; the drag that follows it, mu times that, is left out
+      const Vec3 left_out = slope(v, Vec3::UnitZ()) + k * Vec3::UnitZ();
+      const double coupling = way < limit ? 0 : s.friction * point.second.normal_stiffness;
+      EXPECT_NEAR(left_out.norm(), coupling, 1e-4 * point.second.normal_stiffness) << v;
+    }
+  }
+  EXPECT_GE(sticks, 4);
+  EXPECT_GE(slides, 4);
+}
+
+/// A tube about z with vertices moved at random.
+void add_tube(System& system, int around, double radius, double turn, unsigned seed) {
+  Vectors points;
+  Triangles triangles;
+  constexpr int rings = 9;
+  for (int r = 0; r < rings; ++r)
+    for (int k = 0; k < around; ++k) {
+      const double a = 2 * M_PI * k / around + turn;
+      points.push_back({radius * std::cos(a), radius * std::sin(a), 0.6 * r});
+    }
+  for (int r = 0; r + 1 < rings; ++r)
+    for (int k = 0; k < around; ++k) {
+      const int a = r * around + k, b = r * around + (k + 1) % around;
+      triangles.insert(triangles.end(), {{a, b, b + around}, {a, b + around, a + around}});
+    }
+  points = force_checks::perturbed(points, 0.01, seed);
+  system.add_body("tube", points, triangles, 1, std::vector<char>(points.size(), 0));
+}
+
+/// The part of the whole contact force's change, in random directions, that the matrix does not foresee.
+double unforeseen(double overlap, const ContactSettings& settings, int& touching) {
+  System system;
+  add_tube(system, 18, 1.5 - overlap, 0, 1);
+  add_tube(system, 16, 1.5, 0.1, 2);
+  const Vectors start = system.x;
+  const auto force = [&](const Vectors& dx, std::vector<PointLink>* links) {
+    SurfaceContact contact(1, 0, settings);
+    system.x = start;
+    std::vector<ContactPoint> points, then;
+    contact.detect(system, area_vectors(system), points);
+    add_slip(points, dx);
+    system.x = combined(start, 1, dx);
+    contact.detect(system, area_vectors(system), then);
+    Vectors f(start.size(), Vec3::Zero());
+    add_contact_forces(then, f);
+    if (links)
+      *links = links_of(then);
+    return f;
+  };
+  double worst = 0;
+  const Vectors none(start.size(), Vec3::Zero());
+  for (unsigned seed = 3; seed < 9; ++seed) {
+    const Vectors d = force_checks::perturbed(none, 1, seed);
+    std::vector<PointLink> links;
+    force(none, &links);
+    touching = static_cast<int>(links.size());
+    const double h = 1e-6;
+    const Vectors change = combined(force(combined(none, h, d), nullptr), -1, force(combined(none, -h, d), nullptr));
+    const Vectors predicted = answer(links, d);
+    worst = std::max(worst, norm(combined(predicted, -0.5 / h, change)) / norm(predicted));
+  }
+  return worst;
+}
+
+TEST(SurfaceContact, WhatHoldingNormalsAndWeightsLeavesOutIsATenthAtMost) {
+  for (bool smooth : {true, false})
+    for (double overlap : {-0.01, 0.0, 0.01, 0.05}) {
+      ContactSettings settings;
+      settings.smooth = smooth;
+      int touching = 0;
+      const double left_out = unforeseen(overlap, settings, touching);
+      EXPECT_LT(left_out, 0.1) << overlap;
+      EXPECT_GT(left_out, 0.01) << "tubes turn their normals: else this is no test of anything";
+      EXPECT_GT(touching, 100);
+    }
+}
+
+TEST(Tie, MatchesFiniteDifferencesInEveryDirection) {
+  Pair pair(true);
+  SurfaceContact contact(1, 0, pair.settings, pair.sides);
+  std::vector<Tie> ties;
+  std::vector<PointLink> links;
+  for (const ContactPoint& p : pair.at(-0.01, contact)) {
+    ties.push_back(tie_of(p, pair.system.x, 60));
+    links.push_back(ties.back().link);
+  }
+  ASSERT_GT(ties.size(), 40u);
+  const auto energy = [&](const Vectors& x) {
+    double sum = 0;
+    for (const Tie& tie : ties) {
+      Vec3 r = -tie.offset;
+      for (int k = 0; k < 4; ++k)
+        r += tie.link.weight[k] * x[tie.link.vertex[k]];
+      sum += 0.5 * tie.link.normal_stiffness * r.squaredNorm() - tie.force * tie.link.normal.dot(r);
+    }
+    return sum;
+  };
+  const auto force = [&](const Vectors& x) {
+    Vectors f(x.size(), Vec3::Zero());
+    add_tie_forces(ties, x, f);
+    return f;
+  };
+  const Vectors none(pair.system.x.size(), Vec3::Zero()), x = force_checks::perturbed(pair.system.x, 0.1, 1);
+  for (unsigned seed = 2; seed < 8; ++seed) { // pulled and pressed
+    const double h = 1e-6;
+    const Vectors d = force_checks::perturbed(none, 1, seed), f = force(x), predicted = answer(links, d);
+    const Vectors change = combined(force(combined(x, h, d)), -1, force(combined(x, -h, d)));
+    double along = 0;
+    for (std::size_t v = 0; v < x.size(); ++v)
+      along += f[v].dot(d[v]);
+    EXPECT_NEAR(along, -(energy(combined(x, h, d)) - energy(combined(x, -h, d))) / (2 * h), 1e-5 * norm(f));
+    EXPECT_LT(norm(combined(predicted, -0.5 / h, change)), 1e-6 * norm(predicted));
+  }
+}
+
+} // namespace
