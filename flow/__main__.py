@@ -1,6 +1,7 @@
 """Command line: `python3 -m flow boundary | mesh | solve | rank`."""
 
 import argparse
+import contextlib
 import pathlib
 import sys
 
@@ -41,7 +42,8 @@ def mesh_command(arguments):
     if arguments.coarse:
         settings_module.check_meshes(vars(settings), "flow settings")
     lumen, tree = surface.read(arguments.lumen), centreline.read(arguments.centreline)
-    report = {"schema": "vci-mesh-1"}
+    used = {name: value for name, value in vars(settings).items() if "mesh" in settings_module.commands_of(name)}
+    report = {"schema": "vci-mesh-1", "settings": used}
     wanted = [("fine", arguments.out, settings.cells_per_radius, settings.rings, 1.0)]
     if arguments.coarse:
         coarsening = settings.rings / settings.coarse_rings
@@ -63,14 +65,16 @@ def solve_command(arguments):
 
 def _solve(arguments, settings):
     """On every rank."""
-    from flow import boundary, centreline, extended, ffr, lumen_summary, output, reduced, solve
+    from flow import boundary, centreline, extended, ffr, finer, lumen_summary, output, reduced, solve
 
     parallel.check(settings.ranks)
+    if hasattr(arguments, "most_dofs") and not arguments.lumen:
+        raise InputError("setting that does not act", "--most-dofs", settings.most_dofs, "give --lumen with it")
     folder = pathlib.Path(arguments.centreline).parent
     anatomy_file = arguments.anatomy or folder / "anatomy.json"
     sections_file = arguments.sections or folder / "sections.csv"
     read = [arguments.mesh, arguments.coarse, arguments.boundary, arguments.centreline, arguments.mesh_report]
-    read += [arguments.settings, anatomy_file, sections_file]
+    read += [arguments.settings, arguments.lumen, anatomy_file, sections_file]
     output.clear(pathlib.Path(arguments.out), [pathlib.Path(path) for path in read if path])
     document = json_reader.read(arguments.boundary, "boundary.json").data
     anatomy = lumen_summary.read(anatomy_file, "branches")
@@ -84,7 +88,13 @@ def _solve(arguments, settings):
     given = arguments.mesh_report
     extensions, warnings = extended.read(given) if given else extended.beside(arguments.mesh)
     case = extended.Extended(extensions, tree, anatomy, sections, document, settings, warnings)
-    answer = solve.run(arguments.mesh, arguments.coarse, case, arguments.out)
+    with contextlib.ExitStack() as until_done:
+        meshes = None
+        if arguments.lumen and settings.model == "3d":
+            report = given or pathlib.Path(arguments.mesh).with_suffix(".json")
+            scratch = until_done.enter_context(parallel.scratch(arguments.out))
+            meshes = finer.Finer(arguments.lumen, tree, report, settings, scratch)
+        answer = solve.run(arguments.mesh, arguments.coarse, case, arguments.out, meshes)
     print(solve.in_words(answer))
 
 
@@ -140,6 +150,10 @@ def parser():
     solve.add_argument("--boundary", required=True, help="boundary.json")
     solve.add_argument("--centreline", required=True, help="centreline.vtp of the same lumen")
     solve.add_argument("--anatomy", help="anatomy.json of the same lumen (default: beside the centreline)")
+    solve.add_argument(
+        "--lumen",
+        help="lumen.vtp that the mesh was made from: where that misses ffr_tolerance finer ones are made (most_dofs)",
+    )
     solve.add_argument("--mesh-report", help="report of `flow mesh`, for its extensions (default: beside the mesh)")
     solve.add_argument("--sections", help="sections.csv of the same lumen (default: beside the centreline)")
     solve.add_argument("--out", required=True, help="folder for solution.vtu, ffr.json, pullback.csv")

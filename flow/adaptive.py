@@ -10,42 +10,8 @@ import sys
 import time
 
 from common.errors import ComputationError
-from flow import error_estimate, ffr, jet, linear_choice, locate, nonlinear, outlets, spaces, unsteady
-
-# of an answer: steady flow; steady flow with c > 0, of a modified model; mean over time
-CONVERGED, EDDY, UNSTEADY = STATUSES = ("converged", "converged with eddy viscosity", "unsteady")
-
-
-class Solved:
-    """One mesh with its flow: FlowProblem and its Outcome (None: no steady flow), error estimate, march."""
-
-    def __init__(self, path, space, boundaries, problem, outcome):
-        self.path, self.space, self.boundaries, self.problem, self.outcome = path, space, boundaries, problem, outcome
-        self.mixing = problem.mixing  # c of the steady flow
-        self.unsteady = None  # flow.unsteady.Answer where the flow is a mean
-        self.estimate, self.marched, self.cpu_seconds = None, False, 0.0
-        self.read()
-
-    def read(self):
-        """Takes the problem's state as the flow."""
-        self.sampler = locate.FieldSampler(self.space, self.problem.state.x.array)
-        self.outflows = self.boundaries.outflows(self.problem.state_vector())
-
-    @property
-    def known(self):
-        """Whether this is a steady flow of the unmodified model whose error is estimated: an answer in itself."""
-        return self.status == CONVERGED and self.outcome is not None and self.estimate is not None
-
-    @property
-    def status(self):
-        """One of STATUSES."""
-        if self.unsteady:
-            return UNSTEADY
-        return EDDY if self.problem.mixing > 0 else CONVERGED
-
-    def destroy(self):
-        self.problem.destroy()
-        self.boundaries.destroy()
+from flow import error_estimate, ffr, linear_choice, unsteady
+from flow.solved_mesh import solve_mesh
 
 
 def within(estimate, settings):
@@ -57,7 +23,7 @@ def missed(estimate, settings):
     """Warnings, printed too, where the error is not known to be within the tolerance asked for."""
     if within(estimate, settings):
         return []
-    found = f"is {estimate['ffr']:.4f}, above" if estimate else "is not known: it may be above"
+    found = f"is {estimate['ffr']:.3g}, above" if estimate else "is not known: it may be above"
     said = f"the error of FFR {found} ffr_tolerance = {settings.ffr_tolerance:g}"
     print(said, file=sys.stderr, flush=True)
     return [said]
@@ -73,12 +39,22 @@ class Search:
         self.document, self.settings, self.tree, self.predicted = document, settings, tree, predicted
         self.meshes, self.spent = [], 0
 
-    def run(self, paths):
-        """The Solved that answers, on the first mesh of `paths`, coarse first, that is good enough.
+    def run(self, paths, finer=None):
+        """The Solved that answers: on the first mesh of `paths`, coarse first, that is good enough, or where none is
+        on one that `finer` (flow.finer.Finer) makes.
 
         The next mesh starts from the flow on the one before. A mesh that gives no flow is passed over while there are
         finer ones and factorizations left. Raises ComputationError.
         """
+        solved, before = self.given(paths)
+        if finer and solved.path == paths[-1] and self.settings.ffr_tolerance > 0:
+            solved, before = self.refined(solved, before, finer)
+        if before:
+            before.destroy()
+        return solved
+
+    def given(self, paths):
+        """(Solved that answers of those on `paths`, one on another mesh or None)."""
         before = None
         for path in paths:
             last = path == paths[-1]
@@ -89,11 +65,11 @@ class Search:
             except ComputationError as error:
                 self.spent += getattr(error, "factorizations", 0)
                 if last and before:
-                    print(f"{path}: no flow, the mesh before answers:\n{error}", file=sys.stderr, flush=True)
-                    self.meshes.append({"mesh": pathlib.Path(path).name, "status": "no flow"})
+                    self.no_flow(path, error)
                     solved, before = before, None
                     self.march(solved, None)
-                    self.meshes.append(self.record(solved))
+                    if solved.marched:
+                        self.meshes.append(self.record(solved))
                     break
                 if last or self.spent >= self.settings.max_newton_iterations:
                     raise
@@ -102,13 +78,48 @@ class Search:
                 continue
             if last and before and self.better(before, solved):
                 solved, before = before, solved
-            if before:
-                before.destroy()
             if last or within(solved.estimate, self.settings):
                 break
             before = solved
             before.problem.release()
-        return solved
+        return solved, before
+
+    def refined(self, solved, before, finer):
+        """As `given`: the Solved on the first mesh of `finer` within the tolerance, or on the last before there is no
+        finer mesh, no steady flow near on it, or no smaller error.
+
+        A flow that was found iteratively is no start of the next, which is preconditioned by a factorization.
+        """
+        while solved.known and not within(solved.estimate, self.settings):
+            base = before if before and solved.problem.iterations is not None else solved
+            for one in (base, solved):
+                one.problem.release()
+            path = None
+            try:
+                path = finer.make(solved.space.dofs, solved.estimate["ffr"])
+                if path is None:
+                    break
+                found = self.on_mesh(path, base, True)
+            except ComputationError as error:
+                self.spent += getattr(error, "factorizations", 0)
+                self.no_flow(path or "finer mesh", error)
+                break
+            self.meshes[-1]["report"] = finer.report
+            if not found.known or found.estimate["ffr"] >= solved.estimate["ffr"]:
+                found.destroy()
+                break
+            if base is solved:
+                solved, before, old = found, solved, before
+            else:
+                solved, old = found, solved
+            if old:
+                old.destroy()
+        return solved, before
+
+    def no_flow(self, path, error):
+        """Says and records that a mesh gives no flow where there is an answer already."""
+        print(f"{path}: no flow, the mesh before answers:\n{error}", file=sys.stderr, flush=True)
+        self.meshes.append({"mesh": pathlib.Path(path).name, "status": "no flow"})
 
     def on_mesh(self, path, before, last):
         """Solved on a mesh, from the flow on the one before. Raises ComputationError."""
@@ -210,43 +221,3 @@ class Search:
             "linear_iterations": solved.problem.iterations,
             "cpu_seconds": solved.cpu_seconds,
         }
-
-
-def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0, march=False, near=False):
-    """Solved from a mesh file; the guess is that of `start` (Solved on another mesh), else of `predicted` (Predictor).
-
-    spent: factorizations already made of those allowed. march: where there is no steady flow Solved has no outcome.
-    near: only a flow that Newton's method finds from `start` is wanted, and no large factorization where the iterative
-    solver finds none. Raises ComputationError.
-    """
-    space = spaces.read(path)
-    ffr.check_inside(document["probes"], tree, space)
-    boundaries = outlets.Boundaries(space, document)
-    jet_length = jet.mixing_length(space, tree, settings.jet_spread)
-    given = space, boundaries, document, settings, jet_length, spent
-    if linear_choice.iterates(space.dofs, start, settings):
-        found = linear_choice.solve(given, start, path, near)
-        if found:
-            return Solved(path, space, boundaries, *found)
-    problem = nonlinear.FlowProblem(*given)
-    print(f"{path}: {space.dofs} dofs", file=sys.stderr, flush=True)
-    network = predicted.network
-    order = [network.names.index(name) for name in boundaries.names]
-
-    def resistances_at(fraction):
-        return network.resistances_at(predicted.flows, fraction)[order]
-
-    try:
-        if start is None:
-            outcome = problem.solve(resistances_at, predicted)
-        else:
-            outcome = problem.solve_from_guess(start.problem, predicted, near or march and start.mixing > 0)
-    except ComputationError as error:
-        error.factorizations = problem.solver.factorizations
-        if not march:
-            problem.destroy()
-            boundaries.destroy()
-            raise
-        print(f"{path}: no steady flow, marched in time:\n{error}", file=sys.stderr, flush=True)
-        outcome = None
-    return Solved(path, space, boundaries, problem, outcome)

@@ -12,8 +12,8 @@ LEAST_RATIO = 1.05  # of the mesh widths: below it two meshes say nothing
 
 
 def of(solved, document, tree, at_probes, coarser=None):
-    """{"ffr": total at the probe `distal`, "probes": totals at all, ...} of a flow.adaptive.Solved, or None where too
-    little is known.
+    """{"ffr": total at the probe `distal`, "probes": totals at all, ...} of a flow.solved_mesh.Solved, or None where
+    too little is known.
 
     The mesh's part is the larger of `goal` (flow.goal_error) and, with a Solved `coarser`, of `mesh` (Richardson's).
     at_probes(sampler) -> FFR at the probes, `distal` first. `goal`: the dual-weighted residual with its safety factor,

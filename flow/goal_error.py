@@ -24,7 +24,7 @@ M_PER_MM = 1e-3
 
 def of(solved, document, tree):
     """Estimated parts (p, k) of FFR's error at each of the document's p probes, computed minus true, by the k stretches
-    of the tree that they arise in; their sum estimates the error. solved: flow.adaptive.Solved."""
+    of the tree that they arise in; their sum estimates the error. solved: flow.solved_mesh.Solved."""
     problem, space = solved.problem, solved.space
     places = [tuple(probe["point_mm"]) for probe in document["probes"]]
     probes = {place: probe for place, probe in zip(places, document["probes"])}  # some share a place

@@ -20,7 +20,7 @@ class Refused(ComputationError):
 
 
 def iterates(dofs, start, settings):
-    """Whether a mesh of so many dofs is solved iteratively from `start`, a flow.adaptive.Solved of a coarser one, or
+    """Whether a mesh of so many dofs is solved iteratively from `start`, a flow.solved_mesh.Solved of a coarser one, or
     None: not where that has kept an eddy viscosity, since other starts and the march ask for factorizations."""
     steady = start is not None and start.outcome is not None and start.unsteady is None and start.mixing == 0
     if settings.linear_solver == "auto":

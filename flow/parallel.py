@@ -8,8 +8,10 @@ the first rank.
 
 import contextlib
 import os
+import pathlib
 import shutil
 import sys
+import tempfile
 import traceback
 
 import numpy as np
@@ -79,6 +81,37 @@ def together():
             raise
         traceback.print_exc(file=said)
         comm.Abort(1)
+
+
+@contextlib.contextmanager
+def scratch(folder):
+    """A new folder in `folder`, the same on all ranks, for as long as the context lasts."""
+    path = from_first(lambda: _made(folder))
+    try:
+        yield path
+    finally:
+        if first():
+            shutil.rmtree(path, ignore_errors=True)
+
+
+def _made(folder):
+    pathlib.Path(folder).mkdir(parents=True, exist_ok=True)
+    return tempfile.mkdtemp(prefix=".meshes-", dir=folder)
+
+
+def from_first(work):
+    """What `work()` returns on the first rank, on all; its UserError is raised on all."""
+    found = failure = None
+    if first():
+        try:
+            found = work()
+        except UserError as error:
+            failure = type(error), (error.what, error.where, str(error.value), error.remedy)
+    found, failure = world().bcast((found, failure))
+    if failure:
+        kind, parts = failure
+        raise kind(*parts)
+    return found
 
 
 def share(count):

@@ -5,7 +5,7 @@ import sys
 import numpy as np
 
 from common.errors import ComputationError
-from flow import adaptive, ffr, spaces
+from flow import ffr, solved_mesh, spaces
 
 NAMES = {
     "axisymmetric": "axisymmetric Navier-Stokes in branch {branch}, 1D network elsewhere",
@@ -50,7 +50,7 @@ class Reduced:
         self.sampler = Sampler(predicted, self.space)
 
     def destroy(self):
-        """As flow.adaptive.Solved; the Predictor's is its owner's to call."""
+        """As flow.solved_mesh.Solved; the Predictor's is its owner's to call."""
 
 
 def collect(model, predicted, solved, case, reference):
@@ -73,7 +73,7 @@ def collect(model, predicted, solved, case, reference):
     at_ends = ffr.at_ends(network.names, pressure, case, solved.sampler, reference)
     answer = {
         "schema": "vci-ffr-1",
-        "status": adaptive.CONVERGED,
+        "status": solved_mesh.CONVERGED,
         "model": NAMES[model].format(branch=predicted.branch.name),
         "ffr": probes[0]["ffr"],
         "probes": probes,

@@ -9,17 +9,17 @@ import numpy as np
 
 from common.errors import ComputationError
 from flow import adaptive, energy, error_estimate, ffr, linear_choice, outlets, output, parallel, reduced_answer, spaces
-from flow import viscosity, wall_shear
+from flow import solved_mesh, viscosity, wall_shear
 
 LARGE = 0.05  # difference of the models' FFR that is said
 
 
-def run(mesh, coarse, case, folder):
+def run(mesh, coarse, case, folder, finer=None):
     """Solves and writes solution.vtu, pullback.csv and ffr.json to `folder`; returns the document of ffr.json.
 
-    case: flow.extended.Extended.
+    case: flow.extended.Extended; finer: flow.finer.Finer of the mesh, or None.
     """
-    begin, begin_cpu = time.perf_counter(), time.process_time()
+    begin, begin_cpu = time.perf_counter(), _cpu_seconds()
     paths = [path for path in (coarse, mesh) if path]
     linear_choice.check(paths, case.settings)
     spaces.check_coarser(paths)
@@ -30,7 +30,7 @@ def run(mesh, coarse, case, folder):
     print(f"1D network: FFR {models['network']['ffr']:.4f}", file=sys.stderr, flush=True)
     if settings.model == "3d":
         search = adaptive.Search(document, settings, tree, predicted)
-        solved = search.run(paths)
+        solved = search.run(paths, finer)
         estimate = solved.estimate
         reference = ffr.reference_pa(document, tree, solved.sampler)
         probes = ffr.at_probes(document["probes"], tree, solved.sampler, reference)
@@ -41,7 +41,7 @@ def run(mesh, coarse, case, folder):
         answer["error_estimate"] = error_estimate.document(estimate)
         answer["ffr_tolerance"] = settings.ffr_tolerance
         answer["tolerance_met"] = adaptive.within(estimate, settings)
-        answer["meshes"] = search.meshes
+        answer["mesh"], answer["meshes"] = pathlib.Path(solved.path).name, search.meshes
         warnings = adaptive.missed(estimate, settings)
     else:
         solved = reduced_answer.Reduced(predicted, paths[0])
@@ -56,7 +56,7 @@ def run(mesh, coarse, case, folder):
     answer["reduced_model"] = {"model": "1D network", **models["network"]}
     answer["ranks"] = parallel.world().size
     answer["seconds"] = time.perf_counter() - begin
-    answer["cpu_seconds"] = parallel.total(time.process_time() - begin_cpu)
+    answer["cpu_seconds"] = parallel.total(_cpu_seconds() - begin_cpu)
     answer["peak_memory_mib"] = parallel.total(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
     if parallel.first():
         output.write_all(pathlib.Path(folder), fields(solved, document, reference), table, answer)
@@ -65,11 +65,17 @@ def run(mesh, coarse, case, folder):
     return answer
 
 
+def _cpu_seconds():
+    """Of this process and of the programs that it ran (gmsh)."""
+    spent = [resource.getrusage(whose) for whose in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(one.ru_utime + one.ru_stime for one in spent)
+
+
 def in_words(answer):
     """The answer in one line, with its error and, where the flow is not simply a steady one, its status."""
     estimate = answer["error_estimate"]
     error = f"{estimate['ffr']:.4f}" if estimate else "unknown"
-    status = "" if answer["status"] == adaptive.CONVERGED else f" ({answer['status']})"
+    status = "" if answer["status"] == solved_mesh.CONVERGED else f" ({answer['status']})"
     return f"FFR {answer['ffr']:.4f} +- {error}{status}"
 
 

@@ -68,4 +68,5 @@ rule flow_solve:
     shell:
         "workflow/run.sh {log} /usr/bin/python3 -m flow solve {input.mesh} --coarse {input.coarse}"
         " --boundary {input.boundary} --centreline {input.centreline} --anatomy {input.anatomy}"
-        " --sections {input.sections} --mesh-report {input.summary} --settings {input.settings} --out {params.out}"
+        " --sections {input.sections} --lumen {input.lumen} --mesh-report {input.summary} --settings {input.settings}"
+        " --out {params.out}"

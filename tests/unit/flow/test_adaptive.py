@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from common.errors import ComputationError
-from flow import adaptive, settings
+from flow import adaptive, settings, solved_mesh
 
 PATHS = ["coarse.msh", "fine.msh"]
 # error estimates
@@ -28,7 +28,7 @@ class _Mesh:
         self.problem = _Problem(
             state=types.SimpleNamespace(x=types.SimpleNamespace(array=np.array([ffr]))),
             inflow=0.0,
-            iterations=None,
+            iterations=None if path in PATHS else [7],
             forms=types.SimpleNamespace(mixing=types.SimpleNamespace(value=mixing)),
             solver=types.SimpleNamespace(factorizations=3),
             settings=settings.make(),
@@ -38,7 +38,7 @@ class _Mesh:
         )
         self.sampler = self.problem.state
 
-    status, known = adaptive.Solved.status, adaptive.Solved.known
+    status, known = solved_mesh.Solved.status, solved_mesh.Solved.known
 
     def read(self):
         """The sampler is the state."""
@@ -57,14 +57,24 @@ class _Problem(types.SimpleNamespace):
 def search(monkeypatch, capfd):
     """search({mesh: (ffr, c, steady?, estimate)}, {mesh: (ffr, difference) or None}, whole) -> Solved, Search, tried.
 
-    The second says where marches settle; tried: [(mesh, "steady" or "march")] in order.
+    The second says where marches settle; tried: [(mesh, "steady" or "march")] in order. Meshes beyond PATHS are made
+    (None: not good enough) and are solved iteratively.
     """
 
     def run(meshes, marches, whole=False, **values):
-        tried = []
+        tried, starts = [], []
+        more = iter([path for path in meshes if path not in PATHS])
+
+        def make(dofs, estimate):
+            path = next(more, None)
+            if path and meshes[path] is None:
+                raise ComputationError("volume mesh is not good enough", path, 0, "none")
+            return path
 
         def solve_mesh(path, document, chosen, tree, predicted, start, spent, march, near):
             tried.append((path, "near" if near else "steady"))
+            if path not in PATHS:
+                starts.append(start.path)
             ffr, mixing, steady, estimate = meshes[path]
             if not steady and not march:
                 error = ComputationError("stalled", path, 0, "none")
@@ -87,7 +97,8 @@ def search(monkeypatch, capfd):
         monkeypatch.setattr(adaptive.error_estimate, "of", lambda solved, *_: solved.found)
         monkeypatch.setattr(adaptive.Search, "at_probes", lambda self, sampler: [float(sampler.x.array[0])])
         found = adaptive.Search(None, settings.make(**values), None, types.SimpleNamespace(whole=whole))
-        return found.run(PATHS), found, tried
+        found.starts = starts
+        return found.run(PATHS, types.SimpleNamespace(make=make, report="report")), found, tried
 
     return run
 
@@ -129,7 +140,7 @@ def test_a_steady_coarse_flow_answers_where_the_fine_mesh_has_none_near_it(searc
     assert tried == [("coarse.msh", "steady"), ("fine.msh", "near")]
     assert solved.path == ("fine.msh" if steady else "coarse.msh") and solved.status == "converged"
     assert solved.estimate == (STEADY if steady else WIDE)
-    assert found.meshes[-1]["mesh"] == solved.path
+    assert [mesh["mesh"] for mesh in found.meshes] == PATHS
 
 
 def test_where_the_fine_mesh_does_not_settle_the_coarse_one_is_marched(search, capfd):
@@ -156,6 +167,39 @@ def test_the_mesh_with_the_smaller_error_answers(search, capfd):
     solved, _, _ = search(meshes, {})
     assert solved.path == "fine.msh" and solved.status == "converged with eddy viscosity"
     assert solved.problem.mixing == 0.27
+
+
+def _steady(**estimates):
+    return {f"{path}.msh": (0.8, 0.0, True, {"ffr": error, "goal": error}) for path, error in estimates.items()}
+
+
+def test_finer_meshes_are_made_until_one_is_within_the_tolerance(search):
+    """Each starts from the flow of the finest factorized mesh."""
+    flows = _steady(coarse=0.02, fine=0.01, finer=0.007, finest=0.004, never=0.001)
+    solved, found, tried = search(flows, {})
+    assert solved.path == "finest.msh" and found.starts == ["fine.msh", "fine.msh"]
+    assert tried[2:] == [("finer.msh", "near"), ("finest.msh", "near")]
+    assert [mesh.get("report") for mesh in found.meshes] == [None, None, "report", "report"]
+
+
+def test_no_finer_mesh_where_it_is_not_asked_for_or_would_not_help(search):
+    within = search(_steady(coarse=0.02, fine=0.004, finer=0.001), {})
+    always = search(_steady(coarse=0.02, fine=0.01, finer=0.001), {}, ffr_tolerance=0)
+    fine = {"coarse.msh": (0.8, 0.27, True, ROUGH), "fine.msh": (0.8, 0.27, True, ROUGH)}
+    eddy = search(fine | _steady(finer=0.001), {})
+    not_near = search(_steady(coarse=0.02, fine=0.01, finer=0.001) | {"fine.msh": (0.8, 0, False, None)}, {})
+    assert [solved.path for solved, *_ in (within, always, eddy, not_near)] == ["fine.msh"] * 3 + ["coarse.msh"]
+    assert all("finer.msh" not in dict(tried) for *_, tried in (within, always, eddy, not_near))
+
+
+@pytest.mark.parametrize(
+    "finer, last", [(None, "no flow"), ((0.8, 0.0, False, None), "no flow"), ((0.8, 0.0, True, WIDE), "converged")]
+)
+def test_the_fine_mesh_answers_where_a_finer_one_gives_nothing_better(search, finer, last, capfd):
+    """A mesh that is not good enough, one without a flow near, one with no smaller error."""
+    solved, found, _ = search(_steady(coarse=0.02, fine=0.0055) | {"finer.msh": finer}, {})
+    assert solved.path == "fine.msh" and solved.estimate["ffr"] == 0.0055 and found.meshes[2]["status"] == last
+    assert ("the mesh before answers" in capfd.readouterr().err) == (last == "no flow")
 
 
 def test_without_any_flow_the_solve_is_refused(search):

@@ -14,7 +14,7 @@ LENGTH, RADIUS = 6.0, 1.2
 MODULES = {
     "boundary": ("flow.boundary",),
     "mesh": ("flow.mesh",),
-    "solve": ("flow.solve", "flow.extended"),
+    "solve": ("flow.solve", "flow.extended", "flow.finer"),
     "rank": ("flow.ranking",),
 }
 

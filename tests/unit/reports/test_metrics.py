@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from common.errors import ComputationError, InputError
-from flow import adaptive
+from flow import solved_mesh
 from reports import profiles
 from reports.case_files import CaseFiles
 from reports.metrics import case_metrics
@@ -166,10 +166,10 @@ def test_a_solution_that_did_not_converge_is_refused(make_case):
 
 
 def test_every_answer_of_the_flow_solver_is_read(make_case):
-    assert profiles.ANSWERED == adaptive.STATUSES
+    assert profiles.ANSWERED == solved_mesh.STATUSES
     folder = make_case()
     path = folder / "flow" / "vci" / "ffr.json"
-    for status in adaptive.STATUSES:
+    for status in solved_mesh.STATUSES:
         path.write_text(json.dumps(json.loads(path.read_text()) | {"status": status}))
         assert metrics_of(folder)["states"]["vci"]["ffr"]["distal"] > 0
 

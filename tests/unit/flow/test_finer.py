@@ -1,0 +1,95 @@
+"""Meshes made where the given ones miss the tolerance: how fine, from what, how far."""
+
+import json
+
+import pytest
+import solved_tube
+
+from common.errors import InputError
+from flow import __main__ as command_line
+from flow import centreline, finer, settings
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory):
+    """A straight tube with meshes of 2 and 3 rings."""
+    folder = solved_tube.make(tmp_path_factory.mktemp("finer"))
+    meshes = ["--out", str(folder / "mesh.msh"), "--coarse", str(folder / "coarse.msh")]
+    line = ["--centreline", str(folder / "centreline.vtp"), "--rings", "3", "--coarse-rings", "2"]
+    command_line.main(["mesh", str(folder / "lumen.vtp"), *line, *meshes])
+    return folder
+
+
+def _finer(case, **values):
+    tree = centreline.read(case / "centreline.vtp")
+    return finer.Finer(case / "lumen.vtp", tree, case / "mesh.json", settings.make(**values), case)
+
+
+@pytest.mark.parametrize(
+    "estimate, dofs, rings",
+    [(0.0055, 10000, 4), (0.05, 10000, 4), (0.0055, 300000, None)],
+)
+def test_rings_go_with_the_error_as_far_as_the_limits_allow(case, estimate, dofs, rings):
+    assert _finer(case).rings_for(dofs, estimate) == rings
+
+
+def test_rings_of_a_mesh_of_eight(case):
+    """Halving the error asks for sqrt(2 / MARGIN) times the rings; a much larger one for half as many more; less where
+    the unknowns end."""
+    made = _finer(case)
+    made.rings = 8
+    assert [made.rings_for(10000, error) for error in (0.0041, 0.006, 0.05)] == [9, 10, 12]
+    assert made.rings_for(500000, 0.05) is None and made.rings_for(450000, 0.05) == 9
+    made.rings = 12
+    assert made.rings_for(10000, 0.006) is None
+
+
+def test_a_finer_mesh_is_made_as_flow_mesh_makes_it(case):
+    made = _finer(case, ffr_tolerance=1e-7)
+    path = made.make(6000, 1.1e-6)
+    direct = case / "direct.msh"
+    # settings of 4 rings instead of 3, all sizes in proportion
+    sizes = ["--rings", "4", "--cells-per-radius", str(2.5 * 4 / 3)]
+    sizes += ["--stations-throat", str(0.3 * 3 / 4), "--stations-plain", str(3 / 4)]
+    command_line.main(
+        ["mesh", str(case / "lumen.vtp"), "--centreline", str(case / "centreline.vtp"), *sizes, "--out", str(direct)]
+    )
+    assert made.report["cells"] == json.loads(direct.with_suffix(".json").read_text())["cells"]
+    assert made.report["rings"] == 4 and path.is_file()
+
+
+def test_a_surface_or_report_of_another_mesh_is_refused(case, tmp_path):
+    tree, chosen = centreline.read(case / "centreline.vtp"), settings.make()
+    document = json.loads((case / "mesh.json").read_text())
+    for changes, words in (({"volume_mm3": 1.02 * document["volume_mm3"]}, "not that of the mesh"), (None, "how its")):
+        report = tmp_path / "mesh.json"
+        report.write_text(json.dumps({"rings": 3} if changes is None else document | changes))
+        with pytest.raises(InputError, match=words):
+            finer.Finer(case / "lumen.vtp", tree, report, chosen, tmp_path)
+
+
+def _solve(case, out, *options):
+    files = ["--boundary", str(case / "boundary.json"), "--centreline", str(case / "centreline.vtp")]
+    meshes = [str(case / "mesh.msh"), "--coarse", str(case / "coarse.msh")]
+    command_line.main(["solve", *meshes, *files, "--out", str(out), *options])
+    return json.loads((out / "ffr.json").read_text())
+
+
+def test_a_solve_goes_on_to_finer_meshes_until_the_error_is_small_enough(case, tmp_path, capfd):
+    lumen = ["--lumen", str(case / "lumen.vtp"), "--ffr-tolerance", "3e-7"]
+    answer = _solve(case, tmp_path / "out", *lumen)
+    assert [mesh["mesh"] for mesh in answer["meshes"]] == ["coarse.msh", "mesh.msh", "mesh_4_rings.msh"]
+    assert answer["tolerance_met"] and answer["error_estimate"]["ffr"] <= 3e-7
+    assert answer["mesh"] == "mesh_4_rings.msh"
+    assert answer["dofs"] == answer["meshes"][-1]["dofs"] == answer["meshes"][-1]["report"]["dofs"]
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["ffr.json", "pullback.csv", "solution.vtu"]
+    capfd.readouterr()
+    answer = _solve(case, tmp_path / "out", *lumen, "--most-dofs", "10000")
+    assert len(answer["meshes"]) == 2 and not answer["tolerance_met"]
+    assert "most_dofs is 10000" in capfd.readouterr().err
+
+
+def test_most_dofs_without_a_lumen_is_refused(case, tmp_path, capsys):
+    with pytest.raises(SystemExit) as ended:
+        _solve(case, tmp_path, "--most-dofs", "20000")
+    assert ended.value.code == 2 and "give --lumen" in capsys.readouterr().err
