@@ -43,9 +43,9 @@ public:
     for (const std::string& line : result_.switched_off)
       std::cerr << "switched off: " << line << '\n';
     if (observer_ && observer_->every_steps > 0)
-      interactions_.after_step = [this](int steps) {
+      interactions_.after_step = [this](int steps, const Balance& forces) {
         if (steps % observer_->every_steps == 0)
-          show(steps);
+          show(steps, forces);
       };
   }
 
@@ -64,48 +64,48 @@ public:
     for (std::size_t i = 0; i < wall_.vertex.size(); ++i)
       result_.wall_stretch[wall_.vertex[i]] = stretch[i];
     read_malapposition();
-    result_.forces = {on_lumen(balance_.pressure), on_lumen(balance_.contact), on_lumen(balance_.foundation),
-                      on_lumen(balance_.residual)};
+    result_.forces = on_lumen(balance_);
     for (StentHistory& h : result_.stents)
-      shapes_.push_back(shape_of(h.stent.body, h.device));
+      shapes_.push_back(shape_of(h.stent.body, h.device, balance_));
     return std::move(result_);
   }
   std::vector<DeviceShape> take_shapes() { return std::move(shapes_); }
 
 private:
   Vectors on_lumen(const Vectors& force) const {
-    Vectors all(lumen_.points.size(), Vec3::Zero());
-    for (std::size_t i = 0; i < wall_.vertex.size(); ++i)
+    Vectors all(force.empty() ? 0 : lumen_.points.size(), Vec3::Zero());
+    for (std::size_t i = 0; i < wall_.vertex.size() && !all.empty(); ++i)
       all[wall_.vertex[i]] = force[i];
     return all;
   }
-
-  template <class Values> Values part(const Values& all, int body) const {
-    const auto first = all.begin() + system_.body(body).first;
-    return Values(first, first + system_.body(body).count);
+  Balance on_lumen(const Balance& b) const {
+    return {on_lumen(b.pressure), on_lumen(b.contact), on_lumen(b.foundation), on_lumen(b.residual)};
   }
 
-  DeviceShape shape_of(int body, const std::string& name, bool with_forces = true) const {
-    DeviceShape shape{is_stent(body) ? DeviceShape::Kind::stent : DeviceShape::Kind::balloon,
-                      name,
-                      part(system_.x, body),
-                      system_.body(body).triangles,
-                      {}};
+  Vectors part(const Vectors& all, int body) const {
+    const auto first = all.begin() + system_.body(body).first;
+    return all.empty() ? Vectors{} : Vectors(first, first + system_.body(body).count);
+  }
+
+  DeviceShape shape_of(int body, const std::string& name, const Balance& b) const {
+    DeviceShape shape{
+        is_stent(body) ? DeviceShape::Kind::stent : DeviceShape::Kind::balloon,
+        name,
+        part(system_.x, body),
+        system_.body(body).triangles,
+        {part(b.pressure, body), part(b.contact, body), part(b.foundation, body), part(b.residual, body)}};
     for (Triangle& t : shape.triangles)
       for (int& v : t)
         v -= system_.body(body).first;
-    if (with_forces)
-      shape.forces = {part(balance_.pressure, body), part(balance_.contact, body), part(balance_.foundation, body),
-                      part(balance_.residual, body)};
     return shape;
   }
 
   Vectors lumen_now() const { return moved_points(lumen_, wall_, system_); }
 
-  void show(int steps) const {
-    Snapshot snapshot{static_cast<int>(result_.stages.size()), steps, lumen_now(), {}};
+  void show(int steps, const Balance& forces) const {
+    Snapshot snapshot{static_cast<int>(result_.stages.size()), steps, lumen_now(), on_lumen(forces), {}};
     for (int b = 1; b < system_.bodies(); ++b)
-      snapshot.devices.push_back(shape_of(b, system_.body(b).name, false));
+      snapshot.devices.push_back(shape_of(b, system_.body(b).name, forces));
     observer_->see(snapshot);
   }
 
@@ -220,7 +220,7 @@ private:
       refuse(step, stage, r);
     after_balance(stage, step);
     if (observer_)
-      show(r.steps);
+      show(r.steps, balance_);
   }
 
   [[noreturn]] void refuse(const Step& step, const Stage& stage, const RelaxResult& r) const {
@@ -241,8 +241,8 @@ private:
         note_inflation(h, system_, contacts_onto(h.stent.body, false));
     if (stage.pressure_fraction == 1.0)
       for (std::size_t k = 0; k < balloons_.size(); ++k)
-        shapes_.push_back(
-            shape_of(balloons_[k].body, step.name + "_balloon" + (balloons_.size() > 1 ? std::to_string(k + 1) : "")));
+        shapes_.push_back(shape_of(
+            balloons_[k].body, step.name + "_balloon" + (balloons_.size() > 1 ? std::to_string(k + 1) : ""), balance_));
   }
 
   std::vector<ContactPoint> contacts_onto(int outer, bool of_stents) {

@@ -39,7 +39,8 @@ struct Deployment {
 struct Snapshot {
   int stages_done, steps; ///< steps of the stage under way
   Vectors lumen;
-  std::vector<DeviceShape> devices; ///< without forces
+  Balance forces; ///< per lumen point, N; empty amid a stage of textbook integration, as the devices' then
+  std::vector<DeviceShape> devices;
 };
 /// Sees the state at the end of each stage and, where every_steps > 0, every so many steps.
 struct Observer {

@@ -24,6 +24,13 @@ bool is_frame(const fs::path& file) {
 
 } // namespace
 
+std::vector<PointArray> force_arrays(const Balance& balance) {
+  if (balance.residual.empty())
+    return {};
+  return {vector_array("pressure_n", balance.pressure), vector_array("contact_n", balance.contact),
+          vector_array("foundation_n", balance.foundation), vector_array("residual_n", balance.residual)};
+}
+
 FrameWriter::FrameWriter(fs::path folder, const Lumen& lumen) : folder_(std::move(folder)), lumen_(lumen) {
   try {
     fs::create_directories(folder_);
@@ -38,16 +45,17 @@ FrameWriter::FrameWriter(fs::path folder, const Lumen& lumen) : folder_(std::mov
 
 void FrameWriter::add(const Snapshot& snapshot) {
   int part = 0;
-  const auto put = [&](const std::string& name, const Vectors& points, const Triangles& triangles) {
+  const auto put = [&](const std::string& name, const Vectors& points, const Triangles& triangles,
+                       const Balance& forces) {
     const std::string file = numbered("frame_" + name, count_);
-    write_shape(folder_ / file, points, triangles, {}, {});
+    write_shape(folder_ / file, points, triangles, {}, force_arrays(forces));
     entries_ << "    <DataSet timestep=\"" << count_ << "\" part=\"" << part++ << "\" name=\"" << name << "\" file=\""
              << file << "\"/>\n";
   };
-  put("lumen", snapshot.lumen, lumen_.triangles);
+  put("lumen", snapshot.lumen, lumen_.triangles, snapshot.forces);
   int number = 0;
   for (const DeviceShape& device : snapshot.devices)
-    put("device" + std::to_string(++number), device.points, device.triangles);
+    put("device" + std::to_string(++number), device.points, device.triangles, device.forces);
   entries_ << "    <!-- " << count_ << ": stage " << snapshot.stages_done + 1 << ", " << snapshot.steps
            << " steps -->\n";
   ++count_;

@@ -7,6 +7,9 @@
 
 namespace vci {
 
+/// Point arrays pressure_n, contact_n, foundation_n and residual_n (N); none where there are no forces.
+std::vector<PointArray> force_arrays(const Balance& balance);
+
 class FrameWriter {
 public:
   /// Files go to `folder`, which is made; older frames in it are taken out.

@@ -38,13 +38,14 @@ void assemble(System& system, Interactions& interactions, Forces& f) {
   f.residual = left <= rounding * rounding ? 0 : std::sqrt(left / applied);
 }
 
-/// Hands over the forces of the state reached; what a fixed vertex's support carries is no part of the balance.
-void hand_over(Forces& f, const std::vector<char>& fixed, Balance& balance) {
-  balance = {std::move(f.pressure), std::move(f.contact), std::move(f.foundation), std::move(f.total)};
+/// The forces of the state reached; what a fixed vertex's support carries is no part of the balance.
+Balance balance_of(const Forces& f, const std::vector<char>& fixed) {
+  Balance balance{f.pressure, f.contact, f.foundation, f.total};
   for (Vectors* part : {&balance.pressure, &balance.contact, &balance.foundation, &balance.residual})
     for (std::size_t i = 0; i < fixed.size(); ++i)
       if (fixed[i])
         (*part)[i].setZero();
+  return balance;
 }
 
 /// The displacement that one vertex in a hundred exceeds: a single loose vertex does not rule the step.
@@ -148,10 +149,12 @@ RelaxResult relax(System& system, Interactions& interactions, const IntegratorSe
     read_contact(f, result);
     if (!std::isfinite(f.residual))
       return result;
+    if (interactions.after_step && result.steps > 0)
+      interactions.after_step(result.steps, balance_of(f, system.fixed));
     if (f.residual <= s.residual_tolerance) {
       result.converged = true;
       if (balance)
-        hand_over(f, system.fixed, *balance);
+        *balance = balance_of(f, system.fixed);
       return result;
     }
     if (f.residual < 0.9 * best_residual) {
@@ -206,8 +209,6 @@ RelaxResult relax(System& system, Interactions& interactions, const IntegratorSe
     system.commit();
     held = turns_back(dx, last_dx) ? held_steps : held - 1;
     last_dx = dx;
-    if (interactions.after_step)
-      interactions.after_step(result.steps);
     const double wish = typical > 0 ? s.displacement_per_step / typical : 2.0;
     settling = f.residual < 0.1 && wish > 4.0;
     if (!settling)

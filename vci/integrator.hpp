@@ -22,13 +22,19 @@ struct IntegratorSettings {
   double velocity_stop = 0.01;    ///< mm/ms, root mean square over the free vertices
 };
 
+/// The forces (N) that balance at the end, 0 at fixed vertices; elastic = residual - pressure - contact - foundation.
+struct Balance {
+  Vectors pressure, contact, foundation, residual;
+};
+
 /// What couples the bodies beyond their own forces.
 struct Interactions {
   std::vector<SurfaceContact> contacts;
   std::vector<SelfContact> self_contacts; ///< of bodies whose layers lie on one another
   std::vector<Tie> ties;
   std::shared_ptr<SurfaceTrees> trees = std::make_shared<SurfaceTrees>(); ///< for the contacts to share
-  std::function<void(int)> after_step; ///< where given, called with the number of steps done
+  /// Where given, called with the number of steps done and the forces where they led (none in textbook integration).
+  std::function<void(int, const Balance&)> after_step;
   /// Ends the contacts of a body.
   void forget(int body);
   /// All active contact points. @param ahead ms over which a time-averaged law follows the velocities
@@ -49,11 +55,6 @@ struct RelaxResult {
   double residual = 0;
   double maximal_penetration = 0, mean_penetration = 0; ///< mm, over the contact points; gaps above 0 count as 0
   std::array<int, 2> deepest{-1, -1}; ///< the vertex of the maximal penetration and one of the surface it is in
-};
-
-/// The forces (N) that balance at the end, 0 at fixed vertices; elastic = residual - pressure - contact - foundation.
-struct Balance {
-  Vectors pressure, contact, foundation, residual;
 };
 
 /// Steps (M / h^2 + c A / h + (1 + b / h) K) dx = f + M v / h with one PCG solve each, until the residual

@@ -114,6 +114,13 @@ Lumen read_lumen(const std::filesystem::path& file) {
   return reading(file, [&] { return lumen_of(file); });
 }
 
+PointArray vector_array(const std::string& name, const Vectors& values) {
+  PointArray a{name, 3, {}};
+  for (const Vec3& v : values)
+    a.values.insert(a.values.end(), v.data(), v.data() + 3);
+  return a;
+}
+
 void write_lumen(const std::filesystem::path& vtp, const std::filesystem::path& stl, const Lumen& lumen,
                  const Vectors& points, const std::vector<PointArray>& arrays) {
   vtkNew<vtkPolyData> data;

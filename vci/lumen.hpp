@@ -26,6 +26,7 @@ struct PointArray {
   int components;
   std::vector<double> values;
 };
+PointArray vector_array(const std::string& name, const Vectors& values);
 /// The lumen as read, with new positions and further point arrays.
 void write_lumen(const std::filesystem::path& vtp, const std::filesystem::path& stl, const Lumen& lumen,
                  const Vectors& points, const std::vector<PointArray>& arrays);

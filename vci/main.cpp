@@ -17,23 +17,11 @@ namespace {
 namespace fs = std::filesystem;
 using namespace vci;
 
-PointArray vectors(const std::string& name, const Vectors& values) {
-  PointArray a{name, 3, {}};
-  for (const Vec3& v : values)
-    a.values.insert(a.values.end(), v.data(), v.data() + 3);
-  return a;
-}
-
 PointArray displacement(const Lumen& lumen, const Vectors& points) {
   Vectors moved = points;
   for (std::size_t i = 0; i < points.size(); ++i)
     moved[i] -= lumen.points[i];
-  return vectors("displacement_mm", moved);
-}
-
-std::vector<PointArray> forces(const Balance& balance) {
-  return {vectors("pressure_n", balance.pressure), vectors("contact_n", balance.contact),
-          vectors("foundation_n", balance.foundation), vectors("residual_n", balance.residual)};
+  return vector_array("displacement_mm", moved);
 }
 
 /// The scene; where it is refused an earlier run's answer in `out` is gone as well.
@@ -61,7 +49,7 @@ int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& 
   const Deployment d = deploy(scene, lumen, paths, writer ? &observer : nullptr);
   if (writer)
     writer->finish();
-  std::vector<PointArray> arrays = forces(d.forces);
+  std::vector<PointArray> arrays = force_arrays(d.forces);
   arrays.push_back(displacement(lumen, d.points));
   arrays.push_back({"wall_stretch", 1, d.wall_stretch});
   arrays.push_back({"malapposition_mm", 1, d.malapposition});
@@ -70,7 +58,8 @@ int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& 
   for (const DeviceShape& shape : d.balloons) {
     const bool is_stent = shape.kind == DeviceShape::Kind::stent;
     const std::string name = is_stent ? "stent" + std::to_string(stent + 1) : shape.name;
-    write_shape(output.folder() / "devices" / (name + ".vtp"), shape.points, shape.triangles, {}, forces(shape.forces));
+    write_shape(output.folder() / "devices" / (name + ".vtp"), shape.points, shape.triangles, {},
+                force_arrays(shape.forces));
     if (is_stent) {
       const Struts struts = strut_pattern(scene.stents.at(shape.name), d.stents[stent].stent.grid, shape.points);
       write_shape(output.folder() / "devices" / (name + "_struts.vtp"), struts.points, struts.triangles, struts.lines,

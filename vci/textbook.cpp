@@ -62,7 +62,7 @@ RelaxResult relax_textbook(System& system, Interactions& interactions, const Int
     iterations += step(system, interactions, s);
     ++steps;
     if (interactions.after_step)
-      interactions.after_step(steps);
+      interactions.after_step(steps, {});
     const double velocity = root_mean_square_velocity(system);
     if (!std::isfinite(velocity))
       break;

@@ -182,7 +182,7 @@ std::array<double, 3> after_steps(double h, int steps, bool textbook, double dam
   const Vectors start = system.x;
   Vectors before = start, momentum = start;
   double largest = 0;
-  free.touching.after_step = [&](int) {
+  free.touching.after_step = [&](int, const Balance&) {
     for (int i = 0; i < system.vertices(); ++i) {
       // drag against the surroundings has taken c A dx from each vertex
       momentum[i] = system.mass[i] * system.velocity[i] + damping * system.area[i] * (system.x[i] - start[i]);
