@@ -3,6 +3,7 @@
 #include "vci/checked_json.hpp"
 #include "vci/scene.hpp"
 
+#include <cmath>
 #include <stdexcept>
 
 namespace vci {
@@ -10,6 +11,8 @@ namespace vci {
 using nlohmann::json;
 
 namespace {
+
+constexpr double nominal_tolerance = 0.01; // charts round to 0.01 or 0.02 mm, and are straight between their points
 
 FoldingSpec read_folding(const json& entry, const std::string& where) {
   CheckedObject o(entry, where);
@@ -35,7 +38,7 @@ BalloonSpec read_balloon(const json& entry, const std::string& where) {
   b.length = o.number("length_mm", 2, 100);
   b.shoulder = o.number("shoulder_mm", 0.3, 10, 1.2);
   b.crimped_diameter = o.number("crimped_diameter_mm", 0.2, 3);
-  o.number("nominal_pressure_bar", 0.1, 40, 8.0);
+  const double nominal_pressure = o.has("nominal_pressure_bar") ? o.number("nominal_pressure_bar", 0.1, 40) : 0;
   b.rated_burst_pressure_bar = o.number("rated_burst_pressure_bar", 0.1, 60);
   CheckedObject chart(o.child("chart", true), o.path("chart"));
   b.chart_pressure_bar = chart.numbers("pressure_bar");
@@ -44,7 +47,13 @@ BalloonSpec read_balloon(const json& entry, const std::string& where) {
   if (o.has("folding"))
     b.folding = read_folding(o.child("folding", true), o.path("folding"));
   try {
-    BalloonChart(b.chart_pressure_bar, b.chart_diameter, b.crimped_diameter);
+    const BalloonChart by_bar(b.chart_pressure_bar, b.chart_diameter, b.crimped_diameter);
+    const double charted = nominal_pressure > 0 ? by_bar.diameter_at(nominal_pressure) : b.nominal_diameter;
+    if (std::abs(charted / b.nominal_diameter - 1) > nominal_tolerance)
+      throw common::InputError("the chart contradicts the nominal diameter", o.path("nominal_pressure_bar"),
+                               std::to_string(nominal_pressure) + " bar: " + std::to_string(charted) +
+                                   " mm by the chart, nominal_diameter_mm " + std::to_string(b.nominal_diameter),
+                               "give the pressure at which the chart has the nominal diameter, within 1 %");
     if (b.folding)
       BalloonChart::of_unfolded(b.chart_pressure_bar, b.chart_diameter);
   } catch (const std::invalid_argument& e) {

@@ -77,17 +77,42 @@ Step read_step(const json& entry, const std::string& where, const Scene& scene) 
   return step;
 }
 
+/// The document. Of a key given twice in one object the last would count, and the first be lost in silence.
+json parsed(std::istream& stream, const std::string& where) {
+  struct Open {
+    std::set<std::string> keys;
+    std::string last;
+  };
+  std::vector<Open> objects; // that are not yet closed
+  return json::parse(stream, [&](int, json::parse_event_t event, const json& value) {
+    if (event == json::parse_event_t::object_start)
+      objects.emplace_back();
+    else if (event == json::parse_event_t::object_end)
+      objects.pop_back();
+    else if (event == json::parse_event_t::key) {
+      objects.back().last = value.get<std::string>();
+      if (!objects.back().keys.insert(objects.back().last).second) {
+        std::string path = where;
+        for (const Open& o : objects)
+          path += "." + o.last;
+        throw common::InputError("a key is given twice", path, objects.back().last, "leave one of the two");
+      }
+    }
+    return true;
+  });
+}
+
 Scene scene_of(const std::filesystem::path& file) {
   std::ifstream stream(file);
   if (!stream)
     throw common::InputError("the scene cannot be opened", file.string(), "no readable file", "check the path");
+  const std::string where = file.string() + ": scene";
   json document;
   try {
-    document = json::parse(stream);
+    document = parsed(stream, where);
   } catch (const json::parse_error& e) {
     throw common::InputError("the scene is not JSON", file.string(), e.what(), "correct the text at that byte");
   }
-  const std::string where = file.string() + ": scene";
   CheckedObject o(document, where);
   const std::string schema = o.text("schema");
   if (schema != "vci-scene-1")

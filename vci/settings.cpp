@@ -29,6 +29,37 @@ PlaqueSpec read_plaque(CheckedObject& parent, const std::string& type, const Pla
   return p;
 }
 
+/// Refuses what only the other integration would heed: nothing would say that it is left unused.
+void refuse_unused(const CheckedObject& o, const Numerics& n) {
+  struct Setting {
+    const char* key;
+    double value, usual;
+  };
+  const IntegratorSettings &i = n.integrator, usual;
+  const std::vector<Setting> of_textbook{
+      {"fixed_step_ms", i.fixed_step, usual.fixed_step},
+      {"velocity_stop_mm_per_ms", i.velocity_stop, usual.velocity_stop},
+  };
+  const std::vector<Setting> of_adaptive{
+      {"residual_tolerance", i.residual_tolerance, usual.residual_tolerance},
+      {"displacement_per_step_mm", i.displacement_per_step, usual.displacement_per_step},
+      {"initial_step_ms", i.initial_step, usual.initial_step},
+      {"maximal_step_ms", i.maximal_step, usual.maximal_step},
+      {"stalled_steps_per_stage", static_cast<double>(i.stalled_steps), static_cast<double>(usual.stalled_steps)},
+      {"pcg_patch_vertices", static_cast<double>(i.pcg.patch_size), static_cast<double>(usual.pcg.patch_size)},
+      {"damping_mpa_ms_per_mm", i.damping, usual.damping},
+      {"stiffness_damping_ms", i.stiffness_damping, usual.stiffness_damping},
+      {"region_margin_mm", n.region_margin, Numerics{}.region_margin},
+  };
+  for (const Setting& s : i.textbook ? of_adaptive : of_textbook)
+    if (s.value != s.usual)
+      throw common::InputError(i.textbook ? "a setting of adaptive integration, in textbook integration"
+                                          : "a setting of textbook integration, without it",
+                               o.path(s.key), std::to_string(s.value),
+                               i.textbook ? "set integration to adaptive, or leave it out"
+                                          : "set integration to textbook, or leave it out");
+}
+
 } // namespace
 
 WallSpec read_wall(const json& entry, const std::string& where, json& used) {
@@ -98,12 +129,6 @@ Numerics read_numerics(const json& entry, const std::string& where, json& used) 
   i.textbook = choice("integration", "adaptive", "textbook");
   i.fixed_step = o.number("fixed_step_ms", 1e-5, 10, i.fixed_step);
   i.velocity_stop = o.number("velocity_stop_mm_per_ms", 1e-9, 10, i.velocity_stop);
-  const IntegratorSettings usual;
-  if (!i.textbook && (i.fixed_step != usual.fixed_step || i.velocity_stop != usual.velocity_stop))
-    throw common::InputError("a setting of textbook integration, without it",
-                             o.path(i.fixed_step != usual.fixed_step ? "fixed_step_ms" : "velocity_stop_mm_per_ms"),
-                             std::to_string(i.fixed_step != usual.fixed_step ? i.fixed_step : i.velocity_stop),
-                             "set integration to textbook, or leave it out");
   c.time_averaged = choice("contact_law", "one-sided", "time-averaged");
   if (c.time_averaged && !i.textbook)
     throw common::InputError("a contact law that follows velocities, without any", o.path("contact_law"),
@@ -114,6 +139,7 @@ Numerics read_numerics(const json& entry, const std::string& where, json& used) 
   n.region_margin = o.number("region_margin_mm", 1, 1000, n.region_margin);
   n.device_edge = o.number("device_edge_mm", 0.1, 1.5, n.device_edge);
   n.contact_pressure_fraction = o.number("contact_pressure_fraction", 0.01, 1, n.contact_pressure_fraction);
+  refuse_unused(o, n);
   o.finish();
   used = o.used;
   return n;

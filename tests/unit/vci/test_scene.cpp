@@ -3,6 +3,7 @@
 #include "vci/scene.hpp"
 #include <fstream>
 #include <gtest/gtest.h>
+#include <map>
 #include <unistd.h>
 
 namespace {
@@ -109,10 +110,51 @@ TEST(Scene, RefusesBadValuesWithTheirKey) {
   expect("/devices/b/folding", {{"wings", 7}}, "folding.wings");
   expect("/devices/b/folding", {{"wrap", "left"}}, "folding.wrap");
   expect("/devices/b/folding", {{"pleats", 3}}, "pleats");
+  expect("/devices/b/nominal_pressure_bar", 10, "nominal_pressure_bar"); // 3.067 mm by the chart
+  expect("/devices/b/nominal_diameter_mm", 3.04, "contradicts");
+  expect("/numerics", {{"fixed_step_ms", 0.02}}, "fixed_step_ms");
   expect("/procedure/0/action", "pray", "action");
   expect("/procedure/0/devices/0/device", "x", "does not define");
   expect("/procedure/0/devices/0/pressure_bar", 39, "burst");
   expect("/procedure", json::array(), "one entry or more");
+}
+
+TEST(Scene, TextbookIntegrationRefusesWhatOnlyTheAdaptiveOneHeeds) {
+  json d = good_scene();
+  d["numerics"] = {{"integration", "textbook"}, {"fixed_step_ms", 0.02}, {"damping_mpa_ms_per_mm", 2.5}};
+  EXPECT_EQ(refusal(d), "accepted") << "a default may be written out";
+  for (const auto& [key, value] : std::map<std::string, json>{{"residual_tolerance", 1e-3},
+                                                              {"displacement_per_step_mm", 0.1},
+                                                              {"initial_step_ms", 1},
+                                                              {"maximal_step_ms", 10},
+                                                              {"stalled_steps_per_stage", 50},
+                                                              {"pcg_patch_vertices", 0},
+                                                              {"damping_mpa_ms_per_mm", 1},
+                                                              {"stiffness_damping_ms", 1},
+                                                              {"region_margin_mm", 3}}) {
+    d["numerics"] = {{"integration", "textbook"}, {key, value}};
+    EXPECT_NE(refusal(d).find("numerics." + key), std::string::npos) << key << ": " << refusal(d);
+    d["numerics"]["integration"] = "adaptive";
+    EXPECT_EQ(refusal(d), "accepted") << key;
+  }
+}
+
+TEST(Scene, RefusesAKeyGivenTwiceAndNamesIt) {
+  const std::string good = good_scene().dump();
+  const auto with = [&](const std::string& before, const std::string& extra) {
+    std::string text = good;
+    text.insert(text.find(before), extra);
+    try {
+      read_scene(SceneFile(text).path());
+    } catch (const common::InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_NE(with("\"map_pa\"", "\"map_pa\":9000,").find("scene.patient.map_pa"), std::string::npos);
+  EXPECT_NE(with("\"schema\"", "\"schema\":1,").find("given twice"), std::string::npos);
+  EXPECT_NE(with("\"chart\"", "\"chart\":{},").find("scene.devices.b.chart"), std::string::npos);
+  EXPECT_EQ(with("\"schema\"", "\"numerics\":{},\"wall\":{},"), "accepted") << "keys of one name in several objects";
 }
 
 TEST(Scene, RefusesNamesThatAreNoFiles) {
