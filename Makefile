@@ -43,10 +43,11 @@ test-cpp: build
 	ctest --test-dir $(BUILD) --output-on-failure -j $(CORES) --output-junit $(CURDIR)/results/tests/cpp.xml
 
 # CGAL's headers take longer under the sanitizers than all else together; the anatomy's reader is left to the plain run.
-sanitize: setup ## C++ unit tests of the deployment engine with the address and undefined-behaviour sanitizers
+sanitize: setup ## C++ unit tests and a short fuzz of the deployment engine with the address and undefined-behaviour sanitizers
 	@[ -f build-sanitize/build.ninja ] || cmake -S . -B build-sanitize -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DVCI_SANITIZE=ON
-	@ninja -C build-sanitize -j $(CORES) vci_unit_tests
+	@ninja -C build-sanitize -j $(CORES) vci vci_unit_tests
 	ctest --test-dir build-sanitize --exclude-regex NOT_BUILT --output-on-failure -j $(CORES) --quiet
+	VCI_BUILD_DIR=build-sanitize VCI_FUZZ_MUTANTS=6 OMP_NUM_THREADS=1 $(PYTHON) -m pytest -q tests/verification/vci/test_fuzz.py
 
 test-python: build
 	OMP_NUM_THREADS=1 $(PYTHON) -m pytest -q -n $(CORES) --dist loadscope --durations=15 --junitxml=results/tests/python.xml
