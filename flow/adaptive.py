@@ -99,7 +99,7 @@ class Search:
                 path = finer.make(solved.space.dofs, solved.estimate["ffr"])
                 if path is None:
                     break
-                found = self.on_mesh(path, base, True)
+                found = self.on_mesh(path, base, True, solved)
             except ComputationError as error:
                 self.spent += getattr(error, "factorizations", 0)
                 self.no_flow(path or "finer mesh", error)
@@ -121,15 +121,16 @@ class Search:
         print(f"{path}: no flow, the mesh before answers:\n{error}", file=sys.stderr, flush=True)
         self.meshes.append({"mesh": pathlib.Path(path).name, "status": "no flow"})
 
-    def on_mesh(self, path, before, last):
-        """Solved on a mesh, from the flow on the one before. Raises ComputationError."""
+    def on_mesh(self, path, before, last, compared=None):
+        """Solved on a mesh, from the flow on the one before; the error is estimated with `compared`, a Solved of a
+        coarser mesh, by default the one before. Raises ComputationError."""
         begin, known = time.process_time(), before is not None and before.known
         may_march = last and self.settings.march_steps > 0 and not known
         solved = solve_mesh(
             path, self.document, self.settings, self.tree, self.predicted, before, self.spent, may_march, known
         )
         if solved.outcome:
-            solved.estimate = error_estimate.of(solved, self.document, self.tree, self.at_probes, before)
+            solved.estimate = error_estimate.of(solved, self.document, self.tree, self.at_probes, compared or before)
         if (may_march or self.promising(solved)) and not within(solved.estimate, self.settings):
             self.march(solved, before)
         self.spent += solved.problem.solver.factorizations

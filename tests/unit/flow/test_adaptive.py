@@ -62,7 +62,7 @@ def search(monkeypatch, capfd):
     """
 
     def run(meshes, marches, whole=False, **values):
-        tried, starts = [], []
+        tried, starts, compared = [], [], []
         more = iter([path for path in meshes if path not in PATHS])
 
         def make(dofs, estimate):
@@ -94,10 +94,14 @@ def search(monkeypatch, capfd):
 
         monkeypatch.setattr(adaptive, "solve_mesh", solve_mesh)
         monkeypatch.setattr(adaptive.unsteady, "march", march)
-        monkeypatch.setattr(adaptive.error_estimate, "of", lambda solved, *_: solved.found)
+        def estimate(solved, document, tree, at_probes, coarser=None):
+            compared.append(coarser and coarser.path)
+            return solved.found
+
+        monkeypatch.setattr(adaptive.error_estimate, "of", estimate)
         monkeypatch.setattr(adaptive.Search, "at_probes", lambda self, sampler: [float(sampler.x.array[0])])
         found = adaptive.Search(None, settings.make(**values), None, types.SimpleNamespace(whole=whole))
-        found.starts = starts
+        found.starts, found.compared = starts, compared
         return found.run(PATHS, types.SimpleNamespace(make=make, report="report")), found, tried
 
     return run
@@ -174,10 +178,11 @@ def _steady(**estimates):
 
 
 def test_finer_meshes_are_made_until_one_is_within_the_tolerance(search):
-    """Each starts from the flow of the finest factorized mesh."""
+    """Each starts from the flow of the finest factorized mesh and is compared with the mesh before."""
     flows = _steady(coarse=0.02, fine=0.01, finer=0.007, finest=0.004, never=0.001)
     solved, found, tried = search(flows, {})
     assert solved.path == "finest.msh" and found.starts == ["fine.msh", "fine.msh"]
+    assert found.compared == [None, "coarse.msh", "fine.msh", "finer.msh"]
     assert tried[2:] == [("finer.msh", "near"), ("finest.msh", "near")]
     assert [mesh.get("report") for mesh in found.meshes] == [None, None, "report", "report"]
 

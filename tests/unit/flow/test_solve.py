@@ -1,6 +1,8 @@
 """The solver on small tubes: Poiseuille's drop, balances, quadratic convergence, which mesh answers."""
 
 import json
+import subprocess
+import sys
 import types
 
 import numpy as np
@@ -12,6 +14,7 @@ from flow import centreline, goal_error, jet, newton, nonlinear, outlets, solve,
 from flow import __main__ as command_line
 from flow import settings as settings_module
 from solved_tube import LENGTH, MU, RADIUS
+from workflow import imports
 
 
 @pytest.fixture(scope="module")
@@ -174,6 +177,31 @@ def test_the_fine_mesh_is_solved_on_only_where_the_error_asks_for_it(
     assert ("ffr_tolerance" in said.err) == (tolerance == 0)
     assert ("ffr_tolerance = 0" in "".join(answer["warnings"])) == (tolerance == 0)
     assert said.out == f"FFR {answer['ffr']:.4f} +- {answer['error_estimate']['ffr']:.4f}\n"
+
+
+def _without_timings(value):
+    """A JSON document without what a clock or the memory manager says."""
+    if isinstance(value, list):
+        return [_without_timings(one) for one in value]
+    if not isinstance(value, dict):
+        return value
+    measured = ("seconds", "cpu_seconds", "peak_memory_mib")
+    return {key: _without_timings(one) for key, one in value.items() if key not in measured}
+
+
+def test_same_input_same_bits(case, coarse_mesh, tmp_path):
+    """In two processes, on two meshes each, so that estimates and the start from the coarse flow are part of it."""
+    files = ["--boundary", str(case / "boundary.json"), "--centreline", str(case / "centreline.vtp")]
+    line = ["solve", str(case / "mesh.msh"), "--coarse", str(coarse_mesh), *files, "--ffr-tolerance", "0"]
+    environment = {"PYTHONPATH": str(imports.ROOT), "PATH": "/usr/bin:/bin", "OMP_NUM_THREADS": "1"}
+    found = []
+    for name in "ab":
+        command = [sys.executable, "-m", "flow", *line, "--out", str(tmp_path / name)]
+        subprocess.run(command, env=environment, check=True, capture_output=True)
+        found.append({path.name: path.read_bytes() for path in (tmp_path / name).iterdir()})
+    documents = [_without_timings(json.loads(files.pop("ffr.json"))) for files in found]
+    assert len(documents[0]["meshes"]) == 2 and documents[0] == documents[1]
+    assert sorted(found[0]) == ["pullback.csv", "solution.vtu"] and found[0] == found[1]
 
 
 def test_the_answer_in_words_has_its_error_and_what_the_flow_is():
