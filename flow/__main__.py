@@ -43,15 +43,18 @@ def mesh_command(arguments):
         settings_module.check_meshes(vars(settings), "flow settings")
     lumen, tree = surface.read(arguments.lumen), centreline.read(arguments.centreline)
     used = {name: value for name, value in vars(settings).items() if "mesh" in settings_module.commands_of(name)}
-    report = {"schema": "vci-mesh-1", "settings": used}
+    report = {"schema": "vci-mesh-1", "settings": used, "made_from_sha256": mesh.fingerprint(lumen, tree)}
     wanted = [("fine", arguments.out, settings.cells_per_radius, settings.rings, 1.0)]
     if arguments.coarse:
         coarsening = settings.rings / settings.coarse_rings
         wanted.append(("coarse", arguments.coarse, settings.coarse_cells_per_radius, settings.coarse_rings, coarsening))
     for name, path, cells, rings, coarsening in wanted:
-        built, figures = mesh.build(lumen, tree, cells, settings, rings, coarsening)
+        if name == "fine":
+            built, figures = mesh.build(lumen, tree, cells, settings, rings, coarsening)
+            report.update(figures)
+        else:
+            built, report["coarse"] = mesh.coarser(report["cells"], lumen, tree, cells, settings, rings, coarsening)
         mesh.write(built, path)
-        report.update(figures if name == "fine" else {"coarse": figures})
     write_json(arguments.json or pathlib.Path(arguments.out).with_suffix(".json"), report)
 
 
@@ -68,8 +71,9 @@ def _solve(arguments, settings):
     from flow import boundary, centreline, extended, ffr, finer, lumen_summary, output, reduced, solve
 
     parallel.check(settings.ranks)
-    if hasattr(arguments, "most_dofs") and not arguments.lumen:
-        raise InputError("setting that does not act", "--most-dofs", settings.most_dofs, "give --lumen with it")
+    if hasattr(arguments, "most_dofs") and not (arguments.lumen and settings.model == "3d"):
+        what = "setting that does not act without --lumen and model 3d"
+        raise InputError(what, "--most-dofs", settings.most_dofs, "give --lumen with it")
     folder = pathlib.Path(arguments.centreline).parent
     anatomy_file = arguments.anatomy or folder / "anatomy.json"
     sections_file = arguments.sections or folder / "sections.csv"
@@ -86,14 +90,14 @@ def _solve(arguments, settings):
     tree = centreline.read(arguments.centreline)
     ffr.check_probes(document["probes"], tree)
     given = arguments.mesh_report
-    extensions, warnings = extended.read(given) if given else extended.beside(arguments.mesh)
+    extensions, warnings = extended.read(given, arguments.mesh) if given else extended.beside(arguments.mesh)
     case = extended.Extended(extensions, tree, anatomy, sections, document, settings, warnings)
     with contextlib.ExitStack() as until_done:
         meshes = None
         if arguments.lumen and settings.model == "3d":
             report = given or pathlib.Path(arguments.mesh).with_suffix(".json")
-            scratch = until_done.enter_context(parallel.scratch(arguments.out))
-            meshes = finer.Finer(arguments.lumen, tree, report, settings, scratch)
+            meshes = finer.Finer(arguments.lumen, tree, report, settings, arguments.out)
+            until_done.callback(meshes.close)
         answer = solve.run(arguments.mesh, arguments.coarse, case, arguments.out, meshes)
     print(solve.in_words(answer))
 

@@ -19,14 +19,21 @@ def within(estimate, settings):
     return estimate is not None and estimate["ffr"] <= settings.ffr_tolerance
 
 
-def missed(estimate, settings):
-    """Warnings, printed too, where the error is not known to be within the tolerance asked for."""
-    if within(estimate, settings):
-        return []
-    found = f"is {estimate['ffr']:.3g}, above" if estimate else "is not known: it may be above"
-    said = f"the error of FFR {found} ffr_tolerance = {settings.ffr_tolerance:g}"
-    print(said, file=sys.stderr, flush=True)
-    return [said]
+def missed(estimate, settings, names=()):
+    """Warnings, printed too, where the error is not known to be within the tolerance asked for: at `distal`, for which
+    the mesh is chosen, and at the other probes; names: of all, `distal` first."""
+    of, above = "the error of FFR", f"above ffr_tolerance = {settings.ffr_tolerance:g}"
+    found = []
+    if estimate is None:
+        found.append(f"{of} is not known: it may be {above}")
+    elif not within(estimate, settings):
+        found.append(f"{of} is {estimate['ffr']:.3g}, {above}")
+    for name, error in list(zip(names, estimate["probes"]))[1:] if estimate else ():
+        if error > settings.ffr_tolerance:
+            found.append(f"{of} at the probe {name} is {error:.3g}, {above}")
+    for said in found:
+        print(said, file=sys.stderr, flush=True)
+    return found
 
 
 class Search:
@@ -85,8 +92,8 @@ class Search:
         return solved, before
 
     def refined(self, solved, before, finer):
-        """As `given`: the Solved on the first mesh of `finer` within the tolerance, or on the last before there is no
-        finer mesh, no steady flow near on it, or no smaller error.
+        """As `given`: the Solved on the first mesh of `finer` within the tolerance, on the first whose error is not
+        smaller than that before, or on the last before there is no finer mesh or no steady flow near on it.
 
         A flow that was found iteratively is no start of the next, which is preconditioned by a factorization.
         """
@@ -96,7 +103,8 @@ class Search:
                 one.problem.release()
             path = None
             try:
-                path = finer.make(solved.space.dofs, solved.estimate["ffr"])
+                most = linear_choice.most_dofs(base, self.settings)
+                path = finer.make(solved.space.dofs, solved.estimate["ffr"], most)
                 if path is None:
                     break
                 found = self.on_mesh(path, base, True, solved)
@@ -105,15 +113,15 @@ class Search:
                 self.no_flow(path or "finer mesh", error)
                 break
             self.meshes[-1]["report"] = finer.report
-            if not found.known or found.estimate["ffr"] >= solved.estimate["ffr"]:
-                found.destroy()
-                break
+            improved = found.known and found.estimate["ffr"] < solved.estimate["ffr"]
             if base is solved:
                 solved, before, old = found, solved, before
             else:
                 solved, old = found, solved
             if old:
                 old.destroy()
+            if not improved:  # the meshes contradict each other: the finer answers, with its larger error
+                break
         return solved, before
 
     def no_flow(self, path, error):

@@ -1,7 +1,10 @@
 """Error estimate of FFR: what the mesh, and a jet viscosity that could not be taken away, may have done to it."""
 
+import sys
+
 import numpy as np
 
+from common.errors import ComputationError
 from flow import goal_error, locate
 
 SAFETY = 1.5  # times the dual-weighted residual, which found .5 to .8 of the true error where its parts do not cancel
@@ -17,26 +20,33 @@ def of(solved, document, tree, at_probes, coarser=None):
 
     The mesh's part is the larger of `goal` (flow.goal_error) and, with a Solved `coarser`, of `mesh` (Richardson's).
     at_probes(sampler) -> FFR at the probes, `distal` first. `goal`: the dual-weighted residual with its safety factor,
-    or the sum of the sizes of its parts where they cancel. The parts are those of `distal`.
+    or the sum of the sizes of its parts where they cancel. The parts are those of `distal`. Where the dual solution is
+    not found two meshes alone estimate the error, if there are two.
     """
-    along = goal_error.of(solved, document, tree)
-    signed, sizes = along.sum(axis=1), np.abs(along).sum(axis=1)
-    goal = of_the_mesh = np.maximum(SAFETY * np.abs(signed), sizes)
-    parts = {"goal": float(goal[0]), "goal_signed": float(signed[0]), "goal_sizes": float(sizes[0])}
-    compared = ""
-    if coarser:
-        richardson, compared = two_meshes(solved, coarser, at_probes)
-        if richardson is not None:
-            of_the_mesh = np.maximum(goal, richardson["mesh"])
-            parts.update({key: float(values[0]) for key, values in richardson.items()})
-    total = of_the_mesh
+    found, methods, parts = [], [], {}
+    try:
+        along = goal_error.of(solved, document, tree)
+        signed, sizes = along.sum(axis=1), np.abs(along).sum(axis=1)
+        found.append(np.maximum(SAFETY * np.abs(signed), sizes))
+        methods.append(f"dual-weighted residual times {SAFETY:g}, at least the sizes of its parts")
+        parts |= {"goal": float(found[0][0]), "goal_signed": float(signed[0]), "goal_sizes": float(sizes[0])}
+    except ComputationError as error:
+        print(f"no dual solution for the error estimate:\n{error}", file=sys.stderr, flush=True)
+    richardson, compared = two_meshes(solved, coarser, at_probes) if coarser else (None, "")
+    if richardson is not None:
+        found.append(richardson["mesh"])
+        methods.append(compared)
+        parts.update({key: float(values[0]) for key, values in richardson.items()})
+    if not found:
+        return None
+    total = of_the_mesh = np.max(found, axis=0)
     if solved.problem.mixing > 0:
         if len(solved.problem.passed) < 2:  # nothing to continue from: what is known of the mesh alone says too little
             return None
         change = jet_viscosity(solved, at_probes)
         parts["jet_mixing"] = float(change[0])
         total = of_the_mesh + change
-    method = f"dual-weighted residual times {SAFETY:g}, at least the sizes of its parts{compared}"
+    method = ", ".join(methods)
     own = {"probes": total.tolist(), "probes_mesh": of_the_mesh.tolist()}
     return {"ffr": float(total[0]), **parts, **own, "method": method}
 
@@ -48,7 +58,7 @@ def document(estimate):
 
 def of_mesh(parts):
     """The mesh's part of an estimate."""
-    return max(parts["goal"], parts.get("mesh", 0.0))
+    return max(parts.get("goal", 0.0), parts.get("mesh", 0.0))
 
 
 def of_mean(steady, mixing, difference):
@@ -74,7 +84,7 @@ def two_meshes(fine, coarse, at_probes):
         return None, ""
     ffr_coarse, ffr_fine = (np.asarray(at_probes(item.sampler)) for item in (coarse, fine))
     mesh = np.abs(ffr_fine - ffr_coarse) / (ratio**ORDER - 1)
-    words = f", two meshes, ratio of widths {ratio:.3f}, order {ORDER:g}"
+    words = f"two meshes, ratio of widths {ratio:.3f}, order {ORDER:g}"
     return {"mesh": mesh, "ffr_coarse": ffr_coarse, "ffr_fine": ffr_fine}, words
 
 

@@ -7,19 +7,23 @@ import pandas as pd
 
 from common import json_reader
 from common.errors import InputError
-from flow import extension, predictor, reduced
+from flow import compat, extension, predictor, reduced
 from flow.surface import INLET
 
 
-def read(path):
-    """([flow.extension.Extension], [warning]) of a report of `flow mesh`: warnings, printed too, of meshes that could
-    not be swept. Raises InputError."""
+def read(path, mesh):
+    """([flow.extension.Extension], [warning]) of the report of `flow mesh` on a mesh file: warnings, printed too, of
+    meshes that could not be swept. Raises InputError, also for the report of another mesh."""
     report = json_reader.read(path, "mesh.json").data
     try:
+        told, found = report["cells"], compat.count_cells(mesh)
         extensions = [extension.Extension(**one) for one in report["extensions"]]
         reasons = {name: part["swept"].get("reason") for name, part in (("fine", report), *_coarse(report))}
     except (AttributeError, KeyError, TypeError) as error:
         raise InputError("not a report of the volume mesh", path, error, "make it with `flow mesh`") from error
+    if told != found:
+        remedy = "give --mesh-report the file that `flow mesh` wrote with this mesh"
+        raise InputError("the report is of another mesh", path, f"{told} cells, {mesh} has {found}", remedy)
     warnings = [
         f"the {name} mesh is not swept along the vessels, its tetrahedra are of one size in all directions: "
         + " ".join(reason.split())
@@ -40,7 +44,7 @@ def beside(mesh):
     warning, printed too, that none are known of. Raises InputError."""
     path = pathlib.Path(mesh).with_suffix(".json")
     if path.is_file():
-        return read(path)
+        return read(path, mesh)
     said = f"no report of the mesh ({path.name}): reduced models take it as without extensions; give --mesh-report"
     print(said, file=sys.stderr, flush=True)
     return [], [said]

@@ -41,6 +41,15 @@ def factors_mib(dofs):
     return MEASURED_MIB * (dofs / MEASURED_DOFS) ** POWER
 
 
+def most_dofs(start, settings):
+    """Unknowns that a mesh which is made for a solve from `start` may have: `most_dofs` of the settings, no more than
+    whose factors fit MOST_MIB and the free memory where they are factorized."""
+    if iterates(settings.most_dofs, start, settings):
+        return settings.most_dofs
+    fitting = MEASURED_DOFS * (min(MOST_MIB, free_mib()) / MEASURED_MIB) ** (1 / POWER)
+    return min(settings.most_dofs, int(fitting))
+
+
 def free_mib():
     """Memory in MiB that is free."""
     with open(MEMORY) as file:

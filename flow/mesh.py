@@ -1,6 +1,7 @@
 """Volume mesh of a lumen: surface -> refined, extended surface -> linear tetrahedra -> curved tetrahedra -> files."""
 
 import dataclasses
+import hashlib
 import sys
 
 import numpy as np
@@ -13,12 +14,26 @@ LEAST_GAMMA = 0.02  # below it an element is a sliver that spoils the whole solv
 LEAST_JACOBIAN_RATIO = 0.05
 # radii by which swept stretches are shortened: where a junction gets a sliver, a cut elsewhere seldom does
 SHORTER = (0.0, 0.15, 0.3, 0.45)
+OTHER_SIZES = (1.0, 1.1, 0.9, 0.8)  # of the coarse mesh's cells per radius, tried in turn
 PHYSICAL_WALL, PHYSICAL_INLET, PHYSICAL_OUTLET_BASE, PHYSICAL_VOLUME = 1, 2, 10, 1
 
 
 def physical_tag(region_id):
     """Physical group of a cap or the wall: wall 1, inlet 2, outlets 10 + region_id."""
     return {0: PHYSICAL_WALL, 1: PHYSICAL_INLET}.get(region_id, PHYSICAL_OUTLET_BASE + region_id)
+
+
+def fingerprint(surface, tree):
+    """SHA-256 of what a mesh is made from, the surface's and centrelines' coordinates and the tags, in hexadecimal."""
+    found = hashlib.sha256()
+    for array in (
+        surface.points,
+        surface.triangles,
+        surface.region,
+        *(a for b in tree for a in (b.points, b.radius_mm)),
+    ):
+        found.update(np.ascontiguousarray(array).tobytes())
+    return found.hexdigest()
 
 
 def build(surface, tree, cells_per_radius, settings, rings=None, coarsening=1.0):
@@ -54,6 +69,18 @@ def build(surface, tree, cells_per_radius, settings, rings=None, coarsening=1.0)
         "extensions": [dataclasses.asdict(one) for one in extensions],
     }
     return mesh, report
+
+
+def coarser(fine, surface, tree, cells_per_radius, settings, rings, coarsening):
+    """As `build`, of fewer cells than `fine`: where junctions with slivers leave isotropic tetrahedra that are more,
+    with other sizes in the junctions. Raises ComputationError."""
+    for factor in OTHER_SIZES:
+        built, report = build(surface, tree, factor * cells_per_radius, settings, rings, coarsening)
+        if report["cells"] < fine:
+            return built, report
+        print(f"{report['cells']} cells, not fewer than {fine}: another size is tried", file=sys.stderr, flush=True)
+    remedy = "another coarse_cells_per_radius or coarse_rings; or mesh without --coarse"
+    raise ComputationError("the coarse mesh is not coarser than the fine one", "cells", report["cells"], remedy)
 
 
 def _unswept(error, settings):

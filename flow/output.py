@@ -1,5 +1,8 @@
 """Files of a solve: solution.vtu (quadratic tetrahedra, mm), ffr.json, pullback.csv."""
 
+import os
+import shutil
+
 import numpy as np
 import vtk
 from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
@@ -10,20 +13,27 @@ from flow import parallel
 
 MM_PER_M = 1e3
 FILES = ("ffr.json", "pullback.csv", "solution.vtu")
+SCRATCH = ".meshes-"  # start of the name of a folder with the meshes that a solve makes; one that is killed leaves it
 
 
 def clear(folder, inputs):
     """Removes an earlier answer from `folder`: after a solve that is refused it would be taken for this one's.
 
     inputs: paths of the files that the solve reads. Raises InputError on every rank, and removes nothing, where one is
-    among them.
+    among them, or where there can be no such folder.
     """
     own = [(folder / name).resolve() for name in FILES]
     for path in inputs:
         if path.resolve() in own:
             raise InputError("a solve's input would be replaced by its answer", "--out", path, "another folder")
-    for name in FILES if parallel.first() else ():
-        (folder / name).unlink(missing_ok=True)
+    there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
+    if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
+        raise InputError("no folder for the answer", "--out", folder, f"{there} is no folder to write to: give another")
+    if parallel.first():
+        for name in FILES:
+            (folder / name).unlink(missing_ok=True)
+        for left in folder.glob(SCRATCH + "*"):
+            shutil.rmtree(left, ignore_errors=True)
 
 
 def write_vtu(path, points, cells, fields):

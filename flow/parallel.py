@@ -8,10 +8,8 @@ the first rank.
 
 import contextlib
 import os
-import pathlib
 import shutil
 import sys
-import tempfile
 import traceback
 
 import numpy as np
@@ -81,22 +79,6 @@ def together():
             raise
         traceback.print_exc(file=said)
         comm.Abort(1)
-
-
-@contextlib.contextmanager
-def scratch(folder):
-    """A new folder in `folder`, the same on all ranks, for as long as the context lasts."""
-    path = from_first(lambda: _made(folder))
-    try:
-        yield path
-    finally:
-        if first():
-            shutil.rmtree(path, ignore_errors=True)
-
-
-def _made(folder):
-    pathlib.Path(folder).mkdir(parents=True, exist_ok=True)
-    return tempfile.mkdtemp(prefix=".meshes-", dir=folder)
 
 
 def from_first(work):

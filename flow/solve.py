@@ -42,7 +42,7 @@ def run(mesh, coarse, case, folder, finer=None):
         answer["ffr_tolerance"] = settings.ffr_tolerance
         answer["tolerance_met"] = adaptive.within(estimate, settings)
         answer["mesh"], answer["meshes"] = pathlib.Path(solved.path).name, search.meshes
-        warnings = adaptive.missed(estimate, settings)
+        warnings = adaptive.missed(estimate, settings, [probe["name"] for probe in probes])
     else:
         solved = reduced_answer.Reduced(predicted, paths[0])
         reference = ffr.reference_pa(document, tree, solved.sampler)

@@ -37,6 +37,11 @@ TITLES = {
         "A row is a mesh of the same narrowed tube; errors of FFR are against an axisymmetric solution. Exponents: of "
         "the cells, fitted to seconds and memory.",
     ),
+    "flow_tolerance": (
+        "Blood flow: to a tolerance",
+        "A row is a narrowed tube solved until the error estimate is within the tolerance, on as many meshes as that "
+        "takes; errors of FFR are against an axisymmetric solution.",
+    ),
     "flow_wall_shear": (
         "Blood flow: wall shear stress by boundary layers",
         "A row is a mesh of the same narrowed tube; errors in the lesion are in percent of the stress's peak.",

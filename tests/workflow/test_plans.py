@@ -63,7 +63,8 @@ def test_benchmarks_stand_apart_and_feed_the_report(finished):
     names |= {"flow_hard_cases", "anatomy_speed", "reference_against_solid", "reference_sensitivity", "benchmarks"}
     assert finished.planned() == set()
     assert finished.planned("benchmarks") == names
-    for name in ("flow_against_openfoam", "flow_growth", "flow_wall_shear", "flow_ranks", "reference_against_calculix"):
+    by_name = ("flow_against_openfoam", "flow_growth", "flow_tolerance", "flow_wall_shear", "flow_ranks")
+    for name in (*by_name, "reference_against_calculix"):
         assert finished.planned(name) == {name}, "by its name only"
     table = finished.folder / "results" / "benchmarks" / "flow_hard_cases" / "hard_cases.csv"
     table.parent.mkdir(parents=True)

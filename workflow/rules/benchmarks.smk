@@ -10,6 +10,7 @@ BENCHMARKS = {
     "reference_against_solid": "benchmark.csv",
     "reference_sensitivity": "sensitivity.csv",
 }
+STRAIGHT_TUBES = (*(f"single_{percent}" for percent in (62, 75, 80, 85, 90)), "tandem_60", "throat_re_1500")
 STATE_FILES = ("lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json")  # of a deployed lumen, as the flow takes it
 
 
@@ -143,6 +144,26 @@ rule flow_growth:
         out=output_folder,
     shell:
         "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out} 4:3 5:4 6:4 8:4 10:5"
+
+
+rule flow_tolerance:
+    message:
+        "benchmark: FFR to a tolerance, its cost and error, by its own name only"
+    input:
+        code=flow_benchmark_code("tolerance"),
+        script="tests/verification/flow/tolerance.py",
+    output:
+        "results/benchmarks/flow_tolerance/tolerance.csv",
+    log:
+        "results/benchmarks/logs/flow_tolerance.log",
+    benchmark:
+        "results/benchmarks/logs/flow_tolerance.tsv"
+    threads: workflow.cores
+    params:
+        out=output_folder,
+        cases=" ".join(f"{case}:{tolerance}" for case in STRAIGHT_TUBES for tolerance in (0.005, 0.002)),
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out} {params.cases} single_62:0.0005"
 
 
 rule flow_wall_shear:

@@ -65,7 +65,7 @@ def search(monkeypatch, capfd):
         tried, starts, compared = [], [], []
         more = iter([path for path in meshes if path not in PATHS])
 
-        def make(dofs, estimate):
+        def make(dofs, estimate, most_dofs):
             path = next(more, None)
             if path and meshes[path] is None:
                 raise ComputationError("volume mesh is not good enough", path, 0, "none")
@@ -94,6 +94,7 @@ def search(monkeypatch, capfd):
 
         monkeypatch.setattr(adaptive, "solve_mesh", solve_mesh)
         monkeypatch.setattr(adaptive.unsteady, "march", march)
+
         def estimate(solved, document, tree, at_probes, coarser=None):
             compared.append(coarser and coarser.path)
             return solved.found
@@ -109,11 +110,14 @@ def search(monkeypatch, capfd):
 
 def test_an_error_that_is_not_within_the_tolerance_is_warned_of(capsys):
     chosen = settings.make(ffr_tolerance=0.005)
-    assert adaptive.missed({"ffr": 0.005}, chosen) == [] and capsys.readouterr().err == ""
-    (above,) = adaptive.missed({"ffr": 0.0123}, chosen)
+    assert adaptive.missed({"ffr": 0.005, "probes": [0.005]}, chosen) == [] and capsys.readouterr().err == ""
+    (above,) = adaptive.missed({"ffr": 0.0123, "probes": [0.0123]}, chosen)
     (unknown,) = adaptive.missed(None, chosen)
+    elsewhere = {"ffr": 0.004, "probes": [0.004, 0.001, 0.0061]}
+    (other,) = adaptive.missed(elsewhere, chosen, ["distal", "near", "far"])
     assert "0.0123, above ffr_tolerance = 0.005" in above and "not known" in unknown
-    assert capsys.readouterr().err == f"{above}\n{unknown}\n"
+    assert "probe far is 0.0061, above ffr_tolerance = 0.005" in other
+    assert capsys.readouterr().err == f"{above}\n{unknown}\n{other}\n"
 
 
 def test_a_coarse_mesh_within_the_tolerance_answers(search):
@@ -197,14 +201,17 @@ def test_no_finer_mesh_where_it_is_not_asked_for_or_would_not_help(search):
     assert all("finer.msh" not in dict(tried) for *_, tried in (within, always, eddy, not_near))
 
 
-@pytest.mark.parametrize(
-    "finer, last", [(None, "no flow"), ((0.8, 0.0, False, None), "no flow"), ((0.8, 0.0, True, WIDE), "converged")]
-)
-def test_the_fine_mesh_answers_where_a_finer_one_gives_nothing_better(search, finer, last, capfd):
-    """A mesh that is not good enough, one without a flow near, one with no smaller error."""
+@pytest.mark.parametrize("finer", [None, (0.8, 0.0, False, None)])
+def test_the_fine_mesh_answers_where_a_finer_one_gives_no_flow(search, finer, capfd):
+    """A mesh that is not good enough, one without a flow near."""
     solved, found, _ = search(_steady(coarse=0.02, fine=0.0055) | {"finer.msh": finer}, {})
-    assert solved.path == "fine.msh" and solved.estimate["ffr"] == 0.0055 and found.meshes[2]["status"] == last
-    assert ("the mesh before answers" in capfd.readouterr().err) == (last == "no flow")
+    assert solved.path == "fine.msh" and solved.estimate["ffr"] == 0.0055 and found.meshes[2]["status"] == "no flow"
+    assert "the mesh before answers" in capfd.readouterr().err
+
+
+def test_a_finer_mesh_that_contradicts_the_one_before_answers_with_its_larger_error(search):
+    solved, _, tried = search(_steady(coarse=0.02, fine=0.0055, finer=0.006, never=0.001), {})
+    assert solved.path == "finer.msh" and solved.estimate["ffr"] == 0.006 and tried[-1] == ("finer.msh", "near")
 
 
 def test_without_any_flow_the_solve_is_refused(search):

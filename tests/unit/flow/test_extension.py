@@ -80,14 +80,25 @@ def test_the_network_goes_through_the_extensions():
     assert sections["s_mm"].tolist() == [0, 10, 0]
 
 
-def test_a_report_of_the_mesh_gives_the_extensions(tmp_path):
+@pytest.fixture
+def mesh(monkeypatch):
+    """The name of a mesh of 9 cells."""
+    monkeypatch.setattr(extended.compat, "count_cells", {"mesh.msh": 9}.get)
+    return "mesh.msh"
+
+
+def test_a_report_of_the_mesh_gives_the_extensions(tmp_path, mesh):
     path = tmp_path / "mesh.json"
     one = extension.Extension(2, "main", 3.0, [1.0, 0, 0], None)
-    path.write_text(json.dumps({"extensions": [vars(one)], "swept": {"cells": 4, "spans": []}}))
-    assert extended.read(path) == ([one], [])
+    report = {"extensions": [vars(one)], "cells": 9, "swept": {"cells": 4, "spans": []}}
+    path.write_text(json.dumps(report))
+    assert extended.read(path, mesh) == ([one], [])
+    path.write_text(json.dumps(report | {"cells": 8}))
+    with pytest.raises(InputError, match="report is of another mesh"):
+        extended.read(path, mesh)
     path.write_text("{}")
     with pytest.raises(InputError, match="report of the volume mesh"):
-        extended.read(path)
+        extended.read(path, mesh)
 
 
 def test_a_report_that_is_missing_is_refused_or_said(tmp_path, capsys):
@@ -115,10 +126,10 @@ def test_a_report_that_is_missing_is_refused_or_said(tmp_path, capsys):
     assert warnings("--mesh-report", str(tmp_path / "report.json")) == [of_the_model]
 
 
-def test_meshes_that_could_not_be_swept_are_said(tmp_path, capsys):
+def test_meshes_that_could_not_be_swept_are_said(tmp_path, mesh, capsys):
     path, failed = tmp_path / "mesh.json", {"cells": 0, "spans": [], "reason": "error: no room\n  where:  span 2"}
-    path.write_text(json.dumps({"extensions": [], "swept": {"cells": 4}, "coarse": {"swept": failed}}))
-    (said,) = extended.read(path)[1]
+    path.write_text(json.dumps({"extensions": [], "cells": 9, "swept": {"cells": 4}, "coarse": {"swept": failed}}))
+    (said,) = extended.read(path, mesh)[1]
     assert "coarse mesh is not swept" in said and said.endswith("error: no room where: span 2")
     assert said in capsys.readouterr().err
 

@@ -169,6 +169,17 @@ def test_the_coarse_flow_answers_where_the_factors_would_be_large(tube, tmp_path
     assert any("ffr_tolerance" in said for said in answer["warnings"])
 
 
+def test_a_flow_stays_the_answer_where_only_its_dual_solution_is_not_found(tube, tmp_path, monkeypatch, capsys):
+    """Two meshes estimate the error then."""
+    monkeypatch.setattr(iterative, "DUAL_TOLERANCE", 1e-16)
+    coarse = ["--coarse", str(tube.folder / "mesh_coarse.msh"), "--ffr-tolerance", "0"]
+    tube.command(tmp_path / "out", *coarse, "--linear-solver", "iterative")
+    answer = json.loads((tmp_path / "out" / "ffr.json").read_text())
+    assert answer["mesh"] == "mesh.msh" and "no dual solution" in capsys.readouterr().err
+    estimate = answer["error_estimate"]
+    assert estimate["method"].startswith("two meshes") and estimate["ffr"] == estimate["mesh"] > 0
+
+
 def test_without_a_coarse_mesh_it_is_not_to_be_had(tube, tmp_path, capsys):
     with pytest.raises(SystemExit) as ended:
         tube.command(tmp_path, "--linear-solver", "iterative")

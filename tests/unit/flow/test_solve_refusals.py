@@ -46,6 +46,23 @@ def test_stall_exits_3_and_writes_nothing(case, tmp_path, capsys):
     assert [path.name for path in out.iterdir()] == ["notes.txt"]
 
 
+def test_an_out_that_is_a_file_is_refused(case, tmp_path, capsys):
+    (tmp_path / "taken").write_text("")
+    with pytest.raises(SystemExit) as ended:
+        command_line.main(
+            [
+                "solve",
+                str(case / "mesh.msh"),
+                "--boundary",
+                str(case / "boundary.json"),
+                "--out",
+                str(tmp_path / "taken"),
+            ]
+            + ["--centreline", str(case / "centreline.vtp")]
+        )
+    assert ended.value.code == 2 and "no folder for the answer" in capsys.readouterr().err
+
+
 def test_an_input_is_not_removed_with_an_earlier_answer(case, tmp_path, capsys):
     for name in ("ffr.json", "pullback.csv"):
         (tmp_path / name).write_bytes((case / "boundary.json").read_bytes())

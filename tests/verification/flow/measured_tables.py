@@ -51,6 +51,22 @@ TABLES = {
             "mib": "MiB",
         },
     ),
+    "flow_tolerance": (
+        "tolerance.csv",
+        {
+            "case": "case",
+            "tolerance": "tolerance",
+            "rings": "rings of the meshes",
+            "dofs": "dofs",
+            "ffr": "FFR",
+            "error": "error",
+            "estimate": "estimate",
+            "met": "met",
+            "mesh_cpu_s": "mesh, CPU s",
+            "cpu_s": "solve, CPU s",
+            "mib": "MiB",
+        },
+    ),
     "flow_wall_shear": (
         "wall_shear.csv",
         {
