@@ -126,3 +126,18 @@ def test_a_bad_mesh_is_refused(monkeypatch, settings):
     tree = centreline.Tree([tubes.line(5, lambda s: 1.5)])
     with pytest.raises(ComputationError, match="jacobian_ratio_min"):
         mesh.build(tubes.tube(5, lambda s: 1.5), tree, 2.0, settings)
+
+
+def test_a_coarse_mesh_that_is_not_coarser_is_made_in_another_size(monkeypatch, capsys):
+    """As where junctions with slivers leave it isotropic, with more cells than the fine one."""
+    asked, cells = [], {2.0: 120, 2.2: 100, 1.8: 90, 1.6: 80}
+
+    def build(surface, tree, cells_per_radius, *_):
+        asked.append(round(cells_per_radius, 9))
+        return "mesh", {"cells": cells[asked[-1]]}
+
+    monkeypatch.setattr(mesh, "build", build)
+    assert mesh.coarser(100, None, None, 2.0, None, 3, 4 / 3) == ("mesh", {"cells": 90})
+    assert asked == [2.0, 2.2, 1.8] and "120 cells, not fewer than 100" in capsys.readouterr().err
+    with pytest.raises(ComputationError, match="not coarser"):
+        mesh.coarser(80, None, None, 2.0, None, 3, 4 / 3)
