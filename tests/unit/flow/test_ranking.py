@@ -39,7 +39,7 @@ def test_the_least_narrowing_is_the_best(folder, model):
     table = _rank(folder, "--model", model)
     assert list(table["plan"]) == ["small", "middle", "large"] and list(table["rank"]) == [1, 2, 3]
     assert table["ffr"].is_monotonic_decreasing
-    assert (table["error"] == ranking.ELSEWHERE[model]).all() and (table["model"] == model).all()
+    assert (table["error"] == ranking.elsewhere(model, table["ffr"].min())).all() and (table["model"] == model).all()
     assert list(table["as_good_as_best"])[0] and not list(table["as_good_as_best"])[-1]
 
 
@@ -68,6 +68,7 @@ def _measured(*answers):
             (f"{k}.json", {"models": {"3d": {"ffr": ffr, "error_estimate": estimate}, "network": {"ffr": 0.9}}})
             for k, (ffr, estimate) in enumerate(answers)
         ],
+        0.9,
     )
 
 
@@ -75,8 +76,14 @@ def test_no_plans_are_told_apart_by_less_than_the_3d_answers_are_known_to():
     assert _measured((0.88, 0.001), (0.88, 0.002)) == pytest.approx((0.02, 0.003))
     assert _measured((0.88, 0.001), (0.88, 0.002), (0.88, 0.004)) == pytest.approx((0.02, 0.006))
     assert _measured((0.9, 0.002)) == pytest.approx((0.002, 0.002))
-    unknown = ranking.ELSEWHERE["network"]
+    unknown = ranking.elsewhere("network", 0.9)
     assert _measured((0.88, 0.001), (0.88, None)) == pytest.approx((unknown, unknown + 0.001))
+
+
+def test_what_was_measured_elsewhere_is_more_in_severe_disease():
+    for model, (mild, severe) in ranking.ELSEWHERE.items():
+        assert mild < severe and ranking.model_error(model, [], 0.9) == (mild, mild)
+        assert ranking.model_error(model, [], 0.8) == (severe, severe)
 
 
 def test_a_plan_is_answered_with_the_extensions_that_its_mesh_would_get(tmp_path):
@@ -98,7 +105,7 @@ def test_a_plan_is_answered_with_the_extensions_that_its_mesh_would_get(tmp_path
 
 def test_an_answer_without_the_3d_model_says_nothing_of_the_error():
     with pytest.raises(InputError, match="no 3D answer"):
-        ranking.model_error("network", [("ffr.json", {"models": {"network": {"ffr": 0.9}}})])
+        ranking.model_error("network", [("ffr.json", {"models": {"network": {"ffr": 0.9}}})], 0.9)
 
 
 @pytest.mark.parametrize("plans", [["small"], ["a=small", "a=large"], ["a=nowhere"]])
