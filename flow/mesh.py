@@ -110,8 +110,29 @@ def _swept(surface, tree, sizes, settings, rings, coarsening):
     raise refused
 
 
+OUTWARD_FACES = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))  # of a tetrahedron of positive volume
+
+
+def overlapping(tetrahedra):
+    """Number of faces with both of their cells on the same side; tetrahedra (n, 4), each of positive volume.
+
+    Where a mesh was folded, a cell is turned over: by itself it is as good as any, but it overlaps its neighbours, and
+    what flows through their common faces is lost.
+    """
+    faces = np.concatenate([tetrahedra[:, face] for face in OUTWARD_FACES])
+    first = faces.argmin(axis=1)
+    turned = np.take_along_axis(faces, (first[:, None] + np.arange(3)) % 3, axis=1)  # the least corner first
+    _, counts = np.unique(turned, axis=0, return_counts=True)
+    return int((counts > 1).sum())
+
+
 def _checked(mesh, swept):
     """Quality figures, or ComputationError where one is below what is needed."""
+    folded = overlapping(mesh.tetrahedra[:, :4])
+    if folded:
+        raise ComputationError(
+            "volume mesh is not good enough", "cells that overlap", f"{folded} faces", "none may be: it was folded"
+        )
     figures = curving.quality(mesh, swept)
     for name, least in (("gamma_min", LEAST_GAMMA), ("jacobian_ratio_min", LEAST_JACOBIAN_RATIO)):
         if figures[name] is not None and not figures[name] >= least:

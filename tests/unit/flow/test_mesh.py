@@ -141,3 +141,15 @@ def test_a_coarse_mesh_that_is_not_coarser_is_made_in_another_size(monkeypatch, 
     assert asked == [2.0, 2.2, 1.8] and "120 cells, not fewer than 100" in capsys.readouterr().err
     with pytest.raises(ComputationError, match="not coarser"):
         mesh.coarser(80, None, None, 2.0, None, 3, 4 / 3)
+
+
+def test_cells_on_the_same_side_of_a_face_overlap():
+    """Each of positive volume: the second's tip lies beyond the face, then before it."""
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0.2, 0.2, -1.0]])
+    pair = mesh._positive(points, np.array([[0, 1, 2, 3], [0, 1, 2, 4]]))
+    assert mesh.overlapping(pair) == 0
+    points[4, 2] = 0.5
+    folded = mesh._positive(points, np.array([[0, 1, 2, 3], [0, 1, 2, 4]]))
+    assert mesh.overlapping(folded) == 1
+    shuffled = folded[:, [1, 2, 0, 3]]  # an even exchange of corners
+    assert mesh.overlapping(shuffled) == 1
