@@ -196,6 +196,7 @@ class Search:
             return False
         begin = time.process_time()
         if not before.marched and self.settings.march_steps > 0:
+            solved.problem.release()  # both meshes' factors need not fit memory at once
             self.march(before, None)
             before.cpu_seconds += time.process_time() - begin
             self.meshes.append(self.record(before))
