@@ -45,7 +45,8 @@ class Finer:
     def make(self, dofs, estimate, most_dofs):
         """Path of the next mesh after one of so many dofs whose FFR has the error `estimate`; None, said why, where it
         would have more than most_dofs. Raises ComputationError where it is not good enough."""
-        rings = self.rings_for(dofs, estimate, most_dofs)
+        # the first rank decides for all: most_dofs may depend on the memory that each finds free
+        rings = parallel.from_first(lambda: self.rings_for(dofs, estimate, most_dofs))
         if rings is None:
             return None
         print(f"the error {estimate:.2g} asks for a mesh of {rings} rings", file=sys.stderr, flush=True)

@@ -13,7 +13,7 @@ from petsc4py import PETSc
 
 from common.errors import InputError
 from flow import compat, parallel, tet10
-from flow.mesh import PHYSICAL_INLET, PHYSICAL_OUTLET_BASE, PHYSICAL_WALL
+from flow.mesh import PHYSICAL_INLET, PHYSICAL_OUTLET_BASE, PHYSICAL_WALL, overlapping
 
 M_PER_MM = 1e-3
 
@@ -182,7 +182,8 @@ def check_coarser(paths):
 
 
 def _check_cells(space, path):
-    """Raises InputError for cells turned inside out: a flow is found on them as well, but mass is not conserved."""
+    """Raises InputError for cells turned inside out, or on top of their neighbours: a flow is found on them as well,
+    but mass is not conserved."""
     points, cells = space.nodes()
     lower, _ = tet10.jacobian_bounds(points[cells[slice(*parallel.share(len(cells)))]])
     lower = parallel.collected(lower, len(cells))
@@ -195,3 +196,7 @@ def _check_cells(space, path):
             f"{len(bad)} of {len(cells)} cells",
             "make the mesh anew with `flow mesh`, which checks every cell",
         )
+    folded = overlapping(cells[:, :4])
+    if folded:
+        remedy = "make the mesh anew with `flow mesh`, which checks every face"
+        raise InputError("cells of the mesh overlap their neighbours", path, f"across {folded} faces", remedy)

@@ -1,6 +1,7 @@
 """What the solver refuses: files, meshes, boundary values, flows that stall or lose mass."""
 
 import json
+import types
 
 import numpy as np
 import pytest
@@ -131,6 +132,24 @@ def test_a_mesh_with_inverted_cells_is_refused(case, tmp_path, capsys):
     path, folded = _bent(case, tmp_path, 0.01)
     assert folded == 0
     spaces.read(path)
+
+
+def test_a_mesh_with_cells_on_top_of_each_other_is_refused():
+    """Two straight tetrahedra, both of positive volume, tips on both sides of a face, then on one."""
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0], [0.2, 0.2, 0]])
+    for height, cells in ((-1.0, [[0, 1, 2, 3], [0, 2, 1, 4]]), (0.5, [[0, 1, 2, 3], [0, 1, 2, 4]])):
+        corners[4, 2] = height
+        points, nodes = list(corners), []
+        for cell in cells:
+            middles = [0.5 * (corners[cell[a]] + corners[cell[b]]) for a, b in tet10.EDGES]
+            nodes.append([*cell, *range(len(points), len(points) + 6)])
+            points += middles
+        space = types.SimpleNamespace(nodes=lambda: (np.array(points), np.array(nodes)))
+        if height < 0:
+            spaces._check_cells(space, "mesh.msh")
+        else:
+            with pytest.raises(InputError, match="overlap"):
+                spaces._check_cells(space, "mesh.msh")
 
 
 def test_a_flow_that_loses_mass_is_refused(case, tmp_path, capsys, monkeypatch):
