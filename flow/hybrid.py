@@ -1,6 +1,6 @@
 """Volume mesh of a tree: swept lattices in its tubes, HXT tetrahedra in its junctions, conforming.
 
-Spans (flow.sweep.spans) are laid first; the wall that they leave is zipped to their end rings (flow.sweep.stitch)
+Spans (flow.sweep.laying) are laid first; the wall that they leave is zipped to their end rings (flow.sweep.stitch)
 and, with the end discs, closes the junctions, which gmsh fills. An end that cannot be stitched moves half a radius
 into its span.
 """
@@ -13,13 +13,10 @@ from scipy.sparse.csgraph import connected_components
 
 from common.errors import ComputationError
 from flow import smooth_surface, volume_mesh
-from flow.jet import jet_radius
 from flow.surface import WALL, Surface
 from flow.sweep import disc as disc_module
-from flow.sweep import lattice, section, spans, stations, stitch
+from flow.sweep import laying, section, stitch
 
-SAMPLING_RADII = 0.2  # distance of the sections that are tried, in radii
-SHEAR_SPREAD = 0.03  # growth per length of the radius about which a jet's shear layer lies
 MOVE_RADII = 0.5  # by which an end moves into its span when it cannot be stitched
 TRIES = 8
 DISC_REGION = 1000  # regions of the end discs while a junction is filled
@@ -40,19 +37,6 @@ class Linear:
     spans: list
 
 
-@dataclasses.dataclass
-class Span:
-    """A stretch of an axis and its lattice."""
-
-    axis: object
-    start_mm: float
-    end_mm: float
-    caps: tuple
-    lattice: object = None
-    sections: object = None
-    stations: int = 0
-
-
 class NoSpans(Exception):
     """No stretch of the tree can be swept."""
 
@@ -62,74 +46,21 @@ def build(surface, tree, sizes, settings, rings, coarsening=1.0, shorter=0.0):
     NoSpans, or ComputationError where a junction cannot be filled."""
     slicer = section.Slicer(surface)
     disc = disc_module.make(rings, settings.wall_layers)
-    found = _find(surface, tree, slicer, disc)
+    found = laying.find(surface, tree, slicer, disc)
     free = {(number, k) for number, span in enumerate(found) for k in (0, 1) if span.caps[k] is None}
-    found = _moved(found, free, shorter)
+    found = laying.moved(found, free, shorter)
     for _ in range(TRIES):
         for span in found:
             if span.lattice is None:
-                _sweep(span, slicer, disc, settings, coarsening)
+                laying.sweep(span, slicer, disc, settings, coarsening)
         found = [span for span in found if span.lattice is not None]
         if not found:
             raise NoSpans("no stretch between branches is long and round enough")
         try:
             return _assemble(surface, slicer, found, disc, sizes)
         except stitch.StitchError as error:
-            found = _moved(found, error.ends, MOVE_RADII)
+            found = laying.moved(found, error.ends, MOVE_RADII)
     raise NoSpans("the spans' ends could not be stitched to the wall")
-
-
-def _find(surface, tree, slicer, disc):
-    """Spans of all branches, every sample section star-shaped and clear of other branches."""
-    angles = np.pi * np.arange(2 * len(disc.rim)) / len(disc.rim)
-    found = []
-    for axis in spans.axes(surface, tree).values():
-        step = SAMPLING_RADII * float(axis.branch.radius_mm.min())
-        s = np.linspace(0, axis.length_mm, int(np.ceil(axis.length_mm / step)) + 1)
-        allowed = spans.free(axis, tree, s)
-        inner = s[allowed]
-        if len(inner) < 2:
-            continue
-        _, ok, _, _ = lattice.Sections(slicer, axis, inner).radii(angles)
-        near_cap = np.zeros(len(s), bool)  # the rim itself stands for the sections that a cap's rim may cut
-        near_cap |= (axis.cap_ids[0] is not None) & (s <= 0.5 * axis.radius(0.0))
-        near_cap |= (axis.cap_ids[1] is not None) & (axis.length_mm - s <= 0.5 * axis.radius(axis.length_mm))
-        allowed[np.flatnonzero(allowed)[~ok]] = False
-        allowed |= near_cap & spans.free(axis, tree, s)
-        for start, end, first, last in spans.stretches(axis, allowed, s):
-            found.append(Span(axis, start, end, (first, last)))
-    return found
-
-
-def _sweep(span, slicer, disc, settings, coarsening):
-    """Lays the stations and the lattice; leaves the lattice None where a section is not star-shaped."""
-    branch = span.axis.branch
-    at = stations.place(branch, settings, span.start_mm, span.end_mm, coarsening)
-    levels = np.sort(np.concatenate([at, 0.5 * (at[1:] + at[:-1])]))
-    span.sections = lattice.Sections(slicer, span.axis, levels, span.caps)
-    if any(item is None for item in span.sections.sections):
-        return
-    edge = np.interp(levels, branch.s_mm, jet_radius(branch, SHEAR_SPREAD) / branch.radius_mm)
-    span.lattice, span.stations = lattice.build(span.sections, disc, edge), len(at)
-
-
-def _moved(found, ends, radii):
-    """Spans with the ends (span number, 0 or 1) moved inwards by `radii`; spans that get too short are dropped."""
-    kept = []
-    for number, span in enumerate(found):
-        for which in (0, 1):
-            if (number, which) in ends:
-                at = span.start_mm if which == 0 else span.end_mm
-                shift = radii * float(span.axis.radius(at))
-                span = dataclasses.replace(span, lattice=None)
-                if which == 0:
-                    span.start_mm += shift
-                else:
-                    span.end_mm -= shift
-        radius = max(span.axis.radius(span.start_mm), span.axis.radius(span.end_mm))
-        if span.end_mm - span.start_mm >= spans.SHORTEST * radius:
-            kept.append(span)
-    return kept
 
 
 def _assemble(surface, slicer, found, disc, sizes):

@@ -8,7 +8,7 @@ import numpy as np
 
 from common.errors import ComputationError
 from common.files import replacing
-from flow import curving, extension, hybrid, refine, size_field, volume_mesh
+from flow import curving, extension, hybrid, refine, size_field, tet10, volume_mesh
 
 LEAST_GAMMA = 0.02  # below it an element is a sliver that spoils the whole solve
 LEAST_JACOBIAN_RATIO = 0.05
@@ -144,8 +144,7 @@ def _checked(mesh, swept):
 
 def _positive(points, tetrahedra):
     """The tetrahedra with positive volume by orientation (swaps two corners where it is negative)."""
-    a, b, c, d = (points[tetrahedra[:, k]] for k in range(4))
-    negative = np.einsum("ij,ij->i", b - a, np.cross(c - a, d - a)) < 0
+    negative = tet10.six_volumes(points, tetrahedra) < 0
     tetrahedra = tetrahedra.copy()
     tetrahedra[negative] = tetrahedra[negative][:, [0, 2, 1, 3]]
     return tetrahedra

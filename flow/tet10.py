@@ -8,6 +8,12 @@ import numpy as np
 EDGES = np.array([[0, 1], [1, 2], [0, 2], [0, 3], [2, 3], [1, 3]])  # gmsh's order of middle nodes
 
 
+def six_volumes(points, tetrahedra):
+    """Signed volumes (t,), times six, of the straight tetrahedra (t, 4 or more) by their corners; points (n, 3)."""
+    a, b, c, d = (points[tetrahedra[:, k]] for k in range(4))
+    return np.einsum("ij,ij->i", b - a, np.cross(c - a, d - a))
+
+
 def basis(lam):
     """Basis functions (..., 10) at barycentric coordinates lam (..., 4)."""
     return np.concatenate([lam * (2 * lam - 1), 4 * lam[..., EDGES[:, 0]] * lam[..., EDGES[:, 1]]], axis=-1)

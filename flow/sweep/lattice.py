@@ -10,6 +10,7 @@ import dataclasses
 
 import numpy as np
 
+from flow import tet10
 from flow.sweep import axis as axis_module
 
 REACH = 2.5  # radii of the branch within which a section's wall is looked for
@@ -144,6 +145,19 @@ def build(sections, disc, edge):
         normals,
         np.unique(facets[1:-1]),
     )
+
+
+def turned_over(lattice, disc):
+    """Numbers (k,) of the gaps between stations in which a tetrahedron's corners lie the other way round than in a
+    straight tube: there it overlaps its neighbours."""
+    rho, angle = disc.vertices.T
+    per_level, stations = len(rho), len(lattice.points) // len(rho)
+    plane = np.stack([rho * np.cos(angle), rho * np.sin(angle)], axis=1)
+    height = np.repeat(np.arange(stations, dtype=float), per_level)[:, None]
+    straight = np.concatenate([np.tile(plane, (stations, 1)), height], axis=1)
+    signs = [np.sign(tet10.six_volumes(points, lattice.tetrahedra)) for points in (straight, lattice.points)]
+    wrong = lattice.tetrahedra[signs[0] != signs[1]]
+    return np.unique(wrong.min(axis=1) // per_level)
 
 
 class _Positions:

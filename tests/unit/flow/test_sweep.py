@@ -55,6 +55,24 @@ def test_a_tube_is_one_span_of_exact_volume(name):
     _assert_conforming(quadratic)
 
 
+def test_stations_come_closer_where_cells_would_be_turned_over():
+    """A pouch on one side of the wall, shorter than a plain vessel's gap between stations (as on lumens from CT)."""
+
+    def pouched(depth):
+        def axis(s, e1, e2):
+            out = depth * np.exp(-(((s - 8) / 1.2) ** 2)) * (np.maximum(e1, 0) / 1.5) ** 2
+            return np.stack([s, e1 + out, e2], axis=-1)
+
+        return tubes.tube(16, lambda s: 1.5 + 0 * np.asarray(s, float), 0.3, axis)
+
+    tree = centreline.Tree([tubes.line(16, lambda s: 1.5)])
+    gentle, deep = (mesh.build(pouched(depth), tree, 2.0, AS_IT_IS) for depth in (0.3, 1.4))
+    (before,), (after,) = (report["swept"]["spans"] for _, report in (gentle, deep))
+    assert before["stations"] < after["stations"] <= before["stations"] + 4
+    assert mesh.overlapping(deep[0].tetrahedra[:, :4]) == 0
+    _assert_conforming(deep[0])
+
+
 def test_wall_nodes_lie_on_the_smooth_wall():
     radius, length = CASES["lesion"][0], 16
     tree = centreline.Tree([tubes.line(length, radius)])
