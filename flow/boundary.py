@@ -151,6 +151,10 @@ def check(document, where="boundary.json", branches=None):
     schema.validate(given, schema.read("boundary"))
     viscosity.of(document, where)
     _check_pressures(document, where)
+    first = document["probes"][0]["name"]
+    if first != "distal":
+        remedy = "let the one whose FFR is the answer be the first, named distal"
+        raise InputError("the first probe is not `distal`", f"{where}: probes", first, remedy)
     for group, keys in (("outlets", ("name", "region_id", "branch")), ("probes", ("name",))):
         for key in keys:
             _check_told_apart(document[group], f"{where}: {group}", key)

@@ -173,6 +173,7 @@ def _changed(place, value):
         (("outlets",), [], ["outlets", "at least 1 entries"]),
         (("probes",), [], ["probes", "at least 1 entries"]),
         (("probes",), None, ["probes is missing"]),
+        (("probes", 0, "name"), "first", ["first probe is not `distal`", "boundary.json: probes", "first"]),
         (("probes", 0, "point_mm"), [1.0, math.nan, 0.0], ["probes[1].point_mm[2]", "not finite"]),
         (("probes", 0, "point_mm"), [1.0, 0.0], ["probes[1].point_mm", "at least 3 entries"]),
         (("venous_pressure_pa",), math.nan, ["venous_pressure_pa", "not finite"]),
