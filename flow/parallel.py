@@ -27,10 +27,14 @@ def launched():
 def launch(ranks, command):
     """Becomes mpirun with `ranks` ranks of `python3 -m flow` with the arguments `command`, unless it is one already.
 
-    Raises InputError where there is no mpirun.
+    Raises InputError where there is no mpirun, and for more ranks than cores: each waits for the others busily.
     """
     if ranks == 1 or launched():
         return
+    if ranks > os.cpu_count():
+        raise InputError(
+            "more ranks than cores", "ranks", ranks, f"at most {os.cpu_count()} here; the answer is the same"
+        )
     program = shutil.which("mpirun")
     if program is None:
         raise InputError("no mpirun", "ranks", ranks, "install openmpi-bin, or ask for one rank")

@@ -129,6 +129,7 @@ def test_ranks_that_the_launcher_did_not_start_are_refused(case, tmp_path, monke
 
 def test_ranks_without_mpirun_are_refused(monkeypatch):
     monkeypatch.setattr(parallel.shutil, "which", lambda name: None)
+    monkeypatch.setattr(parallel.os, "cpu_count", lambda: 2)
     for name in parallel.LAUNCHED:
         monkeypatch.delenv(name, raising=False)
     with pytest.raises(InputError, match="mpirun"):
@@ -136,3 +137,15 @@ def test_ranks_without_mpirun_are_refused(monkeypatch):
     parallel.launch(1, ["solve"])
     monkeypatch.setenv(parallel.LAUNCHED[0], "2")
     parallel.launch(2, ["solve"])  # this is one of the ranks
+
+
+def test_more_ranks_than_cores_are_refused(monkeypatch):
+    """They would wait for each other on the same cores."""
+    monkeypatch.setattr(parallel.os, "cpu_count", lambda: 2)
+    monkeypatch.setattr(parallel.os, "execv", lambda program, command: command)
+    monkeypatch.setattr(parallel.shutil, "which", lambda name: "mpirun")
+    for name in parallel.LAUNCHED:
+        monkeypatch.delenv(name, raising=False)
+    with pytest.raises(InputError, match="more ranks than cores"):
+        parallel.launch(3, ["solve"])
+    parallel.launch(2, ["solve"])
