@@ -90,7 +90,8 @@ def _solve(arguments, settings):
     tree = centreline.read(arguments.centreline)
     ffr.check_probes(document["probes"], tree)
     given = arguments.mesh_report
-    extensions, warnings = extended.read(given, arguments.mesh) if given else extended.beside(arguments.mesh)
+    paths = arguments.mesh, arguments.coarse
+    extensions, warnings = extended.read(given, *paths) if given else extended.beside(*paths)
     case = extended.Extended(extensions, tree, anatomy, sections, document, settings, warnings)
     with contextlib.ExitStack() as until_done:
         meshes = None

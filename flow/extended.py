@@ -10,10 +10,13 @@ from common.errors import InputError
 from flow import compat, extension, predictor, reduced
 from flow.surface import INLET
 
+SAME = ("made_from_sha256", "extensions")  # in the reports of two meshes that one solve may be given
 
-def read(path, mesh):
+
+def read(path, mesh, coarse=None):
     """([flow.extension.Extension], [warning]) of the report of `flow mesh` on a mesh file: warnings, printed too, of
-    meshes that could not be swept. Raises InputError, also for the report of another mesh."""
+    meshes that could not be swept. coarse: file of the coarser mesh, or None. Raises InputError, also for the report of
+    another mesh, or another lumen's coarse one."""
     report = json_reader.read(path, "mesh.json").data
     try:
         told, found = report["cells"], compat.count_cells(mesh)
@@ -24,6 +27,8 @@ def read(path, mesh):
     if told != found:
         remedy = "give --mesh-report the file that `flow mesh` wrote with this mesh"
         raise InputError("the report is of another mesh", path, f"{told} cells, {mesh} has {found}", remedy)
+    if coarse:
+        _check_coarse(report, path, coarse)
     warnings = [
         f"the {name} mesh is not swept along the vessels, its tetrahedra are of one size in all directions: "
         + " ".join(reason.split())
@@ -35,16 +40,31 @@ def read(path, mesh):
     return extensions, warnings
 
 
+def _check_coarse(report, path, coarse):
+    """Raises InputError unless the coarse mesh, which may answer, is the report's, or one that by the report beside it
+    was made of the same lumen with the same extensions."""
+    cells, own = compat.count_cells(coarse), pathlib.Path(coarse).with_suffix(".json")
+    known = [part["cells"] for _, part in _coarse(report)]
+    if not known and own.is_file():
+        other = json_reader.read(own, "mesh.json").data
+        if isinstance(other, dict) and all(other.get(key) == report.get(key) for key in SAME):
+            known = [other.get("cells")]
+    if cells not in known:
+        value = f"{cells} cells, {path} knows {f'one of {known[0]}' if known else 'none'}"
+        remedy = "make both with one `flow mesh ... --coarse`"
+        raise InputError("the coarse mesh is not known to be of the same lumen", coarse, value, remedy)
+
+
 def _coarse(report):
     return [("coarse", report["coarse"])] if "coarse" in report else []
 
 
-def beside(mesh):
+def beside(mesh, coarse=None):
     """([flow.extension.Extension], [warning]) by the report beside a mesh; where there is none, no extensions and the
     warning, printed too, that none are known of. Raises InputError."""
     path = pathlib.Path(mesh).with_suffix(".json")
     if path.is_file():
-        return read(path, mesh)
+        return read(path, mesh, coarse)
     said = f"no report of the mesh ({path.name}): reduced models take it as without extensions; give --mesh-report"
     print(said, file=sys.stderr, flush=True)
     return [], [said]

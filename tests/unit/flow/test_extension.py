@@ -1,6 +1,7 @@
 """Extensions of ends that lie too close to a narrowing."""
 
 import json
+import pathlib
 
 import numpy as np
 import pandas as pd
@@ -82,8 +83,8 @@ def test_the_network_goes_through_the_extensions():
 
 @pytest.fixture
 def mesh(monkeypatch):
-    """The name of a mesh of 9 cells."""
-    monkeypatch.setattr(extended.compat, "count_cells", {"mesh.msh": 9}.get)
+    """The name of a mesh of 9 cells; one named coarse.msh has 4."""
+    monkeypatch.setattr(extended.compat, "count_cells", lambda path: {"mesh": 9, "coarse": 4}[pathlib.Path(path).stem])
     return "mesh.msh"
 
 
@@ -99,6 +100,28 @@ def test_a_report_of_the_mesh_gives_the_extensions(tmp_path, mesh):
     path.write_text("{}")
     with pytest.raises(InputError, match="report of the volume mesh"):
         extended.read(path, mesh)
+
+
+def test_a_coarse_mesh_of_another_lumen_is_refused(tmp_path, mesh):
+    """It may be the one that answers. Known is one of the same report, or of a report of its own of the same lumen."""
+    path, coarse, own = tmp_path / "mesh.json", tmp_path / "coarse.msh", tmp_path / "coarse.json"
+    report = {"extensions": [], "cells": 9, "swept": {"cells": 9}, "made_from_sha256": "ab"}
+
+    def read(given, beside=None):
+        path.write_text(json.dumps(given))
+        own.unlink(missing_ok=True)
+        if beside:
+            own.write_text(json.dumps(beside))
+        return extended.read(path, mesh, coarse)
+
+    assert read(report | {"coarse": {"swept": {"cells": 4}, "cells": 4}}) == ([], [])
+    assert read(report, report | {"cells": 4}) == ([], [])
+    other = report | {"coarse": {"swept": {"cells": 5}, "cells": 5}}
+    longer = report | {"cells": 4, "extensions": [{"length_mm": 1.0}]}
+    refused = [(other, None), (other, report | {"cells": 4}), (report, None), (report, report), (report, longer)]
+    for given, beside in refused + [(report, report | {"cells": 4, "made_from_sha256": "cd"})]:
+        with pytest.raises(InputError, match="not known to be of the same lumen"):
+            read(given, beside)
 
 
 def test_a_report_that_is_missing_is_refused_or_said(tmp_path, capsys):
