@@ -9,9 +9,28 @@ import numpy as np
 from common.errors import InputError
 from flow.mesh import PHYSICAL_INLET, physical_tag
 
+M_PER_MM = 1e-3
+
 # Largest difference of out- and inflow, of the flow, that is trusted. Solves by factorization have 1e-14 to 1e-13; the
 # iterative solver goes on until it is met.
 LARGEST_IMBALANCE = 1e-8
+
+
+def check_places(space, document, tree, where):
+    """Raises InputError unless each outlet of the mesh file `where`, on a LumenSpace, lies at the end of its branch:
+    nearer to it than to the tree's other ends and its inlet.
+
+    tree: flow.centreline.Tree with the mesh's extensions. Outlets that are numbered otherwise in the mesh than in the
+    boundary values would exchange their resistances unnoticed.
+    """
+    ends = {f"the end of {branch.name}": branch.point(branch.length_mm) for branch in tree}
+    ends["the inlet"] = tree.main.point(0.0)
+    for one in document["outlets"]:
+        own, centre = f"the end of {one['branch']}", space.centre(physical_tag(one["region_id"])) / M_PER_MM
+        found = min(ends, key=lambda end: np.linalg.norm(ends[end] - centre))
+        if found != own:
+            remedy = f"it should be {own}: give mesh, centreline and boundary values of one patient, numbered alike"
+            raise InputError("outlet is at another end of the tree", f"{where}: {one['name']}", f"at {found}", remedy)
 
 
 class Boundaries:

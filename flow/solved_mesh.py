@@ -51,6 +51,7 @@ def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0, m
     space = spaces.read(path)
     ffr.check_inside(document["probes"], tree, space)
     boundaries = outlets.Boundaries(space, document)
+    outlets.check_places(space, document, predicted.tree, path)
     jet_length = jet.mixing_length(space, tree, settings.jet_spread)
     given = space, boundaries, document, settings, jet_length, spent
     if linear_choice.iterates(space.dofs, start, settings):

@@ -73,6 +73,11 @@ class LumenSpace:
         one = fem.Constant(self.mesh, PETSc.ScalarType(1.0))
         return float(np.real(fem.assemble_scalar(compat.form(one * self.ds(tag)))))
 
+    def centre(self, tag):
+        """Mean (3,) in m of a boundary's velocity nodes."""
+        facets = self.facets.indices[self.facets.values == tag]
+        return self.V.tabulate_dof_coordinates()[fem.locate_dofs_topological(self.V, 2, facets)].mean(axis=0)
+
     def flux_vector(self, tag):
         """Vector over W of the integrals of v.n over a boundary, so that its product with a state is the outflow."""
         v, _ = ufl.TestFunctions(self.W)

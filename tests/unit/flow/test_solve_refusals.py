@@ -89,6 +89,37 @@ def test_outlets_that_the_mesh_lacks_are_refused(case):
         outlets.Boundaries(spaces.read(case / "mesh.msh"), document)
 
 
+def test_outlets_numbered_otherwise_in_the_mesh_are_refused():
+    """A main vessel along x, a branch to the side; the mesh's caps as the boundary values have them, then exchanged."""
+    main = tubes.line(20.0, lambda s: 1.2)
+    side = tubes.line(6.0, lambda s: 0.8, lambda s, e1, e2: np.stack([10 + e1, s, e2], axis=-1), name="side1")
+    tree = centreline.Tree([main, side])
+    document = tubes.boundary_document(tree.branches, [2e-6, 1e-6], [5e9, 9e9], 15.0, 0.004)
+    centres = {2: [0, 0.1, 0], 12: [20.1, 0, 0], 13: [10, 6, 0.1]}
+
+    def check(at):
+        space = types.SimpleNamespace(centre=lambda tag: 1e-3 * np.array(centres[at[tag]], float))
+        outlets.check_places(space, document, tree, "mesh.msh")
+
+    check({2: 2, 12: 12, 13: 13})
+    for at, named in (({2: 2, 12: 13, 13: 12}, "outlet1"), ({2: 12, 12: 2, 13: 13}, "outlet1")):
+        with pytest.raises(InputError, match=f"another end of the tree(.|\n)*{named}"):
+            check(at)
+
+
+def test_a_centreline_that_runs_the_other_way_is_refused(case, tmp_path, capsys):
+    (line,) = centreline.read(case / "centreline.vtp")
+    turned = centreline.Branch(line.name, line.branch_id, line.points[::-1], line.s_mm, line.radius_mm[::-1])
+    tubes.write_centreline(tmp_path / "centreline.vtp", [turned])
+    for name in ("anatomy.json", "sections.csv"):
+        (tmp_path / name).write_bytes((case / name).read_bytes())
+    command = ["solve", str(case / "mesh.msh"), "--boundary", str(case / "boundary.json")]
+    with pytest.raises(SystemExit) as ended:
+        command_line.main(command + ["--centreline", str(tmp_path / "centreline.vtp"), "--out", str(tmp_path / "out")])
+    said = capsys.readouterr().err
+    assert ended.value.code == 2 and "at the inlet" in said and "end of main" in said and "dofs" not in said
+
+
 def test_mesh_in_metres_is_refused(case, tmp_path):
     from flow import mesh
 
