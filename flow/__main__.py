@@ -88,6 +88,7 @@ def _solve(arguments, settings):
         if path and not pathlib.Path(path).is_file():
             raise InputError("no such mesh", path, "missing", "make it with `flow mesh`")
     tree = centreline.read(arguments.centreline)
+    reduced.check_sections(sections, tree, sections_file)
     ffr.check_probes(document["probes"], tree)
     given = arguments.mesh_report
     paths = arguments.mesh, arguments.coarse

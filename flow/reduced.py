@@ -18,6 +18,9 @@ from flow.viscosity import of as viscosity_of
 
 M_PER_MM = 1e-3
 CREEPING = 1e-10  # m3/s
+NEAR_END = 2.0  # radii of a branch's end within which its last section lies
+# radius of a section's area over that of the largest sphere inside: in the study 1.00 to 1.15, at ostia up to 1.4
+NARROWEST, WIDEST = 0.8, 2.5
 PROMINENCE = 1.1  # an area dip below 1/1.1 of both sides counts as a narrowing of its own
 
 
@@ -197,7 +200,10 @@ class Network:
         found = least_squares(imbalance, start, bounds=(0, most), xtol=1e-13, ftol=1e-13, gtol=1e-13)
         if np.abs(found.fun).max() > 1e-6:
             raise ComputationError(
-                "reduced model did not converge", "reduced network", np.abs(found.fun).max(), "check sections.csv"
+                "reduced model did not converge",
+                "reduced network",
+                np.abs(found.fun).max(),
+                "check sections.csv (mm) and the resistances of boundary.json (Pa s/m3)",
             )
         self.inlet_pa = float(found.x[count] * map_pa) if given else map_pa
         return found.x[:count] * planned
@@ -241,6 +247,23 @@ def read_sections(path):
     again = table.duplicated(["branch", "s_mm"])
     _refuse_row(path, table["s_mm"], again, "two sections of a branch at the same s_mm", remedy)
     return table
+
+
+def check_sections(table, tree, path):
+    """Raises InputError for sections that are not of the tree's lumen: that end before their branch does, or beyond it,
+    or are not as wide as the centreline says (the radius of the largest sphere inside)."""
+    remedy = "give the sections of the centreline's lumen, both in mm"
+    for branch in tree:
+        rows = table[table["branch"] == branch.name]
+        s, radius = rows["s_mm"].to_numpy(), np.sqrt(rows["area_mm2"].to_numpy() / np.pi)
+        where = f"{path}, branch {branch.name}"
+        if len(s) and abs(s.max() - branch.length_mm) > NEAR_END * branch.radius_mm[-1]:
+            value = f"last at {s.max():.4g} of {branch.length_mm:.4g} mm"
+            raise InputError("cross-sections of another branch", where, value, remedy)
+        ratio = radius / branch.radius(s)
+        for k in np.flatnonzero((ratio < NARROWEST) | (ratio > WIDEST))[:1]:
+            value = f"radius {radius[k]:.4g} mm at {s[k]:.4g} mm, of the centreline {branch.radius(s[k]):.4g} mm"
+            raise InputError("cross-sections of another lumen", where, value, remedy)
 
 
 def _refuse_row(path, values, refused, what, remedy):

@@ -108,6 +108,16 @@ def test_an_answer_without_the_3d_model_says_nothing_of_the_error():
         ranking.model_error("network", [("ffr.json", {"models": {"network": {"ffr": 0.9}}})], 0.9)
 
 
+def test_a_plan_with_the_sections_of_another_is_refused(folder, tmp_path):
+    """Its FFR would be the other's."""
+    for name in ("lumen.vtp", "centreline.vtp", "anatomy.json"):
+        (tmp_path / name).write_bytes((folder / "small" / name).read_bytes())
+    (tmp_path / "sections.csv").write_bytes((folder / "large" / "sections.csv").read_bytes())
+    document = json.loads((folder / "boundary.json").read_text())
+    with pytest.raises(InputError, match="cross-sections of another lumen"):
+        ranking.plan(tmp_path, document, settings_module.make(), "network")
+
+
 @pytest.mark.parametrize("plans", [["small"], ["a=small", "a=large"], ["a=nowhere"]])
 def test_bad_plans_are_refused(folder, plans, capfd):
     plans = [plan.replace("=", f"={folder}/") for plan in plans]

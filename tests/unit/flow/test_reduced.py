@@ -4,8 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import tubes
 from common.errors import InputError
-from flow import reduced, viscosity
+from flow import centreline, reduced, viscosity
 
 MU, RHO = 0.004, 1060.0
 
@@ -113,6 +114,31 @@ def test_bad_sections_are_refused_by_their_line(tmp_path, text, words):
     path.write_text(text)
     with pytest.raises(InputError, match=words):
         reduced.read_sections(path)
+
+
+def test_sections_of_another_lumen_are_refused():
+    """As of a state before or after an intervention, in metres, of a file that was cut, of a longer branch."""
+    line = tubes.line(20.0, tubes.lesion(1.5, 0.5, 10, 8))
+    own = _sections([("main", line.s_mm, line.radius_mm)])
+    tree = centreline.Tree([line])
+    reduced.check_sections(own, tree, "sections.csv")
+    wider = own.assign(area_mm2=own["area_mm2"] * 1.9)  # as at an ostium
+    reduced.check_sections(wider, tree, "sections.csv")
+    reduced.check_sections(own[own["s_mm"] < 18.5], tree, "sections.csv")  # 2 radii are 3 mm
+    plain, severe = (tubes.lesion(1.5, reduction, 10, 8)(line.s_mm) for reduction in (0.0, 0.62))
+    for other in (
+        own.assign(s_mm=own["s_mm"] / 1e3),
+        own.assign(area_mm2=own["area_mm2"] / 100),
+        own.assign(area_mm2=own["area_mm2"] * 100),
+        own.assign(area_mm2=np.pi * severe**2),
+        own[own["s_mm"] < 15],
+        own.assign(s_mm=own["s_mm"] * 1.5),
+    ):
+        with pytest.raises(InputError, match="cross-sections of another(.|\n)*branch main"):
+            reduced.check_sections(other, tree, "sections.csv")
+    narrow = centreline.Tree([tubes.line(20.0, tubes.lesion(1.5, 0.62, 10, 8))])
+    with pytest.raises(InputError, match="another lumen"):
+        reduced.check_sections(own.assign(area_mm2=np.pi * plain**2), narrow, "sections.csv")
 
 
 def test_an_outlet_of_an_unknown_branch_is_refused():

@@ -9,7 +9,7 @@ import pytest
 import solved_tube
 import tubes
 from common.errors import ComputationError, InputError
-from flow import boundary, centreline, outlets, spaces, tet10
+from flow import boundary, centreline, outlets, reduced, spaces, tet10
 from flow import __main__ as command_line
 from flow import settings as settings_module
 from solved_tube import LENGTH
@@ -105,6 +105,17 @@ def test_outlets_numbered_otherwise_in_the_mesh_are_refused():
     for at, named in (({2: 2, 12: 13, 13: 12}, "outlet1"), ({2: 12, 12: 2, 13: 13}, "outlet1")):
         with pytest.raises(InputError, match=f"another end of the tree(.|\n)*{named}"):
             check(at)
+
+
+def test_sections_in_metres_are_refused(case, tmp_path, capsys):
+    table = reduced.read_sections(case / "sections.csv")
+    table.assign(s_mm=table["s_mm"] / 1e3, area_mm2=table["area_mm2"] / 1e6).to_csv(tmp_path / "s.csv", index=False)
+    command = ["solve", str(case / "mesh.msh"), "--boundary", str(case / "boundary.json"), "--model", "network"]
+    command += ["--centreline", str(case / "centreline.vtp"), "--sections", str(tmp_path / "s.csv")]
+    with pytest.raises(SystemExit) as ended:
+        command_line.main(command + ["--out", str(tmp_path / "out")])
+    said = capsys.readouterr().err
+    assert ended.value.code == 2 and "s.csv, branch main" in said and "last at 0.008 of 8 mm" in said
 
 
 def test_a_centreline_that_runs_the_other_way_is_refused(case, tmp_path, capsys):
