@@ -5,6 +5,8 @@ import contextlib
 import pathlib
 import sys
 
+import numpy as np
+
 from common import config, json_reader
 from common.errors import InputError, guarded
 from common.files import replacing, write_json
@@ -42,6 +44,7 @@ def mesh_command(arguments):
     if arguments.coarse:
         settings_module.check_meshes(vars(settings), "flow settings")
     lumen, tree = surface.read(arguments.lumen), centreline.read(arguments.centreline)
+    centreline.check_wall(tree, lumen.points[np.unique(lumen.triangles[lumen.region == surface.WALL])], arguments.lumen)
     used = {name: value for name, value in vars(settings).items() if "mesh" in settings_module.commands_of(name)}
     report = {"schema": "vci-mesh-1", "settings": used, "made_from_sha256": mesh.fingerprint(lumen, tree)}
     wanted = [("fine", arguments.out, settings.cells_per_radius, settings.rings, 1.0)]

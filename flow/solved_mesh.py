@@ -3,7 +3,7 @@
 import sys
 
 from common.errors import ComputationError
-from flow import ffr, jet, linear_choice, locate, nonlinear, outlets, spaces
+from flow import centreline, ffr, jet, linear_choice, locate, nonlinear, outlets, spaces
 
 # of an answer: steady flow; steady flow with c > 0, of a modified model; mean over time
 CONVERGED, EDDY, UNSTEADY = STATUSES = ("converged", "converged with eddy viscosity", "unsteady")
@@ -50,6 +50,7 @@ def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0, m
     """
     space = spaces.read(path)
     ffr.check_inside(document["probes"], tree, space)
+    centreline.check_wall(tree, space.nodes()[0][space.wall_nodes()] / ffr.M_PER_MM, path)
     boundaries = outlets.Boundaries(space, document)
     outlets.check_places(space, document, predicted.tree, path)
     jet_length = jet.mixing_length(space, tree, settings.jet_spread)

@@ -12,7 +12,7 @@ from common.errors import ComputationError, InputError
 from flow import boundary, centreline, outlets, reduced, spaces, tet10
 from flow import __main__ as command_line
 from flow import settings as settings_module
-from solved_tube import LENGTH
+from solved_tube import LENGTH, RADIUS
 
 
 @pytest.fixture(scope="module")
@@ -116,6 +116,21 @@ def test_sections_in_metres_are_refused(case, tmp_path, capsys):
         command_line.main(command + ["--out", str(tmp_path / "out")])
     said = capsys.readouterr().err
     assert ended.value.code == 2 and "s.csv, branch main" in said and "last at 0.008 of 8 mm" in said
+
+
+@pytest.mark.parametrize("command", ["mesh", "solve"])
+def test_a_centreline_of_another_lumen_is_refused(case, tmp_path, capsys, command):
+    """Neither meshed nor solved with: the lumen once was narrower."""
+    line = tubes.line(LENGTH, tubes.lesion(RADIUS, 0.5, LENGTH / 2, LENGTH / 2))
+    tubes.write_case(tmp_path, tubes.tube(LENGTH, lambda s: RADIUS, 0.8), [line])
+    given = {"mesh": [str(case / "lumen.vtp")], "solve": [str(case / "mesh.msh")]}[command]
+    given += ["--centreline", str(tmp_path / "centreline.vtp"), "--out", str(tmp_path / "out")]
+    given += ["--boundary", str(case / "boundary.json")] if command == "solve" else []
+    with pytest.raises(SystemExit) as ended:
+        command_line.main([command, *given])
+    said = capsys.readouterr().err
+    assert ended.value.code == 2 and "centreline of another lumen" in said and "dofs" not in said
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_centreline_that_runs_the_other_way_is_refused(case, tmp_path, capsys):
