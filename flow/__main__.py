@@ -15,9 +15,12 @@ from flow import settings as settings_module
 
 
 def _patient(arguments):
-    if arguments.case:
-        return config.load_case(arguments.case)["patient"]
     given = {key: getattr(arguments, key) for key in ("lvm_g", "sbp_mmhg", "dbp_mmhg")}
+    if arguments.case:
+        twice = [settings_module.option(key) for key, value in given.items() if value is not None]
+        if twice:
+            raise InputError("patient values given twice", "command line", twice, "give --case, or the values")
+        return config.load_case(arguments.case)["patient"]
     missing = [key for key, value in given.items() if value is None]
     if missing:
         raise InputError(
@@ -30,17 +33,33 @@ def boundary_command(arguments):
     """Boundary values of a patient from the anatomy before the intervention."""
     from flow import boundary, centreline, lumen_summary
 
-    settings = settings_module.from_arguments(arguments)
+    settings, patient = settings_module.from_arguments(arguments), _patient(arguments)
     anatomy = lumen_summary.read(arguments.anatomy, "ends")
     tree = centreline.read(arguments.centreline or pathlib.Path(arguments.anatomy).with_name("centreline.vtp"))
-    write_json(arguments.out, boundary.make(anatomy, tree, _patient(arguments), settings))
+    lumen_summary.check_lengths(anatomy, tree, arguments.anatomy)
+    write_json(arguments.out, boundary.make(anatomy, tree, patient, settings))
+
+
+def _mesh_files(arguments):
+    """Path of the report; raises InputError for names of files to write that are no meshes', or taken."""
+    report = pathlib.Path(arguments.json or pathlib.Path(arguments.out).with_suffix(".json"))
+    meshes = [pathlib.Path(path) for path in (arguments.out, arguments.coarse) if path]
+    for path in meshes:
+        if path.suffix != ".msh":
+            raise InputError("not the name of a gmsh mesh", "--out, --coarse", path, "let it end in .msh")
+    taken = [path for path in (arguments.lumen, arguments.centreline, arguments.settings) if path]
+    files = [pathlib.Path(path).resolve() for path in (*taken, *meshes, report)]
+    for k, path in enumerate(files[len(taken) :], start=len(taken)):
+        if path in files[:k]:
+            raise InputError("a file would replace another", "--out, --coarse, --json", path, "give each its own name")
+    return report
 
 
 def mesh_command(arguments):
     """Fine and coarse volume meshes of a lumen."""
     from flow import centreline, mesh, surface
 
-    settings = settings_module.from_arguments(arguments)
+    settings, report_file = settings_module.from_arguments(arguments), _mesh_files(arguments)
     if arguments.coarse:
         settings_module.check_meshes(vars(settings), "flow settings")
     lumen, tree = surface.read(arguments.lumen), centreline.read(arguments.centreline)
@@ -58,7 +77,7 @@ def mesh_command(arguments):
         else:
             built, report["coarse"] = mesh.coarser(report["cells"], lumen, tree, cells, settings, rings, coarsening)
         mesh.write(built, path)
-    write_json(arguments.json or pathlib.Path(arguments.out).with_suffix(".json"), report)
+    write_json(report_file, report)
 
 
 def solve_command(arguments):
@@ -91,6 +110,7 @@ def _solve(arguments, settings):
         if path and not pathlib.Path(path).is_file():
             raise InputError("no such mesh", path, "missing", "make it with `flow mesh`")
     tree = centreline.read(arguments.centreline)
+    lumen_summary.check_lengths(anatomy, tree, anatomy_file)
     reduced.check_sections(sections, tree, sections_file)
     ffr.check_probes(document["probes"], tree)
     given = arguments.mesh_report

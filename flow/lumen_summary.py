@@ -3,6 +3,8 @@
 from common import json_reader, schema
 from common.errors import InputError
 
+SAME_LENGTH = 0.005  # relative; those of one anatomy step are equal
+
 
 def read(path, *needed):
     """The document of anatomy.json, checked. Raises InputError."""
@@ -25,6 +27,16 @@ def check(data, where, *needed):
         raise InputError(what, error.where, error.value, error.remedy) from None
     if "branches" in data:
         _check_tree(data["branches"], where)
+
+
+def check_lengths(data, tree, where):
+    """Raises InputError unless the branches, where their lengths are given, are those of a flow.centreline.Tree."""
+    for branch in data.get("branches", []):
+        given, found = branch.get("length_mm"), tree[branch["name"]].length_mm
+        if given is not None and abs(given - found) > SAME_LENGTH * found:
+            value = f"length {given:.4g} mm, of the centreline {found:.4g} mm"
+            remedy = "give anatomy.json and centreline of one lumen, both in mm"
+            raise InputError("a branch of another lumen", f"{where}: {branch['name']}", value, remedy)
 
 
 def _check_tree(branches, where):

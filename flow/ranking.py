@@ -57,6 +57,7 @@ def plan(folder, document, settings, model):
     anatomy = lumen_summary.read(folder / "anatomy.json", "branches")
     ffr.check_probes(document["probes"], tree)
     sections = reduced.read_sections(folder / "sections.csv")
+    lumen_summary.check_lengths(anatomy, tree, folder / "anatomy.json")
     reduced.check_sections(sections, tree, folder / "sections.csv")
     extensions = extension.needed(surface.read(folder / "lumen.vtp"), tree, settings)
     predicted = extended.Extended(extensions, tree, anatomy, sections, document, settings).predictor()

@@ -163,7 +163,9 @@ def test_a_value_that_is_not_allowed_is_refused_with_what_is(command, given, all
 def test_a_whole_number_may_have_a_point(folder, monkeypatch):
     monkeypatch.setattr(settings_module, "check_meshes", lambda values, where: pytest.fail(repr(values["rings"])))
     with pytest.raises(pytest.fail.Exception, match="^5$"):
-        command_line.main(["mesh", "l.vtp", "--centreline", "c", "--out", "m", "--coarse", "k", "--rings", "5.0"])
+        command_line.main(
+            ["mesh", "l.vtp", "--centreline", "c", "--out", "m.msh", "--coarse", "k.msh", "--rings", "5.0"]
+        )
 
 
 @pytest.mark.parametrize(
