@@ -55,7 +55,7 @@ def build(surface, tree, sizes, settings, rings, coarsening=1.0, shorter=0.0):
                 laying.sweep(span, slicer, disc, settings, coarsening)
         found = [span for span in found if span.lattice is not None]
         if not found:
-            raise NoSpans("no stretch between branches is long and round enough")
+            raise NoSpans("no stretch between branches is long, round and even enough")
         try:
             return _assemble(surface, slicer, found, disc, sizes)
         except stitch.StitchError as error:

@@ -19,6 +19,7 @@ from flow import centreline, extended, extension, ffr, lumen_summary, reduced, s
 
 COLUMNS = ("rank", "plan", "ffr", "error", "model", "as_good_as_best", "inlet_flow_m3_per_s", "cpu_seconds")
 MILD = 0.85  # FFR
+SAME_MM = 1e-6  # as coordinates are written
 # measured.md: |3D minus model| in trees, where the model's FFR is above MILD and below it
 ELSEWHERE = {"axisymmetric": (0.045, 0.1), "network": (0.05, 0.05)}
 
@@ -47,6 +48,22 @@ def model_error(model, documents, lowest):
     return error, float(max(np.ptp(found), sum(sorted(unsure)[-2:]))) if len(found) > 1 else error
 
 
+def check_patient(path, answer, document):
+    """Raises InputError unless the probes of an ffr.json (`answer`) were put on its lumen from boundary values
+    `document`: each lies `shift_mm` from where the boundary values have it."""
+    given = {probe["name"]: np.array(probe["point_mm"], float) for probe in document["probes"]}
+    try:
+        apart = {
+            probe["name"]: float(np.linalg.norm(np.array(probe["point_mm"], float) - given.pop(probe["name"])))
+            - probe["shift_mm"]
+            for probe in answer["probes"]
+        }
+    except (KeyError, TypeError, ValueError):
+        apart = {}
+    if not apart or given or not max(np.abs(list(apart.values()))) < SAME_MM:
+        raise InputError("an answer with other boundary values", path, apart, "give an ffr.json of this patient")
+
+
 def plan(folder, document, settings, model):
     """{"ffr", "inlet_flow_m3_per_s", "cpu_seconds"} by the model of the lumen whose anatomy step wrote to `folder`."""
     folder = pathlib.Path(folder)
@@ -71,6 +88,8 @@ def plan(folder, document, settings, model):
 
 def rank(plans, document, settings, model, measured):
     """Table with COLUMNS, best first. plans: {name: folder}; measured: [(path, document of ffr.json)]."""
+    for path, answer in measured:
+        check_patient(path, answer, document)
     rows = [{"plan": name, "model": model} | plan(folder, document, settings, model) for name, folder in plans.items()]
     error, apart = model_error(model, measured, min(row["ffr"] for row in rows))
     table = (

@@ -1,6 +1,7 @@
 """Spans: the stretches of a tree's axes that are swept, found, laid on their stations, and shortened."""
 
 import dataclasses
+import sys
 
 import numpy as np
 
@@ -64,6 +65,8 @@ def sweep(span, slicer, disc, settings, coarsening):
             span.lattice, span.stations = laid, len(at)
             return
         at = np.sort(np.concatenate([at, 0.5 * (at[turned] + at[turned + 1])]))
+    stretch = f"{branch.name} {span.start_mm:.1f}-{span.end_mm:.1f} mm"
+    print(f"{stretch}: swept cells stay turned over, meshed as a junction", file=sys.stderr, flush=True)
 
 
 def moved(found, ends, radii):

@@ -43,13 +43,20 @@ def test_the_least_narrowing_is_the_best(folder, model):
     assert list(table["as_good_as_best"])[0] and not list(table["as_good_as_best"])[-1]
 
 
+def _shifted(folder, by_mm=0.3, recorded_mm=0.3):
+    """The boundary values' probes as on a lumen whose centreline lies `by_mm` aside."""
+    probes = json.loads((folder / "boundary.json").read_text())["probes"]
+    x, y, z = (list(axis) for axis in zip(*(probe["point_mm"] for probe in probes)))
+    return [probe | {"point_mm": [x[k], y[k] + by_mm, z[k]], "shift_mm": recorded_mm} for k, probe in enumerate(probes)]
+
+
 def test_3d_answers_of_the_patient_set_the_error(folder):
     measured = []
     for number, three_d in enumerate((0.88, 0.875)):
         models = {"3d": {"ffr": three_d, "error_estimate": 0.001}}
         models |= {"axisymmetric": {"ffr": 0.9}, "network": {"ffr": 0.95}}
         path = folder / f"ffr{number}.json"
-        path.write_text(json.dumps({"models": models}))
+        path.write_text(json.dumps({"models": models, "probes": _shifted(folder)}))
         measured.append(str(path))
     one = _rank(folder, "--measured", measured[0])
     assert one["error"].to_numpy() == pytest.approx(0.02)
@@ -101,6 +108,16 @@ def test_a_plan_is_answered_with_the_extensions_that_its_mesh_would_get(tmp_path
     for model in ("axisymmetric", "network"):
         found = ranking.plan(near, document, settings_module.make(), model)
         assert found["ffr"] == pytest.approx(answer["models"][model]["ffr"], abs=1e-9)
+
+
+def test_an_answer_of_another_patient_says_nothing_of_this_one(folder, capfd):
+    models = {"3d": {"ffr": 0.88, "error_estimate": 0.001}, "axisymmetric": {"ffr": 0.9}, "network": {"ffr": 0.95}}
+    path = folder / "other.json"
+    for probes in (_shifted(folder, 0.3, 0.2), _shifted(folder)[:1], [], [{"name": "distal"}]):
+        path.write_text(json.dumps({"models": models, "probes": probes}))
+        with pytest.raises(SystemExit):
+            _rank(folder, "--measured", str(path))
+        assert "other boundary values" in capfd.readouterr().err
 
 
 def test_an_answer_without_the_3d_model_says_nothing_of_the_error():
