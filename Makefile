@@ -45,7 +45,7 @@ test-cpp: build
 # CGAL's headers take longer under the sanitizers than all else together; the anatomy's reader is left to the plain run.
 sanitize: setup ## C++ unit tests and a short fuzz of the deployment engine with the address and undefined-behaviour sanitizers
 	@[ -f build-sanitize/build.ninja ] || cmake -S . -B build-sanitize -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DVCI_SANITIZE=ON
-	@ninja -C build-sanitize -j $(CORES) vci vci_unit_tests
+	@ninja -C build-sanitize -j $(CORES) vci vci_unit_tests vci_verification_tests
 	ctest --test-dir build-sanitize --exclude-regex NOT_BUILT --output-on-failure -j $(CORES) --quiet
 	VCI_BUILD_DIR=build-sanitize VCI_FUZZ_MUTANTS=6 OMP_NUM_THREADS=1 $(PYTHON) -m pytest -q tests/verification/vci/test_fuzz.py
 

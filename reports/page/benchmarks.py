@@ -9,8 +9,8 @@ from reports.page.assets import image_uri
 TITLES = {
     "deployment_speed": (
         "Deployment: speed against error",
-        "A row is a scene at one setting; errors are against the scene's finest balanced run, which `reference` "
-        "names. A refused row says why. Medians are over the scenes that balanced.",
+        "A row is a scene at one setting; errors are against the scene's finest balanced run, which the column "
+        "reference names. A refused row says why. Medians are over the scenes that balanced.",
     ),
     "deployment_baseline": (
         "Deployment: beside the textbook scheme",

@@ -22,7 +22,7 @@ def read_results(paths):
             outcome, reason = outcome_of(case)
             results.append(
                 {
-                    "group": case.get("classname", ""),
+                    "group": group_of(case),
                     "name": case.get("name", ""),
                     "outcome": outcome,
                     "reason": reason,
@@ -30,6 +30,12 @@ def read_results(paths):
                 }
             )
     return results
+
+
+def group_of(case):
+    """The group of a <testcase>: its class, or without its last word where that is the test itself, as CTest has it."""
+    group, name = case.get("classname", ""), case.get("name", "")
+    return name.rpartition(".")[0] if group == name else group
 
 
 def outcome_of(case):
@@ -44,17 +50,15 @@ def outcome_of(case):
 
 
 def part_of(group):
-    """(kind, part) of a test group such as "tests.verification.flow.test_poiseuille"."""
+    """(kind, part, the rest) of a test group such as "tests.verification.flow.test_poiseuille"."""
     words = [word for word in group.replace("/", ".").split(".") if word not in ("tests", "")]
-    if words and words[0] in ("unit", "verification", "workflow"):
-        kind, rest = words[0], words[1:]
-    else:
-        kind, rest = "unit", words
-    return kind, rest[0] if rest else ""
+    kind = words.pop(0) if words and words[0] in ("unit", "verification", "workflow") else "unit"
+    part = words.pop(0) if len(words) > 1 else ""
+    return kind, part, ".".join(words)
 
 
 def evidence_rows(results):
-    """Rows {kind, part, group, passed, failed, skipped, seconds} by group, verification first."""
+    """Rows {kind, part, tests, passed, failed, skipped, seconds, reasons} by group, verification first."""
     groups = {}
     for result in results:
         row = groups.setdefault(
@@ -66,6 +70,6 @@ def evidence_rows(results):
             row["reasons"].append(result["reason"])
     rows = []
     for group, row in groups.items():
-        kind, part = part_of(group)
-        rows.append({"group": group, "kind": kind, "part": part, **row})
-    return sorted(rows, key=lambda row: (row["kind"] != "verification", row["kind"], row["part"], row["group"]))
+        kind, part, tests = part_of(group)
+        rows.append({"tests": tests, "kind": kind, "part": part, **row})
+    return sorted(rows, key=lambda row: (row["kind"] != "verification", row["kind"], row["part"], row["tests"]))

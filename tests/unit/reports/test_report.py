@@ -239,6 +239,16 @@ def test_a_page_with_a_failing_script_is_refused(tmp_path, script):
         check_report(tmp_path / "page.html")
 
 
+def test_a_suite_of_compiled_tests_is_one_row(tmp_path):
+    """CTest gives a test's name as its class; GoogleTest's parametrised names have slashes."""
+    names = ("tests.verification.vci.Tube.Thick", "tests.verification.vci.Tube.Thin", "tests.unit.anatomy.Ends/A.Cut/0")
+    cases = "".join(f'<testcase name="{name}" classname="{name}" time="0.5" status="run"/>' for name in names)
+    (tmp_path / "junit.xml").write_text(f"<testsuite>{cases}</testsuite>")
+    tubes, ends = evidence_rows(read_results([tmp_path / "junit.xml"]))
+    assert (tubes["kind"], tubes["part"], tubes["tests"], tubes["passed"]) == ("verification", "vci", "Tube", 2)
+    assert (ends["kind"], ends["part"], ends["passed"]) == ("unit", "anatomy", 1)
+
+
 def test_evidence_counts_each_outcome(tmp_path):
     (tmp_path / "junit.xml").write_text(JUNIT)
     first, second = evidence_rows(read_results([tmp_path / "junit.xml"]))
