@@ -4,6 +4,7 @@ import argparse
 import csv
 import importlib.util
 import pathlib
+import signal
 
 import pytest
 
@@ -95,7 +96,7 @@ def test_the_textbook_scheme_runs_with_contact_to_facets_and_to_the_smooth_surfa
 
 def test_a_run_is_stopped_once_its_budget_is_used_up():
     code, _, cpu = run(["/usr/bin/python3", "-c", "while True: pass"], budget=1)
-    assert code < 0 and 0.9 < cpu < 5
+    assert code == -signal.SIGXCPU and cpu > 0
 
 
 def test_tables_of_the_page_are_those_of_the_files(tmp_path):
