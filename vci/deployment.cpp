@@ -215,7 +215,8 @@ private:
     std::cerr << step.name << " / " << stage.name << ": " << r.steps << " steps, " << r.cg_iterations
               << " cg iterations, residual " << r.residual << ", " << r.contacts << " contacts, penetration "
               << r.mean_penetration << " mean " << r.maximal_penetration << " max mm" << deepest_place(r, system_)
-              << ", " << result_.stages.back().seconds << " s\n";
+              << (r.careful_from < 0 ? "" : ", with care from step " + std::to_string(r.careful_from)) << ", "
+              << result_.stages.back().seconds << " s\n";
     if (!r.converged)
       refuse(step, stage, r);
     after_balance(stage, step);

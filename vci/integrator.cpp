@@ -1,7 +1,9 @@
 #include "vci/integrator.hpp"
+#include "vci/step_relaxation.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace vci {
 
@@ -9,6 +11,11 @@ namespace {
 
 constexpr double smallest_step = 0.03; // ms
 constexpr int held_steps = 8;          // with all of friction's stiffness, after a step that turned back
+constexpr double quasi_static = 0.5;   // ms: longer steps drop the velocity
+// Steps that do not come nearer balance for this share of `stalled_steps` are taken with care from then on: vertices
+// that jump to and fro are calmed, and solves must reach this in the preconditioner's norm, too.
+constexpr int careful_share = 3;
+constexpr double careful_tolerance = 0.1;
 constexpr double rounding = 1e-9;      // N: a wall that is back in its first state is balanced by nothing
 
 struct Forces {
@@ -139,6 +146,8 @@ RelaxResult relax(System& system, Interactions& interactions, const IntegratorSe
   std::vector<PointLink> links;
   PcgMemory memory;
   Inertia inertia(system, s);
+  PcgSettings pcg = s.pcg;
+  std::optional<StepRelaxation> careful;
   double h = s.initial_step, previous_residual = 0, best_residual = 1e300;
   int best_step = 0, held = 0;
   bool settling = false;
@@ -161,7 +170,13 @@ RelaxResult relax(System& system, Interactions& interactions, const IntegratorSe
       best_residual = f.residual;
       best_step = result.steps;
     }
-    result.stalled = result.steps - best_step >= s.stalled_steps;
+    const int in_vain = result.steps - best_step;
+    if (!careful && in_vain >= std::max(1, s.stalled_steps / careful_share)) {
+      careful.emplace();
+      pcg.preconditioned_tolerance = careful_tolerance;
+      result.careful_from = best_step = result.steps;
+    }
+    result.stalled = in_vain >= s.stalled_steps;
     if (result.stalled || result.steps == s.maximal_steps) {
       result.imbalance = largest_imbalance(f.total, system.fixed);
       return result;
@@ -189,15 +204,17 @@ RelaxResult relax(System& system, Interactions& interactions, const IntegratorSe
       load.resize(f.total.size());
       for (int i = 0; i < system.vertices(); ++i)
         load[i] = (f.total[i] + system.mass[i] / h * system.velocity[i]) / inertia.factor(h);
-      result.cg_iterations += solve_pcg(system.matrix(), links, system.fixed, load, dx, s.pcg, &memory).iterations;
+      result.cg_iterations += solve_pcg(system.matrix(), links, system.fixed, load, dx, pcg, &memory).iterations;
       ++result.steps;
       typical = large_displacement(dx);
       if (typical <= limit || h <= smallest_step || result.steps == s.maximal_steps)
         break; // a longer one is not taken: plastic set that it leaves would stay
       h = std::max(smallest_step, h * std::clamp(s.displacement_per_step / typical, 0.1, 0.5));
     }
+    const bool inertial = h <= quasi_static;
+    if (careful && !inertial)
+      careful->calm(dx, last_dx, typical);
     // A vertex that overshoots is held back alone: the others' step is good.
-    const bool inertial = h <= 0.5;
     for (int i = 0; i < system.vertices(); ++i) {
       const double length = dx[i].norm();
       if (length > limit)

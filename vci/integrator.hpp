@@ -52,6 +52,7 @@ struct RelaxResult {
   bool stalled = false; ///< gave up: no better residual for so many steps
   Imbalance imbalance;  ///< only where it did not converge
   int steps = 0, cg_iterations = 0, contacts = 0;
+  int careful_from = -1; ///< the step from which on steps were taken with care, having come no nearer; -1: none was
   double residual = 0;
   double maximal_penetration = 0, mean_penetration = 0; ///< mm, over the contact points; gaps above 0 count as 0
   std::array<int, 2> deepest{-1, -1}; ///< the vertex of the maximal penetration and one of the surface it is in

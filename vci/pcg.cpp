@@ -51,6 +51,7 @@ public:
     precondition(r, z);
     p = z;
     double rz = dot(r, z), residual = 1;
+    const double rz_wanted = settings_.preconditioned_tolerance * settings_.preconditioned_tolerance * rz;
     for (int iteration = 1; iteration <= settings_.maximal_iterations; ++iteration) {
       operator_.multiply(p, q);
       const double curvature = dot(p, q);
@@ -65,10 +66,10 @@ public:
         r[i] -= alpha * q[i];
       }
       residual = std::sqrt(dot(r, r)) / b_norm;
-      if (!(residual > settings_.tolerance))
-        return {std::isfinite(residual), iteration, residual};
       precondition(r, z);
       const double rz_new = dot(r, z);
+      if (!(residual > settings_.tolerance) && !(rz_new > rz_wanted))
+        return {std::isfinite(residual), iteration, residual};
       const Real beta = static_cast<Real>(rz_new / rz);
       rz = rz_new;
       for (std::size_t i = 0; i < n; ++i)

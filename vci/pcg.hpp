@@ -1,6 +1,7 @@
 // Filtered conjugate gradients (eq 12) with a two-level preconditioner: 3x3 block Jacobi and shifts of patches.
 #pragma once
 #include "vci/linear_operator.hpp"
+#include <limits>
 #include <memory>
 
 namespace vci {
@@ -13,6 +14,9 @@ struct PcgSettings {
   int patch_size = 0;            ///< vertices to a patch of the second level; 0: block Jacobi alone
   bool single_precision = false; ///< the iterations; good for tolerances of 1e-4 and more
   bool plain = false;            ///< no preconditioner at all
+  /// Of the residual in the preconditioner's norm, which stands for the error's energy: a few vertices deep in contact
+  /// are nearly all of the residual itself. Has to be met as well.
+  double preconditioned_tolerance = std::numeric_limits<double>::infinity();
 };
 
 /// The second level of the last solves: good for some more while the matrix changes little.

@@ -128,6 +128,19 @@ TEST(Deployment, GivesUpWhereTheResidualStalls) {
   }
 }
 
+TEST(Deployment, StepsTakenWithCareEndInTheSameBalance) {
+  const Lumen l = tube(0.6);
+  Scene scene = scene_with({predilatation, stenting});
+  const Deployment usual = deploy(scene, l, axis());
+  for (const StageReport& s : usual.stages)
+    EXPECT_EQ(s.result.careful_from, -1) << s.step << ' ' << s.stage << ": not needed here";
+  scene.numerics.integrator.stalled_steps = 24; // care from 8 steps in vain on
+  const Deployment careful = deploy(scene, l, axis());
+  EXPECT_GE(careful.stages[0].result.careful_from, 8);
+  EXPECT_TRUE(careful.stages.back().result.converged);
+  EXPECT_NEAR(throat(l, careful.points), throat(l, usual.points), 0.005 * throat(l, usual.points));
+}
+
 TEST(Sections, AreaOfATube) {
   const Lumen l = tube(0.3);
   EXPECT_NEAR(throat(l, l.points), M_PI * 0.75 * 0.75, 0.03);

@@ -1,0 +1,62 @@
+// What is taken of steps that follow one another badly, on made-up iterations whose ends are known.
+#include "vci/step_relaxation.hpp"
+#include <gtest/gtest.h>
+
+namespace {
+
+using namespace vci;
+
+/// Every vertex at x steps by rate x: it goes to 0 alone where rate is between -2 and 0.
+Vectors steps_of(const Vectors& x, const std::vector<double>& rate) {
+  Vectors dx(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i)
+    dx[i] = rate[i] * x[i];
+  return dx;
+}
+
+/// Where 200 vertices get to in so many steps; vertex 7 steps by its own rate.
+Vectors relaxed(int steps, double rate_of_one, double rate_of_others, bool calms) {
+  Vectors x(200, Vec3(0.001, 0, 0)), last;
+  x[7] = Vec3(0.1, 0.05, 0);
+  std::vector<double> rate(x.size(), rate_of_others);
+  rate[7] = rate_of_one;
+  StepRelaxation relaxation;
+  for (int step = 0; step < steps; ++step) {
+    Vectors dx = steps_of(x, rate);
+    if (calms)
+      relaxation.calm(dx, last, dx[0].norm());
+    for (std::size_t i = 0; i < x.size(); ++i)
+      x[i] += dx[i];
+    last = dx;
+  }
+  return x;
+}
+
+TEST(StepRelaxation, AVertexThatJumpsToAndFroForEverSettles) {
+  EXPECT_NEAR(relaxed(40, -2, -0.2, false)[7].norm(), Vec3(0.1, 0.05, 0).norm(), 1e-12);
+  EXPECT_LT(relaxed(40, -2, -0.2, true)[7].norm(), 1e-3);
+  EXPECT_LT(relaxed(40, -3, -0.2, true)[7].norm(), 1e-3) << "even where its jumps would grow";
+}
+
+TEST(StepRelaxation, AllVerticesThatJumpSettleThoughNoneIsAnOutlier) {
+  Vectors x = relaxed(40, -2, -2, true);
+  EXPECT_LT(x[0].norm(), 1e-5);
+}
+
+TEST(StepRelaxation, VerticesThatTurnBackOnceOrGoOnAreLeftAlone) {
+  const Vectors last(200, Vec3(0.001, 0, 0));
+  const Vectors there(200, Vec3(0.001, 0.0001, 0)), back(200, Vec3(-0.0005, 0, 0));
+  StepRelaxation relaxation;
+  for (const Vectors& step : {there, back, there}) {
+    Vectors dx = step;
+    relaxation.calm(dx, last, step[0].norm());
+    EXPECT_EQ(dx, step);
+  }
+  Vectors first = back;
+  first[3] *= 100;
+  const Vectors as_solved = first;
+  StepRelaxation().calm(first, {}, 0.0005);
+  EXPECT_EQ(first, as_solved) << "no step before";
+}
+
+} // namespace
