@@ -13,7 +13,7 @@ constexpr double search_reach = 0.5; // mm: a vertex deeper than this beyond a s
 
 // Vertices that bear far more than others (calcium's edge, a window's rim) meet a second, stiffer ramp: in ramps, over
 // the stiffness. Where it begins, ordinary contact does not get to: all of it that stiff does not settle.
-constexpr double deep_from = 1.5, deep_ramp = 2, deep_stiffness = 20;
+constexpr double deep_from = 1.5, deep_ramp = 2, deep_stiffness = 40;
 // Before a window's rim it fades only where this share of the surface is left: vertices would bear their load with a
 // small share of their area there and sink in. The first ramp fades over the whole row, so that contact comes and goes
 // softly.
