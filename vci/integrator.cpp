@@ -16,7 +16,7 @@ constexpr double quasi_static = 0.5;   // ms: longer steps drop the velocity
 // that jump to and fro are calmed, and solves must reach this in the preconditioner's norm, too.
 constexpr int careful_share = 3;
 constexpr double careful_tolerance = 0.1;
-constexpr double rounding = 1e-9;      // N: a wall that is back in its first state is balanced by nothing
+constexpr double rounding = 1e-9; // N: a wall that is back in its first state is balanced by nothing
 
 struct Forces {
   Vectors elastic, foundation, pressure, contact, total;
