@@ -200,12 +200,24 @@ class Search:
             self.march(before, None)
             before.cpu_seconds += time.process_time() - begin
             self.meshes.append(self.record(before))
+            if before.unsteady and solved.unsteady and self.of_two_means(solved, before):
+                return False  # by the same difference the coarse mesh's error is the larger
         if before.estimate is None or before.mixing > 0 and not before.unsteady:
             return False
         found = solved.estimate is None or before.estimate["ffr"] < solved.estimate["ffr"]
         if found:
             print(f"{before.path}: its error is the smaller, it answers", file=sys.stderr, flush=True)
         return found
+
+    def of_two_means(self, solved, before):
+        """Takes the difference of both meshes' means for the error of the last's; whether it says anything."""
+        estimate = error_estimate.of_two_means(solved, before, self.at_probes)
+        if estimate:
+            solved.estimate = estimate
+            entry = next(one for one in self.meshes if one["mesh"] == pathlib.Path(solved.path).name)
+            entry["error_estimate"] = estimate["ffr"]
+            print(f"{solved.path}: by both means over time, error {estimate['ffr']:.4f}", file=sys.stderr, flush=True)
+        return estimate is not None
 
     def at_probes(self, sampler):
         """FFR at the probes, `distal` first."""

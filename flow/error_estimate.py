@@ -75,6 +75,23 @@ def of_mean(steady, mixing, difference):
     return {"ffr": total, **parts, "probes": probes, "mean": difference, "method": method}
 
 
+def of_two_means(fine, coarse, at_probes):
+    """Estimate for the mean of a flow that changes in time, known on two meshes (flow.solved_mesh.Solved): Richardson's
+    of the means, and by how much the halves of the windows differ; None where the meshes are too much alike.
+
+    It is of the flow that answers, `of_mean` of a steady one with eddy viscosity on the coarse mesh.
+    """
+    richardson, words = two_meshes(fine, coarse, at_probes)
+    if richardson is None:
+        return None
+    mean = fine.unsteady.difference + coarse.unsteady.difference
+    probes = richardson["mesh"] + mean
+    own = {"probes": probes.tolist(), "probes_mesh": richardson["mesh"].tolist()}
+    parts = {key: float(values[0]) for key, values in richardson.items()}
+    method = f"means over time on {words}, plus the differences of half windows"
+    return {"ffr": float(probes[0]), **parts, **own, "mean": mean, "method": method}
+
+
 def two_meshes(fine, coarse, at_probes):
     """({"mesh", "ffr_coarse", "ffr_fine"} at the probes, words): Richardson's estimate |fine - coarse| / (r^2 - 1), r^3
     the ratio of the numbers of cells; (None, "") below a ratio of 1.05."""

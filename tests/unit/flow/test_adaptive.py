@@ -24,7 +24,8 @@ class _Mesh:
     def __init__(self, path, ffr, mixing, outcome, estimate):
         self.path, self.outcome, self.mixing, self.found = path, outcome, mixing, estimate
         self.unsteady, self.marched, self.estimate, self.cpu_seconds = None, False, None, 0.0
-        self.space = types.SimpleNamespace(dofs=1)
+        cells = range(1000 if "coarse" in path else 8000)
+        self.space = types.SimpleNamespace(dofs=1, nodes=lambda: (None, cells))
         self.problem = _Problem(
             state=types.SimpleNamespace(x=types.SimpleNamespace(array=np.array([ffr]))),
             inflow=0.0,
@@ -166,6 +167,18 @@ def test_a_fine_mesh_without_a_steady_flow_is_marched_with_the_coarse_ones_estim
     solved, _, _ = search(meshes, {"fine.msh": (0.77, 0.0005)})
     assert solved.path == "fine.msh" and solved.estimate["ffr"] == pytest.approx(0.0045)
     assert "0.27" in solved.estimate["method"]
+
+
+def test_two_means_estimate_the_error_of_the_finer_by_their_difference(search, capfd):
+    """.012 apart on meshes of half the width: a third of it, and the windows' differences."""
+    meshes = {"coarse.msh": (0.8, 0.27, True, ROUGH), "fine.msh": (0.78, 0.27, False, None)}
+    solved, found, _ = search(meshes, {"fine.msh": (0.77, 0.002), "coarse.msh": (0.782, 0.001)})
+    assert solved.path == "fine.msh" and solved.status == "unsteady"
+    assert solved.estimate["ffr"] == solved.estimate["probes"][0] == pytest.approx(0.004 + 0.003)
+    assert solved.estimate["mesh"] == pytest.approx(0.004) and solved.estimate["mean"] == pytest.approx(0.003)
+    assert [mesh["mesh"] for mesh in found.meshes] == [*PATHS, "coarse.msh"]
+    assert found.meshes[1]["error_estimate"] == solved.estimate["ffr"]
+    assert "by both means over time, error 0.0070" in capfd.readouterr().err
 
 
 def test_the_mesh_with_the_smaller_error_answers(search, capfd):
