@@ -4,6 +4,7 @@
 #include "vci/bench.hpp"
 #include "vci/crush.hpp"
 #include "vci/frames.hpp"
+#include "vci/lumen_check.hpp"
 #include "vci/output.hpp"
 #include "vci/plausibility.hpp"
 #include "vci/radius_correction.hpp"
@@ -40,6 +41,7 @@ int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& 
   const Lumen lumen = read_lumen(scene.lumen);
   const auto paths = read_centreline(scene.centreline);
   check_placements(scene, paths);
+  check_lumen(scene, lumen, paths);
   std::optional<FrameWriter> writer;
   Observer observer{{}, every_steps};
   if (!frames.empty()) {
@@ -78,6 +80,7 @@ int run_radius_correct(const fs::path& scene_file, const fs::path& out) {
   const Lumen lumen = read_lumen(scene.lumen);
   const auto paths = read_centreline(scene.centreline);
   check_placements(scene, paths);
+  check_lumen(scene, lumen, paths);
   const auto start = std::chrono::steady_clock::now();
   const Vectors points = correct_radius(scene, lumen, paths);
   write_lumen(output.folder() / "lumen.vtp", output.folder() / "lumen.stl", lumen, points,

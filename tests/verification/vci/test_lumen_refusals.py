@@ -1,0 +1,118 @@
+"""Lumens and centrelines that belong to no vessel are refused by `vci deploy` before any work, with one clear error."""
+
+import json
+import subprocess
+
+import numpy as np
+import pytest
+from vtk.util.numpy_support import vtk_to_numpy
+
+from common import vtp
+from vci import scenes
+
+TUBE = scenes.Tube(length=24, edge=0.8, lesion_length=6)
+
+
+@pytest.fixture
+def scene(tmp_path):
+    """Path of scene.json beside lumen.vtp and centreline.vtp."""
+    return scenes.write_scene(tmp_path / "case", TUBE, length=8.0, numerics={"device_edge_mm": 1.0})
+
+
+def refusal(binary, scene, command="deploy"):
+    out = scene.parent / "out"
+    run = [str(binary("vci")), command, str(scene), "--out", str(out)]
+    result = subprocess.run(run, text=True, capture_output=True, timeout=100)
+    assert result.returncode == 2, (result.returncode, result.stderr[-500:])
+    lines = result.stderr.splitlines()
+    starts = ["error: ", "  where:  ", "  value:  ", "  remedy: "]
+    assert len(lines) == 4 and all(line.startswith(s) for line, s in zip(lines, starts)), result.stderr
+    assert list(out.rglob("*")) == [], "nothing is written"
+    return result.stderr
+
+
+def changed(scene, change):
+    """Replaces lumen.vtp by change(points, triangles, arrays of the points) -> (points, triangles)."""
+    path = scene.parent / "lumen.vtp"
+    before = vtp.read(path, "")
+    arrays = {
+        name: vtk_to_numpy(before.GetPointData().GetArray(name)).copy()
+        for name in ("radius_mm", "plaque_thickness_mm", "plaque_type")
+    }
+    triangles = vtk_to_numpy(before.GetPolys().GetConnectivityArray()).reshape(-1, 3).copy()
+    points, triangles = change(vtp.points(before).copy(), triangles, arrays)
+    after = scenes.polydata(points, triangles)
+    vtp.add_array(after.GetCellData(), "region_id", np.zeros(len(triangles), dtype=np.int32))
+    for name, values in arrays.items():
+        vtp.add_array(after.GetPointData(), name, values)
+    vtp.write(path, after)
+
+
+def flipped(points, triangles, arrays):
+    return points, triangles[:, ::-1]
+
+
+def one_flipped(points, triangles, arrays):
+    triangles[500] = triangles[500, ::-1]
+    return points, triangles
+
+
+def soup(points, triangles, arrays):
+    for name in arrays:
+        arrays[name] = arrays[name][triangles].ravel()
+    return points[triangles].reshape(-1, 3), np.arange(triangles.size).reshape(-1, 3)
+
+
+def pierced(points, triangles, arrays):
+    centres = points[triangles].mean(1)
+    return points, triangles[(abs(centres[:, 2] - 18) > 0.8) | (centres[:, 0] < 0.3)]
+
+
+def twice(points, triangles, arrays):
+    return points, np.concatenate([triangles, triangles[300:310]])
+
+
+def metres(points, triangles, arrays):
+    return points / 1000, triangles
+
+
+def wide(points, triangles, arrays):
+    arrays["radius_mm"] *= 5
+    return points, triangles
+
+
+def aside(points, triangles, arrays):
+    return points + [1.0, 0, 0], triangles
+
+
+def cut(points, triangles, arrays):
+    return points, triangles[points[triangles].mean(1)[:, 2] < 14]
+
+
+@pytest.mark.parametrize(
+    "change, words",
+    [
+        (flipped, "face its axis"),
+        (one_flipped, "triangle 500 at"),
+        (soup, "in one place"),
+        (pierced, "has a hole"),
+        (twice, "given twice"),
+        (metres, "does not fit its radius_mm"),
+        (wide, "does not fit its radius_mm"),
+        (aside, "does not fit its radius_mm"),
+        (cut, "past the end of the lumen"),
+    ],
+)
+def test_a_lumen_that_no_vessel_has(binary, scene, change, words):
+    changed(scene, change)
+    for command in ("deploy", "radius-correct"):
+        assert words in refusal(binary, scene, command)
+
+
+def test_a_scene_of_the_sound_lumen_runs(binary, scene):
+    """What the refusals above have in common is not the scene: rewritten without a change its lumen passes."""
+    changed(scene, lambda points, triangles, arrays: (points, triangles))
+    run = [str(binary("vci")), "radius-correct", str(scene), "--out", str(scene.parent / "out")]
+    result = subprocess.run(run, text=True, capture_output=True, timeout=100)
+    assert result.returncode == 0, result.stderr
+    assert json.loads((scene.parent / "out" / "deployment.json").read_text())["status"] == "converged"
