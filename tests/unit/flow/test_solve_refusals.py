@@ -192,6 +192,31 @@ def test_a_mesh_with_inverted_cells_is_refused(case, tmp_path, capsys):
     spaces.read(path)
 
 
+def test_a_mesh_with_distorted_cells_is_refused(case, tmp_path, capsys):
+    """Positive Jacobians throughout, but beyond what `flow mesh` writes."""
+    path, folded = _bent(case, tmp_path, 0.37)
+    assert folded == 0 and _solve_bent(case, path, tmp_path / "out") == 2
+    assert "distorted" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_a_mesh_of_plane_facets_is_refused(case, tmp_path, capsys, order):
+    """As gmsh's setOrder leaves it: linear cells, or quadratic ones with every middle on its chord."""
+    import gmsh
+
+    gmsh.initialize(["gmsh"], False)
+    try:
+        gmsh.option.setNumber("General.Verbosity", 1)
+        gmsh.open(str(case / "mesh.msh"))
+        gmsh.model.mesh.setOrder(1)
+        gmsh.model.mesh.setOrder(order)
+        gmsh.write(str(tmp_path / "plane.msh"))
+    finally:
+        gmsh.finalize()
+    assert _solve_bent(case, tmp_path / "plane.msh", tmp_path / "out") == 2
+    assert "plane facets" in capsys.readouterr().err
+
+
 def test_a_mesh_with_cells_on_top_of_each_other_is_refused():
     """Two straight tetrahedra, both of positive volume, tips on both sides of a face, then on one."""
     corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0], [0.2, 0.2, 0]])
