@@ -16,12 +16,10 @@ import pandas as pd
 
 from common.errors import InputError
 from flow import centreline, extended, extension, ffr, lumen_summary, reduced, surface
+from flow.reduced_answer import ELSEWHERE, MILD
 
 COLUMNS = ("rank", "plan", "ffr", "error", "model", "as_good_as_best", "inlet_flow_m3_per_s", "cpu_seconds")
-MILD = 0.85  # FFR
 SAME_MM = 1e-6  # as coordinates are written
-# measured.md: |3D minus model| in trees, where the model's FFR is above MILD and below it
-ELSEWHERE = {"axisymmetric": (0.045, 0.1), "network": (0.05, 0.05)}
 
 
 def elsewhere(model, value):

@@ -8,7 +8,7 @@ import pytest
 import tubes
 from common.errors import InputError
 from flow import __main__ as command_line
-from flow import ranking
+from flow import ranking, reduced_answer
 from flow import settings as settings_module
 
 LENGTH, RADIUS = 30.0, 1.4
@@ -91,6 +91,15 @@ def test_what_was_measured_elsewhere_is_no_less_in_severe_disease():
     for model, (mild, severe) in ranking.ELSEWHERE.items():
         assert mild <= severe and ranking.model_error(model, [], 0.9) == (mild, mild)
         assert ranking.model_error(model, [], 0.8) == (severe, severe)
+
+
+def test_an_answer_alone_says_the_same_of_its_error_as_a_ranking(capsys):
+    for model, (mild, severe) in ranking.ELSEWHERE.items():
+        (said,) = reduced_answer.unknown_error(model)
+        assert f"up to {max(mild, severe):.2f} above the 3D model" in said and said in capsys.readouterr().err
+    measured = {"axisymmetric": (0.8025, 0.7063), "network": (0.7519, 0.7063)}  # lad01 before the intervention
+    for model, (value, three_d) in measured.items():
+        assert ranking.elsewhere(model, value) >= value - three_d
 
 
 def test_a_plan_is_answered_with_the_extensions_that_its_mesh_would_get(tmp_path):
