@@ -18,6 +18,7 @@ from flow import lumen_summary, viscosity
 PA_PER_MMHG = 133.322
 M3_PER_S_PER_ML_PER_MIN = 1e-6 / 60.0
 ROUNDING_MM = 1e-6
+FACTOR = 10.0  # by which R_i Q_i may be off MAP - P_v: beyond it R_i is of other units, or of another outlet
 
 
 def mean_arterial_pressure_mmhg(sbp_mmhg, dbp_mmhg):
@@ -167,6 +168,7 @@ def check(document, where="boundary.json", branches=None):
                 resistance,
                 "R_i = (MAP - P_v) / Q_i in Pa s/m3, or 0 with pressure_pa",
             )
+        _check_flow(one, document, where)
     for one in document["outlets"] + document["probes"] if branches is not None else ():
         if one["branch"] not in branches:
             remedy = f"known: {', '.join(branches)}; make both from the same anatomy"
@@ -183,6 +185,19 @@ def _check_pressures(document, where):
         if one.get("pressure_pa", 0.0) >= map_pa:
             where_it_is = f"{where}: {one['name']} pressure_pa"
             raise InputError("pressure at an outlet is not below MAP", where_it_is, one["pressure_pa"], remedy)
+
+
+def _check_flow(outlet, document, where):
+    """Raises InputError where an outlet's resistance would not let about its planned flow pass at MAP: at the inlet's
+    MAP and with P_v behind it alone, since benchmarks give other pressures or the flow itself."""
+    if outlet.get("pressure_pa") is not None or document.get("inlet_flow_m3_per_s") is not None:
+        return
+    pressure, given = document["map_pa"] - document["venous_pressure_pa"], outlet["resistance_pa_s_per_m3"]
+    if not 1 / FACTOR <= given * outlet["flow_m3_per_s"] / pressure <= FACTOR:
+        value = f"{given:.4g} Pa s/m3, with the planned flow of {outlet['flow_m3_per_s']:.4g} m3/s it should be about"
+        value += f" {pressure / outlet['flow_m3_per_s']:.4g}"
+        remedy = "R_i = (MAP - P_v) / Q_i in Pa s/m3 (1 mmHg s/mL is 1.33322e8 Pa s/m3)"
+        raise InputError("resistance does not belong to the outlet's flow", f"{where}: {outlet['name']}", value, remedy)
 
 
 def _check_told_apart(entries, where, key):

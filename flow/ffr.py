@@ -15,7 +15,8 @@ M_PER_MM = 1e-3
 SPACING_MM = 0.5
 AROUND_MM = 1.0  # of a probe: where its FFR's slope is taken
 RISING = 5e-4  # of FFR a mm: beyond it the third decimal depends on where the probe is
-FAR = 3.0  # a probe further than this many local radii from the centreline belongs to another vessel
+FAR = 2.0  # a probe further than this many local radii from the centreline belongs to another vessel (study: up to .25)
+ALONG = 4.0  # local radii along it from where `s_mm` has it: another place, or other units (study: up to .66)
 ASIDE = 0.5  # local radii of a probe's shift beyond which it is said: deployment moves a vessel's axis by up to .15
 
 
@@ -71,6 +72,10 @@ def _projected(probe, tree):
         raise InputError(
             "probe is far from this state's vessel", f"probe {probe['name']}", f"{shift:.2f} mm", f"give {remedy}"
         )
+    planned = probe.get("s_mm", s_mm)
+    if abs(s_mm - planned) > ALONG * branch.radius(s_mm):
+        value, remedy = f"{s_mm:.4g} mm, its s_mm says {planned:.4g}", "give point_mm and s_mm of one place, both in mm"
+        raise InputError("probe lies at another place along the vessel", f"probe {probe['name']}", value, remedy)
     return branch, s_mm, shift
 
 

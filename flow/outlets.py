@@ -50,7 +50,6 @@ class Boundaries:
             )
         self.names = [outlets[tag]["name"] for tag in space.outlets]
         self.full_resistance = np.array([outlets[tag]["resistance_pa_s_per_m3"] for tag in space.outlets])
-        self.planned_flow = np.array([outlets[tag]["flow_m3_per_s"] for tag in space.outlets])
         self.map_pa = document["map_pa"]
         venous = document["venous_pressure_pa"]
         self.full_behind = np.array([outlets[tag].get("pressure_pa", venous) for tag in space.outlets])

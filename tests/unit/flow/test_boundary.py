@@ -112,6 +112,33 @@ def test_negative_resistance_is_refused(settings):
         boundary.check(document, pathlib.Path("boundary.json"))
 
 
+@pytest.mark.parametrize("factor", [1e3, 1 / 133.322e6, 11, 1 / 11])
+def test_a_resistance_in_other_units_is_refused(settings, factor):
+    document = boundary.make(_anatomy(), _tree(), PATIENT, settings)
+    document["outlets"][1]["resistance_pa_s_per_m3"] *= factor
+    with pytest.raises(InputError, match="resistance does not belong(.|\n)*outlet2"):
+        boundary.check(document)
+
+
+def test_resistances_of_1_to_100_each_belong_to_their_own_flow(settings):
+    document = boundary.make(_anatomy(), _tree(), PATIENT, settings)
+    document["outlets"][0]["flow_m3_per_s"] /= 100
+    document["outlets"][0]["resistance_pa_s_per_m3"] *= 100
+    boundary.check(document)
+    for factor in (9, 1 / 9):
+        changed = json.loads(json.dumps(document))
+        changed["outlets"][0]["resistance_pa_s_per_m3"] *= factor
+        boundary.check(changed)
+
+
+def test_benchmarks_with_given_inflow_or_pressures_have_resistances_of_their_own(settings):
+    document = boundary.make(_anatomy(), _tree(), PATIENT, settings)
+    document["outlets"][1]["resistance_pa_s_per_m3"] *= 1e3
+    boundary.check(document | {"inlet_flow_m3_per_s": 2e-6})
+    document["outlets"][1]["pressure_pa"] = 9000.0
+    boundary.check(document)
+
+
 def test_pressure_in_mmhg_is_refused(settings):
     document = boundary.make(_anatomy(), _tree(), PATIENT, settings)
     document["map_pa"] = 96.0
@@ -267,8 +294,19 @@ def test_a_file_of_another_kind_ends_with_one_clear_error(tmp_path, capsys, spoi
 
 
 def test_a_probe_of_another_vessel_is_refused_before_anything_is_solved():
-    probes = [{"name": "distal", "branch": "main", "point_mm": [12.0, 4.4, 0.0]}]
+    probes = [{"name": "distal", "branch": "main", "point_mm": [12.0, 2.9, 0.0]}]
     ffr.check_probes(probes, _tree())
-    probes[0]["point_mm"][1] = 4.6  # three radii are 4.5 mm
+    probes[0]["point_mm"][1] = 3.1  # two radii are 3 mm
     with pytest.raises(InputError, match="distal"):
         ffr.check_probes(probes, _tree())
+
+
+def test_a_probe_in_metres_is_refused(settings):
+    """It would be moved to the vessel's start, which lies at the origin; s_mm says where it should be."""
+    document = boundary.make(_anatomy([{"branch": "main", "s_end_mm": 30.0}]), _tree(), PATIENT, settings)
+    probe = document["probes"][0]
+    ffr.check_probes([probe], _tree())
+    ffr.check_probes([probe | {"s_mm": probe["s_mm"] + 5.9}], _tree())
+    for wrong in ({"point_mm": [1e-3 * x for x in probe["point_mm"]]}, {"s_mm": probe["s_mm"] + 6.1}):
+        with pytest.raises(InputError, match="another place along the vessel(.|\n)*distal"):
+            ffr.check_probes([probe | wrong], _tree())

@@ -153,7 +153,7 @@ def test_coarse_and_fine_mesh_swapped_are_refused_before_anything_is_solved(case
 
 
 def test_a_probe_outside_the_mesh_is_refused_before_anything_is_solved(case, tmp_path, capfd):
-    beside = tubes.line(LENGTH, lambda s: RADIUS, lambda along, e1, e2: np.stack([along, e1 + 3.0, e2], axis=-1))
+    beside = tubes.line(LENGTH, lambda s: RADIUS, lambda along, e1, e2: np.stack([along, e1 + 2.0, e2], axis=-1))
     tubes.write_centreline(tmp_path / "centreline.vtp", [beside])
     files = ["--boundary", str(case / "boundary.json"), "--centreline", str(tmp_path / "centreline.vtp")]
     files += ["--anatomy", str(case / "anatomy.json"), "--sections", str(case / "sections.csv")]
