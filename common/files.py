@@ -1,6 +1,7 @@
 """Files are written whole or not at all: under a temporary name first, then moved into place."""
 
 import contextlib
+import hashlib
 import json
 import os
 import pathlib
@@ -33,3 +34,8 @@ def write_json(path, document):
     """Writes `document` as indented JSON; NaN and infinity are refused (ValueError)."""
     with replacing(path) as partial:
         partial.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n")
+
+
+def sha256(path):
+    """SHA-256 of a file's content, in hexadecimal."""
+    return hashlib.sha256(pathlib.Path(path).read_bytes()).hexdigest()

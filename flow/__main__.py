@@ -3,6 +3,7 @@
 import argparse
 import contextlib
 import pathlib
+import signal
 import sys
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from common import config, json_reader
 from common.errors import InputError, guarded
 from common.files import replacing, write_json
-from flow import parallel
+from flow import command_files, parallel
 from flow import settings as settings_module
 
 
@@ -40,44 +41,27 @@ def boundary_command(arguments):
     write_json(arguments.out, boundary.make(anatomy, tree, patient, settings))
 
 
-def _mesh_files(arguments):
-    """Path of the report; raises InputError for names of files to write that are no meshes', or taken."""
-    report = pathlib.Path(arguments.json or pathlib.Path(arguments.out).with_suffix(".json"))
-    meshes = [pathlib.Path(path) for path in (arguments.out, arguments.coarse) if path]
-    for path in meshes:
-        if path.suffix != ".msh":
-            raise InputError("not the name of a gmsh mesh", "--out, --coarse", path, "let it end in .msh")
-    taken = [path for path in (arguments.lumen, arguments.centreline, arguments.settings) if path]
-    files = [pathlib.Path(path).resolve() for path in (*taken, *meshes, report)]
-    for k, path in enumerate(files[len(taken) :], start=len(taken)):
-        if path in files[:k]:
-            raise InputError("a file would replace another", "--out, --coarse, --json", path, "give each its own name")
-    return report
-
-
 def mesh_command(arguments):
     """Fine and coarse volume meshes of a lumen."""
     from flow import centreline, mesh, surface
 
-    settings, report_file = settings_module.from_arguments(arguments), _mesh_files(arguments)
+    settings = settings_module.from_arguments(arguments)
     if arguments.coarse:
         settings_module.check_meshes(vars(settings), "flow settings")
     lumen, tree = surface.read(arguments.lumen), centreline.read(arguments.centreline)
     centreline.check_wall(tree, lumen.points[np.unique(lumen.triangles[lumen.region == surface.WALL])], arguments.lumen)
     used = {name: value for name, value in vars(settings).items() if "mesh" in settings_module.commands_of(name)}
     report = {"schema": "vci-mesh-1", "settings": used, "made_from_sha256": mesh.fingerprint(lumen, tree)}
-    wanted = [("fine", arguments.out, settings.cells_per_radius, settings.rings, 1.0)]
+    built, figures = mesh.build(lumen, tree, settings.cells_per_radius, settings, settings.rings, 1.0)
+    report.update(figures)
+    meshes = [(built, report, arguments.out)]
     if arguments.coarse:
-        coarsening = settings.rings / settings.coarse_rings
-        wanted.append(("coarse", arguments.coarse, settings.coarse_cells_per_radius, settings.coarse_rings, coarsening))
-    for name, path, cells, rings, coarsening in wanted:
-        if name == "fine":
-            built, figures = mesh.build(lumen, tree, cells, settings, rings, coarsening)
-            report.update(figures)
-        else:
-            built, report["coarse"] = mesh.coarser(report["cells"], lumen, tree, cells, settings, rings, coarsening)
-        mesh.write(built, path)
-    write_json(report_file, report)
+        sizes = settings.coarse_rings, settings.rings / settings.coarse_rings
+        built, report["coarse"] = mesh.coarser(
+            report["cells"], lumen, tree, settings.coarse_cells_per_radius, settings, *sizes
+        )
+        meshes.append((built, report["coarse"], arguments.coarse))
+    mesh.write_all(meshes, report, command_files.mesh_report(arguments))
 
 
 def solve_command(arguments):
@@ -90,18 +74,13 @@ def solve_command(arguments):
 
 def _solve(arguments, settings):
     """On every rank."""
-    from flow import boundary, centreline, extended, ffr, finer, lumen_summary, output, reduced, solve
+    from flow import boundary, centreline, extended, ffr, finer, lumen_summary, reduced, solve
 
     parallel.check(settings.ranks)
     if hasattr(arguments, "most_dofs") and not (arguments.lumen and settings.model == "3d"):
         what = "setting that does not act without --lumen and model 3d"
         raise InputError(what, "--most-dofs", settings.most_dofs, "give --lumen with it")
-    folder = pathlib.Path(arguments.centreline).parent
-    anatomy_file = arguments.anatomy or folder / "anatomy.json"
-    sections_file = arguments.sections or folder / "sections.csv"
-    read = [arguments.mesh, arguments.coarse, arguments.boundary, arguments.centreline, arguments.mesh_report]
-    read += [arguments.settings, arguments.lumen, anatomy_file, sections_file]
-    output.clear(pathlib.Path(arguments.out), [pathlib.Path(path) for path in read if path])
+    anatomy_file, sections_file = command_files.beside_centreline(arguments)
     document = json_reader.read(arguments.boundary, "boundary.json").data
     anatomy = lumen_summary.read(anatomy_file, "branches")
     boundary.check(document, arguments.boundary, [branch["name"] for branch in anatomy["branches"]])
@@ -206,13 +185,21 @@ def main(argv=None):
     """Runs one command."""
     top = parser()
     arguments, left = top.parse_known_args(argv)
+    if arguments.command != "solve" and parallel.launched() and not parallel.first():
+        return
+    command_files.clear(arguments)
     if left:
         settings_module.check_left(arguments.command, left)
         top.error(f"unrecognized arguments: {' '.join(left)}")
     arguments.command_line = sys.argv[1:] if argv is None else argv
-    if arguments.command == "solve" or not parallel.launched() or parallel.first():
-        arguments.run(arguments)
+    arguments.run(arguments)
+
+
+def _ended(number, _):
+    """SIGTERM ends as an error does: what is half made is removed."""
+    sys.exit(128 + number)
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGTERM, _ended)
     main()

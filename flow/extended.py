@@ -7,6 +7,7 @@ import pandas as pd
 
 from common import json_reader
 from common.errors import InputError
+from common.files import sha256
 from flow import compat, extension, predictor, reduced
 from flow.surface import INLET
 
@@ -24,9 +25,12 @@ def read(path, mesh, coarse=None):
         reasons = {name: part["swept"].get("reason") for name, part in (("fine", report), *_coarse(report))}
     except (AttributeError, KeyError, TypeError) as error:
         raise InputError("not a report of the volume mesh", path, error, "make it with `flow mesh`") from error
+    remedy = "give --mesh-report the file that `flow mesh` wrote with this mesh"
     if told != found:
-        remedy = "give --mesh-report the file that `flow mesh` wrote with this mesh"
         raise InputError("the report is of another mesh", path, f"{told} cells, {mesh} has {found}", remedy)
+    if not _is(report, mesh):
+        value = f"SHA-256 {report['file_sha256']}, {mesh} has {sha256(mesh)}"
+        raise InputError("the report is of another mesh", path, value, remedy)
     if coarse:
         _check_coarse(report, path, coarse)
     warnings = [
@@ -43,16 +47,22 @@ def read(path, mesh, coarse=None):
 def _check_coarse(report, path, coarse):
     """Raises InputError unless the coarse mesh, which may answer, is the report's, or one that by the report beside it
     was made of the same lumen with the same extensions."""
-    cells, own = compat.count_cells(coarse), pathlib.Path(coarse).with_suffix(".json")
-    known = [part["cells"] for _, part in _coarse(report)]
+    own, known = pathlib.Path(coarse).with_suffix(".json"), [part for _, part in _coarse(report)]
     if not known and own.is_file():
         other = json_reader.read(own, "mesh.json").data
-        if isinstance(other, dict) and all(other.get(key) == report.get(key) for key in SAME):
-            known = [other.get("cells")]
-    if cells not in known:
-        value = f"{cells} cells, {path} knows {f'one of {known[0]}' if known else 'none'}"
+        if all(other.get(key) == report.get(key) for key in SAME):
+            known = [other]
+    cells = compat.count_cells(coarse)
+    if not any(part.get("cells") == cells and _is(part, coarse) for part in known):
+        told = f"one of {known[0].get('cells')}, SHA-256 {known[0].get('file_sha256')}" if known else "none"
+        value = f"{cells} cells, {path} knows {told}"
         remedy = "make both with one `flow mesh ... --coarse`"
         raise InputError("the coarse mesh is not known to be of the same lumen", coarse, value, remedy)
+
+
+def _is(part, mesh):
+    """Whether a mesh file is that of a report's entry by its SHA-256; reports of former versions have none."""
+    return "file_sha256" not in part or part["file_sha256"] == sha256(mesh)
 
 
 def _coarse(report):

@@ -4,7 +4,6 @@ import math
 import pathlib
 import shutil
 import sys
-import tempfile
 
 from common import json_reader
 from common.errors import InputError
@@ -81,8 +80,7 @@ class Finer:
         cells = self.cells_per_radius * ratio
         built, report = mesh.build(self.surface, self.tree, cells, self.of_mesh, rings, self.of_mesh.rings / rings)
         self.cells_per_radius = cells
-        self.folder.mkdir(parents=True, exist_ok=True)
-        self.scratch = self.scratch or tempfile.mkdtemp(prefix=output.SCRATCH, dir=self.folder)
-        path = pathlib.Path(self.scratch) / f"mesh_{rings}_rings.msh"
+        self.scratch = self.scratch or output.scratch(self.folder)
+        path = self.scratch / f"mesh_{rings}_rings.msh"
         mesh.write(built, path)
         return path, report

@@ -1,13 +1,15 @@
 """Volume mesh of a lumen: surface -> refined, extended surface -> linear tetrahedra -> curved tetrahedra -> files."""
 
+import contextlib
 import dataclasses
 import hashlib
+import pathlib
 import sys
 
 import numpy as np
 
 from common.errors import ComputationError
-from common.files import replacing
+from common.files import replacing, sha256, write_json
 from flow import curving, extension, hybrid, refine, size_field, tet10, volume_mesh
 
 LEAST_GAMMA = 0.02  # below it an element is a sliver that spoils the whole solve
@@ -176,3 +178,22 @@ def write(mesh, path):
             gmsh.write(str(partial))
     finally:
         gmsh.finalize()
+
+
+def write_all(meshes, report, path):
+    """Writes [(QuadraticMesh, its part of `report`, file)] and `report`, which gets each file's SHA-256, to `path`.
+
+    All are made before the first is moved into place, the report last; where that fails none is left.
+    """
+    try:
+        with contextlib.ExitStack() as until_made:  # moves them in the opposite order
+            report_made = until_made.enter_context(replacing(path))
+            for built, part, file in meshes:
+                made = until_made.enter_context(replacing(file))
+                write(built, made)
+                part["file_sha256"] = sha256(made)
+            write_json(report_made, report)
+    except BaseException:
+        for file in (path, *(file for *_, file in meshes)):
+            pathlib.Path(file).unlink(missing_ok=True)
+        raise

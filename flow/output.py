@@ -1,7 +1,9 @@
 """Files of a solve: solution.vtu (quadratic tetrahedra, mm), ffr.json, pullback.csv."""
 
 import os
+import pathlib
 import shutil
+import tempfile
 
 import numpy as np
 import vtk
@@ -16,24 +18,56 @@ FILES = ("ffr.json", "pullback.csv", "solution.vtu")
 SCRATCH = ".meshes-"  # start of the name of a folder with the meshes that a solve makes; one that is killed leaves it
 
 
-def clear(folder, inputs):
-    """Removes an earlier answer from `folder`: after a solve that is refused it would be taken for this one's.
+def clear(files, inputs):
+    """Removes an earlier output, `files`: after a run that is refused it would be taken for this one's.
 
-    inputs: paths of the files that the solve reads. Raises InputError on every rank, and removes nothing, where one is
-    among them, or where there can be no such folder.
+    inputs: paths of the files that the command reads. Raises InputError on every rank, and removes nothing, where one
+    is among `files`, or where they cannot be written.
     """
-    own = [(folder / name).resolve() for name in FILES]
+    own = [path.resolve() for path in files]
     for path in inputs:
         if path.resolve() in own:
-            raise InputError("a solve's input would be replaced by its answer", "--out", path, "another folder")
-    there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
-    if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
-        raise InputError("no folder for the answer", "--out", folder, f"{there} is no folder to write to: give another")
-    if parallel.first():
-        for name in FILES:
-            (folder / name).unlink(missing_ok=True)
-        for left in folder.glob(SCRATCH + "*"):
+            raise InputError("an input would be replaced by its answer", "--out", path, "give another name or folder")
+    for path in files:
+        if path.is_dir():
+            raise InputError("a file cannot replace a folder", path, "a folder", "give another name")
+        there = next(place for place in path.absolute().parents if place.exists())
+        if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
+            value = f"{there} is no folder to write to: give another"
+            raise InputError("no folder for the answer", "--out", path.parent, value)
+    if _one():
+        for path in files:
+            path.unlink(missing_ok=True)
+
+
+def clear_scratch(folder):
+    """Removes the meshes of solves that were killed: those in `folder` whose process is gone."""
+    for left in folder.glob(SCRATCH + "*") if _one() else ():
+        number = left.name.removeprefix(SCRATCH).partition("-")[0]
+        if not (number.isdigit() and _runs(int(number))):
             shutil.rmtree(left, ignore_errors=True)
+
+
+def scratch(folder):
+    """Path of a new folder in `folder` for the meshes that this process makes."""
+    folder.mkdir(parents=True, exist_ok=True)
+    return pathlib.Path(tempfile.mkdtemp(prefix=f"{SCRATCH}{os.getpid()}-", dir=folder))
+
+
+def _runs(process):
+    """Whether there is a process of that number, on this machine."""
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except (PermissionError, OverflowError):
+        pass
+    return True
+
+
+def _one():
+    """Whether this rank removes files; MPI is left alone where it may still be launched (flow.parallel.launch)."""
+    return not parallel.launched() or parallel.first()
 
 
 def write_vtu(path, points, cells, fields):

@@ -1,9 +1,18 @@
 """What the command line refuses before any long work."""
 
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
 import pytest
 
 import tubes
+from common.errors import ComputationError
 from flow import __main__ as command_line
+from flow import mesh, output
 
 
 def _refused(capsys, *command):
@@ -64,3 +73,155 @@ def test_an_anatomy_and_a_centreline_of_two_lumens(tmp_path, capsys, command):
     }[command]
     said = _refused(capsys, command, *given, "--out", tmp_path / "out")
     assert "a branch of another lumen" in said and "anatomy.json: main" in said and "20 mm" in said and "24 mm" in said
+
+
+PATIENT = ["--lvm-g", "60", "--sbp-mmhg", "120", "--dbp-mmhg", "80"]
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory):
+    """Folder of a short tube's files with boundary.json."""
+    folder = tmp_path_factory.mktemp("short")
+    tubes.write_case(folder, tubes.tube(6.0, lambda s: 1.2, 0.6), [tubes.line(6.0, lambda s: 1.2)])
+    anatomy = ["--anatomy", str(folder / "anatomy.json")]
+    command_line.main(["boundary", *anatomy, *PATIENT, "--out", str(folder / "boundary.json")])
+    return folder
+
+
+def _mesh(case, out, *more):
+    line = ["--centreline", str(case / "centreline.vtp"), "--rings", "3", "--coarse-rings", "2"]
+    files = ["--out", str(out / "mesh.msh"), "--coarse", str(out / "coarse.msh")]
+    return ["mesh", str(case / "lumen.vtp"), *line, *files, *more]
+
+
+def _solve(case, meshes, out, *more):
+    files = ["--boundary", str(case / "boundary.json"), "--centreline", str(case / "centreline.vtp")]
+    return ["solve", str(meshes / "mesh.msh"), *files, "--out", str(out), *more]
+
+
+@pytest.fixture(scope="module")
+def meshes(case, tmp_path_factory):
+    """Folder with mesh.msh, coarse.msh and mesh.json of the tube."""
+    folder = tmp_path_factory.mktemp("meshes")
+    command_line.main(_mesh(case, folder))
+    return folder
+
+
+@pytest.mark.parametrize(
+    "command, name, more",
+    [
+        ("solve", "ffr.json", ["--ffr-tolerance", "-1"]),
+        ("solve", "ffr.json", ["--ranks", "99"]),
+        ("solve", "ffr.json", ["--residual-absolute", "nan"]),
+        ("solve", "ffr.json", ["--rings", "3"]),
+        ("solve", "ffr.json", ["--unknown", "3"]),
+        ("solve", "pullback.csv", ["--settings", "none.json"]),
+        ("mesh", "mesh.json", ["--rings", "-1"]),
+        ("mesh", "coarse.msh", ["--settings", "none.json"]),
+        ("boundary", "out.json", ["--case", "none.yaml"]),
+        ("rank", "out.csv", ["--model", "3d"]),
+    ],
+)
+def test_a_refused_run_leaves_no_former_answer(case, tmp_path, capsys, command, name, more):
+    (tmp_path / name).write_text("former")
+    (tmp_path / "notes.txt").write_text("mine")
+    words = {
+        "solve": _solve(case, tmp_path, tmp_path),
+        "mesh": _mesh(case, tmp_path),
+        "boundary": ["boundary", "--anatomy", case / "anatomy.json", "--out", tmp_path / name],
+        "rank": ["rank", f"a={case}", "--boundary", case / "boundary.json", "--out", tmp_path / name],
+    }[command]
+    _refused(capsys, *words, *more)
+    assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
+
+
+@pytest.mark.parametrize("name", ["anatomy.json", "centreline.vtp", "boundary.json", "sections.csv", "lumen.vtp"])
+def test_an_input_is_not_replaced_by_its_answer(case, capsys, name):
+    before = (case / name).read_bytes()
+    boundary = ["boundary", "--anatomy", case / "anatomy.json", *PATIENT]
+    rank = ["rank", f"a={case}", "--boundary", case / "boundary.json"]
+    for words in [rank] + ([boundary] if name in ("anatomy.json", "centreline.vtp") else []):
+        assert "replaced by its answer" in _refused(capsys, *words, "--out", case / "sub" / ".." / name)
+    assert (case / name).read_bytes() == before
+
+
+def test_an_out_that_cannot_be_written_is_refused_before_any_work(case, tmp_path, capsys):
+    """Nothing is read: the inputs are not there."""
+    (tmp_path / "file").write_text("")
+    (tmp_path / "folder.msh").mkdir()
+    for out in ("file/out.msh", "folder.msh"):
+        for words in (["boundary", "--anatomy", "none"], ["rank", "a=none", "--boundary", "none"]):
+            assert "folder" in _refused(capsys, *words, "--out", tmp_path / out)
+        assert "folder" in _refused(capsys, "mesh", "none", "--centreline", "none", "--out", tmp_path / out)
+
+
+def test_where_the_coarse_mesh_fails_no_mesh_is_left(case, tmp_path, monkeypatch):
+    def fails(*_):
+        raise ComputationError("no coarse mesh", "here", 1, "none")
+
+    for name in ("mesh.msh", "coarse.msh", "mesh.json"):
+        (tmp_path / name).write_text("former")
+    monkeypatch.setattr(mesh, "coarser", fails)
+    with pytest.raises(SystemExit) as ended:
+        command_line.main(_mesh(case, tmp_path))
+    assert ended.value.code == 3 and not list(tmp_path.iterdir())
+
+
+def test_a_mesh_that_cannot_be_written_whole_leaves_nothing(case, tmp_path, monkeypatch):
+    write = mesh.write
+
+    def ended(built, path):
+        if "coarse" in path.name:
+            sys.exit(143)
+        write(built, path)
+
+    monkeypatch.setattr(mesh, "write", ended)
+    with pytest.raises(SystemExit):
+        command_line.main(_mesh(case, tmp_path))
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_report_is_known_by_its_meshes_content(case, meshes, tmp_path, capsys):
+    """Not by their number of cells, which those of a lumen that is .01 mm wider have too."""
+    radius = tubes.lesion(1.21, 0.0, 3.0, 3.0)
+    tubes.write_case(tmp_path / "other", tubes.tube(6.0, radius, 0.6), [tubes.line(6.0, radius)])
+    command_line.main(_mesh(tmp_path / "other", tmp_path / "other"))
+    told, other = (json.loads((folder / "mesh.json").read_text()) for folder in (meshes, tmp_path / "other"))
+    assert told["cells"] == other["cells"] and told["coarse"]["cells"] == other["coarse"]["cells"]
+    for path in meshes.iterdir():
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+    both = ["--coarse", tmp_path / "coarse.msh", "--model", "network"]
+    command_line.main([str(word) for word in _solve(case, tmp_path, tmp_path / "out", *both)])
+    for name, words in (("coarse.msh", "not known to be of the same lumen"), ("mesh.msh", "report is of another mesh")):
+        (tmp_path / name).write_bytes((tmp_path / "other" / name).read_bytes())
+        assert words in _refused(capsys, *_solve(case, tmp_path, tmp_path / "out", *both))
+
+
+def test_the_same_lumen_has_the_same_mesh_and_report(case, meshes, tmp_path):
+    command_line.main(_mesh(case, tmp_path))
+    for name in ("mesh.msh", "coarse.msh", "mesh.json"):
+        assert (tmp_path / name).read_bytes() == (meshes / name).read_bytes()
+
+
+def test_meshes_of_a_run_that_goes_on_are_left(tmp_path):
+    own = output.scratch(tmp_path)
+    gone = subprocess.Popen([sys.executable, "-c", ""])
+    gone.wait()
+    for name in (f"{output.SCRATCH}{gone.pid}-abc", f"{output.SCRATCH}abc"):
+        (tmp_path / name).mkdir()
+    output.clear_scratch(tmp_path)
+    assert list(tmp_path.iterdir()) == [own]
+
+
+def test_a_terminated_run_tidies_up(case, meshes, tmp_path):
+    """SIGTERM once the first finer mesh is there."""
+    more = ["--lumen", case / "lumen.vtp", "--ffr-tolerance", "1e-9", "--coarse", meshes / "coarse.msh"]
+    words = [str(word) for word in _solve(case, meshes, tmp_path / "out", *more)]
+    root = str(command_line.pathlib.Path(command_line.__file__).parent.parent)
+    run = subprocess.Popen(
+        [sys.executable, "-m", "flow", *words], cwd=root, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    while run.poll() is None and not list(tmp_path.glob(f"out/{output.SCRATCH}{run.pid}-*/*.msh")):
+        time.sleep(0.02)
+    os.kill(run.pid, signal.SIGTERM)
+    assert run.wait() == 143 and not list((tmp_path / "out").iterdir())

@@ -1,0 +1,63 @@
+"""Which files each command reads and which it writes: an earlier output goes before anything else is looked at."""
+
+import pathlib
+
+from common.errors import InputError
+from flow import output
+
+OF_A_PLAN = ("lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json")
+
+
+def clear(arguments):
+    """Removes what an earlier run of the command of parsed arguments wrote (flow.output.clear). Raises InputError."""
+    written, read = {"boundary": boundary, "mesh": mesh, "solve": solve, "rank": rank}[arguments.command](arguments)
+    output.clear(written, [pathlib.Path(path) for path in (*read, arguments.settings) if path])
+    if arguments.command == "solve":
+        output.clear_scratch(pathlib.Path(arguments.out))
+
+
+def boundary(arguments):
+    """(files written, files read) of `flow boundary`."""
+    line = arguments.centreline or pathlib.Path(arguments.anatomy).with_name("centreline.vtp")
+    return [pathlib.Path(arguments.out)], [arguments.anatomy, line, arguments.case]
+
+
+def mesh_report(arguments):
+    """Path of the report of `flow mesh`."""
+    return pathlib.Path(arguments.json or pathlib.Path(arguments.out).with_suffix(".json"))
+
+
+def mesh(arguments):
+    """As `boundary`. Raises InputError for names of files to write that are no meshes', or taken."""
+    meshes = [pathlib.Path(path) for path in (arguments.out, arguments.coarse) if path]
+    for path in meshes:
+        if path.suffix != ".msh":
+            raise InputError("not the name of a gmsh mesh", "--out, --coarse", path, "let it end in .msh")
+    written = [*meshes, mesh_report(arguments)]
+    read = [path for path in (arguments.lumen, arguments.centreline, arguments.settings) if path]
+    files = [pathlib.Path(path).resolve() for path in (*read, *written)]
+    for k, path in enumerate(files[len(read) :], start=len(read)):
+        if path in files[:k]:
+            raise InputError("a file would replace another", "--out, --coarse, --json", path, "give each its own name")
+    return written, read
+
+
+def beside_centreline(arguments):
+    """(anatomy.json, sections.csv) of `flow solve`: as given, else beside the centreline."""
+    folder = pathlib.Path(arguments.centreline).parent
+    return arguments.anatomy or folder / "anatomy.json", arguments.sections or folder / "sections.csv"
+
+
+def solve(arguments):
+    """As `boundary`."""
+    read = [arguments.mesh, arguments.coarse, arguments.boundary, arguments.centreline, arguments.mesh_report]
+    read += [pathlib.Path(path).with_suffix(".json") for path in (arguments.mesh, arguments.coarse) if path]
+    read += [arguments.lumen, *beside_centreline(arguments)]
+    return [pathlib.Path(arguments.out) / name for name in output.FILES], read
+
+
+def rank(arguments):
+    """As `boundary`."""
+    folders = [pathlib.Path(plan.partition("=")[2]) for plan in arguments.plans]
+    read = [folder / name for folder in folders for name in OF_A_PLAN]
+    return [pathlib.Path(arguments.out)], [arguments.boundary, *arguments.measured, *read]
