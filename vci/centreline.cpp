@@ -5,12 +5,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <sstream>
 #include <vtkAbstractArray.h>
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
-#include <vtkNew.h>
 #include <vtkStringArray.h>
-#include <vtkXMLPolyDataReader.h>
 
 namespace vci {
 
@@ -71,20 +71,58 @@ std::vector<Frame> Path::frames(const std::vector<double>& s) const {
 
 namespace {
 
+/// A line whose points are out of order doubles back on itself, and its arc lengths say nothing.
+void refuse_turning_back(const Vectors& points, const std::string& name, const std::filesystem::path& file) {
+  constexpr double sharpest = -0.7, piece = 0.1; // cosine of 135 degrees; mm, below which points may scatter
+  for (std::size_t k = 2; k < points.size(); ++k) {
+    const Vec3 before = points[k - 1] - points[k - 2], after = points[k] - points[k - 1];
+    const double lengths = before.norm() * after.norm();
+    if (std::min(before.norm(), after.norm()) > piece && before.dot(after) < sharpest * lengths) {
+      std::ostringstream place;
+      place << "at (" << points[k - 1].transpose() << ") mm, its point " << k - 1;
+      throw common::InputError("a branch of the centreline turns back on itself", file.string() + ": branch " + name,
+                               place.str(), "give its points in their order along the vessel");
+    }
+  }
+}
+
+double distance_to(const Vectors& line, const Vec3& p) {
+  double nearest = 1e300;
+  for (const Vec3& q : line)
+    nearest = std::min(nearest, (p - q).norm());
+  return nearest;
+}
+
+/// A side branch's line starts on its parent's axis; one that ends there runs the wrong way.
+void refuse_reversed_sides(const Vectors& main, const std::vector<std::pair<std::string, Vectors>>& sides,
+                           const std::filesystem::path& file) {
+  constexpr double apart = 0.5; // mm: a line that starts this near to another starts on it
+  for (const auto& [name, points] : sides) {
+    double start = distance_to(main, points.front()), end = distance_to(main, points.back());
+    for (const auto& [other, line] : sides)
+      if (other != name) {
+        start = std::min(start, distance_to(line, points.front()));
+        end = std::min(end, distance_to(line, points.back()));
+      }
+    if (start > apart && end < start) {
+      std::ostringstream value;
+      value << "its first point is " << start << " mm from the other branches, its last " << end;
+      throw common::InputError("a side branch of the centreline does not start at its parent",
+                               file.string() + ": branch " + name, value.str(),
+                               "turn the branch round: it runs from its parent to its outlet");
+    }
+  }
+}
+
 std::map<std::string, Path> paths_of(const std::filesystem::path& file) {
-  if (!std::filesystem::exists(file))
-    throw common::InputError("the centreline does not exist", file.string(), "no such file",
-                             "run the anatomy step first");
-  vtkNew<vtkXMLPolyDataReader> reader;
-  reader->SetFileName(file.c_str());
-  reader->Update();
-  vtkPolyData* data = reader->GetOutput();
+  const vtkSmartPointer<vtkPolyData> data = read_polydata(file, "centreline");
   auto* names = vtkStringArray::SafeDownCast(data->GetCellData()->GetAbstractArray("branch_name"));
   if (!names || data->GetNumberOfLines() == 0 || data->GetNumberOfLines() != data->GetNumberOfCells())
     throw common::InputError("the centreline has no named lines", file.string(), "branch_name",
                              "make the centreline with the anatomy step");
   std::map<std::string, Path> paths;
   std::vector<std::pair<std::string, Vectors>> sides;
+  std::set<std::string> taken;
   for (vtkIdType c = 0; c < data->GetNumberOfLines(); ++c) {
     vtkIdType size;
     const vtkIdType* ids;
@@ -106,6 +144,10 @@ std::map<std::string, Path> paths_of(const std::filesystem::path& file) {
     if (points.size() < 2)
       throw common::InputError("a centreline branch has fewer than two points", file.string(), name,
                                "check the anatomy step");
+    if (!taken.insert(name).second)
+      throw common::InputError("two branches of the centreline have one name", file.string(), name,
+                               "name each branch otherwise: devices are placed by it");
+    refuse_turning_back(points, name, file);
     if (name == "main")
       paths["main"] = Path(points, 0);
     else
@@ -113,6 +155,7 @@ std::map<std::string, Path> paths_of(const std::filesystem::path& file) {
   }
   if (!paths.contains("main"))
     throw common::InputError("the centreline lacks its main branch", file.string(), "main", "check the anatomy step");
+  refuse_reversed_sides(paths.at("main").points(), sides, file);
   for (const auto& [name, points] : sides) {
     // the parent is the branch whose axis comes closest to the first point; its part upstream leads to the branch
     const Path* parent = nullptr;

@@ -10,7 +10,6 @@
 #include <vtkPointData.h>
 #include <vtkPoints.h>
 #include <vtkSTLWriter.h>
-#include <vtkXMLPolyDataReader.h>
 #include <vtkXMLPolyDataWriter.h>
 
 #include <algorithm>
@@ -61,13 +60,8 @@ void write_polydata(const std::filesystem::path& file, vtkPolyData* data) {
 namespace {
 
 Lumen lumen_of(const std::filesystem::path& file) {
-  if (!std::filesystem::exists(file))
-    throw common::InputError("the lumen does not exist", file.string(), "no such file", "run the anatomy step first");
-  vtkNew<vtkXMLPolyDataReader> reader;
-  reader->SetFileName(file.c_str());
-  reader->Update();
   Lumen lumen;
-  lumen.data = reader->GetOutput();
+  lumen.data = read_polydata(file, "lumen");
   const vtkIdType n = lumen.data->GetNumberOfPoints(), m = lumen.data->GetNumberOfPolys();
   if (n == 0 || m == 0 || m != lumen.data->GetNumberOfCells())
     throw common::InputError("the lumen is not a surface of polygons", file.string(),

@@ -3,8 +3,15 @@
 #include "common/error.hpp"
 
 #include <filesystem>
+#include <string>
+#include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
 
 namespace vci {
+
+/// The polydata of a .vtp file. Throws common::InputError, which calls the file `what`, where there is no such file, it
+/// is something else, or VTK complains over it; VTK itself says nothing on standard error.
+vtkSmartPointer<vtkPolyData> read_polydata(const std::filesystem::path& file, const std::string& what);
 
 /// While it lives, an integer divided by zero ends the program with the refusal of a damaged file: VTK divides by the
 /// block sizes that a compressed file claims.

@@ -5,6 +5,7 @@ import subprocess
 
 import numpy as np
 import pytest
+import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
 from common import vtp
@@ -116,3 +117,59 @@ def test_a_scene_of_the_sound_lumen_runs(binary, scene):
     result = subprocess.run(run, text=True, capture_output=True, timeout=100)
     assert result.returncode == 0, result.stderr
     assert json.loads((scene.parent / "out" / "deployment.json").read_text())["status"] == "converged"
+
+
+SIDE = np.array([[0, 0, 8.0], [2, 0, 9], [5, 0, 11], [9, 0, 14]])
+
+
+def centreline(scene, *lines):
+    """Replaces centreline.vtp by (name, points) of branches."""
+    starts = np.cumsum([0] + [len(points) for _, points in lines])
+    cells = [range(a, b) for a, b in zip(starts, starts[1:])]
+    line = scenes.polydata(np.concatenate([points for _, points in lines]), cells, lines=True)
+    names = vtk.vtkStringArray()
+    names.SetName("branch_name")
+    for name, _ in lines:
+        names.InsertNextValue(name)
+    line.GetCellData().AddArray(names)
+    vtp.write(scene.parent / "centreline.vtp", line)
+
+
+def axis():
+    return TUBE.centre(np.linspace(0, TUBE.length, 97))
+
+
+def test_two_branches_of_one_name(binary, scene):
+    centreline(scene, ("main", axis()), ("main", axis()[:40]))
+    assert "two branches of the centreline have one name" in refusal(binary, scene)
+    centreline(scene, ("main", axis()), ("side1", SIDE), ("side1", SIDE))
+    told = refusal(binary, scene)
+    assert "two branches of the centreline have one name" in told and "side1" in told
+
+
+def test_a_side_branch_that_ends_at_its_parent(binary, scene):
+    centreline(scene, ("main", axis()), ("side1", SIDE[::-1]))
+    assert "does not start at its parent" in refusal(binary, scene)
+    centreline(scene, ("main", axis()), ("side1", SIDE))
+    assert "branch side1" in refusal(binary, scene), "the lumen has no such branch"
+
+
+def test_a_line_whose_points_are_out_of_order(binary, scene):
+    points = axis()
+    points[40:50] = points[40:50][::-1].copy()
+    centreline(scene, ("main", points))
+    assert "turns back on itself" in refusal(binary, scene)
+
+
+@pytest.mark.parametrize("key", ["lumen", "centreline"])
+@pytest.mark.parametrize("name, words", [(".", "a folder"), ("", "a folder"), ("scene.json", "PolyData")])
+def test_a_path_that_is_no_polydata(binary, scene, key, name, words):
+    scene.write_text(json.dumps(json.loads(scene.read_text()) | {key: name}))
+    told = refusal(binary, scene)
+    assert words in told and f"the {key}" in told
+
+
+def test_a_file_cut_short_is_one_error(binary, scene):
+    content = (scene.parent / "lumen.vtp").read_bytes()
+    (scene.parent / "lumen.vtp").write_bytes(content[: len(content) * 2 // 3])
+    assert "the lumen cannot be read" in refusal(binary, scene)
