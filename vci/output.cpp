@@ -1,6 +1,10 @@
 #include "vci/output.hpp"
 #include "common/error.hpp"
 
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <csignal>
 #include <fstream>
 #include <unistd.h>
 
@@ -10,6 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr const char* partial = ".partial-"; // and the process's number: where a run writes before it is whole
 constexpr const char* results[] = {"lumen.vtp", "lumen.stl", "deployment.json"}; // devices/*.vtp go before the last
 
 /// The results that are in a folder.
@@ -25,12 +30,26 @@ std::vector<fs::path> results_in(const fs::path& folder) {
   return found;
 }
 
+/// Temporary folders of runs that were ended by a signal: their process is no more.
+void remove_left_behind(const fs::path& folder) {
+  const std::string start = partial;
+  for (const auto& entry : std::vector<fs::directory_entry>(fs::directory_iterator(folder), fs::directory_iterator())) {
+    const std::string name = entry.path().filename().string(),
+                      number = name.substr(std::min(name.size(), start.size()));
+    const bool ours = name.rfind(start, 0) == 0 && !number.empty() && number.size() < 10 && entry.is_directory() &&
+                      std::all_of(number.begin(), number.end(), [](unsigned char c) { return std::isdigit(c); });
+    if (ours && std::stoi(number) > 0 && kill(std::stoi(number), 0) != 0 && errno == ESRCH)
+      fs::remove_all(entry.path());
+  }
+}
+
 } // namespace
 
 Output::Output(fs::path out, const std::vector<fs::path>& inputs)
-    : out_(std::move(out)), partial_(out_ / (".partial-" + std::to_string(getpid()))) {
+    : out_(std::move(out)), partial_(out_ / (partial + std::to_string(getpid()))) {
   try {
     fs::create_directories(out_);
+    remove_left_behind(out_);
     const std::vector<fs::path> earlier = results_in(out_);
     for (const fs::path& file : earlier)
       for (const fs::path& input : inputs)

@@ -8,8 +8,9 @@ namespace vci {
 
 class Output {
 public:
-  /// Creates the folder and takes an earlier run's results out of it, before any work. Throws common::InputError where
-  /// files cannot be written there, and where one of the `inputs` would be taken out.
+  /// Creates the folder and takes an earlier run's results out of it, before any work, and what runs left there that a
+  /// signal ended. Throws common::InputError where files cannot be written there, and where one of the `inputs` would
+  /// be taken out.
   Output(std::filesystem::path out, const std::vector<std::filesystem::path>& inputs);
   ~Output(); ///< removes what was not published
   Output(const Output&) = delete;

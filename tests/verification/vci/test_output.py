@@ -1,6 +1,7 @@
 """What a run of `vci deploy` leaves behind where it fails: a message, an exit code, and no results."""
 
 import json
+import os
 import resource
 import subprocess
 
@@ -77,3 +78,18 @@ def test_a_scene_that_is_refused_leaves_no_results_of_another(binary, whole, tmp
     assert (tmp_path / "out" / "deployment.json").is_file()
     assert deploy(binary, tmp_path / "none.json", tmp_path / "out").returncode == 2
     assert not (tmp_path / "out" / "deployment.json").exists()
+
+
+def test_what_a_signal_left_goes_at_the_next_run(binary, whole, tmp_path):
+    """Folders of processes that are no more; another run's under way, and what is not ours, stay."""
+    scene, _ = whole
+    ended = subprocess.Popen(["true"])
+    ended.wait()
+    out = tmp_path / "out"
+    stale, running = out / f".partial-{ended.pid}", out / f".partial-{os.getpid()}"
+    others = [out / ".partial-mine", out / ".partial-", out / ".partial-12x"]
+    for folder in (stale, running, *others):
+        (folder / "devices").mkdir(parents=True)
+    assert deploy(binary, scene, out).returncode == 0
+    assert not stale.exists() and running.exists() and all(folder.exists() for folder in others)
+    assert (out / "deployment.json").is_file()
