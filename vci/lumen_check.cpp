@@ -1,5 +1,6 @@
 #include "vci/lumen_check.hpp"
 #include "common/error.hpp"
+#include "vci/plausibility.hpp"
 #include "vci/surface.hpp"
 #include "vci/surface_check.hpp"
 
@@ -258,8 +259,9 @@ void refuse_reversed_main(const Lumen& lumen, const std::map<std::string, Path>&
 }
 
 void refuse_devices_past_the_lumen(const Scene& scene, const std::map<std::string, Extent>& extents) {
-  for (const Step& step : scene.procedure)
-    for (const Placement& p : step.devices) {
+  for (std::size_t step = 0; step < scene.procedure.size(); ++step)
+    for (std::size_t device = 0; device < scene.procedure[step].devices.size(); ++device) {
+      const Placement& p = scene.procedure[step].devices[device];
       const auto stent = scene.stents.find(p.device);
       const bool bare = stent == scene.stents.end();
       const double own = bare ? 0 : stent->second.length;
@@ -267,8 +269,7 @@ void refuse_devices_past_the_lumen(const Scene& scene, const std::map<std::strin
       const Extent& e = extents.at(p.branch);
       const double start = p.centre_s - 0.5 * length, end = p.centre_s + 0.5 * length;
       if (start < e.start - end_tolerance || end > e.end + end_tolerance)
-        throw common::InputError("a device reaches past the end of the lumen",
-                                 "step " + step.name + ", " + p.device + " on branch " + p.branch,
+        throw common::InputError("a device reaches past the end of the lumen", place_of(scene, step, device),
                                  text("from ", start, " to ", end, " mm"),
                                  text("choose centre_s_mm and length_mm so that it lies within ", e.start, " to ",
                                       e.end, " mm, or give more of the lumen"));

@@ -12,6 +12,7 @@
 #include "vci/strut_pattern.hpp"
 
 #include <chrono>
+#include <limits>
 
 namespace {
 
@@ -154,7 +155,7 @@ int main(int argc, char** argv) {
   CLI::Option* folder =
       deploy_command->add_option("--frames", frames, "folder for the state at each stage's end, with frames.pvd");
   deploy_command->add_option("--frames-every", every_steps, "and after every so many steps")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1, std::numeric_limits<int>::max()))
       ->needs(folder);
   CLI::App* crush_command = app.add_subcommand("crush", "radial strength and free recoil of a stent on the bench, CSV");
   crush_command->add_option("scene", scene, "scene.json that defines the stent and its balloon")->required();

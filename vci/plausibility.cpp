@@ -65,11 +65,18 @@ const BalloonSpec& balloon_of(const Scene& scene, const std::string& device) {
 
 } // namespace
 
+std::string place_of(const Scene& scene, std::size_t step, std::size_t device) {
+  const Step& s = scene.procedure[step];
+  return text(scene.file.string(), ": scene.procedure[", step, "].devices[", device, "] (step ", s.name, ", ",
+              s.devices[device].device, ")");
+}
+
 void check_placements(const Scene& scene, const std::map<std::string, Path>& paths) {
   std::vector<Placement> stents;
-  for (const Step& step : scene.procedure)
-    for (const Placement& p : step.devices) {
-      const std::string where = "step " + step.name + ", " + p.device;
+  for (std::size_t step = 0; step < scene.procedure.size(); ++step)
+    for (std::size_t device = 0; device < scene.procedure[step].devices.size(); ++device) {
+      const Placement& p = scene.procedure[step].devices[device];
+      const std::string where = place_of(scene, step, device);
       const Path& path = branch_of(p.branch, where, paths);
       const BalloonSpec& balloon = balloon_of(scene, p.device);
       const bool with_stent = scene.stents.contains(p.device);
@@ -89,8 +96,9 @@ void check_placements(const Scene& scene, const std::map<std::string, Path>& pat
     }
   if (scene.segment) {
     const Segment& s = *scene.segment;
-    check_within(branch_of(s.branch, "segment", paths), {s.s_start, s.s_end}, "a segment reaches past its branch",
-                 "segment", "choose s_start_mm and s_end_mm");
+    const std::string where = scene.file.string() + ": scene.segment";
+    check_within(branch_of(s.branch, where, paths), {s.s_start, s.s_end}, "a segment reaches past its branch", where,
+                 "choose s_start_mm and s_end_mm");
   }
 }
 

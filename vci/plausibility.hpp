@@ -9,4 +9,7 @@ namespace vci {
 /// balloon would open a stent beyond its maximal diameter.
 void check_placements(const Scene& scene, const std::map<std::string, Path>& paths);
 
+/// "FILE: scene.procedure[1].devices[0] (step NAME, DEVICE)", for errors.
+std::string place_of(const Scene& scene, std::size_t step, std::size_t device);
+
 } // namespace vci

@@ -84,22 +84,28 @@ json parsed(std::istream& stream, const std::string& where) {
     std::string last;
   };
   std::vector<Open> objects; // that are not yet closed
-  return json::parse(stream, [&](int, json::parse_event_t event, const json& value) {
-    if (event == json::parse_event_t::object_start)
-      objects.emplace_back();
-    else if (event == json::parse_event_t::object_end)
-      objects.pop_back();
-    else if (event == json::parse_event_t::key) {
-      objects.back().last = value.get<std::string>();
-      if (!objects.back().keys.insert(objects.back().last).second) {
-        std::string path = where;
-        for (const Open& o : objects)
-          path += "." + o.last;
-        throw common::InputError("a key is given twice", path, objects.back().last, "leave one of the two");
+  const auto here = [&] {
+    std::string path = where;
+    for (const Open& o : objects)
+      path += "." + o.last;
+    return path;
+  };
+  try {
+    return json::parse(stream, [&](int, json::parse_event_t event, const json& value) {
+      if (event == json::parse_event_t::object_start)
+        objects.emplace_back();
+      else if (event == json::parse_event_t::object_end)
+        objects.pop_back();
+      else if (event == json::parse_event_t::key) {
+        objects.back().last = value.get<std::string>();
+        if (!objects.back().keys.insert(objects.back().last).second)
+          throw common::InputError("a key is given twice", here(), objects.back().last, "leave one of the two");
       }
-    }
-    return true;
-  });
+      return true;
+    });
+  } catch (const json::out_of_range& e) { // a number that no double holds
+    throw common::InputError("a number is out of its range", here(), e.what(), "give a number below 1e308");
+  }
 }
 
 Scene scene_of(const std::filesystem::path& file) {
@@ -118,6 +124,7 @@ Scene scene_of(const std::filesystem::path& file) {
   if (schema != "vci-scene-1")
     throw common::InputError("not a scene of this version", o.path("schema"), schema, "write \"vci-scene-1\"");
   Scene scene;
+  scene.file = file;
   scene.case_name = o.text("case", "");
   scene.lumen = file.parent_path() / o.text("lumen");
   scene.centreline = file.parent_path() / o.text("centreline");

@@ -67,7 +67,7 @@ struct Segment {
 };
 
 struct Scene {
-  std::filesystem::path lumen, centreline;
+  std::filesystem::path file, lumen, centreline; ///< of the scene itself, and of what it names
   std::string case_name;
   double map_pa;
   std::optional<Segment> segment;

@@ -14,6 +14,7 @@ using Paths = std::map<std::string, Path>;
 
 Scene scene_with(double stent_centre, double length = 8) {
   Scene scene;
+  scene.file = "scene.json";
   scene.lumen = "lumen.vtp";
   scene.centreline = "centreline.vtp";
   scene.balloons["balloon"] = {3, length, 1, 0.8, 14, {2, 14}, {2.5, 2.9}};
@@ -168,7 +169,9 @@ TEST(LumenCheck, DevicesEndWithinTheLumen) {
   const Paths paths{{"main", v.axis()}};
   EXPECT_EQ(refusal(cut, paths, scene_with(6)), "") << "the centreline may go on";
   EXPECT_EQ(refusal(cut, paths, scene_with(8.9)), "") << "within the rim's own length";
-  expect(refusal(cut, paths, scene_with(10)), {"past the end of the lumen", "step one, stent", "from 6 to 14 mm"});
+  expect(
+      refusal(cut, paths, scene_with(10)),
+      {"past the end of the lumen", "scene.json: scene.procedure[0].devices[0] (step one, stent)", "from 6 to 14 mm"});
   expect(refusal(cut, paths, scene_with(17)), {"past the end of the lumen"});
 }
 

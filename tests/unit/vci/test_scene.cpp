@@ -157,6 +157,22 @@ TEST(Scene, RefusesAKeyGivenTwiceAndNamesIt) {
   EXPECT_EQ(with("\"schema\"", "\"numerics\":{},\"wall\":{},"), "accepted") << "keys of one name in several objects";
 }
 
+TEST(Scene, NamesTheKeyOfANumberThatIsTooLarge) {
+  std::string text = good_scene().dump();
+  const std::size_t at = text.find("12000");
+  ASSERT_NE(at, std::string::npos);
+  text.replace(at, 5, "1e999");
+  try {
+    read_scene(SceneFile(text).path());
+    FAIL() << "accepted";
+  } catch (const common::InputError& e) {
+    const std::string told = e.what();
+    EXPECT_NE(told.find("scene.patient.map_pa"), std::string::npos) << told;
+    EXPECT_NE(told.find("out of its range"), std::string::npos) << told;
+    EXPECT_EQ(told.find("damaged"), std::string::npos) << told;
+  }
+}
+
 TEST(Scene, RefusesNamesThatAreNoFiles) {
   const auto named = [](const std::string& step, const std::string& device) {
     json d = good_scene();

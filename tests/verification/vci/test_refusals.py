@@ -35,12 +35,15 @@ def device(document, step):
 @pytest.mark.parametrize("step, centre", [(0, 22.0), (1, 20.5), (1, 3.0), (2, 22.5)])
 def test_a_device_past_the_end_of_the_vessel(binary, scene, step, centre):
     device(scene[0], step)["centre_s_mm"] = centre
-    assert "past the end of its branch" in refusal(binary, scene)
+    told = refusal(binary, scene)
+    assert "past the end of its branch" in told
+    assert f"{scene[1]}: scene.procedure[{step}].devices[0] (step" in told
 
 
 def test_a_segment_past_the_branch(binary, scene):
     scene[0]["segment"] = {"branch": "main", "s_start_mm": 5, "s_end_mm": 26}
-    assert "segment reaches past its branch" in refusal(binary, scene)
+    told = refusal(binary, scene)
+    assert "segment reaches past its branch" in told and f"{scene[1]}: scene.segment" in told
 
 
 def test_a_pressure_beyond_the_chart_that_the_chart_may_still_say(binary, scene):
@@ -151,3 +154,13 @@ def test_frames_of_steps_need_a_folder(binary, scene):
     ]
     result = subprocess.run(command, text=True, capture_output=True, timeout=100)
     assert result.returncode == 2 and "--frames" in result.stderr
+
+
+@pytest.mark.parametrize("number", ["0", "-3", "1.5", "99999999999"])
+def test_a_number_of_steps_that_is_none(binary, scene, number):
+    """Told in a line that can be read: CLI11's check for positive numbers writes out the largest double."""
+    out = scene[1].parent / "out"
+    command = [str(binary("vci")), "deploy", str(scene[1]), "--out", str(out), "--frames", str(out / "f")]
+    result = subprocess.run([*command, f"--frames-every={number}"], text=True, capture_output=True, timeout=100)
+    assert result.returncode == 2 and "--frames-every" in result.stderr and not out.exists()
+    assert max(len(line) for line in result.stderr.splitlines()) < 150, result.stderr
