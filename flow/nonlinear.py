@@ -62,7 +62,7 @@ class FlowProblem(flow_state.FlowState):
         self.solver = linear.DirectSolver(parallel.world())
         self.full_residual = compat.petsc_vector(fem.Function(space.W)).copy()
         self.profile = compat.petsc_vector(boundaries.profile)
-        self.columns_of_outlets = [flux.getSubVector(self.free).copy() for flux in boundaries.flux]
+        self.columns_of_outlets = [self.free_part(flux) for flux in boundaries.flux]
         self.load = boundaries.load(self.columns_of_outlets)
         self.history = []
         self.bordered = None
@@ -73,6 +73,15 @@ class FlowProblem(flow_state.FlowState):
     def left(self):
         """Factorizations that are still allowed."""
         return self.allowed - self.spent - self.solver.factorizations
+
+    def free_part(self, vector):
+        """New vector of the free dofs' values of one over W.
+
+        By the array: each vector that getSubVector makes and that is not given back keeps its memory, scatter and all.
+        """
+        part = PETSc.Vec().createSeq(len(self.space.free), comm=PETSc.COMM_SELF)
+        part.array[:] = vector.array_r[self.space.free]
+        return part
 
     def residual(self):
         """(free part as vector, inflow equation in Pa, norm in N) at the present state.
@@ -91,7 +100,7 @@ class FlowProblem(flow_state.FlowState):
             inlet = self.mean_inlet_pressure - self.boundaries.map_pa
         else:
             inlet = (self.inflow / wanted - 1.0) * self.boundaries.map_pa
-        free = vector.getSubVector(self.free).copy()
+        free = self.free_part(vector)
         norm = float(np.hypot(free.norm(), inlet * self.boundaries.inlet_area))
         return free, inlet, norm
 
@@ -117,10 +126,10 @@ class FlowProblem(flow_state.FlowState):
         self.matrix.multTranspose(self.profile, backward)
         resistance = self.boundaries.resistance
         outlets = [column for column, r in zip(self.columns_of_outlets, resistance) if r > 0]
-        column = forward.getSubVector(self.free).copy()
+        column = self.free_part(forward)
         column.array[:] = parallel.collected(forward.array[self.space.rows], len(self.space.free))
         columns = [column] + outlets
-        rows = [backward.getSubVector(self.free).copy()] + outlets
+        rows = [self.free_part(backward)] + outlets
         corner = np.diag(np.concatenate([[self.profile.dot(forward)], -1.0 / resistance[resistance > 0]]))
         if self.boundaries.inflow is not None:
             rows[0].set(0.0)
@@ -167,7 +176,7 @@ class FlowProblem(flow_state.FlowState):
         bordered = self.bordered.transpose() if transposed else self.bordered
         given = self.full_residual.duplicate()
         given.array[:] = values
-        right = given.getSubVector(self.free).copy()
+        right = self.free_part(given)
         x, y = bordered.solve(right, np.append(inlet, np.zeros(len(bordered.rows) - 1)))
         found = np.zeros(len(values))
         found[self.space.free] = x.array
@@ -185,7 +194,7 @@ class FlowProblem(flow_state.FlowState):
         if self.bordered is None or self.linearised_as != (True, self.mixing):
             self.linearise(self.forms.tangent)
         transposed = self.bordered.transpose()
-        right = goal.getSubVector(self.free).copy()
+        right = self.free_part(goal)
         x, y = transposed.solve(right, np.zeros(len(transposed.rows)))
         values = np.zeros_like(self.state.x.array)
         values[self.space.free] = x.array
