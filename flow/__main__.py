@@ -50,6 +50,7 @@ def mesh_command(arguments):
         settings_module.check_meshes(vars(settings), "flow settings")
     lumen, tree = surface.read(arguments.lumen), centreline.read(arguments.centreline)
     centreline.check_wall(tree, lumen.points[np.unique(lumen.triangles[lumen.region == surface.WALL])], arguments.lumen)
+    centreline.check_ends(tree, lumen, arguments.centreline)
     used = {name: value for name, value in vars(settings).items() if "mesh" in settings_module.commands_of(name)}
     report = {"schema": "vci-mesh-1", "settings": used, "made_from_sha256": mesh.fingerprint(lumen, tree)}
     built, figures = mesh.build(lumen, tree, settings.cells_per_radius, settings, settings.rings, 1.0)
@@ -82,9 +83,9 @@ def _solve(arguments, settings):
         raise InputError(what, "--most-dofs", settings.most_dofs, "give --lumen with it")
     anatomy_file, sections_file = command_files.beside_centreline(arguments)
     document = json_reader.read(arguments.boundary, "boundary.json").data
-    anatomy = lumen_summary.read(anatomy_file, "branches")
+    anatomy = lumen_summary.read(command_files.there(anatomy_file, "--anatomy"), "branches")
     boundary.check(document, arguments.boundary, [branch["name"] for branch in anatomy["branches"]])
-    sections = reduced.read_sections(sections_file)
+    sections = reduced.read_sections(command_files.there(sections_file, "--sections"))
     for path in (arguments.mesh, arguments.coarse):
         if path and not pathlib.Path(path).is_file():
             raise InputError("no such mesh", path, "missing", "make it with `flow mesh`")

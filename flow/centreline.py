@@ -8,10 +8,13 @@ from vtk.util.numpy_support import vtk_to_numpy
 
 from common import vtp
 from common.errors import InputError
+from flow.surface import INLET
 
 # distance of the nearest node of the wall over the radius: in the study 1.00 to 1.05, with the centreline of before or
 # after an intervention .52 and 1.82
 NEAREST, FURTHEST = 0.7, 1.5
+AT_CAP = 1.5  # radii of a cap within which its branch ends (study: .015)
+SAME_LENGTH = 0.01  # of a branch's length, by which s_mm may be off its arc length (study: .0005)
 BETWEEN_MM = 0.3  # that it may be further away in any case, where a throat is no wider than the nodes are apart
 
 
@@ -95,8 +98,27 @@ def check_wall(tree, wall_mm, where):
             raise InputError("centreline of another lumen", place, value, "give that of this lumen, both in mm")
 
 
+def check_ends(tree, surface, where):
+    """Raises InputError unless the main branch starts at the inlet of a flow.surface.Surface and each branch ends at an
+    outlet of its own, which all have one: a line that covers part of the lumen would not."""
+    caps, free = surface.cap_circles(), set(surface.caps)
+    remedy = "give the surface and the centreline of one lumen, both in mm"
+    places = [("start of", tree.main, 0)] + [("end of", branch, -1) for branch in tree]
+    for name, branch, end in places:
+        gaps = {cap: np.linalg.norm(caps[cap][0] - branch.points[end]) / caps[cap][2] for cap in sorted(free)}
+        gaps = {cap: gap for cap, gap in gaps.items() if (cap == INLET) == (end == 0)}
+        nearest = min(gaps, key=gaps.get, default=None)
+        if nearest is None or gaps[nearest] > AT_CAP:
+            value = "none is left" if nearest is None else f"the nearest is {gaps[nearest]:.3g} of its radii away"
+            place = f"{where}: {name} {branch.name}"
+            raise InputError("centreline does not end at an inlet or outlet of the lumen", place, value, remedy)
+        free.remove(nearest)
+    if free:
+        raise InputError("outlet of the lumen without a branch", where, f"region_id {sorted(free)}", remedy)
+
+
 def read(path):
-    """Tree from centreline.vtp. Raises InputError."""
+    """Tree from centreline.vtp, its branches checked. Raises InputError."""
     data = vtp.read(path, "make it with the anatomy step")
     arrays = {}
     for name in ("s_mm", "radius_mm"):
@@ -119,4 +141,35 @@ def read(path):
                 arrays["radius_mm"][index],
             )
         )
+        _check(branches[-1], f"{path}: {branches[-1].name}")
+    found = [branch.name for branch in branches]
+    if len(set(found)) < len(found):
+        raise InputError("two branches have the same name", path, found, "make it with the anatomy step")
     return Tree(branches)
+
+
+def _check(branch, where):
+    """Raises InputError unless numbers are finite, radii positive, no two points after another the same, and s_mm the
+    arc length from the first."""
+    remedy = "make it with the anatomy step"
+    if len(branch.points) < 2:
+        raise InputError("branch of a centreline without a length", where, f"{len(branch.points)} points", remedy)
+    for name, values in (("point", branch.points), ("s_mm", branch.s_mm), ("radius_mm", branch.radius_mm)):
+        bad = np.flatnonzero(~np.isfinite(values.reshape(len(values), -1)).all(axis=1))
+        if len(bad):
+            raise InputError(f"{name} of a centreline is not finite", where, f"number {bad[0]}", remedy)
+    steps = np.linalg.norm(np.diff(branch.points, axis=0), axis=1)
+    along = np.append(0.0, np.cumsum(steps))
+    for bad, what in (
+        (branch.radius_mm <= 0, "radius_mm of a centreline is not positive"),
+        (np.append(steps <= 0, False), "two points of a centreline at one place"),
+        (np.append(np.diff(branch.s_mm) <= 0, False), "s_mm of a centreline does not ascend"),
+    ):
+        if bad.any():
+            k = int(np.argmax(bad))
+            value = f"point {k}, s_mm {branch.s_mm[k]:.4g}, radius_mm {branch.radius_mm[k]:.4g}"
+            raise InputError(what, where, value, remedy)
+    k = int(np.argmax(np.abs(branch.s_mm - along)))
+    if abs(branch.s_mm[k] - along[k]) > SAME_LENGTH * along[-1]:
+        value = f"{branch.s_mm[k]:.4g} mm where {along[k]:.4g} mm of the line lie before it"
+        raise InputError("s_mm of a centreline is not its arc length", where, value, f"{remedy}, all in mm")

@@ -48,6 +48,13 @@ def beside_centreline(arguments):
     return arguments.anatomy or folder / "anatomy.json", arguments.sections or folder / "sections.csv"
 
 
+def there(path, option):
+    """`path`, a file beside the centreline unless `option` names it. Raises InputError where there is none."""
+    if not pathlib.Path(path).is_file():
+        raise InputError("no such file", path, "missing", f"leave it beside the centreline, or give {option}")
+    return path
+
+
 def solve(arguments):
     """As `boundary`."""
     read = [arguments.mesh, arguments.coarse, arguments.boundary, arguments.centreline, arguments.mesh_report]

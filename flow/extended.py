@@ -3,14 +3,16 @@
 import pathlib
 import sys
 
+import numpy as np
 import pandas as pd
 
-from common import json_reader
+from common import json_reader, schema
 from common.errors import InputError
 from common.files import sha256
 from flow import compat, extension, predictor, reduced
 from flow.surface import INLET
 
+UNIT = 1e-6  # by which the length of a direction may differ from 1
 SAME = ("made_from_sha256", "extensions")  # in the reports of two meshes that one solve may be given
 
 
@@ -20,11 +22,13 @@ def read(path, mesh, coarse=None):
     another mesh, or another lumen's coarse one."""
     report = json_reader.read(path, "mesh.json").data
     try:
-        told, found = report["cells"], compat.count_cells(mesh)
-        extensions = [extension.Extension(**one) for one in report["extensions"]]
-        reasons = {name: part["swept"].get("reason") for name, part in (("fine", report), *_coarse(report))}
-    except (AttributeError, KeyError, TypeError) as error:
-        raise InputError("not a report of the volume mesh", path, error, "make it with `flow mesh`") from error
+        schema.validate(json_reader.Document(path, report), schema.read("mesh_report"))
+    except InputError as error:
+        what = f"not a report of the volume mesh: {error.what}"
+        raise InputError(what, error.where, error.value, error.remedy) from None
+    told, found = report["cells"], compat.count_cells(mesh)
+    extensions = [extension.Extension(**one) for one in report["extensions"]]
+    reasons = {name: part["swept"].get("reason") for name, part in (("fine", report), *_coarse(report))}
     remedy = "give --mesh-report the file that `flow mesh` wrote with this mesh"
     if told != found:
         raise InputError("the report is of another mesh", path, f"{told} cells, {mesh} has {found}", remedy)
@@ -89,6 +93,11 @@ class Extended:
     def __init__(self, extensions, tree, anatomy, sections, document, settings, warnings=()):
         self.extensions, self.original, self.warnings = extensions, tree, list(warnings)
         self.document, self.settings = document, settings
+        ends = {(outlet["region_id"], outlet["branch"]) for outlet in document["outlets"]} | {(INLET, tree.main.name)}
+        for one in extensions:
+            if (one.region_id, one.branch) not in ends or abs(np.linalg.norm(one.direction) - 1) > UNIT:
+                remedy = "give mesh, its report, centreline and boundary values of one lumen"
+                raise InputError("extension of another lumen", "report of the mesh: extensions", one, remedy)
         self.network = reduced.Network(anatomy, sections, document, settings.expansion_loss)
         self.tree = extension.prolonged(tree, extensions)
         self._longer = prolonged_network(anatomy, sections, extensions)

@@ -14,8 +14,9 @@ import pathlib
 import numpy as np
 import pandas as pd
 
+from common import json_reader, schema
 from common.errors import InputError
-from flow import centreline, extended, extension, ffr, lumen_summary, reduced, surface
+from flow import centreline, command_files, extended, extension, ffr, lumen_summary, reduced, surface
 from flow.reduced_answer import ELSEWHERE, MILD
 
 COLUMNS = ("rank", "plan", "ffr", "error", "model", "as_good_as_best", "inlet_flow_m3_per_s", "cpu_seconds")
@@ -65,7 +66,7 @@ def check_patient(path, answer, document):
 def plan(folder, document, settings, model):
     """{"ffr", "inlet_flow_m3_per_s", "cpu_seconds"} by the model of the lumen whose anatomy step wrote to `folder`."""
     folder = pathlib.Path(folder)
-    for name in ("lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json"):
+    for name in command_files.OF_A_PLAN:
         if not (folder / name).is_file():
             raise InputError("not a plan's lumen", folder / name, "missing", "run the anatomy step on the plan's lumen")
     tree = centreline.read(folder / "centreline.vtp")
@@ -74,7 +75,9 @@ def plan(folder, document, settings, model):
     sections = reduced.read_sections(folder / "sections.csv")
     lumen_summary.check_lengths(anatomy, tree, folder / "anatomy.json")
     reduced.check_sections(sections, tree, folder / "sections.csv")
-    extensions = extension.needed(surface.read(folder / "lumen.vtp"), tree, settings)
+    lumen = surface.read(folder / "lumen.vtp")
+    centreline.check_ends(tree, lumen, folder / "centreline.vtp")
+    extensions = extension.needed(lumen, tree, settings)
     predicted = extended.Extended(extensions, tree, anatomy, sections, document, settings).predictor()
     answer = predicted.answers()[model]
     predicted.destroy()
@@ -87,8 +90,14 @@ def plan(folder, document, settings, model):
 def rank(plans, document, settings, model, measured):
     """Table with COLUMNS, best first. plans: {name: folder}; measured: [(path, document of ffr.json)]."""
     for path, answer in measured:
+        schema.validate(json_reader.Document(path, answer), schema.read("measured_ffr"))
         check_patient(path, answer, document)
-    rows = [{"plan": name, "model": model} | plan(folder, document, settings, model) for name, folder in plans.items()]
+    rows = []
+    for name, folder in plans.items():
+        try:
+            rows.append({"plan": name, "model": model} | plan(folder, document, settings, model))
+        except InputError as error:
+            raise InputError(error.what, f"plan {name} ({folder}): {error.where}", error.value, error.remedy) from None
     error, apart = model_error(model, measured, min(row["ffr"] for row in rows))
     table = (
         pd.DataFrame(rows).assign(error=error).sort_values(["ffr", "plan"], ascending=[False, True], ignore_index=True)

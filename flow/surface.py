@@ -3,6 +3,8 @@
 import dataclasses
 
 import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 from vtk.util.numpy_support import vtk_to_numpy
 
 from common import vtp
@@ -35,6 +37,25 @@ class Surface:
         a, b, c = (self.points[self.triangles[:, k]] for k in range(3))
         return 0.5 * np.cross(b - a, c - a)
 
+    def cap_circles(self):
+        """{region id of a cap: (centre (3,), unit normal outwards (3,), radius of the circle of its area)}, mm."""
+        vectors, centroids = self.area_vectors(), self.points[self.triangles].mean(axis=1)
+        found = {}
+        for cap in self.caps:
+            own = self.region == cap
+            weight, total = np.linalg.norm(vectors[own], axis=1), vectors[own].sum(axis=0)
+            centre = weight @ centroids[own] / weight.sum()
+            found[cap] = centre, total / np.linalg.norm(total), float(np.sqrt(weight.sum() / np.pi))
+        return found
+
+    def parts(self, chosen):
+        """How many pieces without a common edge the triangles `chosen` (m,) bool make."""
+        edges, side = self.edges()
+        side = side[chosen]
+        at = np.repeat(np.arange(len(side)), 3), side.ravel()
+        graph = coo_matrix((np.ones(side.size), at), shape=(len(side), len(edges))).tocsr()
+        return connected_components(graph @ graph.T, directed=False)[0]
+
     def volume_mm3(self):
         """Enclosed volume by the divergence theorem."""
         centroid = self.points[self.triangles].mean(axis=1)
@@ -59,22 +80,44 @@ def read(path):
 
 
 def check(surface, where):
-    """Closed, oriented outwards, tagged with an inlet and an outlet, and in mm; else InputError."""
+    """Closed, of one piece, oriented outwards, tagged with an inlet and an outlet, and in mm; else InputError."""
     remedy = "process it with the anatomy step"
+    wrong = np.flatnonzero(~np.isfinite(surface.points).all(axis=1))
+    if len(wrong):
+        raise InputError("point is not finite", f"{where}: point {wrong[0]}", surface.points[wrong[0]].tolist(), remedy)
     _, side = surface.edges()
     if np.any(np.bincount(side.ravel()) != 2):
         count = int(np.sum(np.bincount(side.ravel()) != 2))
         raise InputError("lumen surface is not closed", where, f"{count} edges without two triangles", remedy)
+    parts = surface.parts(np.ones(len(surface.triangles), bool))
+    if parts > 1:
+        raise InputError("lumen surface is not of one piece", where, f"{parts} pieces", remedy)
     if surface.volume_mm3() <= 0:
         raise InputError("lumen surface is turned inside out", where, f"{surface.volume_mm3():.3g} mm3", remedy)
-    if INLET not in surface.caps or len(surface.caps) < 2 or WALL not in surface.region:
+    if INLET not in surface.caps or len(surface.caps) < 2 or WALL not in surface.region or surface.region.min() < 0:
         present = sorted(set(surface.region.tolist()))
-        raise InputError("tags missing in region_id", where, present, "0 wall, 1 inlet, 2.. outlets are needed")
+        raise InputError("tags missing or unknown in region_id", where, present, "give 0 wall, 1 inlet, 2.. outlets")
     areas = np.linalg.norm(surface.area_vectors(), axis=1)
-    for cap in surface.caps:
-        radius = np.sqrt(areas[surface.region == cap].sum() / np.pi)
+    if areas.min() <= 0:
+        raise InputError("lumen surface has triangles without area", where, int(areas.argmin()), remedy)
+    for cap, (_, _, radius) in surface.cap_circles().items():
         if not 0.15 < radius < 8.0:
             value = f"cap {cap} has radius {radius:.4g}"
             raise InputError("implausible size of a lumen end", where, value, "coordinates must be in mm")
-    if areas.min() <= 0:
-        raise InputError("lumen surface has triangles without area", where, int(areas.argmin()), remedy)
+    _check_patches(surface, where, remedy)
+
+
+def _check_patches(surface, where, remedy):
+    """Each cap is one patch of triangles within the wall, touching no other cap; else InputError."""
+    for cap in surface.caps:
+        parts = surface.parts(surface.region == cap)
+        if parts > 1:
+            raise InputError(
+                "tag of a lumen end is not on one patch", where, f"region_id {cap}: {parts} patches", remedy
+            )
+    _, side = surface.edges()
+    tags = np.repeat(surface.region, 3)[np.argsort(side.ravel(), kind="stable")].reshape(-1, 2)  # of each edge's sides
+    touching = tags[(tags != WALL).all(axis=1) & (tags[:, 0] != tags[:, 1])]
+    if len(touching):
+        tags = sorted(touching[0].tolist())
+        raise InputError("two lumen ends touch each other", where, f"region_id {tags[0]} and {tags[1]}", remedy)

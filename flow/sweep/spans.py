@@ -14,13 +14,7 @@ SHORTEST = 2.0  # radii
 
 def axes(surface, tree):
     """{branch name: Axis} with the caps that its two ends lie in (region ids as axis.cap_ids)."""
-    caps = {}
-    for cap in surface.caps:
-        vectors = surface.area_vectors()[surface.region == cap]
-        weight = np.linalg.norm(vectors, axis=1)
-        centroid = surface.points[surface.triangles[surface.region == cap]].mean(axis=1)
-        normal = vectors.sum(axis=0) / np.linalg.norm(vectors.sum(axis=0))
-        caps[cap] = (weight @ centroid / weight.sum(), normal, float(np.sqrt(weight.sum() / np.pi)))
+    caps = surface.cap_circles()
     found = {}
     for branch in tree:
         ids, ends = [None, None], [None, None]

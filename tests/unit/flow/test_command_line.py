@@ -203,6 +203,14 @@ def test_the_same_lumen_has_the_same_mesh_and_report(case, meshes, tmp_path):
         assert (tmp_path / name).read_bytes() == (meshes / name).read_bytes()
 
 
+@pytest.mark.parametrize("name, option", [("anatomy.json", "--anatomy"), ("sections.csv", "--sections")])
+def test_files_of_the_anatomy_step_that_lie_elsewhere_are_asked_for(case, meshes, tmp_path, capsys, name, option):
+    for there in {"centreline.vtp", "boundary.json", "anatomy.json", "sections.csv"} - {name}:
+        (tmp_path / there).write_bytes((case / there).read_bytes())
+    said = _refused(capsys, *_solve(tmp_path, meshes, tmp_path / "out"))
+    assert str(tmp_path / name) in said and f"beside the centreline, or give {option}" in said
+
+
 def test_meshes_of_a_run_that_goes_on_are_left(tmp_path):
     own = output.scratch(tmp_path)
     gone = subprocess.Popen([sys.executable, "-c", ""])

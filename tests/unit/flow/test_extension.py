@@ -102,6 +102,38 @@ def test_a_report_of_the_mesh_gives_the_extensions(tmp_path, mesh):
         extended.read(path, mesh)
 
 
+ONE = {"region_id": 2, "branch": "main", "length_mm": 5.0, "direction": [1.0, 0.0, 0.0], "distance_mm": None}
+
+
+@pytest.mark.parametrize(
+    "change, words",
+    [
+        ({"length_mm": -5}, "length_mm(.|\n)*-5"),
+        ({"length_mm": "5"}, "length_mm(.|\n)*'5'"),
+        ({"direction": [1.0, 0.0]}, "direction"),
+        ({"branch": 3}, "branch"),
+        ({"more": 3}, "more"),
+    ],
+)
+def test_a_bad_extension_is_refused_in_plain_words(tmp_path, mesh, change, words):
+    path = tmp_path / "mesh.json"
+    path.write_text(json.dumps({"cells": 9, "swept": {}, "extensions": [ONE | change]}))
+    with pytest.raises(InputError, match="report of the volume mesh(.|\n)*extensions.1.(.|\n)*" + words):
+        extended.read(path, mesh)
+
+
+@pytest.mark.parametrize("change", [{"branch": "side7"}, {"region_id": 7}, {"direction": [9.0, 0.0, 0.0]}])
+def test_an_extension_of_another_lumen_is_refused(change):
+    line = tubes.line(8.0, lambda s: 1.2)
+    document = tubes.boundary_document([line], [2e-6], [5e9], 7.0, 0.004)
+    anatomy = {"branches": [{"name": "main", "parent": None, "s_on_parent_mm": None}]}
+    sections = pd.DataFrame({"branch": "main", "s_mm": line.s_mm, "area_mm2": np.pi * line.radius_mm**2})
+    case = anatomy, sections, document, settings.make()
+    extended.Extended([extension.Extension(**ONE)], centreline.Tree([line]), *case)
+    with pytest.raises(InputError, match="extension of another lumen"):
+        extended.Extended([extension.Extension(**(ONE | change))], centreline.Tree([line]), *case)
+
+
 def test_a_coarse_mesh_of_another_lumen_is_refused(tmp_path, mesh):
     """It may be the one that answers. Known is one of the same report, or of a report of its own of the same lumen."""
     path, coarse, own = tmp_path / "mesh.json", tmp_path / "coarse.msh", tmp_path / "coarse.json"

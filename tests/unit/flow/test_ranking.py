@@ -129,6 +129,25 @@ def test_an_answer_of_another_patient_says_nothing_of_this_one(folder, capfd):
         assert "other boundary values" in capfd.readouterr().err
 
 
+@pytest.mark.parametrize(
+    "models, words",
+    [
+        ([], ["key models"]),
+        ({"3d": 5, "axisymmetric": {"ffr": 0.9}}, ["models.3d", "5"]),
+        ({"3d": {"ffr": "x"}, "axisymmetric": {"ffr": 0.9}}, ["models.3d.ffr", "a number"]),
+        ({"3d": {"ffr": 0.9, "error_estimate": "x"}, "axisymmetric": {"ffr": 0.9}}, ["models.3d.error_estimate"]),
+        ({"3d": {"ffr": 0.9}, "axisymmetric": {"ffr": [0.9]}}, ["models.axisymmetric.ffr"]),
+    ],
+)
+def test_an_answer_of_other_content_is_refused_in_plain_words(folder, capfd, models, words):
+    path = folder / "bad.json"
+    path.write_text(json.dumps({"models": models, "probes": _shifted(folder)}))
+    with pytest.raises(SystemExit) as ended:
+        _rank(folder, "--measured", str(path))
+    said = capfd.readouterr().err
+    assert ended.value.code == 2 and all(word in said for word in [str(path), *words]), said
+
+
 def test_an_answer_without_the_3d_model_says_nothing_of_the_error():
     with pytest.raises(InputError, match="no 3D answer"):
         ranking.model_error("network", [("ffr.json", {"models": {"network": {"ffr": 0.9}}})], 0.9)

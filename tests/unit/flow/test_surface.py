@@ -50,9 +50,36 @@ def test_missing_file():
         surface.read("absent.vtp")
 
 
+def _moved(array, at, value):
+    changed = array.copy()
+    changed[at] = value
+    return changed
+
+
+def _half_tagged(tube):
+    """Half of the outlet, to one side, as another outlet."""
+    side = tube.points[tube.triangles].mean(axis=1)[:, 1] > 0
+    return {"region": np.where((tube.region == 2) & side, 3, tube.region)}
+
+
+def _twice(tube):
+    """The tube and a smaller one inside it, of one tag."""
+    smaller = 0.2 * (tube.points - [5, 0, 0]) + [5, 0, 0]
+    return {
+        "points": np.concatenate([tube.points, smaller]),
+        "triangles": np.concatenate([tube.triangles, tube.triangles + len(tube.points)]),
+        "region": np.concatenate([tube.region, 0 * tube.region]),
+    }
+
+
 @pytest.mark.parametrize(
     "change, message",
     [
+        (lambda tube: {"points": _moved(tube.points, (40, 1), np.nan)}, "not finite(.|\n)*point 40"),
+        (lambda tube: {"region": np.where(tube.region == 2, -4, tube.region)}, "tags missing or unknown(.|\n)*-4"),
+        (lambda tube: {"region": _moved(tube.region, 100, 2)}, "not on one patch(.|\n)*region_id 2: 2 patches"),
+        (_half_tagged, "two lumen ends touch(.|\n)*2 and 3"),
+        (_twice, "not of one piece(.|\n)*2 pieces"),
         (lambda tube: {"points": tube.points * 1e-3}, "mm"),
         (lambda tube: {"region": np.where(tube.region == 1, 0, tube.region)}, "tags missing"),
         (lambda tube: {"region": np.where(tube.region == 2, 0, tube.region)}, "tags missing"),
