@@ -172,7 +172,12 @@ TEST(LumenCheck, DevicesEndWithinTheLumen) {
   expect(
       refusal(cut, paths, scene_with(10)),
       {"past the end of the lumen", "scene.json: scene.procedure[0].devices[0] (step one, stent)", "from 6 to 14 mm"});
-  expect(refusal(cut, paths, scene_with(17)), {"past the end of the lumen"});
+  expect(refusal(cut, paths, scene_with(17)), {"a device reaches past the end of the lumen"});
+  Scene reported = scene_with(6);
+  reported.segment = Segment{"main", 2, 12.5};
+  EXPECT_EQ(refusal(cut, paths, reported), "");
+  reported.segment->s_end = 16;
+  expect(refusal(cut, paths, reported), {"the segment reaches past the end of the lumen", "scene.json: scene.segment"});
 }
 
 } // namespace
