@@ -141,6 +141,13 @@ TEST(Deployment, StepsTakenWithCareEndInTheSameBalance) {
   EXPECT_NEAR(throat(l, careful.points), throat(l, usual.points), 0.005 * throat(l, usual.points));
 }
 
+TEST(Sections, APlaneAlongAVesselCutsNoLoopWithinReach) {
+  const Lumen l = tube(0.8);
+  const Vectors units = section_normals(l.points, l.triangles);
+  EXPECT_EQ(section_area(l.points, l.triangles, units, {0, 0, length / 2}, Vec3::UnitX()), 0);
+  EXPECT_GT(section_area(l.points, l.triangles, units, {0, 0, length / 2}, Vec3(1, 0, 1).normalized()), 0);
+}
+
 TEST(Sections, AreaOfATube) {
   const Lumen l = tube(0.3);
   EXPECT_NEAR(throat(l, l.points), M_PI * 0.75 * 0.75, 0.03);
