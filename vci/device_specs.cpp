@@ -4,6 +4,7 @@
 #include "vci/scene.hpp"
 
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
 
 namespace vci {
@@ -12,6 +13,10 @@ using nlohmann::json;
 
 namespace {
 
+constexpr double least_of_chart = 0.5, most_of_chart = 1.5; // of the nominal diameter
+constexpr double highest_pressure = 60;                     // bar
+constexpr double overhang = 1;                              // mm of stent beyond its balloon's cylinder, in all
+constexpr double mounted = 0.25;           // by how much of the stent's its balloon's nominal diameter may differ
 constexpr double nominal_tolerance = 0.01; // charts round to 0.01 or 0.02 mm, and are straight between their points
 
 FoldingSpec read_folding(const json& entry, const std::string& where) {
@@ -26,6 +31,31 @@ FoldingSpec read_folding(const json& entry, const std::string& where) {
   f.clockwise = wrap == "clockwise";
   o.finish();
   return f;
+}
+
+std::string text_of(double one, const char* between, double other, const char* unit = " mm") {
+  std::ostringstream text;
+  text << one << between << other << unit;
+  return text.str();
+}
+
+/// What no balloon's chart says of it.
+void check_chart(const BalloonSpec& b, const CheckedObject& chart) {
+  for (const double p : b.chart_pressure_bar)
+    if (!(p >= 0 && p <= highest_pressure))
+      throw common::InputError("a pressure that no balloon is made for", chart.path("pressure_bar"),
+                               text_of(p, ", of at most ", highest_pressure, " bar"), "give the maker's chart, in bar");
+  for (const double d : b.chart_diameter)
+    if (!(d >= least_of_chart * b.nominal_diameter && d <= most_of_chart * b.nominal_diameter))
+      throw common::InputError("a chart that leaves the nominal diameter far behind", chart.path("diameter_mm"),
+                               text_of(d, " mm, nominal ", b.nominal_diameter),
+                               "give the maker's chart, within 50 to 150 % of nominal_diameter_mm");
+}
+
+void check_crimped(double crimped, double nominal, const CheckedObject& o) {
+  if (crimped >= nominal)
+    throw common::InputError("a device that is as wide crimped as it is opened", o.path("crimped_diameter_mm"),
+                             text_of(crimped, " mm, nominal ", nominal), "give the profile on the way in");
 }
 
 } // namespace
@@ -43,6 +73,8 @@ BalloonSpec read_balloon(const json& entry, const std::string& where) {
   CheckedObject chart(o.child("chart", true), o.path("chart"));
   b.chart_pressure_bar = chart.numbers("pressure_bar");
   b.chart_diameter = chart.numbers("diameter_mm");
+  check_crimped(b.crimped_diameter, b.nominal_diameter, o);
+  check_chart(b, chart);
   chart.finish();
   if (o.has("folding"))
     b.folding = read_folding(o.child("folding", true), o.path("folding"));
@@ -76,6 +108,15 @@ StentSpec read_stent(const json& entry, const std::string& where) {
   s.crowns = o.integer("crowns", 2, 30);
   s.links = o.integer("links", 1, 30);
   s.balloon = o.text("balloon");
+  check_crimped(s.crimped_diameter, s.nominal_diameter, o);
+  if (s.crimped_diameter <= 2 * s.strut_thickness)
+    throw common::InputError("struts that leave the crimped stent no lumen", o.path("strut_thickness_mm"),
+                             text_of(s.strut_thickness, " mm, crimped to ", s.crimped_diameter),
+                             "give the struts' radial thickness and the stent's crossing profile");
+  if (s.links > s.crowns)
+    throw common::InputError("more links than crowns that they could join", o.path("links"),
+                             std::to_string(s.links) + " links, " + std::to_string(s.crowns) + " crowns",
+                             "give connectors between two neighbouring rings, at most one for each crown");
   s.yield_strain = o.number("yield_strain", 1e-3, 0.3, 0.03);
   s.radial_strength_mpa = o.number("radial_strength_mpa", 0.01, 2, 0.22);
   // by Laplace: the expanded ring yields under just the outside pressure that its maker states
@@ -91,6 +132,22 @@ StentSpec read_stent(const json& entry, const std::string& where) {
   s.recoil_percent = o.number("recoil_percent", 0, 20, 4.0);
   o.finish();
   return s;
+}
+
+void check_mounted(const StentSpec& s, const BalloonSpec& b, const std::string& where) {
+  const std::string at = where + ".balloon";
+  if (s.length > b.length + overhang)
+    throw common::InputError("a stent longer than the balloon it is crimped on", at,
+                             text_of(s.length, " mm on ", b.length),
+                             "name a balloon whose length_mm, without its shoulders, is the stent's");
+  if (std::abs(b.nominal_diameter / s.nominal_diameter - 1) > mounted)
+    throw common::InputError("a stent on a balloon of quite another diameter", at,
+                             text_of(s.nominal_diameter, " mm on ", b.nominal_diameter),
+                             "name a balloon of the stent's nominal_diameter_mm");
+  if (s.crimped_diameter < b.crimped_diameter)
+    throw common::InputError("a stent crimped thinner than the balloon inside it", at,
+                             text_of(s.crimped_diameter, " mm on ", b.crimped_diameter),
+                             "give the crossing profiles of the stent and of its balloon");
 }
 
 } // namespace vci

@@ -45,7 +45,7 @@ CASES = {
     "curvature 0.3 /mm": (Tube(curvature=0.3), {}),
     "mesh jittered by 25 %": (Tube(jitter=0.25), {}),
     "slivers": (Tube(sliver=0.75), {}),
-    "first step x1000": (Tube(), {"numerics": {"initial_step_ms": 300}}),
+    "first step x1000": (Tube(), {"numerics": {"initial_step_ms": 300, "maximal_step_ms": 300}}),
     "25 bar": (Tube(), {"pressures": (10, 11, 25)}),
     "overlapping stents": (Tube(length=36), {"shifts": (-4.5, 4.5)}),
     "folded balloons": (

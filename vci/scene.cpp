@@ -155,10 +155,13 @@ Scene scene_of(const std::filesystem::path& file) {
     else
       throw common::InputError("an unknown kind of device", at + ".kind", kind, "use balloon or stent");
   }
-  for (const auto& [name, stent] : scene.stents)
+  for (const auto& [name, stent] : scene.stents) {
+    const std::string at = o.path("devices") + "." + name;
     if (!scene.balloons.contains(stent.balloon))
-      throw common::InputError("a stent without its delivery balloon", o.path("devices") + "." + name + ".balloon",
-                               stent.balloon, "add that balloon under devices");
+      throw common::InputError("a stent without its delivery balloon", at + ".balloon", stent.balloon,
+                               "add that balloon under devices");
+    check_mounted(stent, scene.balloons.at(stent.balloon), at);
+  }
   const json steps = o.list("procedure");
   std::set<std::string> names;
   for (std::size_t k = 0; k < steps.size(); ++k) {

@@ -83,5 +83,7 @@ struct Scene {
 Scene read_scene(const std::filesystem::path& file);
 BalloonSpec read_balloon(const nlohmann::json& entry, const std::string& where);
 StentSpec read_stent(const nlohmann::json& entry, const std::string& where);
+/// Throws common::InputError where a stent cannot have been crimped on a balloon.
+void check_mounted(const StentSpec& stent, const BalloonSpec& balloon, const std::string& where);
 
 } // namespace vci

@@ -140,6 +140,10 @@ Numerics read_numerics(const json& entry, const std::string& where, json& used) 
   n.device_edge = o.number("device_edge_mm", 0.1, 1.5, n.device_edge);
   n.contact_pressure_fraction = o.number("contact_pressure_fraction", 0.01, 1, n.contact_pressure_fraction);
   refuse_unused(o, n);
+  if (i.initial_step > i.maximal_step)
+    throw common::InputError("a first step longer than any may be", o.path("initial_step_ms"),
+                             std::to_string(i.initial_step) + " ms, maximal_step_ms " + std::to_string(i.maximal_step),
+                             "lower it, or raise maximal_step_ms");
   o.finish();
   used = o.used;
   return n;

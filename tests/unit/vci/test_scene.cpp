@@ -119,6 +119,39 @@ TEST(Scene, RefusesBadValuesWithTheirKey) {
   expect("/procedure", json::array(), "one entry or more");
 }
 
+TEST(Scene, RefusesDevicesThatCannotBe) {
+  const auto expect = [](const json& changes, const char* part) {
+    json d = good_scene();
+    for (const auto& [pointer, value] : changes.items())
+      d[json::json_pointer(pointer)] = value;
+    EXPECT_NE(refusal(d).find(part), std::string::npos) << changes << ": " << refusal(d);
+  };
+  expect({{"/devices/s/length_mm", 14}, {"/devices/b/length_mm", 6}}, "longer than the balloon");
+  expect({{"/devices/s/length_mm", 20}}, "longer than the balloon");
+  expect({{"/devices/s/length_mm", 13}}, "accepted"); // half a millimetre over at each end
+  expect({{"/devices/s/length_mm", 8}}, "accepted");
+  expect({{"/devices/s/crimped_diameter_mm", 3}}, "as wide crimped");
+  expect({{"/devices/b/crimped_diameter_mm", 3}}, "as wide crimped");
+  expect({{"/devices/s/crimped_diameter_mm", 0.7}}, "thinner than the balloon");
+  expect({{"/devices/s/nominal_diameter_mm", 0.5}, {"/devices/s/crimped_diameter_mm", 0.4}}, "another diameter");
+  expect({{"/devices/s/nominal_diameter_mm", 4.4}}, "another diameter");
+  expect({{"/devices/s/nominal_diameter_mm", 2.75}}, "accepted");
+  expect({{"/devices/s/links", 30}}, "more links than crowns");
+  expect({{"/devices/s/links", 8}}, "accepted");
+  expect({{"/devices/s/strut_thickness_mm", 0.5}}, "no lumen");
+  expect({{"/devices/b/chart/diameter_mm", {2.8, 3.0, 1e300}}}, "chart.diameter_mm");
+  expect({{"/devices/b/chart/diameter_mm", {1.4, 3.0, 3.2}}}, "chart.diameter_mm");
+  expect({{"/devices/b/chart/pressure_bar", {2, 8, 1e300}}}, "chart.pressure_bar");
+}
+
+TEST(Scene, RefusesAFirstStepLongerThanAny) {
+  json d = good_scene();
+  d["numerics"] = {{"initial_step_ms", 300}};
+  EXPECT_NE(refusal(d).find("numerics.initial_step_ms"), std::string::npos) << refusal(d);
+  d["numerics"]["maximal_step_ms"] = 300;
+  EXPECT_EQ(refusal(d), "accepted");
+}
+
 TEST(Scene, TextbookIntegrationRefusesWhatOnlyTheAdaptiveOneHeeds) {
   json d = good_scene();
   d["numerics"] = {{"integration", "textbook"}, {"fixed_step_ms", 0.02}, {"damping_mpa_ms_per_mm", 2.5}};
