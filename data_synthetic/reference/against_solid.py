@@ -62,7 +62,7 @@ def compared(s_mm, area, against, span_mm):
         if at.any()
     }
     smallest, other = area[stented].min(), against[stented].min()
-    found["minimal_stent_area_percent"] = float(100 * (smallest / other - 1))
+    found["minimal_lumen_area_in_stent_percent"] = float(100 * (smallest / other - 1))
     found["resistance_percent"] = float(100 * (np.sum(area**-2.0) / np.sum(against**-2.0) - 1))
     return found
 

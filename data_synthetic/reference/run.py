@@ -78,7 +78,7 @@ def run(scene_path, anatomy, truth_path, out, settings_path=None):
         "stents": [vars(stent) for stent in stents],
         "slices": sorted(records, key=lambda r: (r["s_mm"], r["stented"])),
         "recoil_percent": _recoil(records, slices.spans(steps)),
-        "minimal_stent_area_mm2": min((r["area_mm2"] for r in records if r["stented"]), default=None),
+        "minimal_lumen_area_in_stent_mm2": min((r["area_mm2"] for r in records if r["stented"]), default=None),
         "largest_straightening_mm": float(np.linalg.norm(straight, axis=1).max()),
         "error_estimate": error,
     }

@@ -31,7 +31,7 @@ def test_errors_are_told_by_region():
     assert found["stent_area_percent"]["mean"] == pytest.approx(1.0)
     assert found["beyond_area_percent"]["largest"] == pytest.approx(-2.0)
     assert -2 < found["stent_edges_area_percent"]["mean"] < 1
-    assert found["minimal_stent_area_percent"] == pytest.approx(1.0)
+    assert found["minimal_lumen_area_in_stent_percent"] == pytest.approx(1.0)
     share = np.where(inside, 1.01, 0.98) ** -2
     expected = 100 * (np.sum(share * against**-2) / np.sum(against**-2) - 1)
     assert found["resistance_percent"] == pytest.approx(expected)

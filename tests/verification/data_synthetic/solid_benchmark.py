@@ -21,7 +21,7 @@ def rows(document):
         for region in ("stent", "stent_edges", "beyond"):
             for name in ("rms", "largest"):
                 row[f"{region}_area_{name}_percent"] = against.get(f"{region}_area_percent", {}).get(name)
-        row["smallest_area_percent"] = against["minimal_stent_area_percent"]
+        row["smallest_area_percent"] = against["minimal_lumen_area_in_stent_percent"]
         row["resistance_percent"] = against["resistance_percent"]
         found.append(row)
     return found

@@ -146,7 +146,7 @@ def test_slices_are_near_a_coarse_solid_in_three_dimensions(patient):
     tightest = np.argmin(before)
     assert area[tightest] > 3.5 * before[tightest]
     assert slices[tightest] == pytest.approx(area[tightest], rel=0.02)
-    assert abs(solid["slices_against_it"]["minimal_stent_area_percent"]) < 2
+    assert abs(solid["slices_against_it"]["minimal_lumen_area_in_stent_percent"]) < 2
     assert solid["slices_against_it"]["stent_area_percent"]["rms"] < 3
     assert abs(solid["slices_against_it"]["resistance_percent"]) < 3
 
