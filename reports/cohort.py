@@ -6,7 +6,14 @@ from reports.case_files import STATES
 
 PATIENT = ("lvm_g", "sbp_mmhg", "dbp_mmhg", "map_pa", "q_hyperaemic_ml_per_min")
 LESION = ("branch", "diameter_stenosis_percent", "area_stenosis_percent", "mla_mm2", "reference_diameter_mm")
-DEPLOYMENT = ("minimal_stent_area_mm2", "expansion_index", "recoil_percent", "foreshortening_percent", "seconds")
+DEPLOYMENT = (
+    "minimal_stent_area_mm2",
+    "minimal_lumen_area_in_stent_mm2",
+    "expansion_index",
+    "recoil_percent",
+    "foreshortening_percent",
+    "seconds",
+)
 STATE_VALUES = {
     "ffr_distal": ("ffr", "distal"),
     "ffr_past_segment": ("ffr", "past_segment"),

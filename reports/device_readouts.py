@@ -8,6 +8,7 @@ READOUTS = (
     "status",
     "seconds",
     "minimal_stent_area_mm2",
+    "minimal_lumen_area_in_stent_mm2",
     "expansion_index",
     "recoil_percent",
     "foreshortening_percent",

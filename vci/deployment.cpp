@@ -2,15 +2,16 @@
 #include "common/error.hpp"
 #include "vci/apposition.hpp"
 #include "vci/folding.hpp"
+#include "vci/notices.hpp"
 #include "vci/placement.hpp"
 #include "vci/refusal.hpp"
+#include "vci/standing.hpp"
 #include "vci/textbook.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <iostream>
-#include <sstream>
 
 namespace vci {
 
@@ -30,18 +31,11 @@ public:
         whole ? std::vector<char>(lumen.points.size(), 1) : region_of_interest(lumen, scene, paths);
     wall_ = add_wall(system_, lumen, free, scene.wall, scene.map_pa);
     result_.vertices = static_cast<int>(wall_.vertex.size());
-    std::ostringstream region;
-    region << "wall further than " << scene.numerics.region_margin
-           << " mm from every device: " << lumen.points.size() - wall_.vertex.size() << " of " << lumen.points.size()
-           << " vertices stay where they are";
-    result_.switched_off = {whole ? "nothing of the wall: textbook integration takes the whole vessel" : region.str(),
-                            any_folded(scene) ? "folding of balloons whose entries do not ask for it"
-                                              : "folding: balloons start as small tubes that unfold softly",
-                            any_folded(scene) ? "self-contact of all but folded balloons"
-                                              : "self-contact of the wall and of the devices",
-                            "mean blood pressure during occlusion: kept as prestress"};
+    result_.switched_off = left_out(scene, lumen.points.size() - wall_.vertex.size(), lumen.points.size());
     for (const std::string& line : result_.switched_off)
       std::cerr << "switched off: " << line << '\n';
+    for (const std::string& warning : warnings_of_plan(scene))
+      warn(warning);
     if (observer_ && observer_->every_steps > 0)
       interactions_.after_step = [this](int steps, const Balance& forces) {
         if (steps % observer_->every_steps == 0)
@@ -59,6 +53,8 @@ public:
     result_.points = moved_points(lumen_, wall_, system_);
     for (const auto& [name, path] : reference_paths_)
       result_.paths[name] = follow_wall(path, lumen_, result_.points);
+    // only now: a stent that hangs free on the way may yet be dilated
+    check_borne(system_, interactions_, result_.stents, result_.points, lumen_.triangles, result_.paths);
     result_.wall_stretch.assign(lumen_.points.size(), 1.0);
     const std::vector<double> stretch = vertex_stretch(*wall_.intima, system_.body(0).triangles, system_.x);
     for (std::size_t i = 0; i < wall_.vertex.size(); ++i)
@@ -100,6 +96,11 @@ private:
     return shape;
   }
 
+  void warn(const std::string& text) {
+    result_.warnings.push_back(text);
+    std::cerr << "warning: " << text << '\n';
+  }
+
   Vectors lumen_now() const { return moved_points(lumen_, wall_, system_); }
 
   void show(int steps, const Balance& forces) const {
@@ -112,7 +113,7 @@ private:
   /// A device's rings where a placement wants them, on the axis as it is now.
   Course course_of(const Placement& p, RingGrid grid, const BalloonSpec& balloon, const Vectors& moved) const {
     const Path path = follow_wall(reference_paths_.at(p.branch), lumen_, moved);
-    std::vector<Frame> frames = path.frames(along(grid, p.centre_s));
+    std::vector<Frame> frames = path.frames(grid.along(p.centre_s));
     const BalloonChart chart(balloon.chart_pressure_bar, balloon.chart_diameter, balloon.crimped_diameter);
     return {std::move(grid), std::move(frames), 0.5 * chart.diameter_at(p.pressure_bar)};
   }
@@ -183,13 +184,6 @@ private:
     }
   }
 
-  static std::vector<double> along(const RingGrid& grid, double centre_s) {
-    std::vector<double> s = grid.s;
-    for (double& value : s)
-      value += centre_s;
-    return s;
-  }
-
   void remove_balloons() {
     while (!balloons_.empty()) {
       interactions_.forget(balloons_.back().body);
@@ -219,6 +213,8 @@ private:
               << result_.stages.back().seconds << " s\n";
     if (!r.converged)
       refuse(step, stage, r);
+    if (!settings.textbook) // whose states are reported as they are
+      check_inside(system_, *interactions_.trees, step.name + " / " + stage.name);
     after_balance(stage, step);
     if (observer_)
       show(r.steps, balance_);
@@ -238,8 +234,11 @@ private:
     for (StentHistory& h : result_.stents)
       if (!stage.with_balloons)
         note_extraction(h, system_);
-      else if (stage.pressure_fraction == 1.0)
+      else if (stage.pressure_fraction == 1.0) {
         note_inflation(h, system_, contacts_onto(h.stent.body, false));
+        if (const auto warning = overexpansion(system_, h, scene_.stents.at(h.device), step.name))
+          warn(*warning);
+      }
     if (stage.pressure_fraction == 1.0)
       for (std::size_t k = 0; k < balloons_.size(); ++k)
         shapes_.push_back(shape_of(

@@ -26,7 +26,7 @@ struct Deployment {
   std::vector<StageReport> stages;
   std::vector<StentHistory> stents;
   std::vector<DeviceShape> balloons;
-  std::vector<std::string> switched_off;
+  std::vector<std::string> switched_off, warnings;
   Vectors points;                    ///< lumen points at the end
   std::vector<double> wall_stretch;  ///< per lumen point: largest principal stretch
   std::vector<double> malapposition; ///< per lumen point: gap between wall and stent, mm; 0 where no stent faces it

@@ -5,6 +5,7 @@
 #include "vci/crush.hpp"
 #include "vci/frames.hpp"
 #include "vci/lumen_check.hpp"
+#include "vci/notices.hpp"
 #include "vci/output.hpp"
 #include "vci/plausibility.hpp"
 #include "vci/radius_correction.hpp"
@@ -92,14 +93,16 @@ int run_radius_correct(const fs::path& scene_file, const fs::path& out) {
   write_json(output.folder() / "deployment.json",
              {{"schema", "vci-deployment-1"},
               {"case", scene.case_name},
-              {"status", "converged"},
+              {"status", "radius set"},
               {"method", "radius-correct"},
               {"stages", nlohmann::json::array()},
               {"settings", scene.settings},
               {"seconds", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()},
               {"switched_off", {"mechanics: the radius is set, the axis kept"}},
+              {"warnings", warnings_of_plan(scene)},
               {"segment", {{"branch", segment.branch}, {"s_start_mm", segment.s_start}, {"s_end_mm", segment.s_end}}},
-              {"csa_profile", profile}});
+              {"csa_profile", profile},
+              {"minimal_lumen_area_mm2", smallest_area(profile)}});
   output.publish();
   return 0;
 }

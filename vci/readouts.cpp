@@ -59,6 +59,31 @@ json smallest_of(const json& rows, const char* key = "area_mm2", Order before = 
   return smallest;
 }
 
+/// Where a path passes nearest to a point, within `reach` (mm) of the arc length s.
+double place_on(const Path& path, const Vec3& p, double s, double reach) {
+  constexpr int steps = 2000;
+  double place = s, nearest = 1e300;
+  for (int k = 0; k <= steps; ++k) {
+    const double at = s + reach * (2.0 * k / steps - 1);
+    if (const double d = (path.at(at) - p).squaredNorm(); d < nearest) {
+      nearest = d;
+      place = at;
+    }
+  }
+  return place;
+}
+
+/// The smallest lumen area between a deployed stent's ends. Planes nearer than half a millimetre to an end are left
+/// out: they cut its oblique edge, and bare vessel beside it.
+json lumen_area_in(const StentHistory& h, double length, const Deployment& d, const Triangles& triangles) {
+  constexpr double edge = 0.5; // mm
+  const Path& path = d.paths.at(h.branch);
+  const double one = place_on(path, h.first_end, h.centre_s, length),
+               other = place_on(path, h.last_end, h.centre_s, length);
+  const double start = std::min(one, other) + edge, end = std::max(one, other) - edge;
+  return start < end ? smallest_area(area_profile(d.points, triangles, path, start, end)) : json(nullptr);
+}
+
 /// How much less the axis turns in all along the segment, degrees, by pieces as long as the lumen is wide.
 double degrees_less(const Path& before, const Path& after, const Segment& s, const json& profile) {
   double area = 0;
@@ -93,6 +118,10 @@ json area_profile(const Vectors& points, const Triangles& triangles, const Path&
   return profile;
 }
 
+json smallest_area(const json& profile) {
+  return smallest_of(profile);
+}
+
 json readouts(const Scene& scene, const Lumen& lumen, const std::map<std::string, Path>& before, const Deployment& d) {
   json out{{"schema", "vci-deployment-1"},
            {"case", scene.case_name},
@@ -106,6 +135,7 @@ json readouts(const Scene& scene, const Lumen& lumen, const std::map<std::string
                              {"stage", s.stage},
                              {"seconds", s.seconds},
                              {"steps", s.result.steps},
+                             {"careful_from", s.result.careful_from < 0 ? json(nullptr) : json(s.result.careful_from)},
                              {"cg_iterations", s.result.cg_iterations},
                              {"residual", s.result.residual},
                              {"contacts", s.result.contacts},
@@ -114,6 +144,7 @@ json readouts(const Scene& scene, const Lumen& lumen, const std::map<std::string
   }
   out["settings"] = scene.settings;
   out["switched_off"] = d.switched_off;
+  out["warnings"] = d.warnings;
   out["wall_vertices"] = d.vertices;
   out["seconds"] = total;
   out["peak_memory_mib"] = peak_memory_mib();
@@ -123,28 +154,26 @@ json readouts(const Scene& scene, const Lumen& lumen, const std::map<std::string
   const Path &path_before = before.at(segment.branch), &path_after = d.paths.at(segment.branch);
   out["csa_profile_before"] = area_profile(lumen.points, lumen.triangles, path_before, segment.s_start, segment.s_end);
   out["csa_profile"] = area_profile(d.points, lumen.triangles, path_after, segment.s_start, segment.s_end);
-  out["minimal_lumen_area_mm2"] = smallest_of(out["csa_profile"]);
+  out["minimal_lumen_area_mm2"] = smallest_area(out["csa_profile"]);
   out["straightening_deg"] = degrees_less(path_before, path_after, segment, out["csa_profile"]);
 
   out["stents"] = json::array();
   for (const StentHistory& h : d.stents) {
     const StentSpec& spec = scene.stents.at(h.device);
     const Segment own = span_of(scene, {h.device, h.branch, h.centre_s, 0});
-    const json msa =
-        smallest_of(area_profile(d.points, lumen.triangles, d.paths.at(h.branch), own.s_start + 0.5, own.s_end - 0.5));
     const double reference = reference_area(lumen, before.at(h.branch), own);
-    out["stents"].push_back(
-        {{"device", h.device},
-         {"branch", h.branch},
-         {"inflated_diameter_mm", h.inflated_diameter()},
-         {"final_diameter_mm", h.final_diameter},
-         {"minimal_stent_area_mm2", msa},
-         {"expansion_index", reference > 0 && !msa.is_null() ? json(msa.get<double>() / reference) : json(nullptr)},
-         {"recoil_percent", 100 * (1 - h.final_diameter / h.inflated_diameter())},
-         {"recoil_percent_of_maker", spec.recoil_percent},
-         {"foreshortening_percent", 100 * (1 - h.final_length / spec.length)}});
+    out["stents"].push_back({{"device", h.device},
+                             {"branch", h.branch},
+                             {"inflated_diameter_mm", h.inflated_diameter()},
+                             {"final_diameter_mm", h.final_diameter},
+                             {"minimal_stent_area_mm2", h.minimal_area},
+                             {"minimal_lumen_area_in_stent_mm2", lumen_area_in(h, spec.length, d, lumen.triangles)},
+                             {"expansion_index", reference > 0 ? json(h.minimal_area / reference) : json(nullptr)},
+                             {"recoil_percent", 100 * (1 - h.final_diameter / h.inflated_diameter())},
+                             {"recoil_percent_of_maker", spec.recoil_percent},
+                             {"foreshortening_percent", 100 * (1 - h.final_length / spec.length)}});
   }
-  for (const char* key : {"minimal_stent_area_mm2", "expansion_index"})
+  for (const char* key : {"minimal_stent_area_mm2", "minimal_lumen_area_in_stent_mm2", "expansion_index"})
     out[key] = smallest_of(out["stents"], key, std::less<>());
   for (const char* key : {"recoil_percent", "foreshortening_percent"})
     out[key] = smallest_of(out["stents"], key, std::greater<>());

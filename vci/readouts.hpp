@@ -12,6 +12,9 @@ nlohmann::json readouts(const Scene& scene, const Lumen& lumen, const std::map<s
 nlohmann::json area_profile(const Vectors& points, const Triangles& triangles, const Path& path, double s_start,
                             double s_end);
 
+/// The smallest area of a profile; null where no section has one.
+nlohmann::json smallest_area(const nlohmann::json& profile);
+
 /// Span of a branch that reports talk about: the scene's segment, else the stents', else the first device's.
 Segment reported_segment(const Scene& scene);
 

@@ -10,6 +10,22 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
+/// Area vector (mm^2) of each ring: its polygon's, times what a circle through the vertices of a regular one has more.
+Vectors ring_areas(const System& system, int body, const RingGrid& grid) {
+  const Vectors centres = ring_centres(system, body, grid);
+  const int first = system.body(body).first;
+  const double circle = 2 * pi / (grid.around * std::sin(2 * pi / grid.around));
+  Vectors areas;
+  for (int r = 0; r < grid.rings(); ++r) {
+    Vec3 area = Vec3::Zero();
+    for (int k = 0; k < grid.around; ++k)
+      area += 0.5 * (system.x[first + r * grid.around + k] - centres[r])
+                        .cross(system.x[first + r * grid.around + (k + 1) % grid.around] - centres[r]);
+    areas.push_back(circle * area);
+  }
+  return areas;
+}
+
 } // namespace
 
 Triangles RingGrid::triangles() const {
@@ -26,6 +42,13 @@ Triangles RingGrid::triangles() const {
       }
     }
   return list;
+}
+
+std::vector<double> RingGrid::along(double centre_s) const {
+  std::vector<double> places = s;
+  for (double& place : places)
+    place += centre_s;
+  return places;
 }
 
 int even_count(double circumference, double edge) {
@@ -83,17 +106,33 @@ Vectors ring_centres(const System& system, int body, const RingGrid& grid) {
 }
 
 std::vector<double> ring_radii(const System& system, int body, const RingGrid& grid) {
-  const Vectors centres = ring_centres(system, body, grid);
-  const int first = system.body(body).first;
   std::vector<double> radii;
-  for (int r = 0; r < grid.rings(); ++r) {
-    Vec3 area = Vec3::Zero();
-    for (int k = 0; k < grid.around; ++k)
-      area += 0.5 * (system.x[first + r * grid.around + k] - centres[r])
-                        .cross(system.x[first + r * grid.around + (k + 1) % grid.around] - centres[r]);
-    radii.push_back(std::sqrt(2 * area.norm() / (grid.around * std::sin(2 * pi / grid.around))));
-  }
+  for (const Vec3& area : ring_areas(system, body, grid))
+    radii.push_back(std::sqrt(area.norm() / pi));
   return radii;
+}
+
+std::vector<double> ring_sections(const System& system, int body, const RingGrid& grid) {
+  const Vectors centres = ring_centres(system, body, grid), areas = ring_areas(system, body, grid);
+  std::vector<double> sections;
+  for (int r = 0; r < grid.rings(); ++r) {
+    const Vec3 along = centres[std::min(r + 1, grid.rings() - 1)] - centres[std::max(r - 1, 0)];
+    sections.push_back(std::abs(areas[r].dot(along.normalized())));
+  }
+  return sections;
+}
+
+std::vector<double> girth_diameters(const System& system, int body, const RingGrid& grid) {
+  const int first = system.body(body).first;
+  std::vector<double> diameters;
+  for (int r = 0; r < grid.rings(); ++r) {
+    double girth = 0;
+    for (int k = 0; k < grid.around; ++k)
+      girth +=
+          (system.x[first + r * grid.around + (k + 1) % grid.around] - system.x[first + r * grid.around + k]).norm();
+    diameters.push_back(girth / (grid.around * std::sin(pi / grid.around)));
+  }
+  return diameters;
 }
 
 void shift(std::vector<EdgePair>& edges, int first) {

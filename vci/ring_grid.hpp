@@ -14,6 +14,8 @@ struct RingGrid {
   std::vector<double> start;   ///< share of the crimped diameter that it needs at the start
   int rings() const { return static_cast<int>(s.size()); }
   Triangles triangles() const; ///< outward
+  /// Arc lengths (mm) of the rings with the device's centre at one.
+  std::vector<double> along(double centre_s) const;
 };
 
 /// An even number of edges (12 at least) of about the length `edge_mm` round a circumference.
@@ -31,6 +33,11 @@ std::vector<double> ring_widths(const RingGrid& grid);
 
 /// Mean radius (mm) of each ring about its own centre, from the area its polygon encloses.
 std::vector<double> ring_radii(const System& system, int body, const RingGrid& grid);
+/// Diameter (mm) of the circle as long as each ring.
+std::vector<double> girth_diameters(const System& system, int body, const RingGrid& grid);
+/// Area (mm^2) that each ring encloses, seen along the line through the rings' centres: the tube's section, however
+/// aslant the ring lies in it.
+std::vector<double> ring_sections(const System& system, int body, const RingGrid& grid);
 Vectors ring_centres(const System& system, int body, const RingGrid& grid);
 
 /// Indices and positions of a body alone as those of a system in which its first vertex is `first`.

@@ -48,7 +48,11 @@ void note_inflation(StentHistory& h, const System& system, const std::vector<Con
 
 void note_extraction(StentHistory& h, const System& system) {
   h.final_diameter = 2 * mean(ring_radii(system, h.stent.body, h.stent.grid));
+  const std::vector<double> sections = ring_sections(system, h.stent.body, h.stent.grid);
+  h.minimal_area = *std::min_element(sections.begin(), sections.end());
   const Vectors centres = ring_centres(system, h.stent.body, h.stent.grid);
+  h.first_end = centres.front();
+  h.last_end = centres.back();
   h.final_length = 0;
   for (std::size_t k = 1; k < centres.size(); ++k)
     h.final_length += (centres[k] - centres[k - 1]).norm();

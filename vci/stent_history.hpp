@@ -13,6 +13,8 @@ struct StentHistory {
   std::vector<double> inflated_radii = {}; ///< of each ring at the end of the last inflation that filled it, mm
   double final_diameter = 0;               ///< mean over its rings, after the last extraction, mm
   double final_length = 0;                 ///< along its ring centres, mm
+  double minimal_area = 0;                 ///< the smallest ring section after the last extraction, mm^2
+  Vec3 first_end, last_end;                ///< centres of its end rings then
   double inflated_diameter() const;        ///< mean over its rings, mm
 };
 
@@ -20,7 +22,7 @@ struct StentHistory {
 /// of them at the stent's own delivery.
 /// @param balloons contact points of the balloons with the stent
 void note_inflation(StentHistory& history, const System& system, const std::vector<ContactPoint>& balloons);
-/// Notes diameter and length once balloons are out.
+/// Notes diameter, length, smallest section and ends once balloons are out.
 void note_extraction(StentHistory& history, const System& system);
 
 } // namespace vci

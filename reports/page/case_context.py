@@ -18,6 +18,7 @@ CURVES = (
 # key of deployment.json, words, digits, unit
 READOUTS = (
     ("minimal_stent_area_mm2", "Minimal stent area", 2, " mm²"),
+    ("minimal_lumen_area_in_stent_mm2", "smallest lumen within the stent", 2, " mm²"),
     ("expansion_index", "expansion index", 2, ""),
     ("recoil_percent", "recoil", 1, " %"),
     ("foreshortening_percent", "foreshortening", 1, " %"),
@@ -52,6 +53,7 @@ def case_context(files, figures_dir):
             for key, words, digits, unit in READOUTS
             if deployment and deployment.get(key) is not None
         ],
+        "deployment_warnings": (deployment or {}).get("warnings", []),
         "switched_off": [as_text(item) for item in (deployment or {}).get("switched_off", [])],
         "flow": flow,
         "flow_warnings": flow_warnings(flow),

@@ -215,6 +215,7 @@ def write_procedure(folder):
     steps = [{"step": step, "stage": name, **stage} for step in ("pre", "stent") for name in ("deploy", "extract")]
     document = {"schema": "vci-deployment-1", "status": "converged", "stages": steps, "seconds": 0.8}
     document.update(settings={"edge_mm": 0.4}, switched_off=["folding"], minimal_stent_area_mm2=7.3)
+    document.update(minimal_lumen_area_in_stent_mm2=7.05, warnings=["stent: opened beyond its maximal diameter"])
     document.update(expansion_index=0.9, recoil_percent=4.0, foreshortening_percent=1.5, straightening_deg=3.0)
     write_json(folder / "deployment.json", document)
 

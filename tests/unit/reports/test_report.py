@@ -65,6 +65,8 @@ def test_report_of_a_case_with_and_one_without_reference(study, tmp_path):
         "its prediction is untested",
         "elements 0.31 %",
         "slice spacing mm 1.0 instead of 0.75.",
+        "Minimal stent area 7.30 mm²; smallest lumen within the stent 7.05 mm²",
+        "<li>stent: opened beyond its maximal diameter</li>",
     ):
         assert words in text, words
     assert text.count('class="viewer"') == 2

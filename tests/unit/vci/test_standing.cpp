@@ -1,0 +1,130 @@
+// What a procedure leaves standing: devices within the wall, stents that bear on something, their sections and girths.
+#include "common/error.hpp"
+#include "vci/notices.hpp"
+#include "vci/standing.hpp"
+#include <gtest/gtest.h>
+
+namespace {
+
+using namespace vci;
+
+RingGrid grid_of(double length, double radius) {
+  RingGrid g;
+  g.around = even_count(2 * M_PI * radius, 0.4);
+  for (int k = 0; k <= 20; ++k) {
+    g.s.push_back(length * (k / 20.0 - 0.5));
+    g.profile.push_back(1);
+    g.start.push_back(1);
+  }
+  return g;
+}
+
+int add_tube(System& system, const char* name, const RingGrid& grid, double radius) {
+  const Vectors points = straight_grid(grid, radius);
+  return system.add_body(name, points, grid.triangles(), 1e-4, std::vector<char>(points.size(), 0));
+}
+
+StentHistory stent_of(int body, const RingGrid& grid, const char* name = "s") {
+  return {name, "main", 0, {body, grid, name}};
+}
+
+TEST(Standing, FindsTheVertexThatIsFurthestOutside) {
+  System system;
+  SurfaceTrees trees;
+  const RingGrid wall = grid_of(16, 1.5), device = grid_of(10, 1.3);
+  add_tube(system, "wall", wall, 1.5);
+  add_tube(system, "stent", device, 1.3);
+  EXPECT_EQ(furthest_outside(system, trees).vertex, -1);
+  check_inside(system, trees, "here");
+  const int moved = system.body(1).first + 10 * device.around + 3;
+  for (const double out : {0.06, 0.5}) {
+    Vec3& p = system.x[moved];
+    const double r = std::hypot(p[0], p[1]);
+    p = {p[0] * (1.5 + out) / r, p[1] * (1.5 + out) / r, p[2]};
+    const Outside furthest = furthest_outside(system, trees);
+    EXPECT_EQ(furthest.vertex, moved);
+    EXPECT_NEAR(furthest.distance, out, 0.01) << "to the cylinder through the vertices, not to its chords";
+    if (out < 0.1)
+      check_inside(system, trees, "here");
+    else
+      EXPECT_THROW(check_inside(system, trees, "here"), common::ComputationError);
+  }
+}
+
+TEST(Standing, ADeviceThatPassesTheWallsOpenEndIsNotOutside) {
+  System system;
+  SurfaceTrees trees;
+  add_tube(system, "wall", grid_of(8, 1.5), 1.5);
+  add_tube(system, "stent", grid_of(12, 1.6), 1.6);
+  for (int v = system.body(1).first; v < system.vertices(); ++v)
+    if (std::abs(system.x[v][2]) < 4.01)
+      system.x[v].head<2>() *= 0.5;
+  EXPECT_EQ(furthest_outside(system, trees).vertex, -1);
+}
+
+ContactPoint contact(int inner, int outer, double force) {
+  ContactPoint p{};
+  p.link.vertex = {inner, outer, outer + 1, outer + 2};
+  p.link.weight = {-1, 0.3, 0.3, 0.4};
+  p.force = force;
+  return p;
+}
+
+TEST(Standing, AStentIsBorneByTheWallOrByAStentThatIs) {
+  System system;
+  const RingGrid wall = grid_of(30, 2), device = grid_of(8, 1);
+  add_tube(system, "wall", wall, 2);
+  std::vector<StentHistory> stents;
+  std::vector<int> at;
+  for (int k = 0; k < 3; ++k) {
+    stents.push_back(stent_of(add_tube(system, "stent", device, 1), device));
+    at.push_back(system.body(stents.back().stent.body).first);
+  }
+  using Flags = std::vector<char>;
+  EXPECT_EQ(borne(system, {}, {}, stents), (Flags{0, 0, 0}));
+  EXPECT_EQ(borne(system, {contact(at[1], at[0], 1)}, {}, stents), (Flags{0, 0, 0})) << "both hang free together";
+  EXPECT_EQ(borne(system, {contact(at[1], at[0], 1), contact(at[0], 5, 1)}, {}, stents), (Flags{1, 1, 0}));
+  EXPECT_EQ(borne(system, {contact(at[0], 5, 1), contact(at[2], at[1], 1), contact(at[1], at[0], 1)}, {}, stents),
+            (Flags{1, 1, 1}));
+  EXPECT_EQ(borne(system, {contact(at[0], 5, 0)}, {}, stents), (Flags{0, 0, 0})) << "near, without a force";
+  const Tie tie{contact(at[2], 5, 1).link, Vec3::Zero(), 0.1};
+  EXPECT_EQ(borne(system, {}, {tie}, stents), (Flags{0, 0, 1}));
+}
+
+TEST(Rings, SectionsAreTheTubesHoweverAslantItsRingsLie) {
+  System system;
+  const RingGrid grid = grid_of(10, 1.5);
+  const int body = add_tube(system, "stent", grid, 1.5);
+  for (int v = 0; v < system.vertices(); ++v)
+    system.x[v][2] += 0.4 * system.x[v][0]; // each ring turned by 22 degrees within the cylinder
+  for (const double area : ring_sections(system, body, grid))
+    EXPECT_NEAR(area, M_PI * 1.5 * 1.5, 1e-9);
+  for (const double radius : ring_radii(system, body, grid))
+    EXPECT_GT(radius, 1.55) << "its own area is an ellipse's";
+}
+
+TEST(Rings, AnOvalsGirthIsMoreThanItsAreaSays) {
+  System system;
+  const RingGrid grid = grid_of(10, 1.5);
+  const int body = add_tube(system, "stent", grid, 1.5);
+  for (const double d : girth_diameters(system, body, grid))
+    EXPECT_NEAR(d, 3, 1e-9);
+  for (Vec3& p : system.x)
+    p = {1.3 * p[0], p[1] / 1.3, p[2]};
+  // Ramanujan's circumference of an ellipse; the polygon's is a little off the arcs'
+  const double a = 1.5 * 1.3, b = 1.5 / 1.3, h = std::pow((a - b) / (a + b), 2);
+  const double girth = (a + b) * (1 + 3 * h / (10 + std::sqrt(4 - 3 * h)));
+  EXPECT_GT(girth, 3.09);
+  for (const double d : girth_diameters(system, body, grid))
+    EXPECT_NEAR(d, girth, 0.002 * girth);
+  StentSpec spec{};
+  spec.maximal_diameter = 3.05; // a round stent of that area passes
+  const auto warning = overexpansion(system, stent_of(body, grid, "des"), spec, "kissing");
+  ASSERT_TRUE(warning.has_value());
+  EXPECT_NE(warning->find("kissing: des is opened to 3.1"), std::string::npos) << *warning;
+  EXPECT_NE(warning->find("(21 of 21 rings)"), std::string::npos) << *warning;
+  spec.maximal_diameter = 3.2;
+  EXPECT_FALSE(overexpansion(system, stent_of(body, grid, "des"), spec, "kissing").has_value());
+}
+
+} // namespace
