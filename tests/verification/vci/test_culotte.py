@@ -35,7 +35,7 @@ def culotte(request, binary, run_module, repo_root, tmp_path_factory):
     devices = repo_root / "config" / "devices"
     planned = run_module("anatomy", "plan", case, "--anatomy", anatomy, "--devices", devices, "--out", plan, timeout=60)
     assert planned.returncode == 0, planned.stderr
-    call([binary("vci"), "deploy", plan, "--out", folder / "out"])
+    call([binary("vci"), "deploy", plan, "--out", folder / "out", "--frames", folder / "out" / "frames"])
     return folder / "out"
 
 
@@ -68,6 +68,22 @@ def test_every_stage_balances(culotte):
 def test_nothing_is_pierced(culotte):
     stages = json.loads((culotte / "deployment.json").read_text())["stages"]
     assert max(s["max_penetration_mm"] for s in stages) <= DEEPEST
+
+
+def test_no_device_leaves_the_lumen_in_any_stage(culotte):
+    """Every vertex of every balloon and stent, at each stage's end, from the frames written then."""
+    stages = json.loads((culotte / "deployment.json").read_text())["stages"]
+    furthest, seen = {}, 0
+    for n in range(len(stages)):
+        lumen = vtp.read(culotte / "frames" / f"frame_lumen_{n:04d}.vtp", "")
+        for device in sorted((culotte / "frames").glob(f"frame_device*_{n:04d}.vtp")):
+            apart = distances(vtp.read(device, ""), lumen)
+            furthest[f"{stages[n]['step']} / {stages[n]['stage']}, {device.stem}"] = apart.max()
+            seen += 1
+            assert apart.min() < -0.5, "the sign says which side is out"
+    assert seen > len(stages), "balloons with stents"
+    worst = max(furthest, key=furthest.get)
+    assert furthest[worst] < 0.05, f"{furthest[worst]:.3f} mm outside: {worst}"
 
 
 def test_kissing_balloons_press_on_one_another_without_overlapping(culotte):
