@@ -18,9 +18,6 @@ constexpr double deep_from = 1.5, deep_ramp = 2, deep_stiffness = 40;
 // small share of their area there and sink in. The first ramp fades over the whole row, so that contact comes and goes
 // softly.
 constexpr double deep_fades = 0.1;
-// A vertex that is deeper than this in the row before a window came through the window, and moves in and out beside the
-// rim: taken for a penetration it would be thrown back, over the rim and out of sight, and come again, for ever.
-constexpr double through_from = 0.03, through_over = 0.02; // mm
 
 // A contact that slides meets no more friction along its way, but sticks again where it turns back: all of the
 // stiffness taken away there does not settle, none of it makes it creep.
@@ -57,8 +54,7 @@ bool SurfaceContact::blind(const System& system, int body, int vertex) const {
   return !flags.empty() && flags[vertex - system.body(body).first];
 }
 
-ShareSeen SurfaceContact::share_seen(const System& system, int body, const Triangle& t, const Vec3& weights,
-                                     double gap) const {
+ShareSeen SurfaceContact::share_seen(const System& system, int body, const Triangle& t, const Vec3& weights) const {
   const Body& target = system.body(body);
   double before_rims = 1, before_ends = 1, before_windows = 1;
   for (int k = 0; k < 3; ++k) {
@@ -67,8 +63,7 @@ ShareSeen SurfaceContact::share_seen(const System& system, int body, const Trian
     before_windows -= window ? weights[k] : 0;
     before_rims -= end || window ? weights[k] : 0;
   }
-  const double on_this_side = before_windows < 1 ? std::clamp(1 - (-gap - through_from) / through_over, 0.0, 1.0) : 1.0;
-  return {on_this_side * before_rims, on_this_side * std::min(before_ends, before_windows / deep_fades)};
+  return {before_rims, std::min(before_ends, before_windows / deep_fades)};
 }
 
 void add_friction(ContactPoint& point, const ContactSettings& s) {
@@ -173,15 +168,15 @@ void SurfaceContact::measure(const System& system, const Normals& normals, int f
     c.foot = foot.triangle;
     c.measure = {p, side.travel, -1};
     const Triangle& t = target.triangles[foot.triangle];
+    const ShareSeen seen = share_seen(system, onto, t, foot.weights);
+    if (seen.first_ramp <= 1e-9)
+      continue;
     const Vec3 n = interpolated_normal(t, foot.weights, units);
     if ((n.dot(units[vertex]) > 0) != sides_.nested)
       continue; // the surfaces do not face each other here
     const Vec3 q =
         foot.weights[0] * system.x[t[0]] + foot.weights[1] * system.x[t[1]] + foot.weights[2] * system.x[t[2]];
     const double gap = sign * (n.dot(q - p) + (settings_.smooth ? sagitta(t, foot.weights, system.x, units) : 0.0));
-    const ShareSeen seen = share_seen(system, onto, t, foot.weights, gap);
-    if (seen.first_ramp <= 1e-9)
-      continue;
     RampLaw law = contact_ramp(gap, settings_, seen);
     if (settings_.time_averaged && ahead > 0) {
       const Vec3 closing = system.velocity[vertex] - foot.weights[0] * system.velocity[t[0]] -

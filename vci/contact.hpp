@@ -21,8 +21,7 @@ struct ContactSettings {
 
 /// How much of a surface is there for each ramp: 1 inside, falling to 0 over the last row of triangles before an open
 /// edge, for the deep ramp before a window's rim only at its end. Beyond the edge nothing touches, and a contact that
-/// ended abruptly there would flip for ever. To a vertex that is deep in the row before a window, both fall to 0 with
-/// its depth: it came through the window.
+/// ended abruptly there would flip for ever.
 struct ShareSeen {
   double first_ramp = 1, deep_ramp = 1;
 };
@@ -118,7 +117,7 @@ private:
                Direction& side, std::vector<ContactPoint>& points) const;
   double largest_move(const System& system, int body) const;
   bool blind(const System& system, int body, int vertex) const;
-  ShareSeen share_seen(const System& system, int body, const Triangle& t, const Vec3& weights, double gap) const;
+  ShareSeen share_seen(const System& system, int body, const Triangle& t, const Vec3& weights) const;
 
   int inner_, outer_;
   ContactSettings settings_;

@@ -59,7 +59,7 @@ TEST(SurfaceContact, ApproachMatchesFiniteDifferencesOnEveryBranch) {
   std::map<std::string, int> fired;
   // the first ramp's rise and its line, the deep ramp's rise and its line
   const std::array<std::pair<std::string, double>, 4> depths{
-      {{"rise", 0.004}, {"line", -0.012}, {"deep rise", -0.025}, {"deep line", -0.1}}};
+      {{"rise", 0.004}, {"line", -0.012}, {"deep rise", -0.03}, {"deep line", -0.1}}};
   for (bool nested : {true, false})
     for (bool smooth : {true, false})
       for (const auto& [name, gap] : depths) {

@@ -106,37 +106,22 @@ struct Windowed {
 };
 
 TEST(SurfaceContact, HoldsDeepVerticesNearlyToAWindowsRimButNotToAnEnd) {
-  int at_window = 0, at_end = 0, coming = 0;
-  for (const double through : {0.025, 0.04}) {
-    const Windowed tubes(through);
-    for (const ContactPoint& p : tubes.found) {
-      if (!tubes.of_the_second(p))
-        continue;
-      const auto [end, rim] = tubes.left(p);
-      const double came = end < 1 || rim >= 1 ? 0 : std::max(0.0, (-p.gap - 0.03) / 0.02);
-      const double share = (1 - came) * (end < 1 ? end : rim);
-      const double deep = (1 - came) * (end < 1 ? end : std::min(1.0, 10 * rim));
-      const double area = tubes.normals[p.link.vertex[0]].norm();
-      EXPECT_NEAR(p.area, share * area, 1e-12);
-      EXPECT_NEAR(p.force, area * contact_ramp(p.gap, {}, {share, deep}).pressure, 1e-9);
-      at_window += rim < 0.9;
-      at_end += end < 0.9;
-      coming += came > 0.1 && came < 0.9;
-    }
-  }
-  EXPECT_GE(at_window, 6);
-  EXPECT_GE(at_end, 16);
-  EXPECT_GE(coming, 3);
-}
-
-TEST(SurfaceContact, AVertexDeepBesideAWindowCameThroughIt) {
   const Windowed tubes(0.06);
-  int elsewhere = 0;
+  int at_window = 0, at_end = 0;
   for (const ContactPoint& p : tubes.found) {
-    EXPECT_FALSE(tubes.of_the_second(p) && tubes.left(p)[1] < 1 - 1e-12 && p.gap < -0.05) << p.gap;
-    elsewhere += tubes.of_the_second(p) && p.gap < -0.05;
+    if (!tubes.of_the_second(p))
+      continue;
+    const auto [end, rim] = tubes.left(p);
+    const double share = end < 1 ? end : rim, deep = end < 1 ? end : std::min(1.0, 10 * rim);
+    const double area = tubes.normals[p.link.vertex[0]].norm();
+    EXPECT_NEAR(p.area, share * area, 1e-12);
+    EXPECT_NEAR(p.force, area * contact_ramp(p.gap, {}, {share, deep}).pressure, 1e-9);
+    EXPECT_LT(p.gap, -0.04) << "what is deep beside a window is counted as deep";
+    at_window += rim < 0.9;
+    at_end += end < 0.9;
   }
-  EXPECT_GE(elsewhere, 100) << "which are through the surface";
+  EXPECT_GE(at_window, 3);
+  EXPECT_GE(at_end, 8);
 }
 
 TEST(Malapposition, IsTheGapBetweenTheCirclesNotTheirChords) {
