@@ -21,9 +21,10 @@ import sys
 
 import numpy as np
 
-from common.errors import ComputationError, InputError, guarded
+from common.errors import InputError, guarded
 from vci.programs import reason_of, run
 from vci.scenes import Tube, write_scene
+from vci.shipped import culotte, processed
 from vci.speed_figures import draw_speed
 
 SETTING = ("edge_mm", "residual_tolerance", "precision", "wall")
@@ -48,7 +49,6 @@ SCENES = {
     "long diffuse": (Tube(length=40, stenosis=0.5, lesion_length=24), {"length": 18}),
 }
 BIFURCATION = "bifurcation"  # the shipped bench's first two steps: a stent across the side branch, optimised
-BENCH = pathlib.Path(__file__).resolve().parents[1] / "config"
 BUDGET = 300  # CPU seconds of a run: what takes longer is no row of a table of speeds
 
 
@@ -60,16 +60,6 @@ def surface_of(case):
     if not path.is_file():
         raise InputError("the case's surface is absent", str(case), str(path), "run the case's anatomy first")
     return path, source["units"]
-
-
-def processed(programs, surface, units, edge, out):
-    """The anatomy of a surface remeshed at an edge (mm), in the folder `out`."""
-    if not (out / "lumen.vtp").is_file():
-        code, messages, _ = run(
-            [programs / "lumen", "process", surface, "--units", units, "--edge", edge, "--out", out]
-        )
-        if code:
-            raise ComputationError("the lumen cannot be remeshed", str(surface), f"edge {edge} mm", messages.strip())
 
 
 def remeshed(programs, case, edge, folder):
@@ -85,26 +75,9 @@ def generated(name, edge, folder):
     return json.loads(write_scene(folder, dataclasses.replace(tube, edge=edge), **how).read_text())
 
 
-def bifurcation(programs, edge, folder):
-    """The bifurcation's scene (JSON) at an edge (mm); its surface is drawn once, beside the edges' folders."""
-    case, source, plan = BENCH / "cases" / "culotte_bench.yaml", folder.parent / "source", folder / "plan.json"
-    if not (source / "lumen.vtp").is_file():
-        called("data_synthetic", "generate", case, "--out", source)
-    processed(programs, source / "lumen.vtp", "mm", edge, folder / "anatomy")
-    called("anatomy", "plan", case, "--anatomy", folder / "anatomy", "--devices", BENCH / "devices", "--out", plan)
-    scene = json.loads(plan.read_text())
-    return scene | {"procedure": scene["procedure"][:2]}
-
-
-def called(*module):
-    code, messages, _ = run([sys.executable, "-m", *module])
-    if code:
-        raise ComputationError("the bifurcation cannot be made", module[0], f"exit code {code}", messages.strip())
-
-
 def scene_of(programs, case, edge, folder):
     if case == BIFURCATION:
-        return bifurcation(programs, edge, folder)
+        return culotte(programs, edge, folder, steps=2)
     return generated(case, edge, folder) if case in SCENES else remeshed(programs, case, edge, folder)
 
 

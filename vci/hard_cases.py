@@ -15,8 +15,10 @@ import resource
 import sys
 
 from common.errors import InputError, guarded
+from common.files import write_json
 from vci.programs import reason_of, run
 from vci.scenes import Tube, write_scene
+from vci.shipped import culotte
 
 COLUMNS = "case,outcome,reason,residual,mean_penetration_mm,worst_penetration_mm,within_limits"
 COLUMNS += ",steps,cpu_seconds,minimal_area_mm2"
@@ -45,6 +47,7 @@ CASES = {
     "curvature 0.3 /mm": (Tube(curvature=0.3), {}),
     "mesh jittered by 25 %": (Tube(jitter=0.25), {}),
     "slivers": (Tube(sliver=0.75), {}),
+    "jittered by 25 %, with slivers": (Tube(jitter=0.25, sliver=0.5), {}),  # at 0.6 triangles fold over
     "first step x1000": (Tube(), {"numerics": {"initial_step_ms": 300, "maximal_step_ms": 300}}),
     "25 bar": (Tube(), {"pressures": (10, 11, 25)}),
     "overlapping stents": (Tube(length=36), {"shifts": (-4.5, 4.5)}),
@@ -54,6 +57,11 @@ CASES = {
     ),
     "kissing balloons": (Tube(), {"kissing": 0.6, "pressures": (10, 11, 12)}),
 }
+# steps of the shipped bifurcation's procedure at BENCH_EDGE_MM: a stent across the side branch and the main branch's
+# optimisation; all, with a second stent through the first one's side and kissing
+BENCH = {"stent across a side branch": 2, "culotte": None}
+BENCH_EDGE_MM = 0.4
+NAMES = (*CASES, *BENCH)
 
 
 def result_row(case, program, scene):
@@ -80,14 +88,19 @@ def result_row(case, program, scene):
 
 def scenes_of(options):
     """(name, path of scene.json) of the cases asked for, generated where they are not the caller's own."""
-    unknown = set(options.only or []) - set(CASES)
+    unknown = set(options.only or []) - set(NAMES)
     if unknown:
-        raise InputError("no such hard case", "--only", ", ".join(sorted(unknown)), "use " + "; ".join(CASES))
-    for name in options.only or CASES:
-        tube, how = CASES[name]
+        raise InputError("no such hard case", "--only", ", ".join(sorted(unknown)), "use " + "; ".join(NAMES))
+    for name in options.only or NAMES:
         folder = options.out / "".join(c if c.isalnum() else "_" for c in name)
-        numerics = {"maximal_steps_per_stage": MAXIMAL_STEPS} | how.get("numerics", {})
-        yield name, write_scene(folder, tube, **(how | {"numerics": numerics}))
+        numerics = {"maximal_steps_per_stage": MAXIMAL_STEPS}
+        if name in BENCH:
+            scene = culotte(options.build, BENCH_EDGE_MM, folder, BENCH[name])
+            write_json(folder / "scene.json", scene | {"numerics": numerics})
+            yield name, folder / "scene.json"
+        else:
+            tube, how = CASES[name]
+            yield name, write_scene(folder, tube, **(how | {"numerics": numerics | how.get("numerics", {})}))
     for scene in options.scenes:
         yield str(scene), scene
 

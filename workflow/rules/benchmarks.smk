@@ -70,6 +70,7 @@ rule deployment_hard_cases:
     input:
         programs=[VCI, LUMEN],
         code=module_code("vci.hard_cases"),
+        bifurcation="config/cases/culotte_bench.yaml",
     output:
         "results/benchmarks/deployment_hard_cases/hard_cases.csv",
     log:
