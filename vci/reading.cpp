@@ -1,36 +1,12 @@
 #include "vci/reading.hpp"
+#include "vci/vtp_check.hpp"
 
-#include <csignal>
-#include <unistd.h>
 #include <vtkLogger.h>
 #include <vtkNew.h>
 #include <vtkStringOutputWindow.h>
 #include <vtkXMLPolyDataReader.h>
 
 namespace vci {
-
-namespace {
-
-std::string message; // made before it may be needed: a signal's handler can hardly do more than write it
-
-extern "C" void refuse_damaged(int) {
-  const auto written = ::write(STDERR_FILENO, message.data(), message.size());
-  ::_exit(written < 0 ? 1 : 2);
-}
-
-} // namespace
-
-DivisionGuard::DivisionGuard(const std::filesystem::path& file) {
-  message = std::string(common::InputError("the file cannot be used", file.string(), "a block of data of no size",
-                                           "it is damaged: write it anew")
-                            .what()) +
-            "\n";
-  previous_ = std::signal(SIGFPE, refuse_damaged);
-}
-
-DivisionGuard::~DivisionGuard() {
-  std::signal(SIGFPE, previous_);
-}
 
 namespace {
 
@@ -77,6 +53,7 @@ vtkSmartPointer<vtkPolyData> read_polydata(const std::filesystem::path& file, co
   if (!reader->CanReadFile(file.c_str()))
     throw common::InputError("the " + what + " is no VTK file of polygons or lines", file.string(),
                              "no readable XML of type PolyData", "name a .vtp file, as the anatomy step writes it");
+  check_vtp(file, what);
   reader->SetFileName(file.c_str());
   reader->Update();
   if (const std::string error = complaints.first_error(); !error.empty())

@@ -13,23 +13,9 @@ namespace vci {
 /// is something else, or VTK complains over it; VTK itself says nothing on standard error.
 vtkSmartPointer<vtkPolyData> read_polydata(const std::filesystem::path& file, const std::string& what);
 
-/// While it lives, an integer divided by zero ends the program with the refusal of a damaged file: VTK divides by the
-/// block sizes that a compressed file claims.
-class DivisionGuard {
-public:
-  explicit DivisionGuard(const std::filesystem::path& file);
-  ~DivisionGuard();
-  DivisionGuard(const DivisionGuard&) = delete;
-  DivisionGuard& operator=(const DivisionGuard&) = delete;
-
-private:
-  void (*previous_)(int);
-};
-
 /// Calls a reader; what JSON or VTK throw over a damaged file (overflow, a size beyond memory, a value of another kind)
 /// becomes an InputError that names the file.
 template <class Read> auto reading(const std::filesystem::path& file, Read&& read) {
-  const DivisionGuard guard(file);
   try {
     return read();
   } catch (const common::InputError&) {

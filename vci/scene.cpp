@@ -77,13 +77,15 @@ Step read_step(const json& entry, const std::string& where, const Scene& scene) 
   return step;
 }
 
-/// The document. Of a key given twice in one object the last would count, and the first be lost in silence.
+/// The document. Of a key given twice in one object the last would count, and the first be lost in silence. Values deep
+/// in one another would end the program: they are copied and written by recursion.
 json parsed(std::istream& stream, const std::string& where) {
   struct Open {
     std::set<std::string> keys;
     std::string last;
   };
-  std::vector<Open> objects; // that are not yet closed
+  constexpr int deepest = 32; // a device of a step is 5 deep
+  std::vector<Open> objects;  // that are not yet closed
   const auto here = [&] {
     std::string path = where;
     for (const Open& o : objects)
@@ -91,7 +93,10 @@ json parsed(std::istream& stream, const std::string& where) {
     return path;
   };
   try {
-    return json::parse(stream, [&](int, json::parse_event_t event, const json& value) {
+    return json::parse(stream, [&](int depth, json::parse_event_t event, const json& value) {
+      if (depth > deepest)
+        throw common::InputError("values too deep in one another", here(), std::to_string(depth) + " levels",
+                                 "no part of a scene is deeper than 5; docs/design.md describes the file");
       if (event == json::parse_event_t::object_start)
         objects.emplace_back();
       else if (event == json::parse_event_t::object_end)

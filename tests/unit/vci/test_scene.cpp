@@ -190,6 +190,17 @@ TEST(Scene, RefusesAKeyGivenTwiceAndNamesIt) {
   EXPECT_EQ(with("\"schema\"", "\"numerics\":{},\"wall\":{},"), "accepted") << "keys of one name in several objects";
 }
 
+TEST(Scene, RefusesValuesDeepInOneAnother) {
+  const SceneFile deep(R"({"schema": )" + std::string(300000, '[') + std::string(300000, ']') + "}");
+  try {
+    read_scene(deep.path());
+    FAIL() << "read";
+  } catch (const common::InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("too deep"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("scene.schema"), std::string::npos) << e.what();
+  }
+}
+
 TEST(Scene, NamesTheKeyOfANumberThatIsTooLarge) {
   std::string text = good_scene().dump();
   const std::size_t at = text.find("12000");

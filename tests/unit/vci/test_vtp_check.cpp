@@ -1,0 +1,124 @@
+// Damaged .vtp files that VTK's reader breaks on, hangs over or believes are refused before it sees them.
+#include "common/error.hpp"
+#include "vci/reading.hpp"
+#include <fstream>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+namespace {
+
+using namespace vci;
+
+const std::string triangle = R"(<?xml version="1.0"?>
+<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt32">
+<PolyData>
+<FieldData><DataArray type="Float64" Name="time" NumberOfTuples="1" format="ascii">2.5</DataArray></FieldData>
+<Piece NumberOfPoints="3" NumberOfPolys="1">
+<PointData><DataArray type="Float64" Name="radius_mm" format="ascii">1 2 3
+<InformationKey name="L2_NORM_RANGE" location="vtkDataArray" length="2">
+<Value index="0">1</Value><Value index="1">3</Value></InformationKey></DataArray></PointData>
+<CellData><DataArray type="Int32" Name="region_id" format="ascii">7</DataArray></CellData>
+<Points><DataArray type="Float32" Name="Points" NumberOfComponents="3" format="ascii">0 0 0 1 0 0 0 1 0</DataArray></Points>
+<Polys><DataArray type="Int64" Name="connectivity" format="ascii">0 1 2</DataArray>
+<DataArray type="Int64" Name="offsets" format="ascii">3</DataArray></Polys>
+</Piece>
+</PolyData>
+</VTKFile>
+)";
+
+/// The triangle with one text replaced by another.
+std::string with(const std::string& from, const std::string& to) {
+  std::string text = triangle;
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+/// What the refusal says; empty where the file is read.
+std::string refusal_of(const std::string& text) {
+  const auto file = std::filesystem::path(testing::TempDir()) / ("vci_check_" + std::to_string(::getpid()) + ".vtp");
+  std::ofstream(file) << text;
+  std::string said;
+  try {
+    const auto data = read_polydata(file, "lumen");
+    EXPECT_EQ(data->GetNumberOfPoints(), 3);
+    EXPECT_EQ(data->GetNumberOfPolys(), 1);
+  } catch (const common::InputError& e) {
+    said = e.what();
+    EXPECT_NE(said.find("remedy:"), std::string::npos);
+  }
+  std::filesystem::remove(file);
+  return said;
+}
+
+void expect_refused(const std::string& text, const std::string& because) {
+  EXPECT_NE(refusal_of(text).find(because), std::string::npos) << because << ", but: " << refusal_of(text);
+}
+
+/// The triangle with a compressed array of the header's words (bytes, base64) in place of its radii.
+std::string compressed(const std::string& header) {
+  const std::string from = R"(<DataArray type="Float64" Name="radius_mm" format="ascii">1 2 3)";
+  std::string text = with(from, R"(<DataArray type="Float64" Name="radius_mm" format="binary">)" + header);
+  const std::string root = R"(header_type="UInt32")";
+  return text.replace(text.find(root), root.size(), root + R"( compressor="vtkZLibDataCompressor")");
+}
+
+TEST(VtpCheck, ReadsAFileThatHoldsWhatItClaims) {
+  EXPECT_EQ(refusal_of(triangle), "");
+}
+
+TEST(VtpCheck, RefusesMorePointsCellsOrComponentsThanThereAreValues) {
+  expect_refused(with(R"(NumberOfPoints="3")", R"(NumberOfPoints="4")"), "fewer data than the element claims");
+  expect_refused(with(R"(NumberOfPoints="3")", R"(NumberOfPoints="3000000000")"),
+                 "more values than the file has bytes");
+  expect_refused(with(R"(NumberOfPoints="3")", R"(NumberOfPoints="9000000000000000000")"), "more values than any");
+  expect_refused(with(R"(NumberOfPoints="3")", R"(NumberOfPoints="-3")"), "negative");
+  expect_refused(with(R"(NumberOfPolys="1")", R"(NumberOfPolys="2")"), "fewer data than the element claims");
+  expect_refused(with(R"(format="ascii">3<)", R"(format="ascii">3000000000<)"), "more values than the file has bytes");
+  expect_refused(with(R"(format="ascii">3<)", R"(format="ascii">-3<)"), "offsets that do not rise");
+  // VTK asks for a name of each of them
+  expect_refused(with(R"(Name="region_id")", R"(Name="region_id" NumberOfComponents="2000000000")"), "components");
+}
+
+TEST(VtpCheck, RefusesWhatMakesTheReaderFollowNullPointers) {
+  std::string text = with("format=\"ascii\">7<", "format=\"ascii\"><"); // cells' data end early, and no points' data
+  text.replace(text.find("<PointData>"), 11, "<SomeData >");
+  text.replace(text.find("</PointData>"), 12, "</SomeData >");
+  expect_refused(text, "fewer data than the element claims: region_id");
+  const std::size_t start = triangle.find("<Piece"), end = triangle.find("</PolyData>");
+  const std::string piece = triangle.substr(start, end - start);
+  expect_refused(std::string(triangle).insert(end, piece), "2 pieces");
+}
+
+TEST(VtpCheck, RefusesTextsBeyondTheirArray) {
+  const std::string names = R"(<CellData><DataArray type="String" Name="branch_name" format="ascii">)";
+  const std::string main = "109 97 105 110 0 "; // as VTK writes it: the characters' numbers, and an end
+  EXPECT_EQ(refusal_of(with("<CellData>", names + main + "</DataArray>")), "");
+  expect_refused(with("<CellData>", names + main + main + main + "</DataArray>"), "another number of texts");
+  expect_refused(with("<CellData>", names + "109 97</DataArray>"), "another number of texts");
+}
+
+TEST(VtpCheck, RefusesElementsDeepInOneAnother) {
+  std::string open, close;
+  for (int k = 0; k < 300000; ++k) {
+    open += "<a>";
+    close += "</a>";
+  }
+  expect_refused(with("<PointData>", open + close + "<PointData>"), "deep in one another");
+}
+
+TEST(VtpCheck, RefusesBlocksThatCannotBe) {
+  // words of 4 bytes: blocks, bytes of each, bytes of the last, compressed bytes of each
+  expect_refused(compressed("AQAAAAAAAAAYAAAAEAAAAA=="), "a block of data of no size");       // 1, 0, 24, 16
+  expect_refused(compressed("AgAAAAgAAAAYAAAAEAAAABAAAAA="), "larger than the others");       // 2, 8, 24, 16, 16
+  expect_refused(compressed("AAAAAAAAAAAYAAAA"), "a block of data that is not there");        // 0, 0, 24
+  expect_refused(compressed("////fwAAAQAYAAAAEAAAAA=="), "more blocks than the file");        // 2^31 - 1, ...
+  expect_refused(compressed("AQAAAP///38AAAAAEAAAAA=="), "claim to hold more than they can"); // 1, 2^31 - 1, 0, 16
+  expect_refused(compressed("AQAAAAAAAQAYAAAA////fw=="), "larger than the file");             // 1, 2^16, 24, 2^31 - 1
+}
+
+TEST(VtpCheck, RefusesInformationThatLacksItsValues) {
+  expect_refused(with(R"(length="2")", R"(length="2000000000")"), "lacks values");
+}
+
+} // namespace
