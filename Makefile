@@ -1,6 +1,7 @@
 # make study: set up, build, run the study; make test: set up, build, run every test. See README.md.
 COHORT ?= full
 CASES ?=
+FUZZ_SECONDS ?= 60
 CORES ?= $(shell env -u OMP_NUM_THREADS nproc)
 BUILD ?= build
 PYTHON := /usr/bin/python3
@@ -8,7 +9,7 @@ SNAKEMAKE := /usr/bin/snakemake
 REPORT := results/report/index.html
 
 .DEFAULT_GOAL := study
-.PHONY: setup build validate study unlock test test-cpp test-python sanitize lint format clean help
+.PHONY: setup build validate study unlock test test-cpp test-python sanitize fuzz lint format clean help
 
 help: ## show this list
 	@grep -E '^[a-z-]+:.*##' Makefile | sed 's/:.*##/ -/'
@@ -47,9 +48,14 @@ test-cpp: build
 sanitize: setup ## C++ unit tests and a short fuzz of the deployment engine with the address and undefined-behaviour sanitizers
 	@[ -f build-sanitize/build.ninja ] || cmake -S . -B build-sanitize -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo \
 	  -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g1" -DVCI_SANITIZE=ON
-	@ninja -C build-sanitize -j $(CORES) vci vci_unit_tests vci_verification_tests
+	@ninja -C build-sanitize -j $(CORES) vci vci_unit_tests vci_verification_tests \
+	  vci_fuzz_scene vci_fuzz_lumen vci_fuzz_centreline
 	ctest --test-dir build-sanitize --exclude-regex NOT_BUILT --output-on-failure -j $(CORES) --quiet
-	VCI_BUILD_DIR=build-sanitize VCI_FUZZ_MUTANTS=6 OMP_NUM_THREADS=1 $(PYTHON) -m pytest -q tests/verification/vci/test_fuzz.py
+	VCI_BUILD_DIR=build-sanitize VCI_FUZZ_MUTANTS=6 OMP_NUM_THREADS=1 $(PYTHON) -m pytest -q \
+	  tests/verification/vci/test_fuzz.py tests/verification/vci/test_fuzz_targets.py
+
+fuzz: setup ## fuzz each reader of the deployment engine for FUZZ_SECONDS (60) with libFuzzer, which needs clang
+	@tests/fuzz/run.sh $(FUZZ_SECONDS) $(CORES)
 
 test-python: build
 	OMP_NUM_THREADS=1 $(PYTHON) -m pytest -q -n $(CORES) --dist loadscope --durations=15 --junitxml=results/tests/python.xml
@@ -62,4 +68,4 @@ format: setup ## format C++ and Python sources
 	black -q .
 
 clean: ## remove what was built and computed
-	rm -rf $(BUILD) build-sanitize results .snakemake
+	rm -rf $(BUILD) build-sanitize build-fuzz results .snakemake

@@ -1,0 +1,20 @@
+// Fuzz target: centreline.vtp, then whether a single branch is that of a straight tube of 16 mm with caps.
+#include "tests/fuzz/target.hpp"
+#include "tests/unit/vci/vessel.hpp"
+#include "vci/lumen_check.hpp"
+#include "vci/plausibility.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  using namespace vci;
+  static const Lumen lumen = tests::Vessel{.length = 16}.closed();
+  tests::expect_answer(bytes, size, [](const std::filesystem::path& file) {
+    Scene scene;
+    scene.centreline = file;
+    scene.segment = Segment{"main", 4, 12};
+    const auto paths = read_centreline(file);
+    check_placements(scene, paths);
+    if (paths.size() == 1) // the tube has no side branch
+      check_lumen(scene, lumen, paths);
+  });
+  return 0;
+}

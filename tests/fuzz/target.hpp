@@ -1,0 +1,51 @@
+// What the fuzz targets share: bytes as a file in memory, and what counts as an answer.
+#pragma once
+#include "common/error.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <sys/mman.h>
+#include <unistd.h>
+
+namespace vci::tests {
+
+/// Bytes as a file without a place on a disk; readers open it by its path.
+class FileInMemory {
+public:
+  FileInMemory(const std::uint8_t* bytes, std::size_t size) : descriptor_(memfd_create("fuzz", 0)) {
+    for (std::size_t done = 0; done < size;) {
+      const ssize_t written = write(descriptor_, bytes + done, size - done);
+      if (written <= 0)
+        throw std::runtime_error("no file in memory");
+      done += static_cast<std::size_t>(written);
+    }
+  }
+  ~FileInMemory() { close(descriptor_); }
+  FileInMemory(const FileInMemory&) = delete;
+  FileInMemory& operator=(const FileInMemory&) = delete;
+  std::filesystem::path path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
+
+private:
+  int descriptor_;
+};
+
+/// How many files were read without a refusal.
+inline std::size_t answered = 0;
+
+/// Calls a reader on a file of these bytes: it answers, or refuses with an InputError. Anything else escapes.
+template <class Read> void expect_answer(const std::uint8_t* bytes, std::size_t size, Read&& read) {
+  const FileInMemory file(bytes, size);
+  try {
+    read(file.path());
+    ++answered;
+  } catch (const common::InputError& refusal) {
+    if (!std::strstr(refusal.what(), "remedy:"))
+      throw;
+  }
+}
+
+} // namespace vci::tests

@@ -1,0 +1,52 @@
+"""The fuzz targets of tests/fuzz, in one process each, over the seeds of libFuzzer and seeded mutants of them."""
+
+import os
+import re
+import subprocess
+
+import pytest
+
+from fuzz_corpus import READERS, mutants, seeds
+
+MUTANTS = int(os.environ.get("VCI_FUZZ_TARGET_MUTANTS", 400))
+SEED = os.environ.get("VCI_FUZZ_SEED", "")
+SECONDS = 120  # of a target over all its files; under the sanitizers some ten
+
+
+@pytest.fixture(scope="module")
+def files():
+    return seeds()
+
+
+def answered(target, folder, contents):
+    """How many of the files {name: bytes} a target reads; it refuses the others. Any other exception, a crash, a
+    sanitizer's report, a leak, or five seconds over one file fail."""
+    folder.mkdir()
+    for name, content in contents.items():
+        (folder / name).write_bytes(content)
+    command = [str(target), *(str(folder / name) for name in sorted(contents))]
+    result = subprocess.run(command, text=True, errors="replace", capture_output=True, timeout=SECONDS)
+    assert result.returncode == 0, result.stderr[-3000:]
+    files, read = re.fullmatch(r"(\d+) files, (\d+) read, 0 failed\n", result.stdout).groups()
+    assert int(files) == len(contents)
+    return int(read)
+
+
+@pytest.mark.parametrize("reader", READERS)
+def test_each_reader_answers_or_refuses(binary, files, tmp_path, reader):
+    target = binary(f"vci_fuzz_{reader}")
+    assert answered(target, tmp_path / "seeds", files[reader]) == len(files[reader])
+    damaged = {f"mutant_{k}": content for k, content in enumerate(mutants(reader, files[reader], MUTANTS, SEED))}
+    assert answered(target, tmp_path / "mutants", damaged) < MUTANTS
+
+
+def test_seeds_are_read_in_every_form(binary, files, tmp_path):
+    """ascii, base64 within the elements, appended raw or base64, of 32 or 64 bits, by each of VTK's compressors."""
+    (tmp_path / "scene.json").write_bytes(files["scene"]["plain"])
+    assert len(files["lumen"]) == 25
+    for form in files["lumen"]:
+        for name in ("lumen", "centreline"):
+            (tmp_path / f"{name}.vtp").write_bytes(files[name][form])
+        command = [str(binary("vci")), "radius-correct", str(tmp_path / "scene.json"), "--out", str(tmp_path / "out")]
+        result = subprocess.run(command, text=True, capture_output=True, timeout=30)
+        assert result.returncode == 0, f"{form}: {result.stderr}"
