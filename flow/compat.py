@@ -5,9 +5,10 @@ import io
 import logging
 
 import numpy as np
+import scipy.sparse
 import ufl
 from dolfinx import fem
-from dolfinx.cpp.fem.petsc import create_matrix
+from dolfinx.cpp.fem.petsc import create_matrix, interpolation_matrix
 from dolfinx.io import gmshio
 from dolfinx.mesh import meshtags
 from dolfinx.plot import create_vtk_mesh
@@ -117,6 +118,26 @@ def some_tags(mesh, tags, first, last):
 def block_matrix(compiled):
     """Empty PETSc matrix of a form on a vector space, stored by the blocks of its nodes."""
     return create_matrix(compiled, "baij")
+
+
+def interpolation(coarse, fine):
+    """Sparse matrix (nodes of fine, nodes of coarse) from one component of a space's values to that of its interpolant
+    in another on the same mesh."""
+    scalars = [function_space(space.mesh, scalar_element(space.mesh, degree(space))) for space in (fine, coarse)]
+    matrix = interpolation_matrix(*(scalar._cpp_object for scalar in scalars[::-1]))
+    matrix.assemble()
+    starts, columns, values = matrix.getValuesCSR()
+    found = scipy.sparse.csr_matrix((values, columns, starts), matrix.size)
+    matrix.destroy()
+    number = [np.empty(found.shape[k], int) for k in range(2)]
+    for of, space, scalar in zip(number, (fine, coarse), scalars):
+        of[cell_dofs(space)] = cell_dofs(scalar)  # each space numbers its nodes in its own way
+    return found[number[0]][:, number[1]]
+
+
+def degree(space):
+    """Degree of a space that is not mixed."""
+    return space.ufl_element().degree()
 
 
 def petsc_vector(function):

@@ -26,8 +26,8 @@ def of(solved, document, tree):
     """Estimated parts (p, k) of FFR's error at each of the document's p probes, computed minus true, by the k stretches
     of the tree that they arise in; their sum estimates the error. solved: flow.solved_mesh.Solved."""
     problem, space = solved.problem, solved.space
-    places = [tuple(probe["point_mm"]) for probe in document["probes"]]
-    probes = {place: probe for place, probe in zip(places, document["probes"])}  # some share a place
+    points = [tuple(probe["point_mm"]) for probe in document["probes"]]
+    probes = {point: probe for point, probe in zip(points, document["probes"])}  # some share a place
     duals = []
     for probe in probes.values():
         goal = _goal(problem, document, tree, probe)
@@ -37,12 +37,12 @@ def of(solved, document, tree):
     weights = _recovered(space, richer, duals)
     held = np.concatenate([richer.wall, richer.inlet])
     weights[:, held] = 0.0
-    residual = _residual(problem, richer, document)
-    parts = residual.array * weights
-    residual.destroy()
-    stretch = stretches(tree)[tree.nearest(_places(richer) / M_PER_MM)[0]]
+    loads = residual(problem, richer, document)
+    parts = loads.array * weights
+    loads.destroy()
+    stretch = stretches(tree)[tree.nearest(places(richer) / M_PER_MM)[0]]
     found = dict(zip(probes, (np.bincount(stretch, one) for one in parts)))
-    return np.array([found[place] for place in places])
+    return np.array([found[point] for point in points])
 
 
 def stretches(tree):
@@ -58,7 +58,7 @@ def stretches(tree):
     return np.concatenate(found)
 
 
-def _places(space):
+def places(space):
     """Points (n, 3) in m of the dofs over W of a LumenSpace."""
     found = np.empty((space.dofs, 3))
     found[space.v_map] = np.repeat(space.V.tabulate_dof_coordinates(), 3, axis=0)
@@ -131,7 +131,7 @@ def _carried(space, richer, values):
     return result
 
 
-def _residual(problem, richer, document):
+def residual(problem, richer, document):
     """The momentum and continuity residual of the present flow as a vector over the richer space's W."""
     settings, boundaries = problem.settings, problem.boundaries
     state = fem.Function(richer.W)
@@ -146,11 +146,11 @@ def _residual(problem, richer, document):
         problem.jet_length,
     )
     forms.mixing.value = problem.mixing
-    residual = compat.petsc_vector(fem.Function(richer.W)).copy()
-    forms.assembled(residual)
+    found = compat.petsc_vector(fem.Function(richer.W)).copy()
+    forms.assembled(found)
     outflows = boundaries.outflows(problem.state_vector())
     for tag, pressure in zip(richer.outlets, boundaries.pressures(outflows)):
         flux = richer.flux_vector(tag)
-        residual.axpy(pressure, flux)
+        found.axpy(pressure, flux)
         flux.destroy()
-    return residual
+    return found

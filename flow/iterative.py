@@ -98,14 +98,12 @@ class IterativeProblem(nonlinear.FlowProblem):
         found = self._solved(values, inlet, TOLERANCE, False)
         return -found[0][self.space.free], -found[1]
 
-    def dual(self, goal):
+    def answers(self, loads, on_inflow, transposed):
         """As FlowProblem's, at the present state."""
         self.linearise(self.forms.tangent)
-        values = goal.array_r.copy()
-        values[self.fixed] = 0.0
-        values, inflow = self._solved(values, 0.0, DUAL_TOLERANCE, True)
-        values[self.space.inlet] = inflow * self.boundaries.profile.x.array[self.space.inlet]
-        return values
+        loads = np.where(self.fixed[:, None], 0.0, loads)
+        found = [self._solved(load, one, DUAL_TOLERANCE, transposed) for load, one in zip(loads.T, on_inflow)]
+        return np.stack([values for values, _ in found], axis=1), np.array([inflow for _, inflow in found])
 
     def _solved(self, values, inlet, tolerance, transposed):
         """(values over W, Q) of the solution for the right side (values over W, inlet). Raises ComputationError."""

@@ -137,6 +137,17 @@ class Bordered:
         x.maxpy(-y, self.solved)
         return x, y
 
+    def solve_all(self, rights, given):
+        """[(x, y)] as `solve` of several f and g."""
+        found = [f.duplicate() for f in rights]
+        self.solver.solve_all(rights, found, self.transposed)
+        result = []
+        for x, g in zip(found, given):
+            y = np.linalg.solve(self.schur, np.array(g, float) - [row.dot(x) for row in self.rows])
+            x.maxpy(-y, self.solved)
+            result.append((x, y))
+        return result
+
     def destroy(self):
         for vector in self.solved:
             vector.destroy()

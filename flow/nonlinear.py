@@ -16,7 +16,8 @@ from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
 from common.errors import ComputationError
-from flow import compat, fading, flow_state, linear, parallel, predicted_start, ramp, secants, viscosity
+from flow import compat, fading, flow_state, linear, parallel, predicted_start, ramp, secants
+from flow import sensitivity, viscosity
 from flow.forms import NavierStokes
 
 
@@ -31,7 +32,7 @@ class Outcome:
     history: list
 
 
-class FlowProblem(flow_state.FlowState):
+class FlowProblem(flow_state.FlowState, sensitivity.Sensitivity):
     """The discrete equations of one lumen: state w (Function on space.W) and inflow.
 
     spent: factorizations made on other meshes, of those that the settings allow. iterations: of each linear solve; None
@@ -185,24 +186,6 @@ class FlowProblem(flow_state.FlowState):
         if transposed:
             bordered.destroy()
         return found, float(y[0])
-
-    def dual(self, goal):
-        """Values (n,) over W of z with K^T z = goal, K being Newton's tangent at a solved flow; goal: vector over W.
-
-        The last factorization serves, which is of a state near by (flow.newton).
-        """
-        if self.bordered is None or self.linearised_as != (True, self.mixing):
-            self.linearise(self.forms.tangent)
-        transposed = self.bordered.transpose()
-        right = self.free_part(goal)
-        x, y = transposed.solve(right, np.zeros(len(transposed.rows)))
-        values = np.zeros_like(self.state.x.array)
-        values[self.space.free] = x.array
-        values[self.space.inlet] = y[0] * self.boundaries.profile.x.array[self.space.inlet]
-        transposed.destroy()
-        right.destroy()
-        x.destroy()
-        return values
 
     def secants(self):
         """Empty flow.secants.Secants of the free dofs and the inflow: velocities in m/s weigh as pressures over rho."""

@@ -8,8 +8,8 @@ import time
 import numpy as np
 
 from common.errors import ComputationError
-from flow import adaptive, energy, error_estimate, ffr, linear_choice, outlets, output, parallel, reduced_answer, spaces
-from flow import solved_mesh, viscosity, wall_shear
+from flow import adaptive, energy, error_estimate, ffr, linear_choice, outlets, output, parallel, place_errors
+from flow import reduced_answer, solved_mesh, spaces, viscosity, wall_shear
 
 LARGE = 0.05  # difference of the models' FFR that is said
 
@@ -39,6 +39,7 @@ def run(mesh, coarse, case, folder, finer=None):
         for k, probe in enumerate(probes):
             probe["error_estimate"] = estimate["probes"][k] if estimate else None
         answer["error_estimate"] = error_estimate.document(estimate)
+        place_errors.write(solved, case, answer, table)
         answer["ffr_tolerance"] = settings.ffr_tolerance
         answer["tolerance_met"] = adaptive.within(estimate, settings)
         answer["mesh"], answer["meshes"] = pathlib.Path(solved.path).name, search.meshes
@@ -47,6 +48,7 @@ def run(mesh, coarse, case, folder, finer=None):
         solved = reduced_answer.Reduced(predicted, paths[0])
         reference = ffr.reference_pa(document, tree, solved.sampler)
         answer, table = reduced_answer.collect(settings.model, predicted, solved, case, reference)
+        place_errors.unknown(answer, table)
         warnings = reduced_answer.unknown_error(settings.model)
     answer["models"] = models
     answer["warnings"] = case.warnings + document.get("warnings", []) + compared(models)

@@ -3,6 +3,7 @@
 import dataclasses
 
 import numpy as np
+import pandas as pd
 
 from common.errors import InputError
 from reports.curvature import line_curvature, mean_over_length
@@ -30,13 +31,27 @@ class StateProfiles:
     solution: dict
 
 
-def read_pullback(path, branch):
-    """A branch's pull-back: (Polyline with the flow's own arc length, FFR (n,)). Raises InputError."""
+def _rows(path, branch):
+    """Rows of a branch's pull-back in the order of s_mm. Raises InputError."""
     table = read_table(path, PULLBACK_NUMBERS, ("branch",), "flow solve")
     rows = table[table["branch"] == branch].sort_values("s_mm", kind="stable").reset_index(drop=True)
     if rows.empty:
         found = ", ".join(sorted(set(table["branch"])))
         raise InputError("the pull-back has no such branch", path, branch, f"branches there: {found}")
+    return rows
+
+
+def read_pullback_error(path, branch):
+    """Estimated errors (n,) of the FFR that `read_pullback` returns, NaN where none is known or written."""
+    rows = _rows(path, branch)
+    if "ffr_error_estimate" not in rows.columns:
+        return np.full(len(rows), np.nan)
+    return pd.to_numeric(rows["ffr_error_estimate"], errors="coerce").to_numpy(float)
+
+
+def read_pullback(path, branch):
+    """A branch's pull-back: (Polyline with the flow's own arc length, FFR (n,)). Raises InputError."""
+    rows = _rows(path, branch)
     if not 0.0 < rows["ffr"].min() <= rows["ffr"].max() < 1.2:
         worst = rows["ffr"].min() if rows["ffr"].min() <= 0.0 else rows["ffr"].max()
         raise InputError("an FFR is not plausible", path, worst, "expected between 0 and 1.2: check the flow solution")

@@ -3,23 +3,28 @@
 import math
 
 import matplotlib.pyplot as plt
+import numpy as np
 
-from reports.figures.style import SEGMENT_COLOUR, draw_state, save
-from reports.profiles import read_pullback
+from reports.figures.style import COLOURS, SEGMENT_COLOUR, draw_state, save
+from reports.profiles import read_pullback, read_pullback_error
 
 SIZE = (6.6, 3.6)  # inches
+BAND = 0.25  # opacity of an error's band
 LEGEND_ROW, LEGEND_MARGIN = 0.18, 0.12  # inches
 FFR_THRESHOLD = 0.80  # at or below it a lesion is treated (ESC/EACTS guidelines on myocardial revascularisation)
 
 
 def pullback_figure(files, metrics, folder):
-    """FFR from the inlet to the end of the stented branch, for all states."""
+    """FFR from the inlet to the end of the stented branch, for all states, each in the band of its estimated error."""
     figure, axes = plt.subplots(figsize=SIZE)
     shade_segment(axes, metrics["segment"])
     lowest = 1.0
     for state in metrics["states"]:
-        line, ffr = read_pullback(files.flow(state) / "pullback.csv", metrics["segment"]["branch"])
+        path, branch = files.flow(state) / "pullback.csv", metrics["segment"]["branch"]
+        (line, ffr), error = read_pullback(path, branch), read_pullback_error(path, branch)
         draw_state(axes, state, line.s_mm, ffr)
+        if np.isfinite(error).any():
+            axes.fill_between(line.s_mm, ffr - error, ffr + error, color=COLOURS[state], alpha=BAND, linewidth=0)
         lowest = min(lowest, ffr.min())
     axes.axhline(FFR_THRESHOLD, color="#b0413e", linewidth=0.9, linestyle=(0, (2, 2)))
     axes.annotate("0.80", (1.0, FFR_THRESHOLD), (3, 0), xycoords=("axes fraction", "data"), textcoords="offset points")

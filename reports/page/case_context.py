@@ -9,7 +9,7 @@ from reports.profiles import error_of
 from reports.reading import read_json
 
 CURVES = (
-    ("pullback", "FFR along the stented branch, from the inlet to the outlet"),
+    ("pullback", "FFR along the stented branch, from the inlet to the outlet, with the band of its estimated error"),
     ("area", "Cross-sectional area (CSA) of the lumen along the stented segment and its margins"),
     ("curvature", "Curvature of the centreline along the stented segment and its margins"),
 )

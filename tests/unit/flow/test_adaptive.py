@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from common.errors import ComputationError
-from flow import adaptive, settings, solved_mesh
+from flow import adaptive, error_estimate, settings, solved_mesh
 
 PATHS = ["coarse.msh", "fine.msh"]
 # error estimates
@@ -14,7 +14,7 @@ STEADY = {"ffr": 0.001, "goal": 0.001, "goal_signed": 0.001}
 KEPT = {"ffr": 0.02, "goal": 0.001, "goal_signed": 0.001, "jet_mixing": 0.019}  # c > 0 on a mesh that is good enough
 ROUGH = {"ffr": 0.024, "goal": 0.004, "goal_signed": 0.004, "jet_mixing": 0.02}  # c > 0 on one that is not quite
 for one in (KEPT, ROUGH):
-    one["probes_mesh"] = [one["goal"]]
+    one["probes_mesh"], one["basis"] = [one["goal"]], error_estimate.Basis()
 WIDE = {"ffr": 0.006, "goal": 0.006, "goal_signed": 0.002}  # steady, above the tolerance
 
 
@@ -37,7 +37,7 @@ class _Mesh:
             outcome=lambda *_: "marched",
             release=lambda: None,
         )
-        self.sampler = self.problem.state
+        self.sampler, self.outflows = self.problem.state, None
 
     status, known = solved_mesh.Solved.status, solved_mesh.Solved.known
 

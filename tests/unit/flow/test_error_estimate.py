@@ -15,7 +15,7 @@ EDGES = [(0, 1), (1, 2), (0, 2), (0, 3), (2, 3), (1, 3)]
 def _solved(cells, sampler, mixing=0.0, passed=()):
     space = types.SimpleNamespace(nodes=lambda: (np.zeros((1, 3)), np.zeros((cells, 10), int)))
     problem = types.SimpleNamespace(mixing=mixing, passed=list(passed))
-    return types.SimpleNamespace(space=space, problem=problem, sampler=sampler)
+    return types.SimpleNamespace(space=space, problem=problem, sampler=sampler, outflows=None)
 
 
 @pytest.fixture
@@ -24,7 +24,7 @@ def goal(monkeypatch):
 
     def gives(*values):
         parts = np.outer([1.0, 2.0], values)
-        monkeypatch.setattr(error_estimate.goal_error, "of", lambda solved, document, tree: parts)
+        monkeypatch.setattr(error_estimate.error_field, "of", lambda solved, document, tree: (parts, None))
 
     gives(0.0)
     return gives

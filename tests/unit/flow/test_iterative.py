@@ -8,7 +8,7 @@ import pytest
 
 import tubes
 from flow import __main__ as command_line
-from flow import centreline, iterative, linear_choice, outlets, predictor, reduced
+from flow import centreline, error_field, iterative, linear_choice, outlets, predictor, reduced
 from flow import settings as settings_module
 from flow import solved_mesh
 
@@ -204,3 +204,12 @@ def test_only_large_meshes_iterate_unless_asked_for():
     assert not linear_choice.iterates(linear_choice.LARGE, _start(), settings_module.make())
     assert linear_choice.iterates(10, _start(), settings_module.make(linear_solver="iterative"))
     assert not linear_choice.iterates(10**7, _start(), settings_module.make(linear_solver="direct"))
+
+
+@pytest.mark.parametrize("name", ["fork", "driven"])
+def test_the_error_field_of_all_stretches_is_the_sum_of_the_factorizations(name, request):
+    case = request.getfixturevalue(name)
+    (_, found), (along, direct) = (error_field.of(one, case.document, case.tree) for one in (case.found, case.direct))
+    assert found.pressure.shape[1] == 1 and direct.pressure.shape[1] == along.shape[1] > 3
+    gap = found.pressure[:, 0] - direct.pressure.sum(axis=1)
+    assert np.abs(gap).max() < 0.02 * np.abs(direct.pressure.sum(axis=1)).max()

@@ -8,6 +8,7 @@ import subprocess
 import sys
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import tubes
@@ -43,6 +44,10 @@ def test_two_ranks_give_the_answer_of_one(case, tmp_path):
     assert [answer["ranks"] for answer in found] == [1, 2]
     assert found[1]["ffr"] == pytest.approx(found[0]["ffr"], abs=1e-6)
     assert found[1]["error_estimate"]["ffr"] == pytest.approx(found[0]["error_estimate"]["ffr"], rel=1e-4)
+    errors = [[outlet["error_estimate"] for outlet in answer["outlets"]] for answer in found]
+    assert errors[1] == pytest.approx(errors[0], rel=1e-4) and errors[0][0] > 0
+    along = [pd.read_csv(tmp_path / name / "pullback.csv")["ffr_error_estimate"].to_numpy() for name in ("one", "two")]
+    assert along[1] == pytest.approx(along[0], rel=1e-4, abs=1e-4 * along[0].max())
     assert found[1]["iterations"] == found[0]["iterations"]
     assert sorted(path.name for path in (tmp_path / "two").iterdir()) == ["ffr.json", "pullback.csv", "solution.vtu"]
     assert two.stdout.count("FFR") == 1  # one rank speaks

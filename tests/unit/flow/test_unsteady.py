@@ -161,8 +161,13 @@ def test_a_flow_that_newton_does_not_find_is_found_in_time(case, tmp_path, monke
 
 def test_estimate_of_a_mean():
     steady = {"ffr": 0.02, "goal": 0.001, "goal_signed": -0.0007, "mesh": 0.003, "jet_mixing": 0.017, "method": "x"}
-    steady |= {"probes": [0.02, 0.03], "probes_mesh": [0.003, 0.004]}
+    steady |= {
+        "probes": [0.02, 0.03],
+        "probes_mesh": [0.003, 0.004],
+        "basis": error_estimate.Basis("field", "pair", True),
+    }
     estimate = error_estimate.of_mean(steady, 0.27, 0.002)
+    assert estimate["basis"] == error_estimate.Basis("field", "pair", False, 0.002)  # for outlets and pull-back
     assert estimate["ffr"] == pytest.approx(0.005)
     assert estimate["probes"] == pytest.approx([0.005, 0.006])
     assert "jet_mixing" not in estimate and "0.27" in estimate["method"]

@@ -1,11 +1,16 @@
 """Figures: what is written, the same bytes twice, and the geometry of the pictures."""
 
+import json
+
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from matplotlib.collections import PolyCollection
 
 from common.errors import InputError
 from reports.__main__ import main
+from reports.case_files import CaseFiles
+from reports.figures import curves as curves_module
 from reports.figures.curves import SIZE, legend_below
 from reports.figures.lumen import paint_order, panel_grid, view_axes
 from reports.surface import Surface, read_device, read_lumen
@@ -43,6 +48,27 @@ def test_a_study_without_reference_has_no_agreement_plot(measured_case, tmp_path
         "ffr_before_after.png",
         "ffr_before_after.svg",
     ]
+
+
+def test_the_pull_back_has_the_band_of_its_error(measured_case, tmp_path, monkeypatch):
+    """Where the error is known; older files and reduced models' have none."""
+    folder = measured_case("tube")
+    drawn = []
+    monkeypatch.setattr(curves_module, "save", lambda figure, *_: drawn.append(figure))
+    path = folder / "flow" / "vci" / "pullback.csv"
+    lines = path.read_text().splitlines()
+    errors = [repr(0.002 + 1e-5 * k) for k in range(len(lines) - 1)]
+    path.write_text("\n".join([lines[0] + ",ffr_error_estimate", *map(",".join, zip(lines[1:], errors))]) + "\n")
+    empty = folder / "flow" / "rc" / "pullback.csv"
+    lines = empty.read_text().splitlines()
+    empty.write_text("\n".join([lines[0] + ",ffr_error_estimate", *(line + "," for line in lines[1:])]) + "\n")
+    metrics = json.loads((folder / "metrics.json").read_text())
+    curves_module.pullback_figure(CaseFiles("tube", folder), metrics, tmp_path)
+    (band,) = [one for one in drawn[0].axes[0].collections if isinstance(one, PolyCollection)]
+    inside = band.get_paths()[0].vertices
+    half = [np.ptp(inside[inside[:, 0] == s][:, 1]) / 2 for s in (inside[:, 0].min(), inside[:, 0].max())]
+    assert half == pytest.approx([0.002, float(errors[-1])], rel=1e-6)
+    plt.close(drawn[0])
 
 
 @pytest.mark.parametrize("curves", [1, 2, 5])

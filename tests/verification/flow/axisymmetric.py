@@ -139,6 +139,12 @@ class Tube:
         drop = fem.assemble_scalar(self.inlet_pressure) - self._on_axis(s_mm)
         return 1.0 - drop / document["map_pa"]
 
+    def ffr_along(self, guess, places_mm):
+        """(FFR (n,) on the axis at places_mm, FFR at the outlet), as `ffr`."""
+        self.ffr(guess, places_mm[0])
+        inlet, map_pa = fem.assemble_scalar(self.inlet_pressure), self.document["map_pa"]
+        return 1.0 - (inlet - np.array([self._on_axis(s) for s in places_mm])) / map_pa, 1.0 - inlet / map_pa
+
     def pressures(self, flow, places_mm):
         """Pressures on the axis over the outlet's, Pa, at the inflow `flow` (m3/s)."""
         for fraction in FRACTIONS:

@@ -69,7 +69,7 @@ def worker(path, arguments):
     clock = Clock()
     clock.spent["start"], clock.open = time.process_time(), ["start"]
     from flow import __main__ as command_line
-    from flow import error_estimate, extended, forms, goal_error, linear, nonlinear, parallel, spaces
+    from flow import error_estimate, extended, forms, linear, nonlinear, parallel, place_errors, spaces
 
     clock._mark()
     clock.open = ["rest"]
@@ -82,7 +82,7 @@ def worker(path, arguments):
         (linear.DirectSolver, "solve", "solves"),
         (linear.DirectSolver, "solve_all", "solves"),
         (error_estimate, "of", "estimate"),
-        (goal_error, "of", "estimate"),
+        (place_errors, "write", "estimate"),
     ):
         clock.watch(owner, name, section)
     command_line.main(arguments)
