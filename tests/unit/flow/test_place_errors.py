@@ -161,6 +161,11 @@ def test_each_part_of_an_estimate_counts(fork):
     residual, method = _estimated(fork, field=field)
     assert residual.shape == (2 + 33 + 13,) and (residual >= 0).all() and residual[:2].min() > 0
     assert "residual" in method and "meshes" not in method
+    places, _ = fork.places()
+    parts = field.parts(fork.document, fork.tree, fork.names, places.points_mm, places.radii_mm)
+    assert residual[:2] == pytest.approx(error_estimate.of_parts(parts)[:2])
+    read = field.interpolation_pa(places.points_mm) / MAP
+    assert residual[2:] == pytest.approx(error_estimate.of_parts(parts)[2:] + read) and read.max() > 1e-6
     lower = locate.FieldSampler(fork.space, fork.problem.state.x.array)
     lower.pressure = fork.sampler.pressure - 0.01 * MAP
     pair = (fork.sampler, fork.outflows), (lower, fork.outflows * 1.01), 0.5
