@@ -53,11 +53,6 @@ Array array_of(vtkXMLDataElement* element) {
     array.components = count_of(element, "NumberOfComponents");
   if (array.components < 1 || array.components > most_components)
     throw Damaged("an array of " + std::to_string(array.components) + " components: " + array.name);
-  // values that say something about the array, as its range, are elements: VTK counts on all of them
-  each_nested(element, [](vtkXMLDataElement* key) {
-    if (count_of(key, "length") > static_cast<std::uint64_t>(key->GetNumberOfNestedElements()))
-      throw Damaged("an array's information lacks values");
-  });
   return array;
 }
 

@@ -27,6 +27,6 @@ for target in "${targets[@]}"; do
     failed=1
   fi
   grep -E '(number_of_executed_units|slowest_unit_time_sec|peak_rss_mb)' "build-fuzz/$reader.log" || true
-  grep -E ' cov: ' "build-fuzz/$reader.log" | tail -1 | cut -d' ' -f1-8 || true
+  grep -oE 'cov: [0-9]+ ft: [0-9]+' "build-fuzz/$reader.log" | tail -1 || true # edges, features
 done
 exit $failed

@@ -55,6 +55,11 @@ void expect_refused(const std::string& text, const std::string& because) {
   EXPECT_NE(refusal_of(text).find(because), std::string::npos) << because << ", but: " << refusal_of(text);
 }
 
+/// The triangle with its radii as base64.
+std::string binary(const std::string& radii) {
+  return with(R"(format="ascii">1 2 3)", R"(format="binary">)" + radii);
+}
+
 /// The triangle with a compressed array of the header's words (bytes, base64) in place of its radii.
 std::string compressed(const std::string& header) {
   const std::string from = R"(<DataArray type="Float64" Name="radius_mm" format="ascii">1 2 3)";
@@ -117,8 +122,12 @@ TEST(VtpCheck, RefusesBlocksThatCannotBe) {
   expect_refused(compressed("AQAAAAAAAQAYAAAA////fw=="), "larger than the file");             // 1, 2^16, 24, 2^31 - 1
 }
 
-TEST(VtpCheck, RefusesInformationThatLacksItsValues) {
-  expect_refused(with(R"(length="2")", R"(length="2000000000")"), "lacks values");
+TEST(VtpCheck, RefusesDataThatEndBeforeTheirLength) {
+  const std::string radii = "GAAAAAAAAAAAAPA/AAAAAAAAAEAAAAAAAAAIQA=="; // 24 bytes, and 1, 2, 3
+  EXPECT_EQ(refusal_of(binary(radii)), "");
+  expect_refused(binary(radii.substr(0, 20)),
+                 "data that end before their length: radius_mm");           // VTK reads what it finds
+  expect_refused(binary("AAAAAA=="), "fewer data than the element claims"); // 0 bytes
 }
 
 } // namespace
