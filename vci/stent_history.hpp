@@ -14,7 +14,8 @@ struct StentHistory {
   double final_diameter = 0;               ///< mean over its rings, after the last extraction, mm
   double final_length = 0;                 ///< along its ring centres, mm
   double minimal_area = 0;                 ///< the smallest ring section after the last extraction, mm^2
-  Vec3 first_end, last_end;                ///< centres of its end rings then
+  Vec3 first_end = Vec3::Zero();           ///< centre of its first ring then
+  Vec3 last_end = Vec3::Zero();            ///< and of its last
   double inflated_diameter() const;        ///< mean over its rings, mm
 };
 

@@ -169,7 +169,7 @@ void check_vtp(const std::filesystem::path& file, const std::string& what) {
     check_elements(*arrays);
   } catch (const Damaged& e) {
     throw common::InputError("the " + what + " cannot be read", file.string(), e.what(),
-                             "it is damaged: write it anew");
+                             "it is damaged, or of a form that is not read: write it anew, whole and in one piece");
   }
 }
 
