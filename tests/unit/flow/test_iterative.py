@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import tubes
+from common.errors import ComputationError
 from flow import __main__ as command_line
 from flow import centreline, error_field, iterative, linear_choice, outlets, predictor, reduced
 from flow import settings as settings_module
@@ -178,6 +179,19 @@ def test_a_flow_stays_the_answer_where_only_its_dual_solution_is_not_found(tube,
     assert answer["mesh"] == "mesh.msh" and "no dual solution" in capsys.readouterr().err
     estimate = answer["error_estimate"]
     assert estimate["method"].startswith("two meshes") and estimate["ffr"] == estimate["mesh"] > 0
+
+
+def test_the_probes_keep_their_estimate_where_only_that_of_the_other_places_is_not_found(tube, tmp_path, monkeypatch):
+    def fails(*_):
+        raise ComputationError("the linear solver did not converge", "60 iterations", "1e-2", iterative.HINT)
+
+    monkeypatch.setattr(iterative.IterativeProblem, "responses", fails)
+    coarse = ["--coarse", str(tube.folder / "mesh_coarse.msh"), "--ffr-tolerance", "0"]
+    tube.command(tmp_path / "out", *coarse, "--linear-solver", "iterative")
+    answer = json.loads((tmp_path / "out" / "ffr.json").read_text())
+    assert answer["mesh"] == "mesh.msh" and answer["error_estimate"]["goal"] > 0
+    assert answer["pullback_error_estimate"]["method"] == "two meshes"
+    assert answer["outlets"][0]["error_estimate"] > 0
 
 
 def test_without_a_coarse_mesh_it_is_not_to_be_had(tube, tmp_path, capsys):

@@ -186,6 +186,23 @@ def test_each_part_of_an_estimate_counts(fork):
     assert np.isnan(unknown).all() and method == ""
 
 
+def test_an_outlet_behind_an_extension_has_the_error_of_its_vessels_end(fork):
+    """As the last point of the pull-back of its branch, whatever the order of the outlets; the others keep theirs."""
+    _, field = error_field.of(fork, fork.document, fork.tree)
+    plain, _ = _estimated(fork, field=field)
+    last = [2 + 32, 2 + 33 + 12]  # of the branches' points
+    assert (np.abs(plain[last] - plain[:2]) > 1e-3 * plain[last]).all()
+    turned = {**fork.document, "outlets": fork.document["outlets"][::-1]}
+    for longer, document in ([3], fork.document), ([2, 3], turned):
+        extensions = [types.SimpleNamespace(region_id=region) for region in longer]
+        given = types.SimpleNamespace(**vars(fork))
+        given.case = types.SimpleNamespace(extensions=extensions, document=document, original=fork.tree)
+        given.places = lambda: (place_errors.Places(given, given.case, fork.names, fork.places()[1]), None)
+        found, _ = _estimated(given, field=field)
+        wanted = [plain[last[k]] if k + 2 in longer else plain[k] for k in range(2)]
+        assert found == pytest.approx(np.append(wanted, plain[2:]), rel=1e-9)
+
+
 def test_an_outlet_whose_pressure_is_given_has_no_error(driven):
     _, field = error_field.of(driven, driven.document, driven.tree)
     errors, _ = _estimated(driven, field=field, mean=0.001)
