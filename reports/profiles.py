@@ -12,6 +12,7 @@ from reports.reading import number, read_json, read_table
 from reports.segment import carry, diameters_at, read_sections
 
 PULLBACK_NUMBERS = ("s_mm", "x_mm", "y_mm", "z_mm", "pressure_pa", "ffr", "flow_m3_per_s")
+ERROR = "ffr_error_estimate"  # a column of newer pull-backs
 # what `flow solve` says of an FFR: of a steady flow, of one that keeps an eddy viscosity, of a mean over time
 ANSWERED = ("converged", "converged with eddy viscosity", "unsteady")
 
@@ -42,11 +43,19 @@ def _rows(path, branch):
 
 
 def read_pullback_error(path, branch):
-    """Estimated errors (n,) of the FFR that `read_pullback` returns, NaN where none is known or written."""
+    """Estimated errors (n,) of the FFR that `read_pullback` returns, NaN where none is known (empty) or written.
+
+    Raises InputError for what is neither empty nor a finite number of at least 0.
+    """
     rows = _rows(path, branch)
-    if "ffr_error_estimate" not in rows.columns:
+    if ERROR not in rows.columns:
         return np.full(len(rows), np.nan)
-    return pd.to_numeric(rows["ffr_error_estimate"], errors="coerce").to_numpy(float)
+    errors = pd.to_numeric(rows[ERROR], errors="coerce").to_numpy(float)
+    bad = np.flatnonzero((rows[ERROR] != "").to_numpy() & ~((errors >= 0.0) & (errors < np.inf)))
+    if bad.size:
+        where = f"{path}: {branch} at {rows['s_mm'][bad[0]]:g} mm, column {ERROR}"
+        raise InputError("an error is no finite number of at least 0", where, rows[ERROR][bad[0]], "repeat: flow solve")
+    return errors
 
 
 def read_pullback(path, branch):

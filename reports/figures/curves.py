@@ -25,7 +25,7 @@ def pullback_figure(files, metrics, folder):
         draw_state(axes, state, line.s_mm, ffr)
         if np.isfinite(error).any():
             axes.fill_between(line.s_mm, ffr - error, ffr + error, color=COLOURS[state], alpha=BAND, linewidth=0)
-        lowest = min(lowest, ffr.min())
+        lowest = min(lowest, ffr.min(), max(0.0, np.nanmin([lowest, *(ffr - error)])))
     axes.axhline(FFR_THRESHOLD, color="#b0413e", linewidth=0.9, linestyle=(0, (2, 2)))
     axes.annotate("0.80", (1.0, FFR_THRESHOLD), (3, 0), xycoords=("axes fraction", "data"), textcoords="offset points")
     axes.texts[-1].set(color="#b0413e", va="center", fontsize=8.5)

@@ -13,6 +13,7 @@ from reports.case_files import CaseFiles
 from reports.figures import curves as curves_module
 from reports.figures.curves import SIZE, legend_below
 from reports.figures.lumen import paint_order, panel_grid, view_axes
+from reports.profiles import read_pullback, read_pullback_error
 from reports.surface import Surface, read_device, read_lumen
 
 
@@ -69,6 +70,41 @@ def test_the_pull_back_has_the_band_of_its_error(measured_case, tmp_path, monkey
     half = [np.ptp(inside[inside[:, 0] == s][:, 1]) / 2 for s in (inside[:, 0].min(), inside[:, 0].max())]
     assert half == pytest.approx([0.002, float(errors[-1])], rel=1e-6)
     plt.close(drawn[0])
+
+
+def _with_errors(path, errors):
+    """Gives the pull-back a column of its errors."""
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join([lines[0] + ",ffr_error_estimate", *map(",".join, zip(lines[1:], errors))]) + "\n")
+
+
+@pytest.mark.parametrize(("error", "share"), [(0.3, 0.3), (2.0, None)])
+def test_a_wide_band_lies_within_the_axes(measured_case, tmp_path, monkeypatch, error, share):
+    """Cut off it would look narrower than it is; but no FFR is below 0."""
+    folder, drawn = measured_case("tube"), []
+    monkeypatch.setattr(curves_module, "save", lambda figure, *_: drawn.append(figure))
+    path = folder / "flow" / "vci" / "pullback.csv"
+    _with_errors(path, [repr(error)] * (len(path.read_text().splitlines()) - 1))
+    metrics = json.loads((folder / "metrics.json").read_text())
+    curves_module.pullback_figure(CaseFiles("tube", folder), metrics, tmp_path)
+    (axes,) = drawn[0].axes
+    lowest = read_pullback(path, metrics["segment"]["branch"])[1].min() - share if share else 0.0
+    assert axes.get_ylim()[0] == pytest.approx(lowest - 0.02) and lowest < 0.75
+    plt.close(drawn[0])
+
+
+@pytest.mark.parametrize("bad", ["nan", "-0.001", "inf", "wide"])
+def test_an_error_of_the_pull_back_that_is_none_is_refused(measured_case, bad):
+    folder = measured_case("tube")
+    path, branch = folder / "flow" / "vci" / "pullback.csv", "main"
+    count = len(path.read_text().splitlines()) - 1
+    _with_errors(path, ["", "0.0", "0.002", *[""] * (count - 4), bad])
+    with pytest.raises(InputError, match="ffr_error_estimate") as refusal:
+        read_pullback_error(path, branch)
+    assert bad in str(refusal.value)
+    path.write_text(path.read_text()[: -len(bad) - 1] + "0.5\n")
+    found = read_pullback_error(path, branch)
+    assert np.isnan(found[0]) and found[[1, 2, -1]].tolist() == [0.0, 0.002, 0.5]
 
 
 @pytest.mark.parametrize("curves", [1, 2, 5])
