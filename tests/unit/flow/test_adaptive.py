@@ -176,6 +176,11 @@ def test_two_means_estimate_the_error_of_the_finer_by_their_difference(search, c
     assert solved.path == "fine.msh" and solved.status == "unsteady"
     assert solved.estimate["ffr"] == solved.estimate["probes"][0] == pytest.approx(0.004 + 0.003)
     assert solved.estimate["mesh"] == pytest.approx(0.004) and solved.estimate["mean"] == pytest.approx(0.003)
+    basis = solved.estimate["basis"]  # of the estimates at outlets and pull-back
+    *means, share = basis.pair
+    assert [sampler.x.array[0] for sampler, _ in means] == pytest.approx([0.77, 0.782])
+    assert share == pytest.approx(1 / 3)
+    assert basis.field is None and not basis.jet and basis.mean == pytest.approx(0.003)
     assert [mesh["mesh"] for mesh in found.meshes] == [*PATHS, "coarse.msh"]
     assert found.meshes[1]["error_estimate"] == solved.estimate["ffr"]
     assert "by both means over time, error 0.0070" in capfd.readouterr().err
