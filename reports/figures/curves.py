@@ -10,6 +10,7 @@ from reports.profiles import read_pullback, read_pullback_error
 
 SIZE = (6.6, 3.6)  # inches
 BAND = 0.25  # opacity of an error's band
+HEADROOM = 0.12  # of the height below it: over the curves, for the word that names the shaded segment
 LEGEND_ROW, LEGEND_MARGIN = 0.18, 0.12  # inches
 FFR_THRESHOLD = 0.80  # at or below it a lesion is treated (ESC/EACTS guidelines on myocardial revascularisation)
 
@@ -29,7 +30,8 @@ def pullback_figure(files, metrics, folder):
     axes.axhline(FFR_THRESHOLD, color="#b0413e", linewidth=0.9, linestyle=(0, (2, 2)))
     axes.annotate("0.80", (1.0, FFR_THRESHOLD), (3, 0), xycoords=("axes fraction", "data"), textcoords="offset points")
     axes.texts[-1].set(color="#b0413e", va="center", fontsize=8.5)
-    axes.set(title="FFR pull-back", ylabel="FFR", ylim=(min(0.75, lowest - 0.02), 1.01), xmargin=0.0)
+    lower = min(0.75, lowest - 0.02)
+    axes.set(title="FFR pull-back", ylabel="FFR", ylim=(lower, 1.0 + HEADROOM * (1.0 - lower)), xmargin=0.0)
     axes.set_xlabel(f"distance along {metrics['segment']['branch']} (mm)")
     legend_below(figure)
     save(figure, folder, f"{metrics['case']}_pullback")
@@ -67,7 +69,7 @@ def segment_figure(metrics, folder, name, title, label, profile, mean):
         axes.lines[-1].set_label(f"{axes.lines[-1].get_label()}: mean {mean(entry)}")
     axes.set(title=title, ylabel=label, xlabel="distance along the segment (mm, length before PCI)", xmargin=0.0)
     top = max(max(profile(entry)) for entry in metrics["states"].values())
-    axes.set_ylim(0.0, 1.12 * top)
+    axes.set_ylim(0.0, (1.0 + HEADROOM) * top)
     legend_below(figure)
     save(figure, folder, f"{metrics['case']}_{name}")
 
