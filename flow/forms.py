@@ -20,8 +20,6 @@ leaves undisturbed. l = c l_jet is a mixing length in jets (flow.jet), |D| = sqr
 those above; c > 0 makes the jet's eddy viscosity, by which the way to c = 0 is steady (flow.nonlinear).
 """
 
-import functools
-
 import numpy as np
 import ufl
 from dolfinx import fem
@@ -35,7 +33,7 @@ SLOWEST, SMALLEST_RATE = 1e-4, 0.1  # m/s, 1/s: keep the roots of |u| and |D| di
 
 
 class NavierStokes:
-    """Compiled residual (without the pressure loads) and tangents of a state w = (u, p) on a LumenSpace, SI units.
+    """Residual and tangents of a state w = (u, p) on a LumenSpace, SI units, compiled when first asked for.
 
     viscosity is one of flow.viscosity; space has W, mesh, facets (tags) and outlets (their tags), in three or two
     dimensions; mixing is c, jet_length the Function l_jet in m. picard freezes the convecting velocity and the
@@ -50,7 +48,7 @@ class NavierStokes:
         du, dp = ufl.TrialFunctions(space.W)
         degree = compat.degrees(space.W)[0]
         exact = 3 * degree - 1  # for convection on straight elements, which most are
-        dx = ufl.Measure("dx", domain=space.mesh, metadata={"quadrature_degree": exact})
+        self._dx = dx = ufl.Measure("dx", domain=space.mesh, metadata={"quadrature_degree": exact})
         ds = ufl.Measure(
             "ds",
             domain=space.mesh,
@@ -100,28 +98,40 @@ class NavierStokes:
 
         self.losses = {"friction": friction(u), "grad_div": dilatation(u), "eddy": jet(u), "backflow": returning(u)}
         self.kinetic = lambda tags: 0.5 * density * ufl.inner(u, u) * ufl.dot(u, n) * ds(tags)  # leaves, in W
-        residual = stokes(u, p) + oseen(u) + jet(u)
-        self.residual = self._summand(residual, space)
-        self._residual, self._state, self._test = residual, state, ufl.TestFunction(space.W)
-        self._tangent = ufl.derivative(residual, state, ufl.TrialFunction(space.W))
         self.rate = fem.Constant(space.mesh, PETSc.ScalarType(0.0))
         width = (6.0 / 8.0) ** 0.5 * abs(ufl.JacobianDeterminant(space.mesh)) ** (
             1.0 / space.mesh.geometry.dim
         )  # about half an edge
 
-        def inertia(velocity, du_, v_, rate_):
-            """Of a backward-Euler step with the local time step h / (|velocity| rate_)."""
-            speed = ufl.sqrt(ufl.inner(velocity, velocity) + SLOWEST**2)
+        def inertia(du_, v_, rate_):
+            """Of a backward-Euler step with the local time step h / (|u| rate_)."""
+            speed = ufl.sqrt(ufl.inner(u, u) + SLOWEST**2)
             return density * rate_ * speed / width * ufl.inner(du_, v_) * dx
 
-        self._inertia = inertia
-        self._mass = density * ufl.inner(du, v) * dx
-        self._space = space
-        self._picard = stokes(du, dp) + oseen(du) + jet(du) + inertia(u, du, v, self.rate)
+        # without jets, and with them: where c is 0 nothing is computed for them
+        steady = stokes(u, p) + oseen(u)
+        self._residuals = steady, steady + jet(u)
+        linear = stokes(du, dp) + oseen(du) + inertia(du, v, self.rate)
+        self._picards = linear, linear + jet(du)
+        self._inertia, self._mass = inertia, lambda du_, v_: density * ufl.inner(du_, v_) * dx
+        self._space, self._state, self._compiled = space, state, {}
+        self._arguments = ufl.TestFunction(space.W), ufl.TrialFunction(space.W)
+
+    def _once(self, name, build):
+        """The compiled form that build(index) makes when first asked for; index: of _residuals and _picards."""
+        index = int(self.mixing.value > 0)
+        if (name, index) not in self._compiled:
+            self._compiled[name, index] = build(index)
+        return self._compiled[name, index]
+
+    @property
+    def residual(self):
+        """Without the pressure loads; over the share of cells and facets of this MPI rank (all on one; `assembled`
+        sums)."""
+        return self._once("residual", lambda index: self._summand(self._residuals[index], self._space))
 
     @staticmethod
     def _summand(expression, space):
-        """Compiled, over the share of cells and facets of this MPI rank (all on one; `assembled` sums)."""
         if parallel.world().size == 1:
             return compat.form(expression)
         mesh, facets = space.mesh, space.facets
@@ -138,33 +148,56 @@ class NavierStokes:
         if parallel.world().size > 1:
             vector.array[:] = parallel.total(vector.array)
 
-    @functools.cached_property
+    @property
+    def whole_tangent(self):
+        """Newton's over W, the derivative of the residual."""
+        trial = self._arguments[1]
+        return self._once("whole", lambda k: compat.form(ufl.derivative(self._residuals[k], self._state, trial)))
+
+    @property
     def tangent(self):
-        """Newton's: the derivative of the residual (compiled when first asked for)."""
-        return self._shared(self._tangent)
+        """Newton's velocity block, over V; `divergence` and its transposed are the rest of the tangent."""
+        return self._once("tangent", lambda index: self._shared(self._velocity_tangent(index)))
 
-    def blocks(self, velocity, pressure, cfl):
-        """(tangent's velocity block, the same with inertia, continuity's row) as forms on the spaces of the Functions
-        `velocity` and `pressure`, which hold the state; inertia: as in picard, of the CFL number `cfl`."""
-        V, Q = velocity.function_space, pressure.function_space
-        du, v, q = ufl.TrialFunction(V), ufl.TestFunction(V), ufl.TestFunction(Q)
-        state = ufl.as_vector([*velocity, pressure])
-        zero = [ufl.as_ufl(0.0)]
-        momentum = ufl.replace(self._residual, {self._state: state, self._test: ufl.as_vector([*v, *zero])})
-        continuity = ufl.replace(self._residual, {self._state: state, self._test: ufl.as_vector([*(len(v) * zero), q])})
-        tangent = ufl.derivative(momentum, velocity, du)
-        inertia = self._inertia(velocity, du, v, 1.0 / cfl)
-        return [compat.form(one) for one in (tangent, tangent + inertia, ufl.derivative(continuity, velocity, du))]
-
-    @functools.cached_property
-    def mass(self):
-        """rho (du, v), whose product with du/dt is the inertia of a flow in time."""
-        return compat.form(self._mass)
-
-    @functools.cached_property
+    @property
     def picard(self):
-        """Picard's linearisation with inertia."""
-        return self._shared(self._picard)
+        """The velocity block of Picard's linearisation with inertia."""
+        test, trial = self._arguments
+
+        def build(index):
+            du, v = self._velocities()
+            return self._shared(ufl.replace(self._picards[index], {test: self._padded(v), trial: self._padded(du)}))
+
+        return self._once("picard", build)
+
+    def tangent_with_inertia(self, cfl):
+        """`tangent` (of all cells) with inertia as in picard, of the CFL number `cfl`, compiled."""
+        tangent = self._velocity_tangent(int(self.mixing.value > 0))
+        return compat.form(tangent + self._inertia(*self._velocities(), 1.0 / cfl))
+
+    @property
+    def divergence(self):
+        """Continuity's row of the tangent, -(q, div du) with q in Q and du in V; it depends on no state."""
+        du, q = ufl.TrialFunction(self._space.V), ufl.TestFunction(self._space.Q)
+        return self._once("divergence", lambda _: compat.form(-q * ufl.div(du) * self._dx))
+
+    @property
+    def mass(self):
+        """rho (du, v) over V, whose product with du/dt is the inertia of a flow in time."""
+        return self._once("mass", lambda _: compat.form(self._mass(*self._velocities())))
+
+    def _velocities(self):
+        return ufl.TrialFunction(self._space.V), ufl.TestFunction(self._space.V)
+
+    @staticmethod
+    def _padded(velocity):
+        """As one over W, with pressure 0."""
+        return ufl.as_vector([*velocity, 0.0])
+
+    def _velocity_tangent(self, index):
+        du, v = self._velocities()
+        momentum = ufl.replace(self._residuals[index], {self._arguments[0]: self._padded(v)})
+        return ufl.derivative(momentum, self._state, self._padded(du))
 
     def _shared(self, expression):
         """Compiled, over the cells that this MPI rank assembles (flow.spaces; all where the space says nothing)."""

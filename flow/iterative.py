@@ -25,7 +25,7 @@ from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
 from common.errors import ComputationError
-from flow import compat, krylov, nonlinear, outlets, star, transfer
+from flow import compat, krylov, nonlinear, outlets, star, tangent, transfer
 
 TOLERANCE = 1e-2  # of a correction; Newton's method and the secants repeat it
 DUAL_TOLERANCE = 1e-3  # of the error estimate's solve
@@ -133,8 +133,6 @@ class Blocks:
 
     def __init__(self, problem):
         self.problem, space = problem, problem.space
-        self.u, self.p = fem.Function(space.V), fem.Function(space.Q)
-        self.forms = problem.forms.blocks(self.u, self.p, CFL)
         self.count = len(space.v_map)
         held = problem.fixed[space.v_map]
         self.keep = np.where(held, 0.0, 1.0)
@@ -146,12 +144,8 @@ class Blocks:
         self.profile = boundaries.profile.x.array[space.v_map]
         self.flux = [flux.array_r[space.v_map] * self.keep for flux in boundaries.flux]
         self.area, self.weight = boundaries.inlet_area, problem.weight
-        self.velocity = compat.block_matrix(self.forms[0])
-        full = fem_petsc.assemble_matrix(self.forms[2])
-        full.assemble()
-        starts, columns, values = full.getValuesCSR()
-        divergence = scipy.sparse.csr_matrix((values, columns, starts), (len(space.q_map), self.count))
-        full.destroy()
+        self.velocity = compat.block_matrix(problem.forms.tangent)
+        divergence = tangent.divergence(problem.forms)
         self.of_profile = divergence @ self.profile
         self.divergence = divergence @ scipy.sparse.diags(self.keep)
         self.gradient = self.divergence.T.tocsr()
@@ -160,11 +154,9 @@ class Blocks:
 
     def assemble(self):
         """The velocity block and its border at the problem's present state."""
-        space, state = self.problem.space, self.problem.state.x.array
-        self.u.x.array[:], self.p.x.array[:] = state[space.v_map], state[space.q_map]
         if self.stars is None:
             self._smoother()
-        self._fill(self.velocity, self.forms[0], True)
+        self._fill(self.velocity, self.problem.forms.tangent, True)
 
     def _fill(self, matrix, form, border=False):
         matrix.zeroEntries()
@@ -179,8 +171,9 @@ class Blocks:
 
     def _smoother(self):
         """Stars and L of the velocity block with inertia."""
-        matrix = compat.block_matrix(self.forms[1])
-        self._fill(matrix, self.forms[1])
+        form = self.problem.forms.tangent_with_inertia(CFL)
+        matrix = compat.block_matrix(form)
+        self._fill(matrix, form)
         space = self.problem.space
         groups = star.stars(space.nodes()[1], self.keep.reshape(-1, 3)[:, 0] > 0)
 

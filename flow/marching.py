@@ -15,6 +15,7 @@ from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
 from common.errors import ComputationError
+from flow import compat
 
 RELATIVE = 1e-5  # residual of a step over the pressure load
 MOST_CORRECTIONS = 24  # of one step
@@ -28,24 +29,25 @@ class Inertia:
     """rho du/dt of a FlowProblem as `weight` mass u - mass past."""
 
     def __init__(self, problem):
-        self.mass = fem_petsc.assemble_matrix(problem.forms.mass)
+        self.mass, self.v_map = compat.block_matrix(problem.forms.mass), problem.space.v_map
+        fem_petsc.assemble_matrix(self.mass, problem.forms.mass)
         self.mass.assemble()
         self.weight = 0.0
-        self.past = self.mass.createVecRight()
-        self._work = self.mass.createVecRight()
+        self.past = np.zeros(problem.space.dofs)  # over W
+        self._given, self._force = self.mass.createVecs()
 
     def add_force(self, residual, state):
         """residual += mass (weight state - past)."""
-        self._work.waxpy(-self.weight, state, self.past)
-        self._work.scale(-1.0)
-        self.mass.multAdd(self._work, residual, residual)
+        self._given.array[:] = (self.weight * state.array_r - self.past)[self.v_map]
+        self.mass.mult(self._given, self._force)
+        residual.array[self.v_map] += self._force.array_r
 
-    def add_tangent(self, matrix):
-        """matrix += weight mass."""
-        matrix.axpy(self.weight, self.mass, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
+    def add_tangent(self, velocity):
+        """velocity (the velocity block) += weight mass."""
+        velocity.axpy(self.weight, self.mass, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
 
     def destroy(self):
-        for petsc_object in (self.mass, self.past, self._work):
+        for petsc_object in (self.mass, self._given, self._force):
             petsc_object.destroy()
 
 
@@ -97,7 +99,7 @@ class Stepper:
             weights = [(1 + 2 * ratio) / (1 + ratio), -(1 + ratio), ratio**2 / (1 + ratio)]
         inertia.weight = weights[0] / dt
         past = sum(-weight / dt * value for weight, value in zip(weights[1:], values))
-        inertia.past.array[:] = past
+        inertia.past = past
         share = [np.prod([(dt - at[k]) / (at[i] - at[k]) for k in range(count) if k != i]) for i in range(count)]
         problem.state.x.array[:] = sum(s * value for s, value in zip(share, values))
         problem.inflow = float(np.dot(share, self.inflows))

@@ -12,12 +12,11 @@ import sys
 
 import numpy as np
 from dolfinx import fem
-from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
 from common.errors import ComputationError
 from flow import compat, fading, flow_state, linear, parallel, predicted_start, ramp, secants
-from flow import sensitivity, viscosity
+from flow import sensitivity, tangent, viscosity
 from flow.forms import NavierStokes
 
 
@@ -56,10 +55,8 @@ class FlowProblem(flow_state.FlowState, sensitivity.Sensitivity):
             settings.backflow_coefficient,
             jet_length,
         )
-        self.free = PETSc.IS().createGeneral(space.free, comm=space.mesh.comm)
-        self.rows = PETSc.IS().createGeneral(space.rows, comm=space.mesh.comm)
         self.free_velocity = np.isin(space.free, space.v_map)
-        self.matrix = self.free_matrix = None
+        self.matrix = None  # flow.tangent.FreeMatrix
         self.solver = linear.DirectSolver(parallel.world())
         self.full_residual = compat.petsc_vector(fem.Function(space.W)).copy()
         self.profile = compat.petsc_vector(boundaries.profile)
@@ -80,9 +77,13 @@ class FlowProblem(flow_state.FlowState, sensitivity.Sensitivity):
 
         By the array: each vector that getSubVector makes and that is not given back keeps its memory, scatter and all.
         """
-        part = PETSc.Vec().createSeq(len(self.space.free), comm=PETSc.COMM_SELF)
+        part = self.free_vector()
         part.array[:] = vector.array_r[self.space.free]
         return part
+
+    def free_vector(self):
+        """New vector of the free dofs."""
+        return PETSc.Vec().createSeq(len(self.space.free), comm=PETSc.COMM_SELF)
 
     def residual(self):
         """(free part as vector, inflow equation in Pa, norm in N) at the present state.
@@ -112,34 +113,27 @@ class FlowProblem(flow_state.FlowState, sensitivity.Sensitivity):
         return norm
 
     def linearise(self, form):
-        """Factorizes the linearisation `form` at the present state; `correction` solves with it."""
+        """Factorizes the matrix of the velocity block `form` (flow.forms) at the present state; `correction` solves
+        with it."""
         if self.matrix is None:
-            self.matrix = fem_petsc.create_matrix(self.forms.tangent)
-        self.matrix.zeroEntries()
-        fem_petsc.assemble_matrix(self.matrix, form)
-        self.matrix.assemble()
-        if self.inertia:
-            self.inertia.add_tangent(self.matrix)
-        self.free_matrix = self.matrix.createSubMatrix(self.rows, self.free, self.free_matrix)
-        self.solver.set_matrix(self.free_matrix)
-        forward, backward = self.profile.duplicate(), self.profile.duplicate()
-        self.matrix.mult(self.profile, forward)
-        self.matrix.multTranspose(self.profile, backward)
+            self.matrix = tangent.FreeMatrix(self.space, self.forms)
+        self.matrix.assemble(form, self.inertia)
+        self.solver.set_matrix(self.matrix.matrix)
+        profile = self.boundaries.profile.x.array
+        forward, backward = self.matrix.times(profile), self.matrix.times(profile, transposed=True)
         resistance = self.boundaries.resistance
         outlets = [column for column, r in zip(self.columns_of_outlets, resistance) if r > 0]
-        column = self.free_part(forward)
-        column.array[:] = parallel.collected(forward.array[self.space.rows], len(self.space.free))
-        columns = [column] + outlets
-        rows = [self.free_part(backward)] + outlets
-        corner = np.diag(np.concatenate([[self.profile.dot(forward)], -1.0 / resistance[resistance > 0]]))
+        column, row = self.free_vector(), self.free_vector()
+        column.array[:] = parallel.collected(forward[self.space.rows], len(self.space.free))
+        row.array[:] = backward[self.space.free]
+        columns, rows = [column] + outlets, [row] + outlets
+        corner = np.diag(np.concatenate([[profile @ forward], -1.0 / resistance[resistance > 0]]))
         if self.boundaries.inflow is not None:
             rows[0].set(0.0)
             corner[0, 0] = self.boundaries.map_pa / self.boundaries.inflow
         self.forget()
         self.bordered = linear.Bordered(self.solver, columns, rows, corner)
         self.linearised_as = (form is self.forms.tangent, self.mixing)
-        for vector in (forward, backward):
-            vector.destroy()
 
     def outdate(self):
         """Says that the last linearisation is of a state too far away for `dual`."""
@@ -158,8 +152,7 @@ class FlowProblem(flow_state.FlowState, sensitivity.Sensitivity):
         self.solver.release()
         if self.matrix is not None:
             self.matrix.destroy()
-            self.free_matrix.destroy()
-        self.matrix = self.free_matrix = None
+        self.matrix = None
 
     def correction(self, residual, inlet):
         """(update of the free dofs as array, of the inflow) by the last linearisation; residual and inlet as `residual`
@@ -255,5 +248,5 @@ class FlowProblem(flow_state.FlowState, sensitivity.Sensitivity):
         """Frees PETSc's memory."""
         self.release()
         self.solver.destroy()
-        for petsc_object in [self.free, self.rows, self.full_residual] + self.columns_of_outlets:
+        for petsc_object in [self.full_residual] + self.columns_of_outlets:
             petsc_object.destroy()

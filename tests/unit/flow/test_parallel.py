@@ -58,9 +58,7 @@ def test_two_ranks_give_the_answer_of_one(case, tmp_path):
 
 
 def test_rows_of_two_ranks_make_the_whole_matrix(case, monkeypatch):
-    from dolfinx.fem import petsc as fem_petsc
-
-    from flow import compat, outlets, jet, nonlinear, centreline, settings
+    from flow import compat, outlets, jet, nonlinear, centreline, settings, tangent
 
     document, tree = json.loads((case / "boundary.json").read_text()), centreline.read(case / "centreline.vtp")
 
@@ -72,14 +70,14 @@ def test_rows_of_two_ranks_make_the_whole_matrix(case, monkeypatch):
         problem = nonlinear.FlowProblem(space, bounds, document, settings.make(), length)
         problem.state.x.array[:] = np.random.default_rng(0).normal(size=space.dofs)
         monkeypatch.setattr(parallel, "world", lambda: world)
-        matrix = fem_petsc.assemble_matrix(problem.forms.tangent)
+        built = tangent.FreeMatrix(space, problem.forms)
+        built.assemble(problem.forms.tangent)
         monkeypatch.undo()
-        matrix.assemble()
         rows, cells = space.rows, space.__dict__.get("shared_cells")
-        values = matrix.createSubMatrix(problem.rows, problem.free)
-        found = values.norm(), len(rows), cells, len(compat.cell_dofs(space.W))
-        matrix.destroy()
-        values.destroy()
+        profile = bounds.profile.x.array
+        products = built.times(profile)[rows], built.times(profile, transposed=True)[space.free]
+        found = built.matrix.norm(), len(rows), cells, len(compat.cell_dofs(space.W)), products
+        built.destroy()
         problem.destroy()
         return found
 
@@ -87,6 +85,9 @@ def test_rows_of_two_ranks_make_the_whole_matrix(case, monkeypatch):
     assert first[1] + second[1] == whole[1]
     assert np.hypot(first[0], second[0]) == pytest.approx(whole[0], rel=1e-12)
     assert whole[2] is None
+    assert np.concatenate([first[4][0], second[4][0]]) == pytest.approx(whole[4][0], rel=1e-12)
+    for part in (first, second):  # the inlet's rows, of which these are made, each rank has
+        assert part[4][1] == pytest.approx(whole[4][1], rel=1e-12)
     for part in (first, second):
         assert len(part[2]) < 0.75 * part[3]  # neighbours are few: the dofs are numbered along the vessel
 

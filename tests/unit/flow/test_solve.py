@@ -113,7 +113,7 @@ def test_tangent_is_the_derivative_of_the_residual(case, mixing):
     values, rng = problem.state.x.array, np.random.default_rng(0)
     values[:] = 0.1 * rng.normal(size=len(values))  # random: in- and outflow at the outlet, so the backflow term acts
     direction, base = rng.normal(size=len(values)), values.copy()
-    matrix = fem_petsc.assemble_matrix(problem.forms.tangent)
+    matrix = fem_petsc.assemble_matrix(problem.forms.whole_tangent)
     matrix.assemble()
     x, y = matrix.createVecs()
     x.array[:] = direction

@@ -130,7 +130,7 @@ def test_the_steps_error_is_that_of_the_formula(problem):
     stepper.inflows = [0.0] * 3
     stepper._extrapolate(dt)
     slope = 3 * dt**2
-    formula = (slope + stepper.inertia.past.array) / stepper.inertia.weight  # solves du/dt = slope
+    formula = (slope + stepper.inertia.past) / stepper.inertia.weight  # solves du/dt = slope
     parabola = (dt - at[0]) * (dt - at[1]) * (dt - at[2])
     gap = formula - (cubic(dt) - parabola)
     expected = np.sqrt(3) * abs(formula[0] - dt**3)

@@ -19,9 +19,9 @@ def solve(forms, state, conditions, load=None, tolerance=1e-11):
     x = state.vector
     for _ in range(MOST_STEPS):
         b = residual(forms, load)
-        A = fem_petsc.assemble_matrix(forms.tangent, bcs=conditions)
+        A = fem_petsc.assemble_matrix(forms.whole_tangent, bcs=conditions)
         A.assemble()
-        fem_petsc.apply_lifting(b, [forms.tangent], [conditions], [x], -1.0)
+        fem_petsc.apply_lifting(b, [forms.whole_tangent], [conditions], [x], -1.0)
         fem_petsc.set_bc(b, conditions, x, -1.0)
         update = b.duplicate()
         ksp.setOperators(A)
