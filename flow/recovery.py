@@ -3,7 +3,7 @@
 Round every corner of the mesh a polynomial is fitted by least squares to the values at the nodes of the cells that meet
 there; at a node of the richer element the polynomials of its cells' corners are averaged. (Superconvergent patch
 recovery of Zienkiewicz and Zhu 1992, Int J Numer Meth Engng 33, applied to the values as in dual-weighted residuals:
-Becker and Rannacher 2001, Acta Numerica 10.)
+Becker and Rannacher 2001, Acta Numerica 10.) Patches with as many nodes and targets are fitted together.
 """
 
 import numpy as np
@@ -17,6 +17,7 @@ PLENTY = 1.5  # times the polynomial's terms: with fewer nodes the patch is enla
 # Singular values below this share say nothing about the polynomial. In a lattice a patch may have too few levels of
 # nodes for a cubic: exactly so it is 0, with rounded coordinates 1e-7 to 1e-5, which would make spikes of 1e4.
 NEGLIGIBLE = 1e-3
+AT_ONCE = 1_000_000  # numbers, of one kind, of the patches that are fitted together
 
 
 class Patches:
@@ -24,9 +25,8 @@ class Patches:
 
     def __init__(self, nodes, cells):
         self.nodes, self.corner = nodes, cells[:, :4]
-        order = np.argsort(self.corner, axis=None, kind="stable")
-        self.corners, first = np.unique(self.corner.ravel()[order], return_index=True)
-        self.cells_at = dict(zip(self.corners, np.split(order // 4, first[1:])))
+        corners, number = np.unique(self.corner, return_inverse=True)
+        self.cells_at = _incidence(number.reshape(-1, 4), len(corners)).T.tocsr()  # (corners, cells)
 
     def recover(self, fields, wanted=None):
         """[(m, k) values at `targets`] of fields [(degree, sources (t, a), values (n, k), targets (m, 3), of (t, b))].
@@ -34,98 +34,128 @@ class Patches:
         sources: the cells' nodes at which `values` are known; of: the numbers of the targets that lie in each cell.
         wanted: cells in which alone the targets' values count; the others' are left undone.
         """
-        sums = [np.zeros((len(targets), values.shape[1])) for _, _, values, targets, _ in fields]
-        counts = [np.zeros(len(targets)) for *_, targets, _ in fields]
-        for cells in self._own(wanted):
-            beside = None
-            for k, (degree, sources, values, targets, of) in enumerate(fields):
-                near, beside = self._near(cells, beside, sources, TERMS[degree])
-                at = _members(of[cells])
-                sums[k][at] += _fitted(self.nodes[near], values[near], targets[at], TERMS[degree])
-                counts[k][at] += 1
-        counts = [np.maximum(parallel.total(count), 1) for count in counts]
-        return [parallel.total(values) / count[:, None] for values, count in zip(sums, counts)]
+        patches, found = self._own(wanted), []
+        for degree, sources, values, targets, of in fields:
+            width = values.shape[1]
+            entries = [(np.empty(0, int), np.empty((0, width)))]  # a rank may have no patch
+            for near, at in self._alike(patches, degree, sources, of, len(targets), width):
+                known, at_targets, inverse = _fitted(self.nodes[near], targets[at], TERMS[degree])
+                fitted = at_targets @ (inverse @ (known.transpose(0, 2, 1) @ values[near]))
+                entries.append((at.ravel(), fitted.reshape(-1, width)))
+            at, fitted = (np.concatenate(parts) for parts in zip(*entries))
+            pairs = at, np.arange(len(at))
+            sums = scipy.sparse.csr_matrix((np.ones(len(at)), pairs), (len(targets), len(at))) @ fitted
+            counts = parallel.total(np.bincount(at, minlength=len(targets)))
+            found.append(parallel.total(sums) / np.maximum(counts, 1)[:, None])
+        return found
 
     def transposed(self, fields, groups):
         """What `recover` of unknown nodal values, weighted with loads at the targets and summed by groups, depends on:
         for each of fields [(degree, sources (t, a), loads (m, c), targets (m, 3), of (t, b), group (m,))] the list over
         c of sparse matrices (n, groups), whose product with values (n,) at the nodes is that sum."""
-        entries, counts = [[] for _ in fields], [self._counts(of, len(loads)) for _, _, loads, _, of, _ in fields]
-        for cells in self._own():
-            beside = None
-            for k, (degree, sources, loads, targets, of, group) in enumerate(fields):
-                near, beside = self._near(cells, beside, sources, TERMS[degree])
-                at = _members(of[cells])
-                present = np.unique(group[at])
-                within = group[at][:, None] == present
-                shared = (loads[at] / counts[k][at][:, None])[:, None] * within[..., None]
-                back = _fitted_transposed(self.nodes[near], targets[at], TERMS[degree], shared.reshape(len(at), -1))
-                entries[k].append((near, present, back.reshape(len(near), len(present), -1)))
-        return [self._summed(found, groups, field[2].shape[1]) for found, field in zip(entries, fields)]
+        patches, found = self._own(), []
+        for degree, sources, loads, targets, of, group in fields:
+            components, entries = loads.shape[1], []
+            shared = loads / self._counts(of, len(loads))[:, None]
+            for near, at in self._alike(patches, degree, sources, of, len(targets), components):
+                known, at_targets, inverse = _fitted(self.nodes[near], targets[at], TERMS[degree])
+                # what each patch gives to each of the groups that it has targets of
+                number = (np.arange(len(at))[:, None] * groups + group[at]).ravel()
+                order = np.argsort(number, kind="stable")
+                pairs, first = np.unique(number[order], return_index=True)
+                patch, of_group = pairs // groups, pairs % groups
+                weighted = (at_targets[..., None] * shared[at][:, :, None]).reshape(at.size, -1)
+                moments = np.add.reduceat(weighted[order], first).reshape(len(pairs), -1, components)
+                entries.append((near[patch], of_group, known[patch] @ (inverse[patch] @ moments)))
+            found.append(self._matrices(entries, groups, components))
+        return found
 
     def _own(self, wanted=None):
-        """The patches, by their cells, that are this rank's; only those that reach the cells `wanted`."""
-        if wanted is None:
-            patches = list(self.cells_at.values())
-        else:
+        """Sparse (patches, cells) of the patches that are this rank's; only those that reach the cells `wanted`."""
+        patches = self.cells_at
+        if wanted is not None:
             beside = np.isin(self.corner, self.corner[wanted]).any(axis=1)
-            patches = [self.cells_at[corner] for corner in np.unique(self.corner[beside])]
-        return patches[slice(*parallel.share(len(patches)))]
+            patches = patches[np.flatnonzero(patches @ beside.astype(np.int32))]
+        return patches[slice(*parallel.share(patches.shape[0]))]
 
-    def _near(self, cells, beside, sources, terms):
-        """(nodes of a patch's sources, enough for so many terms; the cells beside it where they were needed)."""
-        near = _members(sources[cells])
-        if len(near) < PLENTY * len(terms):
-            if beside is None:
-                beside = np.concatenate([self.cells_at[corner] for corner in _members(self.corner[cells])])
-            near = _members(sources[beside])
-        return near, beside
+    def _alike(self, patches, degree, sources, of, targets, components):
+        """(nodes (p, n), targets (p, m)) of patches that have as many of both: their sources, enough for the degree;
+        the numbers of the targets in their cells. components: of the values at each."""
+        terms = len(TERMS[degree])
+        sources, at = _incidence(sources, len(self.nodes)), _ascending(patches @ _incidence(of, targets))
+        near = _ascending(patches @ sources)
+        few = np.diff(near.indptr) < PLENTY * terms
+        if few.any():
+            beside = patches[few] @ self.cells_at.T @ self.cells_at
+            near = scipy.sparse.vstack([near[~few], _ascending(_pattern(beside) @ sources)])
+            at = scipy.sparse.vstack([at[~few], at[few]])
+        sizes, kind = np.unique(np.stack([np.diff(near.indptr), np.diff(at.indptr)]), axis=1, return_inverse=True)
+        order, ends = np.argsort(kind, kind="stable"), np.cumsum(np.bincount(kind))
+        for (nodes, count), same in zip(sizes.T, np.split(order, ends[:-1])):
+            step = max(1, AT_ONCE // (terms * max(nodes, count * components)))
+            for first in range(0, len(same), step):
+                chosen = same[first : first + step]
+                yield _rows(near, chosen, nodes), _rows(at, chosen, count)
 
     def _counts(self, of, count):
         """Number (count,) of the patches that each target lies in."""
-        pairs = np.repeat(of, 4, axis=1).ravel(), np.tile(self.corner, of.shape[1]).ravel()
-        ones = scipy.sparse.csr_matrix((np.ones(len(pairs[0])), pairs), (count, len(self.nodes)))
-        return np.diff(ones.indptr)
+        return np.bincount((self.cells_at @ _incidence(of, count)).indices, minlength=count)
 
-    def _summed(self, entries, groups, components):
-        """List over components of sparse (n, groups) over all ranks; entries [(nodes, groups, values (n, g, c))]."""
-        rows = np.concatenate([np.repeat(near, len(present)) for near, present, _ in entries])
-        columns = np.concatenate([np.tile(present, len(near)) for near, present, _ in entries])
-        values = np.concatenate([block.reshape(-1, components) for *_, block in entries])
+    def _matrices(self, entries, groups, components):
+        """List over components of sparse (n, groups) over all ranks; entries: nodes (p, n), groups (p,), values
+        (p, n, components)."""
         size = len(self.nodes), groups
+        rows = np.concatenate([near.ravel() for near, *_ in entries])
+        columns = np.concatenate([np.repeat(of_group, near.shape[1]) for near, of_group, _ in entries])
+        values = np.concatenate([block.reshape(-1, components) for *_, block in entries])
         return [parallel.total(scipy.sparse.csr_matrix((one, (rows, columns)), size)) for one in values.T]
 
 
-def _members(lists):
-    """Ascending, each once: np.unique without its overhead."""
-    found = np.sort(lists, axis=None)
-    return found[np.concatenate([[True], found[1:] != found[:-1]])]
+def _incidence(lists, count):
+    """Sparse (t, count) with a one for each of lists (t, a) of numbers below `count`."""
+    starts = np.arange(len(lists) + 1) * lists.shape[1]
+    return scipy.sparse.csr_matrix((np.ones(lists.size, np.int32), lists.ravel(), starts), (len(lists), count))
 
 
-def _bases(points, targets, terms):
-    """Monomials (n, terms) at points (n, 3) of a patch and (m, terms) at targets (m, 3)."""
-    middle = points.mean(axis=0)
+def _ascending(matrix):
+    """A sparse matrix with the columns of each row in ascending order."""
+    matrix.sort_indices()
+    return matrix
+
+
+def _pattern(matrix):
+    """A sparse matrix with ones for its entries."""
+    matrix.data[:] = 1
+    return matrix
+
+
+def _rows(matrix, chosen, size):
+    """Columns (p, size) of the entries of the rows `chosen` (p,), each of which has so many."""
+    return matrix.indices[matrix.indptr[chosen][:, None] + np.arange(size)]
+
+
+def _fitted(points, targets, terms):
+    """Monomials (p, n, t) at points (p, n, 3) and (p, m, t) at targets (p, m, 3) of p patches, and the pseudo-inverse
+    (p, t, t) of the first's products: values (n, k) at the points are fitted by monomials (inverse (monomials' values))
+    at the targets."""
+    middle = points.mean(axis=1, keepdims=True)
+    off = points - middle
     # in the patch's own directions and lengths: cells are several times longer than wide
-    _, size, axes = np.linalg.svd(points - middle, full_matrices=False)
-    turn = axes.T / np.maximum(size / np.sqrt(len(points)), 1e-300)
-    return _monomials((points - middle) @ turn, terms), _monomials((targets - middle) @ turn, terms)
-
-
-def _fitted(points, values, targets, terms):
-    """Values (m, k) at targets (m, 3) of the polynomial fitted to values (n, k) at points (n, 3)."""
-    known, wanted = _bases(points, targets, terms)
-    return wanted @ np.linalg.lstsq(known, values, rcond=NEGLIGIBLE)[0]
-
-
-def _fitted_transposed(points, targets, terms, loads):
-    """(n, k) whose product with values at points (n, 3) is that of loads (m, k) with what `_fitted` makes of them."""
-    known, wanted = _bases(points, targets, terms)
-    return np.linalg.lstsq(known.T, wanted.T @ loads, rcond=NEGLIGIBLE)[0]
+    square, axes = np.linalg.eigh(off.transpose(0, 2, 1) @ off)
+    turn = axes / np.sqrt(np.maximum(square / points.shape[1], 1e-300))[:, None]
+    known, wanted = _monomials(off @ turn, terms), _monomials((targets - middle) @ turn, terms)
+    square, vectors = np.linalg.eigh(known.transpose(0, 2, 1) @ known)  # squares of the singular values, ascending
+    telling = square > NEGLIGIBLE**2 * square[:, -1:]
+    inverse = np.where(telling, 1.0 / np.where(telling, square, 1.0), 0.0)
+    return known, wanted, (vectors * inverse[:, None]) @ vectors.transpose(0, 2, 1)
 
 
 def _monomials(x, terms):
-    """(n, terms) of coordinates x (n, 3)."""
-    powers = np.ones((4,) + x.T.shape)
+    """(p, n, terms) of coordinates x (p, n, 3)."""
+    powers = np.ones((4,) + x.shape)
     for degree in range(1, 4):
-        powers[degree] = powers[degree - 1] * x.T
-    return (powers[terms[:, 0], 0] * powers[terms[:, 1], 1] * powers[terms[:, 2], 2]).T
+        powers[degree] = powers[degree - 1] * x
+    found = np.empty(x.shape[:2] + (len(terms),))
+    for k, (i, j, m) in enumerate(terms):
+        found[..., k] = powers[i, ..., 0] * powers[j, ..., 1] * powers[m, ..., 2]
+    return found

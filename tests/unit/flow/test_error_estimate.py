@@ -116,6 +116,31 @@ def test_recovery_returns_a_cubic_from_its_nodal_values():
     assert np.abs(cubic(nodes)[ten].mean(axis=1) - cubic(targets)).max() > 0.01  # the mean of the nodes is not enough
 
 
+def test_recovery_does_not_depend_on_how_many_patches_are_fitted_together(monkeypatch):
+    corners = np.random.default_rng(3).random((60, 3))
+    nodes, ten = _quadratic(corners, Delaunay(corners).simplices)
+    random = np.random.default_rng(5)
+    values, loads = random.random((2, len(nodes), 2))
+    group = random.integers(0, 4, len(nodes))
+
+    def found():
+        patches = recovery.Patches(nodes, ten)
+        back = patches.transposed([(3, ten, loads, nodes, ten, group)], 4)[0]
+        return patches.recover([(3, ten, values, nodes, ten)])[0], *(part.toarray() for part in back)
+
+    together = found()
+    monkeypatch.setattr(recovery, "AT_ONCE", 1)
+    for alone, with_others in zip(found(), together):
+        assert alone == pytest.approx(with_others, rel=1e-9, abs=1e-9 * np.abs(with_others).max())
+
+
+def test_recovery_where_no_cell_is_wanted():
+    corners = np.random.default_rng(3).random((20, 3))
+    nodes, ten = _quadratic(corners, Delaunay(corners).simplices)
+    field = 2, ten[:, :4], np.ones((len(nodes), 1)), nodes, ten
+    assert not recovery.Patches(nodes, ten).recover([field], np.zeros(0, int))[0].any()
+
+
 def test_recovery_on_a_lattice_does_not_amplify_rounded_coordinates():
     corners = np.array([[x, 0.5 * y, 0.3 * z] for x in range(6) for y in range(2) for z in range(2)], float)
     ways = [[0, 4, 6, 7], [0, 4, 5, 7], [0, 2, 6, 7], [0, 2, 3, 7], [0, 1, 5, 7], [0, 1, 3, 7]]  # round a diagonal
