@@ -36,17 +36,18 @@ class Patches:
         """
         patches, found = self._own(wanted), []
         for degree, sources, values, targets, of in fields:
-            width = values.shape[1]
-            entries = [(np.empty(0, int), np.empty((0, width)))]  # a rank may have no patch
+            width, entries, held = values.shape[1], [], 0
+            sums, counts = np.zeros((len(targets), width)), np.zeros(len(targets))
             for near, at in self._alike(patches, degree, sources, of, len(targets), width):
                 known, at_targets, inverse = _fitted(self.nodes[near], targets[at], TERMS[degree])
                 fitted = at_targets @ (inverse @ (known.transpose(0, 2, 1) @ values[near]))
                 entries.append((at.ravel(), fitted.reshape(-1, width)))
-            at, fitted = (np.concatenate(parts) for parts in zip(*entries))
-            pairs = at, np.arange(len(at))
-            sums = scipy.sparse.csr_matrix((np.ones(len(at)), pairs), (len(targets), len(at))) @ fitted
-            counts = parallel.total(np.bincount(at, minlength=len(targets)))
-            found.append(parallel.total(sums) / np.maximum(counts, 1)[:, None])
+                held += fitted.size
+                if held > AT_ONCE:
+                    _add(sums, counts, entries)
+                    entries, held = [], 0
+            _add(sums, counts, entries)
+            found.append(parallel.total(sums) / np.maximum(parallel.total(counts), 1)[:, None])
         return found
 
     def transposed(self, fields, groups):
@@ -109,6 +110,16 @@ class Patches:
         columns = np.concatenate([np.repeat(of_group, near.shape[1]) for near, of_group, _ in entries])
         values = np.concatenate([block.reshape(-1, components) for *_, block in entries])
         return [parallel.total(scipy.sparse.csr_matrix((one, (rows, columns)), size)) for one in values.T]
+
+
+def _add(sums, counts, entries):
+    """Adds entries [(numbers (n,), values (n, k))] to the sums (m, k) and counts (m,) of those numbers."""
+    if not entries:
+        return
+    at, values = (np.concatenate(parts) for parts in zip(*entries))
+    pairs = at, np.arange(len(at))
+    sums += scipy.sparse.csr_matrix((np.ones(len(at)), pairs), (len(sums), len(at))) @ values
+    counts += np.bincount(at, minlength=len(counts))
 
 
 def _incidence(lists, count):
