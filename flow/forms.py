@@ -36,8 +36,9 @@ class NavierStokes:
     """Residual and tangents of a state w = (u, p) on a LumenSpace, SI units, compiled when first asked for.
 
     viscosity is one of flow.viscosity; space has W, mesh, facets (tags) and outlets (their tags), in three or two
-    dimensions; mixing is c, jet_length the Function l_jet in m. picard freezes the convecting velocity and the
-    viscosities and adds the inertia of a backward-Euler step with the local time step h / (|u| `rate`),
+    dimensions, for all but `residual` and `whole_tangent` also W's parts V and Q; mixing is c, jet_length the Function
+    l_jet in m. picard freezes the convecting velocity and the viscosities and adds the inertia of a backward-Euler step
+    with the local time step h / (|u| `rate`),
     rate = 1 / CFL number.
     """
 
@@ -160,6 +161,11 @@ class NavierStokes:
         return self._once("tangent", lambda index: self._shared(self._velocity_tangent(index)))
 
     @property
+    def tangent_of_all(self):
+        """`tangent`, of all cells on each MPI rank."""
+        return self._once("tangent of all", lambda index: compat.form(self._velocity_tangent(index)))
+
+    @property
     def picard(self):
         """The velocity block of Picard's linearisation with inertia."""
         test, trial = self._arguments
@@ -171,7 +177,7 @@ class NavierStokes:
         return self._once("picard", build)
 
     def tangent_with_inertia(self, cfl):
-        """`tangent` (of all cells) with inertia as in picard, of the CFL number `cfl`, compiled."""
+        """`tangent_of_all` with inertia as in picard, of the CFL number `cfl`, compiled."""
         tangent = self._velocity_tangent(int(self.mixing.value > 0))
         return compat.form(tangent + self._inertia(*self._velocities(), 1.0 / cfl))
 

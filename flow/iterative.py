@@ -144,7 +144,7 @@ class Blocks:
         self.profile = boundaries.profile.x.array[space.v_map]
         self.flux = [flux.array_r[space.v_map] * self.keep for flux in boundaries.flux]
         self.area, self.weight = boundaries.inlet_area, problem.weight
-        self.velocity = compat.block_matrix(problem.forms.tangent)
+        self.velocity = compat.block_matrix(problem.forms.tangent_of_all)
         divergence = tangent.divergence(problem.forms)
         self.of_profile = divergence @ self.profile
         self.divergence = divergence @ scipy.sparse.diags(self.keep)
@@ -156,7 +156,7 @@ class Blocks:
         """The velocity block and its border at the problem's present state."""
         if self.stars is None:
             self._smoother()
-        self._fill(self.velocity, self.problem.forms.tangent, True)
+        self._fill(self.velocity, self.problem.forms.tangent_of_all, True)  # each rank applies the whole
 
     def _fill(self, matrix, form, border=False):
         matrix.zeroEntries()

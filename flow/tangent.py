@@ -65,7 +65,7 @@ class FreeMatrix:
         if inertia:
             inertia.add_tangent(self.velocity)
         with compat.matrix_values(self.velocity) as given, compat.matrix_values(self.matrix) as values:
-            np.take(given, self.places, out=values, mode="clip")
+            np.take(given, self.places, out=values, mode="clip")  # all are places; otherwise numpy copies `out`
             values[self.fixed] = self.fixed_values
 
     def times(self, values, transposed=False):

@@ -57,8 +57,25 @@ def test_two_ranks_give_the_answer_of_one(case, tmp_path):
     assert "stalled" in refused.stderr and not (tmp_path / "refused" / "ffr.json").exists()
 
 
+@pytest.mark.skipif(shutil.which("mpirun") is None, reason="needs mpirun (package openmpi-bin)")
+def test_two_ranks_solve_iteratively_as_one(case, tmp_path):
+    own = pathlib.Path(shutil.copytree(case, tmp_path / "case"))
+    given = [str(own / "lumen.vtp"), "--centreline", str(own / "centreline.vtp"), "--rings", "3", "--coarse-rings", "2"]
+    given += [text for name in tubes.AS_IT_IS for text in ("--" + name.replace("_", "-"), "0")]
+    command_line.main(["mesh", *given, "--out", str(own / "mesh.msh"), "--coarse", str(own / "coarse.msh")])
+    options = ["--coarse", str(own / "coarse.msh"), "--linear-solver", "iterative", "--ffr-tolerance", "1e-9"]
+    found = []
+    for ranks in ("1", "2"):
+        ended = _solve(own, tmp_path / ranks, *options, "--ranks", ranks)
+        assert ended.returncode == 0, ended.stderr
+        found.append(json.loads((tmp_path / ranks / "ffr.json").read_text()))
+    assert found[0]["meshes"][1]["linear_iterations"] and found[1]["meshes"][1]["linear_iterations"]
+    assert found[1]["ffr"] == pytest.approx(found[0]["ffr"], abs=1e-6)
+    assert found[1]["error_estimate"]["ffr"] == pytest.approx(found[0]["error_estimate"]["ffr"], rel=1e-2)
+
+
 def test_rows_of_two_ranks_make_the_whole_matrix(case, monkeypatch):
-    from flow import compat, outlets, jet, nonlinear, centreline, settings, tangent
+    from flow import compat, outlets, jet, marching, nonlinear, centreline, settings, tangent
 
     document, tree = json.loads((case / "boundary.json").read_text()), centreline.read(case / "centreline.vtp")
 
@@ -76,18 +93,28 @@ def test_rows_of_two_ranks_make_the_whole_matrix(case, monkeypatch):
         rows, cells = space.rows, space.__dict__.get("shared_cells")
         profile = bounds.profile.x.array
         products = built.times(profile)[rows], built.times(profile, transposed=True)[space.free]
-        found = built.matrix.norm(), len(rows), cells, len(compat.cell_dofs(space.W)), products
+        norm, inertia = built.matrix.norm(), marching.Inertia(problem)
+        inertia.weight, force = 1e3, problem.full_residual.duplicate()
+        force.set(0.0)
+        inertia.add_force(force, problem.state_vector())
+        built.assemble(problem.forms.tangent, inertia)
+        with_inertia = built.matrix.norm(), force.array.copy()
+        found = norm, len(rows), cells, len(compat.cell_dofs(space.W)), products, *with_inertia
+        inertia.destroy()
         built.destroy()
         problem.destroy()
         return found
 
     whole, first, second = assembled(0, 1), assembled(0, 2), assembled(1, 2)
     assert first[1] + second[1] == whole[1]
-    assert np.hypot(first[0], second[0]) == pytest.approx(whole[0], rel=1e-12)
+    for place in (0, 5):  # without and with inertia
+        assert np.hypot(first[place], second[place]) == pytest.approx(whole[place], rel=1e-12)
+    assert whole[5] > 1.01 * whole[0]
     assert whole[2] is None
     assert np.concatenate([first[4][0], second[4][0]]) == pytest.approx(whole[4][0], rel=1e-12)
     for part in (first, second):  # the inlet's rows, of which these are made, each rank has
         assert part[4][1] == pytest.approx(whole[4][1], rel=1e-12)
+        assert part[6] == pytest.approx(whole[6], rel=1e-12)  # forces are whole on each rank
     for part in (first, second):
         assert len(part[2]) < 0.75 * part[3]  # neighbours are few: the dofs are numbered along the vessel
 

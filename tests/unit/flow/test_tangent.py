@@ -78,22 +78,27 @@ def test_a_jet_changes_it(problem):
     assert _apart(_free(problem, problem.forms.whole_tangent), plain) > 1e-6
 
 
-def test_picards_matrix_convects_by_the_state_alone(problem):
+@pytest.mark.parametrize("mixing", [0.0, 0.3])
+def test_picards_matrix_convects_by_the_state_alone(problem, mixing):
     """By a form of its own: rho (w.grad u + div w u / 2, v) of the state w and the rest of the equations."""
     rate, (u, _) = 0.7, ufl.split(problem.state)
-    problem.forms.rate.value = rate
+    problem.forms.rate.value, problem.forms.mixing.value = rate, mixing
+    problem.jet_length.x.array[:] = 1e-4
     W, mesh = problem.space.W, problem.space.mesh
     (du, dp), (v, q) = ufl.TrialFunctions(W), ufl.TestFunctions(W)
     n, dx = ufl.FacetNormal(mesh), ufl.dx(metadata={"quadrature_degree": 5})
     ds = ufl.Measure("ds", domain=mesh, subdomain_data=problem.space.facets, metadata={"quadrature_degree": 6})
     carried = ufl.dot(ufl.grad(du), u) + 0.5 * ufl.div(u) * du
     inward = 0.5 * (ufl.dot(u, n) - abs(ufl.dot(u, n)))
-    width = (6 / 8 * abs(ufl.JacobianDeterminant(mesh)) ** (2 / 3)) ** 0.5
-    speed = ufl.sqrt(ufl.inner(u, u) + forms.SLOWEST**2)
+    speed_per_width = _speed_per_width(u, mesh)
     given = settings.make()
-    wanted = DENSITY * ufl.inner(carried + rate * speed / width * du, v) * dx
+    wanted = DENSITY * ufl.inner(carried + rate * speed_per_width * du, v) * dx
     wanted += 0.004 * ufl.inner(ufl.grad(du), ufl.grad(v)) * dx + given.grad_div_pa_s * ufl.div(du) * ufl.div(v) * dx
     wanted -= (dp * ufl.div(v) + q * ufl.div(du)) * dx
+    shear = ufl.sqrt(2 * ufl.inner(ufl.sym(ufl.grad(u)), ufl.sym(ufl.grad(u))) + forms.SMALLEST_RATE**2)
+    coarser = ufl.dx(metadata={"quadrature_degree": 3})
+    c = fem.Constant(mesh, PETSc.ScalarType(mixing))
+    wanted += DENSITY * (c * problem.jet_length) ** 2 * shear * ufl.inner(ufl.grad(du), ufl.grad(v)) * coarser
     wanted -= DENSITY * given.backflow_coefficient * inward * ufl.inner(du, v) * ds(tuple(problem.space.outlets))
     built = tangent.FreeMatrix(problem.space, problem.forms)
     built.assemble(problem.forms.picard)
@@ -102,6 +107,25 @@ def test_picards_matrix_convects_by_the_state_alone(problem):
     built.assemble(problem.forms.tangent)
     assert _apart(_csr(built.matrix), found) > 1e-3
     built.destroy()
+
+
+def _speed_per_width(u, mesh):
+    """|u| / h, h being about half an edge of a cell."""
+    width = (6 / 8 * abs(ufl.JacobianDeterminant(mesh)) ** (2 / 3)) ** 0.5
+    return ufl.sqrt(ufl.inner(u, u) + forms.SLOWEST**2) / width
+
+
+def test_the_smoothers_block_has_the_inertia_of_a_local_time_step(problem):
+    V, cfl, dx = problem.space.V, 20.0, ufl.dx(metadata={"quadrature_degree": 5})
+    du, v, (u, _) = ufl.TrialFunction(V), ufl.TestFunction(V), ufl.split(problem.state)
+    wanted = DENSITY / cfl * _speed_per_width(u, problem.space.mesh) * ufl.inner(du, v) * dx
+    found = []
+    for compiled in (problem.forms.tangent_with_inertia(cfl), problem.forms.tangent_of_all, compat.form(wanted)):
+        matrix = fem_petsc.assemble_matrix(compiled)
+        matrix.assemble()
+        found.append(_csr(matrix))
+        matrix.destroy()
+    assert _apart(found[0] - found[1], found[2]) < 1e-9
 
 
 def test_inertia_adds_its_mass_to_residual_and_matrix(problem):
