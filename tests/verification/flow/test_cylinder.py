@@ -54,7 +54,7 @@ def _write_mesh(path, around, far):
 
 
 def _space(path):
-    """What flow.forms needs of a space, with the collapsed velocity space V and its dofs."""
+    """What the residual and the whole tangent of flow.forms need of a space."""
     mesh, facets = compat.read_gmsh(path, dimension=2)
     W = compat.function_space(
         mesh, compat.mixed_element(compat.vector_element(mesh, 2), compat.scalar_element(mesh, 1))
