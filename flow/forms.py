@@ -38,8 +38,7 @@ class NavierStokes:
     viscosity is one of flow.viscosity; space has W, mesh, facets (tags) and outlets (their tags), in three or two
     dimensions, for all but `residual` and `whole_tangent` also W's parts V and Q; mixing is c, jet_length the Function
     l_jet in m. picard freezes the convecting velocity and the viscosities and adds the inertia of a backward-Euler step
-    with the local time step h / (|u| `rate`),
-    rate = 1 / CFL number.
+    with the local time step h / (|u| `rate`), rate = 1 / CFL number.
     """
 
     def __init__(self, space, state, density, viscosity, grad_div, backflow, jet_length):
@@ -163,6 +162,8 @@ class NavierStokes:
     @property
     def tangent_of_all(self):
         """`tangent`, of all cells on each MPI rank."""
+        if self._shared_cells is None:
+            return self.tangent
         return self._once("tangent of all", lambda index: compat.form(self._velocity_tangent(index)))
 
     @property
@@ -205,7 +206,12 @@ class NavierStokes:
         momentum = ufl.replace(self._residuals[index], {self._arguments[0]: self._padded(v)})
         return ufl.derivative(momentum, self._state, self._padded(du))
 
+    @property
+    def _shared_cells(self):
+        """Of flow.spaces; None, all of them, where the space says nothing."""
+        return getattr(self._space, "shared_cells", None)
+
     def _shared(self, expression):
-        """Compiled, over the cells that this MPI rank assembles (flow.spaces; all where the space says nothing)."""
-        cells = getattr(self._space, "shared_cells", None)
+        """Compiled, over the cells that this MPI rank assembles."""
+        cells = self._shared_cells
         return compat.form(expression if cells is None else compat.on_cells(expression, self._space.mesh, cells))

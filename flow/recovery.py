@@ -88,7 +88,7 @@ class Patches:
         few = np.diff(near.indptr) < PLENTY * terms
         if few.any():
             beside = patches[few] @ self.cells_at.T @ self.cells_at
-            near = scipy.sparse.vstack([near[~few], _ascending(_pattern(beside) @ sources)])
+            near = scipy.sparse.vstack([near[~few], _ascending(beside @ sources)])
             at = scipy.sparse.vstack([at[~few], at[few]])
         sizes, kind = np.unique(np.stack([np.diff(near.indptr), np.diff(at.indptr)]), axis=1, return_inverse=True)
         order, ends = np.argsort(kind, kind="stable"), np.cumsum(np.bincount(kind))
@@ -131,12 +131,6 @@ def _incidence(lists, count):
 def _ascending(matrix):
     """A sparse matrix with the columns of each row in ascending order."""
     matrix.sort_indices()
-    return matrix
-
-
-def _pattern(matrix):
-    """A sparse matrix with ones for its entries."""
-    matrix.data[:] = 1
     return matrix
 
 
