@@ -1,4 +1,4 @@
-"""Curvature of a centreline (equations 24-25 of the study)."""
+"""Curvature of a centreline, and its mean over arc length."""
 
 import numpy as np
 from scipy.interpolate import make_lsq_spline
@@ -12,7 +12,7 @@ KNOT_SPACING_MM = 0.5  # finer knots would follow the rounding of single-precisi
 def line_curvature(line, s_mm):
     """Curvature in 1/mm at the arc lengths s_mm (n,) of a Polyline.
 
-    Equation 24: kappa = |r' x r''| / |r'|^3, with r a quintic least-squares spline of the line's points over s
+    kappa = |r' x r''| / |r'|^3, with r a quintic least-squares spline of the line's points over s
     (knots every 0.5 mm, or every second point where the points are further apart).
     Raises InputError if the line has too few points for a second derivative.
     """
@@ -30,6 +30,6 @@ def line_curvature(line, s_mm):
 
 
 def mean_over_length(values, s_mm):
-    """Mean of a profile over arc length, (1/L) integral of values ds by the trapezoidal rule (equation 25)."""
+    """Mean of a profile over arc length, (1/L) integral of values ds by the trapezoidal rule."""
     values, s_mm = np.asarray(values, float), np.asarray(s_mm, float)
     return float(np.sum(0.5 * (values[1:] + values[:-1]) * np.diff(s_mm)) / (s_mm[-1] - s_mm[0]))
