@@ -251,7 +251,11 @@ def read_sections(path):
 
 def check_sections(table, tree, path):
     """Raises InputError for sections that are not of the tree's lumen: that end before their branch does, or beyond it,
-    or are not as wide as the centreline says (the radius of the largest sphere inside)."""
+    or are not as wide as the centreline says (the radius of the largest sphere inside).
+
+    A sphere touches the wall somewhere within its own radius along the branch: behind a sudden expansion it is held by
+    the rim of the narrow part. So the narrowest section in that reach is what its radius is compared with.
+    """
     remedy = "give the sections of the centreline's lumen, both in mm"
     for branch in tree:
         rows = table[table["branch"] == branch.name]
@@ -260,9 +264,11 @@ def check_sections(table, tree, path):
         if len(s) and abs(s.max() - branch.length_mm) > NEAR_END * branch.radius_mm[-1]:
             value = f"last at {s.max():.4g} of {branch.length_mm:.4g} mm"
             raise InputError("cross-sections of another branch", where, value, remedy)
-        ratio = radius / branch.radius(s)
-        for k in np.flatnonzero((ratio < NARROWEST) | (ratio > WIDEST))[:1]:
-            value = f"radius {radius[k]:.4g} mm at {s[k]:.4g} mm, of the centreline {branch.radius(s[k]):.4g} mm"
+        sphere = branch.radius(s)
+        near = np.abs(s - s[:, None]) <= sphere[:, None]
+        narrowest = np.where(near, radius, np.inf).min(axis=1)
+        for k in np.flatnonzero((radius < NARROWEST * sphere) | (narrowest > WIDEST * sphere))[:1]:
+            value = f"radius {radius[k]:.4g} mm at {s[k]:.4g} mm, of the centreline {sphere[k]:.4g} mm"
             raise InputError("cross-sections of another lumen", where, value, remedy)
 
 

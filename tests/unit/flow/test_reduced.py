@@ -1,5 +1,8 @@
 """The reduced network against Poiseuille, a resistor network, and the Borda-Carnot loss."""
 
+import pathlib
+import sys
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -7,6 +10,11 @@ import pytest
 import tubes
 from common.errors import InputError
 from flow import centreline, reduced, viscosity
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "verification" / "flow"))
+
+import fda_nozzle  # noqa: E402
+
 
 MU, RHO = 0.004, 1060.0
 
@@ -139,6 +147,20 @@ def test_sections_of_another_lumen_are_refused():
     narrow = centreline.Tree([tubes.line(20.0, tubes.lesion(1.5, 0.62, 10, 8))])
     with pytest.raises(InputError, match="another lumen"):
         reduced.check_sections(own.assign(area_mm2=np.pi * plain**2), narrow, "sections.csv")
+
+
+def test_a_sudden_expansion_is_a_lumen():
+    """The FDA's nozzle: behind its throat the tube is three times as wide at once, the sphere on the axis is held by
+    the throat's rim. A tube without throat is another lumen, and so is one that stays as narrow as it."""
+    nozzle = fda_nozzle.make()
+    tree, s = centreline.Tree([nozzle.branch]), nozzle.branch.s_mm
+    own = _sections([("main", s, np.sqrt(nozzle.area_mm2 / np.pi))])
+    behind = np.argmax(s > nozzle.expansion_mm)
+    assert np.sqrt(nozzle.area_mm2[behind] / np.pi) > reduced.WIDEST * nozzle.branch.radius_mm[behind]
+    reduced.check_sections(own, tree, "sections.csv")
+    for radius in (fda_nozzle.RADIUS, fda_nozzle.THROAT):
+        with pytest.raises(InputError, match="cross-sections of another lumen"):
+            reduced.check_sections(_sections([("main", s, np.full(len(s), radius))]), tree, "sections.csv")
 
 
 def test_an_outlet_of_an_unknown_branch_is_refused():

@@ -15,16 +15,21 @@ from flow.surface import Surface
 
 def tube(length_mm, radius, edge_mm=0.5, axis=None, outlet_region=2):
     """Closed, tagged tube along +x (or the map `axis`: (s, e1, e2) -> points); radius: function of s in mm."""
-    radius_0 = float(radius(0.0))
-    around = max(8, round(2 * np.pi * radius_0 / edge_mm))
-    rings = max(2, round(length_mm / edge_mm)) + 1
-    s = np.linspace(0, length_mm, rings)
+    around = max(8, round(2 * np.pi * float(radius(0.0)) / edge_mm))
+    s = np.linspace(0, length_mm, max(2, round(length_mm / edge_mm)) + 1)
+    return revolved(s, [radius(along) for along in s], around, axis, outlet_region)
+
+
+def revolved(s, radius, around, axis=None, outlet_region=2):
+    """As `tube`, of `around` points at each (s, radius) of a meridian, sequences of floats in mm: where two have the
+    same s the wall between them is a ring across the axis, as at a sudden expansion."""
+    rings = len(s)
     axis = axis or (lambda along, e1, e2: np.stack([along, e1, e2], axis=-1))
     points, triangles, region = [], [], []
     angle = 2 * np.pi * np.arange(around) / around
     for k, along in enumerate(s):
         theta = angle + (k % 2) * np.pi / around
-        points.append(axis(np.full(around, along), radius(along) * np.cos(theta), radius(along) * np.sin(theta)))
+        points.append(axis(np.full(around, along), radius[k] * np.cos(theta), radius[k] * np.sin(theta)))
     for k in range(rings - 1):
         here, there = k * around + np.arange(around), (k + 1) * around + np.arange(around)
         nxt, there_next = np.roll(here, -1), np.roll(there, -1)
@@ -38,7 +43,7 @@ def tube(length_mm, radius, edge_mm=0.5, axis=None, outlet_region=2):
     count = rings * around
     for k, tag in ((0, 1), (rings - 1, outlet_region)):
         cap_points, cap_triangles = _disc(around, angle + (k % 2) * np.pi / around)
-        inner = cap_points[around:] * radius(s[k])
+        inner = cap_points[around:] * radius[k]
         index = np.concatenate([k * around + np.arange(around), count + np.arange(len(inner))])
         points.append(axis(np.full(len(inner), s[k]), inner[:, 0], inner[:, 1]))
         count += len(inner)
@@ -145,19 +150,20 @@ def arc(curvature_per_mm):
     return axis
 
 
-def write_case(folder, surface, branches, parents=None, lesions=()):
+def write_case(folder, surface, branches, parents=None, lesions=(), areas=None):
     """Writes lumen.vtp, centreline.vtp, sections.csv and anatomy.json as the anatomy step does.
 
-    branches: [flow.centreline.Branch], main first; parents: {name: (parent, s_on_parent_mm)}.
+    branches: [flow.centreline.Branch], main first; parents: {name: (parent, s_on_parent_mm)}; areas: {name: mm2 (n,)}
+    of branches whose sections are not circles of their radius.
     """
-    parents = parents or {}
+    parents, areas = parents or {}, areas or {}
     folder.mkdir(parents=True, exist_ok=True)
     write_lumen(folder / "lumen.vtp", surface)
     write_centreline(folder / "centreline.vtp", branches)
     tables = []
     for branch in branches:
         s = branch.s_mm
-        area = np.pi * branch.radius_mm**2
+        area = areas.get(branch.name, np.pi * branch.radius_mm**2)
         tables.append(pd.DataFrame({"branch": branch.name, "branch_id": branch.branch_id, "s_mm": s, "area_mm2": area}))
     pd.concat(tables).to_csv(folder / "sections.csv", index=False)
     ends = [{"name": "inlet", "region_id": 1, "kind": "inlet", "branch": "main", "diameter_mm": 0.0}]
