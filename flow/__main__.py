@@ -11,7 +11,8 @@ import numpy as np
 from common import config, json_reader
 from common.errors import InputError, guarded
 from common.files import replacing, write_json
-from flow import command_files, parallel
+from flow import command_files
+from flow.discretisation import parallel
 from flow import settings as settings_module
 
 
@@ -32,7 +33,8 @@ def _patient(arguments):
 
 def boundary_command(arguments):
     """Boundary values of a patient from the anatomy before the intervention."""
-    from flow import boundary, centreline, lumen_summary
+    from flow.geometry import centreline
+    from flow.inputs import boundary, lumen_summary
 
     settings, patient = settings_module.from_arguments(arguments), _patient(arguments)
     anatomy = lumen_summary.read(arguments.anatomy, "ends")
@@ -43,7 +45,8 @@ def boundary_command(arguments):
 
 def mesh_command(arguments):
     """Fine and coarse volume meshes of a lumen."""
-    from flow import centreline, mesh, surface
+    from flow.geometry import centreline, surface
+    from flow.meshing import mesh
 
     settings = settings_module.from_arguments(arguments)
     if arguments.coarse:
@@ -75,7 +78,11 @@ def solve_command(arguments):
 
 def _solve(arguments, settings):
     """On every rank."""
-    from flow import boundary, centreline, extended, ffr, finer, lumen_summary, reduced, solve
+    from flow import finer, solve
+    from flow.geometry import centreline
+    from flow.inputs import boundary, lumen_summary
+    from flow.physics import ffr
+    from flow.reduced import extended, network as network_model
 
     parallel.check(settings.ranks)
     if hasattr(arguments, "most_dofs") and not (arguments.lumen and settings.model == "3d"):
@@ -85,13 +92,13 @@ def _solve(arguments, settings):
     document = json_reader.read(arguments.boundary, "boundary.json").data
     anatomy = lumen_summary.read(command_files.there(anatomy_file, "--anatomy"), "branches")
     boundary.check(document, arguments.boundary, [branch["name"] for branch in anatomy["branches"]])
-    sections = reduced.read_sections(command_files.there(sections_file, "--sections"))
+    sections = network_model.read_sections(command_files.there(sections_file, "--sections"))
     for path in (arguments.mesh, arguments.coarse):
         if path and not pathlib.Path(path).is_file():
             raise InputError("no such mesh", path, "missing", "make it with `flow mesh`")
     tree = centreline.read(arguments.centreline)
     lumen_summary.check_lengths(anatomy, tree, anatomy_file)
-    reduced.check_sections(sections, tree, sections_file)
+    network_model.check_sections(sections, tree, sections_file)
     ffr.check_probes(document["probes"], tree)
     given = arguments.mesh_report
     paths = arguments.mesh, arguments.coarse
@@ -109,7 +116,8 @@ def _solve(arguments, settings):
 
 def rank_command(arguments):
     """Plans of a patient ranked by a reduced model's FFR, with the model's measured error."""
-    from flow import boundary, ranking
+    from flow.inputs import boundary
+    from flow.reduced import ranking
 
     if getattr(arguments, "model", None) == "3d":
         raise InputError("not a reduced model", "--model", "3d", "rank by axisymmetric or network")

@@ -1,8 +1,9 @@
 """Which mesh answers, and how: the coarse one first, steady where that is found, else marched in time.
 
-A mesh whose own error is small and that keeps an eddy viscosity (c > 0, flow.fading) is marched in time: a finer mesh
-would seldom find the steady flow either, at many times the cost. In a single tube the finer mesh comes first, where
-the reduced models' flow may lead to a steady one. Where the last mesh gives no better answer the coarse one's is taken.
+A mesh whose own error is small and that keeps an eddy viscosity (c > 0, solvers.fading) is marched in time: a finer
+mesh would seldom find the steady flow either, at many times the cost. In a single tube the finer mesh comes first,
+where the reduced models' flow may lead to a steady one. Where the last mesh gives no better answer the coarse one's is
+taken.
 """
 
 import pathlib
@@ -10,8 +11,10 @@ import sys
 import time
 
 from common.errors import ComputationError
-from flow import error_estimate, ffr, linear_choice, unsteady
-from flow.solved_mesh import solve_mesh
+from flow.errors import error_estimate
+from flow.physics import ffr
+from flow.solvers import linear_choice, unsteady
+from flow.solvers.solved_mesh import solve_mesh
 
 
 def within(estimate, settings):
@@ -39,7 +42,7 @@ def missed(estimate, settings, names=()):
 class Search:
     """The answer of one lumen to `settings.ffr_tolerance`.
 
-    document: boundary.json; predicted: flow.predictor.Predictor; meshes: record of what was found on each mesh.
+    document: boundary.json; predicted: reduced.coupled.Predictor; meshes: record of what was found on each mesh.
     """
 
     def __init__(self, document, settings, tree, predicted):

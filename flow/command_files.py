@@ -4,8 +4,7 @@ import pathlib
 
 from common.errors import InputError
 from flow import output
-
-OF_A_PLAN = ("lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json")
+from flow.inputs.lumen_summary import OF_A_PLAN
 
 
 def clear(arguments):

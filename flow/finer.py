@@ -7,7 +7,11 @@ import sys
 
 from common import json_reader
 from common.errors import InputError
-from flow import error_estimate, mesh, output, parallel, surface
+from flow import output
+from flow.discretisation import parallel
+from flow.errors import error_estimate
+from flow.geometry import surface
+from flow.meshing import mesh
 from flow import settings as settings_module
 
 MARGIN = 0.8  # of the tolerance is aimed at
@@ -17,7 +21,7 @@ MOST_RINGS = 12
 
 class Finer:
     """Finer meshes of one lumen, in a folder of their own in `folder` until `close`; its ComputationErrors are those of
-    flow.mesh.
+    meshing.mesh.
 
     lumen: path of the surface that the mesh with the report `report` was made from, tree: its centrelines (both as
     `flow mesh` took them); settings: of the solve. Raises InputError where they do not belong together.

@@ -11,7 +11,7 @@ from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 
 from common.errors import InputError
 from common.files import replacing, write_json
-from flow import parallel
+from flow.discretisation import parallel
 
 MM_PER_M = 1e3
 FILES = ("ffr.json", "pullback.csv", "solution.vtu")
@@ -66,12 +66,13 @@ def _runs(process):
 
 
 def _one():
-    """Whether this rank removes files; MPI is left alone where it may still be launched (flow.parallel.launch)."""
+    """Whether this rank removes files; MPI is left alone where it may still be launched
+    (discretisation.parallel.launch)."""
     return not parallel.launched() or parallel.first()
 
 
 def write_vtu(path, points, cells, fields):
-    """points (n, 3) m, cells (t, 10) as flow.tet10, fields {name: (n,) or (n, 3)}."""
+    """points (n, 3) m, cells (t, 10) as geometry.tet10, fields {name: (n,) or (n, 3)}."""
     grid = vtk.vtkUnstructuredGrid()
     vtk_points = vtk.vtkPoints()
     vtk_points.SetDataTypeToDouble()

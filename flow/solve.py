@@ -8,8 +8,15 @@ import time
 import numpy as np
 
 from common.errors import ComputationError
-from flow import adaptive, energy, error_estimate, ffr, linear_choice, outlets, output, parallel, place_errors
-from flow import reduced_answer, solved_mesh, spaces, viscosity, wall_shear
+from flow import adaptive, output
+from flow.discretisation import parallel
+from flow.errors import error_estimate, place_errors
+from flow.physics import energy, ffr, outlets
+from flow.solvers import linear_choice
+from flow.discretisation import spaces
+from flow.physics import viscosity, wall_shear
+from flow.reduced import answer as reduced_answer
+from flow.solvers import solved_mesh
 
 LARGE = 0.05  # difference of the models' FFR that is said
 
@@ -17,7 +24,7 @@ LARGE = 0.05  # difference of the models' FFR that is said
 def run(mesh, coarse, case, folder, finer=None):
     """Solves and writes solution.vtu, pullback.csv and ffr.json to `folder`; returns the document of ffr.json.
 
-    case: flow.extended.Extended; finer: flow.finer.Finer of the mesh, or None.
+    case: reduced.extended.Extended; finer: flow.finer.Finer of the mesh, or None.
     """
     begin, begin_cpu = time.perf_counter(), _cpu_seconds()
     paths = [path for path in (coarse, mesh) if path]
@@ -93,7 +100,7 @@ def compared(models):
 
 
 def collect(solved, probes, case, reference):
-    """(document of ffr.json without timings, pullback table); case: flow.extended.Extended."""
+    """(document of ffr.json without timings, pullback table); case: reduced.extended.Extended."""
     tree, network, names = case.original, case.network, solved.boundaries.names
     flow_of = dict(zip(names, solved.outflows))
     by_index = np.array([flow_of[name] for name in network.names])

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from common.errors import ComputationError
-from flow import adaptive, error_estimate, settings, solved_mesh
+from flow import adaptive, settings
+from flow.errors import error_estimate
+from flow.solvers import solved_mesh
 
 PATHS = ["coarse.msh", "fine.msh"]
 # error estimates

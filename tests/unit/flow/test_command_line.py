@@ -12,7 +12,8 @@ import pytest
 import tubes
 from common.errors import ComputationError
 from flow import __main__ as command_line
-from flow import mesh, output
+from flow import output
+from flow.meshing import mesh
 
 
 def _refused(capsys, *command):

@@ -10,7 +10,9 @@ import tubes
 
 from common.errors import InputError
 from flow import __main__ as command_line
-from flow import centreline, finer, linear_choice, settings
+from flow import finer, settings
+from flow.geometry import centreline
+from flow.solvers import linear_choice
 
 
 @pytest.fixture(scope="module")

@@ -12,10 +12,10 @@ from workflow import imports
 
 LENGTH, RADIUS = 6.0, 1.2
 MODULES = {
-    "boundary": ("flow.boundary",),
-    "mesh": ("flow.mesh",),
-    "solve": ("flow.solve", "flow.extended", "flow.finer"),
-    "rank": ("flow.ranking",),
+    "boundary": ("flow.inputs.boundary",),
+    "mesh": ("flow.meshing.mesh",),
+    "solve": ("flow.solve", "flow.reduced.extended", "flow.finer"),
+    "rank": ("flow.reduced.ranking",),
 }
 
 

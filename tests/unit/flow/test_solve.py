@@ -10,7 +10,12 @@ import pytest
 
 import solved_tube
 import tubes
-from flow import centreline, goal_error, jet, newton, nonlinear, outlets, solve, spaces
+from flow import solve
+from flow.discretisation import mixing, spaces
+from flow.errors import goal_error
+from flow.geometry import centreline
+from flow.physics import outlets
+from flow.solvers import newton, nonlinear
 from flow import __main__ as command_line
 from flow import settings as settings_module
 from solved_tube import LENGTH, MU, RADIUS
@@ -89,7 +94,7 @@ def _problem(case, **values):
     document = json.loads((case / "boundary.json").read_text())
     space = spaces.read(case / "mesh.msh")
     bounds = outlets.Boundaries(space, document)
-    jet_length = jet.mixing_length(space, centreline.read(case / "centreline.vtp"), 0.1)
+    jet_length = mixing.mixing_length(space, centreline.read(case / "centreline.vtp"), 0.1)
     return nonlinear.FlowProblem(space, bounds, document, settings_module.make(**values), jet_length)
 
 

@@ -9,7 +9,11 @@ import pytest
 import solved_tube
 import tubes
 from common.errors import ComputationError, InputError
-from flow import boundary, centreline, outlets, reduced, spaces, tet10
+from flow.discretisation import spaces
+from flow.geometry import centreline, tet10
+from flow.inputs import boundary
+from flow.physics import outlets
+from flow.reduced import network as network_model
 from flow import __main__ as command_line
 from flow import settings as settings_module
 from solved_tube import LENGTH, RADIUS
@@ -108,7 +112,7 @@ def test_outlets_numbered_otherwise_in_the_mesh_are_refused():
 
 
 def test_sections_in_metres_are_refused(case, tmp_path, capsys):
-    table = reduced.read_sections(case / "sections.csv")
+    table = network_model.read_sections(case / "sections.csv")
     table.assign(s_mm=table["s_mm"] / 1e3, area_mm2=table["area_mm2"] / 1e6).to_csv(tmp_path / "s.csv", index=False)
     command = ["solve", str(case / "mesh.msh"), "--boundary", str(case / "boundary.json"), "--model", "network"]
     command += ["--centreline", str(case / "centreline.vtp"), "--sections", str(tmp_path / "s.csv")]
@@ -148,7 +152,7 @@ def test_a_centreline_that_runs_the_other_way_is_refused(case, tmp_path, capsys)
 
 
 def test_mesh_in_metres_is_refused(case, tmp_path):
-    from flow import mesh
+    from flow.meshing import mesh
 
     tube = tubes.tube(4, lambda s: 1.2, 0.8)
     tree = centreline.Tree([tubes.line(4, lambda s: 1.2)])
@@ -162,7 +166,8 @@ def test_mesh_in_metres_is_refused(case, tmp_path):
 def _bent(case, folder, shift_mm):
     """File of a mesh of 3 rings of the case's tube, one of whose inner corners is moved along the axis, and how many
     cells that turns inside out."""
-    from flow import mesh, surface
+    from flow.geometry import surface
+    from flow.meshing import mesh
 
     tube = surface.read(case / "lumen.vtp")
     built, _ = mesh.build(tube, centreline.read(case / "centreline.vtp"), 1.5, settings_module.make(rings=3), 3)
@@ -244,7 +249,7 @@ def test_a_flow_that_loses_mass_is_refused(case, tmp_path, capsys, monkeypatch):
 
 
 def test_mesh_without_an_outlet_is_refused(tmp_path):
-    from flow import mesh
+    from flow.meshing import mesh
 
     tube = tubes.tube(4, lambda s: 1.2, 0.8)
     tree = centreline.Tree([tubes.line(4, lambda s: 1.2)])
@@ -262,7 +267,7 @@ def test_boundary_check_reports_missing_keys():
 
 def test_factorization_failure_is_a_computation_error():
     from petsc4py import PETSc
-    from flow import linear
+    from flow.solvers import linear
 
     solver = linear.DirectSolver(PETSc.COMM_SELF)
     matrix = PETSc.Mat().createAIJ((2, 2), nnz=2, comm=PETSc.COMM_SELF)

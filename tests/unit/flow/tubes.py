@@ -9,8 +9,8 @@ from scipy.spatial import Delaunay
 from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 
 from flow import __main__ as command_line
-from flow import centreline
-from flow.surface import Surface
+from flow.geometry import centreline
+from flow.geometry.surface import Surface
 
 
 def tube(length_mm, radius, edge_mm=0.5, axis=None, outlet_region=2):
@@ -72,7 +72,7 @@ def _disc(around, angle):
 
 
 def line(length_mm, radius, axis=None, name="main", branch_id=0, spacing_mm=0.25):
-    """The tube's centreline as a flow.centreline.Branch."""
+    """The tube's centreline as a geometry.centreline.Branch."""
     s = np.linspace(0, length_mm, max(2, round(length_mm / spacing_mm)) + 1)
     zero = np.zeros_like(s)
     axis = axis or (lambda along, e1, e2: np.stack([along, e1, e2], axis=-1))
@@ -153,8 +153,8 @@ def arc(curvature_per_mm):
 def write_case(folder, surface, branches, parents=None, lesions=(), areas=None):
     """Writes lumen.vtp, centreline.vtp, sections.csv and anatomy.json as the anatomy step does.
 
-    branches: [flow.centreline.Branch], main first; parents: {name: (parent, s_on_parent_mm)}; areas: {name: mm2 (n,)}
-    of branches whose sections are not circles of their radius.
+    branches: [geometry.centreline.Branch], main first; parents: {name: (parent, s_on_parent_mm)}; areas: {name: mm2
+    (n,)} of branches whose sections are not circles of their radius.
     """
     parents, areas = parents or {}, areas or {}
     folder.mkdir(parents=True, exist_ok=True)

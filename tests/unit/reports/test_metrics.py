@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from common.errors import ComputationError, InputError
-from flow import solved_mesh
+from flow.solvers import solved_mesh
 from reports import profiles
 from reports.case_files import CaseFiles
 from reports.metrics import case_metrics

@@ -89,10 +89,16 @@ def test_a_flow_benchmark_agrees_with_what_python_loads(repo_root, script):
 
 
 def test_a_solve_has_what_its_function_imports(repo_root):
-    program = "from flow import boundary, centreline, extended, reduced, solve, __main__"
+    program = (
+        "from flow import __main__, solve; from flow.reduced import extended, network; from flow.inputs import boundary"
+    )
     found = set(imports.command_code("flow", "solve_command"))
-    assert {"flow/extended.py", "flow/predictor.py", "flow/axisymmetric.py"} <= _loaded(repo_root, program) <= found
-    assert "flow/ranking.py" not in found
+    assert (
+        {"flow/reduced/extended.py", "flow/reduced/coupled.py", "flow/reduced/axisymmetric.py"}
+        <= _loaded(repo_root, program)
+        <= found
+    )
+    assert "flow/reduced/ranking.py" not in found
 
 
 def test_unknown_module_is_an_error(part):

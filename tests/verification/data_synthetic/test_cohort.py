@@ -11,7 +11,9 @@ import pytest
 
 from common import config, schema
 from data_synthetic import draw, patient, tree
-from flow import boundary, reduced, settings
+from flow import settings
+from flow.inputs import boundary
+from flow.reduced import network as network_model
 
 PA_PER_MMHG = 133.322
 
@@ -38,7 +40,7 @@ def network_ffr(case, branches):
         {"name": branch.name, "branch": branch.name, "resistance_pa_s_per_m3": (map_pa - venous_pa) / (share * total)}
         for branch, share in zip(branches, shares)
     ]
-    network = reduced.Network({"branches": names}, pd.concat(tables), document, flow.expansion_loss)
+    network = network_model.Network({"branches": names}, pd.concat(tables), document, flow.expansion_loss)
     s, pressure = network.pressures(network.solve())["main"]
     lesion = max(case["vessel"]["lesions"], key=lambda le: le["diameter_stenosis_percent"])
     at = min(lesion["centre_s_mm"] + 0.5 * lesion["length_mm"] + probe_mm, branches[0].axis.length_mm - 4)

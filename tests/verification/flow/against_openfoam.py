@@ -147,7 +147,7 @@ def volume_mm3(path):
     """Volume of the curved cells of a mesh file."""
     from dolfinx import fem
 
-    from flow import compat
+    from flow.discretisation import compat
 
     mesh, _ = compat.read_gmsh(path)
     dx = ufl.dx(mesh, metadata={"quadrature_degree": 6})

@@ -1,8 +1,8 @@
 """Steady Navier-Stokes in the meridian plane of a narrowed straight tube: a reference that shares no code with flow.
 
 Q3-Q2 curved quadrilaterals on the mapped rectangle (s, r / R(s)); unknowns u_x, u_r, p; weight r. Equations, boundary
-conditions and coupling are those of flow.forms: parabolic inflow Q at mean pressure MAP, traction P_v + R Q at the
-outlet.
+conditions and coupling are those of discretisation.forms: parabolic inflow Q at mean pressure MAP, traction P_v + R Q
+at the outlet.
 """
 
 import numpy as np

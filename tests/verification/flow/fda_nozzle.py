@@ -23,7 +23,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "unit" / "flow")]
 
 import tubes  # noqa: E402
 
-from flow import centreline  # noqa: E402
+from flow.geometry import centreline  # noqa: E402
 
 SCALE = 1 / 3
 RADIUS, THROAT = 6 * SCALE, 2 * SCALE  # mm
@@ -44,8 +44,8 @@ SPREAD_ORIGINAL = np.array([0.023, 0.030, 0.022, 0.019, 0.022, 0.011, 0.011, 0.0
 
 @dataclasses.dataclass
 class Nozzle:
-    """surface: flow.surface.Surface; branch: flow.centreline.Branch along +x with the radius of the largest sphere
-    inside; area_mm2 (n,): of the sections at branch.s_mm; expansion_mm: arc length of the sudden expansion."""
+    """surface: geometry.surface.Surface; branch: geometry.centreline.Branch along +x with the radius of the largest
+    sphere inside; area_mm2 (n,): of the sections at branch.s_mm; expansion_mm: arc length of the sudden expansion."""
 
     surface: object
     branch: object

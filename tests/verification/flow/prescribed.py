@@ -1,4 +1,4 @@
-"""Newton's method on the weak form of flow.forms with velocities prescribed wherever a test wants them."""
+"""Newton's method on the weak form of discretisation.forms with velocities prescribed wherever a test wants them."""
 
 from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc

@@ -69,7 +69,10 @@ def worker(path, arguments):
     clock = Clock()
     clock.spent["start"], clock.open = time.process_time(), ["start"]
     from flow import __main__ as command_line
-    from flow import error_estimate, extended, forms, linear, nonlinear, parallel, place_errors, spaces
+    from flow.discretisation import forms, parallel, spaces
+    from flow.errors import error_estimate, place_errors
+    from flow.reduced import extended
+    from flow.solvers import linear, nonlinear
 
     clock._mark()
     clock.open = ["rest"]

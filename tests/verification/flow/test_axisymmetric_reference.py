@@ -17,7 +17,9 @@ import axisymmetric  # noqa: E402
 import errors_along  # noqa: E402
 import hard_cases  # noqa: E402
 import tubes  # noqa: E402
-from flow import centreline, predictor, reduced, settings  # noqa: E402
+from flow import settings  # noqa: E402
+from flow.geometry import centreline  # noqa: E402
+from flow.reduced import coupled as predictor, network as network_model  # noqa: E402
 
 PA_PER_MMHG = 133.322
 REFERENCE = {0.62: 0.768512, 0.75: 0.48373, 0.8: 0.35163, 0.85: 0.22700}
@@ -87,7 +89,7 @@ def test_lesion(tmp_path, run_module, reduction, tolerance, most, least):
 def test_reduced_model(tmp_path, reduction):
     _write(tmp_path, reduction)
     anatomy = json.loads((tmp_path / "anatomy.json").read_text())
-    network = reduced.Network(anatomy, reduced.read_sections(tmp_path / "sections.csv"), _document(), 1.14)
+    network = network_model.Network(anatomy, network_model.read_sections(tmp_path / "sections.csv"), _document(), 1.14)
     s, pressure = network.pressures(network.solve())["main"]
     found = np.interp(PROBE * 1e-3, s, pressure) / _document()["map_pa"]
     assert found == pytest.approx(REFERENCE[reduction], abs=0.011)
@@ -97,7 +99,7 @@ def test_reduced_model(tmp_path, reduction):
 def test_axisymmetric_model(tmp_path, reduction):
     _write(tmp_path, reduction)
     anatomy = json.loads((tmp_path / "anatomy.json").read_text())
-    network = reduced.Network(anatomy, reduced.read_sections(tmp_path / "sections.csv"), _document(), 1.14)
+    network = network_model.Network(anatomy, network_model.read_sections(tmp_path / "sections.csv"), _document(), 1.14)
     tree = centreline.read(tmp_path / "centreline.vtp")
     predicted = predictor.Predictor(network, tree, _document(), settings.make())
     assert predicted.ffr(predicted.pressures) == pytest.approx(REFERENCE[reduction], abs=5e-4)

@@ -1,4 +1,4 @@
-"""Flow past a cylinder, DFG benchmark 2D-1 (Schaefer, Turek 1996), through the weak form of flow.forms.
+"""Flow past a cylinder, DFG benchmark 2D-1 (Schaefer, Turek 1996), through the weak form of discretisation.forms.
 
 Channel 2.2 x .41, cylinder of diameter .1 at (.2, .2), density 1, viscosity .001, parabolic inflow of mean .2: Reynolds
 number 20. Reference values to twelve digits: featflow.de, benchmark DFG 2D-1 (re20).
@@ -15,7 +15,8 @@ from dolfinx import fem
 sys.path[:0] = [str(pathlib.Path(__file__).parent)]
 
 import prescribed  # noqa: E402
-from flow import compat, forms, viscosity  # noqa: E402
+from flow.discretisation import compat, forms  # noqa: E402
+from flow.physics import viscosity  # noqa: E402
 
 DRAG, LIFT, PRESSURE_DROP = 5.57953523384, 0.010618948146, 0.11752016697
 HEIGHT, CENTRE, RADIUS, MEAN = 0.41, 0.2, 0.05, 0.2
@@ -54,7 +55,7 @@ def _write_mesh(path, around, far):
 
 
 def _space(path):
-    """What the residual and the whole tangent of flow.forms need of a space."""
+    """What the residual and the whole tangent of discretisation.forms need of a space."""
     mesh, facets = compat.read_gmsh(path, dimension=2)
     W = compat.function_space(
         mesh, compat.mixed_element(compat.vector_element(mesh, 2), compat.scalar_element(mesh, 1))

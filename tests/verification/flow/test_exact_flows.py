@@ -13,8 +13,11 @@ sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[2] / "unit" / "flow
 
 import tubes  # noqa: E402
 from flow import __main__ as command_line  # noqa: E402
-from flow import centreline, reduced, settings, viscosity  # noqa: E402
-from flow.surface import Surface  # noqa: E402
+from flow import settings  # noqa: E402
+from flow.geometry import centreline  # noqa: E402
+from flow.physics import viscosity  # noqa: E402
+from flow.reduced import network as network_model  # noqa: E402
+from flow.geometry.surface import Surface  # noqa: E402
 
 MAP, VENOUS, DENSITY = 12000.0, 600.0, 1060.0
 
@@ -61,7 +64,7 @@ def test_poiseuille(tmp_path):
 
 
 def _carreau_yasuda_slope(flow, radius, fluid):
-    """Pressure per length (Pa/m) that drives `flow` through a tube of `radius` (m) of a fluid of flow.viscosity.
+    """Pressure per length (Pa/m) that drives `flow` through a tube of `radius` (m) of a fluid of physics.viscosity.
 
     Q = pi R^3 / tau_w^3 times the integral of tau^2 rate over tau (Rabinowitsch), tau = mu(rate) rate; the slope is
     2 tau_w / R.
@@ -107,7 +110,8 @@ def test_unequal_outlets_of_a_creeping_flow_are_a_network_of_resistors(tmp_path)
     )  # Reynolds number below 1e-3; the vessels take 1 % of the pressure
     answer = _solve(tmp_path, surface, branches, document, parents, ["--cells-per-radius", "1.5", "--rings", "3"])
     anatomy = json.loads((tmp_path / "anatomy.json").read_text())
-    flows = reduced.Network(anatomy, reduced.read_sections(tmp_path / "sections.csv"), document, 1.14).solve()
+    sections = network_model.read_sections(tmp_path / "sections.csv")
+    flows = network_model.Network(anatomy, sections, document, 1.14).solve()
     found = np.array([outlet["flow_m3_per_s"] for outlet in answer["outlets"]])
     without_vessels = (MAP - VENOUS) / np.array([2e12, 2e14])
     print("3D over network", found / flows - 1, "vessels", found / without_vessels - 1)

@@ -1,5 +1,5 @@
-"""Manufactured solution on curved tetrahedra through the weak form of flow.forms: orders of errors in a bent tube's
-swept cells; in gmsh's of a branch point, errors beside those of the interpolant.
+"""Manufactured solution on curved tetrahedra through the weak form of discretisation.forms: orders of errors in a bent
+tube's swept cells; in gmsh's of a branch point, errors beside those of the interpolant.
 
 u = U (sin y + cos z, sin z + cos x, sin x + cos y), p = P (sin x cos y + cos z) with x, y, z in units of 1 / WAVE, so
 that div u = 0; the load is the strong form's residual. The velocity is prescribed on the whole boundary, the pressure
@@ -18,7 +18,11 @@ sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[2] / "unit" / "flow
 
 import prescribed  # noqa: E402
 import tubes  # noqa: E402
-from flow import centreline, curving, forms, mesh, settings, spaces, tet10, viscosity  # noqa: E402
+from flow import settings  # noqa: E402
+from flow.discretisation import forms, spaces  # noqa: E402
+from flow.geometry import centreline, curving, tet10  # noqa: E402
+from flow.meshing import mesh  # noqa: E402
+from flow.physics import viscosity  # noqa: E402
 
 DENSITY, VISCOSITY, GRAD_DIV, BACKFLOW = 1060.0, 0.004, 0.2, 0.5
 SPEED, PRESSURE, WAVE = 0.1, 10.0, 1.2e3  # m/s, Pa, 1/m: Reynolds number 26 a mm
@@ -26,7 +30,7 @@ LENGTH, RADIUS = 2.4, 1.2  # mm
 STATIONS = 0.5  # distance of the sections in radii, with three rings
 RINGS = (3, 6)
 FORK = {"radius": 1.2, "side_radius": 0.8, "length": 4.0, "at": 1.5, "side_length": 2.6, "edge_mm": 0.8}  # mm
-# eight tetrahedra by the nodes of one (flow.tet10): four at its corners, four round the diagonal of what is left
+# eight tetrahedra by the nodes of one (geometry.tet10): four at its corners, four round the diagonal of what is left
 CHILDREN = np.array([[0, 4, 6, 7], [4, 1, 5, 9], [6, 5, 2, 8], [7, 9, 8, 3]])
 CHILDREN = np.concatenate([CHILDREN, [[4, 8, 5, 6], [4, 8, 6, 7], [4, 8, 7, 9], [4, 8, 9, 5]]])
 FACE_CHILDREN = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])  # middles 3, 4, 5 of the edges 01, 12, 20

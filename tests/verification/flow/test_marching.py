@@ -15,7 +15,12 @@ from scipy.special import jv
 sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[2] / "unit" / "flow")]
 
 import tubes  # noqa: E402
-from flow import centreline, jet, locate, marching, mesh, newton, nonlinear, outlets, settings, spaces  # noqa: E402
+from flow import settings  # noqa: E402
+from flow.discretisation import mixing, spaces  # noqa: E402
+from flow.geometry import centreline, locate  # noqa: E402
+from flow.meshing import mesh  # noqa: E402
+from flow.physics import outlets  # noqa: E402
+from flow.solvers import marching, newton, nonlinear  # noqa: E402
 
 LENGTH, RADIUS, DENSITY, VISCOSITY = 9.0, 1.2, 1060.0, 0.004  # mm, SI
 MEAN_FLOW, SWING, ALPHA = 2e-8, 0.3, 3.0  # m3/s (Reynolds number 3), share of it, Womersley number
@@ -44,7 +49,7 @@ def problem(tmp_path_factory):
         "inlet_flow_m3_per_s": MEAN_FLOW * (1 + SWING),
         "outlets": [outlet | {"resistance_pa_s_per_m3": 0.0, "pressure_pa": OUTLET}],
     }
-    length = jet.mixing_length(space, tree, chosen.jet_spread)
+    length = mixing.mixing_length(space, tree, chosen.jet_spread)
     made = nonlinear.FlowProblem(space, outlets.Boundaries(space, document), document, chosen, length)
     assert newton.newton(made, 1e-12, 1.0, 8).converged
     yield made

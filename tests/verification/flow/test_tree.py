@@ -14,7 +14,11 @@ sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[2] / "unit" / "flow
 
 import tubes  # noqa: E402
 from flow import __main__ as command_line  # noqa: E402
-from flow import centreline, jet, newton, nonlinear, outlets, settings, spaces  # noqa: E402
+from flow import settings  # noqa: E402
+from flow.discretisation import mixing, spaces  # noqa: E402
+from flow.geometry import centreline  # noqa: E402
+from flow.physics import outlets  # noqa: E402
+from flow.solvers import newton, nonlinear  # noqa: E402
 
 MAP, VENOUS, DENSITY, VISCOSITY = 12000.0, 600.0, 1060.0, 0.004
 RESISTANCES = (1e10, 3e10)  # Pa s/m3: 90 mL/min, a Reynolds number of 170
@@ -102,7 +106,7 @@ def test_newton_converges_quadratically_with_inertia(fork):
     folder, answer = fork
     document, tree = json.loads((folder / "boundary.json").read_text()), centreline.read(folder / "centreline.vtp")
     space = spaces.read(folder / "mesh.msh")
-    length = jet.mixing_length(space, tree, 0.1)
+    length = mixing.mixing_length(space, tree, 0.1)
     problem = nonlinear.FlowProblem(space, outlets.Boundaries(space, document), document, settings.make(), length)
     found = newton.newton(problem, 1e-10, 1.0, 8, exact=True)  # from rest
     quotients = np.array(problem.history[3:5]) / np.array(problem.history[2:4]) ** 2

@@ -1,0 +1,1 @@
+"""Discretisation: function spaces, forms, matrices, and what depends on the FEniCSx version."""

@@ -1,0 +1,225 @@
+"""Taylor-Hood space on a lumen mesh: velocity P2 and pressure P1, the boundaries' dofs, and the inlet's profile.
+
+errors.goal_error asks for the next richer pair, P3 and P2, on the same mesh.
+"""
+
+import functools
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from dolfinx.fem import petsc as fem_petsc
+from petsc4py import PETSc
+
+from common.errors import InputError
+from flow.discretisation import compat, parallel
+from flow.geometry import tet10
+from flow.geometry.tags import PHYSICAL_INLET, PHYSICAL_OUTLET_BASE, PHYSICAL_WALL
+from flow.geometry.tet10 import LEAST_JACOBIAN_RATIO, overlapping
+
+M_PER_MM = 1e-3
+STRAIGHT = 1e-6  # of an edge's length: its middle's distance from the chord, below which it is no curved one
+
+
+class LumenSpace:
+    """Mesh in metres with its tags and the spaces on it.
+
+    W: velocity x pressure; outlets: physical tags, ascending; wall, inlet: velocity dofs in W; free: all other
+    dofs of W. degree: of the velocity; `nodes`, `nodal_pressure` and `corner_values` are those of degree 2.
+    """
+
+    def __init__(self, mesh, facets, where="mesh", degree=2):
+        self.mesh, self.facets, self.degree = mesh, facets, degree
+        present = set(np.unique(facets.values).tolist()) if facets is not None else set()
+        self.outlets = sorted(tag for tag in present if tag > PHYSICAL_OUTLET_BASE)
+        if not {PHYSICAL_WALL, PHYSICAL_INLET} <= present or not self.outlets:
+            raise InputError(
+                "mesh lacks physical groups", where, sorted(present), "wall 1, inlet 2 and outlets 12.. are needed"
+            )
+        self.ds = ufl.Measure("ds", domain=mesh, subdomain_data=facets)
+        elements = compat.vector_element(mesh, degree), compat.scalar_element(mesh, degree - 1)
+        self.W = compat.function_space(mesh, compat.mixed_element(*elements))
+        self.V, self.v_map = compat.part(self.W, 0, elements[0])
+        self.Q, self.q_map = compat.part(self.W, 1, elements[1])
+        self.wall = self._velocity_dofs(PHYSICAL_WALL)
+        self.inlet = np.setdiff1d(self._velocity_dofs(PHYSICAL_INLET), self.wall)
+        size = self.W.dofmap.index_map.size_local * self.W.dofmap.index_map_bs
+        self.free = np.setdiff1d(np.arange(size), np.concatenate([self.wall, self.inlet])).astype(np.int32)
+        if self.free.size == 0 or self.inlet.size == 0:
+            raise InputError("inlet has no node inside its rim", where, len(self.inlet), "use a finer mesh")
+
+    @functools.cached_property
+    def rows(self):
+        """The free dofs whose equations this MPI rank assembles."""
+        return self.free[slice(*parallel.share(len(self.free)))]
+
+    @functools.cached_property
+    def shared_cells(self):
+        """Cells on which the matrix is assembled, those at `rows` and at the inlet; None: all, on one rank."""
+        if parallel.world().size == 1:
+            return None
+        wanted = np.zeros(self.dofs, bool)
+        wanted[self.rows] = wanted[self.inlet] = True
+        return np.flatnonzero(wanted[compat.cell_dofs(self.W)].any(axis=1))
+
+    @property
+    def dofs(self):
+        """Number of dofs of velocity and pressure."""
+        return self.W.dofmap.index_map.size_global * self.W.dofmap.index_map_bs
+
+    def _velocity_dofs(self, tag):
+        facets = self.facets.indices[self.facets.values == tag]
+        return np.unique(fem.locate_dofs_topological(self.W.sub(0), 2, facets))
+
+    def area(self, tag):
+        """Area of a boundary in m2."""
+        one = fem.Constant(self.mesh, PETSc.ScalarType(1.0))
+        return float(np.real(fem.assemble_scalar(compat.form(one * self.ds(tag)))))
+
+    def centre(self, tag):
+        """Mean (3,) in m of a boundary's velocity nodes."""
+        facets = self.facets.indices[self.facets.values == tag]
+        return self.V.tabulate_dof_coordinates()[fem.locate_dofs_topological(self.V, 2, facets)].mean(axis=0)
+
+    def flux_vector(self, tag):
+        """Vector over W of the integrals of v.n over a boundary, so that its product with a state is the outflow."""
+        v, _ = ufl.TestFunctions(self.W)
+        n = ufl.FacetNormal(self.mesh)
+        vector = fem_petsc.assemble_vector(compat.form(ufl.inner(n, v) * self.ds(tag)))
+        vector.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
+        return vector
+
+    def nodes(self):
+        """(points (n, 3) m, cells (t, 10)): the velocity nodes, cells in the node order of geometry.tet10."""
+        if not hasattr(self, "_nodes"):
+            self._nodes = compat.quadratic_cells(self.V)
+        return self._nodes
+
+    def nodal_pressure(self, state):
+        """Pressure (n,) in Pa at the velocity nodes of a state's values: P1 at corners, the mean of the ends at
+        middles."""
+        points, cells = self.nodes()
+        pressure = np.empty(len(points))
+        corner = state[self.q_map][compat.cell_dofs(self.Q)]
+        pressure[cells[:, :4]] = corner
+        pressure[cells[:, 4:]] = corner[:, tet10.EDGES].mean(axis=2)
+        return pressure
+
+    def corner_values(self, nodal):
+        """Values (m,) in the pressure space's numbering of values (n,) at the velocity nodes."""
+        _, cells = self.nodes()
+        values = np.empty(len(self.q_map))
+        values[compat.cell_dofs(self.Q)] = nodal[cells[:, :4]]
+        return values
+
+    def wall_nodes(self):
+        """Numbers of the velocity nodes on the wall."""
+        return np.flatnonzero(np.isin(self.v_map.reshape(-1, 3)[:, 0], self.wall))
+
+    def inlet_profile(self):
+        """Vector over W: velocity at the inlet of unit inflow (1 m3/s), the developed profile of the inlet's shape.
+
+        -laplace(phi) = 1 on the cap, phi = 0 on its rim; velocity = -n phi / integral(phi). Parabolic on a disc.
+        """
+        S = compat.function_space(self.mesh, compat.scalar_element(self.mesh, self.degree))
+        phi, psi = ufl.TrialFunction(S), ufl.TestFunction(S)
+        n = ufl.FacetNormal(self.mesh)
+
+        def tangential(f):
+            return ufl.grad(f) - ufl.dot(ufl.grad(f), n) * n
+
+        ds = self.ds(PHYSICAL_INLET)
+        facets = {t: self.facets.indices[self.facets.values == t] for t in (PHYSICAL_INLET, PHYSICAL_WALL)}
+        cap, wall = (fem.locate_dofs_topological(S, 2, facets[t]) for t in (PHYSICAL_INLET, PHYSICAL_WALL))
+        everything = np.arange(S.dofmap.index_map.size_local, dtype=np.int32)
+        fixed = np.setdiff1d(everything, np.setdiff1d(cap, wall)).astype(np.int32)
+        bc = fem.dirichletbc(PETSc.ScalarType(0.0), fixed, S)
+        A = fem_petsc.assemble_matrix(compat.form(ufl.inner(tangential(phi), tangential(psi)) * ds), bcs=[bc])
+        A.assemble()
+        one = fem.Constant(self.mesh, PETSc.ScalarType(1.0))
+        b = fem_petsc.assemble_vector(compat.form(one * psi * ds))
+        fem_petsc.set_bc(b, [bc])
+        solution = fem.Function(S)
+        ksp = PETSc.KSP().create(self.mesh.comm)
+        ksp.setOperators(A)
+        ksp.setType("cg")
+        ksp.getPC().setType("jacobi")
+        ksp.setTolerances(rtol=1e-12, max_it=5000)
+        ksp.solve(b, compat.petsc_vector(solution))
+        for petsc_object in (ksp, A, b):
+            petsc_object.destroy()
+        inflow = float(fem.assemble_scalar(compat.form(solution * ds)))
+        area = self.area(PHYSICAL_INLET)
+        normal = np.array([fem.assemble_scalar(compat.form(n[k] * ds)) for k in range(3)]) / area
+        # the scalar space numbers its nodes in its own way: same cells, same local order
+        phi_values = np.empty(len(self.V.tabulate_dof_coordinates()))
+        phi_values[compat.cell_dofs(self.V)] = solution.x.array[compat.cell_dofs(S)] / inflow
+        profile = fem.Function(self.W)
+        blocks = self.v_map.reshape(-1, 3)
+        for k in range(3):
+            profile.x.array[blocks[:, k]] = -normal[k] * phi_values
+        # the outflow through the inlet of this profile must be exactly minus one, whatever the quadrature did
+        flux = self.flux_vector(PHYSICAL_INLET)
+        outflow = flux.dot(compat.petsc_vector(profile))
+        flux.destroy()
+        profile.x.array[:] /= -outflow
+        return profile
+
+
+def read(path):
+    """LumenSpace of a gmsh file in mm. Raises InputError."""
+    mesh, facets = compat.read_gmsh(path)
+    if mesh.topology.dim != 3 or mesh.geometry.dim != 3:
+        raise InputError("mesh is not three-dimensional", path, mesh.topology.dim, "make it with `flow mesh`")
+    extent = np.ptp(mesh.geometry.x, axis=0).max()
+    if not 1.0 < extent < 500.0:
+        raise InputError("implausible mesh size", path, f"{extent:.4g}", "coordinates must be in mm")
+    mesh.geometry.x[:] *= M_PER_MM
+    space = LumenSpace(mesh, facets, path)
+    _check_cells(space, path)
+    _check_curved(space, path)
+    return space
+
+
+def check_coarser(paths):
+    """Raises InputError unless each mesh file of `paths`, coarse first, has more cells than the one before."""
+    cells = [compat.count_cells(path) for path in paths] if len(paths) > 1 else []
+    for coarse, few, fine, many in zip(paths, cells, paths[1:], cells[1:]):
+        if few >= many:
+            remedy = "give the mesh first and the coarser one with --coarse"
+            raise InputError("the coarse mesh has not fewer cells", coarse, f"{few}, {fine} has {many}", remedy)
+
+
+def _check_cells(space, path):
+    """Raises InputError for cells turned inside out, or on top of their neighbours: a flow is found on them as well,
+    but mass is not conserved; and for those more distorted than `flow mesh` writes.
+
+    The gamma of `flow mesh` is of cells that are not swept, which a mesh file does not tell.
+    """
+    remedy = "make the mesh anew with `flow mesh`, which checks every cell"
+    points, cells = space.nodes()
+    lower, upper = tet10.jacobian_bounds(points[cells[slice(*parallel.share(len(cells)))]])
+    lower, upper = (parallel.collected(bound, len(cells)) for bound in (lower, upper))
+    for limit, what in (
+        (lower <= 0, "inverted or folded (their Jacobian is not positive throughout)"),
+        (lower < LEAST_JACOBIAN_RATIO * upper, f"distorted (least over largest Jacobian below {LEAST_JACOBIAN_RATIO})"),
+    ):
+        bad = np.flatnonzero(limit)
+        if len(bad):
+            x, y, z = points[cells[bad[0], :4]].mean(axis=0) / M_PER_MM
+            where = f"{path}, the first of them around ({x:.3f}, {y:.3f}, {z:.3f}) mm"
+            raise InputError(f"cells of the mesh are {what}", where, f"{len(bad)} of {len(cells)} cells", remedy)
+    folded = overlapping(cells[:, :4])
+    if folded:
+        raise InputError("cells of the mesh overlap their neighbours", path, f"across {folded} faces", remedy)
+
+
+def _check_curved(space, path):
+    """Raises InputError for a mesh of straight edges: its wall of plane facets encloses less than the lumen, an error
+    that no estimate sees, since finer meshes of the same facets have it too."""
+    points, cells = space.nodes()
+    start, end = (points[cells[:, tet10.EDGES[:, k]]] for k in (0, 1))
+    off = np.linalg.norm(points[cells[:, 4:]] - 0.5 * (start + end), axis=2)
+    if not (off > STRAIGHT * np.linalg.norm(end - start, axis=2)).any():
+        remedy = "make it with `flow mesh`: quadratic tetrahedra, curved along the wall"
+        raise InputError("the mesh's wall is made of plane facets", path, "no curved edge", remedy)

@@ -1,0 +1,152 @@
+"""What the mesh has done to FFR everywhere: errors.goal_error turned round.
+
+There K^T z = dJ/dw is solved for one place, whose FFR is J, and part k of its error is the residual r_k of stretch k of
+the tree times z - i z. That is linear in z: part k = G_k z, G_k being the transposed of recovery less interpolation
+applied to r_k. So part k = dJ/dw e_k with K e_k = G_k: e_k is what stretch k does to the whole flow, computed minus
+true, and one solve for each stretch gives the parts at every probe, outlet and point of the pull-back.
+"""
+
+import sys
+
+import numpy as np
+import scipy.sparse
+import ufl
+from dolfinx.fem import petsc as fem_petsc
+from scipy.spatial import cKDTree
+
+from common.errors import ComputationError
+from flow.discretisation import compat, spaces
+from flow.errors import goal_error
+from flow.geometry import tet10
+from flow.errors.recovery import Patches
+
+M_PER_MM = 1e-3
+BATCH = 16  # solutions at a time
+WINDOW = 5.0  # radii of a mean's ball, where its weight is exp(-25)
+
+
+class Field:
+    """Of a steady flow what each of k stretches has done to it, computed minus true, as far as FFR goes.
+
+    pressure (q, k) in Pa over the pressure's dofs, at `places` (q, 3) in m; outflows (o, k) in m3/s. The flow itself:
+    flow_pressure (q,), sampler (geometry.locate.FieldSampler), flow_outflows (o,).
+    """
+
+    def __init__(self, solved, loads):
+        problem, space = solved.problem, solved.space
+        self.boundaries, self.sampler, self.flow_outflows = solved.boundaries, solved.sampler, solved.outflows
+        self.flow_pressure = problem.state.x.array[space.q_map]
+        self.places, self.mass = space.Q.tabulate_dof_coordinates(), _mass(space)
+        pressure, outflows = [], []
+        for first in range(0, loads.shape[1], BATCH):
+            response = problem.responses(loads[:, first : first + BATCH].toarray())
+            pressure.append(response[space.q_map])
+            outflows.append(np.stack([flux.array_r @ response for flux in self.boundaries.flux]))
+        self.pressure, self.outflows = np.concatenate(pressure, axis=1), np.concatenate(outflows, axis=1)
+
+    def parts(self, document, tree, names, points_mm, radii_mm):
+        """Parts (o + m, k) of FFR's errors: at the mesh's outlets `names`, and of its mean over a ball of about the
+        vessel's radius round each of the points (m, 3), as errors.goal_error has it.
+
+        Where the inflow is given FFR is over the pressure at the inlet's centre, which changes too.
+        """
+        chosen = [self.boundaries.names.index(name) for name in names]
+        means = self._means(points_mm, radii_mm)
+        of_outlets = self.boundaries.resistance[chosen, None] * self.outflows[chosen]
+        found = np.concatenate([of_outlets, means @ self.pressure])
+        if document.get("inlet_flow_m3_per_s") is None:
+            return found / document["map_pa"]
+        at_inlet = self._means(tree.main.point(0.0)[None], np.array([tree.main.radius(0.0)]))
+        reference = (at_inlet @ self.flow_pressure)[0]
+        values = np.append(self.boundaries.pressures(self.flow_outflows)[chosen], means @ self.flow_pressure)
+        return (found - np.outer(values / reference, at_inlet @ self.pressure)) / reference
+
+    def _means(self, points_mm, radii_mm):
+        """Sparse (m, q) whose product with a pressure is its mean round points (m, 3)."""
+        points, radii = M_PER_MM * points_mm, M_PER_MM * radii_mm
+        near = cKDTree(self.places).query_ball_point(points, WINDOW * radii, return_sorted=True)
+        rows = np.repeat(np.arange(len(near)), [len(one) for one in near])
+        columns = np.concatenate([*near, []]).astype(int)
+        gap = self.places[columns] - points[rows]
+        weights = np.exp(-np.sum(gap**2, axis=1) / radii[rows] ** 2)
+        means = scipy.sparse.csr_matrix((weights, (rows, columns)), (len(near), len(self.places))) @ self.mass
+        return scipy.sparse.diags(1.0 / np.asarray(means.sum(axis=1)).ravel()) @ means
+
+    def interpolation_pa(self, points_mm):
+        """Sizes (m,) in Pa of the error of the flow's pressure read at points (m, 3), where it is linear in the cell,
+        to a recovered one that is quadratic."""
+        sampler, points = self.sampler, M_PER_MM * points_mm
+        cell, lam, _ = sampler.locator.find(points)
+        nodes, cells = sampler.points, sampler.cells
+        field = 2, cells[:, :4], sampler.pressure[:, None], nodes, cells
+        smooth = Patches(nodes, cells).recover([field], cell)[0][cells[cell], 0]
+        return np.abs(np.einsum("mn,mn->m", tet10.basis(lam), smooth) - sampler(points)[1])
+
+
+def of(solved, document, tree):
+    """(parts (p, k) of the error as errors.goal_error has them at the document's probes, Field) of a
+    solvers.solved_mesh.Solved with a steady flow.
+
+    An iterative problem takes a whole solve for each stretch: there the Field has one for all, k = 1, or is None where
+    that is not found, and the probes have their dual solutions.
+    """
+    problem = solved.problem
+    if problem.iterations is not None:
+        along = goal_error.of(solved, document, tree)
+        try:
+            return along, Field(solved, scipy.sparse.csc_matrix(sources(problem, document, tree).sum(axis=1)))
+        except ComputationError as error:
+            print(f"no error field for outlets and pull-back:\n{error}", file=sys.stderr, flush=True)
+            return along, None
+    field = Field(solved, sources(problem, document, tree))
+    on = [(tree[probe["branch"]], np.array(probe["point_mm"])) for probe in document["probes"]]
+    places = [(branch, branch.project(point)[0]) for branch, point in on]
+    points = np.array([branch.point(s_mm) for branch, s_mm in places])
+    return field.parts(document, tree, [], points, np.array([branch.radius(s_mm) for branch, s_mm in places])), field
+
+
+def sources(problem, document, tree):
+    """Sparse (dofs of W, k): G_k of each stretch."""
+    space = problem.space
+    richer = spaces.LumenSpace(space.mesh, space.facets, degree=space.degree + 1)
+    vector = goal_error.residual(problem, richer, document)
+    residual = vector.array.copy()
+    vector.destroy()
+    residual[richer.wall] = residual[richer.inlet] = 0.0
+    numbers = goal_error.stretches(tree)
+    stretch, count = numbers[tree.nearest(goal_error.places(richer) / M_PER_MM)[0]], numbers.max() + 1
+    nodes, cells = space.nodes()
+    corner = np.empty(len(space.q_map), int)
+    corner[compat.cell_dofs(space.Q)] = cells[:, :4]
+    found = scipy.sparse.csc_matrix((space.dofs, count))
+    parts = ((space.V, space.v_map, richer.V, richer.v_map, 3), (space.Q, space.q_map, richer.Q, richer.q_map, 1))
+    fields, of_cells = [], (cells, cells[:, :4])
+    for k, (part, rows, rich, dofs, width) in enumerate(parts):
+        loads, group = residual[dofs].reshape(-1, width), stretch[dofs[::width]]
+        given = rich.tabulate_dof_coordinates(), compat.cell_dofs(rich), group
+        fields.append((compat.degree(rich), of_cells[k], loads, *given))
+        back = compat.interpolation(part, rich).T
+        for c in range(width):
+            by_group = scipy.sparse.csr_matrix((loads[:, c], (np.arange(len(loads)), group)), (len(loads), count))
+            found -= _placed(back @ by_group, rows[c::width], space.dofs)
+    velocity, (pressure,) = Patches(nodes, cells).transposed(fields, count)
+    for rows, part in [*((space.v_map[c::3], velocity[c]) for c in range(3)), (space.q_map, pressure[corner])]:
+        found += _placed(part, rows, space.dofs)
+    return found
+
+
+def _placed(part, rows, size):
+    """A sparse matrix (n, k) as the given rows of one of (size, k)."""
+    part = part.tocoo()
+    return scipy.sparse.csc_matrix((part.data, (rows[part.row], part.col)), (size, part.shape[1]))
+
+
+def _mass(space):
+    """Sparse (q, q) mass matrix of the pressure's space."""
+    p, q = ufl.TrialFunction(space.Q), ufl.TestFunction(space.Q)
+    matrix = fem_petsc.assemble_matrix(compat.form(p * q * ufl.dx))
+    matrix.assemble()
+    starts, columns, values = matrix.getValuesCSR()
+    found = scipy.sparse.csr_matrix((values, columns, starts), matrix.size)
+    matrix.destroy()
+    return found

@@ -1,0 +1,108 @@
+"""Estimated error of FFR at the outlets and along the pull-back of the flow that answers.
+
+As at the probes (errors.error_estimate), from the same flows (error_estimate.Basis), with a part more for what is read
+at a point: the pressure is linear in each cell, which counts in a throat.
+"""
+
+import numpy as np
+
+from flow.errors import error_estimate
+from flow.geometry import locate
+from flow.physics import ffr
+
+COLUMN = "ffr_error_estimate"  # of pullback.csv
+
+
+def write(solved, case, answer, table):
+    """Adds `error_estimate` to each outlet of ffr.json's document, the column COLUMN to the table of pullback.csv, and
+    an entry on both to the document; None and NaN where the error is not known.
+
+    solved: the solvers.solved_mesh.Solved that answers; case: reduced.extended.Extended.
+    """
+    places = Places(solved, case, [outlet["name"] for outlet in answer["outlets"]], table)
+    errors, method = of(solved, places)
+    count = len(places.names)
+    for outlet, error in zip(answer["outlets"], errors):
+        outlet["error_estimate"] = float(error) if method else None
+    table[COLUMN] = errors[count:]
+    along = {"largest": float(errors[count:].max()), "method": method} if method else None
+    answer["pullback_error_estimate"] = along
+
+
+def unknown(answer, table):
+    """As `write` where no error is known."""
+    for outlet in answer["outlets"]:
+        outlet["error_estimate"] = None
+    table[COLUMN], answer["pullback_error_estimate"] = np.nan, None
+
+
+class Places:
+    """The outlets `names` (o) and the points of the pull-back's table (m) at which the FFR of a lumen is read.
+
+    points_mm, radii_mm: of the ends (e) of vessels that the mesh prolongs, where their outlets' FFR is read, then of
+    the pull-back; ends: numbers (e,) of their outlets.
+    """
+
+    def __init__(self, solved, case, names, table):
+        self.case, self.names, self.boundaries, self.tree = case, names, solved.boundaries, case.original
+        longer = {one.region_id for one in case.extensions}
+        ends = {one["name"]: self.tree[one["branch"]] for one in case.document["outlets"] if one["region_id"] in longer}
+        self.ends = [names.index(name) for name in ends]
+        on = [(branch, branch.length_mm) for branch in ends.values()]
+        on += [(self.tree[name], s_mm) for name, s_mm in zip(table["branch"], table["s_mm"])]
+        self.points_mm = np.array([branch.point(s_mm) for branch, s_mm in on])
+        self.radii_mm = np.array([branch.radius(s_mm) for branch, s_mm in on])
+
+    def read(self, sampler, outflows):
+        """FFR (o + m,) of a flow."""
+        reference = ffr.reference_pa(self.case.document, self.tree, sampler)
+        ends = ffr.at_ends(self.names, self.boundaries.pressures(outflows), self.case, sampler, reference)
+        points = self.points_mm[len(self.ends) :] * ffr.M_PER_MM
+        return np.concatenate([ends, sampler(points)[1] / reference])
+
+    def of_field(self, field):
+        """Errors (o + m,) by a errors.error_field.Field."""
+        document = self.case.document
+        parts = field.parts(document, self.tree, self.names, self.points_mm, self.radii_mm)
+        at_points = field.interpolation_pa(self.points_mm) / ffr.reference_pa(document, self.tree, field.sampler)
+        errors, count = error_estimate.of_parts(parts), len(self.names)
+        errors[count:] += at_points
+        errors[self.ends] = errors[count : count + len(self.ends)]
+        return np.delete(errors, count + np.arange(len(self.ends)))
+
+    def exact(self):
+        """Numbers of the outlets whose FFR is given: their pressure is, and what it is the share of."""
+        if self.case.document.get("inlet_flow_m3_per_s") is not None:
+            return []
+        resistance = dict(zip(self.boundaries.names, self.boundaries.resistance))
+        return [i for i, name in enumerate(self.names) if resistance[name] == 0 and i not in self.ends]
+
+
+def of(solved, places):
+    """(errors (o + m,) at `places`, NaN where nothing is known; method in words, then empty) of the FFR of a
+    solvers.solved_mesh.Solved with its estimate."""
+    basis = (solved.estimate or {}).get("basis")
+    found, methods = [], []
+    if basis and basis.field:
+        found.append(places.of_field(basis.field))
+        methods.append("dual-weighted residual, linear interpolation")
+    if basis and basis.pair:
+        fine, coarse, share = basis.pair
+        found.append(share * np.abs(places.read(*fine) - places.read(*coarse)))
+        methods.append("two meshes")
+    if not found:
+        return np.full(len(places.names) + len(places.points_mm) - len(places.ends), np.nan), ""
+    errors = np.max(found, axis=0) + basis.mean
+    if basis.mean:
+        methods.append("difference of half windows")
+    if basis.jet:
+        errors = errors + error_estimate.to_no_jet(solved, lambda values: places.read(*_flow(solved, values)))
+        methods.append("remaining jet viscosity")
+    errors[places.exact()] = 0.0
+    return errors, ", ".join(methods)
+
+
+def _flow(solved, values):
+    """(sampler, outflows) of a state's values over the space of a Solved."""
+    outflows = np.array([flux.array_r @ values for flux in solved.boundaries.flux])
+    return locate.FieldSampler(solved.space, values), outflows

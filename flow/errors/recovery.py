@@ -1,0 +1,166 @@
+"""A smoother field through nodal values: cubic or quadratic polynomials fitted to the patch round each corner.
+
+Round every corner of the mesh a polynomial is fitted by least squares to the values at the nodes of the cells that meet
+there; at a node of the richer element the polynomials of its cells' corners are averaged. (Superconvergent patch
+recovery of Zienkiewicz and Zhu 1992, Int J Numer Meth Engng 33, applied to the values as in dual-weighted residuals:
+Becker and Rannacher 2001, Acta Numerica 10.) Patches with as many nodes and targets are fitted together.
+"""
+
+import numpy as np
+import scipy.sparse
+
+from flow.discretisation import parallel
+
+EXPONENTS = np.array([[i, j, k] for i in range(4) for j in range(4 - i) for k in range(4 - i - j)])
+TERMS = {degree: EXPONENTS[EXPONENTS.sum(axis=1) <= degree] for degree in (2, 3)}
+PLENTY = 1.5  # times the polynomial's terms: with fewer nodes the patch is enlarged by the cells beside it
+# Singular values below this share say nothing about the polynomial. In a lattice a patch may have too few levels of
+# nodes for a cubic: exactly so it is 0, with rounded coordinates 1e-7 to 1e-5, which would make spikes of 1e4.
+NEGLIGIBLE = 1e-3
+AT_ONCE = 1_000_000  # numbers, of one kind, of the patches that are fitted together
+
+
+class Patches:
+    """The cells (t, 10) of quadratic tetrahedra with nodes (n, 3), by the corners that they share."""
+
+    def __init__(self, nodes, cells):
+        self.nodes, self.corner = nodes, cells[:, :4]
+        corners, number = np.unique(self.corner, return_inverse=True)
+        self.cells_at = _incidence(number.reshape(-1, 4), len(corners)).T.tocsr()  # (corners, cells)
+
+    def recover(self, fields, wanted=None):
+        """[(m, k) values at `targets`] of fields [(degree, sources (t, a), values (n, k), targets (m, 3), of (t, b))].
+
+        sources: the cells' nodes at which `values` are known; of: the numbers of the targets that lie in each cell.
+        wanted: cells in which alone the targets' values count; the others' are left undone.
+        """
+        patches, found = self._own(wanted), []
+        for degree, sources, values, targets, of in fields:
+            width, entries, held = values.shape[1], [], 0
+            sums, counts = np.zeros((len(targets), width)), np.zeros(len(targets))
+            for near, at in self._alike(patches, degree, sources, of, len(targets), width):
+                known, at_targets, inverse = _fitted(self.nodes[near], targets[at], TERMS[degree])
+                fitted = at_targets @ (inverse @ (known.transpose(0, 2, 1) @ values[near]))
+                entries.append((at.ravel(), fitted.reshape(-1, width)))
+                held += fitted.size
+                if held > AT_ONCE:
+                    _add(sums, counts, entries)
+                    entries, held = [], 0
+            _add(sums, counts, entries)
+            found.append(parallel.total(sums) / np.maximum(parallel.total(counts), 1)[:, None])
+        return found
+
+    def transposed(self, fields, groups):
+        """What `recover` of unknown nodal values, weighted with loads at the targets and summed by groups, depends on:
+        for each of fields [(degree, sources (t, a), loads (m, c), targets (m, 3), of (t, b), group (m,))] the list over
+        c of sparse matrices (n, groups), whose product with values (n,) at the nodes is that sum."""
+        patches, found = self._own(), []
+        for degree, sources, loads, targets, of, group in fields:
+            components, entries = loads.shape[1], []
+            shared = loads / self._counts(of, len(loads))[:, None]
+            for near, at in self._alike(patches, degree, sources, of, len(targets), components):
+                known, at_targets, inverse = _fitted(self.nodes[near], targets[at], TERMS[degree])
+                # what each patch gives to each of the groups that it has targets of
+                number = (np.arange(len(at))[:, None] * groups + group[at]).ravel()
+                order = np.argsort(number, kind="stable")
+                pairs, first = np.unique(number[order], return_index=True)
+                patch, of_group = pairs // groups, pairs % groups
+                weighted = (at_targets[..., None] * shared[at][:, :, None]).reshape(at.size, -1)
+                moments = np.add.reduceat(weighted[order], first).reshape(len(pairs), -1, components)
+                entries.append((near[patch], of_group, known[patch] @ (inverse[patch] @ moments)))
+            found.append(self._matrices(entries, groups, components))
+        return found
+
+    def _own(self, wanted=None):
+        """Sparse (patches, cells) of the patches that are this rank's; only those that reach the cells `wanted`."""
+        patches = self.cells_at
+        if wanted is not None:
+            beside = np.isin(self.corner, self.corner[wanted]).any(axis=1)
+            patches = patches[np.flatnonzero(patches @ beside.astype(np.int32))]
+        return patches[slice(*parallel.share(patches.shape[0]))]
+
+    def _alike(self, patches, degree, sources, of, targets, components):
+        """(nodes (p, n), targets (p, m)) of patches that have as many of both: their sources, enough for the degree;
+        the numbers of the targets in their cells. components: of the values at each."""
+        terms = len(TERMS[degree])
+        sources, at = _incidence(sources, len(self.nodes)), _ascending(patches @ _incidence(of, targets))
+        near = _ascending(patches @ sources)
+        few = np.diff(near.indptr) < PLENTY * terms
+        if few.any():
+            beside = patches[few] @ self.cells_at.T @ self.cells_at
+            near = scipy.sparse.vstack([near[~few], _ascending(beside @ sources)])
+            at = scipy.sparse.vstack([at[~few], at[few]])
+        sizes, kind = np.unique(np.stack([np.diff(near.indptr), np.diff(at.indptr)]), axis=1, return_inverse=True)
+        order, ends = np.argsort(kind, kind="stable"), np.cumsum(np.bincount(kind))
+        for (nodes, count), same in zip(sizes.T, np.split(order, ends[:-1])):
+            step = max(1, AT_ONCE // (terms * max(nodes, count * components)))
+            for first in range(0, len(same), step):
+                chosen = same[first : first + step]
+                yield _rows(near, chosen, nodes), _rows(at, chosen, count)
+
+    def _counts(self, of, count):
+        """Number (count,) of the patches that each target lies in."""
+        return np.bincount((self.cells_at @ _incidence(of, count)).indices, minlength=count)
+
+    def _matrices(self, entries, groups, components):
+        """List over components of sparse (n, groups) over all ranks; entries: nodes (p, n), groups (p,), values
+        (p, n, components)."""
+        size = len(self.nodes), groups
+        rows = np.concatenate([near.ravel() for near, *_ in entries])
+        columns = np.concatenate([np.repeat(of_group, near.shape[1]) for near, of_group, _ in entries])
+        values = np.concatenate([block.reshape(-1, components) for *_, block in entries])
+        return [parallel.total(scipy.sparse.csr_matrix((one, (rows, columns)), size)) for one in values.T]
+
+
+def _add(sums, counts, entries):
+    """Adds entries [(numbers (n,), values (n, k))] to the sums (m, k) and counts (m,) of those numbers."""
+    if not entries:
+        return
+    at, values = (np.concatenate(parts) for parts in zip(*entries))
+    pairs = at, np.arange(len(at))
+    sums += scipy.sparse.csr_matrix((np.ones(len(at)), pairs), (len(sums), len(at))) @ values
+    counts += np.bincount(at, minlength=len(counts))
+
+
+def _incidence(lists, count):
+    """Sparse (t, count) with a one for each of lists (t, a) of numbers below `count`."""
+    starts = np.arange(len(lists) + 1) * lists.shape[1]
+    return scipy.sparse.csr_matrix((np.ones(lists.size, np.int32), lists.ravel(), starts), (len(lists), count))
+
+
+def _ascending(matrix):
+    """A sparse matrix with the columns of each row in ascending order."""
+    matrix.sort_indices()
+    return matrix
+
+
+def _rows(matrix, chosen, size):
+    """Columns (p, size) of the entries of the rows `chosen` (p,), each of which has so many."""
+    return matrix.indices[matrix.indptr[chosen][:, None] + np.arange(size)]
+
+
+def _fitted(points, targets, terms):
+    """Monomials (p, n, t) at points (p, n, 3) and (p, m, t) at targets (p, m, 3) of p patches, and the pseudo-inverse
+    (p, t, t) of the first's products: values (n, k) at the points are fitted by monomials (inverse (monomials' values))
+    at the targets."""
+    middle = points.mean(axis=1, keepdims=True)
+    off = points - middle
+    # in the patch's own directions and lengths: cells are several times longer than wide
+    square, axes = np.linalg.eigh(off.transpose(0, 2, 1) @ off)
+    turn = axes / np.sqrt(np.maximum(square / points.shape[1], 1e-300))[:, None]
+    known, wanted = _monomials(off @ turn, terms), _monomials((targets - middle) @ turn, terms)
+    square, vectors = np.linalg.eigh(known.transpose(0, 2, 1) @ known)  # squares of the singular values, ascending
+    telling = square > NEGLIGIBLE**2 * square[:, -1:]
+    inverse = np.where(telling, 1.0 / np.where(telling, square, 1.0), 0.0)
+    return known, wanted, (vectors * inverse[:, None]) @ vectors.transpose(0, 2, 1)
+
+
+def _monomials(x, terms):
+    """(p, n, terms) of coordinates x (p, n, 3)."""
+    powers = np.ones((4,) + x.shape)
+    for degree in range(1, 4):
+        powers[degree] = powers[degree - 1] * x
+    found = np.empty(x.shape[:2] + (len(terms),))
+    for k, (i, j, m) in enumerate(terms):
+        found[..., k] = powers[i, ..., 0] * powers[j, ..., 1] * powers[m, ..., 2]
+    return found

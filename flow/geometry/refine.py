@@ -1,0 +1,62 @@
+"""Refinement of the lumen surface onto the smooth surface through its vertices, where its edges are too long."""
+
+import numpy as np
+
+from flow.geometry.smooth_surface import edge_middles
+from flow.geometry.surface import Surface
+
+TOO_LONG = 1.4  # of the target: splitting then gives edges between 0.7 and 1.4 of it
+PASSES = 4
+
+
+def refine(surface, target_mm):
+    """Surface whose edges are at most 1.4 `target_mm(points) -> (n,)` mm; new vertices lie on the smooth surface."""
+    for _ in range(PASSES):
+        edges, side = surface.edges()
+        a, b = surface.points[edges[:, 0]], surface.points[edges[:, 1]]
+        length = np.linalg.norm(b - a, axis=1)
+        marked = length > TOO_LONG * target_mm(0.5 * (a + b))
+        if not marked.any():
+            break
+        marked = _close(marked, side, length)
+        surface = _split(surface, marked, edges, side)
+    return surface
+
+
+def _close(marked, side, length):
+    """Marks the longest side of every triangle that has a marked side, until nothing changes (Rivara's rule)."""
+    longest = side[np.arange(len(side)), np.argmax(length[side], axis=1)]
+    while True:
+        more = marked[side].any(axis=1) & ~marked[longest]
+        if not more.any():
+            return marked
+        marked[longest[more]] = True
+
+
+def _split(surface, marked, edges, side):
+    """Splits the marked edges; a triangle becomes two, three or four, its longest side always being split."""
+    new = np.full(len(edges), -1)
+    new[marked] = len(surface.points) + np.arange(marked.sum())
+    points = np.concatenate([surface.points, edge_middles(surface, edges, side)[marked]])
+    triangles, region = [], []
+    length = np.linalg.norm(surface.points[edges[:, 1]] - surface.points[edges[:, 0]], axis=1)
+    first = np.argmax(length[side], axis=1)
+    rows = np.arange(len(side))
+    # turn each triangle so that its longest side is 01
+    corner = np.stack([surface.triangles[rows, (first + k) % 3] for k in range(3)], axis=1)
+    m01, m12, m20 = (new[side[rows, (first + k) % 3]] for k in range(3))
+    whole = m01 < 0
+    halves = [
+        (m12 < 0, ((m01, corner[:, 1], corner[:, 2]),)),
+        (m12 >= 0, ((m01, corner[:, 1], m12), (m01, m12, corner[:, 2]))),
+        (m20 < 0, ((corner[:, 0], m01, corner[:, 2]),)),
+        (m20 >= 0, ((corner[:, 0], m01, m20), (m20, m01, corner[:, 2]))),
+    ]
+    triangles.append(surface.triangles[whole])
+    region.append(surface.region[whole])
+    for condition, pieces in halves:
+        chosen = ~whole & condition
+        for piece in pieces:
+            triangles.append(np.stack([vertex[chosen] for vertex in piece], axis=1))
+            region.append(surface.region[chosen])
+    return Surface(points, np.concatenate(triangles), np.concatenate(region))

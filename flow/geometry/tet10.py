@@ -1,0 +1,73 @@
+"""The quadratic tetrahedron: nodes 0-3 at the corners, 4-9 at the middles of the edges EDGES, in that order.
+
+With barycentric coordinates lam: N_i = l_i (2 l_i - 1) at corners, N_ab = 4 l_a l_b at middles.
+"""
+
+import numpy as np
+
+EDGES = np.array([[0, 1], [1, 2], [0, 2], [0, 3], [2, 3], [1, 3]])  # gmsh's order of middle nodes
+OUTWARD_FACES = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))  # of a tetrahedron of positive volume
+LEAST_JACOBIAN_RATIO = 0.05  # least over largest Jacobian of a cell that is solved on
+
+
+def six_volumes(points, tetrahedra):
+    """Signed volumes (t,), times six, of the straight tetrahedra (t, 4 or more) by their corners; points (n, 3)."""
+    a, b, c, d = (points[tetrahedra[:, k]] for k in range(4))
+    return np.einsum("ij,ij->i", b - a, np.cross(c - a, d - a))
+
+
+def basis(lam):
+    """Basis functions (..., 10) at barycentric coordinates lam (..., 4)."""
+    return np.concatenate([lam * (2 * lam - 1), 4 * lam[..., EDGES[:, 0]] * lam[..., EDGES[:, 1]]], axis=-1)
+
+
+def gradients(lam):
+    """Derivatives by the reference coordinates (l1, l2, l3), (..., 10, 3), at barycentric coordinates lam (..., 4)."""
+    dl = np.array([[-1.0, -1.0, -1.0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    corners = (4 * lam - 1)[..., None] * dl
+    a, b = EDGES[:, 0], EDGES[:, 1]
+    middles = 4 * (lam[..., a, None] * dl[b] + lam[..., b, None] * dl[a])
+    return np.concatenate([corners, middles], axis=-2)
+
+
+def _cubic_lattice():
+    """Barycentric multi-indices (20, 4) of degree 3."""
+    return np.array([[3 - i - j - k, i, j, k] for i in range(4) for j in range(4 - i) for k in range(4 - i - j)])
+
+
+def _bernstein(lam, index):
+    """Cubic Bernstein polynomials of the lattice `index` (20, 4) at barycentric coordinates lam (..., 4)."""
+    factorial = np.array([1, 1, 2, 6])
+    coefficient = 6 / factorial[index].prod(axis=1)
+    return coefficient * np.prod(lam[..., None, :] ** index, axis=-1)
+
+
+_LATTICE = _cubic_lattice()
+_POINTS = _LATTICE / 3.0
+_TO_BEZIER = np.linalg.inv(_bernstein(_POINTS, _LATTICE))
+_GRADIENTS = gradients(_POINTS)
+
+
+def jacobian_bounds(nodes):
+    """(lower, upper) bounds of det J in each element, nodes (t, 10, 3).
+
+    det J is a cubic; its Bezier coefficients bound it from both sides (Johnen, Remacle, Geuzaine 2013, J Comput
+    Phys 233).
+    """
+    jacobian = np.einsum("tnx,pnr->tpxr", nodes, _GRADIENTS)
+    determinant = np.linalg.det(jacobian)
+    bezier = determinant @ _TO_BEZIER.T
+    return bezier.min(axis=1), bezier.max(axis=1)
+
+
+def overlapping(tetrahedra):
+    """Number of faces with both of their cells on the same side; tetrahedra (n, 4), each of positive volume.
+
+    Where a mesh was folded, a cell is turned over: by itself it is as good as any, but it overlaps its neighbours, and
+    what flows through their common faces is lost.
+    """
+    faces = np.concatenate([tetrahedra[:, face] for face in OUTWARD_FACES])
+    first = faces.argmin(axis=1)
+    turned = np.take_along_axis(faces, (first[:, None] + np.arange(3)) % 3, axis=1)  # the least corner first
+    _, counts = np.unique(turned, axis=0, return_counts=True)
+    return int((counts > 1).sum())

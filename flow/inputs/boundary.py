@@ -1,0 +1,208 @@
+"""Boundary values of a patient's coronary flow at hyperaemia.
+
+    Q_rest = 0.71 M^0.75  mL/min (M: left ventricular mass in g),   Q_hyp = Q_rest / 0.16
+    Q_i / Q_hyp = D_i^2.55 / sum_j D_j^2.55
+    MAP = DBP + 0.4 (SBP - DBP)
+    R_i = (MAP - P_v) / Q_i
+
+The diameters are those of the outlets before the intervention; one set of resistances serves all states of a patient.
+"""
+
+import math
+import sys
+
+from common import json_reader, schema
+from common.errors import InputError
+from flow.inputs import lumen_summary
+from flow.physics import viscosity
+
+PA_PER_MMHG = 133.322
+M3_PER_S_PER_ML_PER_MIN = 1e-6 / 60.0
+ROUNDING_MM = 1e-6
+FACTOR = 10.0  # by which R_i Q_i may be off MAP - P_v: beyond it R_i is of other units, or of another outlet
+
+
+def mean_arterial_pressure_mmhg(sbp_mmhg, dbp_mmhg):
+    """MAP in mmHg. Raises InputError when the pressures are out of order."""
+    if not 0 < dbp_mmhg < sbp_mmhg:
+        raise InputError(
+            "blood pressures out of order",
+            "patient sbp_mmhg, dbp_mmhg",
+            f"{sbp_mmhg}, {dbp_mmhg}",
+            "give 0 < diastolic < systolic in mmHg",
+        )
+    return dbp_mmhg + 0.4 * (sbp_mmhg - dbp_mmhg)
+
+
+def hyperaemic_flow_m3_per_s(lvm_g, hyperaemia_fraction):
+    """Q_hyp of the whole coronary tree from the left ventricular mass in g."""
+    if not 30 <= lvm_g <= 500:
+        raise InputError("implausible left ventricular mass", "patient lvm_g", lvm_g, "give grams, 30 to 500")
+    return 0.71 * lvm_g**0.75 / hyperaemia_fraction * M3_PER_S_PER_ML_PER_MIN
+
+
+def split_by_diameter(diameters_mm, exponent):
+    """Fractions of the flow, one an outlet, that sum to one: D_i^exponent / sum_j D_j^exponent."""
+    for diameter in diameters_mm:
+        if not 0.2 <= diameter <= 12:
+            raise InputError("implausible outlet diameter", "anatomy.json ends", diameter, "give mm, 0.2 to 12")
+    weights = [diameter**exponent for diameter in diameters_mm]
+    total = math.fsum(weights)
+    return [weight / total for weight in weights]
+
+
+def make(anatomy, centreline, patient, settings):
+    """The document of boundary.json.
+
+    anatomy: document of anatomy.json; centreline: geometry.centreline.Tree; patient: lvm_g, sbp_mmhg, dbp_mmhg.
+    """
+    map_pa = mean_arterial_pressure_mmhg(patient["sbp_mmhg"], patient["dbp_mmhg"]) * PA_PER_MMHG
+    venous_pa = settings.venous_pressure_mmhg * PA_PER_MMHG
+    if venous_pa >= map_pa:
+        raise InputError(
+            "venous pressure is not below MAP", "venous_pressure_mmhg", settings.venous_pressure_mmhg, "usually 5 mmHg"
+        )
+    q_hyp = hyperaemic_flow_m3_per_s(patient["lvm_g"], settings.hyperaemia_fraction)
+    lumen_summary.check(anatomy, "anatomy.json", "ends")
+    ends = [end for end in anatomy["ends"] if end["kind"] == "outlet"]
+    if not ends:
+        raise InputError("no outlet", "anatomy.json ends", "[]", "process the lumen surface again")
+    fractions = split_by_diameter([end["diameter_mm"] for end in ends], settings.split_exponent)
+    outlets = [
+        {
+            "name": end["name"],
+            "region_id": end["region_id"],
+            "branch": end["branch"],
+            "diameter_mm": end["diameter_mm"],
+            "flow_fraction": fraction,
+            "flow_m3_per_s": fraction * q_hyp,
+            "resistance_pa_s_per_m3": (map_pa - venous_pa) / (fraction * q_hyp),
+        }
+        for end, fraction in zip(ends, fractions)
+    ]
+    if settings.outlet_condition == "pressure":
+        for outlet in outlets:
+            pressure = settings.outlet_pressure_mmhg * PA_PER_MMHG
+            outlet.update(resistance_pa_s_per_m3=0.0, pressure_pa=pressure)
+    given = settings.inlet_flow_ml_per_min * M3_PER_S_PER_ML_PER_MIN
+    read_at = probes(anatomy, centreline, settings.probe_distance_mm)
+    document = {
+        "schema": "vci-boundary-1",
+        "inlet_flow_m3_per_s": given if settings.inlet_condition == "flow" else None,
+        "map_pa": map_pa,
+        "venous_pressure_pa": venous_pa,
+        "density_kg_per_m3": settings.density_kg_per_m3,
+        "viscosity_pa_s": settings.viscosity_pa_s,
+        "viscosity": viscosity.from_settings(settings),
+        "q_hyperaemic_m3_per_s": q_hyp,
+        "outlets": outlets,
+        "probes": read_at,
+        "warnings": too_near(read_at, settings.probe_distance_mm),
+    }
+    check(document, branches=[line.name for line in centreline])
+    return document
+
+
+def probes(anatomy, centreline, distance_mm):
+    """Where FFR is read: `distal` past the most severe lesion, `lesion<k>` past each, `end_<branch>` at each end.
+
+    A probe stays 1.5 diameters inside its branch's end, where the outlet condition does not reach it: `distance_mm` is
+    what is left of the distance past the lesion's end. Without a lesion `distal` is at the end of the main branch.
+    """
+
+    def probe(name, branch, s_mm):
+        line = centreline[branch]
+        last = line.length_mm - min(3.0 * line.radius_mm[-1], 0.25 * line.length_mm)
+        s_mm = min(s_mm, last)
+        return {"name": name, "branch": branch, "s_mm": float(s_mm), "point_mm": line.point(s_mm).tolist()}
+
+    def past(name, lesion):
+        entry = probe(name, lesion["branch"], lesion["s_end_mm"] + distance_mm)
+        return entry | {"distance_mm": entry["s_mm"] - lesion["s_end_mm"]}
+
+    lesions = anatomy.get("lesions", [])
+    found = []
+    if lesions:
+        found.append(past("distal", lesions[0]))
+    else:
+        found.append(probe("distal", centreline.main.name, math.inf))
+    for k, lesion in enumerate(lesions[1:], start=2):
+        found.append(past(f"lesion{k}", lesion))
+    for line in centreline:
+        found.append(probe(f"end_{line.name}", line.name, math.inf))
+    return found
+
+
+def too_near(read_at, distance_mm):
+    """Warnings, printed too, of the probes whose branch ends before they are `distance_mm` past their lesion."""
+    warnings = [
+        f"probe {probe['name']} is {probe['distance_mm']:.1f} mm past its lesion's end instead of {distance_mm:g} mm,"
+        f" since branch {probe['branch']} ends"
+        for probe in read_at
+        if probe.get("distance_mm", distance_mm) < distance_mm - ROUNDING_MM
+    ]
+    for said in warnings:
+        print(said, file=sys.stderr, flush=True)
+    return warnings
+
+
+def check(document, where="boundary.json", branches=None):
+    """Raises InputError for boundary values that cannot be solved with; branches: names of those there are, or None."""
+    given = json_reader.Document(where, document)
+    given.check_finite()
+    schema.validate(given, schema.read("boundary"))
+    viscosity.of(document, where)
+    _check_pressures(document, where)
+    first = document["probes"][0]["name"]
+    if first != "distal":
+        remedy = "let the one whose FFR is the answer be the first, named distal"
+        raise InputError("the first probe is not `distal`", f"{where}: probes", first, remedy)
+    for group, keys in (("outlets", ("name", "region_id", "branch")), ("probes", ("name",))):
+        for key in keys:
+            _check_told_apart(document[group], f"{where}: {group}", key)
+    for one in document["outlets"]:
+        resistance = one["resistance_pa_s_per_m3"]
+        if not (resistance > 0 or (resistance == 0 and "pressure_pa" in one)):
+            raise InputError(
+                "outlet resistance is not positive",
+                f"{where}: {one['name']}",
+                resistance,
+                "R_i = (MAP - P_v) / Q_i in Pa s/m3, or 0 with pressure_pa",
+            )
+        _check_flow(one, document, where)
+    for one in document["outlets"] + document["probes"] if branches is not None else ():
+        if one["branch"] not in branches:
+            remedy = f"known: {', '.join(branches)}; make both from the same anatomy"
+            raise InputError("no such branch", f"{where}: {one['name']}", one["branch"], remedy)
+
+
+def _check_pressures(document, where):
+    """P_v below MAP, and so the pressure at an outlet where it is given and the flow is not: blood flows to it."""
+    map_pa, remedy = document["map_pa"], f"below map_pa, which is {document['map_pa']:g}, in Pa"
+    if document["venous_pressure_pa"] >= map_pa:
+        where_it_is = f"{where}: venous_pressure_pa"
+        raise InputError("venous pressure is not below MAP", where_it_is, document["venous_pressure_pa"], remedy)
+    for one in document["outlets"] if document.get("inlet_flow_m3_per_s") is None else ():
+        if one.get("pressure_pa", 0.0) >= map_pa:
+            where_it_is = f"{where}: {one['name']} pressure_pa"
+            raise InputError("pressure at an outlet is not below MAP", where_it_is, one["pressure_pa"], remedy)
+
+
+def _check_flow(outlet, document, where):
+    """Raises InputError where an outlet's resistance would not let about its planned flow pass at MAP: at the inlet's
+    MAP and with P_v behind it alone, since benchmarks give other pressures or the flow itself."""
+    if outlet.get("pressure_pa") is not None or document.get("inlet_flow_m3_per_s") is not None:
+        return
+    pressure, given = document["map_pa"] - document["venous_pressure_pa"], outlet["resistance_pa_s_per_m3"]
+    if not 1 / FACTOR <= given * outlet["flow_m3_per_s"] / pressure <= FACTOR:
+        value = f"{given:.4g} Pa s/m3, with the planned flow of {outlet['flow_m3_per_s']:.4g} m3/s it should be about"
+        value += f" {pressure / outlet['flow_m3_per_s']:.4g}"
+        remedy = "R_i = (MAP - P_v) / Q_i in Pa s/m3 (1 mmHg s/mL is 1.33322e8 Pa s/m3)"
+        raise InputError("resistance does not belong to the outlet's flow", f"{where}: {outlet['name']}", value, remedy)
+
+
+def _check_told_apart(entries, where, key):
+    values = [entry[key] for entry in entries]
+    twice = sorted({value for value in values if values.count(value) > 1})
+    if twice:
+        raise InputError(f"two have the same {key}", where, twice[0], f"give each a {key} of its own")

@@ -1,0 +1,60 @@
+"""anatomy.json, the anatomy step's summary of a lumen, as far as the flow step reads it: ends, branches, lesions."""
+
+from common import json_reader, schema
+from common.errors import InputError
+
+OF_A_PLAN = ("lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json")  # what the anatomy step leaves of a lumen
+SAME_LENGTH = 0.005  # relative; those of one anatomy step are equal
+
+
+def read(path, *needed):
+    """The document of anatomy.json, checked. Raises InputError."""
+    document = json_reader.read(path, "anatomy.json")
+    check(document.data, path, *needed)
+    return document.data
+
+
+def check(data, where, *needed):
+    """Raises InputError unless data is a document of the anatomy step that has the keys `needed`."""
+    document = json_reader.Document(where, data)
+    if not isinstance(data, dict) or not set(needed) <= set(data):
+        remedy = f"give the anatomy step's document, with {', '.join(needed)}"
+        raise InputError("not a document of the anatomy step", where, str(data)[:80], remedy)
+    try:
+        document.check_finite()
+        schema.validate(document, schema.read("lumen_summary"))
+    except InputError as error:
+        what = f"not a document of the anatomy step: {error.what}"
+        raise InputError(what, error.where, error.value, error.remedy) from None
+    if "branches" in data:
+        _check_tree(data["branches"], where)
+
+
+def check_lengths(data, tree, where):
+    """Raises InputError unless the branches, where their lengths are given, are those of a geometry.centreline.Tree."""
+    for branch in data.get("branches", []):
+        given, found = branch.get("length_mm"), tree[branch["name"]].length_mm
+        if given is not None and abs(given - found) > SAME_LENGTH * found:
+            value = f"length {given:.4g} mm, of the centreline {found:.4g} mm"
+            remedy = "give anatomy.json and centreline of one lumen, both in mm"
+            raise InputError("a branch of another lumen", f"{where}: {branch['name']}", value, remedy)
+
+
+def _check_tree(branches, where):
+    """One branch has no parent, and from it all others are reached."""
+    names = [branch["name"] for branch in branches]
+    if len(set(names)) < len(names):
+        raise InputError("two branches have the same name", f"{where}: branches", names, "run the anatomy step again")
+    reached = [branch["name"] for branch in branches if branch["parent"] is None]
+    if len(reached) != 1:
+        remedy = "one branch has the inlet and no parent"
+        raise InputError("branches are not one tree", f"{where}: branches", f"without a parent: {reached}", remedy)
+    for name in reached:
+        reached += [branch["name"] for branch in branches if branch["parent"] == name]
+    lost = [name for name in names if name not in reached]
+    if lost:
+        raise InputError("branches are not one tree", f"{where}: branches", lost, "let each parent be a branch")
+    for branch in branches:
+        if branch["parent"] is not None and branch["s_on_parent_mm"] is None:
+            remedy = "give where it leaves its parent, in mm"
+            raise InputError("branch without a place", f"{where}: {branch['name']}", "s_on_parent_mm null", remedy)

@@ -1,0 +1,1 @@
+"""Meshing: volume meshes of a lumen, swept where its tree allows, filled by gmsh elsewhere."""

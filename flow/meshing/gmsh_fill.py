@@ -1,0 +1,74 @@
+"""gmsh fills a surface: a program that meshing.volume_mesh runs, in a folder with its input and for its output.
+
+Imports nothing of this repository and takes no argument: see meshing.volume_mesh on why.
+"""
+
+import numpy as np
+
+SURFACE, FIELD, VOLUME = "surface.npz", "size.bin", "volume.npz"
+HXT = 10
+OPTIMISE_PASSES = 2
+
+
+def _structured_field(path, origin, spacing, shape, values):
+    """gmsh's binary structured grid: origin, spacings (doubles), counts (ints), values with z running fastest."""
+    with open(path, "wb") as file:
+        file.write(np.asarray(origin, "<f8").tobytes())
+        file.write(np.full(3, spacing, "<f8").tobytes())
+        file.write(np.asarray(shape, "<i4").tobytes())
+        file.write(np.asarray(values, "<f8").tobytes())
+
+
+def main():
+    import gmsh
+
+    data = np.load(SURFACE)
+    _structured_field(FIELD, data["origin"], float(data["spacing"]), data["shape"], data["values"])
+    gmsh.initialize(["gmsh"], False)
+    options = {
+        "General.Verbosity": 2,
+        "General.NumThreads": 1,
+        "Mesh.Algorithm3D": HXT,
+        "Mesh.MeshSizeExtendFromBoundary": 0,
+        "Mesh.MeshSizeFromPoints": 0,
+        "Mesh.MeshSizeFromCurvature": 0,
+        "Mesh.Optimize": OPTIMISE_PASSES,
+        "Mesh.RandomSeed": 1,
+        "Mesh.Renumber": 0,
+    }
+    for name, value in options.items():
+        gmsh.option.setNumber(name, value)
+    gmsh.model.add("lumen")
+    points, triangles, region = data["points"], data["triangles"], data["region"]
+    entities = []
+    count = 0
+    for k, tag in enumerate(sorted(set(region.tolist()))):
+        entity = gmsh.model.addDiscreteEntity(2, 1 + tag)
+        entities.append(entity)
+        if k == 0:
+            gmsh.model.mesh.addNodes(2, entity, np.arange(1, len(points) + 1), points.ravel())
+        chosen = triangles[region == tag]
+        ids = np.arange(count + 1, count + len(chosen) + 1)
+        count += len(chosen)
+        gmsh.model.mesh.addElementsByType(entity, 2, ids, (chosen + 1).ravel())
+    gmsh.model.mesh.createTopology()
+    loop = gmsh.model.geo.addSurfaceLoop([tag for _, tag in gmsh.model.getEntities(2)])
+    gmsh.model.geo.addVolume([loop])
+    gmsh.model.geo.synchronize()
+    field = gmsh.model.mesh.field.add("Structured")
+    gmsh.model.mesh.field.setString(field, "FileName", FIELD)
+    gmsh.model.mesh.field.setNumber(field, "TextFormat", 0)
+    gmsh.model.mesh.field.setAsBackgroundMesh(field)
+    gmsh.model.mesh.generate(3)
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    order = np.argsort(tags)
+    tags, coordinates = tags[order].astype(np.int64), coordinates.reshape(-1, 3)[order]
+    position = np.zeros(tags.max() + 1, np.int64)
+    position[tags] = np.arange(len(tags))
+    _, nodes = gmsh.model.mesh.getElementsByType(4)
+    gmsh.finalize()
+    np.savez(VOLUME, points=coordinates, tetrahedra=position[nodes.reshape(-1, 4).astype(np.int64)])
+
+
+if __name__ == "__main__":
+    main()

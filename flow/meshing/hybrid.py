@@ -1,0 +1,225 @@
+"""Volume mesh of a tree: swept lattices in its tubes, HXT tetrahedra in its junctions, conforming.
+
+Spans (meshing.sweep.laying) are laid first; the wall that they leave is zipped to their end rings
+(meshing.sweep.stitch) and, with the end discs, closes the junctions, which gmsh fills. An end that cannot be stitched
+moves half a radius into its span.
+"""
+
+import dataclasses
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from common.errors import ComputationError
+from flow.geometry import smooth_surface
+from flow.meshing import volume_mesh
+from flow.geometry.surface import WALL, Surface
+from flow.meshing.sweep import disc as disc_module
+from flow.meshing.sweep import laying, section, stitch
+
+MOVE_RADII = 0.5  # by which an end moves into its span when it cannot be stitched
+TRIES = 8
+DISC_REGION = 1000  # regions of the end discs while a junction is filled
+
+
+@dataclasses.dataclass
+class Linear:
+    """Conforming linear tetrahedra: points (n, 3), tetrahedra (t, 4), swept (t,) bool; boundary (f, 3), region (f,);
+    edges (e, 2) whose middles (e, 3) are known; spans [{branch, from_mm, to_mm, stations}]."""
+
+    points: np.ndarray
+    tetrahedra: np.ndarray
+    swept: np.ndarray
+    boundary: np.ndarray
+    region: np.ndarray
+    edges: np.ndarray
+    middles: np.ndarray
+    spans: list
+
+
+class NoSpans(Exception):
+    """No stretch of the tree can be swept."""
+
+
+def build(surface, tree, sizes, settings, rings, coarsening=1.0, shorter=0.0):
+    """Linear mesh of `surface`, every end of a span that is not at a cap moved inwards by `shorter` radii. Raises
+    NoSpans, or ComputationError where a junction cannot be filled."""
+    slicer = section.Slicer(surface)
+    disc = disc_module.make(rings, settings.wall_layers)
+    found = laying.find(surface, tree, slicer, disc)
+    free = {(number, k) for number, span in enumerate(found) for k in (0, 1) if span.caps[k] is None}
+    found = laying.moved(found, free, shorter)
+    for _ in range(TRIES):
+        for span in found:
+            if span.lattice is None:
+                laying.sweep(span, slicer, disc, settings, coarsening)
+        found = [span for span in found if span.lattice is not None]
+        if not found:
+            raise NoSpans("no stretch between branches is long, round and even enough")
+        try:
+            return _assemble(surface, slicer, found, disc, sizes)
+        except stitch.StitchError as error:
+            found = laying.moved(found, error.ends, MOVE_RADII)
+    raise NoSpans("the spans' ends could not be stitched to the wall")
+
+
+def _assemble(surface, slicer, found, disc, sizes):
+    """Linear mesh of the spans and the junctions between them. Raises StitchError."""
+    parts = _Parts(surface, slicer)
+    ends, cuts = [], []
+    for number, span in enumerate(found):
+        offset = parts.add_span(span, disc)
+        own = []
+        for which in (0, 1):
+            if span.caps[which] is None:
+                own.append(_end((number, which), span, offset))
+        ends += own
+        cuts.append(Cut(own, [cap for cap in span.caps if cap is not None], span.lattice.owners))
+    taken = stitch.cut(surface, slicer.side, cuts)
+    swept_caps = [cap for cut in cuts for cap in cut.caps]
+    taken |= np.isin(surface.region, swept_caps)
+    taken = stitch.trim_ears(surface, taken, surface.region == WALL)
+    kept = np.flatnonzero(~taken)
+    if ends:
+        parts.junctions(kept, ends, found, sizes)
+    elif len(kept):
+        raise stitch.StitchError("wall is left over", [])
+    return parts.finish(found)
+
+
+@dataclasses.dataclass
+class Cut:
+    """What a span takes from the wall: its ends, its caps, facets that its sections hit."""
+
+    ends: list
+    caps: list
+    owners: np.ndarray
+
+
+def _end(key, span, offset):
+    which = key[1]
+    rim = span.lattice.first_rim if which == 0 else span.lattice.last_rim
+    level = 0 if which == 0 else -1
+    normal = span.sections.normals[level]
+    centre = span.sections.sections[level].centre
+    points = span.lattice.points[rim]
+    radius = float(np.linalg.norm(points - centre, axis=1).max())
+    return stitch.End(key, centre, -normal if which == 0 else normal, radius, offset + rim, points)
+
+
+class _Parts:
+    """Collects points, cells and boundary; the surface's vertices come first (those unused are dropped at the end)."""
+
+    def __init__(self, surface, slicer):
+        self.surface, self.slicer = surface, slicer
+        self.points, self.normals = [surface.points], [slicer.normals]
+        self.count = len(surface.points)
+        self.tetrahedra, self.swept, self.boundary, self.region = [], [], [], []
+        self.edges, self.middles = [], []
+
+    def add(self, points, normals=None):
+        """Number of the first of new points."""
+        first = self.count
+        self.points.append(points)
+        self.normals.append(np.zeros_like(points) if normals is None else normals)
+        self.count += len(points)
+        return first
+
+    def add_boundary(self, triangles, region):
+        self.boundary.append(triangles)
+        self.region.append(np.broadcast_to(region, len(triangles)))
+
+    def add_span(self, span, disc):
+        """Number of the span's first point."""
+        lat = span.lattice
+        offset = self.add(lat.points, lat.normals)
+        self.tetrahedra.append(offset + lat.tetrahedra)
+        self.swept.append(np.ones(len(lat.tetrahedra), bool))
+        self.edges.append(offset + lat.edges)
+        self.middles.append(lat.middles)
+        self.add_boundary(offset + lat.wall, WALL)
+        for cap, faces in ((span.caps[0], lat.first_disc[:, ::-1]), (span.caps[1], lat.last_disc)):
+            if cap is not None:
+                self.add_boundary(offset + faces, cap)
+        span.offset = offset
+        return offset
+
+    def junctions(self, kept, ends, found, sizes):
+        """Closes and fills every connected piece of the remaining wall."""
+        triangles, region = self.surface.triangles[kept], self.surface.region[kept]
+        points, normals = np.concatenate(self.points), np.concatenate(self.normals)
+        strip_of = stitch.strips(points, normals, triangles, ends)
+        faces, tags = [triangles], [region]
+        for key, strip in strip_of.items():
+            span = found[key[0]]
+            disc_faces = span.lattice.first_disc if key[1] == 0 else span.lattice.last_disc[:, ::-1]
+            faces += [strip, span.offset + disc_faces]
+            number = DISC_REGION + 2 * key[0] + key[1]
+            tags += [np.full(len(strip), WALL), np.full(len(disc_faces), number)]
+        faces, tags = np.concatenate(faces), np.concatenate(tags)
+        for piece in _pieces(faces):
+            self._fill(points, normals, faces[piece], tags[piece], sizes)
+
+    def _fill(self, points, normals, faces, tags, sizes):
+        used, local = np.unique(faces, return_inverse=True)
+        closed = Surface(points[used], local.reshape(-1, 3), tags)
+        edges, side = closed.edges()
+        keys = [(int(tag - DISC_REGION) // 2, int(tag - DISC_REGION) % 2) for tag in closed.caps if tag >= DISC_REGION]
+        if np.any(np.bincount(side.ravel()) != 2):
+            raise stitch.StitchError("a junction is not closed", keys)
+        if closed.volume_mm3() <= 0:
+            raise stitch.StitchError("a junction is inside out", keys)
+        try:
+            spacing = max(0.25, float(sizes.size.min()))
+            filled, tetrahedra = volume_mesh.fill(closed, sizes, spacing_mm=spacing)
+        except ComputationError as error:
+            raise stitch.StitchError(str(error), keys) from error
+        first = self.add(filled[len(used) :])
+        number = np.concatenate([used, first + np.arange(len(filled) - len(used))])
+        self.tetrahedra.append(number[tetrahedra])
+        self.swept.append(np.zeros(len(tetrahedra), bool))
+        outer = tags < DISC_REGION
+        self.add_boundary(faces[outer], tags[outer])
+        # the lattice knows the middles of the end discs' edges, their rims included
+        on_wall, _ = smooth_surface.edge_kinds(closed, edges, side)
+        shared = np.zeros(len(edges), bool)
+        shared[side[~outer].ravel()] = True
+        chosen = on_wall & ~shared
+        self.edges.append(used[edges[chosen]])
+        self.middles.append(smooth_surface.edge_middles(closed, edges, side, normals[used])[chosen])
+
+    def finish(self, found):
+        """Linear mesh without unused points."""
+        points, tetrahedra = np.concatenate(self.points), np.concatenate(self.tetrahedra)
+        used, local = np.unique(tetrahedra, return_inverse=True)
+        number = np.full(len(points), -1)
+        number[used] = np.arange(len(used))
+        spans_report = [
+            {
+                "branch": span.axis.branch.name,
+                "from_mm": span.start_mm,
+                "to_mm": span.end_mm,
+                "stations": span.stations,
+            }
+            for span in found
+        ]
+        return Linear(
+            points[used],
+            local.reshape(-1, 4),
+            np.concatenate(self.swept),
+            number[np.concatenate(self.boundary)],
+            np.concatenate(self.region),
+            number[np.concatenate(self.edges)],
+            np.concatenate(self.middles),
+            spans_report,
+        )
+
+
+def _pieces(faces):
+    """Numbers of the faces of each connected piece."""
+    size = int(faces.max()) + 1
+    links = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]])
+    _, label = connected_components(coo_matrix((np.ones(len(links)), links.T), (size, size)), directed=False)
+    of_face = label[faces[:, 0]]
+    return [np.flatnonzero(of_face == piece) for piece in np.unique(of_face)]

@@ -1,0 +1,88 @@
+"""Spans: the stretches of a tree's axes that are swept, found, laid on their stations, and shortened."""
+
+import dataclasses
+import sys
+
+import numpy as np
+
+from flow.geometry.jet import jet_radius
+from flow.meshing.sweep import lattice, spans, stations
+
+SAMPLING_RADII = 0.2  # distance of the sections that are tried, in radii
+SHEAR_SPREAD = 0.03  # growth per length of the radius about which a jet's shear layer lies
+CLOSER = 3  # times stations are laid halfway where the wall changes too fast from one to the next
+
+
+@dataclasses.dataclass
+class Span:
+    """A stretch of an axis and its lattice."""
+
+    axis: object
+    start_mm: float
+    end_mm: float
+    caps: tuple
+    lattice: object = None
+    sections: object = None
+    stations: int = 0
+
+
+def find(surface, tree, slicer, disc):
+    """Spans of all branches, every sample section star-shaped and clear of other branches."""
+    angles = np.pi * np.arange(2 * len(disc.rim)) / len(disc.rim)
+    found = []
+    for axis in spans.axes(surface, tree).values():
+        step = SAMPLING_RADII * float(axis.branch.radius_mm.min())
+        s = np.linspace(0, axis.length_mm, int(np.ceil(axis.length_mm / step)) + 1)
+        allowed = spans.free(axis, tree, s)
+        inner = s[allowed]
+        if len(inner) < 2:
+            continue
+        _, ok, _, _ = lattice.Sections(slicer, axis, inner).radii(angles)
+        near_cap = np.zeros(len(s), bool)  # the rim itself stands for the sections that a cap's rim may cut
+        near_cap |= (axis.cap_ids[0] is not None) & (s <= 0.5 * axis.radius(0.0))
+        near_cap |= (axis.cap_ids[1] is not None) & (axis.length_mm - s <= 0.5 * axis.radius(axis.length_mm))
+        allowed[np.flatnonzero(allowed)[~ok]] = False
+        allowed |= near_cap & spans.free(axis, tree, s)
+        for start, end, first, last in spans.stretches(axis, allowed, s):
+            found.append(Span(axis, start, end, (first, last)))
+    return found
+
+
+def sweep(span, slicer, disc, settings, coarsening):
+    """Lays the stations and the lattice, with stations halfway where cells were turned over; leaves the lattice None
+    where a section is not star-shaped, or cells stay turned over."""
+    branch = span.axis.branch
+    at = stations.place(branch, settings, span.start_mm, span.end_mm, coarsening)
+    for _ in range(1 + CLOSER):
+        levels = np.sort(np.concatenate([at, 0.5 * (at[1:] + at[:-1])]))
+        span.sections = lattice.Sections(slicer, span.axis, levels, span.caps)
+        if any(item is None for item in span.sections.sections):
+            return
+        edge = np.interp(levels, branch.s_mm, jet_radius(branch, SHEAR_SPREAD) / branch.radius_mm)
+        laid = lattice.build(span.sections, disc, edge)
+        turned = [] if laid is None else lattice.turned_over(laid, disc)
+        if not len(turned):
+            span.lattice, span.stations = laid, len(at)
+            return
+        at = np.sort(np.concatenate([at, 0.5 * (at[turned] + at[turned + 1])]))
+    stretch = f"{branch.name} {span.start_mm:.1f}-{span.end_mm:.1f} mm"
+    print(f"{stretch}: swept cells stay turned over, meshed as a junction", file=sys.stderr, flush=True)
+
+
+def moved(found, ends, radii):
+    """Spans with the ends (span number, 0 or 1) moved inwards by `radii`; spans that get too short are dropped."""
+    kept = []
+    for number, span in enumerate(found):
+        for which in (0, 1):
+            if (number, which) in ends:
+                at = span.start_mm if which == 0 else span.end_mm
+                shift = radii * float(span.axis.radius(at))
+                span = dataclasses.replace(span, lattice=None)
+                if which == 0:
+                    span.start_mm += shift
+                else:
+                    span.end_mm -= shift
+        radius = max(span.axis.radius(span.start_mm), span.axis.radius(span.end_mm))
+        if span.end_mm - span.start_mm >= spans.SHORTEST * radius:
+            kept.append(span)
+    return kept

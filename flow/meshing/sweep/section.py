@@ -1,0 +1,160 @@
+"""Cross-sections of the lumen's smooth surface: radius by angle around a centre in a plane.
+
+A plane cuts the wall's facets in a loop of segments. A ray from the centre hits the loop at radius r; the facet's
+quadratic patch (geometry.smooth_surface) lies off the facet by d there, so the smooth surface is met at r + (d.n) /
+(e.n), n the facet's normal and e the ray's direction: exact to second order in d.
+"""
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from flow.geometry import smooth_surface
+from flow.geometry.surface import WALL
+
+FOLLOWING = np.array([1, 2, 0])
+
+
+class Section:
+    """Loop around a centre, seen in polar coordinates: segments (m, 2, 2) in the plane, counter-clockwise.
+
+    offset(segment, t) -> (k, 3) from the facet to the smooth surface; facing (m, 3): normals of the facets; owner (m,):
+    facet of each segment; normal_at(segment, t) -> unit normals (k, 3) of the smooth surface.
+    """
+
+    def __init__(self, origin, e1, e2, segments, facing, owner, offset, normal_at):
+        self.e1, self.e2, self.facing, self.owner = e1, e2, facing, owner
+        self.offset, self.normal_at = offset, normal_at
+        a, b = segments[:, 0], segments[:, 1]
+        cross = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+        self.area = 0.5 * float(cross.sum())
+        middle = ((a + b) * cross[:, None]).sum(axis=0) / (6.0 * self.area)
+        self.segments = segments - middle
+        self.centre = origin + middle[0] * e1 + middle[1] * e2
+
+    def radii(self, angles):
+        """(radius (k,), facet (k,), unit normals (k, 3)) at `angles`, or None where the loop is not star-shaped."""
+        direction = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        a, b = self.segments[:, 0], self.segments[:, 1]
+        side_a = direction[:, :1] * a[:, 1] - direction[:, 1:] * a[:, 0]
+        side_b = direction[:, :1] * b[:, 1] - direction[:, 1:] * b[:, 0]
+        ahead = direction @ (a + b).T > 0
+        hit = ((side_a <= 0) != (side_b <= 0)) & ahead
+        if np.any(hit.sum(axis=1) != 1):
+            return None
+        segment = np.argmax(hit, axis=1)
+        rows = np.arange(len(angles))
+        t = side_a[rows, segment] / (side_a[rows, segment] - side_b[rows, segment])
+        point = (1 - t)[:, None] * a[segment] + t[:, None] * b[segment]
+        radius = np.einsum("ij,ij->i", point, direction)
+        ray = direction[:, :1] * self.e1 + direction[:, 1:] * self.e2
+        facing = self.facing[segment]
+        slope = np.einsum("ij,ij->i", ray, facing)
+        rise = np.einsum("ij,ij->i", self.offset(segment, t), facing)
+        if np.any(radius <= 0) or np.any(slope < 0.1):
+            return None
+        return radius + rise / slope, self.owner[segment], self.normal_at(segment, t)
+
+
+class Slicer:
+    """Sections of one lumen surface."""
+
+    def __init__(self, surface):
+        self.surface = surface
+        self.edges, self.side = surface.edges()
+        self.normals = smooth_surface.vertex_normals(surface, self.edges, self.side)
+        middles = smooth_surface.edge_middles(surface, self.edges, self.side)
+        self.bow = middles - surface.points[self.edges].mean(axis=1)
+        self.wall = np.flatnonzero(surface.region == WALL)
+        area = surface.area_vectors()
+        self.facing = area / np.linalg.norm(area, axis=1)[:, None]
+
+    def cut(self, origin, normal, e1, e2, reach):
+        """Section around `origin` with the plane, None where no single loop of wall surrounds it within `reach` mm."""
+        height = (self.surface.points - origin) @ normal
+        height[height == 0.0] = 1e-12
+        triangles = self.surface.triangles[self.wall]
+        above = height[triangles] > 0
+        crossed = self.wall[above.any(axis=1) & ~above.all(axis=1)]
+        centroid = self.surface.points[self.surface.triangles[crossed]].mean(axis=1)
+        crossed = crossed[np.linalg.norm(centroid - origin, axis=1) < reach]
+        if len(crossed) < 3:
+            return None
+        corners = self.surface.triangles[crossed]
+        up = height[corners] > 0
+        leaves, enters = up & ~up[:, FOLLOWING], ~up & up[:, FOLLOWING]
+        ends, barycentric, edge_ids = [], [], []
+        for which in (leaves, enters):  # above on the left: seen along the normal the loop is counter-clockwise
+            k = np.argmax(which, axis=1)
+            rows = np.arange(len(crossed))
+            p, q = corners[rows, k], corners[rows, FOLLOWING[k]]
+            low, high = np.minimum(p, q), np.maximum(p, q)  # one order, so that both facets find the same bits
+            t = height[low] / (height[low] - height[high])
+            lam = np.zeros((len(crossed), 3))
+            lam[rows, k], lam[rows, FOLLOWING[k]] = np.where(p == low, 1 - t, t), np.where(p == low, t, 1 - t)
+            ends.append(self.surface.points[low] * (1 - t)[:, None] + self.surface.points[high] * t[:, None])
+            barycentric.append(lam)
+            edge_ids.append(self.side[crossed, k])
+        flat = np.stack([np.stack([(x - origin) @ e1, (x - origin) @ e2], axis=1) for x in ends], axis=1)
+        chosen = _surrounding(flat, edge_ids)
+        if chosen is None:
+            return None
+        flat, owner = flat[chosen], crossed[chosen]
+        lam0, lam1 = (lam[chosen] for lam in barycentric)
+
+        def weights(segment, t):
+            return (1 - t)[:, None] * lam0[segment] + t[:, None] * lam1[segment]
+
+        def offset(segment, t):
+            lam = weights(segment, t)
+            return 4.0 * np.einsum("ij,ijk->ik", lam * lam[:, FOLLOWING], self.bow[self.side[owner[segment]]])
+
+        def normal_at(segment, t):
+            corners = self.surface.triangles[owner[segment]]
+            return _unit(np.einsum("ij,ijk->ik", weights(segment, t), self.normals[corners]))
+
+        return Section(origin, e1, e2, flat, self.facing[owner], owner, offset, normal_at)
+
+    def rim(self, cap, origin, normal, e1, e2):
+        """Section that is the rim of a cap."""
+        in_cap, on_wall = self.surface.region == cap, self.surface.region == WALL
+        _, first = np.unique(self.side[on_wall], return_index=True)
+        wall_of = dict(zip(self.side[on_wall].ravel()[first], np.flatnonzero(on_wall)[first // 3]))
+        rim = [edge for edge in np.unique(self.side[in_cap]) if edge in wall_of]
+        a, b = (self.surface.points[self.edges[rim, k]] for k in (0, 1))
+        flat = np.stack([np.stack([(x - origin) @ e1, (x - origin) @ e2], axis=1) for x in (a, b)], axis=1)
+        turn = flat[:, 0, 0] * flat[:, 1, 1] - flat[:, 0, 1] * flat[:, 1, 0]
+        flip = turn < 0
+        flat[flip] = flat[flip][:, ::-1]
+        along = flat[:, 1] - flat[:, 0]
+        facing = _unit(along[:, 1:] * e1 - along[:, :1] * e2)
+        ends = np.where(flip[:, None], self.edges[rim][:, ::-1], self.edges[rim])
+        bow = self.bow[rim]
+
+        def offset(segment, t):
+            return (4.0 * t * (1 - t))[:, None] * bow[segment]
+
+        def normal_at(segment, t):
+            p, q = self.normals[ends[segment, 0]], self.normals[ends[segment, 1]]
+            return _unit((1 - t)[:, None] * p + t[:, None] * q)
+
+        owner = np.array([wall_of[edge] for edge in rim])
+        return Section(origin, e1, e2, flat, facing, owner, offset, normal_at)
+
+
+def _surrounding(flat, edge_ids):
+    """Members of the one loop that winds once around the origin, or None. flat (m, 2, 2), edge_ids: starts and ends."""
+    _, nodes = np.unique(np.concatenate(edge_ids), return_inverse=True)
+    count, size = len(flat), nodes.max() + 1
+    start, end = nodes[:count], nodes[count:]
+    graph = coo_matrix((np.ones(count), (start, end)), (size, size))
+    _, label = connected_components(graph, directed=False)
+    angle = np.arctan2(flat[..., 1], flat[..., 0])
+    turn = (np.diff(angle, axis=1)[:, 0] + np.pi) % (2 * np.pi) - np.pi
+    winding = np.bincount(label[start], turn, minlength=label.max() + 1) / (2 * np.pi)
+    found = np.flatnonzero(np.abs(winding - 1.0) < 1e-6)
+    return label[start] == found[0] if len(found) == 1 else None
+
+
+def _unit(vectors):
+    return vectors / np.linalg.norm(vectors, axis=1)[:, None]

@@ -1,0 +1,79 @@
+"""Which stretches of a tree can be swept: those whose cross-sections touch no other branch."""
+
+import numpy as np
+
+from flow.geometry.surface import INLET
+from flow.meshing.sweep.axis import Axis
+
+CLEARANCE = 1.15  # radii of another branch that a section keeps away from its axis
+LEFT = 0.8  # radii from the parent's axis at which a side branch has left the parent's lumen
+AT_CAP = 0.8  # radii: a free stretch that ends this close to a cap goes on to it
+TRIM = 0.25  # radii left free between a span's end and what blocks it
+SHORTEST = 2.0  # radii
+
+
+def axes(surface, tree):
+    """{branch name: Axis} with the caps that its two ends lie in (region ids as axis.cap_ids)."""
+    caps = surface.cap_circles()
+    found = {}
+    for branch in tree:
+        ids, ends = [None, None], [None, None]
+        for cap, (centre, normal, radius) in caps.items():
+            end = 0 if cap == INLET else -1
+            gap = centre - branch.points[end]
+            beside = np.linalg.norm(gap - (gap @ normal) * normal)
+            if beside < radius and (gap @ normal) > -radius and (branch is tree.main or cap != INLET):
+                ids[end], ends[end] = cap, (centre, -normal if cap == INLET else normal, radius)
+        found[branch.name] = Axis(branch, *ends)
+        found[branch.name].cap_ids = tuple(ids)
+    return found
+
+
+def free(axis, tree, s_mm):
+    """Whether the section at each s_mm (m,) keeps clear of all other branches, by the balls that fill their lumens."""
+    branch = axis.branch
+    origins, normals = axis.planes(s_mm)
+    own = axis.radius(s_mm)
+    result = np.ones(len(s_mm), bool)
+    for other in tree:
+        if other is branch:
+            continue
+        keep = np.ones(len(other.points), bool)
+        if _starts_on(other, branch):
+            keep = _outside(other, branch)
+        for point, radius in zip(other.points[keep], other.radius_mm[keep]):
+            gap = point - origins
+            along = np.einsum("ij,ij->i", gap, normals)
+            beside = np.linalg.norm(gap - along[:, None] * normals, axis=1)
+            result &= np.hypot(along, np.maximum(beside - own, 0.0)) > CLEARANCE * radius
+    return result
+
+
+def _starts_on(branch, parent):
+    s, distance = parent.project(branch.points[0])
+    return distance < 0.5 * parent.radius(s)
+
+
+def _outside(branch, parent):
+    """Points of a side branch past the one where it leaves its parent's lumen."""
+    found = [parent.project(point) for point in branch.points]
+    past = np.array([distance > LEFT * parent.radius(s) for s, distance in found])
+    first = int(np.argmax(past)) if past.any() else len(past)
+    return np.arange(len(past)) >= first
+
+
+def stretches(axis, allowed, s_mm):
+    """[(start_mm, end_mm, first cap id or None, last cap id or None)] of the runs of `allowed` that are long enough."""
+    padded = np.concatenate([[False], allowed, [False]])
+    starts = np.flatnonzero(~padded[:-1] & padded[1:])
+    ends = np.flatnonzero(padded[:-1] & ~padded[1:]) - 1
+    found = []
+    for a, b in zip(s_mm[starts], s_mm[ends]):
+        radius_a, radius_b = axis.radius(a), axis.radius(b)
+        first = axis.cap_ids[0] if a <= AT_CAP * radius_a else None
+        last = axis.cap_ids[1] if axis.length_mm - b <= AT_CAP * radius_b else None
+        a = 0.0 if first is not None else a + TRIM * radius_a
+        b = axis.length_mm if last is not None else b - TRIM * radius_b
+        if b - a >= SHORTEST * max(radius_a, radius_b):
+            found.append((float(a), float(b), first, last))
+    return found

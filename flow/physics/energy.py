@@ -1,0 +1,29 @@
+"""Energy balance of a solved flow: the momentum equation tested with the velocity itself.
+
+    P_in Q + kinetic_in = sum over outlets (P_i Q_i + kinetic_i) + friction + grad-div + eddy + backflow
+
+Powers in W. Friction is the fluid's; grad-div, eddy (0 for c = 0) and backflow are what the discretisation and the way
+to the steady flow take. What is left over is due to quadrature in curved cells and the residual.
+"""
+
+import ufl
+
+from flow.geometry.tags import PHYSICAL_INLET
+
+
+def balance(problem):
+    """{"inlet_w", "outlets_w", "friction_w", "grad_div_w", "eddy_w", "backflow_w", "imbalance"} of a FlowProblem."""
+    forms, boundaries = problem.forms, problem.boundaries
+    power = forms.integral
+    lost = {f"{name}_w": power(ufl.action(form, problem.state)) for name, form in forms.losses.items()}
+    outflows = boundaries.outflows(problem.state_vector())
+    problem.residual_norm()  # the state's mean inlet pressure
+    pressure_in = problem.mean_inlet_pressure * problem.inflow
+    inlet = pressure_in - power(forms.kinetic(PHYSICAL_INLET))
+    outlets = float(boundaries.pressures(outflows) @ outflows) + power(forms.kinetic(tuple(problem.space.outlets)))
+    return {
+        "inlet_w": inlet,
+        "outlets_w": outlets,
+        **lost,
+        "imbalance": abs(inlet - outlets - sum(lost.values())) / abs(inlet),
+    }

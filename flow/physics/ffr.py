@@ -1,0 +1,176 @@
+"""FFR of a solved flow: at the probes, along every branch, at the outlets.
+
+FFR = p / MAP; where the inflow is given, p over the pressure at the inlet's centre.
+"""
+
+import sys
+
+import numpy as np
+import pandas as pd
+
+from common.errors import ComputationError, InputError
+from flow.geometry import locate
+
+M_PER_MM = 1e-3
+SPACING_MM = 0.5
+AROUND_MM = 1.0  # of a probe: where its FFR's slope is taken
+RISING = 5e-4  # of FFR a mm: beyond it the third decimal depends on where the probe is
+FAR = 2.0  # a probe further than this many local radii from the centreline belongs to another vessel (study: up to .25)
+ALONG = 4.0  # local radii along it from where `s_mm` has it: another place, or other units (study: up to .66)
+ASIDE = 0.5  # local radii of a probe's shift beyond which it is said: deployment moves a vessel's axis by up to .15
+
+
+def reference_pa(document, tree, sampler):
+    """What FFR is the share of, in Pa."""
+    if document.get("inlet_flow_m3_per_s") is None:
+        return document["map_pa"]
+    return float(sampler(tree.main.point(0.0)[None] * M_PER_MM)[1][0])
+
+
+def along(branch):
+    """Places s_mm (n,) along a branch at which the pull-back is read."""
+    return np.linspace(0, branch.length_mm, max(2, int(round(branch.length_mm / SPACING_MM)) + 1))
+
+
+def along_branch(branch, sampler):
+    """(s_mm (n,), points_mm (n, 3), pressure (n,) Pa) on the branch's centreline, where it runs inside the mesh."""
+    s = along(branch)
+    points = branch.point(s)
+    _, pressure, inside = sampler(points * M_PER_MM)
+    return s[inside], points[inside], pressure[inside]
+
+
+def pullback(tree, sampler, map_pa, flow_at):
+    """Table of pullback.csv. flow_at(branch name, s_mm) -> flow in m3/s."""
+    tables = []
+    for branch in tree:
+        s, points, pressure = along_branch(branch, sampler)
+        tables.append(
+            pd.DataFrame(
+                {
+                    "branch": branch.name,
+                    "branch_id": branch.branch_id,
+                    "s_mm": s,
+                    "x_mm": points[:, 0],
+                    "y_mm": points[:, 1],
+                    "z_mm": points[:, 2],
+                    "pressure_pa": pressure,
+                    "ffr": pressure / map_pa,
+                    "flow_m3_per_s": [flow_at(branch.name, x) for x in s],
+                }
+            )
+        )
+    return pd.concat(tables, ignore_index=True)
+
+
+def _projected(probe, tree):
+    """(branch, s_mm, shift_mm) of a probe's nearest point on this state's centreline. Raises InputError."""
+    branch = tree[probe["branch"]]
+    s_mm, shift = branch.project(np.array(probe["point_mm"]))
+    if shift > FAR * branch.radius(s_mm):
+        remedy = "boundary.json and centreline of one patient, both in mm"
+        raise InputError(
+            "probe is far from this state's vessel", f"probe {probe['name']}", f"{shift:.2f} mm", f"give {remedy}"
+        )
+    planned = probe.get("s_mm", s_mm)
+    if abs(s_mm - planned) > ALONG * branch.radius(s_mm):
+        value, remedy = f"{s_mm:.4g} mm, its s_mm says {planned:.4g}", "give point_mm and s_mm of one place, both in mm"
+        raise InputError("probe lies at another place along the vessel", f"probe {probe['name']}", value, remedy)
+    return branch, s_mm, shift
+
+
+def check_probes(probes, tree):
+    """Raises InputError for a probe that does not belong to the tree."""
+    for probe in probes:
+        _projected(probe, tree)
+
+
+def check_inside(probes, tree, space):
+    """Raises InputError for a probe whose place on the tree is outside the mesh of a
+    discretisation.spaces.LumenSpace."""
+    projected = [_projected(probe, tree) for probe in probes]
+    places = np.array([branch.point(s_mm) for branch, s_mm, _ in projected])
+    _, _, inside = locate.Locator(*space.nodes()).find(places * M_PER_MM)
+    for probe, place, found in zip(probes, places, inside):
+        if not found:
+            value, remedy = f"{place.round(3).tolist()} mm", "give the centreline of the mesh's lumen"
+            raise InputError("probe lies outside the mesh", f"probe {probe['name']}", value, remedy)
+
+
+def at_probes(probes, tree, sampler, map_pa):
+    """[{name, branch, s_mm, point_mm, shift_mm, ffr}]: each probe projected on this state's centreline."""
+    found = []
+    for probe in probes:
+        branch, s_mm, shift = _projected(probe, tree)
+        point = branch.point(s_mm)
+        _, pressure, inside = sampler(point[None] * M_PER_MM)
+        if not inside[0]:
+            raise ComputationError(
+                "probe lies outside the mesh", f"probe {probe['name']}", point.tolist(), "check the centreline"
+            )
+        found.append(
+            {
+                "name": probe["name"],
+                "branch": branch.name,
+                "s_mm": s_mm,
+                "point_mm": point.tolist(),
+                "shift_mm": shift,
+                "ffr": float(pressure[0] / map_pa),
+            }
+        )
+    return found
+
+
+def at_ends(names, pressures, case, sampler, reference):
+    """FFR of the outlets `names`, whose pressures at the mesh's ends are given in Pa; where the mesh was extended FFR
+    is read where the vessel ended. case: reduced.extended.Extended."""
+    extended = {one.region_id for one in case.extensions}
+    ends = {outlet["name"]: outlet["branch"] for outlet in case.document["outlets"] if outlet["region_id"] in extended}
+    found = []
+    for name, pressure in zip(names, pressures):
+        if name in ends:
+            branch = case.original[ends[name]]
+            pressure = sampler(branch.point(branch.length_mm)[None] * M_PER_MM)[1][0]
+        found.append(float(pressure / reference))
+    return found
+
+
+def displaced(probes, tree, table):
+    """Warnings, printed too, of a centreline that may be another lumen's: probes, as of `at_probes`, that were moved by
+    more than ASIDE, and branches that leave the mesh. table: that of `pullback`."""
+    found = []
+    for probe in probes:
+        radius = tree[probe["branch"]].radius(probe["s_mm"])
+        if probe["shift_mm"] > ASIDE * radius:
+            found.append(
+                f"the probe {probe['name']} lies {probe['shift_mm']:.2f} mm, {probe['shift_mm'] / radius:.2f} radii,"
+                " beside this state's centreline and was moved there; is it of this patient?"
+            )
+    for branch in tree:
+        asked, left = len(along(branch)), int((table["branch"] == branch.name).sum())
+        if left < asked:
+            found.append(
+                f"{asked - left} of {asked} points of the centreline of {branch.name} lie outside the mesh and are left"
+                " out of pullback.csv; is it the centreline of this lumen?"
+            )
+    for said in found:
+        print(said, file=sys.stderr, flush=True)
+    return found
+
+
+def rising(probes, table):
+    """Warnings, printed too, one a probe round which FFR rises by more than RISING along the vessel.
+
+    table: that of `pullback`. FFR rises behind a narrowing until the jet has reattached, and where a branch takes flow.
+    """
+    found = []
+    for probe in probes:
+        line = table[(table["branch"] == probe["branch"]) & ((table["s_mm"] - probe["s_mm"]).abs() <= AROUND_MM)]
+        slope = np.polyfit(line["s_mm"], line["ffr"], 1)[0] if len(line) > 1 else 0.0
+        if slope > RISING:
+            found.append(
+                f"FFR at the probe {probe['name']} depends on its place: it still rises by {slope:.4f} a mm, as behind"
+                " a narrowing whose jet has not reattached; a probe further on reads more"
+            )
+            print(found[-1], file=sys.stderr, flush=True)
+    return found

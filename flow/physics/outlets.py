@@ -1,0 +1,96 @@
+"""The boundaries' unknowns: inflow at given mean pressure, outlet pressures behind resistances, coupled exactly.
+
+Instead the inflow may be given (`inlet_flow_m3_per_s` of the document) and the pressure of outlets (`pressure_pa`, in
+place of P_v, with resistance 0).
+"""
+
+import numpy as np
+
+from common.errors import InputError
+from flow.geometry.tags import PHYSICAL_INLET, physical_tag
+
+M_PER_MM = 1e-3
+
+# Largest difference of out- and inflow, of the flow, that is trusted. Solves by factorization have 1e-14 to 1e-13; the
+# iterative solver goes on until it is met.
+LARGEST_IMBALANCE = 1e-8
+
+
+def check_places(space, document, tree, where):
+    """Raises InputError unless each outlet of the mesh file `where`, on a LumenSpace, lies at the end of its branch:
+    nearer to it than to the tree's other ends and its inlet.
+
+    tree: geometry.centreline.Tree with the mesh's extensions. Outlets that are numbered otherwise in the mesh than in
+    the boundary values would exchange their resistances unnoticed.
+    """
+    ends = {f"the end of {branch.name}": branch.point(branch.length_mm) for branch in tree}
+    ends["the inlet"] = tree.main.point(0.0)
+    for one in document["outlets"]:
+        own, centre = f"the end of {one['branch']}", space.centre(physical_tag(one["region_id"])) / M_PER_MM
+        found = min(ends, key=lambda end: np.linalg.norm(ends[end] - centre))
+        if found != own:
+            remedy = f"it should be {own}: give mesh, centreline and boundary values of one patient, numbered alike"
+            raise InputError("outlet is at another end of the tree", f"{where}: {one['name']}", f"at {found}", remedy)
+
+
+class Boundaries:
+    """Inlet at MAP or of given flow, and outlets with resistances or of given pressure, on a LumenSpace; SI units.
+
+    profile: Function, unit inflow; flux: [vector of outlet i]; P_i = behind[i] + resistance[i] Q_i; inflow: None at
+    MAP.
+    """
+
+    def __init__(self, space, document):
+        self.space = space
+        outlets = {physical_tag(outlet["region_id"]): outlet for outlet in document["outlets"]}
+        if sorted(outlets) != space.outlets:
+            have, need = space.outlets, sorted(outlets)
+            raise InputError(
+                "mesh and boundary values differ", "outlets", f"mesh {have}, boundary {need}", "match them"
+            )
+        self.names = [outlets[tag]["name"] for tag in space.outlets]
+        self.full_resistance = np.array([outlets[tag]["resistance_pa_s_per_m3"] for tag in space.outlets])
+        self.map_pa = document["map_pa"]
+        venous = document["venous_pressure_pa"]
+        self.full_behind = np.array([outlets[tag].get("pressure_pa", venous) for tag in space.outlets])
+        self.full_inflow = document.get("inlet_flow_m3_per_s")
+        self.profile = space.inlet_profile()
+        self.flux = [space.flux_vector(tag) for tag in space.outlets]
+        self.inlet_area = space.area(PHYSICAL_INLET)
+        self.full()
+
+    def full(self):
+        """Sets the conditions asked for."""
+        self.resistance, self.behind = self.full_resistance.copy(), self.full_behind.copy()
+        self.inflow = self.full_inflow
+
+    def lower(self, fraction, resistances_at):
+        """Sets conditions under which about `fraction` of the flow passes; resistances_at(fraction) -> (n,)."""
+        self.full()
+        if self.inflow is not None:
+            self.inflow *= fraction
+        elif (self.resistance > 0).all():
+            self.resistance = resistances_at(fraction)
+        else:
+            self.resistance /= fraction
+            self.behind = self.map_pa - fraction * (self.map_pa - self.behind)
+
+    def load(self, columns):
+        """Norm in N of the pressure load at rest: MAP on the inlet, P_v, or what is given, on the outlets.
+
+        columns: [flux of outlet i in the free dofs].
+        """
+        parts = [column.norm() * pressure for column, pressure in zip(columns, self.behind)]
+        return float(np.linalg.norm(parts + [self.map_pa * self.inlet_area]))
+
+    def outflows(self, vector):
+        """Flow through each outlet in m3/s of a state's vector."""
+        return np.array([flux.dot(vector) for flux in self.flux])
+
+    def pressures(self, outflows):
+        """P_i (n,) at outflows (n,)."""
+        return self.behind + self.resistance * outflows
+
+    def destroy(self):
+        for vector in self.flux:
+            vector.destroy()

@@ -1,0 +1,205 @@
+"""Axisymmetric Navier-Stokes flow through one branch: the predictor beside the 3D model, and where it starts from.
+
+The branch is a straight tube of its cross-sections' radius R(s) = sqrt(A / pi). What leaves by its side branches leaves
+through the wall over the ostium's length. In the meridian plane (x, r), u = (u_x, u_r), with weight r:
+
+    rho ((u.grad) u + 1/2 (div u) u, v) + mu (grad u, grad v) + mu (u_r / r, v_r / r) - (p, div v) - (q, div u)
+      - beta rho <(u.n)_- u, v> at the outlet = 0,      div u = du_x/dx + du_r/dr + u_r / r
+
+Inflow: a parabola. Traction-free outlet, so that pressures are over its. Q2-Q1 elements on curved quadrilaterals.
+Curvature, eccentric lesions and what branches do to the flow are left out: measured.md has the errors.
+"""
+
+import numpy as np
+import ufl
+from dolfinx import fem, mesh as dolfinx_mesh
+from dolfinx.fem import petsc as fem_petsc
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from common.errors import ComputationError
+from flow.discretisation import compat
+from flow.physics import viscosity as viscosities
+from flow.discretisation.forms import SMALLEST_RATE
+
+ACROSS = 10  # cells along a radius
+INLET, OUTLET = 1, 2
+QUADRATURE_DEGREE = 7
+FIRST_FRACTION, SHORTEST_STEP = 0.1, 0.02  # of the flow
+MOST_STEPS, ON_THE_WAY, ACCURATE = 10, 1e-3, 1e-8  # Newton steps at one flow; size of the last over the state's
+
+
+class Tube:
+    """Flow in a tube with sections at s (k,) m of radius (k,) m; leaks [(s m, length m)] where side branches leave.
+
+    s has an even number of intervals: every second section is the middle of a cell.
+    """
+
+    def __init__(self, s, radius, leaks, density, viscosity, backflow):
+        self.s, self.radius, self.rho = s, radius, np.linspace(0, 1, 2 * ACROSS + 1)
+        self.domain = _domain(s, radius, self.rho)
+        velocity, pressure = compat.vector_element(self.domain, 2), compat.scalar_element(self.domain, 1)
+        self.W = compat.function_space(self.domain, compat.mixed_element(velocity, pressure))
+        self.state = fem.Function(self.W)
+        self._number()
+        self._hold(leaks)
+        self._compile(density, viscosity, backflow)
+        self.solved_at = None
+        self.ksp = PETSc.KSP().create(MPI.COMM_SELF)
+        self.ksp.setType("preonly")
+        self.ksp.getPC().setType("lu")
+        self.ksp.getPC().setFactorSolverType("mumps")
+
+    def _number(self):
+        """Dofs of u_x, u_r (sections, across) on the grid, and of p at the cells' corners."""
+        V, v_map = self.W.sub(0).collapse()
+        Q, q_map = self.W.sub(1).collapse()
+
+        def place(space, step):
+            x = space.tabulate_dof_coordinates()
+            along = np.searchsorted(0.5 * (self.s[1:] + self.s[:-1]), x[:, 0])
+            across = np.rint(x[:, 1] / self.radius[along] * 2 * ACROSS).astype(int)
+            grid = np.empty(((len(self.s) - 1) // step + 1, 2 * ACROSS // step + 1), int)
+            grid[along // step, across // step] = np.arange(len(x))
+            return grid
+
+        grid = place(V, 1)
+        self.u_x, self.u_r = (np.asarray(v_map)[2 * grid + k] for k in (0, 1))
+        self.p = np.asarray(q_map)[place(Q, 2)]
+
+    def _hold(self, leaks):
+        """Dofs whose values are given, and those values of a unit inflow and of unit leaks."""
+        self.fixed = np.unique(
+            np.concatenate([self.u_x[0], self.u_r[0], self.u_x[:, -1], self.u_r[:, -1], self.u_r[:, 0]])
+        )
+        self.of_inflow = np.zeros_like(self.state.x.array)
+        self.of_inflow[self.u_x[0]] = 2.0 * (1.0 - self.rho**2) / (np.pi * self.radius[0] ** 2)
+        self.of_leaks = []
+        for centre, length in leaks:
+            x = np.clip((self.s - centre) / length, -0.5, 0.5)
+            shape = np.cos(np.pi * x) ** 2
+            shape[[0, -1]] = 0.0
+            shape /= max(np.sum(0.5 * (shape[1:] + shape[:-1]) * np.diff(self.s)), 1e-300)
+            values = np.zeros_like(self.of_inflow)
+            values[self.u_r[:, -1]] = shape / (2.0 * np.pi * self.radius)
+            self.of_leaks.append(values)
+
+    def _compile(self, density, viscosity, backflow):
+        (u, p), (v, q) = ufl.split(self.state), ufl.TestFunctions(self.W)
+        r, n = ufl.SpatialCoordinate(self.domain)[1], ufl.FacetNormal(self.domain)
+        metadata = {"quadrature_degree": QUADRATURE_DEGREE}
+        dx = ufl.Measure("dx", self.domain, metadata=metadata)
+        end = float(self.s[-1])
+        facets = dolfinx_mesh.locate_entities_boundary(self.domain, 1, lambda x: np.isclose(x[0], end))
+        tags = dolfinx_mesh.meshtags(self.domain, 1, np.sort(facets), np.full(len(facets), OUTLET, np.int32))
+        outlet = ufl.Measure("ds", self.domain, subdomain_data=tags, metadata=metadata)(OUTLET)
+
+        def div(w):
+            return w[0].dx(0) + w[1].dx(1) + w[1] / r
+
+        if isinstance(viscosity, viscosities.Newtonian):
+            friction = viscosity.value * (ufl.inner(ufl.grad(u), ufl.grad(v)) + u[1] * v[1] / r**2) * r * dx
+        else:
+            shear = ufl.sym(ufl.grad(u))
+            mu = viscosity(ufl.sqrt(2 * (ufl.inner(shear, shear) + (u[1] / r) ** 2) + SMALLEST_RATE**2))
+            friction = 2 * mu * (ufl.inner(shear, ufl.sym(ufl.grad(v))) + u[1] * v[1] / r**2) * r * dx
+            friction -= mu * ufl.dot(ufl.dot(ufl.grad(u).T, n), v) * r * outlet
+        convection = density * ufl.inner(ufl.dot(ufl.grad(u), u) + 0.5 * div(u) * u, v)
+        inward = 0.5 * (u[0] - abs(u[0]))
+        residual = friction + (convection - p * div(v) - q * div(u)) * r * dx
+        residual -= backflow * density * inward * ufl.inner(u, v) * r * outlet
+        self.residual = compat.form(residual)
+        self.tangent = compat.form(ufl.derivative(residual, self.state))
+        self.condition = fem.dirichletbc(fem.Function(self.W), self.fixed.astype(np.int32))
+        self.matrix = fem_petsc.create_matrix(self.tangent)
+
+    def solve(self, inflow, leaked):
+        """The flow at `inflow` and flows `leaked` through the side branches (m3/s). Raises ComputationError.
+
+        From the flow of the last call, or from rest in steps that are halved where Newton's method fails.
+        """
+        held = inflow * self.of_inflow + sum((q * one for q, one in zip(leaked, self.of_leaks)), 0.0 * self.of_inflow)
+        reached, step = (0.0, FIRST_FRACTION) if self.solved_at is None else (self.solved_at / inflow, 1.0)
+        values = self.state.x.array
+        while True:
+            before = values.copy()
+            fraction = min(reached + step, 1.0) if self.solved_at is None else 1.0
+            if reached > 0:
+                values *= fraction / reached
+                values[self.p] *= fraction / reached  # losses of the jet go with the square
+            values[self.fixed] = fraction * held[self.fixed]
+            if self._newton(ACCURATE if fraction == 1.0 else ON_THE_WAY):
+                if fraction == 1.0:
+                    self.solved_at = inflow
+                    return
+                reached, step = fraction, 2.0 * step
+                continue
+            values[:], step = before, 0.5 * step
+            if self.solved_at is not None:
+                values[:], self.solved_at, reached, step = 0.0, None, 0.0, FIRST_FRACTION
+            elif step < SHORTEST_STEP:
+                raise ComputationError(
+                    "the axisymmetric model found no steady flow",
+                    f"at {fraction:.2f} of the flow",
+                    f"{inflow * 6e7:.1f} mL/min",
+                    "check sections.csv",
+                )
+
+    def _newton(self, accuracy):
+        """Whether Newton's method from the present state gets an update below `accuracy` of the state."""
+        values, last = self.state.x.array, np.inf
+        for _ in range(MOST_STEPS):
+            b = fem_petsc.assemble_vector(self.residual)
+            self.matrix.zeroEntries()
+            fem_petsc.assemble_matrix(self.matrix, self.tangent, bcs=[self.condition])
+            self.matrix.assemble()
+            b.array[self.fixed] = 0.0
+            update = b.duplicate()
+            self.ksp.setOperators(self.matrix)
+            self.ksp.solve(b, update)
+            change = update.array
+            size = np.linalg.norm(change[self.u_x]) / max(np.linalg.norm(values[self.u_x]), 1e-300)
+            values -= change
+            for vector in (b, update):
+                vector.destroy()
+            if not np.isfinite(size) or (size > 4 * last and size > 0.5):
+                return False
+            if size < accuracy:
+                return True
+            last = size
+        return False
+
+    def axis_pressure(self):
+        """(s (m,) m, pressure (m,) Pa) on the axis, over that at the inlet."""
+        values = self.state.x.array[self.p[:, 0]]
+        return self.s[::2], values - values[0]
+
+    def fields(self):
+        """(s (k,), rho (j,), u_x (k, j), u_r (k, j), pressure over the inlet's (k, j)) on the grid."""
+        values = self.state.x.array
+        corner = values[self.p] - values[self.p[0, 0]]
+        pressure = np.empty(self.u_x.shape)
+        pressure[::2, ::2] = corner
+        pressure[1::2, ::2] = 0.5 * (corner[1:] + corner[:-1])
+        pressure[:, 1::2] = 0.5 * (pressure[:, 2::2] + pressure[:, :-2:2])
+        return self.s, self.rho, values[self.u_x], values[self.u_r], pressure
+
+    @property
+    def dofs(self):
+        """Number of unknowns."""
+        return len(self.state.x.array)
+
+    def destroy(self):
+        """Frees PETSc's memory."""
+        self.ksp.destroy()
+        self.matrix.destroy()
+
+
+def _domain(s, radius, rho):
+    """Quadrilaterals of nine nodes: node (i, j) at (s_i, rho_j R_i)."""
+    along, across = len(s) // 2, len(rho) // 2
+    points = np.stack([np.repeat(s, len(rho)), np.outer(radius, rho).ravel()], axis=1)
+    number = np.arange(len(points)).reshape(len(s), len(rho))
+    steps = [(0, 0), (2, 0), (0, 2), (2, 2), (1, 0), (0, 1), (2, 1), (1, 2), (1, 1)]  # corners, middles, centre
+    cells = np.stack([number[i : i + 2 * along - 1 : 2, j : j + 2 * across - 1 : 2].ravel() for i, j in steps], axis=1)
+    return dolfinx_mesh.create_mesh(MPI.COMM_SELF, cells, points, compat.quadratic_quadrilaterals())

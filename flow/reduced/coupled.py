@@ -1,0 +1,184 @@
+"""The 1D network with the axisymmetric model in the branch of the probe `distal`: a fast FFR, and a flow to start from.
+
+The axisymmetric flow is found at the network's flows; what its pressure differs by along the branch is added to the
+network's, in proportion to the square of the branch's flow, until the flows no longer change.
+"""
+
+import sys
+import time
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator, RegularGridInterpolator
+from scipy.spatial import cKDTree
+
+from common.errors import ComputationError
+from flow.physics import viscosity
+from flow.reduced.axisymmetric import Tube
+from flow.meshing.sweep import stations
+
+M_PER_MM = 1e-3
+FINER = 0.5  # distance of the sections over those of the swept mesh
+MOST_ROUNDS, SAME_FLOW = 12, 1e-5  # of the coupling; change over the whole flow
+LEFT = 1.0  # radii of the parent from its axis at which a side branch is outside
+SHORTEST = 4.0  # radii of a branch that the axisymmetric model is worth the effort for
+
+
+class Predictor:
+    """Flows (outlets,) m3/s, {branch: (s m, pressure Pa)} and velocities of the coupled models; network: solved at
+    `alone`, the flows of the network by itself. coupled: whether there is an axisymmetric model at all."""
+
+    def __init__(self, network, tree, document, settings, coupled=True):
+        self.network, self.tree, self.document = network, tree, document
+        self.alone = self.flows = network.solve()
+        self.alone_pressures = self.pressures = network.pressures(self.flows, network.inlet_pa)
+        self.tube, self.reason, begin = None, None, time.process_time()
+        probe = document["probes"][0]
+        self.branch = tree[probe["branch"]]
+        self.s_probe_mm, _ = self.branch.project(np.array(probe["point_mm"]))
+        self.radius_mm = {name: _radius(*profile) for name, profile in network.profile.items()}
+        if not coupled:
+            self.reason, self.cpu_seconds = "not asked for", 0.0
+            return
+        try:
+            self._couple(settings)
+        except ComputationError as error:
+            self.reason, self.flows, self.pressures = str(error), self.alone, self.alone_pressures
+            print(f"the axisymmetric model gives no answer:\n{error}", file=sys.stderr, flush=True)
+        self.cpu_seconds = time.process_time() - begin
+
+    def _couple(self, settings):
+        network, name = self.network, self.branch.name
+        self.start_mm = self._leaves_parent()
+        tube, fed, total = self._tube(settings), network.downstream(name, 0.0), float(np.sum(self.flows))
+        flows = self.flows
+        for _ in range(MOST_ROUNDS):
+            tube.solve(flows[fed].sum(), [flows[one].sum() for one in self.leaving])
+            s, drop = tube.axis_pressure()
+            own_s, own = network.pressures(flows, network.inlet_pa)[name]
+            lacking = np.interp(s, own_s, own) - np.interp(s[0], own_s, own) - drop
+            network.add_loss(name, s, lacking, flows[fed].sum())
+            before, flows = flows, network.solve()
+            if np.abs(flows - before).max() < SAME_FLOW * total:
+                self.tube, self.flows = tube, flows
+                self.pressures = network.pressures(flows, network.inlet_pa)
+                return
+        network.added.clear()
+        network.solve()
+        raise ComputationError(
+            "the axisymmetric model and the network do not agree on a flow",
+            f"branch {name}",
+            f"change {np.abs(flows - before).max() * 6e7:.3g} mL/min",
+            "check sections.csv",
+        )
+
+    def _leaves_parent(self):
+        """Arc length in mm at which the branch is outside its parent."""
+        for parent, children in self.network.children.items():
+            for where, child in children:
+                if child == self.branch.name:
+                    return min(LEFT * float(self.radius_mm[parent](where)), 0.5 * self.branch.length_mm)
+        return 0.0
+
+    def _tube(self, settings):
+        name = self.branch.name
+        s_mm, _ = self.network.profile[name]
+        end_mm = min(self.branch.length_mm, float(s_mm[-1]))
+        radius = self.radius_mm[name]
+        if end_mm - self.start_mm < SHORTEST * radius(self.start_mm):
+            raise ComputationError("branch too short for a model of its own", name, f"{end_mm:.1f} mm", "none needed")
+        at = stations.place(self.branch, settings, self.start_mm, end_mm, FINER)
+        s_mm = np.sort(np.concatenate([at, 0.5 * (at[1:] + at[:-1])]))
+        leaks, self.leaving = [], []
+        for where, child in self.network.children[name]:
+            outside = min(float(radius(where)), 0.5 * self.tree[child].length_mm)
+            leaks.append((where * M_PER_MM, 2.0 * self.tree[child].radius(outside) * M_PER_MM))
+            self.leaving.append(self.network.downstream(child, 0.0))
+        return Tube(
+            s_mm * M_PER_MM,
+            radius(s_mm) * M_PER_MM,
+            leaks,
+            self.document["density_kg_per_m3"],
+            viscosity.of(self.document),
+            settings.backflow_coefficient,
+        )
+
+    @property
+    def whole(self):
+        """Whether the axisymmetric model covers the whole lumen: a single branch."""
+        return self.tube is not None and len(self.network.profile) == 1
+
+    def destroy(self):
+        """Frees PETSc's memory."""
+        if self.tube is not None:
+            self.tube.destroy()
+
+    def ffr(self, pressures):
+        """FFR at the probe `distal` of {branch: (s, pressure)}."""
+        return float(np.interp(self.s_probe_mm * M_PER_MM, *pressures[self.branch.name]) / self.network.inlet_pa)
+
+    def answers(self):
+        """Entries `network` and `axisymmetric` of ffr.json's `models`."""
+        network = {"ffr": self.ffr(self.alone_pressures), "outlet_flows_m3_per_s": self.alone.tolist()}
+        if self.tube is None:
+            return {"network": network, "axisymmetric": {"ffr": None, "reason": self.reason}}
+        axisymmetric = {"ffr": self.ffr(self.pressures), "outlet_flows_m3_per_s": self.flows.tolist()}
+        axisymmetric.update(branch=self.branch.name, dofs=self.tube.dofs, cpu_seconds=self.cpu_seconds)
+        return {"network": network, "axisymmetric": axisymmetric}
+
+    def fields(self, points):
+        """(velocity (m, 3) m/s, pressure (m,) Pa) at points (m, 3) in m: parabolas, in the tube its flow."""
+        velocity, pressure = np.zeros_like(points), np.zeros(len(points))
+        owner = self._owners(points / M_PER_MM)
+        for number, branch in enumerate(self.tree):
+            mine = np.flatnonzero(owner == number)
+            s, along, outward, rho = self._local(branch, points[mine] / M_PER_MM)
+            flow = np.array([self.flows[self.network.downstream(branch.name, x)].sum() for x in np.unique(s)])
+            flow = flow[np.unique(s, return_inverse=True)[1]]
+            area = np.pi * (self.radius_mm[branch.name](s) * M_PER_MM) ** 2
+            axial, radial = 2.0 * flow / area * (1.0 - rho**2), np.zeros(len(s))
+            pressure[mine] = np.interp(s * M_PER_MM, *self.pressures[branch.name])
+            if self.tube is not None and branch.name == self.branch.name:
+                inside = s >= self.start_mm
+                axial[inside], radial[inside], pressure[mine[inside]] = self._of_tube(s[inside], rho[inside])
+            velocity[mine] = axial[:, None] * along + radial[:, None] * outward
+        return velocity, pressure
+
+    def _of_tube(self, s_mm, rho):
+        s, across, *grids = self.tube.fields()
+        at = np.stack([np.clip(s_mm * M_PER_MM, s[0], s[-1]), rho], axis=1)
+        axial, radial, drop = (RegularGridInterpolator((s, across), grid)(at) for grid in grids)
+        return axial, radial, drop + np.interp(s[0], *self.pressures[self.branch.name])
+
+    def _owners(self, points_mm):
+        """Number (m,) of the branch whose axis, outside its parent, is nearest."""
+        kept, number = [], []
+        parent_of = {child: name for name, children in self.network.children.items() for _, child in children}
+        for k, branch in enumerate(self.tree):
+            outside = np.ones(len(branch.points), bool)
+            if branch.name in parent_of:
+                parent = self.tree[parent_of[branch.name]]
+                found = [parent.project(point) for point in branch.points]
+                outside = np.array([distance > LEFT * parent.radius(s) for s, distance in found])
+            kept.append(branch.points[outside])
+            number.append(np.full(outside.sum(), k))
+        _, nearest = cKDTree(np.concatenate(kept)).query(points_mm)
+        return np.concatenate(number)[nearest]
+
+    def _local(self, branch, points_mm):
+        """(s mm, unit vectors along and away from the axis (m, 3), rho) of points (m, 3) in mm near a branch."""
+        slope = np.gradient(branch.points, branch.s_mm, axis=0)
+        slope /= np.linalg.norm(slope, axis=1)[:, None]
+        _, sample = cKDTree(branch.points).query(points_mm)
+        step = np.einsum("ij,ij->i", points_mm - branch.points[sample], slope[sample])
+        s = np.clip(branch.s_mm[sample] + step, 0.0, branch.length_mm)
+        along = slope[sample]
+        gap = points_mm - branch.points[sample] - step[:, None] * along
+        distance = np.linalg.norm(gap, axis=1)
+        outward = gap / np.maximum(distance, 1e-12)[:, None]
+        return s, along, outward, np.minimum(distance / self.radius_mm[branch.name](s), 1.0)
+
+
+def _radius(s_mm, area_mm2):
+    """Radius in mm of circles of the sections' area, a smooth function of s in mm (constant beyond the ends)."""
+    smooth = PchipInterpolator(s_mm, np.sqrt(area_mm2 / np.pi))
+    return lambda s: smooth(np.clip(s, s_mm[0], s_mm[-1]))

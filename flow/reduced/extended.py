@@ -1,0 +1,160 @@
+"""What a solve knows of a mesh's extensions (meshing.extension): reduced models go through them, FFR is read
+without."""
+
+import pathlib
+import sys
+
+import numpy as np
+import pandas as pd
+
+from common import json_reader, schema
+from common.errors import InputError
+from common.files import sha256
+from flow.discretisation import compat
+from flow.meshing import extension
+from flow.reduced import coupled as predictor, network as network_model
+from flow.geometry.surface import INLET
+
+UNIT = 1e-6  # by which the length of a direction may differ from 1
+SAME = ("made_from_sha256", "extensions")  # in the reports of two meshes that one solve may be given
+
+
+def read(path, mesh, coarse=None):
+    """([meshing.extension.Extension], [warning]) of the report of `flow mesh` on a mesh file: warnings, printed too, of
+    meshes that could not be swept. coarse: file of the coarser mesh, or None. Raises InputError, also for the report of
+    another mesh, or another lumen's coarse one."""
+    report = json_reader.read(path, "mesh.json").data
+    try:
+        schema.validate(json_reader.Document(path, report), schema.read("mesh_report"))
+    except InputError as error:
+        what = f"not a report of the volume mesh: {error.what}"
+        raise InputError(what, error.where, error.value, error.remedy) from None
+    told, found = report["cells"], compat.count_cells(mesh)
+    extensions = [extension.Extension(**one) for one in report["extensions"]]
+    reasons = {name: part["swept"].get("reason") for name, part in (("fine", report), *_coarse(report))}
+    remedy = "give --mesh-report the file that `flow mesh` wrote with this mesh"
+    if told != found:
+        raise InputError("the report is of another mesh", path, f"{told} cells, {mesh} has {found}", remedy)
+    if not _is(report, mesh):
+        value = f"SHA-256 {report['file_sha256']}, {mesh} has {sha256(mesh)}"
+        raise InputError("the report is of another mesh", path, value, remedy)
+    if coarse:
+        _check_coarse(report, path, coarse)
+    warnings = [
+        f"the {name} mesh is not swept along the vessels, its tetrahedra are of one size in all directions: "
+        + " ".join(reason.split())
+        for name, reason in reasons.items()
+        if reason
+    ]
+    for said in warnings:
+        print(said, file=sys.stderr, flush=True)
+    return extensions, warnings
+
+
+def _check_coarse(report, path, coarse):
+    """Raises InputError unless the coarse mesh, which may answer, is the report's, or one that by the report beside it
+    was made of the same lumen with the same extensions."""
+    own, known = pathlib.Path(coarse).with_suffix(".json"), [part for _, part in _coarse(report)]
+    if not known and own.is_file():
+        other = json_reader.read(own, "mesh.json").data
+        if all(other.get(key) == report.get(key) for key in SAME):
+            known = [other]
+    cells = compat.count_cells(coarse)
+    if not any(part.get("cells") == cells and _is(part, coarse) for part in known):
+        told = f"one of {known[0].get('cells')}, SHA-256 {known[0].get('file_sha256')}" if known else "none"
+        value = f"{cells} cells, {path} knows {told}"
+        remedy = "make both with one `flow mesh ... --coarse`"
+        raise InputError("the coarse mesh is not known to be of the same lumen", coarse, value, remedy)
+
+
+def _is(part, mesh):
+    """Whether a mesh file is that of a report's entry by its SHA-256; reports of former versions have none."""
+    return "file_sha256" not in part or part["file_sha256"] == sha256(mesh)
+
+
+def _coarse(report):
+    return [("coarse", report["coarse"])] if "coarse" in report else []
+
+
+def beside(mesh, coarse=None):
+    """([meshing.extension.Extension], [warning]) by the report beside a mesh; where there is none, no extensions and
+    the warning, printed too, that none are known of. Raises InputError."""
+    path = pathlib.Path(mesh).with_suffix(".json")
+    if path.is_file():
+        return read(path, mesh, coarse)
+    said = f"no report of the mesh ({path.name}): reduced models take it as without extensions; give --mesh-report"
+    print(said, file=sys.stderr, flush=True)
+    return [], [said]
+
+
+class Extended:
+    """The tree and the network with the extensions, and the 1D network without, of one lumen.
+
+    warnings: what is to be said of how the extensions became known.
+    """
+
+    def __init__(self, extensions, tree, anatomy, sections, document, settings, warnings=()):
+        self.extensions, self.original, self.warnings = extensions, tree, list(warnings)
+        self.document, self.settings = document, settings
+        ends = {(outlet["region_id"], outlet["branch"]) for outlet in document["outlets"]} | {(INLET, tree.main.name)}
+        for one in extensions:
+            if (one.region_id, one.branch) not in ends or abs(np.linalg.norm(one.direction) - 1) > UNIT:
+                remedy = "give mesh, its report, centreline and boundary values of one lumen"
+                raise InputError("extension of another lumen", "report of the mesh: extensions", one, remedy)
+        self.network = network_model.Network(anatomy, sections, document, settings.expansion_loss)
+        self.tree = extension.prolonged(tree, extensions)
+        self._longer = prolonged_network(anatomy, sections, extensions)
+
+    def predictor(self):
+        """flow.reduced.coupled.Predictor of the tree with its extensions; the network alone where model is
+        `network`."""
+        network = network_model.Network(*self._longer, self.document, self.settings.expansion_loss)
+        return self._predictor(network, self.tree)
+
+    def _predictor(self, network, tree):
+        coupled = self.settings.model != "network"
+        return predictor.Predictor(network, tree, self.document, self.settings, coupled)
+
+    def report(self, models):
+        """Entry `extensions` of ffr.json; models: of it, with the extensions.
+
+        ffr_change: of each reduced model, what the extensions do to its FFR: the error there would be without them.
+        """
+        if not self.extensions:
+            return {"ends": [], "ffr_change": {}}
+        names = {outlet["region_id"]: outlet["name"] for outlet in self.document["outlets"]} | {INLET: "inlet"}
+        without = self._predictor(self.network, self.original)
+        before = without.answers()
+        without.destroy()
+        change = {
+            name: models[name]["ffr"] - entry["ffr"]
+            for name, entry in before.items()
+            if entry["ffr"] is not None and models[name]["ffr"] is not None
+        }
+        ends = [
+            {"name": names[one.region_id], "length_mm": one.length_mm, "narrowing_mm": one.distance_mm}
+            for one in self.extensions
+        ]
+        return {"ends": ends, "ffr_change": change}
+
+
+def prolonged_network(anatomy, sections, extensions):
+    """(anatomy, sections) of flow.reduced.Network with the extensions, each of its end section's area."""
+    for one in extensions:
+        rows = sections[sections["branch"] == one.branch].sort_values("s_mm")
+        if one.region_id == INLET:
+            sections, end = sections.copy(), rows.iloc[[0]].copy()
+            sections.loc[sections["branch"] == one.branch, "s_mm"] += one.length_mm
+            anatomy = {**anatomy, "branches": [_shifted(branch, one) for branch in anatomy["branches"]]}
+            end["s_mm"] = 0.0
+        else:
+            end = rows.iloc[[-1]].copy()
+            end["s_mm"] += one.length_mm
+        sections = pd.concat([sections, end], ignore_index=True)
+    return anatomy, sections
+
+
+def _shifted(branch, one):
+    if branch["parent"] != one.branch:
+        return branch
+    return {**branch, "s_on_parent_mm": branch["s_on_parent_mm"] + one.length_mm}

@@ -1,0 +1,279 @@
+"""Reduced model of the same tree: steady 1D flow through the cross-sections, one flow a segment.
+
+Along a segment, with area A(s) and Q constant, static pressure p and U = Q / A:
+
+    p(s) = p(0) - 8 pi mu Q int ds / A^2 - rho/2 (U(s)^2 - U(0)^2) - sum over expansions K rho/2 (U_t - U(s))^2
+
+mu is the viscosity (physics.viscosity) at the wall's shear rate 4 U / R of a parabolic profile. K = 1.14 behind the
+narrowest section t of an expansion (Borda-Carnot with the jet's profile). Total pressure is carried over at a junction,
+so that a branch point costs nothing of its own. Outlets close the system: p_i = P_v + R_i Q_i.
+"""
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import least_squares
+
+from common.errors import ComputationError, InputError
+from flow.physics.viscosity import of as viscosity_of
+
+M_PER_MM = 1e-3
+CREEPING = 1e-10  # m3/s
+NEAR_END = 2.0  # radii of a branch's end within which its last section lies
+# radius of a section's area over that of the largest sphere inside: in the study 1.00 to 1.15, at ostia up to 1.4
+NARROWEST, WIDEST = 0.8, 2.5
+PROMINENCE = 1.1  # an area dip below 1/1.1 of both sides counts as a narrowing of its own
+
+
+class Segment:
+    """Piece of a branch between junctions: s (n,) m, area (n,) m2; `outlet` index or None; downstream outlets."""
+
+    def __init__(self, branch, s, area, outlets):
+        self.branch, self.s, self.area, self.outlets = branch, s, area, outlets
+        self.throat = _throats(area)
+
+    def losses(self, flow, density, viscosity, expansion_loss):
+        """Loss of static pressure from the segment's start to each section, (n,) Pa."""
+        velocity = flow / self.area
+        wall_rate = 4 * abs(velocity) * np.sqrt(np.pi / self.area)
+        slope = 8 * np.pi * viscosity(wall_rate) * flow / self.area**2
+        friction = np.concatenate([[0], np.cumsum(0.5 * (slope[1:] + slope[:-1]) * np.diff(self.s))])
+        dynamic = 0.5 * density * (velocity**2 - velocity[0] ** 2)
+        lost = np.zeros_like(velocity)
+        done, current = 0.0, -1
+        for k, throat in enumerate(self.throat):
+            if throat != current:
+                done, current = lost[k - 1] if k else 0.0, throat
+            jet = 0.0 if throat < 0 else max(velocity[throat] - velocity[k], 0.0)
+            lost[k] = done + 0.5 * expansion_loss * density * jet**2
+        return friction + dynamic + np.maximum.accumulate(lost)
+
+
+def _throats(area):
+    """For each section the index of the narrowing whose jet it lies in (-1: none), both ends of a dip being prominent.
+
+    A walk with hysteresis: falling to `low` until the area has grown by PROMINENCE, then rising to `high` until it has
+    shrunk by PROMINENCE; the sections from `low` to `high` lie in the jet of `low`.
+    """
+    throat = np.full(len(area), -1)
+    low = high = 0
+    rising = False
+    for k in range(1, len(area)):
+        if rising:
+            if area[k] > area[high]:
+                high = k
+            if area[k] * PROMINENCE < area[high] or k == len(area) - 1:
+                throat[low : k + 1] = low
+                low, rising = k, False
+        else:
+            if area[k] <= area[low]:
+                low = k
+            if area[k] > PROMINENCE * area[low]:
+                high, rising = k, True
+    if rising:
+        throat[low:] = low
+    return throat
+
+
+class Network:
+    """The tree's segments between branch points."""
+
+    def __init__(self, anatomy, sections, document, expansion_loss):
+        self.document, self.expansion_loss = document, expansion_loss
+        self.viscosity = viscosity_of(document)
+        self.outlets = document["outlets"]
+        branches = {branch["name"]: branch for branch in anatomy["branches"]}
+        self.children = {name: [] for name in branches}
+        for branch in branches.values():
+            if branch["parent"]:
+                self.children[branch["parent"]].append((branch["s_on_parent_mm"], branch["name"]))
+        self.profile = {}
+        for name in branches:
+            rows = sections[sections["branch"] == name].sort_values("s_mm")
+            if len(rows) < 2:
+                raise InputError("branch without cross-sections", "sections.csv", name, "run the anatomy step again")
+            self.profile[name] = rows["s_mm"].to_numpy(), rows["area_mm2"].to_numpy()
+        self.names = [outlet["name"] for outlet in self.outlets]
+        self.index = {outlet["branch"]: k for k, outlet in enumerate(self.outlets)}
+        unknown = sorted(set(self.index) - set(branches))
+        if unknown:
+            raise InputError("outlet of an unknown branch", "boundary.json", unknown, "make it from this anatomy")
+        missing = sorted(set(branches) - set(self.index))
+        if missing:
+            raise InputError("branch without an outlet", "boundary.json", missing, "make it from this anatomy")
+        self.added = {}
+        self.segments = []
+        self.root = next(name for name, branch in branches.items() if not branch["parent"])
+        self._build(self.root, 0.0)
+
+    def downstream(self, branch, s_mm):
+        """Indices of the outlets fed through `branch` at s_mm."""
+        found = [self.index[branch]]
+        for where, child in self.children[branch]:
+            if where >= s_mm:
+                found += self.downstream(child, 0.0)
+        return found
+
+    def _build(self, branch, start_mm):
+        s, area = self.profile[branch]
+        cuts = sorted({float(where) for where, _ in self.children[branch] if s[0] < where < s[-1]})
+        bounds = [max(start_mm, s[0])] + cuts + [s[-1]]
+        for a, b in zip(bounds, bounds[1:]):
+            inner = (s > a) & (s < b)
+            here = np.concatenate([[a], s[inner], [b]])
+            values = np.interp(here, s, area)
+            outlets = self.downstream(branch, 0.5 * (a + b))
+            self.segments.append(Segment(branch, here * M_PER_MM, values * M_PER_MM**2, outlets))
+        for _, child in sorted(self.children[branch]):
+            self._build(child, 0.0)
+
+    def pressures(self, flows, inlet_pa=None):
+        """{branch: (s (n,) m, pressure (n,) Pa)} at outlet flows (outlets,) in m3/s, the inlet at MAP or inlet_pa."""
+        document, result, total_at = self.document, {}, {}
+        for segment in self.segments:
+            flow = flows[segment.outlets].sum()
+            velocity = flow / segment.area
+            if segment.branch in result:
+                start = result[segment.branch][1][-1] + 0.5 * document["density_kg_per_m3"] * (
+                    total_at[segment.branch] - velocity[0] ** 2
+                )
+            elif segment.branch == self.root:
+                start = document["map_pa"] if inlet_pa is None else inlet_pa
+            else:
+                start = self._at_junction(segment, result, flows, velocity[0])
+            loss = segment.losses(flow, document["density_kg_per_m3"], self.viscosity, self.expansion_loss)
+            loss += self._added(segment, flows)
+            s, p = result.get(segment.branch, (np.zeros(0), np.zeros(0)))
+            result[segment.branch] = np.concatenate([s, segment.s]), np.concatenate([p, start - loss])
+            total_at[segment.branch] = velocity[-1] ** 2
+        return result
+
+    def add_loss(self, branch, s, pressure, flow):
+        """Adds to a branch's loss from its start, beside what was added before, `pressure` (n,) Pa at s (n,) m.
+
+        That is at the branch's flow `flow`; it goes with the square of the flow.
+        """
+        if branch in self.added:
+            pressure = pressure + self.added[branch][1] * (flow / self.added[branch][2]) ** 2
+        self.added[branch] = s, pressure, flow
+
+    def _added(self, segment, flows):
+        """The added loss (n,) in Pa from the segment's start to each section."""
+        if segment.branch not in self.added:
+            return 0.0
+        s, pressure, flow = self.added[segment.branch]
+        here = np.interp(segment.s, s, pressure)
+        return (here - here[0]) * (flows[self.downstream(segment.branch, 0.0)].sum() / flow) ** 2
+
+    def _at_junction(self, segment, result, flows, velocity):
+        parent, where = next(
+            (name, s) for name, children in self.children.items() for s, child in children if child == segment.branch
+        )
+        s, p = result[parent]
+        area = np.interp(where, *self.profile[parent]) * M_PER_MM**2
+        upstream = flows[self.downstream(parent, where)].sum() / area
+        static = float(np.interp(where * M_PER_MM, s, p))
+        return static + 0.5 * self.document["density_kg_per_m3"] * (upstream**2 - velocity**2)
+
+    def outlet_pressures(self, flows, inlet_pa=None):
+        """Pressure at each outlet in Pa."""
+        result = self.pressures(flows, inlet_pa)
+        return np.array([result[outlet["branch"]][1][-1] for outlet in self.outlets])
+
+    def solve(self):
+        """Outlet flows (outlets,) in m3/s that balance the outlets' conditions. Raises ComputationError.
+
+        Where the inflow is given the inlet's pressure is found too: `inlet_pa`, else MAP.
+        """
+        map_pa, given = self.document["map_pa"], self.document.get("inlet_flow_m3_per_s")
+        resistance = np.array([outlet["resistance_pa_s_per_m3"] for outlet in self.outlets])
+        behind = self._behind()
+        planned = self._most(resistance, behind, given)
+        count = len(planned)
+
+        def imbalance(unknown):
+            flows, inlet_pa = unknown[:count] * planned, unknown[count] * map_pa if given else map_pa
+            lacking = (self.outlet_pressures(flows, inlet_pa) - behind - resistance * flows) / map_pa
+            return np.append(lacking, flows.sum() / given - 1.0) if given else lacking
+
+        start = np.append(np.full(count, 1.0 / count), 1.0) if given else np.full(count, 0.8)
+        most = np.append(np.full(count, 1.2), np.inf) if given else 1.2
+        found = least_squares(imbalance, start, bounds=(0, most), xtol=1e-13, ftol=1e-13, gtol=1e-13)
+        if np.abs(found.fun).max() > 1e-6:
+            raise ComputationError(
+                "reduced model did not converge",
+                "reduced network",
+                np.abs(found.fun).max(),
+                "check sections.csv (mm) and the resistances of boundary.json (Pa s/m3)",
+            )
+        self.inlet_pa = float(found.x[count] * map_pa) if given else map_pa
+        return found.x[:count] * planned
+
+    def _behind(self):
+        """Pressure (outlets,) behind the resistances."""
+        return np.array([outlet.get("pressure_pa", self.document["venous_pressure_pa"]) for outlet in self.outlets])
+
+    def _most(self, resistance, behind, given):
+        """Flows (outlets,) that none exceeds: through the resistances alone, or of a creeping flow without them."""
+        if given:
+            return np.full(len(resistance), given)
+        creeping = np.full(len(resistance), CREEPING)
+        of_vessels = (self.document["map_pa"] - self.outlet_pressures(creeping)) / CREEPING
+        return (self.document["map_pa"] - behind) / np.where(resistance > 0, resistance, of_vessels / len(resistance))
+
+    def resistances_at(self, flows, fraction):
+        """Outlet resistances at which this model's flows are `fraction` of `flows`."""
+        if fraction == 1.0:
+            return np.array([outlet["resistance_pa_s_per_m3"] for outlet in self.outlets])
+        return (self.outlet_pressures(fraction * flows) - self._behind()) / (fraction * flows)
+
+
+def read_sections(path):
+    """sections.csv as a table. Raises InputError."""
+    remedy = "run the anatomy step"
+    try:
+        table = pd.read_csv(path)
+    except FileNotFoundError as error:
+        raise InputError("no such file of cross-sections", path, "missing", remedy) from error
+    except (OSError, ValueError) as error:  # an empty file, other than text, rows of several lengths
+        raise InputError("not a table of cross-sections", path, error, remedy) from error
+    lacking = [column for column in ("branch", "s_mm", "area_mm2") if column not in table.columns]
+    if lacking:
+        raise InputError("cross-sections lack columns", path, lacking, remedy)
+    table["branch"] = table["branch"].astype(str)
+    for column in ("s_mm", "area_mm2"):
+        given, table[column] = table[column], pd.to_numeric(table[column], errors="coerce").astype(float)
+        _refuse_row(path, given, ~np.isfinite(table[column]), f"{column} is not a number", remedy)
+    _refuse_row(path, table["area_mm2"], ~(table["area_mm2"] > 0), "area is not positive", remedy)
+    again = table.duplicated(["branch", "s_mm"])
+    _refuse_row(path, table["s_mm"], again, "two sections of a branch at the same s_mm", remedy)
+    return table
+
+
+def check_sections(table, tree, path):
+    """Raises InputError for sections that are not of the tree's lumen: that end before their branch does, or beyond it,
+    or are not as wide as the centreline says (the radius of the largest sphere inside).
+
+    A sphere touches the wall somewhere within its own radius along the branch: behind a sudden expansion it is held by
+    the rim of the narrow part. So the narrowest section in that reach is what its radius is compared with.
+    """
+    remedy = "give the sections of the centreline's lumen, both in mm"
+    for branch in tree:
+        rows = table[table["branch"] == branch.name]
+        s, radius = rows["s_mm"].to_numpy(), np.sqrt(rows["area_mm2"].to_numpy() / np.pi)
+        where = f"{path}, branch {branch.name}"
+        if len(s) and abs(s.max() - branch.length_mm) > NEAR_END * branch.radius_mm[-1]:
+            value = f"last at {s.max():.4g} of {branch.length_mm:.4g} mm"
+            raise InputError("cross-sections of another branch", where, value, remedy)
+        sphere = branch.radius(s)
+        near = np.abs(s - s[:, None]) <= sphere[:, None]
+        narrowest = np.where(near, radius, np.inf).min(axis=1)
+        for k in np.flatnonzero((radius < NARROWEST * sphere) | (narrowest > WIDEST * sphere))[:1]:
+            value = f"radius {radius[k]:.4g} mm at {s[k]:.4g} mm, of the centreline {sphere[k]:.4g} mm"
+            raise InputError("cross-sections of another lumen", where, value, remedy)
+
+
+def _refuse_row(path, values, refused, what, remedy):
+    """Raises InputError for the first of `values` that is refused, by its line in the file."""
+    if refused.any():
+        row = int(refused.to_numpy().argmax())
+        raise InputError(what, f"{path}, row {row + 2}", values[row], remedy)

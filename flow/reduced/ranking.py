@@ -1,0 +1,111 @@
+"""Several plans of one patient ranked by a reduced model's FFR, the model's measured error beside.
+
+The model goes through the extensions that the plan's mesh would get (meshing.extension), as it does in every ffr.json.
+
+The error is the largest difference of the 3D model's answers to the reduced model's in this patient (any ffr.json with
+both), and at least the largest error estimate of those answers; without any it is what was measured in other patients
+(measured.md). The model errs alike in lumens that are alike: two plans are told apart where they differ by more than
+those differences vary, which is known to the sum of two error estimates only, or, with fewer than two of them, by more
+than the error. Where an answer's own error is not known, what was measured elsewhere stands for it.
+"""
+
+import pathlib
+
+import numpy as np
+import pandas as pd
+
+from common import json_reader, schema
+from common.errors import InputError
+from flow.geometry import centreline, surface
+from flow.inputs import lumen_summary
+from flow.meshing import extension
+from flow.physics import ffr
+from flow.reduced import extended, network as network_model
+from flow.reduced.answer import ELSEWHERE, MILD
+
+COLUMNS = ("rank", "plan", "ffr", "error", "model", "as_good_as_best", "inlet_flow_m3_per_s", "cpu_seconds")
+SAME_MM = 1e-6  # as coordinates are written
+
+
+def elsewhere(model, value):
+    """What was measured in other patients of a model whose FFR is `value`."""
+    mild, severe = ELSEWHERE[model]
+    return mild if value >= MILD else severe
+
+
+def model_error(model, documents, lowest):
+    """(error, what two plans must differ by) in FFR of a model; documents: [(path, document of ffr.json)]; lowest: of
+    the plans' FFR by the model."""
+    found, unsure = [], []
+    for path, document in documents:
+        models = document.get("models", {})
+        both = [models.get(name, {}).get("ffr") for name in ("3d", model)]
+        if None in both:
+            raise InputError("no 3D answer beside the reduced model's", path, model, "give an ffr.json of model 3d")
+        found.append(both[0] - both[1])
+        estimate = models["3d"].get("error_estimate")
+        unsure.append(elsewhere(model, both[1]) if estimate is None else estimate)
+    if not found:
+        return (elsewhere(model, lowest),) * 2
+    error = float(max(np.abs(found).max(), max(unsure)))
+    return error, float(max(np.ptp(found), sum(sorted(unsure)[-2:]))) if len(found) > 1 else error
+
+
+def check_patient(path, answer, document):
+    """Raises InputError unless the probes of an ffr.json (`answer`) were put on its lumen from boundary values
+    `document`: each lies `shift_mm` from where the boundary values have it."""
+    given = {probe["name"]: np.array(probe["point_mm"], float) for probe in document["probes"]}
+    try:
+        apart = {
+            probe["name"]: float(np.linalg.norm(np.array(probe["point_mm"], float) - given.pop(probe["name"])))
+            - probe["shift_mm"]
+            for probe in answer["probes"]
+        }
+    except (KeyError, TypeError, ValueError):
+        apart = {}
+    if not apart or given or not max(np.abs(list(apart.values()))) < SAME_MM:
+        raise InputError("an answer with other boundary values", path, apart, "give an ffr.json of this patient")
+
+
+def plan(folder, document, settings, model):
+    """{"ffr", "inlet_flow_m3_per_s", "cpu_seconds"} by the model of the lumen whose anatomy step wrote to `folder`."""
+    folder = pathlib.Path(folder)
+    for name in lumen_summary.OF_A_PLAN:
+        if not (folder / name).is_file():
+            raise InputError("not a plan's lumen", folder / name, "missing", "run the anatomy step on the plan's lumen")
+    tree = centreline.read(folder / "centreline.vtp")
+    anatomy = lumen_summary.read(folder / "anatomy.json", "branches")
+    ffr.check_probes(document["probes"], tree)
+    sections = network_model.read_sections(folder / "sections.csv")
+    lumen_summary.check_lengths(anatomy, tree, folder / "anatomy.json")
+    network_model.check_sections(sections, tree, folder / "sections.csv")
+    lumen = surface.read(folder / "lumen.vtp")
+    centreline.check_ends(tree, lumen, folder / "centreline.vtp")
+    extensions = extension.needed(lumen, tree, settings)
+    predicted = extended.Extended(extensions, tree, anatomy, sections, document, settings).predictor()
+    answer = predicted.answers()[model]
+    predicted.destroy()
+    if answer["ffr"] is None:
+        raise InputError("the axisymmetric model has no answer", folder, answer["reason"], "rank by the network")
+    flow = float(np.sum(answer["outlet_flows_m3_per_s"]))
+    return {"ffr": answer["ffr"], "inlet_flow_m3_per_s": flow, "cpu_seconds": answer.get("cpu_seconds", 0.0)}
+
+
+def rank(plans, document, settings, model, measured):
+    """Table with COLUMNS, best first. plans: {name: folder}; measured: [(path, document of ffr.json)]."""
+    for path, answer in measured:
+        schema.validate(json_reader.Document(path, answer), schema.read("measured_ffr"))
+        check_patient(path, answer, document)
+    rows = []
+    for name, folder in plans.items():
+        try:
+            rows.append({"plan": name, "model": model} | plan(folder, document, settings, model))
+        except InputError as error:
+            raise InputError(error.what, f"plan {name} ({folder}): {error.where}", error.value, error.remedy) from None
+    error, apart = model_error(model, measured, min(row["ffr"] for row in rows))
+    table = (
+        pd.DataFrame(rows).assign(error=error).sort_values(["ffr", "plan"], ascending=[False, True], ignore_index=True)
+    )
+    table["rank"] = table["ffr"].rank(method="min", ascending=False).astype(int)
+    table["as_good_as_best"] = table["ffr"].max() - table["ffr"] <= apart
+    return table[list(COLUMNS)]

@@ -1,0 +1,153 @@
+"""Linear solves with the tangent, bordered by the few unknowns of the boundaries.
+
+    [A  B] [x]   [f]          x = A^-1 f - (A^-1 B) y,   (D - C A^-1 B) y = g - C A^-1 f
+    [C  D] [y] = [g]
+
+A is sparse (velocity and pressure dofs that no boundary fixes), the border has one row and column for the inflow and
+one for each outlet. `DirectSolver` factorizes A by MUMPS; a solver of another kind needs the same methods.
+"""
+
+import numpy as np
+from petsc4py import PETSc
+
+from common.errors import ComputationError
+from flow.discretisation import parallel
+
+
+class DirectSolver:
+    """MUMPS factorization of A, its symbolic part reused; one KSP for all steps (a new one each step leaks factors).
+
+    On several MPI ranks A is given and held by rows, each rank its share; right sides and solutions are whole on each.
+    """
+
+    def __init__(self, comm):
+        self.comm, self.shared, self.parts = comm, None, None
+        self.ksp = PETSc.KSP().create(comm)
+        self.ksp.setType("preonly")
+        pc = self.ksp.getPC()
+        pc.setType("lu")
+        pc.setFactorSolverType("mumps")
+        options = PETSc.Options()
+        prefix = "flow_direct_"
+        for name, value in (("mat_mumps_icntl_14", 60), ("mat_mumps_icntl_24", 1)):
+            options[prefix + name] = value
+        self.ksp.setOptionsPrefix(prefix)
+        self.ksp.setFromOptions()
+        self.factorizations = 0
+
+    def set_matrix(self, matrix):
+        """Factorizes `matrix` (its rows of this rank's share). Raises ComputationError when MUMPS cannot."""
+        self.ksp.setOperators(matrix if self.comm.size == 1 else self._shared(matrix))
+        try:
+            self.ksp.setUp()
+        except PETSc.Error as error:
+            raise ComputationError("factorization failed", "MUMPS", error, "check memory and the mesh") from error
+        self.factorizations += 1
+
+    def _shared(self, rows):
+        """The matrix over all ranks whose share on this one is `rows`, of the same pattern each time."""
+        starts, columns, values = rows.getValuesCSR()
+        if self.shared is None:
+            size = (rows.size[0], rows.size[1]), (rows.size[0], rows.size[1])
+            self.shared = PETSc.Mat().createAIJ(size, csr=(starts, columns, values), comm=self.comm)
+            self.parts = self.shared.createVecs()
+        else:
+            self.shared.setValuesCSR(starts, columns, values)
+            self.shared.assemble()
+        return self.shared
+
+    def solve(self, right, solution, transposed=False):
+        """solution <- A^-1 right, or A^-T right."""
+        solve = self.ksp.solveTranspose if transposed else self.ksp.solve
+        if self.comm.size == 1:
+            solve(right, solution)
+        else:
+            own, found = self.parts
+            own.array[:] = right.array[slice(*own.getOwnershipRange())]
+            solve(own, found)
+            solution.array[:] = parallel.collected(found.array_r, solution.size)
+        if self.ksp.getConvergedReason() < 0:
+            reason = self.ksp.getConvergedReason()
+            raise ComputationError("linear solve failed", "MUMPS", f"reason {reason}", "check the mesh and resistances")
+
+    def solve_all(self, rights, solutions, transposed=False):
+        """`solve` of several: the factors pass through memory once for all of them, which is what a solve costs."""
+        if transposed or len(rights) == 1:  # PETSc's interface to MUMPS has no transposed solve of several
+            for right, solution in zip(rights, solutions):
+                self.solve(right, solution, transposed)
+            return
+        size, matrix = rights[0].size, self.ksp.getOperators()[0]
+        own = slice(*matrix.getOwnershipRange())
+        given, found = (
+            PETSc.Mat().createDense(((own.stop - own.start, size), (None, len(rights))), comm=self.comm)
+            for _ in range(2)
+        )
+        for dense in (given, found):
+            dense.setUp()
+        given.getDenseArray()[:] = np.stack([right.array_r[own] for right in rights], axis=1)
+        for dense in (given, found):
+            dense.assemble()
+        self.ksp.getPC().getFactorMatrix().matSolve(given, found)
+        for solution, values in zip(solutions, found.getDenseArray().T):
+            solution.array[:] = parallel.collected(values, size)
+        for dense in (given, found):
+            dense.destroy()
+        if not all(np.isfinite(solution.norm()) for solution in solutions):
+            raise ComputationError("linear solve failed", "MUMPS", "not finite", "check the mesh and resistances")
+
+    def release(self):
+        """Frees the factors; the next matrix is factorized as the first was."""
+        self.ksp.reset()
+        if self.shared is not None:
+            for petsc_object in (self.shared, *self.parts):
+                petsc_object.destroy()
+            self.shared = None
+
+    def destroy(self):
+        self.release()
+        self.ksp.destroy()
+
+
+class Bordered:
+    """The bordered system with the A that `solver` holds; columns and rows are lists of vectors, corner is D.
+
+    The columns are solved for once, so that each further right side costs one solve with A. transposed: the system with
+    A^T, whose columns are then the rows of the other.
+    """
+
+    def __init__(self, solver, columns, rows, corner, transposed=False):
+        self.solver, self.columns, self.rows, self.corner = solver, columns, rows, corner
+        self.transposed = transposed
+        self.solved = [column.duplicate() for column in columns]
+        solver.solve_all(columns, self.solved, transposed)
+        self.schur = np.array(corner, float)
+        for i, row in enumerate(rows):
+            for j, vector in enumerate(self.solved):
+                self.schur[i, j] -= row.dot(vector)
+
+    def transpose(self):
+        """The transposed system, by the same factorization."""
+        return Bordered(self.solver, self.rows, self.columns, self.corner.T, not self.transposed)
+
+    def solve(self, f, g):
+        """(x, y): vector, array."""
+        x = f.duplicate()
+        self.solver.solve(f, x, self.transposed)
+        y = np.linalg.solve(self.schur, np.array(g, float) - [row.dot(x) for row in self.rows])
+        x.maxpy(-y, self.solved)
+        return x, y
+
+    def solve_all(self, rights, given):
+        """[(x, y)] as `solve` of several f and g."""
+        found = [f.duplicate() for f in rights]
+        self.solver.solve_all(rights, found, self.transposed)
+        result = []
+        for x, g in zip(found, given):
+            y = np.linalg.solve(self.schur, np.array(g, float) - [row.dot(x) for row in self.rows])
+            x.maxpy(-y, self.solved)
+            result.append((x, y))
+        return result
+
+    def destroy(self):
+        for vector in self.solved:
+            vector.destroy()

@@ -1,0 +1,170 @@
+"""Marching in time by the two-step backward differentiation formula (BDF2) with steps of any length.
+
+Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), chapter III.5. With w = dt / dt_before
+
+    du/dt = (1 + 2 w) / (1 + w) u / dt - (1 + w) u_1 / dt + w^2 / (1 + w) u_2 / dt
+
+(u_1, u_2: one and two steps ago); the first step is backward Euler's. Everything else, the boundaries' unknowns
+included, is the steady problem's, implicit. Each step is solved by Newton's method with an old factorization, renewed
+where it no longer serves. The step's length follows from its error, which the difference to the extrapolated flow
+shows: it grows towards a steady flow and settles where the flow goes on changing.
+"""
+
+import numpy as np
+from dolfinx.fem import petsc as fem_petsc
+from petsc4py import PETSc
+
+from common.errors import ComputationError
+from flow.discretisation import compat
+
+RELATIVE = 1e-5  # residual of a step over the pressure load
+MOST_CORRECTIONS = 24  # of one step
+LIKE = (0.3, 3.0)  # ratio of the weights of du/dt within which an old factorization is used
+MOST_RENEWALS = 3  # of the factorization in one step
+SLOW, MOST_SLOW = 0.5, 2  # more corrections than that which leave more of the residual ask for a new factorization
+MANY = 8  # corrections in a step, after which the next step has a new one
+
+
+class Inertia:
+    """rho du/dt of a FlowProblem as `weight` mass u - mass past."""
+
+    def __init__(self, problem):
+        self.mass, self.v_map = compat.block_matrix(problem.forms.mass), problem.space.v_map
+        fem_petsc.assemble_matrix(self.mass, problem.forms.mass)
+        self.mass.assemble()
+        self.weight = 0.0
+        self.past = np.zeros(problem.space.dofs)  # over W
+        self._given, self._force = self.mass.createVecs()
+
+    def add_force(self, residual, state):
+        """residual += mass (weight state - past)."""
+        self._given.array[:] = (self.weight * state.array_r - self.past)[self.v_map]
+        self.mass.mult(self._given, self._force)
+        residual.array[self.v_map] += self._force.array_r
+
+    def add_tangent(self, velocity):
+        """velocity (the velocity block) += weight mass."""
+        velocity.axpy(self.weight, self.mass, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+
+    def destroy(self):
+        for petsc_object in (self.mass, self._given, self._force):
+            petsc_object.destroy()
+
+
+class Stepper:
+    """Steps in time of a FlowProblem from its present state, which is taken to have been at rest in time before.
+
+    time in s; steps, factorizations: how many so far; error: of the last step, see `step`.
+    """
+
+    def __init__(self, problem):
+        self.problem, self.time, self.steps = problem, 0.0, 0
+        problem.inertia = self.inertia = Inertia(problem)
+        self.values = [problem.state.x.array.copy()]  # last, one before, ...
+        self.inflows = [problem.inflow]
+        self.lengths = []
+        self.factorized_weight, self.secants = None, problem.secants()
+
+    def step(self, dt):
+        """Goes on by dt (s); returns the size of the step's error in m/s (root mean square), None for the first two.
+
+        Raises ComputationError where Newton's method fails; then the state is that before the step.
+        """
+        problem = self.problem
+        self._extrapolate(dt)
+        guess = problem.state.x.array.copy()
+        try:
+            self._solve()
+        except ComputationError:
+            problem.state.x.array[:], problem.inflow = self.values[0], self.inflows[0]
+            raise
+        new = problem.state.x.array.copy()
+        error = self._error(new - guess, dt) if len(self.values) == 3 else None
+        self.values = [new, *self.values[:2]]
+        self.inflows = [problem.inflow, *self.inflows[:2]]
+        self.lengths = [dt, *self.lengths[:1]]
+        self.time += dt
+        self.steps += 1
+        return error
+
+    def _extrapolate(self, dt):
+        """Sets the formula's weights, and the state to the parabola (line, constant) through the last flows."""
+        problem, inertia = self.problem, self.inertia
+        at = -np.cumsum([0.0, *self.lengths])  # times of the values, from now
+        values, count = self.values, len(self.values)
+        if count == 1:
+            weights = [1.0, -1.0]
+        else:
+            ratio = dt / self.lengths[0]
+            weights = [(1 + 2 * ratio) / (1 + ratio), -(1 + ratio), ratio**2 / (1 + ratio)]
+        inertia.weight = weights[0] / dt
+        past = sum(-weight / dt * value for weight, value in zip(weights[1:], values))
+        inertia.past = past
+        share = [np.prod([(dt - at[k]) / (at[i] - at[k]) for k in range(count) if k != i]) for i in range(count)]
+        problem.state.x.array[:] = sum(s * value for s, value in zip(share, values))
+        problem.inflow = float(np.dot(share, self.inflows))
+        inlet = problem.space.inlet
+        problem.state.x.array[inlet] = problem.inflow * problem.boundaries.profile.x.array[inlet]
+
+    def _error(self, gap, dt):
+        """Error of BDF2's step from the gap to the parabola through the three flows before."""
+        one, two = self.lengths
+        # a cubic in time is missed by dt (dt + one) / 6 of its third derivative times these, from opposite sides
+        formula, parabola = dt * (one + dt) / (one + 2 * dt), dt + one + two
+        velocity = gap[self.problem.space.v_map]
+        return formula / (formula + parabola) * float(np.sqrt(3 * np.mean(velocity**2)))
+
+    def _solve(self):
+        """Newton's method with the last factorization and secants while they serve. Raises ComputationError."""
+        problem, renewals, slow, good = self.problem, 0, 0, RELATIVE * self.problem.load
+        free, inlet, norm = problem.residual()
+        self.secants.pause()
+        for count in range(MOST_CORRECTIONS):
+            if norm <= good:
+                free.destroy()
+                if count > MANY:
+                    self.factorized_weight = None
+                return
+            if not self._serves() or slow > MOST_SLOW:
+                if renewals == MOST_RENEWALS:
+                    break
+                self._renew()
+                renewals, slow = renewals + 1, 0
+            before = norm
+            update, inflow_update = problem.correction(free, inlet)
+            free.destroy()
+            base, base_inflow = problem.state.x.array.copy(), problem.inflow
+            step = self.secants.step(np.append(base[problem.space.free], base_inflow), np.append(update, inflow_update))
+            problem.move(base, base_inflow, step[:-1], step[-1], 1.0)
+            free, inlet, norm = problem.residual()
+            if not np.isfinite(norm):
+                break
+            slow += norm > max(SLOW * before, good)
+        free.destroy()
+        self.factorized_weight = None
+        raise ComputationError(
+            "a step in time failed", f"{self.time:.4g} s", f"residual {norm:.3g} N", "a shorter step may help"
+        )
+
+    def _serves(self):
+        """Whether the last factorization is of about this step's length."""
+        return self.factorized_weight is not None and LIKE[0] < self.inertia.weight / self.factorized_weight < LIKE[1]
+
+    def _renew(self):
+        """Factorizes the tangent at the present state."""
+        self.problem.linearise(self.problem.forms.tangent)
+        self.factorized_weight, self.secants = self.inertia.weight, self.problem.secants()
+
+    def pause(self):
+        """Makes the problem steady again."""
+        self.problem.inertia = None
+        self.problem.forget()
+
+    def resume(self):
+        """Makes the problem that of the next step, after `pause`."""
+        self.problem.inertia, self.factorized_weight = self.inertia, None
+
+    def destroy(self):
+        """Makes the problem steady again and frees PETSc's memory."""
+        self.pause()
+        self.inertia.destroy()

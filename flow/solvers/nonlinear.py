@@ -1,0 +1,256 @@
+"""The discrete flow problem with its boundaries, Newton's method, and the paths that lead to its start.
+
+Unknowns: the dofs x that no boundary fixes, the inflow Q (the inlet's velocity is Q g), the outlet pressures
+P_i (held at P_v + R_i Q_i, so their equations leave no residual). The inflow's equation is the momentum equation
+tested with g: F(w; g) = MAP, in Pa; it enters the norm times the inlet's area, in N as the other residuals.
+
+From rest the flow is raised in steps (solvers.ramp), else a jet viscosity is faded (solvers.fading).
+"""
+
+import dataclasses
+import sys
+
+import numpy as np
+from dolfinx import fem
+from petsc4py import PETSc
+
+from common.errors import ComputationError
+from flow.discretisation import compat, flow_state, parallel
+from flow.solvers import fading, linear, predicted_start, ramp, secants
+from flow.discretisation import tangent
+from flow.physics import viscosity
+from flow.solvers import sensitivity
+from flow.discretisation.forms import NavierStokes
+
+
+@dataclasses.dataclass
+class Outcome:
+    """What a solve did: status, iterations (factorizations), residual norms and their history."""
+
+    converged: bool
+    iterations: int
+    residual_absolute: float
+    residual_relative: float
+    history: list
+
+
+class FlowProblem(flow_state.FlowState, sensitivity.Sensitivity):
+    """The discrete equations of one lumen: state w (Function on space.W) and inflow.
+
+    spent: factorizations made on other meshes, of those that the settings allow. iterations: of each linear solve; None
+    where factorizations solve.
+    """
+
+    iterations = None
+
+    def __init__(self, space, boundaries, document, settings, jet_length, spent=0, log=None):
+        self.spent, self.allowed = spent, settings.max_newton_iterations
+        self.space, self.boundaries, self.settings, self.log = space, boundaries, settings, log or sys.stderr
+        self.jet_length = jet_length
+        self.state = fem.Function(space.W)
+        self.inflow = 0.0
+        self.forms = NavierStokes(
+            space,
+            self.state,
+            document["density_kg_per_m3"],
+            viscosity.of(document),
+            settings.grad_div_pa_s,
+            settings.backflow_coefficient,
+            jet_length,
+        )
+        self.free_velocity = np.isin(space.free, space.v_map)
+        self.matrix = None  # discretisation.tangent.FreeMatrix
+        self.solver = linear.DirectSolver(parallel.world())
+        self.full_residual = compat.petsc_vector(fem.Function(space.W)).copy()
+        self.profile = compat.petsc_vector(boundaries.profile)
+        self.columns_of_outlets = [self.free_part(flux) for flux in boundaries.flux]
+        self.load = boundaries.load(self.columns_of_outlets)
+        self.history = []
+        self.bordered = None
+        self.inertia = None  # solvers.marching.Inertia while the flow is marched in time
+        self.passed = []  # (c, values, inflow) of the flows on the path; the last is the answer's
+
+    @property
+    def left(self):
+        """Factorizations that are still allowed."""
+        return self.allowed - self.spent - self.solver.factorizations
+
+    def free_part(self, vector):
+        """New vector of the free dofs' values of one over W.
+
+        By the array: each vector that getSubVector makes and that is not given back keeps its memory, scatter and all.
+        """
+        part = self.free_vector()
+        part.array[:] = vector.array_r[self.space.free]
+        return part
+
+    def free_vector(self):
+        """New vector of the free dofs."""
+        return PETSc.Vec().createSeq(len(self.space.free), comm=PETSc.COMM_SELF)
+
+    def residual(self):
+        """(free part as vector, inflow equation in Pa, norm in N) at the present state.
+
+        Where the flow is given the inflow's equation is Q = that, times MAP over it.
+        """
+        vector = self.full_residual
+        self.forms.assembled(vector)
+        outflows = self.boundaries.outflows(compat.petsc_vector(self.state))
+        vector.maxpy(self.boundaries.pressures(outflows), self.boundaries.flux)
+        if self.inertia:
+            self.inertia.add_force(vector, self.state_vector())
+        self.mean_inlet_pressure = float(self.profile.dot(vector))
+        wanted = self.boundaries.inflow
+        if wanted is None:
+            inlet = self.mean_inlet_pressure - self.boundaries.map_pa
+        else:
+            inlet = (self.inflow / wanted - 1.0) * self.boundaries.map_pa
+        free = self.free_part(vector)
+        norm = float(np.hypot(free.norm(), inlet * self.boundaries.inlet_area))
+        return free, inlet, norm
+
+    def residual_norm(self):
+        """Norm of the residual in N; updates mean_inlet_pressure, in Pa, weighted with the profile."""
+        free, _, norm = self.residual()
+        free.destroy()
+        return norm
+
+    def linearise(self, form):
+        """Factorizes the matrix of the velocity block `form` (discretisation.forms) at the present state; `correction`
+        solves with it."""
+        if self.matrix is None:
+            self.matrix = tangent.FreeMatrix(self.space, self.forms)
+        self.matrix.assemble(form, self.inertia)
+        self.solver.set_matrix(self.matrix.matrix)
+        profile = self.boundaries.profile.x.array
+        forward, backward = self.matrix.times(profile), self.matrix.times(profile, transposed=True)
+        resistance = self.boundaries.resistance
+        outlets = [column for column, r in zip(self.columns_of_outlets, resistance) if r > 0]
+        column, row = self.free_vector(), self.free_vector()
+        column.array[:] = parallel.collected(forward[self.space.rows], len(self.space.free))
+        row.array[:] = backward[self.space.free]
+        columns, rows = [column] + outlets, [row] + outlets
+        corner = np.diag(np.concatenate([[profile @ forward], -1.0 / resistance[resistance > 0]]))
+        if self.boundaries.inflow is not None:
+            rows[0].set(0.0)
+            corner[0, 0] = self.boundaries.map_pa / self.boundaries.inflow
+        self.forget()
+        self.bordered = linear.Bordered(self.solver, columns, rows, corner)
+        self.linearised_as = (form is self.forms.tangent, self.mixing)
+
+    def outdate(self):
+        """Says that the last linearisation is of a state too far away for `dual`."""
+        self.linearised_as = None
+
+    def forget(self):
+        """Frees the last linearisation."""
+        if self.bordered:
+            for part in (self.bordered.rows[0], self.bordered.columns[0], self.bordered):
+                part.destroy()
+            self.bordered = None
+
+    def release(self):
+        """Frees matrix and factors; the next linearisation makes them anew."""
+        self.forget()
+        self.solver.release()
+        if self.matrix is not None:
+            self.matrix.destroy()
+        self.matrix = None
+
+    def correction(self, residual, inlet):
+        """(update of the free dofs as array, of the inflow) by the last linearisation; residual and inlet as `residual`
+        returns them."""
+        right = np.zeros(len(self.bordered.rows))
+        right[0] = inlet
+        x, y = self.bordered.solve(residual, right)
+        update = -x.array
+        x.destroy()
+        return update, -float(y[0])
+
+    def solved_for(self, values, inlet, transposed=False):
+        """(values over W, inflow) of the solution of the last tangent's equations, or of its transposed; the right
+        side's values over W, of which those of fixed dofs do not count, and inlet."""
+        bordered = self.bordered.transpose() if transposed else self.bordered
+        given = self.full_residual.duplicate()
+        given.array[:] = values
+        right = self.free_part(given)
+        x, y = bordered.solve(right, np.append(inlet, np.zeros(len(bordered.rows) - 1)))
+        found = np.zeros(len(values))
+        found[self.space.free] = x.array
+        for petsc_object in (given, right, x):
+            petsc_object.destroy()
+        if transposed:
+            bordered.destroy()
+        return found, float(y[0])
+
+    def secants(self):
+        """Empty solvers.secants.Secants of the free dofs and the inflow: velocities in m/s weigh as pressures over
+        rho."""
+        weights = np.where(self.free_velocity, 1.0, 1.0 / self.forms.density)
+        return secants.Secants(np.append(weights, 0.0))
+
+    def small(self, norm, absolute, relative):
+        """Whether the residual meets both limits; the relative one is to the pressure load."""
+        return norm <= absolute and norm <= relative * self.load
+
+    def outcome(self, norm, absolute, relative, iterations):
+        """Outcome that says whether `norm` meets the limits."""
+        return Outcome(self.small(norm, absolute, relative), iterations, norm, norm / self.load, self.history)
+
+    def report(self, norm, kind):
+        self.history.append(norm)
+        print(f"  residual {norm:.3e} N, {kind}, inflow {self.inflow * 6e7:.2f} mL/min", file=self.log, flush=True)
+
+    def solve(self, resistances_at, predicted=None):
+        """Outcome at full flow from the flow that a reduced model predicts, and where this fails from rest.
+
+        resistances_at(fraction) -> (n,) outlet resistances; predicted: reduced.coupled.Predictor, of use as
+        solvers.predicted_start says. Raises ComputationError when no flow with c <= fading.LARGEST_MIXING is found.
+        """
+        found = predicted_start.try_from(self, predicted) if predicted else None
+        if found:
+            if found.converged:
+                return found
+            self.restart()
+        found = ramp.climb(self, resistances_at)
+        if found.converged:
+            found.iterations = self.solver.factorizations
+            return found
+        print("no steady flow without jet mixing", file=self.log, flush=True)
+        self.restart()
+        return fading.from_rest(self, resistances_at)
+
+    def solve_from_guess(self, coarse, predicted=None, only_known=False):
+        """Outcome at full flow from the flow on another mesh of the same lumen (a solved FlowProblem).
+
+        Newton's method starts from that flow at the c that was reached there, and where this fails (unless only_known)
+        at larger ones, from which c fades. Where c is not 0 the reduced models' flow is tried first, as in `solve`: a
+        finer mesh may resolve the jet. Raises ComputationError; the state is then the guess.
+        """
+        if coarse.mixing > 0 and predicted:
+            found = predicted_start.try_from(self, predicted)
+            if found and found.converged:
+                return found
+        self.boundaries.full()
+        self.set_guess(coarse.space, coarse.state.x.array, coarse.inflow)
+        guess = self.state.x.array.copy()
+        try:
+            return fading.from_guess(self, coarse.mixing, only_known)
+        except ComputationError:
+            self.state.x.array[:], self.inflow = guess, coarse.inflow
+            raise
+
+    def stalled(self, found):
+        return ComputationError(
+            "the flow solver stalled",
+            f"jet mixing {self.mixing:g}, {self.solver.factorizations} factorizations",
+            f"residual {found.residual_absolute:.3e} N, relative {found.residual_relative:.3e}",
+            "raise rings, cells_per_radius, outlet_extension_diameters or max_newton_iterations",
+        )
+
+    def destroy(self):
+        """Frees PETSc's memory."""
+        self.release()
+        self.solver.destroy()
+        for petsc_object in [self.full_residual] + self.columns_of_outlets:
+            petsc_object.destroy()

@@ -1,0 +1,190 @@
+"""The matrix between the free dofs is the derivative of the residual, entry by entry, at every filling."""
+
+import json
+
+import numpy as np
+import pytest
+import scipy.sparse
+import ufl
+from dolfinx import fem
+from dolfinx.fem import petsc as fem_petsc
+from petsc4py import PETSc
+
+import tubes
+from flow import settings
+from flow.discretisation import compat, forms, mixing, spaces, tangent
+from flow.geometry import centreline
+from flow.physics import outlets, viscosity
+from flow.solvers import marching, nonlinear
+
+DENSITY = 1060.0
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory):
+    """A narrowed tube, meshed through the command line, and its boundary values."""
+    folder = tmp_path_factory.mktemp("tangent")
+    tubes.mesh_narrowed(folder, 0.3, 8.0, 1.2)
+    return folder
+
+
+@pytest.fixture
+def problem(case):
+    """FlowProblem at a random state: in- and outflow at the outlet, so that the backflow term acts."""
+    document, tree = json.loads((case / "boundary.json").read_text()), centreline.read(case / "centreline.vtp")
+    space = spaces.read(case / "mesh.msh")
+    length, bounds = mixing.mixing_length(space, tree, 0.1), outlets.Boundaries(space, document)
+    found = nonlinear.FlowProblem(space, bounds, document, settings.make(), length)
+    found.state.x.array[:] = np.random.default_rng(0).normal(size=space.dofs)
+    yield found
+    found.destroy()
+    bounds.destroy()
+
+
+def _free(problem, compiled):
+    """Entries between the free dofs of a compiled form over W, as PETSc assembles them one by one."""
+    matrix = fem_petsc.assemble_matrix(compiled)
+    matrix.assemble()
+    chosen = PETSc.IS().createGeneral(problem.space.free, comm=PETSc.COMM_SELF)
+    part = matrix.createSubMatrix(chosen, chosen)
+    found = _csr(part)
+    for petsc_object in (matrix, chosen, part):
+        petsc_object.destroy()
+    return found
+
+
+def _csr(matrix):
+    starts, columns, values = matrix.getValuesCSR()
+    return scipy.sparse.csr_matrix((values, columns, starts), matrix.size)
+
+
+def _apart(one, other):
+    return scipy.sparse.linalg.norm(one - other) / scipy.sparse.linalg.norm(other)
+
+
+@pytest.mark.parametrize("mixing", [0.0, 0.3])
+def test_it_is_the_whole_tangent_between_the_free_dofs(problem, mixing):
+    problem.forms.mixing.value = mixing
+    problem.jet_length.x.array[:] = 1e-4
+    built, values = tangent.FreeMatrix(problem.space, problem.forms), problem.state.x.array
+    for factor in (1.0, -0.5):  # filled again, at another state
+        values *= factor
+        built.assemble(problem.forms.tangent)
+        assert _apart(_csr(built.matrix), _free(problem, problem.forms.whole_tangent)) < 1e-14
+    built.destroy()
+
+
+def test_a_jet_changes_it(problem):
+    """What the test above compares with mixing is not the part without."""
+    problem.jet_length.x.array[:] = 1e-4
+    plain = _free(problem, problem.forms.whole_tangent)
+    problem.forms.mixing.value = 0.3
+    assert _apart(_free(problem, problem.forms.whole_tangent), plain) > 1e-6
+
+
+@pytest.mark.parametrize("mixing", [0.0, 0.3])
+def test_picards_matrix_convects_by_the_state_alone(problem, mixing):
+    """By a form of its own: rho (w.grad u + div w u / 2, v) of the state w and the rest of the equations."""
+    rate, (u, _) = 0.7, ufl.split(problem.state)
+    problem.forms.rate.value, problem.forms.mixing.value = rate, mixing
+    problem.jet_length.x.array[:] = 1e-4
+    W, mesh = problem.space.W, problem.space.mesh
+    (du, dp), (v, q) = ufl.TrialFunctions(W), ufl.TestFunctions(W)
+    n, dx = ufl.FacetNormal(mesh), ufl.dx(metadata={"quadrature_degree": 5})
+    ds = ufl.Measure("ds", domain=mesh, subdomain_data=problem.space.facets, metadata={"quadrature_degree": 6})
+    carried = ufl.dot(ufl.grad(du), u) + 0.5 * ufl.div(u) * du
+    inward = 0.5 * (ufl.dot(u, n) - abs(ufl.dot(u, n)))
+    speed_per_width = _speed_per_width(u, mesh)
+    given = settings.make()
+    wanted = DENSITY * ufl.inner(carried + rate * speed_per_width * du, v) * dx
+    wanted += 0.004 * ufl.inner(ufl.grad(du), ufl.grad(v)) * dx + given.grad_div_pa_s * ufl.div(du) * ufl.div(v) * dx
+    wanted -= (dp * ufl.div(v) + q * ufl.div(du)) * dx
+    shear = ufl.sqrt(2 * ufl.inner(ufl.sym(ufl.grad(u)), ufl.sym(ufl.grad(u))) + forms.SMALLEST_RATE**2)
+    coarser = ufl.dx(metadata={"quadrature_degree": 3})
+    c = fem.Constant(mesh, PETSc.ScalarType(mixing))
+    wanted += DENSITY * (c * problem.jet_length) ** 2 * shear * ufl.inner(ufl.grad(du), ufl.grad(v)) * coarser
+    wanted -= DENSITY * given.backflow_coefficient * inward * ufl.inner(du, v) * ds(tuple(problem.space.outlets))
+    built = tangent.FreeMatrix(problem.space, problem.forms)
+    built.assemble(problem.forms.picard)
+    found = _free(problem, compat.form(wanted))
+    assert _apart(_csr(built.matrix), found) < 1e-12
+    built.assemble(problem.forms.tangent)
+    assert _apart(_csr(built.matrix), found) > 1e-3
+    built.destroy()
+
+
+def _speed_per_width(u, mesh):
+    """|u| / h, h being about half an edge of a cell."""
+    width = (6 / 8 * abs(ufl.JacobianDeterminant(mesh)) ** (2 / 3)) ** 0.5
+    return ufl.sqrt(ufl.inner(u, u) + forms.SLOWEST**2) / width
+
+
+def test_the_smoothers_block_has_the_inertia_of_a_local_time_step(problem):
+    V, cfl, dx = problem.space.V, 20.0, ufl.dx(metadata={"quadrature_degree": 5})
+    du, v, (u, _) = ufl.TrialFunction(V), ufl.TestFunction(V), ufl.split(problem.state)
+    wanted = DENSITY / cfl * _speed_per_width(u, problem.space.mesh) * ufl.inner(du, v) * dx
+    found = []
+    for compiled in (problem.forms.tangent_with_inertia(cfl), problem.forms.tangent_of_all, compat.form(wanted)):
+        matrix = fem_petsc.assemble_matrix(compiled)
+        matrix.assemble()
+        found.append(_csr(matrix))
+        matrix.destroy()
+    assert _apart(found[0] - found[1], found[2]) < 1e-9
+
+
+def test_inertia_adds_its_mass_to_residual_and_matrix(problem):
+    built, inertia = tangent.FreeMatrix(problem.space, problem.forms), marching.Inertia(problem)
+    inertia.weight, state = 300.0, problem.state_vector()
+    inertia.past = 300.0 * state.array_r + 7.0  # a rate of change of -7 m/s2 in every dof
+    force, base = state.duplicate(), np.random.default_rng(1).normal(size=problem.space.dofs)
+    force.array[:] = base
+    inertia.add_force(force, state)
+    v, _ = ufl.TestFunctions(problem.space.W)
+    du, _ = ufl.TrialFunctions(problem.space.W)
+    steady = fem.Constant(problem.space.mesh, PETSc.ScalarType((-7.0, -7.0, -7.0)))
+    dx = ufl.dx(metadata={"quadrature_degree": 5})
+    wanted = fem_petsc.assemble_vector(compat.form(DENSITY * ufl.inner(steady, v) * dx)).array
+    assert np.linalg.norm(force.array_r - base - wanted) < 1e-9 * np.linalg.norm(wanted)
+    built.assemble(problem.forms.tangent)
+    without = _csr(built.matrix)
+    built.assemble(problem.forms.tangent, inertia)
+    mass = _free(problem, compat.form(DENSITY * ufl.inner(du, v) * dx))
+    assert _apart(_csr(built.matrix) - without, 300.0 * mass) < 1e-9
+    inertia.destroy()
+    built.destroy()
+
+
+def test_products_with_a_profile_are_those_of_the_whole_matrix(problem):
+    built, profile = tangent.FreeMatrix(problem.space, problem.forms), problem.boundaries.profile.x.array
+    built.assemble(problem.forms.tangent)
+    matrix = fem_petsc.assemble_matrix(problem.forms.whole_tangent)
+    matrix.assemble()
+    given, found = matrix.createVecs()
+    given.array[:] = profile
+    for transposed, product in ((False, matrix.mult), (True, matrix.multTranspose)):
+        product(given, found)
+        assert np.abs(built.times(profile, transposed) - found.array).max() < 1e-13 * np.abs(found.array).max()
+    matrix.destroy()
+    built.destroy()
+
+
+def test_without_jets_the_residual_is_that_of_none(problem):
+    """The forms without jets, which are used where c is 0, are those with them at a vanishing c."""
+    problem.jet_length.x.array[:] = 1e-4
+    vector, found = problem.full_residual.duplicate(), []
+    for factor in (0.0, 1e-12, 0.3):
+        problem.forms.mixing.value = factor
+        problem.forms.assembled(vector)
+        found.append(vector.array.copy())
+    size = np.linalg.norm(found[0])
+    assert np.linalg.norm(found[1] - found[0]) < 1e-13 * size < 1e-6 * np.linalg.norm(found[2] - found[0])
+
+
+def test_the_viscosity_by_shear_rate_is_in_the_matrix(problem):
+    thick = viscosity.CarreauYasuda(0.056, 0.0035, 1.902, 1.25, 0.22)
+    weak = forms.NavierStokes(problem.space, problem.state, DENSITY, thick, 0.2, 0.5, problem.jet_length)
+    built = tangent.FreeMatrix(problem.space, weak)
+    built.assemble(weak.tangent)
+    assert _apart(_csr(built.matrix), _free(problem, weak.whole_tangent)) < 1e-14
+    assert _apart(_csr(built.matrix), _free(problem, problem.forms.whole_tangent)) > 1e-6
+    built.destroy()

@@ -1,0 +1,238 @@
+"""The error estimate where no mesh is chosen for it: error fields, outlets, pull-back."""
+
+import json
+import types
+
+import numpy as np
+import pandas as pd
+import pytest
+import scipy.sparse
+
+import tubes
+from flow import __main__ as command_line
+from flow.errors import error_estimate, error_field, goal_error
+from flow.geometry import centreline, locate
+from flow.physics import ffr, outlets
+from flow.solvers import newton, nonlinear
+from flow.discretisation import mixing, spaces
+from flow.errors import place_errors, recovery
+from flow import settings as settings_module
+
+MAP = 12000.0
+
+
+class _Case:
+    """A mesh and its steady flow, as solvers.solved_mesh.Solved."""
+
+    def __init__(self, folder, surface, branches, parents, document, probes_mm):
+        tubes.write_case(folder, surface, branches, parents)
+        self.folder, self.document = folder, document
+        document["probes"] = [
+            {
+                "name": "distal" if s == probes_mm[0] else f"at {s:g}",
+                "branch": "main",
+                "s_mm": s,
+                "point_mm": branches[0].point(s).tolist(),
+            }
+            for s in probes_mm
+        ]
+        (folder / "boundary.json").write_text(json.dumps(document))
+        self.line = ["--centreline", str(folder / "centreline.vtp")]
+        mesh = str(folder / "mesh.msh")
+        command_line.main(["mesh", str(folder / "lumen.vtp"), *self.line, "--rings", "2", "--out", mesh])
+        self.tree, self.space = centreline.read(folder / "centreline.vtp"), spaces.read(folder / "mesh.msh")
+        self.boundaries, self.estimate = outlets.Boundaries(self.space, document), None
+        length = mixing.mixing_length(self.space, self.tree, 0.1)
+        self.problem = nonlinear.FlowProblem(self.space, self.boundaries, document, settings_module.make(), length)
+        assert newton.newton(self.problem, 1e-11, 1.0, 12).converged
+        self.names = self.boundaries.names
+        self.case = types.SimpleNamespace(extensions=[], document=document, original=self.tree)
+        self.read()
+
+    def read(self):
+        self.sampler = locate.FieldSampler(self.space, self.problem.state.x.array)
+        self.outflows = self.boundaries.outflows(self.problem.state_vector())
+
+    def places(self):
+        """All outlets, and the pull-back."""
+        table = ffr.pullback(self.tree, self.sampler, MAP, lambda branch, s_mm: 0.0)
+        return place_errors.Places(self, self.case, self.names, table), table
+
+
+def _document(branches, resistances):
+    return tubes.boundary_document(branches, [2e-6] * len(branches), resistances, 4.0, 0.004, (MAP, 600.0))
+
+
+@pytest.fixture(scope="module")
+def fork(tmp_path_factory):
+    """A vessel with one side branch, resistances 1 to 10."""
+    surface, branches = tubes.fork(length=16.0, at=7.0, side_length=6.0)
+    document = _document(branches, [5e9, 5e10])
+    return _Case(tmp_path_factory.mktemp("fork"), surface, branches, {"side1": ("main", 7.0)}, document, [4.0, 12.0])
+
+
+@pytest.fixture(scope="module")
+def driven(tmp_path_factory):
+    """A tube narrowed by 30 % with the inflow given, and behind its outlet a pressure."""
+    radius = tubes.lesion(1.2, 0.3, 4.0, 4.0)
+    branches = [tubes.line(8.0, radius)]
+    document = _document(branches, [0.0])
+    document["inlet_flow_m3_per_s"] = 2e-6
+    document["outlets"][0]["pressure_pa"] = 11000.0
+    return _Case(tmp_path_factory.mktemp("driven"), tubes.tube(8.0, radius, 0.4), branches, None, document, [4.0, 7.0])
+
+
+@pytest.fixture(scope="module", params=["fork", "driven"])
+def case(request):
+    return request.getfixturevalue(request.param)
+
+
+def test_the_fields_give_the_parts_of_the_dual_solutions(case):
+    """At each probe, by the transposed of all that goal_error does."""
+    wanted, (found, field) = goal_error.of(case, case.document, case.tree), error_field.of(
+        case, case.document, case.tree
+    )
+    assert found.shape == wanted.shape and found.shape[1] > 3
+    assert np.abs(found - wanted).max() < 1e-6 * np.abs(wanted).max()
+    assert field.pressure.shape[1] == found.shape[1]
+
+
+def test_parts_are_the_derivative_of_ffr(case):
+    """Of a field that is any small change of the flow: FFR changes by the parts, at outlets and round points."""
+    random, space = np.random.default_rng(5), case.space
+    change = np.zeros(space.dofs)
+    change[space.free] = random.standard_normal(len(space.free)) * np.where(case.problem.free_velocity, 1e-3, 1.0)
+    made_up = types.SimpleNamespace(state=case.problem.state, responses=lambda loads: change[:, None] * np.ones(1))
+    given = types.SimpleNamespace(
+        problem=made_up, space=space, boundaries=case.boundaries, sampler=case.sampler, outflows=case.outflows
+    )
+    field = error_field.Field(given, scipy.sparse.csc_matrix((space.dofs, 1)))
+    points, radii = case.tree.main.point(np.array([2.0, 5.0])), np.array([1.0, 0.8])
+    found = field.parts(case.document, case.tree, case.names, points, radii)[:, 0]
+    values, step, sides = case.problem.state.x.array.copy(), 1e-3, []
+    for sign in (1, -1):
+        case.problem.state.x.array[:] = values + sign * step * change
+        pressures = case.boundaries.pressures(case.boundaries.outflows(case.problem.state_vector()))
+        moved = error_field.Field(given, scipy.sparse.csc_matrix((space.dofs, 1)))
+        round_points = moved._means(points, radii) @ moved.flow_pressure
+        at_inlet = moved._means(case.tree.main.point(0.0)[None], np.array([case.tree.main.radius(0.0)]))
+        reference = MAP if case.boundaries.inflow is None else (at_inlet @ moved.flow_pressure)[0]
+        sides.append(np.append(pressures, round_points) / reference)
+    case.problem.state.x.array[:] = values
+    wanted = (sides[0] - sides[1]) / (2 * step)
+    assert np.abs(wanted).min() > 0
+    assert found == pytest.approx(wanted, rel=1e-5)
+
+
+def test_loads_say_what_recovery_makes_of_values(case):
+    """The sum of loads on the recovered values of each group of targets is the sparse matrices' product."""
+    nodes, cells = case.space.nodes()
+    random, patches = np.random.default_rng(6), recovery.Patches(nodes, cells)
+    values, targets = random.standard_normal((len(nodes), 1)), nodes[cells].mean(axis=1)
+    loads, group = random.standard_normal((len(targets), 1)), random.integers(0, 3, len(targets))
+    of = np.arange(len(targets))[:, None]
+    smooth = patches.recover([(3, cells, values, targets, of)])[0]
+    ((found,),) = patches.transposed([(3, cells, loads, targets, of, group)], 3)
+    wanted = np.bincount(group, (smooth * loads)[:, 0])
+    assert found.T @ values[:, 0] == pytest.approx(wanted, rel=1e-8)
+
+
+def test_interpolation_is_told_apart_from_the_values(fork):
+    """A quadratic pressure, known at the corners: read linearly it is off by what interpolation_pa says."""
+
+    def quadratic(points):
+        return 1e6 * (1e3 * points[:, 0] - 6.0) ** 2
+
+    sampler = locate.FieldSampler(fork.space, fork.problem.state.x.array)
+    sampler.pressure = quadratic(sampler.points)
+    field = error_field.Field.__new__(error_field.Field)
+    field.sampler = sampler
+    points_mm = fork.tree.main.point(np.linspace(2.0, 14.0, 40))
+    error = np.abs(sampler(1e-3 * points_mm)[1] - quadratic(1e-3 * points_mm))
+    assert error.max() > 100.0
+    assert field.interpolation_pa(points_mm) == pytest.approx(error, rel=1e-6, abs=1e-6 * error.max())
+
+
+def _estimated(case, **basis):
+    """(errors at outlets and pull-back, method) with a Basis."""
+    places, _ = case.places()
+    solved = types.SimpleNamespace(**{**vars(case), "estimate": {"basis": error_estimate.Basis(**basis)}})
+    return place_errors.of(solved, places)
+
+
+def test_each_part_of_an_estimate_counts(fork):
+    _, field = error_field.of(fork, fork.document, fork.tree)
+    residual, method = _estimated(fork, field=field)
+    assert residual.shape == (2 + 33 + 13,) and (residual >= 0).all() and residual[:2].min() > 0
+    assert "residual" in method and "meshes" not in method
+    places, _ = fork.places()
+    parts = field.parts(fork.document, fork.tree, fork.names, places.points_mm, places.radii_mm)
+    assert residual[:2] == pytest.approx(error_estimate.of_parts(parts)[:2])
+    read = field.interpolation_pa(places.points_mm) / MAP
+    assert residual[2:] == pytest.approx(error_estimate.of_parts(parts)[2:] + read) and read.max() > 1e-6
+    lower = locate.FieldSampler(fork.space, fork.problem.state.x.array)
+    lower.pressure = fork.sampler.pressure - 0.01 * MAP
+    pair = (fork.sampler, fork.outflows), (lower, fork.outflows * 1.01), 0.5
+    meshes, method = _estimated(fork, pair=pair)
+    assert method == "two meshes" and meshes[2:] == pytest.approx(0.005, rel=1e-6)
+    wanted = 0.5 * 0.01 * fork.boundaries.resistance * fork.outflows / MAP
+    assert meshes[:2] == pytest.approx(wanted, rel=1e-6)
+    both, method = _estimated(fork, field=field, pair=pair, mean=0.001)
+    assert both == pytest.approx(np.maximum(residual, meshes) + 0.001)
+    assert "two meshes" in method and "half windows" in method
+    values = fork.problem.state.x.array
+    lowered = values.copy()
+    lowered[fork.space.q_map] += 0.01 * MAP
+    fork.problem.passed = [(0.27, lowered, 0.0), (0.18, values, 0.0)]
+    jet_too, method = _estimated(fork, pair=pair, jet=True)
+    assert jet_too[2:] == pytest.approx(0.005 + 0.01 * 0.18 / 0.09, rel=1e-6) and "jet" in method
+    unknown, method = _estimated(fork)
+    assert np.isnan(unknown).all() and method == ""
+
+
+def test_an_outlet_behind_an_extension_has_the_error_of_its_vessels_end(fork):
+    """As the last point of the pull-back of its branch, whatever the order of the outlets; the others keep theirs."""
+    _, field = error_field.of(fork, fork.document, fork.tree)
+    plain, _ = _estimated(fork, field=field)
+    last = [2 + 32, 2 + 33 + 12]  # of the branches' points
+    assert (np.abs(plain[last] - plain[:2]) > 1e-3 * plain[last]).all()
+    turned = {**fork.document, "outlets": fork.document["outlets"][::-1]}
+    for longer, document in ([3], fork.document), ([2, 3], turned):
+        extensions = [types.SimpleNamespace(region_id=region) for region in longer]
+        given = types.SimpleNamespace(**vars(fork))
+        given.case = types.SimpleNamespace(extensions=extensions, document=document, original=fork.tree)
+        given.places = lambda: (place_errors.Places(given, given.case, fork.names, fork.places()[1]), None)
+        found, _ = _estimated(given, field=field)
+        wanted = [plain[last[k]] if k + 2 in longer else plain[k] for k in range(2)]
+        assert found == pytest.approx(np.append(wanted, plain[2:]), rel=1e-9)
+
+
+def test_an_outlet_whose_pressure_is_given_has_no_error(driven):
+    _, field = error_field.of(driven, driven.document, driven.tree)
+    errors, _ = _estimated(driven, field=field, mean=0.001)
+    assert errors[0] > 0.001  # over the inlet's pressure, which is found
+    at_map = types.SimpleNamespace(**vars(driven))
+    at_map.case = types.SimpleNamespace(extensions=[], original=driven.tree, document={"map_pa": MAP, "outlets": []})
+    at_map.places = lambda: (place_errors.Places(at_map, at_map.case, at_map.names, driven.places()[1]), None)
+    assert _estimated(at_map, field=field, mean=0.001)[0][0] == 0.0
+
+
+@pytest.mark.parametrize("model", ["3d", "network"])
+def test_the_files_have_the_errors(fork, tmp_path, model):
+    files = ["--boundary", str(fork.folder / "boundary.json"), *fork.line, "--out", str(tmp_path)]
+    command_line.main(["solve", str(fork.folder / "mesh.msh"), *files, "--model", model])
+    answer, table = json.loads((tmp_path / "ffr.json").read_text()), pd.read_csv(tmp_path / "pullback.csv")
+    errors = [outlet["error_estimate"] for outlet in answer["outlets"]]
+    if model == "network":
+        assert errors == [None, None] and table["ffr_error_estimate"].isna().all()
+        assert answer["pullback_error_estimate"] is None
+        return
+    _, field = error_field.of(fork, fork.document, fork.tree)
+    wanted, _ = _estimated(fork, field=field)
+    assert errors == pytest.approx(wanted[:2].tolist(), rel=1e-3)
+    assert table["ffr_error_estimate"].to_numpy() == pytest.approx(wanted[2:], rel=1e-3, abs=1e-3 * wanted.max())
+    assert answer["pullback_error_estimate"]["largest"] == pytest.approx(table["ffr_error_estimate"].max())
+    main = table[table["branch"] == "main"]
+    for probe in answer["probes"]:  # plus what is read at a point
+        near = np.interp(probe["s_mm"], main["s_mm"], main["ffr_error_estimate"])
+        assert probe["error_estimate"] <= near * 1.01 and near <= probe["error_estimate"] + 5e-4

@@ -1,0 +1,314 @@
+"""Boundary values against the method's formulas, worked out by hand."""
+
+import json
+import math
+import pathlib
+
+import numpy as np
+import pytest
+
+import tubes
+from common.errors import InputError
+from flow import __main__ as command_line
+from flow.geometry import centreline
+from flow.inputs import boundary, lumen_summary
+from flow.physics import ffr
+from flow import settings as settings_module
+
+
+def test_mean_arterial_pressure():
+    assert boundary.mean_arterial_pressure_mmhg(120, 80) == pytest.approx(96.0)
+
+
+@pytest.mark.parametrize("sbp, dbp", [(80, 120), (80, 80), (120, 0)])
+def test_pressures_out_of_order_are_refused(sbp, dbp):
+    with pytest.raises(InputError, match="diastolic"):
+        boundary.mean_arterial_pressure_mmhg(sbp, dbp)
+
+
+def test_hyperaemic_flow():
+    # 0.71 * 150^0.75 = 30.4322 mL/min at rest
+    expected = 0.71 * np.exp(0.75 * np.log(150)) / 0.16
+    assert boundary.hyperaemic_flow_m3_per_s(150, 0.16) * 6e7 == pytest.approx(expected, rel=1e-12)
+    assert expected == pytest.approx(190.2, abs=0.2)
+
+
+def test_implausible_mass_is_refused():
+    with pytest.raises(InputError, match="grams"):
+        boundary.hyperaemic_flow_m3_per_s(0.15, 0.16)
+
+
+@pytest.mark.parametrize("anatomy", [{}, [], {"ends": []}, {"ends": [{"kind": "outlet"}]}])
+def test_a_foreign_document_is_refused(anatomy):
+    patient = {"lvm_g": 150, "sbp_mmhg": 120, "dbp_mmhg": 80}
+    with pytest.raises(InputError, match="anatomy step"):
+        boundary.make(anatomy, None, patient, settings_module.make())
+
+
+@pytest.mark.parametrize("values", [{"rings": 2}, {"coarse_rings": 4}, {"coarse_cells_per_radius": 2.5}])
+def test_a_coarse_mesh_that_is_not_coarser_is_refused(values):
+    with pytest.raises(InputError, match="not coarser"):
+        settings_module.check_meshes(vars(settings_module.make(**values)), "flow settings")
+
+
+def test_split_is_exact():
+    diameters = [3.0, 2.0, 1.1]
+    fractions = boundary.split_by_diameter(diameters, 2.55)
+    assert sum(fractions) == pytest.approx(1.0, abs=1e-15)
+    assert fractions[0] / fractions[1] == pytest.approx(1.5**2.55, rel=1e-14)
+    assert fractions[1] / fractions[2] == pytest.approx((2 / 1.1) ** 2.55, rel=1e-14)
+
+
+def _anatomy(lesions=()):
+    ends = [
+        {"name": "inlet", "region_id": 1, "kind": "inlet", "branch": "main", "diameter_mm": 3.5},
+        {"name": "outlet1", "region_id": 2, "kind": "outlet", "branch": "main", "diameter_mm": 2.5},
+        {"name": "outlet2", "region_id": 3, "kind": "outlet", "branch": "side1", "diameter_mm": 1.5},
+    ]
+    return {"ends": ends, "lesions": list(lesions)}
+
+
+def _tree():
+    main = tubes.line(60, lambda s: 1.5)
+    side = tubes.line(20, lambda s: 0.75, name="side1", branch_id=1)
+    return centreline.Tree([side, main])
+
+
+PATIENT = {"lvm_g": 150, "sbp_mmhg": 120, "dbp_mmhg": 80}
+
+
+def test_resistances_draw_the_planned_flow_at_map(settings):
+    document = boundary.make(_anatomy(), _tree(), PATIENT, settings)
+    assert document["map_pa"] == pytest.approx(96 * 133.322)
+    for outlet in document["outlets"]:
+        drop = document["map_pa"] - document["venous_pressure_pa"]
+        assert drop / outlet["resistance_pa_s_per_m3"] == pytest.approx(outlet["flow_m3_per_s"], rel=1e-14)
+    total = sum(outlet["flow_m3_per_s"] for outlet in document["outlets"])
+    assert total == pytest.approx(document["q_hyperaemic_m3_per_s"], rel=1e-14)
+    boundary.check(document)
+
+
+def test_probe_lies_past_the_most_severe_lesion(settings):
+    lesion = {"branch": "main", "s_end_mm": 30.0}
+    document = boundary.make(_anatomy([lesion]), _tree(), PATIENT, settings)
+    probe = document["probes"][0]
+    assert document["warnings"] == [] and probe["distance_mm"] == pytest.approx(10.0)
+    assert (probe["name"], probe["branch"]) == ("distal", "main")
+    assert probe["s_mm"] == pytest.approx(40.0)
+    assert probe["point_mm"] == pytest.approx([40.0, 0, 0])
+
+
+def test_probe_stays_inside_the_branch(settings, capsys):
+    lesion = {"branch": "main", "s_end_mm": 52.0}
+    document = boundary.make(_anatomy([lesion]), _tree(), PATIENT, settings)
+    probe = document["probes"][0]
+    assert probe["s_mm"] == pytest.approx(60 - 3 * 1.5) and probe["distance_mm"] == pytest.approx(3.5)
+    (said,) = document["warnings"]
+    assert "probe distal is 3.5 mm past its lesion's end instead of 10 mm" in said and said in capsys.readouterr().err
+
+
+def test_negative_resistance_is_refused(settings):
+    document = boundary.make(_anatomy(), _tree(), PATIENT, settings)
+    document["outlets"][1]["resistance_pa_s_per_m3"] *= -1
+    with pytest.raises(InputError, match="outlet2"):
+        boundary.check(document, pathlib.Path("boundary.json"))
+
+
+@pytest.mark.parametrize("factor", [1e3, 1 / 133.322e6, 11, 1 / 11])
+def test_a_resistance_in_other_units_is_refused(settings, factor):
+    document = boundary.make(_anatomy(), _tree(), PATIENT, settings)
+    document["outlets"][1]["resistance_pa_s_per_m3"] *= factor
+    with pytest.raises(InputError, match="resistance does not belong(.|\n)*outlet2"):
+        boundary.check(document)
+
+
+def test_resistances_of_1_to_100_each_belong_to_their_own_flow(settings):
+    document = boundary.make(_anatomy(), _tree(), PATIENT, settings)
+    document["outlets"][0]["flow_m3_per_s"] /= 100
+    document["outlets"][0]["resistance_pa_s_per_m3"] *= 100
+    boundary.check(document)
+    for factor in (9, 1 / 9):
+        changed = json.loads(json.dumps(document))
+        changed["outlets"][0]["resistance_pa_s_per_m3"] *= factor
+        boundary.check(changed)
+
+
+def test_benchmarks_with_given_inflow_or_pressures_have_resistances_of_their_own(settings):
+    document = boundary.make(_anatomy(), _tree(), PATIENT, settings)
+    document["outlets"][1]["resistance_pa_s_per_m3"] *= 1e3
+    boundary.check(document | {"inlet_flow_m3_per_s": 2e-6})
+    document["outlets"][1]["pressure_pa"] = 9000.0
+    boundary.check(document)
+
+
+def test_pressure_in_mmhg_is_refused(settings):
+    document = boundary.make(_anatomy(), _tree(), PATIENT, settings)
+    document["map_pa"] = 96.0
+    with pytest.raises(InputError, match="map_pa"):
+        boundary.check(document)
+
+
+def test_given_inflow_and_outlet_pressures():
+    given = {"inlet_condition": "flow", "inlet_flow_ml_per_min": 150, "outlet_condition": "pressure"}
+    document = boundary.make(_anatomy(), _tree(), PATIENT, settings_module.make(**given, outlet_pressure_mmhg=80))
+    boundary.check(document)
+    assert document["inlet_flow_m3_per_s"] == pytest.approx(2.5e-6)
+    assert [outlet["pressure_pa"] for outlet in document["outlets"]] == pytest.approx([80 * 133.322] * 2)
+    assert [outlet["resistance_pa_s_per_m3"] for outlet in document["outlets"]] == [0, 0]
+    del document["outlets"][1]["pressure_pa"]
+    with pytest.raises(InputError, match="outlet2"):
+        boundary.check(document)
+
+
+def test_inflow_that_does_not_enter_is_refused():
+    document = boundary.make(_anatomy(), _tree(), PATIENT, settings_module.make())
+    document["inlet_flow_m3_per_s"] = -1e-6
+    with pytest.raises(InputError, match="inflow"):
+        boundary.check(document)
+
+
+def _changed(place, value):
+    """boundary.json of the tree with the value at `place`, a tuple of keys, changed, or taken out where it is None."""
+    document = boundary.make(_anatomy(), _tree(), PATIENT, settings_module.make())
+    document = json.loads(json.dumps(document))
+    inner = document
+    for key in place[:-1]:
+        inner = inner[key]
+    if value is None:
+        del inner[place[-1]]
+    else:
+        inner[place[-1]] = value
+    return document
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "words"),
+    [
+        (("venous_pressure_pa",), 12798.912, ["venous_pressure_pa", "not below MAP", "12798.9"]),
+        (("outlets", 0, "pressure_pa"), 13000.0, ["outlet1", "not below MAP"]),
+        (("map_pa",), 96.0, ["map_pa", "96.0", "133.322 Pa"]),
+        (("map_pa",), 12.8, ["map_pa", "1 kPa is 1000 Pa"]),
+        (("map_pa",), 96000.0, ["map_pa", "at most 30000 in Pa"]),
+        (("map_pa",), "93", ["map_pa", "'93'", "a number"]),
+        (("outlets", 1, "region_id"), 2, ["outlets", "same region_id", "2"]),
+        (("outlets", 1, "name"), "outlet1", ["outlets", "same name", "outlet1"]),
+        (("outlets", 1, "branch"), "main", ["outlets", "same branch", "main"]),
+        (("outlets", 1, "branch"), "side7", ["outlet2", "side7", "known: main, side1"]),
+        (("probes", 1, "branch"), "side7", ["end_main", "side7", "known: main, side1"]),
+        (("outlets", 1, "resistance_pa_s_per_m3"), math.inf, ["outlets[2].resistance", "not finite"]),
+        (("outlets", 1, "resistance_pa_s_per_m3"), "5e9", ["outlets[2].resistance", "a number"]),
+        (("outlets", 1, "resistance_pa_s_per_m3"), None, ["outlets[2]", "resistance_pa_s_per_m3 is missing"]),
+        (("outlets", 1, "flow_m3_per_s"), None, ["outlets[2]", "flow_m3_per_s is missing"]),
+        (("outlets",), [], ["outlets", "at least 1 entries"]),
+        (("probes",), [], ["probes", "at least 1 entries"]),
+        (("probes",), None, ["probes is missing"]),
+        (("probes", 0, "name"), "first", ["first probe is not `distal`", "boundary.json: probes", "first"]),
+        (("probes", 0, "point_mm"), [1.0, math.nan, 0.0], ["probes[1].point_mm[2]", "not finite"]),
+        (("probes", 0, "point_mm"), [1.0, 0.0], ["probes[1].point_mm", "at least 3 entries"]),
+        (("venous_pressure_pa",), math.nan, ["venous_pressure_pa", "not finite"]),
+        (("warnings",), "none", ["warnings", "a list"]),
+        (("inlet_flow_m3_per_s",), "much", ["inlet_flow_m3_per_s", "much", "null"]),
+        (("viscosity",), {"model": "carreau_yasuda"}, ["viscosity", "zero_shear_pa_s is missing"]),
+    ],
+)
+def test_bad_boundary_values_are_refused_in_plain_words(place, value, words):
+    with pytest.raises(InputError) as refused:
+        boundary.check(_changed(place, value), "boundary.json", ["main", "side1"])
+    for word in words:
+        assert word in str(refused.value), str(refused.value)
+
+
+def test_an_outlet_pressure_above_map_is_allowed_where_the_flow_is_given():
+    """Benchmarks: MAP is a scale then."""
+    document = _changed(("outlets", 0, "pressure_pa"), 13000.0)
+    document["inlet_flow_m3_per_s"] = 2e-6
+    boundary.check(document)
+
+
+def test_boundary_values_are_checked_where_they_are_made(settings):
+    anatomy = _anatomy()
+    anatomy["ends"][2]["region_id"] = 2
+    with pytest.raises(InputError, match="same region_id"):
+        boundary.make(anatomy, _tree(), PATIENT, settings)
+    high = settings_module.make(outlet_condition="pressure", outlet_pressure_mmhg=100)
+    with pytest.raises(InputError, match="not below MAP"):
+        boundary.make(_anatomy(), _tree(), PATIENT, high)
+
+
+def _summary():
+    branches = [
+        {"name": "main", "parent": None, "s_on_parent_mm": 0.0},
+        {"name": "side1", "parent": "main", "s_on_parent_mm": 20.0},
+    ]
+    return _anatomy([{"branch": "main", "s_end_mm": 30.0}]) | {"branches": branches}
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "words"),
+    [
+        (("ends", 1, "diameter_mm"), "2.5", ["ends[2].diameter_mm", "'2.5'", "a number"]),
+        (("ends", 1, "diameter_mm"), math.nan, ["ends[2].diameter_mm", "not finite"]),
+        (("ends",), {}, ["ends", "a list"]),
+        (("lesions", 0), {"branch": "main"}, ["lesions[1]", "s_end_mm is missing"]),
+        (("branches", 1, "parent"), "side1", ["not one tree", "side1"]),
+        (("branches", 1, "parent"), "side7", ["not one tree", "side1"]),
+        (("branches", 1, "parent"), None, ["not one tree", "without a parent"]),
+        (("branches", 1, "name"), "main", ["same name"]),
+        (("branches", 1, "s_on_parent_mm"), None, ["side1", "s_on_parent_mm null"]),
+    ],
+)
+def test_a_bad_summary_of_the_lumen_is_refused_in_plain_words(tmp_path, place, value, words):
+    document, path = _summary(), tmp_path / "anatomy.json"
+    path.write_text(json.dumps(document))
+    assert lumen_summary.read(path, "ends", "branches") == document
+    inner = document
+    for key in place[:-1]:
+        inner = inner[key]
+    inner[place[-1]] = value
+    path.write_text(json.dumps(document))
+    with pytest.raises(InputError) as refused:
+        lumen_summary.read(path, "ends", "branches")
+    for word in [str(path), *words]:
+        assert word in str(refused.value), str(refused.value)
+
+
+OF_OTHER_KINDS = ["5", "[]", "{", '"93"']
+
+
+@pytest.mark.parametrize(
+    ("spoilt", "text"),
+    [(name, text) for name in ("boundary.json", "anatomy.json", "settings.json") for text in OF_OTHER_KINDS]
+    + [(name, text) for name in ("boundary.json", "anatomy.json") for text in ("", '{"map_pa": NaN}')],
+)
+def test_a_file_of_another_kind_ends_with_one_clear_error(tmp_path, capsys, spoilt, text):
+    tubes.write_centreline(tmp_path / "centreline.vtp", list(_tree()))
+    (tmp_path / "anatomy.json").write_text(json.dumps(_summary()))
+    document = boundary.make(_anatomy(), _tree(), PATIENT, settings_module.make())
+    (tmp_path / "boundary.json").write_text(json.dumps(document))
+    (tmp_path / "settings.json").write_text("{}")
+    (tmp_path / spoilt).write_text(text)
+    command = ["solve", "none.msh", "--settings", str(tmp_path / "settings.json"), "--out", str(tmp_path / "out")]
+    command += ["--boundary", str(tmp_path / "boundary.json"), "--centreline", str(tmp_path / "centreline.vtp")]
+    with pytest.raises(SystemExit) as ended:
+        command_line.main(command)
+    said = capsys.readouterr().err
+    assert ended.value.code == 2 and spoilt in said, said
+
+
+def test_a_probe_of_another_vessel_is_refused_before_anything_is_solved():
+    probes = [{"name": "distal", "branch": "main", "point_mm": [12.0, 2.9, 0.0]}]
+    ffr.check_probes(probes, _tree())
+    probes[0]["point_mm"][1] = 3.1  # two radii are 3 mm
+    with pytest.raises(InputError, match="distal"):
+        ffr.check_probes(probes, _tree())
+
+
+def test_a_probe_in_metres_is_refused(settings):
+    """It would be moved to the vessel's start, which lies at the origin; s_mm says where it should be."""
+    document = boundary.make(_anatomy([{"branch": "main", "s_end_mm": 30.0}]), _tree(), PATIENT, settings)
+    probe = document["probes"][0]
+    ffr.check_probes([probe], _tree())
+    ffr.check_probes([probe | {"s_mm": probe["s_mm"] + 5.9}], _tree())
+    for wrong in ({"point_mm": [1e-3 * x for x in probe["point_mm"]]}, {"s_mm": probe["s_mm"] + 6.1}):
+        with pytest.raises(InputError, match="another place along the vessel(.|\n)*distal"):
+            ffr.check_probes([probe | wrong], _tree())

@@ -1,0 +1,157 @@
+"""Volume meshes of tubes: volume, tags, quality, extension, and the refusal of bad ones."""
+
+import tempfile
+
+import numpy as np
+import pytest
+
+import tubes
+from common.errors import ComputationError
+from flow.discretisation import spaces
+from flow.geometry import centreline, curving, refine, surface, tags, tet10
+from flow.meshing import hybrid, mesh, size_field, volume_mesh
+from flow import settings as settings_module
+
+
+def _no_spans(*_):
+    raise hybrid.NoSpans("not wanted here")
+
+
+@pytest.fixture(scope="module")
+def built():
+    """A bent, narrowed tube in cells of one size in all directions."""
+    radius = tubes.lesion(1.5, 0.4, 8, 8)
+    tube = tubes.tube(16, radius, 0.5, tubes.arc(0.05))
+    tree = centreline.Tree([tubes.line(16, radius, tubes.arc(0.05))])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(hybrid, "build", _no_spans)
+        return tube, mesh.build(tube, tree, 2.0, settings_module.make(**tubes.AS_IT_IS))
+
+
+def _volume(quadratic):
+    """Volume by the mean of the cubic det J, exact on the Bezier lattice's nodes."""
+    lattice = tet10._POINTS
+    jacobian = np.einsum("tnx,pnr->tpxr", quadratic.points[quadratic.tetrahedra], tet10.gradients(lattice))
+    bezier = np.linalg.det(jacobian) @ tet10._TO_BEZIER.T
+    return bezier.mean(axis=1).sum() / 6.0
+
+
+def test_curved_volume_is_that_of_the_smooth_vessel(built):
+    tube, (quadratic, _) = built
+    s = np.linspace(0, 16, 4001)
+    exact = np.trapz(np.pi * tubes.lesion(1.5, 0.4, 8, 8)(s) ** 2, s)
+    straight = tube.volume_mm3()
+    assert abs(straight - exact) / exact > 0.01
+    assert abs(_volume(quadratic) - exact) / exact < 0.001
+
+
+def test_quality_is_reported_and_good(built):
+    _, (_, report) = built
+    quality = report["quality"]
+    assert quality["gamma_min"] > 0.1
+    assert quality["jacobian_ratio_min"] > 0.3
+    assert quality["curved_edges"] > 1000 and quality["straightened_edges"] == 0
+    assert report["swept"] == {"cells": 0, "spans": [], "reason": "not wanted here"}
+
+
+def test_mesh_file_has_the_tags(built, tmp_path):
+    _, (quadratic, report) = built
+    mesh.write(quadratic, tmp_path / "mesh.msh")
+    space = spaces.read(tmp_path / "mesh.msh")
+    assert space.outlets == [tags.physical_tag(2)]
+    assert len(space.nodes()[1]) == report["cells"]
+    assert space.area(tags.PHYSICAL_INLET) == pytest.approx(np.pi * 1.5e-3**2, rel=1e-4)
+    assert space.dofs == report["dofs"]
+
+
+def test_a_folded_element_is_straightened(monkeypatch):
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0.05]])
+    faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    flat = surface.Surface(points, faces, np.array([0, 0, 0, 0]))
+    # a wall that bows through the opposite corner
+    bowed = lambda lumen, edges, side: lumen.points[edges].mean(axis=1) + np.array([0, 0, 0.1])  # noqa: E731
+    monkeypatch.setattr(curving, "edge_middles", bowed)
+    quadratic = curving.curve(flat, points, np.array([[0, 1, 2, 3]]))
+    assert quadratic.straightened_edges > 0
+    assert tet10.jacobian_bounds(quadratic.points[quadratic.tetrahedra])[0].min() > 0
+
+
+def test_jacobian_bounds_enclose_samples():
+    rng = np.random.default_rng(3)
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    nodes = np.concatenate([corners, corners[tet10.EDGES].mean(axis=1)])[None] + 0.05 * rng.normal(size=(20, 10, 3))
+    lower, upper = tet10.jacobian_bounds(nodes)
+    lam = rng.dirichlet(np.ones(4), size=200)
+    determinant = np.linalg.det(np.einsum("tnx,pnr->tpxr", nodes, tet10.gradients(lam)))
+    assert (determinant >= lower[:, None] - 1e-12).all() and (determinant <= upper[:, None] + 1e-12).all()
+    assert (lower < upper).all()
+
+
+def test_refinement_reaches_its_target_on_the_surface():
+    tube = tubes.tube(10, lambda s: 1.5, 0.8)
+    finer = refine.refine(tube, lambda points: np.full(len(points), 0.3))
+    surface.check(finer, "refined")
+    edges, _ = finer.edges()
+    length = np.linalg.norm(finer.points[edges[:, 0]] - finer.points[edges[:, 1]], axis=1)
+    assert length.max() < 1.4 * 0.3 + 1e-12
+    wall = np.unique(finer.triangles[finer.region == 0])
+    assert np.abs(np.hypot(*finer.points[wall, 1:].T) - 1.5).max() < 0.003
+
+
+def test_the_same_surface_gives_the_same_tetrahedra(monkeypatch, tmp_path):
+    surface, branches = tubes.fork(length=12.0, at=5.0, side_length=5.0, edge_mm=0.5)
+    sizes = size_field.SizeField(centreline.Tree(branches), 1.5, 0.1)
+    found = []
+    for length in (0, 40, 80, 120, 160):  # longer paths move the memory of a program that sees them
+        monkeypatch.setenv("PYTHONPATH", "/usr/lib" + ":/a/further/folder" * (length // 8))
+        folder = tmp_path / ("t" * (1 + length))
+        folder.mkdir()
+        monkeypatch.setattr(tempfile, "tempdir", str(folder))
+        found.append(volume_mesh.fill(surface, sizes, 0.5))
+    for points, tetrahedra in found[1:]:
+        assert (tetrahedra.shape, points.shape) == (found[0][1].shape, found[0][0].shape)
+        assert (tetrahedra == found[0][1]).all() and (points == found[0][0]).all()
+
+
+def test_layers_that_nothing_swept_has_are_not_claimed(monkeypatch, capsys):
+    monkeypatch.setattr(hybrid, "build", _no_spans)
+    tree = centreline.Tree([tubes.line(5, lambda s: 1.5)])
+    wanted = settings_module.make(wall_layers=3, **tubes.AS_IT_IS)
+    _, report = mesh.build(tubes.tube(5, lambda s: 1.5), tree, 1.5, wanted)
+    assert report["wall_layers"] == 1
+    assert "not wanted here" in report["swept"]["reason"] and "3 were asked for" in report["swept"]["reason"]
+    assert "no wall_layers, 3 were asked for" in capsys.readouterr().err
+
+
+def test_a_bad_mesh_is_refused(monkeypatch, settings):
+    monkeypatch.setattr(mesh, "LEAST_JACOBIAN_RATIO", 0.99)
+    tree = centreline.Tree([tubes.line(5, lambda s: 1.5)])
+    with pytest.raises(ComputationError, match="jacobian_ratio_min"):
+        mesh.build(tubes.tube(5, lambda s: 1.5), tree, 2.0, settings)
+
+
+def test_a_coarse_mesh_that_is_not_coarser_is_made_in_another_size(monkeypatch, capsys):
+    """As where junctions with slivers leave it isotropic, with more cells than the fine one."""
+    asked, cells = [], {2.0: 120, 2.2: 100, 1.8: 90, 1.6: 80}
+
+    def build(surface, tree, cells_per_radius, *_):
+        asked.append(round(cells_per_radius, 9))
+        return "mesh", {"cells": cells[asked[-1]]}
+
+    monkeypatch.setattr(mesh, "build", build)
+    assert mesh.coarser(100, None, None, 2.0, None, 3, 4 / 3) == ("mesh", {"cells": 90})
+    assert asked == [2.0, 2.2, 1.8] and "120 cells, not fewer than 100" in capsys.readouterr().err
+    with pytest.raises(ComputationError, match="not coarser"):
+        mesh.coarser(80, None, None, 2.0, None, 3, 4 / 3)
+
+
+def test_cells_on_the_same_side_of_a_face_overlap():
+    """Each of positive volume: the second's tip lies beyond the face, then before it."""
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0.2, 0.2, -1.0]])
+    pair = mesh._positive(points, np.array([[0, 1, 2, 3], [0, 1, 2, 4]]))
+    assert tet10.overlapping(pair) == 0
+    points[4, 2] = 0.5
+    folded = mesh._positive(points, np.array([[0, 1, 2, 3], [0, 1, 2, 4]]))
+    assert tet10.overlapping(folded) == 1
+    shuffled = folded[:, [1, 2, 0, 3]]  # an even exchange of corners
+    assert tet10.overlapping(shuffled) == 1

@@ -1,0 +1,253 @@
+"""Swept meshes: volume, conformity, tags and the smooth wall of tubes; junctions of a tree."""
+
+import numpy as np
+import pytest
+
+import tubes
+from common.errors import ComputationError
+from flow import settings
+from flow.geometry import centreline, curving, tet10
+from flow.meshing import mesh
+from flow.meshing.sweep import disc, lattice, section, spans, stations, stitch
+
+
+def _volume(quadratic):
+    """Volume by the mean of the cubic det J, exact on the Bezier lattice's nodes."""
+    jacobian = np.einsum("tnx,pnr->tpxr", quadratic.points[quadratic.tetrahedra], tet10.gradients(tet10._POINTS))
+    return (np.linalg.det(jacobian) @ tet10._TO_BEZIER.T).mean(axis=1).sum() / 6.0
+
+
+def _faces(tetrahedra):
+    """Corner faces of all cells and how many cells share each."""
+    sides = np.concatenate([tetrahedra[:, k] for k in ([0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3])])
+    return np.unique(np.sort(sides, axis=1), axis=0, return_counts=True)
+
+
+def _assert_conforming(quadratic):
+    faces, shared = _faces(quadratic.tetrahedra[:, :4])
+    assert shared.max() == 2
+    border = {tuple(face) for face in faces[shared == 1]}
+    assert border == {tuple(face) for face in np.sort(quadratic.triangles[:, :3], axis=1)}
+    # a middle node belongs to one edge only, so that neighbours agree on the curved face
+    edges = quadratic.tetrahedra[:, :4][:, tet10.EDGES].reshape(-1, 2)
+    middles = quadratic.tetrahedra[:, 4:].ravel()
+    pairs = np.unique(np.column_stack([np.sort(edges, axis=1), middles]), axis=0)
+    assert len(pairs) == len(np.unique(middles)) == len(np.unique(pairs[:, :2], axis=0))
+
+
+AS_IT_IS = settings.make(**tubes.AS_IT_IS)
+# radius, axis, length, tolerance of the volume: the wall is known at 0.4 mm only, a third of the narrowest diameter
+CASES = {
+    "straight": (lambda s: 1.6 + 0 * np.asarray(s, float), None, 12, 2e-5),
+    "lesion": (tubes.lesion(1.5, 0.6, 8, 8), None, 16, 3e-4),
+    "bent": (tubes.lesion(1.5, 0.4, 8, 8), tubes.arc(0.15), 16, 3e-4),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_tube_is_one_span_of_exact_volume(name):
+    radius, axis, length, tolerance = CASES[name]
+    tree = centreline.Tree([tubes.line(length, radius, axis)])
+    quadratic, report = mesh.build(tubes.tube(length, radius, 0.4, axis), tree, 2.0, AS_IT_IS)
+    assert [(span["from_mm"], span["branch"]) for span in report["swept"]["spans"]] == [(0.0, "main")]
+    assert report["swept"]["cells"] == report["cells"] and report["quality"]["gamma_min"] is None
+    s = np.linspace(0, length, 4001)
+    assert _volume(quadratic) == pytest.approx(np.trapz(np.pi * radius(s) ** 2, s), rel=tolerance)
+    assert report["quality"]["jacobian_ratio_min_swept"] > 0.4 and report["quality"]["straightened_edges"] == 0
+    _assert_conforming(quadratic)
+
+
+def test_stations_come_closer_where_cells_would_be_turned_over():
+    """A pouch on one side of the wall, shorter than a plain vessel's gap between stations (as on lumens from CT)."""
+
+    def pouched(depth):
+        def axis(s, e1, e2):
+            out = depth * np.exp(-(((s - 8) / 1.2) ** 2)) * (np.maximum(e1, 0) / 1.5) ** 2
+            return np.stack([s, e1 + out, e2], axis=-1)
+
+        return tubes.tube(16, lambda s: 1.5 + 0 * np.asarray(s, float), 0.3, axis)
+
+    tree = centreline.Tree([tubes.line(16, lambda s: 1.5)])
+    gentle, deep = (mesh.build(pouched(depth), tree, 2.0, AS_IT_IS) for depth in (0.3, 1.4))
+    (before,), (after,) = (report["swept"]["spans"] for _, report in (gentle, deep))
+    assert before["stations"] < after["stations"] <= before["stations"] + 4
+    assert tet10.overlapping(deep[0].tetrahedra[:, :4]) == 0
+    _assert_conforming(deep[0])
+
+
+def test_wall_nodes_lie_on_the_smooth_wall():
+    radius, length = CASES["lesion"][0], 16
+    tree = centreline.Tree([tubes.line(length, radius)])
+    surface = tubes.tube(length, radius, 0.4)
+    quadratic, _ = mesh.build(surface, tree, 2.0, AS_IT_IS)
+    wall = quadratic.points[np.unique(quadratic.triangles[quadratic.region == 0])]
+    off = np.hypot(wall[:, 1], wall[:, 2]) - radius(wall[:, 0])
+    facets = surface.points[surface.triangles[surface.region == 0]].mean(axis=1)
+    chord = np.hypot(facets[:, 1], facets[:, 2]) - radius(facets[:, 0])
+    assert np.abs(off).max() < 2e-3 < 10e-3 < np.abs(chord).max()
+
+
+@pytest.fixture(scope="module")
+def forked(tmp_path_factory):
+    """A main tube with one side tube, joined by the fork surface of `tubes`."""
+    surface, branches = tubes.fork()
+    quadratic, report = mesh.build(surface, centreline.Tree(branches), 2.0, settings.make())
+    return surface, quadratic, report
+
+
+def test_a_fork_is_swept_around_a_junction(forked):
+    surface, quadratic, report = forked
+    swept = report["swept"]
+    assert sorted(span["branch"] for span in swept["spans"]) == ["main", "main", "side1"]
+    assert 0 < swept["cells"] < report["cells"] and "reason" not in swept
+    _assert_conforming(quadratic)
+    assert sorted(set(quadratic.region.tolist())) == [0, 1, 2, 3]
+    assert _volume(quadratic) == pytest.approx(surface.volume_mm3(), rel=0.03)
+    assert report["quality"]["gamma_min"] > 0.05 and report["quality"]["jacobian_ratio_min"] > 0.05
+
+
+def test_an_end_that_cannot_be_stitched_moves_or_the_mesh_is_of_one_size(monkeypatch, forked):
+    surface, branches = tubes.fork()
+    tree = centreline.Tree(branches)
+    moved = []
+
+    def fails_at_first(points, normals, kept, ends, real=stitch.strips):
+        if not moved:
+            moved.append(ends[0].key)
+            raise stitch.StitchError("made to fail", [ends[0].key])
+        return real(points, normals, kept, ends)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(stitch, "strips", fails_at_first)
+        _, report = mesh.build(surface, tree, 2.0, settings.make())
+    first, second = (found["swept"]["spans"][0] for found in (forked[2], report))
+    assert second["to_mm"] == pytest.approx(first["to_mm"] - 0.5 * 1.5, abs=0.02)
+
+    def always_fails(points, normals, kept, ends):
+        raise stitch.StitchError("made to fail", [end.key for end in ends])
+
+    with monkeypatch.context() as patch:
+        patch.setattr(stitch, "strips", always_fails)
+        _, report = mesh.build(surface, tree, 2.0, settings.make())
+    assert report["swept"]["cells"] == 0 and report["swept"]["reason"]
+
+
+def test_a_sliver_in_a_junction_moves_the_cuts(monkeypatch, forked):
+    surface, branches = tubes.fork()
+    checked, calls = mesh._checked, []
+
+    def bad_at_first(quadratic, swept):
+        calls.append(swept)
+        if len(calls) == 1:
+            raise ComputationError("a sliver", "junction", 0.001, "made on purpose")
+        return checked(quadratic, swept)
+
+    monkeypatch.setattr(mesh, "_checked", bad_at_first)
+    _, report = mesh.build(surface, centreline.Tree(branches), 2.0, settings.make())
+    assert report["swept"]["shorter_radii"] == mesh.SHORTER[1] and len(calls) == 2
+    first, second = (found["swept"]["spans"][0] for found in (forked[2], report))
+    assert second["to_mm"] == pytest.approx(first["to_mm"] - mesh.SHORTER[1] * 1.5, abs=0.02)
+
+
+@pytest.mark.parametrize(("layers", "triangles"), [(1, 96), (2, 144), (3, 192)])
+def test_disc_is_triangulated_without_overlap(layers, triangles):
+    found = disc.make(4, layers)
+    x = found.vertices[:, 0] * np.array([np.cos(found.vertices[:, 1]), np.sin(found.vertices[:, 1])])
+    a, b, c = (x[:, found.triangles[:, k]] for k in range(3))
+    area = 0.5 * ((b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0])
+    assert len(found.rim) == 24 and len(found.triangles) == triangles and area.min() > 0
+    assert area.sum() == pytest.approx(0.5 * 24 * np.sin(2 * np.pi / 24))
+
+
+def test_boundary_layers_halve_towards_the_wall():
+    found = disc.make(3, 3)
+    radii = np.unique(found.vertices[:, 0].round(12))
+    assert np.diff(radii[-4:]) == pytest.approx(np.array([4, 2, 1]) / 7 / 3)
+    assert (found.vertices[found.rim, 0] == 1).all()
+    assert found.vertices[found.rim, 1] == pytest.approx(disc.make(3).vertices[-18:, 1])  # the wall's vertices stay
+
+
+def test_rings_gather_at_the_edge_of_the_jet():
+    rho = np.linspace(0, 1, 41)
+    wide, narrow = lattice.rings_at(rho, 4, np.array([1.0, 0.4]))
+    for found in (wide, narrow):
+        assert found[0] == 0 and found[-1] == pytest.approx(1) and (np.diff(found) > 0).all()
+    assert narrow[25] == pytest.approx(0.4)  # the inner two and a half of four rings
+    assert narrow[30] == pytest.approx(0.4 + 0.5 * 0.6)  # halfway from there to the wall
+    widths = np.diff(wide[::10])
+    assert (widths[1:] / widths[:-1] < 0.7).all()  # narrower towards the wall
+
+
+@pytest.mark.parametrize("rings", [6, 8, 9])
+def test_many_rings_become_narrower_everywhere(rings):
+    """Two thirds of them within the jet, half as wide where there are twice as many, edges' middles in the middle."""
+    edge = np.array([1.0, 0.4])
+    found = lattice.rings_at(np.linspace(0, 1, 2 * rings + 1), rings, edge)
+    inside = int(np.floor(2 * rings / 3))
+    assert found[:, 2 * inside] == pytest.approx(np.minimum(edge, lattice.LARGEST_EDGE))
+    widths = np.diff(found[:, ::2], axis=1)
+    finer = np.diff(lattice.rings_at(np.linspace(0, 1, 2 * rings + 1), 2 * rings, edge), axis=1)
+    assert finer.max() < 0.55 * widths.max()
+    shares = np.diff(found, axis=1)[:, ::2] / widths
+    assert (np.abs(shares - 0.5) < 0.05).all()
+
+
+def test_stations_are_close_at_the_throat_only():
+    branch = tubes.line(50, tubes.lesion(1.6, 0.6, 25, 10))
+    given = settings.make()
+    gap = np.diff(stations.place(branch, given, 0.0, 50.0))
+    assert gap.min() == pytest.approx(given.stations_throat * 0.64, rel=0.1)
+    assert gap[0] == pytest.approx(given.stations_plain * 1.6, rel=0.1)
+    ratio = gap[1:] / gap[:-1]
+    assert ratio.max() < 1.15
+    plain = np.diff(stations.place(tubes.line(50, lambda s: 1.6), given, 0.0, 50.0))
+    assert len(plain) < 0.6 * len(gap)
+
+
+def test_a_section_is_refused_where_it_is_not_star_shaped():
+    tube = tubes.tube(10, lambda s: 1.5, 0.4)
+    found = section.Slicer(tube).cut(np.array([5.0, 0, 0]), np.eye(3)[0], np.eye(3)[1], np.eye(3)[2], 4.0)
+    radius, _, normals = found.radii(np.linspace(0.1, 6, 20))
+    assert np.abs(radius - 1.5).max() < 1e-3 and np.abs(normals[:, 0]).max() < 0.05
+    angles = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+    chain = np.stack([np.cos(angles), np.sin(angles)], axis=1) * (1 + 2.5 * (np.abs(angles - 2) < 0.3))[:, None]
+    chain[(np.abs(angles - 2.5) < 0.2)] *= 0.2
+    chain[:, 0] += 0.9 * chain[:, 1] ** 3
+    found.segments = np.stack([chain, np.roll(chain, -1, axis=0)], axis=1)
+    assert found.radii(angles + 0.01) is None
+
+
+def test_spans_keep_clear_of_a_side_branch():
+    surface, branches = tubes.fork()
+    tree = centreline.Tree(branches)
+    axis = spans.axes(surface, tree)["main"]
+    s = np.linspace(0, axis.length_mm, 200)
+    blocked = s[~spans.free(axis, tree, s)]
+    where = tree.main.project(branches[1].points[0])[0]
+    assert blocked.min() < where < blocked.max() and blocked.max() - blocked.min() < 5.0
+    assert axis.cap_ids == (1, 2) and spans.axes(surface, tree)["side1"].cap_ids == (None, 3)
+
+
+def test_zipper_joins_two_rings():
+    angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+    lower = np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1)
+    fine = np.linspace(0, 2 * np.pi, 18, endpoint=False) + 0.05
+    upper = np.stack([np.cos(fine), np.sin(fine), 0 * fine + 0.4], axis=1)
+    points = np.concatenate([lower, upper])
+    strip = stitch.zipper(points, np.arange(12), 12 + np.arange(18))
+    assert len(strip) == 30
+    a, b, c = (points[strip[:, k]] for k in range(3))
+    facing = np.cross(b - a, c - a)
+    middle = (a + b + c) / 3
+    outward = np.einsum("ij,ij->i", facing[:, :2], middle[:, :2])
+    assert (outward < 0).all() or (outward > 0).all()
+    assert [len(loop) for loop in sorted(stitch.loops(strip), key=len)] == [12, 18]
+
+
+def test_curving_keeps_given_middles():
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    middle = np.array([[0.5, -0.05, 0.0]])
+    found = curving.curve_with(faces, np.zeros(4, int), points, np.array([[0, 1, 2, 3]]), np.array([[1, 0]]), middle)
+    assert found.points[found.tetrahedra[0, 4]] == pytest.approx(middle[0])
+    assert found.curved_edges == 1
