@@ -1,15 +1,17 @@
-"""Command line: python3 -m anatomy plan|picture."""
+"""Command line: python3 -m anatomy plan|picture|contours|thin-contours."""
 
 import argparse
 import pathlib
 
-from common.errors import guarded
+from common.errors import InputError, guarded
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 
 def _parser():
-    parser = argparse.ArgumentParser(prog="anatomy", description="Planned devices and pictures of a measured lumen.")
+    parser = argparse.ArgumentParser(
+        prog="anatomy", description="Lumens from contours, planned devices, pictures of a measured lumen."
+    )
     commands = parser.add_subparsers(dest="command", required=True)
     plan = commands.add_parser(
         "plan", help="devices and steps of a case's procedure, as a scene without wall and numerics"
@@ -23,7 +25,65 @@ def _parser():
     picture = commands.add_parser("picture", help="the tree with its sections, names and lesions")
     picture.add_argument("--anatomy", type=pathlib.Path, required=True, help="folder made by `lumen process`")
     picture.add_argument("--out", type=pathlib.Path, required=True, help="picture to write: .png or .svg")
+    _add_contours(commands)
+    thin = commands.add_parser("thin-contours", help="a contour table with fewer points a frame")
+    thin.add_argument("table", type=pathlib.Path, help="table of outlines: frame, x, y, z in mm")
+    thin.add_argument("--points", type=int, default=125, help="points of each frame; default: 125")
+    thin.add_argument("--out", type=pathlib.Path, required=True, help="table to write")
     return parser
+
+
+def _add_contours(commands):
+    command = commands.add_parser("contours", help="lumen and plaque of an intravascular pull-back's contour tables")
+    command.add_argument("lumen", type=pathlib.Path, help="table of the lumen's outlines: frame, x, y, z")
+    for name in ("outer-wall", "calcium", "lipid", "branches", "landmarks"):
+        command.add_argument(f"--{name}", type=pathlib.Path, help=f"table of the {name.replace('-', ' ')}")
+    command.add_argument("--units", choices=("mm", "cm", "m"), default="mm", help="units of the tables")
+    command.add_argument("--z-from", choices=("distal", "proximal"), default="distal", help="end of the smallest z")
+    command.add_argument("--z-range", type=float, nargs=2, help="first and last z of the frames used")
+    command.add_argument("--drop-frame", type=float, action="append", default=[], help="a frame not used; repeat")
+    command.add_argument("--healthy-wall", default="auto", help="wall that is no plaque, mm; default: auto")
+    command.add_argument("--centreline", type=pathlib.Path, help="lines (.vtp) from the proximal end on")
+    command.add_argument("--centreline-units", choices=("mm", "cm", "m"), default="mm", help="units of its coordinates")
+    command.add_argument("--line", type=int, help="which of several lines, from 1")
+    command.add_argument(
+        "--landmark-point",
+        type=float,
+        nargs=3,
+        action="append",
+        default=[],
+        help="where a landmark of the table lies in the centreline's space, mm; repeat in the table's order",
+    )
+    command.add_argument("--proximal-s", type=float, help="mm along the line at the proximal frame, without landmarks")
+    command.add_argument("--rotation", type=float, default=0.0, help="degrees about the line, without landmarks")
+    command.add_argument("--mirrored", action="store_true", help="the images are seen from the other side")
+    command.add_argument("--out", type=pathlib.Path, required=True, help="folder for the results")
+
+
+def _contours(options):
+    from .contours import run
+
+    tables = ("lumen", "outer_wall", "calcium", "lipid", "branches", "landmarks")
+    files = {name: getattr(options, name) for name in tables}
+    healthy = options.healthy_wall
+    if healthy != "auto":
+        try:
+            healthy = float(healthy)
+        except ValueError:
+            raise InputError("no thickness", "--healthy-wall", healthy, "a number of mm, or auto") from None
+    laying = None
+    if options.centreline:
+        laying = {
+            "centreline": options.centreline,
+            "units": options.centreline_units,
+            "line": options.line,
+            "landmark_points_mm": options.landmark_point,
+            "proximal_s_mm": options.proximal_s,
+            "rotation_deg": options.rotation,
+            "mirrored": options.mirrored,
+        }
+    reading = {"z_from": options.z_from, "z_range_mm": options.z_range, "drop_frames": options.drop_frame}
+    run.run(files, options.out, options.units, healthy, reading, laying)
 
 
 @guarded
@@ -34,6 +94,12 @@ def main(arguments=None):
         from . import plan
 
         plan.run(options.case, options.anatomy, options.devices, options.out)
+    elif options.command == "contours":
+        _contours(options)
+    elif options.command == "thin-contours":
+        from .contours import tables
+
+        tables.thin(options.table, options.out, options.points)
     else:
         from . import picture
 

@@ -8,6 +8,7 @@ import pathlib
 from common import schema, yaml_reader
 from common.errors import InputError
 
+LUMEN_WAYS = ("path", "contours")
 SECTIONS = ("anatomy", "deployment", "flow", "reference", "ct", "metrics")
 
 
@@ -17,6 +18,7 @@ def load(path, schema_name):
     Returns plain dicts and lists. Raises InputError for the first value that is not allowed.
     """
     return _load(path, schema_name).data
+
 
 
 def load_study(path):
@@ -31,6 +33,9 @@ def load_case(path):
     if patient["dbp_mmhg"] >= patient["sbp_mmhg"]:
         remedy = f"below the systolic one, sbp_mmhg: {patient['sbp_mmhg']}; are they swapped?"
         _refuse(document, ("patient", "dbp_mmhg"), "diastolic blood pressure is not below the systolic", remedy)
+    for key in ("lumen", "post"):
+        if key in document.data:
+            _check_lumen(document, key)
     steps = document.data["plan"] if document.data["plan"] != "auto" else []
     for i, step in enumerate(steps):
         if step["action"] == "stent" and len(step["devices"]) != 1:
@@ -42,6 +47,19 @@ def load_case(path):
                 remedy = "give either centre_s_mm or lesion"
                 _refuse(document, ("plan", i, "devices", j), "a device is placed by one of two keys", remedy)
     return document.data
+
+
+def _check_lumen(document, key):
+    """A lumen is given in one way, and contours leave no choice of ends and labels to make."""
+    lumen = document.data[key]
+    ways = [way for way in LUMEN_WAYS if way in lumen]
+    if len(ways) != 1:
+        _refuse(document, (key,), "a lumen is given in one way", f"one of the keys {', '.join(LUMEN_WAYS)}")
+    unused = [name for name in ("inlet_point_mm", "outlet_points_mm", "label") if name in lumen and "contours" in lumen]
+    if unused:
+        _refuse(
+            document, (key, unused[0]), "contours know their ends", "leave the key out; z_from says which is proximal"
+        )
 
 
 def load_device(path):

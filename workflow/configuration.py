@@ -10,6 +10,7 @@ from common.errors import InputError
 from data_synthetic import patient
 from flow.settings import check_meshes, check_switches
 
+CONTOUR_TABLES = ("lumen", "outer_wall", "calcium", "lipid", "branches", "landmarks")
 CASE_NAME = "[a-z][a-z0-9_]*"
 
 
@@ -66,11 +67,25 @@ class Configuration:
 
     def lumen_file(self, name):
         """The surface file of a case of kind surface; InputError with where to put it if it is not there."""
-        given = pathlib.Path(self.cases[name]["lumen"]["path"])
+        return self._data_file(name, "lumen surface", "lumen.path", self.cases[name]["lumen"]["path"])
+
+    def contour_files(self, name):
+        """{table: file} of a case of kind surface that gives contours, with its centreline's; {} of another."""
+        given = self.cases[name].get("lumen", {}).get("contours", {})
+        files = {key: given[key] for key in CONTOUR_TABLES if key in given}
+        found = {key: self._data_file(name, "contour table", f"lumen.contours.{key}", files[key]) for key in files}
+        if "centreline" in given:
+            key = "lumen.contours.centreline.path"
+            found["centreline"] = self._data_file(name, "centreline", key, given["centreline"]["path"])
+        return found
+
+    def _data_file(self, name, what, key, path):
+        """The file of a path in a case's file; InputError with where to put it if it is not there."""
+        given = pathlib.Path(path)
         file = self.data_folder / given.relative_to("data") if given.parts[0] == "data" else given
         if not file.is_file():
             remedy = f"put it there (the case file says whence), or set VCI_DATA_DIR to the folder of {given.name}"
-            raise InputError("lumen surface not found", f"{self.case_file(name)}, key lumen.path", file, remedy)
+            raise InputError(f"{what} not found", f"{self.case_file(name)}, key {key}", file, remedy)
         return str(file)
 
     def selected(self, cohort, cases=None):
@@ -86,7 +101,7 @@ class Configuration:
         for name in names:
             if name not in self.cases:
                 raise InputError("no such case", where, name, f"one of {', '.join(self.cases)}")
-            if self.cases[name]["kind"] == "surface":
+            if self.cases[name]["kind"] == "surface" and not self.contour_files(name):
                 self.lumen_file(name)
         return list(dict.fromkeys(names))
 

@@ -6,6 +6,12 @@ import shlex
 
 SYNTHETIC_STATES = ("pre", "vci", "rc", "reference")
 SURFACE_STATES = ("pre", "vci", "rc")  # without a reference
+CENTRELINE_OPTIONS = {
+    "units": "--centreline-units",
+    "line": "--line",
+    "proximal_s_mm": "--proximal-s",
+    "rotation_deg": "--rotation",
+}
 IMAGED = ("pre", "reference")  # states with a CT volume; the state `ct` is the reference as it is seen there
 
 
@@ -34,16 +40,17 @@ class Inputs:
         return self.configuration.device_files(wildcards.case)
 
     def lumen(self, wildcards):
-        """The lumen before the procedure: the generated one, or the user's file."""
-        if self.configuration.cases[wildcards.case]["kind"] == "synthetic":
+        """The lumen before the procedure: the generated one, the one lofted from contours, or the user's file."""
+        case = self.configuration.cases[wildcards.case]
+        if case["kind"] == "synthetic" or "contours" in case["lumen"]:
             return f"{self.results}/cases/{wildcards.case}/source/lumen.vtp"
         return self.configuration.lumen_file(wildcards.case)
 
     def lumen_options(self, wildcards):
         """Command-line options of `lumen process` for the surface: its units and, where given, its ends and label."""
         case = self.configuration.cases[wildcards.case]
-        given = case["lumen"] if case["kind"] == "surface" else {"units": "mm"}
-        options = f"--units {given['units']}"
+        given = case["lumen"] if case["kind"] == "surface" else {}
+        options = f"--units {given['units'] if 'path' in given else 'mm'}"
         if "inlet_point_mm" in given:
             options += " --inlet " + ",".join(map(str, given["inlet_point_mm"]))
         for point in given.get("outlet_points_mm", ()):
@@ -54,6 +61,35 @@ class Inputs:
             if key in given:
                 options += f" --{key.removesuffix('_radii').replace('_', '-')} {given[key]}"
         return options
+
+    def of_contours(self):
+        """Names of the cases whose lumen is given by intravascular contours."""
+        cases = self.configuration.cases
+        return [name for name in self.configuration.of_kind("surface") if "contours" in cases[name]["lumen"]]
+
+    def contours(self, wildcards):
+        """{table: file} of a case's contours."""
+        return self.configuration.contour_files(wildcards.case)
+
+    def contour_options(self, wildcards):
+        """Command-line options of `anatomy contours` for a case's tables and how they are read and laid."""
+        given = self.configuration.cases[wildcards.case]["lumen"]
+        files, contours = self.configuration.contour_files(wildcards.case), given["contours"]
+        options = [files.pop("lumen"), "--units", given["units"], "--z-from", contours["z_from"]]
+        options += ["--healthy-wall", contours["healthy_wall_mm"]]
+        for key in files:
+            options += ["--" + key.replace("_", "-"), files[key]]
+        if "z_range_mm" in contours:
+            options += ["--z-range", *contours["z_range_mm"]]
+        for frame in contours.get("drop_frames", ()):
+            options += ["--drop-frame", frame]
+        line = contours.get("centreline", {})
+        for key, option in CENTRELINE_OPTIONS.items():
+            if key in line:
+                options += [option, line[key]]
+        for point in line.get("landmark_points_mm", ()):
+            options += ["--landmark-point", *point]
+        return shlex.join([*map(str, options), *(["--mirrored"] if line.get("mirrored") else [])])
 
     def section(self, key):
         """A function of the wildcards that gives a section of the case's configuration as JSON text.

@@ -36,6 +36,29 @@ rule generate:
         "workflow/run.sh {log} /usr/bin/python3 -m data_synthetic generate {input.case} --out {params.out}"
 
 
+rule contours:
+    message:
+        "{wildcards.case}: lumen and plaque of the contours"
+    input:
+        unpack(INPUTS.contours),
+        code=code("anatomy", "anatomy.contours.run", "anatomy.contours.picture"),
+    output:
+        surface="results/cases/{case}/source/lumen.vtp",
+        contours="results/cases/{case}/source/contours.json",
+        picture="results/cases/{case}/source/contours.png",
+    wildcard_constraints:
+        case="|".join(INPUTS.of_contours()) or "(?!)",
+    log:
+        "results/cases/{case}/logs/contours.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/contours.tsv"
+    params:
+        options=INPUTS.contour_options,
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m anatomy contours {params.options} --out {params.out}"
+
+
 rule anatomy:
     message:
         "{wildcards.case}: lumen, centreline, sections, lesions"

@@ -121,3 +121,22 @@ def test_vessel_and_lumen_exclude_each_other(edited):
     folder = edited("cases/real_artery.yaml", {"kind": "synthetic"})
     with pytest.raises(InputError, match="vessel is missing|lumen"):
         config.load_case(folder / "cases" / "real_artery.yaml")
+
+
+@pytest.mark.parametrize(
+    "lumen, expected",
+    [
+        ("{units: mm}", "path, contours"),
+        ("{units: mm, path: a.stl, contours: {lumen: b.csv}}", "path, contours"),
+        ("{units: mm, contours: {lumen: b.csv}, inlet_point_mm: [0, 0, 0]}", "lumen.inlet_point_mm"),
+        ("{units: mm, contours: {lumn: b.csv}}", "lumen.contours.lumn"),
+    ],
+)
+def test_a_lumen_is_given_in_one_way(tmp_path, lumen, expected):
+    text = "kind: surface\ndescription: x\npatient: {lvm_g: 150, sbp_mmhg: 120, dbp_mmhg: 80}\nlumen: "
+    path = tmp_path / "own.yaml"
+    path.write_text(text + lumen + "\n")
+    with pytest.raises(InputError, match=expected):
+        config.load_case(path)
+    path.write_text(text + "{units: mm, contours: {lumen: b.csv}, cut_points_mm: [[0, 0, 3]]}\n")
+    assert config.load_case(path)["lumen"]["contours"]["z_from"] == "distal"

@@ -1,12 +1,16 @@
 """The whole configuration: every kind of bad value is refused with file, key, value and what is allowed."""
 
 import json
+import shlex
 import shutil
+from types import SimpleNamespace
 
 import pytest
 
+from anatomy.__main__ import _parser as anatomy_parser
 from common.errors import InputError
 from workflow.configuration import Configuration
+from workflow.inputs import Inputs
 
 STUDY, DEVICE, CASE = "study.yaml", "devices/semi_compliant.yaml", "cases/quick_focal.yaml"
 
@@ -81,8 +85,56 @@ def test_surface_is_looked_for_in_the_data_folder(folder, tmp_path):
     with pytest.raises(InputError, match="VCI_DATA_DIR"):
         Configuration(folder, tmp_path).selected("real")
     (tmp_path / "dfemtoolz_case4_artery.stl").write_text("solid")
-    assert Configuration(folder, tmp_path).selected("real") == ["real_artery"]
+    assert Configuration(folder, tmp_path).selected("real") == ["real_artery", "ivus_plaque"]
     assert Configuration(folder, tmp_path).lumen_file("real_artery") == str(tmp_path / "dfemtoolz_case4_artery.stl")
+
+
+def test_contour_tables_are_looked_for_as_surfaces_are(folder, tmp_path):
+    text = (folder / "cases/ivus_plaque.yaml").read_text()
+    (folder / "cases/own.yaml").write_text(text.replace("config/patients/ivus_plaque/", "data/own/"))
+    with pytest.raises(InputError, match="lumen.contours.lumen"):
+        Configuration(folder, tmp_path).selected("real", "own")
+    (tmp_path / "own").mkdir()
+    for name in ("lumen", "outer_wall", "calcium", "branches"):
+        (tmp_path / "own" / f"{name}.csv").write_text("1,2,3,4")
+    found = Configuration(folder, tmp_path)
+    assert found.selected("real", "own") == ["own"]
+    assert found.contour_files("own")["calcium"] == str(tmp_path / "own" / "calcium.csv")
+    assert found.contour_files("real_artery") == {}
+
+
+def test_every_key_of_contours_reaches_the_command(folder, tmp_path):
+    for name in ("lumen", "outer_wall", "marks", "line"):
+        (tmp_path / f"{name}.csv").write_text("1,2,3,4")
+    case = """
+kind: surface
+description: a pull-back
+patient: {lvm_g: 150, sbp_mmhg: 120, dbp_mmhg: 80}
+lumen:
+  units: cm
+  extend_outlets_radii: 4
+  contours:
+    lumen: data/lumen.csv
+    outer_wall: data/outer_wall.csv
+    landmarks: data/marks.csv
+    z_from: proximal
+    z_range_mm: [1, 20]
+    drop_frames: [4, 7]
+    healthy_wall_mm: 0.2
+    centreline: {path: data/line.csv, units: m, line: 2, landmark_points_mm: [[-1, 2, 3]], mirrored: true}
+"""
+    (folder / "cases/own.yaml").write_text(case)
+    inputs = Inputs(Configuration(folder, tmp_path))
+    wildcards = SimpleNamespace(case="own")
+    command = shlex.split(inputs.contour_options(wildcards))
+    assert set(inputs.of_contours()) == {"ivus_plaque", "own"}
+    options = anatomy_parser().parse_args(["contours", *command, "--out", "x"])
+    assert str(options.lumen) == str(tmp_path / "lumen.csv") and options.units == "cm" and options.z_from == "proximal"
+    assert options.z_range == [1, 20] and options.drop_frame == [4, 7] and options.healthy_wall == "0.2"
+    assert options.line == 2 and options.centreline_units == "m" and options.mirrored
+    assert options.landmark_point == [[-1, 2, 3]] and options.landmarks == tmp_path / "marks.csv"
+    assert inputs.lumen(wildcards).endswith("own/source/lumen.vtp")
+    assert inputs.lumen_options(wildcards) == "--units mm --extend-outlets 4"
 
 
 def test_devices_of_a_plan(folder):

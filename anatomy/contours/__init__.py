@@ -1,0 +1,1 @@
+"""Intravascular contours (IVUS, OCT) in, lumen surface with plaque out."""

@@ -1,0 +1,132 @@
+"""Where the frames of a pull-back lie in space: along a straight axis, or on a centreline."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from common.errors import InputError
+
+from . import rings
+from .tables import centroid
+
+FARTHEST_MM = 3.0  # by which landmarks may disagree along the line: a frame is picked to within two or three
+LARGEST_TURN_DEG = 45.0  # by which they may disagree about it: beyond, the tables are mirrored or the points mixed up
+
+
+@dataclass
+class Placing:
+    """map(z_mm (k,), points (k, n, 2)) -> points (k, n, 3) in mm, of points in the frames' own planes.
+
+    how: what it rests on, in words; report: figures for contours.json. proximal, distal: unit vectors out of the ends.
+    """
+
+    map: object
+    how: str
+    report: dict = field(default_factory=dict)
+
+
+def centres(frames, on_outer_wall):
+    """Centre (frames, 2) that is laid on the axis: of the lumen, or of the outer wall where it was traced, with the
+    lumen's distance from it interpolated where it was not."""
+    lumen = np.array([centroid(rings.smooth(frame.lumen)) for frame in frames])
+    traced = np.array([frame.outer_wall is not None for frame in frames])
+    if not on_outer_wall or not traced.any():
+        return lumen
+    z = np.array([frame.z_mm for frame in frames])
+    away = np.array(
+        [centroid(rings.smooth(f.outer_wall)) - c for f, c in zip(frames, lumen) if f.outer_wall is not None]
+    )
+    return lumen + rings.between(z[traced], away)(z)
+
+
+def straight(pullback):
+    """Placing along the z axis, x and y as in the image: the vessel's axis is that of its outer wall where it is known.
+
+    The catheter's own way through the vessel, round which each image is drawn, is unknown without a centreline.
+    """
+    centre = rings.between(pullback.z_mm, centres(pullback.frames, on_outer_wall=True))
+
+    def lay(z_mm, points):
+        across = points - centre(z_mm)[:, None]
+        return np.concatenate([across, np.broadcast_to(z_mm[:, None, None], across.shape[:2] + (1,))], axis=2)
+
+    known = any(frame.outer_wall is not None for frame in pullback.frames)
+    on = "outer wall's centre" if known else "lumen's centre"
+    return Placing(lay, f"straight axis through the {on}")
+
+
+def on_line(pullback, line, landmark_points_mm=(), proximal_s_mm=None, rotation_deg=0.0, mirrored=False):
+    """Placing on a Line: the lumen's centre on it, the frames' planes across it, z along it.
+
+    landmark_points_mm: (3,) each, where the pull-back's landmarks lie in the line's space; they give the place along
+    the line and the turn about it. Without them proximal_s_mm (default 0) is where the proximal frame lies, and
+    rotation_deg its turn against the line's own frame. mirrored: the images are seen from the other side.
+    Raises InputError where the line is too short, where landmarks contradict each other or one lies on the line.
+    """
+    z = pullback.z_mm
+    centre = rings.between(z, centres(pullback.frames, on_outer_wall=False))
+    flip = np.array([1.0, -1.0 if mirrored else 1.0])
+    report = {}
+    if len(landmark_points_mm):
+        shift, turn, report = _by_landmarks(pullback, line, np.asarray(landmark_points_mm, float), centre, flip)
+    else:
+        shift, turn = z[-1] + (proximal_s_mm or 0.0), np.radians(rotation_deg)
+    first, last = shift - z[-1], shift - z[0]
+    if first < -1e-6 or last > line.length_mm + 1e-6:
+        value = f"frames from {first:.1f} to {last:.1f} mm along a line of {line.length_mm:.1f} mm"
+        raise InputError(
+            "the pull-back reaches beyond its centreline", "centreline", value, "z_range_mm, or a longer line"
+        )
+
+    def lay(z_mm, points):
+        across = (points - centre(z_mm)[:, None]) * flip
+        place, tangent, one, two = line.place(np.clip(shift - z_mm, 0, line.length_mm))
+        x, y = _axes(one, two, turn)
+        return place[:, None] + across[..., :1] * x[:, None] + across[..., 1:] * y[:, None]
+
+    report.update({"distal_s_mm": last, "proximal_s_mm": first, "rotation_deg": float(np.degrees(turn))})
+    return Placing(lay, "centreline" + (", by landmarks" if len(landmark_points_mm) else ", least twist"), report)
+
+
+def _axes(one, two, turn):
+    """Directions of the image's x and y: with z, which points against the tangent to the proximal end, right-handed."""
+    x = np.cos(turn) * one - np.sin(turn) * two
+    y = -np.sin(turn) * one - np.cos(turn) * two
+    return x, y
+
+
+def _by_landmarks(pullback, line, points, centre, flip):
+    """(s + z of the line, turn, report) from the landmarks of table and space."""
+    if len(points) != len(pullback.landmarks):
+        value = f"{len(points)} points for {len(pullback.landmarks)} landmarks"
+        raise InputError("landmarks without a partner", "landmark_points_mm", value, "a point for each, in their order")
+    z = np.array([mark[0] for mark in pullback.landmarks])
+    low, high = pullback.z_mm[[0, -1]]
+    if (z < low - 1e-6).any() or (z > high + 1e-6).any():
+        value = f"z {z.min():.2f} to {z.max():.2f} mm, frames {low:.2f} to {high:.2f} mm"
+        raise InputError(
+            "a landmark outside the frames", "landmarks", value, "landmarks within the frames that are used"
+        )
+    sums = np.array([line.nearest(point) for point in points]) + z
+    shift = float(sums.mean())
+    across = (np.array([mark[1] for mark in pullback.landmarks]) - centre(z)) * flip
+    place, tangent, one, two = line.place(np.clip(shift - z, 0, line.length_mm))
+    away = points - place
+    u, v = (away * one).sum(axis=1), (away * two).sum(axis=1)
+    if np.hypot(u, v).min() < 0.2 or np.linalg.norm(across, axis=1).min() < 0.2:
+        value = f"{min(np.hypot(u, v).min(), np.linalg.norm(across, axis=1).min()):.2f} mm from it"
+        raise InputError(
+            "a landmark on the axis tells no rotation", "landmarks", value, "a place on the wall or a branch"
+        )
+    # x cos(turn) one - ...: an image angle a lies at -a - turn in the plane of (one, two), seen along the tangent
+    angles = -np.arctan2(v, u) - np.arctan2(across[:, 1], across[:, 0])
+    turn = float(np.angle(np.exp(1j * angles).mean()))
+    off = np.abs(np.degrees(np.angle(np.exp(1j * (angles - turn)))))
+    along = np.abs(sums - shift)
+    report = {"landmarks_differ_mm": float(along.max()), "landmarks_differ_deg": float(off.max())}
+    if along.max() > FARTHEST_MM or off.max() > LARGEST_TURN_DEG:
+        value = f"{along.max():.1f} mm along the line, {off.max():.0f} degrees about it"
+        limits = f"at most {FARTHEST_MM:g} mm and {LARGEST_TURN_DEG:g} degrees"
+        remedy = f"{limits}: the points' order, mirrored: true, or the line"
+        raise InputError("landmarks contradict each other", "landmark_points_mm", value, remedy)
+    return shift, turn, report

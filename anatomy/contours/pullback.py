@@ -1,0 +1,121 @@
+"""A pull-back: its frames from distal to proximal with what was traced in each, and what is doubtful about them."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from common.errors import InputError
+
+from . import tables
+
+SAME_Z_MM = 0.01  # of one frame in two tables
+FEWEST_FRAMES = 3
+USUAL_GAP_MM = 2.0  # farther apart, the lumen between two frames is mostly interpolated
+
+
+@dataclass
+class Frame:
+    """One frame: z_mm rises from distal to proximal; outlines (n, 2) in mm of the image's plane."""
+
+    name: object
+    z_mm: float
+    lumen: np.ndarray
+    outer_wall: np.ndarray = None
+    regions: dict = field(default_factory=dict)  # calcium, lipid: outline of what was traced
+
+
+@dataclass
+class Pullback:
+    """Frames from distal to proximal, landmarks [(z_mm, point (2,))] in the order of their table, warnings [str].
+
+    sign: of z_mm against z in the tables, -1 where that rises from the proximal end.
+    """
+
+    frames: list
+    landmarks: list
+    warnings: list
+    sign: float = 1.0
+
+    @property
+    def z_mm(self):
+        """z of the frames, rising from distal to proximal."""
+        return np.array([frame.z_mm for frame in self.frames])
+
+
+def read(files, units="mm", z_from="distal", z_range_mm=None, drop_frames=()):
+    """The Pullback of contour tables.
+
+    files: {lumen, outer_wall, calcium, lipid, branches, landmarks: path}, the lumen required. z_from: the end at which
+    z is smallest, `distal` or `proximal`. z_range_mm: (first, last) z of the frames that are used (a guide catheter's
+    are left out so); drop_frames: names of frames that are not. Raises InputError.
+    """
+    first, last = z_range_mm or (-np.inf, np.inf)
+    if not first < last:
+        raise InputError("empty range of z", "z_range_mm", [first, last], "the lower z first")
+    dropped = set(drop_frames)
+
+    def wanted(frame, z):
+        return first <= z <= last and frame not in dropped
+
+    warnings = []
+    lumen = tables.read_outlines(files["lumen"], units, "lumen", wanted)
+    _check_frames(lumen, files["lumen"], warnings)
+    frames = {name: Frame(name, z, outline) for name, (z, outline) in lumen.items()}
+    if files.get("outer_wall"):
+        for name, outline in _matched(files, "outer_wall", units, frames, wanted, warnings):
+            frames[name].outer_wall = outline
+    for kind in ("calcium", "lipid"):
+        if files.get(kind):
+            for name, outline in _matched(files, kind, units, frames, wanted, warnings):
+                frames[name].regions[kind] = outline
+    if files.get("branches"):
+        _say_branches(tables.read_outlines(files["branches"], units, "branches", wanted), warnings)
+    landmarks = tables.read_points(files["landmarks"], units) if files.get("landmarks") else []
+    sign = 1.0 if z_from == "distal" else -1.0
+    for frame in frames.values():
+        frame.z_mm *= sign
+    ordered = sorted(frames.values(), key=lambda frame: frame.z_mm)
+    return Pullback(ordered, [(sign * z, point) for _, z, point in landmarks], warnings, sign)
+
+
+def _check_frames(lumen, path, warnings):
+    if len(lumen) < FEWEST_FRAMES:
+        raise InputError("too few frames", path, len(lumen), f"at least {FEWEST_FRAMES} frames of the lumen")
+    order = sorted(lumen, key=lambda name: lumen[name][0])
+    for one, other in zip(order, order[1:]):
+        gap = lumen[other][0] - lumen[one][0]
+        if gap < SAME_Z_MM:
+            value = f"frames {one} and {other} at z {lumen[one][0]:g} mm"
+            raise InputError("two frames at one place", path, value, "one phase of the heart, each frame once")
+        if gap > USUAL_GAP_MM:
+            warnings.append(
+                f"no frame between z {lumen[one][0]:.2f} and {lumen[other][0]:.2f} mm ({gap:.1f} mm): "
+                "a narrowing between them would not be seen"
+            )
+
+
+def _matched(files, what, units, frames, wanted, warnings):
+    """(frame, outline) of a table, for the frames that the lumen has; InputError where z differs."""
+    path = files[what]
+    without = []
+    for name, (z, outline) in tables.read_outlines(path, units, what, wanted).items():
+        if name not in frames:
+            without.append(name)
+        elif abs(z - frames[name].z_mm) > SAME_Z_MM:
+            value = f"z {z:g} mm, in the lumen's table {frames[name].z_mm:g} mm"
+            raise InputError(
+                "one frame at two places", f"{path}: {what}, frame {name}", value, "tables of one pull-back"
+            )
+        else:
+            yield name, outline
+    if without:
+        warnings.append(f"{what}: frames without a lumen are not used: {', '.join(map(str, without))}")
+
+
+def _say_branches(branches, warnings):
+    widths = {z: 2 * np.sqrt(abs(tables.area_mm2(outline)) / np.pi) for z, outline in branches.values()}
+    if widths:
+        warnings.append(
+            f"a side branch runs beside the vessel from z {min(widths):.1f} to {max(widths):.1f} mm, up to "
+            f"{max(widths.values()):.2f} mm wide: it is not part of the lumen, what it carries stays in the vessel"
+        )

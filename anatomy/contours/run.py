@@ -1,0 +1,150 @@
+"""The command: from contour tables to a lumen with plaque, contours.json with what it rests on, and a picture."""
+
+import pathlib
+import sys
+
+import numpy as np
+
+from common import vtp
+from common.errors import InputError
+from common.files import write_json
+
+from . import line, loft, picture, placing, plaque, pullback, rings
+from .tables import area_mm2
+
+SCHEMA = "vci-contours-1"
+ARRAYS = ("plaque_thickness_mm", "plaque_type")  # at the surface's points
+EDGE_MM = 0.12  # of the lofted surface: `lumen process` makes its own mesh of it
+SHADOW_DEG = 90  # of calcium, beyond which the outer wall is not to be measured (Mintz et al., JACC 37 (2001) 1478)
+FEWEST_AROUND, MOST_AROUND = 64, 200
+
+
+def run(files, out, units="mm", healthy_wall_mm="auto", reading=None, laying=None):
+    """Writes lumen.vtp, contours.json and contours.png into the folder `out`; returns the document.
+
+    files: as pullback.read; laying: None for a straight axis, or {centreline, line, units, landmark_points_mm,
+    proximal_s_mm, rotation_deg, mirrored}; reading: {z_from, z_range_mm, drop_frames}. Raises InputError.
+    """
+    pull = pullback.read(files, units, **(reading or {}))
+    place = _placing(pull, dict(laying)) if laying else placing.straight(pull)
+    lumen = loft_of(pull, place)
+    arrays, found = _plaque(pull, files, healthy_wall_mm, lumen)
+    surface = vtp.surface(lumen["points"], lumen["triangles"])
+    vtp.add_array(surface.GetCellData(), "region_id", lumen["region"].astype(np.int32))
+    for name, values in arrays.items():
+        vtp.add_array(surface.GetPointData(), name, values)
+    document = _document(pull, place, lumen, found)
+    out = pathlib.Path(out)
+    vtp.write(out / "lumen.vtp", surface)
+    write_json(out / "contours.json", document)
+    around = lumen["frame_rings"].shape[1]
+    walls = [arrays[key][: len(lumen["z_mm"]) * around].reshape(-1, around) if arrays else None for key in ARRAYS]
+    picture.draw(document, pull.sign * lumen["z_mm"], *walls, out / "contours.png")
+    for warning in pull.warnings:
+        print(f"warning: {warning}", file=sys.stderr)
+    return document
+
+
+def loft_of(pull, place):
+    """The lofted lumen: dict of points, triangles, region, z_mm of its rings, frame_rings (frames, n, 2) and count of
+    rings' points."""
+    longest = max(_perimeter(frame.lumen) for frame in pull.frames)
+    around = int(np.clip(np.ceil(longest / EDGE_MM), FEWEST_AROUND, MOST_AROUND))
+    of_frames = np.array([rings.ring(frame.lumen, around) for frame in pull.frames])
+    steps = np.maximum(np.ceil(np.diff(pull.z_mm) / EDGE_MM).astype(int), 1)
+    parts = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(pull.z_mm, pull.z_mm[1:], steps)]
+    z = np.concatenate([*parts, pull.z_mm[-1:]])
+    laid = place.map(z, rings.scaled(rings.between(pull.z_mm, of_frames)(z), _areas(pull, z)))
+    points, triangles, region = loft.surface(laid, pull.sign * z)
+    return {"points": points, "triangles": triangles, "region": region, "z_mm": z, "frame_rings": of_frames}
+
+
+def _areas(pull, z_mm):
+    """Areas in mm2 at z: the outlines' own at the frames, between two frames between theirs."""
+    return rings.between(pull.z_mm, np.array([area_mm2(rings.smooth(frame.lumen)) for frame in pull.frames]))(z_mm)
+
+
+def _placing(pull, laying):
+    axis = line.read(laying.pop("centreline"), laying.pop("units", "mm"), laying.pop("line", None))
+    return placing.on_line(pull, axis, **laying)
+
+
+def _perimeter(outline):
+    return np.linalg.norm(outline - np.roll(outline, 1, axis=0), axis=1).sum()
+
+
+def _plaque(pull, files, healthy_wall_mm, lumen):
+    """({array name: values at the surface's points}, what was found of it); no arrays without an outer wall."""
+    frames, of_frames = pull.frames, lumen["frame_rings"]
+    kinds = np.array([plaque.types_of_frame(frame, ring) for frame, ring in zip(frames, of_frames)])
+    if not files.get("outer_wall"):
+        if any(frame.regions for frame in frames):
+            raise InputError(
+                "calcium or lipid without an outer wall",
+                "outer_wall",
+                "missing",
+                "the outer wall (EEM) gives their depth",
+            )
+        pull.warnings.append("no outer wall: the plaque behind the lumen is estimated from its narrowing alone")
+        return {}, {"kinds": kinds}
+    distance = plaque.thickness(frames, of_frames, files["outer_wall"], pull.warnings)
+    traced = ~np.isnan(distance).any(axis=1)
+    if not traced.any():
+        remedy = "frames named as in the lumen's table, at the same z"
+        raise InputError("no frame of the outer wall is one of the lumen", files["outer_wall"], "none", remedy)
+    healthy = plaque.healthy_wall_mm(distance, healthy_wall_mm)
+    if healthy_wall_mm == "auto" and distance[traced].mean(axis=1).min() > healthy:
+        pull.warnings.append(
+            f"no healthy frame: the thinnest wall has {distance[traced].mean(axis=1).min():.2f} mm; "
+            f"{healthy:.2f} mm of it are taken for the healthy wall"
+        )
+    z = lumen["z_mm"]
+    thickness = np.maximum(rings.between(pull.z_mm[traced], distance[traced])(z) - healthy, 0)
+    nearest = np.abs(z[:, None] - pull.z_mm[None]).argmin(axis=1)
+    kind = np.where(thickness > 0, kinds[nearest], plaque.NONE)
+    inner = len(lumen["points"]) - thickness.size  # of the caps: no wall
+    _say_shadow(pull, of_frames, kinds)
+    values = (
+        np.concatenate([thickness.ravel(), np.zeros(inner)]),
+        np.concatenate([kind.ravel(), np.zeros(inner, int)]).astype(np.int32),
+    )
+    return dict(zip(ARRAYS, values)), {"kinds": kinds, "distance": distance, "healthy_wall_mm": healthy}
+
+
+def _say_shadow(pull, of_frames, kinds):
+    arcs = [plaque.arc_deg(kind, ring, plaque.CALCIFIED) for kind, ring in zip(kinds, of_frames)]
+    wide = [pull.sign * frame.z_mm for frame, arc in zip(pull.frames, arcs) if arc > SHADOW_DEG]
+    if wide:
+        pull.warnings.append(
+            f"calcium shadows more than {SHADOW_DEG} degrees of the outer wall in {len(wide)} frames, "
+            f"z {min(wide):.1f} to {max(wide):.1f} mm: the thickness there is what the reader assumed"
+        )
+
+
+def _document(pull, place, lumen, found):
+    rows = []
+    for k, (frame, ring) in enumerate(zip(pull.frames, lumen["frame_rings"])):
+        distance = found["distance"][k] if "distance" in found else np.array([np.nan])
+        traced = frame.outer_wall is not None
+        rows.append(
+            {
+                "frame": frame.name,
+                "z_mm": pull.sign * frame.z_mm,
+                "lumen_area_mm2": area_mm2(frame.lumen),
+                "outer_wall_area_mm2": area_mm2(frame.outer_wall) if traced else None,
+                "plaque_burden_percent": plaque.burden_percent(frame),
+                "wall_mean_mm": float(distance.mean()) if traced else None,
+                "wall_max_mm": float(distance.max()) if traced else None,
+                "calcium_arc_deg": plaque.arc_deg(found["kinds"][k], ring, plaque.CALCIFIED),
+            }
+        )
+    return {
+        "schema": SCHEMA,
+        "axis": place.how,
+        "placing": place.report,
+        "length_mm": float(np.ptp(pull.z_mm)),
+        "volume_mm3": loft.volume_mm3(lumen["points"], lumen["triangles"]),
+        "healthy_wall_mm": found.get("healthy_wall_mm"),
+        "frames": rows,
+        "warnings": pull.warnings,
+    }

@@ -1,0 +1,214 @@
+"""Contour tables and what is made of them: reading and checking, rings, plaque."""
+
+import gzip
+
+import numpy as np
+import pytest
+
+from anatomy.contours import plaque, pullback, rings, run, tables
+from common import vtp
+from common.errors import InputError
+
+
+def circle(radius, count=60, centre=(4.0, 5.0), start=0.3, turn=1):
+    angle = start + turn * 2 * np.pi * np.arange(count) / count
+    return np.column_stack([centre[0] + radius * np.cos(angle), centre[1] + radius * np.sin(angle)])
+
+
+def text(frames, separator=",", closed=True):
+    """frames: {frame: (z, outline)}."""
+    lines = []
+    for name, (z, outline) in frames.items():
+        points = np.vstack([outline, outline[:1]]) if closed else outline
+        lines += [separator.join(map(str, (name, x, y, z))) for x, y in points]
+    return "\n".join(lines) + "\n"
+
+
+@pytest.fixture
+def table(tmp_path):
+    def write(frames, name="lumen.csv", **kwargs):
+        path = tmp_path / name
+        path.write_text(text(frames, **kwargs))
+        return path
+
+    return write
+
+
+def tube(radii, spacing=1.0, **kwargs):
+    return {10 * k + 3: (k * spacing, circle(radius, **kwargs)) for k, radius in enumerate(radii)}
+
+
+@pytest.mark.parametrize("separator", [",", "\t", ";", " "])
+def test_reads_any_separator_with_or_without_names(tmp_path, separator):
+    body = text(tube([1.5, 1.4, 1.5]), separator)
+    for head in ("", separator.join(["frame", "x", "y", "z"]) + "\r\n", "# of a pull-back\n", "\ufeff"):
+        path = tmp_path / "lumen.csv"
+        path.write_text(head + body, encoding="utf-8")
+        found = tables.read_outlines(path, "mm", "lumen")
+        assert list(found) == [3, 13, 23]
+        assert found[13][0] == 1.0 and len(found[13][1]) == 60
+
+
+def test_reads_compressed_tables_and_other_units(tmp_path):
+    scaled = {name: (z / 10, outline / 10) for name, (z, outline) in tube([1.5, 1.4, 1.5]).items()}
+    path = tmp_path / "lumen.csv.gz"
+    path.write_bytes(gzip.compress(text(scaled).encode()))
+    found = tables.read_outlines(path, "cm", "lumen")
+    assert found[13][0] == pytest.approx(1.0)
+    assert tables.area_mm2(found[13][1]) == pytest.approx(np.pi * 1.4**2, rel=0.002)
+
+
+def test_outlines_run_counter_clockwise_whichever_way_they_were_drawn(table):
+    found = tables.read_outlines(table(tube([1.5, 1.4, 1.5], turn=-1)), "mm", "lumen")
+    assert all(tables.area_mm2(outline) > 0 for _, outline in found.values())
+
+
+def test_refuses_what_is_no_table_of_outlines(table, tmp_path):
+    good = tube([1.5, 1.4, 1.5])
+    eight = circle(1.5, 8)
+    figure_of_eight = np.column_stack([np.sin(t := np.linspace(0, 2 * np.pi, 40, False)), np.sin(t) * np.cos(t)])
+    broken = {
+        "cross": ({**good, 13: (1.0, figure_of_eight)}, "crosses itself"),
+        "few": ({**good, 13: (1.0, circle(1.5, 7))}, "too few points"),
+        "pixels": ({name: (z, 30 * outline) for name, (z, outline) in good.items()}, "too wide"),
+        "speck": ({**good, 13: (1.0, circle(0.09))}, "hardly any area"),
+    }
+    for frames, what in broken.values():
+        with pytest.raises(InputError, match=what):
+            tables.read_outlines(table(frames), "mm", "lumen")
+    # just inside: eight points, an ectatic artery of 14 mm, a lumen of 0.2 mm
+    inside = {1: (0.0, eight), 2: (1.0, circle(7.0)), 3: (2.0, circle(0.1))}
+    assert len(tables.read_outlines(table(inside), "mm", "lumen")) == 3
+    path = tmp_path / "words.csv"
+    path.write_text("1,2,3,4\n1,2,3\n")
+    with pytest.raises(InputError, match="line 2"):
+        tables.read_rows(path, "mm")
+    path.write_text("1,2,3,4\n1,2,3,nan\n")
+    with pytest.raises(InputError, match="line 2"):
+        tables.read_rows(path, "mm")
+    path.write_text("1,2,3,4\n1,2,3,five\n")
+    with pytest.raises(InputError, match="not a number"):
+        tables.read_rows(path, "mm")
+
+
+def test_frames_that_cannot_be_one_pull_back_are_refused(table):
+    with pytest.raises(InputError, match="too few frames"):
+        pullback.read({"lumen": table(tube([1.5, 1.4]))})
+    twice = {**tube([1.5, 1.4, 1.5]), 99: (1.0, circle(1.2))}
+    with pytest.raises(InputError, match="two frames at one place"):
+        pullback.read({"lumen": table(twice)})
+    assert len(pullback.read({"lumen": table(twice)}, drop_frames=[99]).frames) == 3
+    moved = {name: (z + 0.5, outline) for name, (z, outline) in tube([1.8] * 3).items()}
+    with pytest.raises(InputError, match="one frame at two places"):
+        pullback.read({"lumen": table(tube([1.5] * 3)), "outer_wall": table(moved, "wall.csv")})
+
+
+def test_frames_are_ordered_from_distal_to_proximal(table):
+    files = {"lumen": table(tube([1.0, 1.2, 1.4, 1.6]))}
+    distal = pullback.read(files)
+    assert [frame.name for frame in distal.frames] == [3, 13, 23, 33]
+    proximal = pullback.read(files, z_from="proximal")
+    assert [frame.name for frame in proximal.frames] == [33, 23, 13, 3]
+    assert [frame.name for frame in pullback.read(files, z_range_mm=(0.5, 3.5)).frames] == [13, 23, 33]
+
+
+def test_a_gap_between_frames_is_said(table):
+    assert pullback.read({"lumen": table(tube([1.5] * 4, spacing=2.0))}).warnings == []
+    assert "no frame between" in pullback.read({"lumen": table(tube([1.5] * 4, spacing=2.5))}).warnings[0]
+
+
+def test_points_of_rings_correspond_wherever_the_outlines_begin():
+    one = rings.ring(circle(1.5, start=0.3), 90)
+    other = rings.ring(circle(1.5, start=4.1), 90)
+    assert np.abs(one - other).max() < 0.001
+    angle = np.arctan2(*(one[0] - (4.0, 5.0))[::-1])
+    assert abs(angle) < 0.001
+
+
+def test_between_frames_nothing_is_narrower_than_both(table, tmp_path):
+    """Two slits at a right angle: rings halfway between their points would enclose much less."""
+    angle = 2 * np.pi * np.arange(80) / 80
+    slit = np.column_stack([1.8 * np.cos(angle), 0.5 * np.sin(angle)])
+    frames = {1: (0.0, slit), 2: (1.0, slit), 3: (2.0, slit[:, ::-1] * [1, -1]), 4: (3.0, slit[:, ::-1] * [1, -1])}
+    pull = pullback.read({"lumen": table(frames)})
+    lofted = run.loft_of(pull, run.placing.straight(pull))
+    around = lofted["frame_rings"].shape[1]
+    areas = [
+        tables.area_mm2(ring) for ring in lofted["points"][: len(lofted["z_mm"]) * around, :2].reshape(-1, around, 2)
+    ]
+    assert np.array(areas) == pytest.approx(np.pi * 0.9, rel=0.001)
+
+
+def test_wall_beyond_the_healthy_one_is_plaque(table, tmp_path):
+    """Concentric circles: the healthy end has 0.2 mm of wall, the lesion 0.7 mm, of which 0.5 are plaque."""
+    files = {"lumen": table(tube([1.5, 1.5, 1.0, 1.5, 1.5])), "outer_wall": table(tube([1.7] * 5), "wall.csv")}
+    document = run.run(files, tmp_path / "out")
+    assert document["healthy_wall_mm"] == pytest.approx(0.2, abs=0.002)
+    surface = vtp.read_triangles(tmp_path / "out" / "lumen.vtp", "")
+    points = vtp.points(surface)
+    thickness = np.array(surface.GetPointData().GetArray("plaque_thickness_mm"))
+    kind = np.array(surface.GetPointData().GetArray("plaque_type"))
+    rim = np.hypot(*points[:, :2].T)
+    throat = (np.abs(points[:, 2] - 2) < 1e-6) & (rim > 0.9)
+    assert thickness[throat] == pytest.approx(0.5, abs=0.005) and (kind[throat] == plaque.FIBROUS).all()
+    assert thickness[(points[:, 2] < 1) & (rim > 1.4)] == pytest.approx(0, abs=0.005)
+    assert document["frames"][2]["plaque_burden_percent"] == pytest.approx(100 * (1 - 1 / 1.7**2), abs=0.1)
+    given = run.run(files, tmp_path / "given", healthy_wall_mm=0.1)
+    assert given["healthy_wall_mm"] == 0.1
+
+
+def test_a_pull_back_without_a_healthy_frame_takes_the_usual_wall(table, tmp_path):
+    files = {"lumen": table(tube([1.0] * 3)), "outer_wall": table(tube([1.6] * 3), "wall.csv")}
+    document = run.run(files, tmp_path / "out")
+    assert document["healthy_wall_mm"] == plaque.THICKEST_HEALTHY_MM
+    assert any("no healthy frame" in warning for warning in document["warnings"])
+
+
+def test_outer_wall_that_is_missing_in_a_frame_is_interpolated(table, tmp_path):
+    wall = tube([1.7, 1.7, 1.9, 1.7, 1.7])
+    del wall[13]
+    files = {"lumen": table(tube([1.5] * 5)), "outer_wall": table(wall, "wall.csv")}
+    document = run.run(files, tmp_path / "out")
+    assert any("no outer wall in frames 13" in warning for warning in document["warnings"])
+    assert document["frames"][1]["wall_mean_mm"] is None
+
+
+def test_a_lumen_outside_its_outer_wall_is_refused(table, tmp_path):
+    files = {"lumen": table(tube([1.5] * 3)), "outer_wall": table(tube([1.7, 1.35, 1.7]), "wall.csv")}
+    with pytest.raises(InputError, match="outside the outer wall"):
+        run.run(files, tmp_path / "out")
+    assert not (tmp_path / "out" / "lumen.vtp").exists()
+    files["outer_wall"] = table(tube([1.7, 1.45, 1.7]), "wall.csv")  # hand-drawn lines that cross by 0.05 mm
+    run.run(files, tmp_path / "out")
+
+
+def sector(inner, outer, first_deg, last_deg, centre=(4.0, 5.0)):
+    angle = np.radians(np.linspace(first_deg, last_deg, 60))
+    arc = np.column_stack([np.cos(angle), np.sin(angle)])
+    return np.vstack([inner * arc, outer * arc[::-1]]) + centre
+
+
+@pytest.mark.parametrize("first, last", [(20, 110), (150, 390), (5, 354)])
+def test_calcium_counts_round_the_lumen_whatever_its_depth(table, tmp_path, first, last):
+    calcium = {23: (2.0, sector(1.3, 1.5, first, last))}
+    files = {"lumen": table(tube([1.5, 1.5, 1.0, 1.5, 1.5])), "outer_wall": table(tube([1.7] * 5), "wall.csv")}
+    files["calcium"] = table(calcium, "calcium.csv")
+    document = run.run(files, tmp_path / "out")
+    arcs = [frame["calcium_arc_deg"] for frame in document["frames"]]
+    assert arcs[2] == pytest.approx(last - first, abs=6) and arcs[:2] + arcs[3:] == [0, 0, 0, 0]
+    shadow = any("shadow" in warning for warning in document["warnings"])
+    assert shadow == (last - first > 93) or last - first == 90
+
+
+def test_calcium_without_an_outer_wall_is_refused(table, tmp_path):
+    files = {"lumen": table(tube([1.5] * 5)), "calcium": table({23: (2.0, sector(1.6, 1.9, 0, 90))}, "calcium.csv")}
+    with pytest.raises(InputError, match="without an outer wall"):
+        run.run(files, tmp_path / "out")
+
+
+def test_thinned_tables_keep_their_areas(table, tmp_path):
+    source = table({1: (0.0, circle(1.5, 500)), 2: (0.5, circle(1.0, 500)), 3: (1.0, circle(1.2, 500))})
+    tables.thin(source, tmp_path / "thin.csv", 125)
+    found = tables.read_outlines(tmp_path / "thin.csv", "mm", "lumen")
+    assert [len(outline) for _, outline in found.values()] == [125] * 3
+    assert tables.area_mm2(found[1][1]) == pytest.approx(np.pi * 1.5**2, rel=0.0005)

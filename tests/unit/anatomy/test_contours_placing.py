@@ -1,0 +1,232 @@
+"""Frames laid on a centreline: a known curved vessel is sampled as a pull-back and must come back."""
+
+import functools
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from anatomy.contours import line, loft, placing, pullback, run, tables
+from common import vtp
+from common.errors import InputError
+
+LENGTH = 40.0
+
+
+def axis(s):
+    """A coronary's bends out of one plane, in CT coordinates: (points, tangents) at the lengths s (k,)."""
+    fine = np.linspace(0, 1, 4001)
+    x, y, z = 25 * np.sin(1.5 * fine), 22 * (1 - np.cos(1.6 * fine)), 9 * np.sin(3.1 * fine)
+    curve = np.column_stack([x, y, z]) + (60, -190, 1700)
+    along = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))])
+    assert along[-1] > LENGTH
+    points = np.column_stack([np.interp(s, along, curve[:, k]) for k in range(3)])
+    ahead = np.column_stack([np.interp(s + 0.01, along, curve[:, k]) for k in range(3)])
+    return points, (ahead - points) / np.linalg.norm(ahead - points, axis=1)[:, None]
+
+
+def frame_vectors(s):
+    """Vectors across the axis that do not turn about it, begun across the first tangent: integrated in small steps."""
+    fine = np.linspace(0, LENGTH, 4001)
+    tangents = axis(fine)[1]
+    first = np.empty_like(tangents)
+    first[0] = np.cross(tangents[0], [0, 0, 1.0])
+    first[0] /= np.linalg.norm(first[0])
+    for k in range(1, len(fine)):
+        carried = first[k - 1] - (first[k - 1] @ tangents[k]) * tangents[k]
+        first[k] = carried / np.linalg.norm(carried)
+    at = np.array([np.abs(fine - x).argmin() for x in s])
+    return first[at], np.cross(tangents[at], first[at])
+
+
+def radius(s, angle):
+    """An eccentric narrowing on one side of a tapering vessel that is not quite round."""
+    narrow = np.exp(-(((s - 20) / 5) ** 2))
+    return (1.8 - 0.012 * s) * (1 + 0.1 * np.cos(2 * angle)) * (1 - narrow * (0.25 + 0.2 * np.cos(angle - 0.8)))
+
+
+def wall(s, count=400):
+    """Points (len(s), count, 3) of the true wall."""
+    angle = 2 * np.pi * np.arange(count) / count
+    place = axis(s)[0]
+    first, second = frame_vectors(s)
+    r = np.array([radius(x, angle) for x in s])
+    return place[:, None] + r[..., None] * (
+        np.cos(angle)[None, :, None] * first[:, None] + np.sin(angle)[None, :, None] * second[:, None]
+    )
+
+
+def recorded(turn, sign=1.0):
+    """The vessel as a catheter records it: {frame: (z, outline)}, landmarks of the table, their places in space.
+
+    Frames 0.6 mm apart from distal to proximal; the image is turned by `turn`, its middle wanders with the catheter.
+    Looking from distal, x and y of an image and z (to proximal) are right-handed; sign -1 is the mirror image.
+    """
+    s = np.arange(5.0, 35.01, 0.6)[::-1]
+    place, _ = axis(s)
+    first, second = frame_vectors(s)
+    points = wall(s, 120)
+    frames, marks, places = {}, [], []
+    for k in range(len(s)):
+        away = points[k] - place[k]
+        u, v = away @ first[k], -(away @ second[k])  # seen against the tangent
+        x = np.cos(turn) * u + np.sin(turn) * v
+        y = sign * (-np.sin(turn) * u + np.cos(turn) * v)
+        middle = (4.5 + 0.4 * np.sin(k / 5), 4.5 + 0.3 * np.cos(k / 7))
+        frames[k] = (s[0] - s[k], np.column_stack([x, y]) + middle)
+        if k in (8, 25, 40):
+            marks.append((k, *(frames[k][1][30 + k]), s[0] - s[k]))
+            places.append(points[k][30 + k])
+    return frames, marks, np.array(places)
+
+
+@pytest.fixture
+def pull_back(tmp_path):
+    def make(turn, sign=1.0, keep=slice(None)):
+        frames, marks, places = recorded(turn, sign)
+        files = {"lumen": tmp_path / "lumen.csv", "landmarks": tmp_path / "landmarks.csv"}
+        lines = [f"{k},{x},{y},{z}" for k, (z, outline) in frames.items() for x, y in outline]
+        files["lumen"].write_text("\n".join(lines))
+        files["landmarks"].write_text("\n".join(f"{k},{x},{y},{z}" for k, x, y, z in marks[keep]))
+        return pullback.read(files), places[keep]
+
+    return make
+
+
+@functools.lru_cache
+def centred_line():
+    """The line through the centres of the lumen's sections, as a CT's centreline is, with jitter of 0.02 mm."""
+    s = np.arange(0, LENGTH, 0.5)
+    points = wall(s)
+    first, second = frame_vectors(s)
+    place = axis(s)[0]
+    middle = []
+    for k in range(len(s)):
+        away = points[k] - place[k]
+        u, v = tables.centroid(np.column_stack([away @ first[k], away @ second[k]]))
+        middle.append(place[k] + u * first[k] + v * second[k])
+    return np.array(middle) + np.random.default_rng(3).normal(scale=0.02, size=(len(s), 3))
+
+
+def misfit(points):
+    """Distances (n,) of points to the true wall, for those between s 6 and 34."""
+    s, tree = true_wall()
+    distance, index = tree.query(points)
+    near = s[index // 200]
+    return distance[(near > 6) & (near < 34)]
+
+
+@functools.lru_cache
+def true_wall():
+    s = np.arange(4.5, 35.5, 0.05)
+    return s, cKDTree(wall(s, 200).reshape(-1, 3))
+
+
+@pytest.mark.parametrize("turn", [0.0, 1.1, -2.4])
+@pytest.mark.parametrize("keep", [slice(None), slice(1, 2)])
+def test_a_curved_vessel_comes_back(pull_back, turn, keep):
+    pull, places = pull_back(turn, keep=keep)
+    place = placing.on_line(pull, line.Line(centred_line()), places)
+    lofted = run.loft_of(pull, place)
+    rim = len(lofted["z_mm"]) * lofted["frame_rings"].shape[1]
+    off = misfit(lofted["points"][:rim])
+    assert np.sqrt(np.mean(off**2)) < 0.03 and off.max() < 0.06
+    assert loft.volume_mm3(lofted["points"], lofted["triangles"]) > 0
+
+
+def test_landmarks_tell_the_rotation(pull_back):
+    turns = []
+    axis_line = line.Line(centred_line())
+    for turn in (0.0, 1.1):
+        pull, places = pull_back(turn)
+        report = placing.on_line(pull, axis_line, places).report
+        assert report["landmarks_differ_mm"] < 0.3 and report["landmarks_differ_deg"] < 5
+        turns.append(report["rotation_deg"])
+    assert (turns[1] - turns[0] - np.degrees(1.1) + 180) % 360 - 180 == pytest.approx(0, abs=0.5)
+
+
+def test_without_its_rotation_the_vessel_does_not_come_back(pull_back):
+    pull, places = pull_back(1.1)
+    place = placing.on_line(pull, line.Line(centred_line()), proximal_s_mm=5.0, rotation_deg=90)
+    lofted = run.loft_of(pull, place)
+    rim = len(lofted["z_mm"]) * lofted["frame_rings"].shape[1]
+    assert misfit(lofted["points"][:rim]).max() > 0.3
+
+
+def test_mirrored_images_are_found_out_and_put_right(pull_back):
+    pull, places = pull_back(0.4, sign=-1.0)
+    with pytest.raises(InputError, match="landmarks contradict"):
+        placing.on_line(pull, line.Line(centred_line()), places)
+    place = placing.on_line(pull, line.Line(centred_line()), places, mirrored=True)
+    lofted = run.loft_of(pull, place)
+    rim = len(lofted["z_mm"]) * lofted["frame_rings"].shape[1]
+    assert misfit(lofted["points"][:rim]).max() < 0.06
+    assert loft.volume_mm3(lofted["points"], lofted["triangles"]) > 0
+
+
+def test_landmarks_that_do_not_fit_are_refused(pull_back):
+    pull, places = pull_back(0.4)
+    axis_line = line.Line(centred_line())
+    with pytest.raises(InputError, match="landmarks contradict"):
+        placing.on_line(pull, axis_line, places[[1, 0, 2]])
+    with pytest.raises(InputError, match="without a partner"):
+        placing.on_line(pull, axis_line, places[:2])
+    with pytest.raises(InputError, match="tells no rotation"):
+        placing.on_line(pull, axis_line, np.vstack([axis_line.place(np.array([30.2]))[0], places[1:]]))
+    placing.on_line(pull, axis_line, places + [0, 0, 1.0])  # a millimetre off is how well such points are picked
+
+
+def test_a_pull_back_longer_than_its_line_is_refused(pull_back):
+    pull, _ = pull_back(0.0)
+    short = line.Line(centred_line()[:60])
+    with pytest.raises(InputError, match="beyond its centreline"):
+        placing.on_line(pull, short)
+    placing.on_line(pull, line.Line(centred_line()[:64]))
+
+
+def test_a_line_that_bends_within_the_lumen_is_refused(pull_back):
+    pull, _ = pull_back(0.0)
+    angle = np.linspace(0, 40, 400)
+    loop = np.column_stack([1.2 * np.cos(angle), 1.2 * np.sin(angle), 0.02 * angle])
+    monkey = line.Line.__new__(line.Line)
+    monkey.s_mm = np.linspace(0, 48, 400)
+    monkey._points = loop
+    monkey._tangents = np.gradient(loop, axis=0) / np.linalg.norm(np.gradient(loop, axis=0), axis=1)[:, None]
+    monkey._first = line._transported(loop, monkey._tangents)
+    with pytest.raises(InputError, match="run into each other"):
+        run.loft_of(pull, placing.on_line(pull, monkey))
+
+
+def test_which_of_several_lines_must_be_said(tmp_path):
+    import vtk
+
+    points, cells = vtk.vtkPoints(), vtk.vtkCellArray()
+    for offset in (0.0, 30.0):
+        ids = [points.InsertNextPoint(*(p + [offset, 0, 0])) for p in centred_line()]
+        cells.InsertNextCell(len(ids), ids)
+    poly = vtk.vtkPolyData()
+    poly.SetPoints(points)
+    poly.SetLines(cells)
+    vtp.write(tmp_path / "lines.vtp", poly)
+    with pytest.raises(InputError, match="several lines"):
+        line.read(tmp_path / "lines.vtp", "mm")
+    with pytest.raises(InputError, match="no such line"):
+        line.read(tmp_path / "lines.vtp", "mm", 3)
+    one, two = (line.read(tmp_path / "lines.vtp", "mm", number) for number in (1, 2))
+    assert two.place(np.array([5.0]))[0] - one.place(np.array([5.0]))[0] == pytest.approx(
+        np.array([[30, 0, 0]]), abs=0.01
+    )
+
+
+def test_frames_carried_along_a_line_do_not_turn_about_it():
+    """On a helix the frame turns against the normal by the torsion's integral, which is known."""
+    angle = np.linspace(0, 4 * np.pi, 4000)
+    a, b = 10.0, 3.0
+    helix = line.Line(np.column_stack([a * np.cos(angle), a * np.sin(angle), b * angle]))
+    s = np.array([5.0, helix.length_mm - 5.0])
+    _, tangent, first, second = helix.place(s)
+    at = s / np.hypot(a, b)
+    normal = np.column_stack([-np.cos(at), -np.sin(at), 0 * at])
+    seen = np.arctan2((normal * second).sum(axis=1), (normal * first).sum(axis=1))
+    expected = b / (a**2 + b**2) * (s[1] - s[0])
+    assert (seen[1] - seen[0] - expected + np.pi) % (2 * np.pi) - np.pi == pytest.approx(0, abs=0.01)

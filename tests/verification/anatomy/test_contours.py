@@ -1,0 +1,149 @@
+"""Real pull-backs: the shipped one and those of the shared data, from tables to the measured lumen."""
+
+import csv
+import json
+import pathlib
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import vtk
+
+from anatomy.contours import run
+from common import vtp
+
+PULL_BACKS = ["ivus_full", "ivus_prestent", "ivus_poststent", "ivus_rest", "aivus"]
+FULL = {"outer_wall": "eem_diastolic_contours.csv", "calcium": "calcium_diastolic_contours.csv"}
+
+
+def shipped(repo_root):
+    folder = repo_root / "config" / "patients" / "ivus_plaque"
+    return {name: folder / f"{name}.csv" for name in ("lumen", "outer_wall", "calcium", "branches", "landmarks")}
+
+
+def tables_of(shared_data, name):
+    folder = shared_data / "aivus" if name == "aivus" else shared_data / "multimoda" / name
+    if not folder.is_dir():
+        pytest.skip(f"{folder} is absent (see SOURCES.md)")
+    files = {"lumen": folder / "diastolic_contours.csv", "landmarks": folder / "diastolic_reference_points.csv"}
+    return {**files, **({key: folder / file for key, file in FULL.items()} if name == "ivus_full" else {})}
+
+
+def area_across(surface, z):
+    """Area of the section of a surface at z."""
+    plane, cutter, stripper = vtk.vtkPlane(), vtk.vtkCutter(), vtk.vtkStripper()
+    plane.SetOrigin(0, 0, z)
+    plane.SetNormal(0, 0, 1)
+    cutter.SetCutFunction(plane)
+    cutter.SetInputData(surface)
+    stripper.SetInputConnection(cutter.GetOutputPort())
+    stripper.JoinContiguousSegmentsOn()
+    stripper.Update()
+    cut = stripper.GetOutput()
+    x, y = vtp.points(cut)[max(vtp.lines(cut), key=len)][:, :2].T
+    return abs(0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
+
+
+def check_surface(folder, document):
+    """Areas at and between the frames, volume, tags."""
+    surface = vtp.read_triangles(folder / "lumen.vtp", "")
+    rows = document["frames"]
+    z = np.array([row["z_mm"] for row in rows])
+    areas = np.array([row["lumen_area_mm2"] for row in rows])
+    cut = np.array([area_across(surface, at) for at in z[1:-1]])
+    assert cut == pytest.approx(areas[1:-1], rel=0.001)
+    for low, high, one, other in zip(z, z[1:], areas, areas[1:]):
+        between = area_across(surface, 0.5 * (low + high))
+        assert min(one, other) * 0.995 < between < max(one, other) * 1.005
+    trapezoids = np.sum(0.5 * (areas[1:] + areas[:-1]) * np.diff(z))
+    assert document["volume_mm3"] == pytest.approx(trapezoids, rel=0.02)
+    region = np.array(surface.GetCellData().GetArray("region_id"))
+    assert set(region) == {0, 1, 2}
+    points, triangles = vtp.arrays(surface)
+    assert points[triangles[region == 1]][..., 2] == pytest.approx(z.max(), abs=1e-9)
+    assert points[triangles[region == 2]][..., 2] == pytest.approx(z.min(), abs=1e-9)
+
+
+@pytest.mark.parametrize("name", PULL_BACKS)
+def test_areas_of_the_lofted_lumen_are_the_contours(shared_data, tmp_path, name):
+    check_surface(tmp_path, run.run(tables_of(shared_data, name), tmp_path))
+
+
+@pytest.mark.parametrize("name", PULL_BACKS[:4])
+def test_published_areas_are_reproduced(shared_data, tmp_path, name):
+    published = shared_data / "multimoda" / "areas_diastole.csv"
+    files = tables_of(shared_data, name)
+    rows = [row for row in csv.DictReader(published.open()) if row["pullback"] == name]
+    found = run.run(files, tmp_path)["frames"]
+    assert [frame["z_mm"] for frame in found] == pytest.approx([float(row["z_mm"]) for row in rows], abs=0.001)
+    assert [frame["lumen_area_mm2"] for frame in found] == pytest.approx(
+        [float(row["area_mm2"]) for row in rows], abs=0.001
+    )
+
+
+def test_the_shipped_pull_back_is_the_source_s(repo_root, shared_data, tmp_path):
+    own = run.run(shipped(repo_root), tmp_path / "own")["frames"]
+    source = run.run(tables_of(shared_data, "ivus_full"), tmp_path / "source")["frames"]
+    for key in ("lumen_area_mm2", "outer_wall_area_mm2"):
+        assert [frame[key] for frame in own] == pytest.approx([frame[key] for frame in source], rel=0.0005)
+    arcs = [(one["calcium_arc_deg"], other["calcium_arc_deg"]) for one, other in zip(own, source)]
+    assert max(abs(one - other) for one, other in arcs) < 10
+
+
+def test_the_shipped_lesion(repo_root, tmp_path):
+    document = run.run(shipped(repo_root), tmp_path)
+    check_surface(tmp_path, document)
+    rows = document["frames"]
+    tightest = min(rows, key=lambda row: row["lumen_area_mm2"])
+    assert tightest["lumen_area_mm2"] == pytest.approx(1.877, abs=0.005) and tightest["z_mm"] == pytest.approx(
+        12.70, abs=0.01
+    )
+    assert tightest["plaque_burden_percent"] == pytest.approx(75.5, abs=0.5)
+    assert document["healthy_wall_mm"] == pytest.approx(0.12, abs=0.005)
+    assert max(row["calcium_arc_deg"] for row in rows) > 330
+    said = " ".join(document["warnings"])
+    assert "side branch" in said and "shadow" in said
+
+
+@pytest.mark.parametrize("name", ["shipped", *PULL_BACKS[1:]])
+def test_pull_backs_go_through_the_anatomy(binary, repo_root, shared_data, tmp_path, name):
+    document = run.run(shipped(repo_root) if name == "shipped" else tables_of(shared_data, name), tmp_path)
+    command = [binary("lumen"), "process", tmp_path / "lumen.vtp", "--out", tmp_path / "anatomy"]
+    subprocess.run(command, check=True, capture_output=True)
+    anatomy = json.loads((tmp_path / "anatomy" / "anatomy.json").read_text())
+    ends = {end["kind"]: end for end in anatomy["ends"]}
+    rows = document["frames"]
+    assert len(anatomy["ends"]) == 2
+    for kind, row in (("inlet", rows[-1]), ("outlet", rows[0])):
+        assert ends[kind]["centre_mm"][2] == pytest.approx(row["z_mm"], abs=0.01)
+        assert ends[kind]["area_mm2"] == pytest.approx(row["lumen_area_mm2"], rel=0.01)
+    assert anatomy["mesh"]["volume_mm3"] == pytest.approx(document["volume_mm3"], rel=0.02)
+    if name == "shipped":
+        arrays = vtp.read_triangles(tmp_path / "anatomy" / "lumen.vtp", "").GetPointData()
+        assert set(np.array(arrays.GetArray("plaque_type"))) == {0, 1, 3}
+        assert np.array(arrays.GetArray("plaque_thickness_mm")).max() == pytest.approx(1.1, abs=0.1)
+
+
+def test_a_pull_back_on_a_ct_centreline(repo_root, shared_data, tmp_path):
+    """Not the same patient: the line's bends are a coronary's, and the sections across it must keep their areas."""
+    centreline = shared_data / "multimoda" / "lca_cl.vtp"
+    if not centreline.is_file():
+        pytest.skip(f"{centreline} is absent (see SOURCES.md)")
+    laying = {"centreline": centreline, "line": 2, "proximal_s_mm": 60.0}
+    document = run.run(shipped(repo_root), tmp_path, laying=laying)
+    straight = run.run(shipped(repo_root), tmp_path / "straight")
+    assert document["placing"]["distal_s_mm"] == pytest.approx(60 + document["length_mm"])
+    assert document["volume_mm3"] == pytest.approx(straight["volume_mm3"], rel=0.01)
+    points = vtp.points(vtp.read_triangles(tmp_path / "lumen.vtp", ""))
+    line = vtp.points(vtp.read(centreline, ""))
+    near = np.array([np.linalg.norm(line - point, axis=1).min() for point in points[::50]])
+    assert near.max() < 2.2  # the widest section's farthest point
+
+
+def test_the_command_leaves_nothing_behind_where_it_refuses(repo_root, tmp_path):
+    files = shipped(repo_root)
+    command = [sys.executable, "-m", "anatomy", "contours", files["outer_wall"], "--outer-wall", files["lumen"]]
+    found = subprocess.run([*command, "--out", tmp_path / "out"], cwd=repo_root, capture_output=True, text=True)
+    assert found.returncode == 2 and "outside the outer wall" in found.stderr and "Traceback" not in found.stderr
+    assert not pathlib.Path(tmp_path / "out").exists()
