@@ -1,4 +1,4 @@
-"""Volume mesh of a tree: swept lattices in its tubes, HXT tetrahedra in its junctions, conforming.
+"""Volume mesh of a tree: swept lattices in its tubes, Delaunay tetrahedra in its junctions, conforming.
 
 Spans (meshing.sweep.laying) are laid first; the wall that they leave is zipped to their end rings
 (meshing.sweep.stitch) and, with the end discs, closes the junctions, which gmsh fills. An end that cannot be stitched

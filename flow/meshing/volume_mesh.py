@@ -1,10 +1,7 @@
-"""Linear tetrahedra inside the lumen surface by gmsh (HXT), in a process of its own.
+"""Linear tetrahedra inside the lumen surface by gmsh, in a process of its own.
 
 gmsh raises C++ exceptions that Python cannot catch, so flow/gmsh_fill.py is run as a program, which reads a surface and
-a size field from one .npz file and writes nodes and tetrahedra to another. gmsh's optimiser goes through sets ordered
-by address, so that its tetrahedra depend on where the memory of its process lies, down to the lengths of paths and
-variables, to whether Python compiled a module and to the seed of its string hashes, by which it lays out dictionaries.
-For the same surface to give the same mesh the program is read from standard input, with an environment of its own.
+a size field from one .npz file and writes nodes and tetrahedra to another. It sees nothing of the user's environment.
 """
 
 import pathlib
@@ -18,8 +15,8 @@ from common.errors import ComputationError
 from flow.meshing import gmsh_fill
 
 PROGRAM = pathlib.Path(__file__).with_name("gmsh_fill.py")
-COMMAND = [sys.executable, "-s", "-P", "-B", "-"]  # -I without -E, which would not see the seed
-ENVIRONMENT = {"PATH": "/usr/bin:/bin", "LC_ALL": "C", "OMP_NUM_THREADS": "1", "PYTHONHASHSEED": "0"}
+COMMAND = [sys.executable, "-I", "-B", str(PROGRAM)]
+ENVIRONMENT = {"PATH": "/usr/bin:/bin", "LC_ALL": "C"}
 
 
 def fill(surface, size_field, spacing_mm):
@@ -38,8 +35,7 @@ def fill(surface, size_field, spacing_mm):
             shape=shape,
             values=values,
         )
-        source = PROGRAM.read_text()
-        done = subprocess.run(COMMAND, input=source, cwd=folder, env=ENVIRONMENT, text=True, capture_output=True)
+        done = subprocess.run(COMMAND, cwd=folder, env=ENVIRONMENT, text=True, capture_output=True)
         if done.returncode != 0 or not (folder / gmsh_fill.VOLUME).is_file():
             tail = (done.stdout + done.stderr).strip().splitlines()[-3:]
             raise ComputationError(
