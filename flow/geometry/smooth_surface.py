@@ -13,7 +13,9 @@ circle through three neighbouring vertices, in the cap's plane, as if the vessel
 
 import numpy as np
 
+from flow.geometry import vectors
 from flow.geometry.surface import WALL
+from flow.geometry.vectors import dot
 
 LARGEST_OFFSET = 0.2  # of the edge: at a kink the normals say nothing about the surface between the vertices
 
@@ -88,9 +90,9 @@ def _rim_normals(points, rim):
         u, v = points[left] - points[vertex], points[right] - points[vertex]
         # towards the circle's centre: |u|^2 v - |v|^2 u, turned by a right angle within the plane of the three
         axis = np.cross(u, v)
-        tangent = (u @ u) * v - (v @ v) * u
-        outward = -np.cross(tangent, axis) if axis @ axis > 1e-12 * (u @ u) * (v @ v) else np.zeros(3)
-        length = np.linalg.norm(outward)
+        tangent = dot(u, u) * v - dot(v, v) * u
+        outward = -np.cross(tangent, axis) if dot(axis, axis) > 1e-12 * dot(u, u) * dot(v, v) else np.zeros(3)
+        length = vectors.length(outward)
         outward = outward / length if length > 0 else outward
-        normal[vertex] = -outward if outward @ (u + v) > 0 else outward
+        normal[vertex] = -outward if dot(outward, u + v) > 0 else outward
     return normal

@@ -9,6 +9,7 @@ from vtk.util.numpy_support import vtk_to_numpy
 
 from common import vtp
 from common.errors import InputError
+from flow.geometry.vectors import unit
 
 WALL, INLET = 0, 1
 
@@ -44,8 +45,8 @@ class Surface:
         for cap in self.caps:
             own = self.region == cap
             weight, total = np.linalg.norm(vectors[own], axis=1), vectors[own].sum(axis=0)
-            centre = weight @ centroids[own] / weight.sum()
-            found[cap] = centre, total / np.linalg.norm(total), float(np.sqrt(weight.sum() / np.pi))
+            centre = (weight[:, None] * centroids[own]).sum(axis=0) / weight.sum()
+            found[cap] = centre, unit(total), float(np.sqrt(weight.sum() / np.pi))
         return found
 
     def parts(self, chosen):

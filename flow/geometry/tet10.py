@@ -5,6 +5,8 @@ With barycentric coordinates lam: N_i = l_i (2 l_i - 1) at corners, N_ab = 4 l_a
 
 import numpy as np
 
+from flow.geometry.vectors import determinant
+
 EDGES = np.array([[0, 1], [1, 2], [0, 2], [0, 3], [2, 3], [1, 3]])  # gmsh's order of middle nodes
 OUTWARD_FACES = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))  # of a tetrahedron of positive volume
 LEAST_JACOBIAN_RATIO = 0.05  # least over largest Jacobian of a cell that is solved on
@@ -44,7 +46,7 @@ def _bernstein(lam, index):
 
 _LATTICE = _cubic_lattice()
 _POINTS = _LATTICE / 3.0
-_TO_BEZIER = np.linalg.inv(_bernstein(_POINTS, _LATTICE))
+_TO_BEZIER = np.round(12 * np.linalg.inv(_bernstein(_POINTS, _LATTICE))) / 12  # multiples of 1 / 12
 _GRADIENTS = gradients(_POINTS)
 
 
@@ -55,8 +57,7 @@ def jacobian_bounds(nodes):
     Phys 233).
     """
     jacobian = np.einsum("tnx,pnr->tpxr", nodes, _GRADIENTS)
-    determinant = np.linalg.det(jacobian)
-    bezier = determinant @ _TO_BEZIER.T
+    bezier = np.einsum("tp,bp->tb", determinant(jacobian), _TO_BEZIER)
     return bezier.min(axis=1), bezier.max(axis=1)
 
 

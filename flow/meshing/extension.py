@@ -11,6 +11,7 @@ import dataclasses
 
 import numpy as np
 
+from flow.geometry import vectors
 from flow.geometry.centreline import Branch, Tree
 from flow.geometry.surface import INLET, WALL, Surface
 from flow.meshing.sweep import spans, stations
@@ -101,7 +102,7 @@ def prolonged(tree, extensions):
 def _cap(surface, cap):
     """(unit normal outwards (3,), diameter in mm of the circle of its area) of a cap."""
     vector = surface.area_vectors()[surface.region == cap].sum(axis=0)
-    area = float(np.linalg.norm(vector))
+    area = float(vectors.length(vector))
     return vector / area, 2.0 * np.sqrt(area / np.pi)
 
 

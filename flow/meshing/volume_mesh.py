@@ -1,7 +1,7 @@
 """Linear tetrahedra inside the lumen surface by gmsh, in a process of its own.
 
 gmsh raises C++ exceptions that Python cannot catch, so flow/gmsh_fill.py is run as a program, which reads a surface and
-a size field from one .npz file and writes nodes and tetrahedra to another. It sees nothing of the user's environment.
+a size field from one .npz file and writes nodes and tetrahedra to another. It reads no options of the user's.
 """
 
 import pathlib
@@ -16,7 +16,6 @@ from flow.meshing import gmsh_fill
 
 PROGRAM = pathlib.Path(__file__).with_name("gmsh_fill.py")
 COMMAND = [sys.executable, "-I", "-B", str(PROGRAM)]
-ENVIRONMENT = {"PATH": "/usr/bin:/bin", "LC_ALL": "C"}
 
 
 def fill(surface, size_field, spacing_mm):
@@ -35,7 +34,7 @@ def fill(surface, size_field, spacing_mm):
             shape=shape,
             values=values,
         )
-        done = subprocess.run(COMMAND, cwd=folder, env=ENVIRONMENT, text=True, capture_output=True)
+        done = subprocess.run(COMMAND, cwd=folder, text=True, capture_output=True)
         if done.returncode != 0 or not (folder / gmsh_fill.VOLUME).is_file():
             tail = (done.stdout + done.stderr).strip().splitlines()[-3:]
             raise ComputationError(

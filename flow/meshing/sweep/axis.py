@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from flow.geometry.vectors import dot, unit
+
 BLEND_RADII = 2.5  # length over which planes turn from a cap's plane into the perpendicular one, in radii of the cap
 
 
@@ -15,7 +17,7 @@ class Axis:
     def __init__(self, branch, first=None, last=None):
         points = branch.points
         if last is not None:
-            more = float((last[0] - points[-1]) @ last[1])
+            more = float(dot(last[0] - points[-1], last[1]))
             if more > 1e-6:
                 points = np.concatenate([points, (points[-1] + more * last[1])[None]])
         self.branch, self.first, self.last = branch, first, last
@@ -27,7 +29,7 @@ class Axis:
             [branch.s_mm - branch.s_mm[0], branch.length_mm + self.s_mm[own:] - self.s_mm[own - 1]]
         )
         slope = np.gradient(points, self.s_mm, axis=0)
-        self.tangents = slope / np.linalg.norm(slope, axis=1)[:, None]
+        self.tangents = unit(slope)
 
     @property
     def length_mm(self):
@@ -46,10 +48,10 @@ class Axis:
                 centre, direction, radius = cap
                 share = np.clip(1.0 - distance / (BLEND_RADII * radius), 0.0, 1.0)
                 share = (share**2 * (3.0 - 2.0 * share))[:, None]
-                gap = (centre - self.points[end]) @ direction
+                gap = dot(centre - self.points[end], direction)
                 origin = origin + share * gap * direction
                 normal = normal + share * (direction - self.tangents[end])
-        return origin, normal / np.linalg.norm(normal, axis=1)[:, None]
+        return origin, unit(normal)
 
 
 def frames(origins, normals):
@@ -58,16 +60,14 @@ def frames(origins, normals):
     Double reflection (Wang, Juettler, Zheng, Liu 2008, ACM Trans Graph 27): rotation-minimising frames.
     """
     start = np.eye(3)[np.argmin(np.abs(normals[0]))]
-    first = np.cross(normals[0], start)
-    e1 = [first / np.linalg.norm(first)]
+    e1 = [unit(np.cross(normals[0], start))]
     for k in range(len(origins) - 1):
         step = origins[k + 1] - origins[k]
-        reflected = e1[-1] - 2.0 * (step @ e1[-1]) / (step @ step) * step
-        tangent = normals[k] - 2.0 * (step @ normals[k]) / (step @ step) * step
+        reflected = e1[-1] - 2.0 * dot(step, e1[-1]) / dot(step, step) * step
+        tangent = normals[k] - 2.0 * dot(step, normals[k]) / dot(step, step) * step
         other = normals[k + 1] - tangent
-        square = other @ other
-        turned = reflected - 2.0 * (other @ reflected) / square * other if square > 1e-24 else reflected
-        turned = turned - (turned @ normals[k + 1]) * normals[k + 1]
-        e1.append(turned / np.linalg.norm(turned))
+        square = dot(other, other)
+        turned = reflected - 2.0 * dot(other, reflected) / square * other if square > 1e-24 else reflected
+        e1.append(unit(turned - dot(turned, normals[k + 1]) * normals[k + 1]))
     e1 = np.array(e1)
     return e1, np.cross(normals, e1)

@@ -11,6 +11,7 @@ import dataclasses
 import numpy as np
 
 from flow.geometry import tet10
+from flow.geometry.vectors import circle
 from flow.meshing.sweep import axis as axis_module
 
 REACH = 2.5  # radii of the branch within which a section's wall is looked for
@@ -152,7 +153,7 @@ def turned_over(lattice, disc):
     straight tube: there it overlaps its neighbours."""
     rho, angle = disc.vertices.T
     per_level, stations = len(rho), len(lattice.points) // len(rho)
-    plane = np.stack([rho * np.cos(angle), rho * np.sin(angle)], axis=1)
+    plane = rho[:, None] * np.stack(circle(angle), axis=1)
     height = np.repeat(np.arange(stations, dtype=float), per_level)[:, None]
     straight = np.concatenate([np.tile(plane, (stations, 1)), height], axis=1)
     signs = [np.sign(tet10.six_volumes(points, lattice.tetrahedra)) for points in (straight, lattice.points)]
@@ -176,7 +177,7 @@ class _Positions:
         count = self.radius.shape[1]
         radius = (1 - share) * self.radius[:, low % count] + share * self.radius[:, (low + 1) % count]
         rho = rings_at(rho, self.rings, self.edge)
-        x, y = rho * radius * np.cos(angle), rho * radius * np.sin(angle)
+        x, y = (rho * radius * part for part in circle(angle))
         return self.centres[:, None] + x[..., None] * self.e1[:, None] + y[..., None] * self.e2[:, None]
 
 
@@ -196,7 +197,7 @@ def _edges(disc, vertices, middles, points):
     edges, found = [], []
     for start, end, lattice, rho in groups:
         straight = 0.5 * (points[start] + points[end])
-        share = (rho**FULLNESS)[None, :, None]
+        share = np.prod([rho] * FULLNESS, axis=0)[None, :, None]
         edges.append(np.stack([start, end], axis=-1).reshape(-1, 2))
         found.append((straight + share * (lattice - straight)).reshape(-1, 3))
     return np.concatenate(edges), np.concatenate(found)

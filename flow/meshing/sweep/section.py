@@ -11,6 +11,7 @@ from scipy.sparse.csgraph import connected_components
 
 from flow.geometry import smooth_surface
 from flow.geometry.surface import WALL
+from flow.geometry.vectors import circle, dot, length, unit
 
 FOLLOWING = np.array([1, 2, 0])
 
@@ -34,11 +35,11 @@ class Section:
 
     def radii(self, angles):
         """(radius (k,), facet (k,), unit normals (k, 3)) at `angles`, or None where the loop is not star-shaped."""
-        direction = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        direction = np.stack(circle(angles), axis=1)
         a, b = self.segments[:, 0], self.segments[:, 1]
         side_a = direction[:, :1] * a[:, 1] - direction[:, 1:] * a[:, 0]
         side_b = direction[:, :1] * b[:, 1] - direction[:, 1:] * b[:, 0]
-        ahead = direction @ (a + b).T > 0
+        ahead = dot(direction[:, None], a + b) > 0
         hit = ((side_a <= 0) != (side_b <= 0)) & ahead
         if np.any(hit.sum(axis=1) != 1):
             return None
@@ -66,18 +67,17 @@ class Slicer:
         middles = smooth_surface.edge_middles(surface, self.edges, self.side)
         self.bow = middles - surface.points[self.edges].mean(axis=1)
         self.wall = np.flatnonzero(surface.region == WALL)
-        area = surface.area_vectors()
-        self.facing = area / np.linalg.norm(area, axis=1)[:, None]
+        self.facing = unit(surface.area_vectors())
 
     def cut(self, origin, normal, e1, e2, reach):
         """Section around `origin` with the plane, None where no single loop of wall surrounds it within `reach` mm."""
-        height = (self.surface.points - origin) @ normal
+        height = dot(self.surface.points - origin, normal)
         height[height == 0.0] = 1e-12
         triangles = self.surface.triangles[self.wall]
         above = height[triangles] > 0
         crossed = self.wall[above.any(axis=1) & ~above.all(axis=1)]
         centroid = self.surface.points[self.surface.triangles[crossed]].mean(axis=1)
-        crossed = crossed[np.linalg.norm(centroid - origin, axis=1) < reach]
+        crossed = crossed[length(centroid - origin) < reach]
         if len(crossed) < 3:
             return None
         corners = self.surface.triangles[crossed]
@@ -95,7 +95,7 @@ class Slicer:
             ends.append(self.surface.points[low] * (1 - t)[:, None] + self.surface.points[high] * t[:, None])
             barycentric.append(lam)
             edge_ids.append(self.side[crossed, k])
-        flat = np.stack([np.stack([(x - origin) @ e1, (x - origin) @ e2], axis=1) for x in ends], axis=1)
+        flat = np.stack([np.stack([dot(x - origin, e1), dot(x - origin, e2)], axis=1) for x in ends], axis=1)
         chosen = _surrounding(flat, edge_ids)
         if chosen is None:
             return None
@@ -111,7 +111,7 @@ class Slicer:
 
         def normal_at(segment, t):
             corners = self.surface.triangles[owner[segment]]
-            return _unit(np.einsum("ij,ijk->ik", weights(segment, t), self.normals[corners]))
+            return unit(np.einsum("ij,ijk->ik", weights(segment, t), self.normals[corners]))
 
         return Section(origin, e1, e2, flat, self.facing[owner], owner, offset, normal_at)
 
@@ -122,12 +122,12 @@ class Slicer:
         wall_of = dict(zip(self.side[on_wall].ravel()[first], np.flatnonzero(on_wall)[first // 3]))
         rim = [edge for edge in np.unique(self.side[in_cap]) if edge in wall_of]
         a, b = (self.surface.points[self.edges[rim, k]] for k in (0, 1))
-        flat = np.stack([np.stack([(x - origin) @ e1, (x - origin) @ e2], axis=1) for x in (a, b)], axis=1)
+        flat = np.stack([np.stack([dot(x - origin, e1), dot(x - origin, e2)], axis=1) for x in (a, b)], axis=1)
         turn = flat[:, 0, 0] * flat[:, 1, 1] - flat[:, 0, 1] * flat[:, 1, 0]
         flip = turn < 0
         flat[flip] = flat[flip][:, ::-1]
         along = flat[:, 1] - flat[:, 0]
-        facing = _unit(along[:, 1:] * e1 - along[:, :1] * e2)
+        facing = unit(along[:, 1:] * e1 - along[:, :1] * e2)
         ends = np.where(flip[:, None], self.edges[rim][:, ::-1], self.edges[rim])
         bow = self.bow[rim]
 
@@ -136,7 +136,7 @@ class Slicer:
 
         def normal_at(segment, t):
             p, q = self.normals[ends[segment, 0]], self.normals[ends[segment, 1]]
-            return _unit((1 - t)[:, None] * p + t[:, None] * q)
+            return unit((1 - t)[:, None] * p + t[:, None] * q)
 
         owner = np.array([wall_of[edge] for edge in rim])
         return Section(origin, e1, e2, flat, facing, owner, offset, normal_at)
@@ -154,7 +154,3 @@ def _surrounding(flat, edge_ids):
     winding = np.bincount(label[start], turn, minlength=label.max() + 1) / (2 * np.pi)
     found = np.flatnonzero(np.abs(winding - 1.0) < 1e-6)
     return label[start] == found[0] if len(found) == 1 else None
-
-
-def _unit(vectors):
-    return vectors / np.linalg.norm(vectors, axis=1)[:, None]

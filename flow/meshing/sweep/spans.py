@@ -3,6 +3,7 @@
 import numpy as np
 
 from flow.geometry.surface import INLET
+from flow.geometry.vectors import dot, length
 from flow.meshing.sweep.axis import Axis
 
 CLEARANCE = 1.15  # radii of another branch that a section keeps away from its axis
@@ -21,8 +22,9 @@ def axes(surface, tree):
         for cap, (centre, normal, radius) in caps.items():
             end = 0 if cap == INLET else -1
             gap = centre - branch.points[end]
-            beside = np.linalg.norm(gap - (gap @ normal) * normal)
-            if beside < radius and (gap @ normal) > -radius and (branch is tree.main or cap != INLET):
+            along = dot(gap, normal)
+            beside = length(gap - along * normal)
+            if beside < radius and along > -radius and (branch is tree.main or cap != INLET):
                 ids[end], ends[end] = cap, (centre, -normal if cap == INLET else normal, radius)
         found[branch.name] = Axis(branch, *ends)
         found[branch.name].cap_ids = tuple(ids)
@@ -43,8 +45,8 @@ def free(axis, tree, s_mm):
             keep = _outside(other, branch)
         for point, radius in zip(other.points[keep], other.radius_mm[keep]):
             gap = point - origins
-            along = np.einsum("ij,ij->i", gap, normals)
-            beside = np.linalg.norm(gap - along[:, None] * normals, axis=1)
+            along = dot(gap, normals)
+            beside = length(gap - along[:, None] * normals)
             result &= np.hypot(along, np.maximum(beside - own, 0.0)) > CLEARANCE * radius
     return result
 

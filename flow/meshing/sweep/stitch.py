@@ -5,6 +5,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from flow.geometry.surface import WALL
+from flow.geometry.vectors import dot
 
 CLEAR = 0.5  # local edges that a remaining facet keeps from the plane of a span's end
 NEAR = 2.5  # radii of an end within which its plane cuts the wall
@@ -54,7 +55,7 @@ class End:
 
     def beyond(self, surface):
         """Facets near this end that lie clear of its plane, on the outer side."""
-        height = (surface.points - self.centre) @ self.outwards
+        height = dot(surface.points - self.centre, self.outwards)
         corners = surface.points[surface.triangles]
         edge = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean(axis=1)
         distance = np.linalg.norm(corners.mean(axis=1) - self.centre, axis=1)
@@ -155,4 +156,4 @@ def strips(points, normals, kept, ends):
 def _turns(chain, end):
     """Whether a closed chain of points runs counter-clockwise about the end's outward axis."""
     flat = chain - end.centre
-    return float(np.cross(flat, np.roll(flat, -1, axis=0)).sum(axis=0) @ end.outwards) > 0
+    return float(dot(np.cross(flat, np.roll(flat, -1, axis=0)).sum(axis=0), end.outwards)) > 0

@@ -1,15 +1,19 @@
 """Volume meshes of tubes: volume, tags, quality, extension, and the refusal of bad ones."""
 
-import tempfile
+import json
+import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import tubes
 from common.errors import ComputationError
 from flow.discretisation import spaces
 from flow.geometry import centreline, curving, refine, surface, tags, tet10
-from flow.meshing import hybrid, mesh, size_field, volume_mesh
+from flow.meshing import hybrid, mesh
 from flow import settings as settings_module
 
 
@@ -98,19 +102,38 @@ def test_refinement_reaches_its_target_on_the_surface():
     assert np.abs(np.hypot(*finer.points[wall, 1:].T) - 1.5).max() < 0.003
 
 
-def test_the_same_surface_gives_the_same_tetrahedra(monkeypatch, tmp_path):
+def test_the_same_surface_gives_the_same_mesh_everywhere(repo_root, tmp_path):
+    """The same bytes from another folder, for another user, in other memory, on another kind of processor."""
     surface, branches = tubes.fork(length=12.0, at=5.0, side_length=5.0, edge_mm=0.5)
-    sizes = size_field.SizeField(centreline.Tree(branches), 1.5, 0.1)
+    turn = Rotation.from_euler("xyz", [0.3, 0.5, 0.7]).as_matrix()  # along no axis every product is rounded
+    for part in (surface, *branches):
+        part.points = np.round(part.points @ turn.T, 9)
+    tubes.write_case(tmp_path / "lumen", surface, branches, {"side1": ("main", 5.0)})
+    folder = tmp_path / ("another folder" * 8)
+    folder.mkdir()
+    for name in (".gmshrc", ".gmsh-options"):  # what gmsh reads in a user's home
+        (folder / name).write_text("Mesh.MeshSizeFactor = 0.5;\nMesh.Algorithm3D = 4;\n")
+    here = {"PATH": os.environ["PATH"], "PYTHONPATH": str(repo_root), "PYTHONHASHSEED": "1", "OMP_NUM_THREADS": "1"}
+    elsewhere = {
+        **dict.fromkeys(("TMPDIR", "HOME"), str(folder)),
+        **{"PYTHONHASHSEED": "77", "OMP_NUM_THREADS": "2", "OPENBLAS_NUM_THREADS": "2", "LANG": "de_DE.UTF-8"},
+        **{"MALLOC_MMAP_THRESHOLD_": "64", "PYTHONMALLOC": "malloc", "USER": "another"},  # objects at random addresses
+        **{
+            "OPENBLAS_CORETYPE": "Prescott",
+            "NPY_DISABLE_CPU_FEATURES": "AVX512F AVX512CD AVX512_SKX AVX2 FMA3 AVX F16C",
+        },
+    }
     found = []
-    for length in (0, 40, 80, 120, 160):  # longer paths move the memory of a program that sees them
-        monkeypatch.setenv("PYTHONPATH", "/usr/lib" + ":/a/further/folder" * (length // 8))
-        folder = tmp_path / ("t" * (1 + length))
-        folder.mkdir()
-        monkeypatch.setattr(tempfile, "tempdir", str(folder))
-        found.append(volume_mesh.fill(surface, sizes, 0.5))
-    for points, tetrahedra in found[1:]:
-        assert (tetrahedra.shape, points.shape) == (found[0][1].shape, found[0][0].shape)
-        assert (tetrahedra == found[0][1]).all() and (points == found[0][0]).all()
+    for cwd, environment in ((repo_root, here), (folder, {**here, **elsewhere})):
+        out = tmp_path / f"out{len(found)}"
+        out.mkdir()
+        lumen = [str(tmp_path / "lumen" / name) for name in ("lumen.vtp", "centreline.vtp")]
+        command = [sys.executable, "-m", "flow", "mesh", lumen[0], "--centreline", lumen[1], "--rings", "3"]
+        subprocess.run([*command, "--out", str(out / "mesh.msh")], cwd=cwd, env=environment, check=True)
+        found.append([(out / name).read_bytes() for name in ("mesh.msh", "mesh.json")])
+    report = json.loads(found[0][1])
+    assert 0 < report["swept"]["cells"] < report["cells"]  # both kinds of cells are compared
+    assert found[0] == found[1]
 
 
 def test_layers_that_nothing_swept_has_are_not_claimed(monkeypatch, capsys):

@@ -1,0 +1,35 @@
+"""Vectors in the same bits on every processor: what a mesh's coordinates are computed with.
+
+numpy hands products of matrices (`@`, dot, the norm of one vector, det, inv) to OpenBLAS, and sines, cosines and powers
+of arrays to routines of its own for AVX-512; both round differently from one kind of processor to another.
+"""
+
+import math
+
+import numpy as np
+
+
+def dot(a, b):
+    """Scalar products along the last axis of two arrays (..., 3) or (..., 2) that broadcast."""
+    return np.multiply(a, b).sum(axis=-1)
+
+
+def length(vectors):
+    """Lengths (...,) of vectors (..., 3) or (..., 2)."""
+    return np.sqrt(dot(vectors, vectors))
+
+
+def unit(vectors):
+    """Vectors (..., 3) over their lengths."""
+    return vectors / length(vectors)[..., None]
+
+
+def circle(angles):
+    """(cosines, sines) (n,) of angles (n,) in rad."""
+    return np.array([math.cos(angle) for angle in angles]), np.array([math.sin(angle) for angle in angles])
+
+
+def determinant(matrices):
+    """Determinants (...,) of matrices (..., 3, 3)."""
+    first, second, third = (matrices[..., k] for k in range(3))
+    return dot(first, np.cross(second, third))
