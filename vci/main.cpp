@@ -1,16 +1,18 @@
 // The program vci: deploy, radius-correct, inflate, crush.
 #include "common/command_line.hpp"
 #include "common/error.hpp"
-#include "vci/bench.hpp"
-#include "vci/crush.hpp"
-#include "vci/frames.hpp"
-#include "vci/lumen_check.hpp"
-#include "vci/notices.hpp"
-#include "vci/output.hpp"
-#include "vci/plausibility.hpp"
-#include "vci/radius_correction.hpp"
-#include "vci/readouts.hpp"
-#include "vci/strut_pattern.hpp"
+#include "vci/bench/bench.hpp"
+#include "vci/bench/crush.hpp"
+#include "vci/procedure/notices.hpp"
+#include "vci/procedure/radius_correction.hpp"
+#include "vci/results/frames.hpp"
+#include "vci/results/output.hpp"
+#include "vci/results/readouts.hpp"
+#include "vci/results/strut_pattern.hpp"
+#include "vci/scene/checks/lumen_check.hpp"
+#include "vci/scene/checks/plausibility.hpp"
+#include "vci/scene/files/centreline_file.hpp"
+#include "vci/scene/files/scene_file.hpp"
 
 #include <chrono>
 #include <limits>
@@ -40,7 +42,7 @@ Scene scene_for(const fs::path& scene_file, const fs::path& out) {
 int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& frames, int every_steps) {
   const Scene scene = scene_for(scene_file, out);
   const Output output(out, {scene_file, scene.lumen, scene.centreline});
-  const Lumen lumen = read_lumen(scene.lumen);
+  const LumenFile lumen = read_lumen(scene.lumen);
   const auto paths = read_centreline(scene.centreline);
   check_placements(scene, paths);
   check_lumen(scene, lumen, paths);
@@ -79,7 +81,7 @@ int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& 
 int run_radius_correct(const fs::path& scene_file, const fs::path& out) {
   const Scene scene = scene_for(scene_file, out);
   const Output output(out, {scene_file, scene.lumen, scene.centreline});
-  const Lumen lumen = read_lumen(scene.lumen);
+  const LumenFile lumen = read_lumen(scene.lumen);
   const auto paths = read_centreline(scene.centreline);
   check_placements(scene, paths);
   check_lumen(scene, lumen, paths);

@@ -50,7 +50,10 @@ def flow_benchmark_code(script):
 
 
 def module_code(name):
-    """Files behind `python3 -m <name>`, a module that is its own command, e.g. module_code("vci.benchmark")."""
+    """Files behind `python3 -m <name>`, a module that is its own command.
+
+    Example: module_code("vci.benchmarks.benchmark").
+    """
     return _files(set(), [name])
 
 

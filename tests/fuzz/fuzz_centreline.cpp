@@ -1,8 +1,9 @@
 // Fuzz target: centreline.vtp, then whether a single branch is that of a straight tube of 16 mm with caps.
 #include "tests/fuzz/target.hpp"
 #include "tests/unit/vci/vessel.hpp"
-#include "vci/lumen_check.hpp"
-#include "vci/plausibility.hpp"
+#include "vci/scene/checks/lumen_check.hpp"
+#include "vci/scene/checks/plausibility.hpp"
+#include "vci/scene/files/centreline_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace vci;

@@ -153,7 +153,7 @@ def dictionary(reader, contents):
     """libFuzzer's dictionary: the words of a reader's seeds; of scenes also the keys that the engine asks for."""
     text = b"\n".join(contents).decode()
     if reader == "scene":
-        sources = (file.read_text() for file in sorted((ROOT / "vci").glob("*.cpp")))
+        sources = (file.read_text() for file in sorted((ROOT / "vci").rglob("*.cpp")))
         text += "\n".join(source for source in sources if "checked_json.hpp" in source)
     words = re.findall(r'"([a-z_-]{3,40})"' if reader == "scene" else r'[A-Za-z]+="[^"]*"|<[A-Za-z]+', text)
     escaped = (word.replace("\\", "\\\\").replace('"', '\\"') for word in sorted(set(words)))

@@ -1,6 +1,7 @@
 // Fuzz target: lumen.vtp, then whether it is the sound surface of a straight vessel of 16 mm.
 #include "tests/fuzz/target.hpp"
-#include "vci/lumen_check.hpp"
+#include "vci/scene/checks/lumen_check.hpp"
+#include "vci/scene/files/lumen_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace vci;

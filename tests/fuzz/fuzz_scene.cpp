@@ -1,6 +1,7 @@
 // Fuzz target: scene.json, and where its devices lie on a vessel of 30 mm with a side branch.
 #include "tests/fuzz/target.hpp"
-#include "vci/plausibility.hpp"
+#include "vci/scene/checks/plausibility.hpp"
+#include "vci/scene/files/scene_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace vci;

@@ -24,7 +24,7 @@ rule deployment_speed:
         "benchmark: speed against error of the deployment"
     input:
         programs=[VCI, LUMEN],
-        code=module_code("vci.benchmark"),
+        code=module_code("vci.benchmarks.benchmark"),
         bifurcation="config/cases/culotte_bench.yaml",
     output:
         "results/benchmarks/deployment_speed/benchmark.csv",
@@ -39,7 +39,7 @@ rule deployment_speed:
         build=programs_folder,
         out=output_folder,
     shell:
-        "workflow/run.sh {log} /usr/bin/python3 -m vci.benchmark --build {params.build} --out {params.out}"
+        "workflow/run.sh {log} /usr/bin/python3 -m vci.benchmarks.benchmark --build {params.build} --out {params.out}"
 
 
 rule deployment_baseline:
@@ -47,7 +47,7 @@ rule deployment_baseline:
         "benchmark: the deployment beside the textbook scheme"
     input:
         programs=[VCI, LUMEN],
-        code=module_code("vci.baseline"),
+        code=module_code("vci.benchmarks.baseline"),
     output:
         "results/benchmarks/deployment_baseline/baseline.csv",
         "results/benchmarks/deployment_baseline/levels.csv",
@@ -61,7 +61,7 @@ rule deployment_baseline:
         build=programs_folder,
         out=output_folder,
     shell:
-        "workflow/run.sh {log} /usr/bin/python3 -m vci.baseline --build {params.build} --out {params.out}"
+        "workflow/run.sh {log} /usr/bin/python3 -m vci.benchmarks.baseline --build {params.build} --out {params.out}"
 
 
 rule deployment_hard_cases:
@@ -69,7 +69,7 @@ rule deployment_hard_cases:
         "benchmark: hard cases of the deployment"
     input:
         programs=[VCI, LUMEN],
-        code=module_code("vci.hard_cases"),
+        code=module_code("vci.benchmarks.hard_cases"),
         bifurcation="config/cases/culotte_bench.yaml",
     output:
         "results/benchmarks/deployment_hard_cases/hard_cases.csv",
@@ -82,7 +82,7 @@ rule deployment_hard_cases:
         build=programs_folder,
         out=output_folder,
     shell:
-        "workflow/run.sh {log} /usr/bin/python3 -m vci.hard_cases --build {params.build} --out {params.out}"
+        "workflow/run.sh {log} /usr/bin/python3 -m vci.benchmarks.hard_cases --build {params.build} --out {params.out}"
 
 
 rule deployment_sensitivity:
@@ -90,7 +90,7 @@ rule deployment_sensitivity:
         "benchmark: what contact distance and margin of the region are worth"
     input:
         programs=[VCI],
-        code=module_code("vci.sensitivity"),
+        code=module_code("vci.benchmarks.sensitivity"),
     output:
         "results/benchmarks/deployment_sensitivity/sensitivity.csv",
     log:
@@ -102,7 +102,7 @@ rule deployment_sensitivity:
         build=programs_folder,
         out=output_folder,
     shell:
-        "workflow/run.sh {log} /usr/bin/python3 -m vci.sensitivity --build {params.build} --out {params.out}"
+        "workflow/run.sh {log} /usr/bin/python3 -m vci.benchmarks.sensitivity --build {params.build} --out {params.out}"
 
 
 rule flow_hard_cases:

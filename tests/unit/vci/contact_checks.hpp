@@ -1,7 +1,7 @@
 // Flat bodies to touch one another, and what their contact's matrix foresees.
 #pragma once
 #include "force_checks.hpp"
-#include "vci/contact.hpp"
+#include "vci/contact/contact.hpp"
 #include <cmath>
 
 namespace contact_checks {

@@ -1,6 +1,6 @@
 // Finite-difference checks of forces, and small shapes to do them on.
 #pragma once
-#include "vci/force.hpp"
+#include "vci/mechanics/force.hpp"
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 #include <random>

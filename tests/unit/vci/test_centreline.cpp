@@ -1,5 +1,5 @@
 // How far a path turns: a bend, half a bend, and a bend undone by its reverse.
-#include "vci/centreline.hpp"
+#include "vci/geometry/centreline.hpp"
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Closest points, the broad phase and the one-sided contact law.
-#include "vci/closest_point.hpp"
-#include "vci/contact.hpp"
+#include "vci/contact/contact.hpp"
+#include "vci/geometry/closest_point.hpp"
 #include <algorithm>
 #include <gtest/gtest.h>
 #include <random>

@@ -1,7 +1,7 @@
 // A small deployment in a straight narrowed tube: what must come out of any, and twice the same.
 #include "common/error.hpp"
-#include "vci/deployment.hpp"
-#include "vci/sections.hpp"
+#include "vci/geometry/sections.hpp"
+#include "vci/procedure/deployment.hpp"
 #include <gtest/gtest.h>
 
 namespace {

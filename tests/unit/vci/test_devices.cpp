@@ -1,7 +1,7 @@
 // Balloons follow their chart, whatever the number of vertices round them; stents have their radial strength.
-#include "vci/bench.hpp"
-#include "vci/crush.hpp"
-#include "vci/strut_pattern.hpp"
+#include "vci/bench/bench.hpp"
+#include "vci/bench/crush.hpp"
+#include "vci/results/strut_pattern.hpp"
 #include <cmath>
 #include <gtest/gtest.h>
 #include <stdexcept>

@@ -1,8 +1,10 @@
 // Folded balloons: their sections, their layers, and how they unfold.
 #include "common/error.hpp"
-#include "vci/bench.hpp"
-#include "vci/folding.hpp"
-#include "vci/surface.hpp"
+#include "vci/bench/bench.hpp"
+#include "vci/devices/balloon/balloon.hpp"
+#include "vci/devices/balloon/folding.hpp"
+#include "vci/geometry/surface.hpp"
+#include "vci/procedure/unfolding.hpp"
 #include <gtest/gtest.h>
 #include <numbers>
 #include <set>

@@ -1,11 +1,11 @@
 // Energy, force and stiffness of every force agree with finite differences, on each branch of its law.
 #include "force_checks.hpp"
-#include "vci/balloon_chart.hpp"
-#include "vci/fibre.hpp"
-#include "vci/foundation.hpp"
-#include "vci/hinge.hpp"
-#include "vci/membrane.hpp"
-#include "vci/pressure.hpp"
+#include "vci/devices/balloon/balloon_chart.hpp"
+#include "vci/mechanics/fibre.hpp"
+#include "vci/mechanics/hinge.hpp"
+#include "vci/mechanics/membrane.hpp"
+#include "vci/mechanics/pressure.hpp"
+#include "vci/wall/foundation.hpp"
 #include <cmath>
 #include <gtest/gtest.h>
 

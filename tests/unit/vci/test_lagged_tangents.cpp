@@ -1,11 +1,11 @@
 // Where a force's matrix leaves something out, that is what it says it leaves out, and no more than a figure.
 #include "force_checks.hpp"
-#include "vci/cell_shear.hpp"
-#include "vci/fibre.hpp"
-#include "vci/hinge.hpp"
-#include "vci/iris.hpp"
-#include "vci/pressure.hpp"
-#include "vci/ring_hoop.hpp"
+#include "vci/bench/iris.hpp"
+#include "vci/devices/stent/cell_shear.hpp"
+#include "vci/devices/stent/ring_hoop.hpp"
+#include "vci/mechanics/fibre.hpp"
+#include "vci/mechanics/hinge.hpp"
+#include "vci/mechanics/pressure.hpp"
 #include <Eigen/Dense>
 #include <cmath>
 #include <numeric>

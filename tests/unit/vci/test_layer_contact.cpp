@@ -1,6 +1,6 @@
 // Contact of a body's layers: energy, force and stiffness of the assembled whole, exact where layers approach flat.
 #include "contact_checks.hpp"
-#include "vci/self_contact.hpp"
+#include "vci/contact/self_contact.hpp"
 
 namespace {
 

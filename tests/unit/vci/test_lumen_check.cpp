@@ -1,7 +1,7 @@
 // Lumens that no artery has, or that are not their centreline's, are refused and named; legitimate ones are not.
 #include "common/error.hpp"
 #include "tests/unit/vci/vessel.hpp"
-#include "vci/lumen_check.hpp"
+#include "vci/scene/checks/lumen_check.hpp"
 #include <algorithm>
 #include <gtest/gtest.h>
 

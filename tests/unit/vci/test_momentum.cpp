@@ -1,11 +1,11 @@
 // A deployment's bodies left to themselves: what acts between them and within them sums to nothing.
 #include "contact_checks.hpp"
-#include "vci/device.hpp"
-#include "vci/foundation.hpp"
-#include "vci/hinge.hpp"
-#include "vci/integrator.hpp"
-#include "vci/membrane.hpp"
-#include "vci/textbook.hpp"
+#include "vci/devices/balloon/balloon.hpp"
+#include "vci/mechanics/hinge.hpp"
+#include "vci/mechanics/membrane.hpp"
+#include "vci/solver/integrator.hpp"
+#include "vci/solver/textbook.hpp"
+#include "vci/wall/foundation.hpp"
 #include <Eigen/Geometry>
 #include <numbers>
 

@@ -1,5 +1,5 @@
 // The baseline on a narrowed bend, and what it does to wall that is not the stented branch's.
-#include "vci/radius_correction.hpp"
+#include "vci/procedure/radius_correction.hpp"
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The hoop law of a stent's ring: derivatives, plastic flow, and no necking.
-#include "vci/integrator.hpp"
-#include "vci/ring_hoop.hpp"
+#include "vci/devices/stent/ring_hoop.hpp"
+#include "vci/solver/integrator.hpp"
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 #include <numeric>

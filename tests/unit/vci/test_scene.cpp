@@ -1,6 +1,6 @@
 // Each kind of bad scene is refused with its key; defaults are filled in.
 #include "common/error.hpp"
-#include "vci/scene.hpp"
+#include "vci/scene/files/scene_file.hpp"
 #include <fstream>
 #include <gtest/gtest.h>
 #include <map>

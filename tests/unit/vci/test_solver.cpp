@@ -1,5 +1,5 @@
 // The block matrix and conjugate gradients against a direct solve.
-#include "vci/pcg.hpp"
+#include "vci/linalg/pcg.hpp"
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 #include <random>

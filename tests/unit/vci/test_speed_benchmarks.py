@@ -10,7 +10,7 @@ import pytest
 
 from common.errors import InputError
 from vci import baseline, benchmark
-from vci.programs import run
+from vci.benchmarks.programs import run
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 SPEC = importlib.util.spec_from_file_location(

@@ -1,7 +1,7 @@
 // Springs along triangles' edges and the shear stiffness of a stent's cells against finite differences.
 #include "force_checks.hpp"
-#include "vci/cell_shear.hpp"
-#include "vci/mass_spring.hpp"
+#include "vci/devices/stent/cell_shear.hpp"
+#include "vci/wall/mass_spring.hpp"
 #include <cmath>
 
 namespace {

@@ -1,7 +1,7 @@
 // What a procedure leaves standing: devices within the wall, stents that bear on something, their sections and girths.
 #include "common/error.hpp"
-#include "vci/notices.hpp"
-#include "vci/standing.hpp"
+#include "vci/procedure/notices.hpp"
+#include "vci/procedure/standing.hpp"
 #include <gtest/gtest.h>
 
 namespace {

@@ -1,5 +1,5 @@
 // What is taken of steps that follow one another badly, on made-up iterations whose ends are known.
-#include "vci/step_relaxation.hpp"
+#include "vci/solver/step_relaxation.hpp"
 #include <gtest/gtest.h>
 
 namespace {

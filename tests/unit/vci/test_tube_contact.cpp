@@ -1,7 +1,7 @@
 // Contact of tubes within one another: fading before open ends and windows, feet followed, malapposition.
-#include "vci/apposition.hpp"
-#include "vci/contact.hpp"
-#include "vci/device.hpp"
+#include "vci/contact/apposition.hpp"
+#include "vci/contact/contact.hpp"
+#include "vci/devices/balloon/balloon.hpp"
 #include <algorithm>
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Damaged .vtp files that VTK's reader breaks on, hangs over or believes are refused before it sees them.
 #include "common/error.hpp"
-#include "vci/reading.hpp"
+#include "vci/scene/files/reading.hpp"
 #include <fstream>
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,7 +1,8 @@
 // A tube along z, narrowed halfway, with its centreline: what lumens of tests are made of.
 #pragma once
-#include "vci/centreline.hpp"
-#include "vci/surface.hpp"
+#include "vci/geometry/centreline.hpp"
+#include "vci/geometry/lumen.hpp"
+#include "vci/geometry/surface.hpp"
 
 #include <cmath>
 

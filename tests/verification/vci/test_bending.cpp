@@ -1,6 +1,6 @@
 // Balloons and stents bend as beams: the moment that holds their ends at an angle, against closed forms.
-#include "vci/device.hpp"
-#include "vci/integrator.hpp"
+#include "vci/devices/balloon/balloon.hpp"
+#include "vci/solver/integrator.hpp"
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>

@@ -5,8 +5,8 @@ import csv
 import numpy as np
 import pytest
 
-from vci.hard_cases import MEAN_LIMIT_MM, NAMES, WORST_LIMIT_MM, reason_of
-from vci.scenes import Tube, write_scene
+from vci.benchmarks.hard_cases import MEAN_LIMIT_MM, NAMES, WORST_LIMIT_MM, reason_of
+from vci.benchmarks.scenes import Tube, write_scene
 
 TOLERANCE = 3e-3
 # Few vertices bear these, and the one-sided law lets each in by its load: the mean over them is above its limit.
@@ -30,7 +30,9 @@ def table(binary, run_module, tmp_path_factory):
         if missing:
             out = tmp_path_factory.mktemp("hard")
             build = binary("vci").parent
-            result = run_module("vci.hard_cases", "--out", out, "--build", build, "--only", *missing, timeout=600)
+            result = run_module(
+                "vci.benchmarks.hard_cases", "--out", out, "--build", build, "--only", *missing, timeout=600
+            )
             assert result.returncode == 0, result.stderr
             with (out / "hard_cases.csv").open() as file:
                 done.update({row["case"]: row for row in csv.DictReader(file)})
@@ -77,7 +79,7 @@ def test_a_refusal_is_a_row_with_its_reason(binary, run_module, tmp_path):
     """A scene that cannot balance in one step is refused; the table says at which stage and residual."""
     scene = write_scene(tmp_path / "scene", Tube(edge=0.8), numerics={"maximal_steps_per_stage": 1})
     arguments = ["--out", tmp_path / "out", "--build", binary("vci").parent, "--only", "slivers", "--scenes", scene]
-    result = run_module("vci.hard_cases", *arguments, timeout=300)
+    result = run_module("vci.benchmarks.hard_cases", *arguments, timeout=300)
     assert result.returncode == 0, result.stderr
     with (tmp_path / "out" / "hard_cases.csv").open() as file:
         row = list(csv.DictReader(file))[-1]

@@ -1,8 +1,8 @@
 // Tubes under pressure against closed forms: thin wall, thin wall in an elastic medium (Lame), thick plaque, springs.
-#include "vci/foundation.hpp"
-#include "vci/integrator.hpp"
-#include "vci/pressure.hpp"
-#include "vci/wall.hpp"
+#include "vci/mechanics/pressure.hpp"
+#include "vci/solver/integrator.hpp"
+#include "vci/wall/foundation.hpp"
+#include "vci/wall/wall.hpp"
 #include <gtest/gtest.h>
 #include <random>
 

@@ -1,0 +1,176 @@
+#include "common/vtp_check.hpp"
+#include "common/error.hpp"
+#include "common/vtp_arrays.hpp"
+
+#include <array>
+#include <cstring>
+#include <fstream>
+#include <set>
+#include <vtkDataArray.h>
+#include <vtkNew.h>
+#include <vtkSmartPointer.h>
+
+namespace common {
+
+namespace {
+
+constexpr int most_components = 1000; // VTK asks for a name of each
+
+bool is(vtkXMLDataElement* element, const char* name) {
+  return std::strcmp(element->GetName(), name) == 0;
+}
+
+template <class Visit> void each_nested(vtkXMLDataElement* parent, Visit&& visit) {
+  for (int k = 0; k < parent->GetNumberOfNestedElements(); ++k)
+    visit(parent->GetNestedElement(k));
+}
+
+/// How many of something an element says that it has; none where it does not say.
+std::uint64_t count_of(vtkXMLDataElement* element, const char* attribute) {
+  long long count = 0;
+  if (element->GetAttribute(attribute) && !element->GetScalarAttribute(attribute, count))
+    throw Damaged(std::string(attribute) + " is no number");
+  if (count < 0)
+    throw Damaged(std::string(attribute) + " is negative");
+  return static_cast<std::uint64_t>(count);
+}
+
+struct Array {
+  vtkXMLDataElement* element;
+  std::string name;
+  int type; ///< of VTK
+  std::uint64_t components;
+};
+
+Array array_of(vtkXMLDataElement* element) {
+  const char* name = element->GetAttribute("Name");
+  if (!(is(element, "DataArray") || is(element, "Array")))
+    throw Damaged(std::string("an element ") + element->GetName() + " where an array is expected");
+  Array array{element, name ? name : "", 0, 1};
+  if (!element->GetWordTypeAttribute("type", array.type) || array.type == VTK_BIT)
+    throw Damaged("an array of no known type: " + array.name);
+  if (element->GetAttribute("NumberOfComponents"))
+    array.components = count_of(element, "NumberOfComponents");
+  if (array.components < 1 || array.components > most_components)
+    throw Damaged("an array of " + std::to_string(array.components) + " components: " + array.name);
+  return array;
+}
+
+/// The values of an array, `tuples` times its components at the least.
+std::vector<unsigned char> read(VtpArrays& file, const Array& a, std::uint64_t tuples) {
+  if (tuples > UINT64_MAX / most_components)
+    throw Damaged("more values than any file holds: " + a.name);
+  try {
+    return file.read(a.element, a.type, tuples * a.components);
+  } catch (const Damaged& e) {
+    throw Damaged(std::string(e.what()) + ": " + a.name);
+  }
+}
+
+void check_attributes(VtpArrays& file, vtkXMLDataElement* group, std::uint64_t tuples) {
+  std::set<std::string> names;
+  each_nested(group, [&](vtkXMLDataElement* element) {
+    const Array a = array_of(element);
+    if (a.name.empty() || !names.insert(a.name).second)
+      throw Damaged("an array without a name of its own: " + a.name);
+    read(file, a, tuples);
+  });
+}
+
+/// Cells are the offsets of their ends among the points that they name.
+void check_cells(VtpArrays& file, vtkXMLDataElement* group, std::uint64_t cells) {
+  vtkXMLDataElement *ends = nullptr, *points = nullptr;
+  each_nested(group, [&](vtkXMLDataElement* element) {
+    const Array a = array_of(element);
+    if (!ends && a.name == "offsets")
+      ends = element;
+    if (!points && a.name == "connectivity")
+      points = element;
+  });
+  if (cells == 0)
+    return;
+  if (!ends || !points)
+    throw Damaged(std::string(group->GetName()) + " without offsets and connectivity");
+  const Array offsets = array_of(ends), connectivity = array_of(points);
+  if (offsets.type == VTK_STRING || connectivity.type == VTK_STRING)
+    throw Damaged(std::string(group->GetName()) + " of texts");
+  std::vector<unsigned char> values = read(file, offsets, cells);
+  const auto numbers = vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(offsets.type));
+  numbers->SetVoidArray(values.data(), static_cast<vtkIdType>(cells), 1);
+  double end = 0;
+  for (std::uint64_t k = 0; k < cells; ++k) {
+    const double next = numbers->GetTuple1(static_cast<vtkIdType>(k));
+    if (!(next >= end && next < 1e15))
+      throw Damaged("offsets that do not rise: " + std::string(group->GetName()));
+    end = next;
+  }
+  read(file, connectivity, static_cast<std::uint64_t>(end));
+}
+
+void check_piece(VtpArrays& file, vtkXMLDataElement* piece) {
+  static constexpr std::array<const char*, 4> groups{"Verts", "Lines", "Strips", "Polys"};
+  const std::uint64_t points = count_of(piece, "NumberOfPoints");
+  std::array<std::uint64_t, 4> cells{};
+  std::uint64_t all = 0;
+  for (std::size_t k = 0; k < groups.size(); ++k) {
+    cells[k] = count_of(piece, (std::string("NumberOf") + groups[k]).c_str());
+    all += cells[k];
+  }
+  each_nested(piece, [&](vtkXMLDataElement* group) {
+    if (is(group, "PointData"))
+      check_attributes(file, group, points);
+    else if (is(group, "CellData"))
+      check_attributes(file, group, all);
+    else if (is(group, "Points"))
+      each_nested(group, [&](vtkXMLDataElement* element) {
+        const Array a = array_of(element);
+        if (a.type == VTK_STRING || a.components != 3)
+          throw Damaged("points that are not of three numbers");
+        read(file, a, points);
+      });
+    for (std::size_t k = 0; k < groups.size(); ++k)
+      if (is(group, groups[k]))
+        check_cells(file, group, cells[k]);
+  });
+}
+
+void refuse_time_steps(vtkXMLDataElement* element) {
+  if (element->GetAttribute("TimeStep") || element->GetAttribute("TimeValues"))
+    throw Damaged("several time steps in one file");
+  each_nested(element, refuse_time_steps);
+}
+
+void check_elements(VtpArrays& file) {
+  vtkXMLDataElement* root = file.GetRootElement();
+  refuse_time_steps(root);
+  int pieces = 0;
+  each_nested(root, [&](vtkXMLDataElement* data) {
+    if (is(data, "PolyData"))
+      each_nested(data, [&](vtkXMLDataElement* element) {
+        if (is(element, "Piece") && ++pieces == 1)
+          check_piece(file, element);
+        if (is(element, "FieldData"))
+          each_nested(element, [&](vtkXMLDataElement* array) {
+            read(file, array_of(array), count_of(array, "NumberOfTuples"));
+          });
+      });
+  });
+  if (pieces != 1)
+    throw Damaged(std::to_string(pieces) + " pieces of polydata; one is expected");
+}
+
+} // namespace
+
+void check_vtp(const std::filesystem::path& file, const std::string& what) {
+  std::ifstream stream(file, std::ios::binary);
+  vtkNew<VtpArrays> arrays;
+  try {
+    arrays->parse(stream, std::filesystem::file_size(file));
+    check_elements(*arrays);
+  } catch (const Damaged& e) {
+    throw InputError("the " + what + " cannot be read", file.string(), e.what(),
+                     "it is damaged, or of a form that is not read: write it anew, whole and in one piece");
+  }
+}
+
+} // namespace common

@@ -1,0 +1,139 @@
+"""Includes and imports go one way: each folder uses the folders that it is declared to build on, and no others."""
+
+import ast
+import pathlib
+import re
+import subprocess
+
+import pytest
+
+from common import yaml_reader
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+MODULES_PER_FOLDER = 12
+
+
+def tracked(*patterns):
+    """Files under version control, and those not yet added to it."""
+    command = ["git", "ls-files", "--cached", "--others", "--exclude-standard", "--", *patterns]
+    names = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout.split("\n")
+    return [pathlib.PurePath(name) for name in names if name and (ROOT / name).is_file()]
+
+
+def declared_folders(text, part):
+    """{folder: folders that it depends on} of the source_folder() lines of a part's CMakeLists.txt, in their order."""
+    folders = {}
+    for call in re.findall(rf"^source_folder\({part} ([^)]*)\)", text, re.MULTILINE):
+        folder, *words = call.split()
+        depends = words[words.index("DEPENDS") + 1 :] if "DEPENDS" in words else []
+        ends = depends.index("LIBRARIES") if "LIBRARIES" in depends else len(depends)
+        folders[f"{part}/{folder}"] = [f"{part}/{name}" for name in depends[:ends]]
+    return folders
+
+
+def reachable(folders):
+    """{folder: itself and all that it depends on, directly or by others}; a folder comes after those it depends on."""
+    reached = {}
+    for folder, depends in folders.items():
+        for name in depends:
+            assert name in reached, f"{folder} depends on {name}, which is not declared before it"
+        reached[folder] = {folder}.union(*(reached[name] for name in depends))
+    return reached
+
+
+def foreign_includes(name, text, part, allowed):
+    """Lines of a source that include a header of its part from a folder that is not allowed."""
+    included = re.finditer(rf'^#include "({part}/[^"]+)"', text, re.MULTILINE)
+    return [f"{name}: {i[0]}" for i in included if str(pathlib.PurePath(i[1]).parent) not in allowed]
+
+
+def cpp_parts():
+    """Parts whose CMakeLists.txt declares folders."""
+    return sorted(f.parent.name for f in ROOT.glob("*/CMakeLists.txt") if "\nsource_folder(" in f.read_text())
+
+
+@pytest.mark.parametrize("part", cpp_parts())
+def test_includes_go_one_way(part):
+    """No folder of C++ sources includes a header of a folder that it does not depend on."""
+    folders = reachable(declared_folders((ROOT / part / "CMakeLists.txt").read_text(), part))
+    sources = tracked(f"{part}/*.cpp", f"{part}/*.hpp")
+    wrong = [f"{s}: its folder is not declared" for s in sources if str(s.parent) not in {*folders, part}]
+    for source in sources:
+        allowed = folders.get(str(source.parent), {*folders, part})
+        wrong += foreign_includes(source, (ROOT / source).read_text(), part, allowed)
+    assert sources and not wrong, "\n".join(wrong)
+
+
+@pytest.mark.parametrize("part", cpp_parts())
+def test_folders_are_small_and_explained(part):
+    """A folder holds a dozen modules at most, and a README of a few lines says which."""
+    for folder in declared_folders((ROOT / part / "CMakeLists.txt").read_text(), part):
+        modules = {s.stem for s in tracked(f"{folder}/*.cpp", f"{folder}/*.hpp") if str(s.parent) == folder}
+        assert 0 < len(modules) <= MODULES_PER_FOLDER, f"{folder}: {len(modules)} modules"
+        lines = (ROOT / folder / "README.md").read_text().strip().splitlines()
+        assert len(lines) >= 2, f"{folder}/README.md says what the folder holds and what it may include"
+
+
+def test_an_include_against_the_order_is_found():
+    """The check sees a header of a folder above, and lets one of a folder below pass."""
+    text = "source_folder(vci low)\nsource_folder(vci high DEPENDS low LIBRARIES fcl)\n"
+    folders = reachable(declared_folders(text, "vci"))
+    assert foreign_includes("x", '#include "vci/high/a.hpp"\n', "vci", folders["vci/low"])
+    assert not foreign_includes("x", '#include "vci/low/a.hpp"\n', "vci", folders["vci/high"])
+    with pytest.raises(AssertionError, match="not declared before"):
+        reachable({"vci/high": ["vci/low"], "vci/low": []})
+
+
+def imported(text, package):
+    """Full names that a Python module of `package` imports, as module or as name of a module."""
+    names = set()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            above = package.split(".")[: len(package.split(".")) - node.level + 1] if node.level else []
+            base = ".".join(above + ([node.module] if node.module else []))
+            names |= {f"{base}.{alias.name}" for alias in node.names}
+    return names
+
+
+def folder_of(path, folders):
+    """The longest of the folders that holds a path, or None."""
+    return max((f for f in folders if f"{path}/".startswith(f"{f}/")), key=len, default=None)
+
+
+def foreign_imports(name, text, layers):
+    """Imports of a module from folders that its own is not declared to use."""
+    own = folder_of(name, layers)
+    wrong = []
+    for module in sorted(imported(text, ".".join(name.parent.parts))):
+        other = folder_of(module.replace(".", "/"), layers)
+        if other and other not in (own, *layers[own]):
+            wrong.append(f"{name} imports {module}; {own} may import {layers[own]}")
+    return wrong
+
+
+def layers_of_python():
+    return yaml_reader.read(ROOT / "tests/unit/layers.yaml").data
+
+
+def test_imports_go_one_way():
+    """No folder of Python modules imports from a folder that layers.yaml does not grant it."""
+    layers = layers_of_python()
+    reachable(dict(layers))
+    modules = [m for m in tracked("*.py") if m.parts[0] not in ("tests", "setup", "docs")]
+    wrong = [f"{m}: its folder is not in layers.yaml" for m in modules if folder_of(m, layers) is None]
+    for module in modules:
+        if folder_of(module, layers):
+            wrong += foreign_imports(module, (ROOT / module).read_text(), layers)
+    assert modules and not wrong, "\n".join(wrong)
+
+
+def test_an_import_against_the_order_is_found():
+    """The check sees an import of another part, relative ones too, and lets those of common pass."""
+    layers = {"common": [], "flow": ["common"], "flow/core": ["common"], "reports": ["common"]}
+    core, report = pathlib.PurePath("flow/core/a.py"), pathlib.PurePath("reports/b.py")
+    assert foreign_imports(report, "def f():\n    from flow import core\n", layers)
+    assert foreign_imports(core, "from .. import sweep\n", layers)
+    assert foreign_imports(core, "import flow.sweep\n", layers)
+    assert not foreign_imports(core, "from common.errors import InputError\nfrom . import b\nimport numpy\n", layers)

@@ -1,0 +1,120 @@
+#include "vci/bench/crush.hpp"
+#include "common/error.hpp"
+#include "vci/bench/iris.hpp"
+#include "vci/devices/balloon/balloon.hpp"
+#include "vci/devices/stent/stent.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace vci {
+
+namespace {
+
+constexpr double opening_share = 0.75;     // of the balloon's pressure: a crimped stent opens only beyond its yield
+constexpr double least_pressure = 0.01;    // of the radial strength: balance is measured against an applied force
+constexpr double increment = 0.005;        // of the free radius, by which the iris closes
+constexpr double iris_stiffness = 60.0;    // MPa/mm
+constexpr double hold = 1e-5;              // N/mm per vertex: keeps the free stent from drifting off
+constexpr double clearance = 0.03;         // mm between the crimped stent and its balloon
+constexpr double losses[] = {1, 2, 5, 10}; // %
+
+std::vector<Frame> straight(const RingGrid& grid) {
+  std::vector<Frame> frames;
+  for (double s : grid.s)
+    frames.push_back({Vec3(0, 0, s), Vec3::UnitZ(), Vec3::UnitX(), Vec3::UnitY()});
+  return frames;
+}
+
+double mean_diameter(const System& system, const Stent& stent) {
+  const std::vector<double> radii = ring_radii(system, stent.body, stent.grid);
+  return 2 * std::accumulate(radii.begin(), radii.end(), 0.0) / static_cast<double>(radii.size());
+}
+
+double chain_length(const Vectors& points) {
+  double length = 0;
+  for (std::size_t k = 1; k < points.size(); ++k)
+    length += (points[k] - points[k - 1]).norm();
+  return length;
+}
+
+/// Relaxes and returns the residual reached.
+double settle(System& system, Interactions& interactions, const Numerics& numerics, const std::string& what) {
+  const RelaxResult r = relax(system, interactions, numerics.integrator);
+  if (!r.converged)
+    throw common::ComputationError("the stent on the bench did not reach force balance", what,
+                                   "residual " + std::to_string(r.residual), "raise numerics.maximal_steps_per_stage");
+  return r.residual;
+}
+
+/// Opens a stent by its balloon at the balloon's nominal diameter and takes the balloon out of the system again.
+double open_by_balloon(System& system, const Stent& stent, const StentSpec& spec, BalloonSpec balloon_spec,
+                       const Numerics& numerics) {
+  balloon_spec.folding.reset(); // its folds are out before the stent gives way
+  const RingGrid grid = balloon_grid(balloon_spec, numerics.device_edge);
+  std::vector<double> radii;
+  for (double share : grid.start)
+    radii.push_back(std::min(0.5 * balloon_spec.crimped_diameter * share, 0.45 * spec.crimped_diameter - clearance));
+  Balloon balloon = add_balloon(system, balloon_spec, grid, straight(grid), radii);
+  Interactions touching;
+  touching.contacts.emplace_back(balloon.body, stent.body, numerics.contact);
+  const double pressure = balloon.chart->pressure_at(balloon_spec.nominal_diameter);
+  double residual = 0;
+  for (double share : {opening_share, 1.0}) {
+    set_pressure(balloon, share * pressure);
+    residual = std::max(residual, settle(system, touching, numerics, "inflation"));
+  }
+  return residual;
+}
+
+} // namespace
+
+CrushTest crush(const StentSpec& spec, const BalloonSpec& balloon, const Numerics& given) {
+  Numerics numerics = given;
+  numerics.integrator.displacement_per_step *= 0.5; // longer ones may throw a wide stent into a folded shape
+  System system;
+  RingGrid grid = stent_grid(spec, numerics.device_edge);
+  const std::vector<double> radii(grid.s.size(), 0.5 * spec.crimped_diameter);
+  const std::vector<Frame> frames = straight(grid);
+  const Stent stent = add_stent(system, spec, "stent", std::move(grid), frames, radii);
+  std::vector<Anchors::Element> anchors;
+  for (int v = 0; v < system.vertices(); ++v)
+    anchors.push_back({v, system.x[v], hold});
+  system.add_force(stent.body, std::make_unique<Anchors>(anchors));
+  Pressure& outside =
+      system.add_force(stent.body, std::make_unique<Pressure>(system.body(stent.body).triangles, system.x, 0.0));
+  std::vector<int> all(system.vertices());
+  std::iota(all.begin(), all.end(), 0);
+  const double area = std::numbers::pi * spec.nominal_diameter * spec.length / system.vertices();
+  Iris& iris = system.add_force(stent.body, std::make_unique<Iris>(std::move(all), iris_stiffness * area));
+
+  CrushTest test{};
+  test.residual = open_by_balloon(system, stent, spec, balloon, numerics);
+  test.inflated_diameter = mean_diameter(system, stent);
+  system.remove_last_body();
+  Interactions none;
+  outside.set(-least_pressure * spec.radial_strength_mpa);
+  test.residual = std::max(test.residual, settle(system, none, numerics, "recoil"));
+  test.free_diameter = mean_diameter(system, stent);
+  test.recoil_percent = 100 * (1 - test.free_diameter / test.inflated_diameter);
+  outside.set(0);
+  double loss = 0, pressure = 0;
+  for (int k = 1; loss < losses[3]; ++k) {
+    const double before = loss, pressure_before = pressure;
+    iris.close(0.5 * test.free_diameter * (1 - k * increment));
+    test.residual = std::max(test.residual, settle(system, none, numerics, "crushing"));
+    const double diameter = mean_diameter(system, stent);
+    pressure = iris.total(system.x) /
+               (std::numbers::pi * test.free_diameter * chain_length(ring_centres(system, stent.body, stent.grid)));
+    loss = 100 * (1 - diameter / test.free_diameter);
+    for (double wanted : losses)
+      if (before < wanted && loss >= wanted)
+        test.points.push_back(
+            {wanted, pressure_before + (pressure - pressure_before) * (wanted - before) / (loss - before)});
+  }
+  return test;
+}
+
+} // namespace vci

@@ -1,0 +1,129 @@
+"""Hard cases of the deployment, generated and run one after another: a row each in hard_cases.csv.
+
+/usr/bin/python3 -m vci.benchmarks.hard_cases --out results/hard_cases [--only NAME ...] [--scenes SCENE.json ...]
+
+Each case ends in force balance, or is refused with a reason. `within_limits` says whether penetration stays small too:
+its mean below MEAN_LIMIT_MM and its worst below WORST_LIMIT_MM. One run at a time, one thread; `cpu_seconds` are those
+of the whole program.
+"""
+
+import argparse
+import csv
+import json
+import pathlib
+import resource
+import sys
+
+from common.errors import InputError, guarded
+from common.files import write_json
+from vci.benchmarks.programs import reason_of, run
+from vci.benchmarks.scenes import Tube, write_scene
+from vci.benchmarks.shipped import culotte
+
+COLUMNS = "case,outcome,reason,residual,mean_penetration_mm,worst_penetration_mm,within_limits"
+COLUMNS += ",steps,cpu_seconds,minimal_area_mm2"
+
+
+def calcium(times):
+    """Wall settings with calcium so many times as stiff as the healthy wall (0.8 MPa)."""
+    return {"plaque": {"calcified": {"youngs_modulus_mpa": 0.8 * times}}}
+
+
+MEAN_LIMIT_MM = 0.05 * 0.0125  # a twentieth of contact_distance_mm
+WORST_LIMIT_MM = 0.05
+MAXIMAL_STEPS = 500  # of a stage; a case that balances needs a third of it
+ECCENTRIC = {"eccentricity": 0.8, "calcium_deg": 90}
+CASES = {
+    "ordinary": (Tube(), {}),
+    "stenosis 90 %": (Tube(stenosis=0.9), {}),
+    "calcium x1000, eccentric, 0.5 mm": (Tube(**ECCENTRIC), {"wall": calcium(1000)}),
+    "calcium x1000, eccentric, 0.25 mm": (Tube(edge=0.25, **ECCENTRIC), {"wall": calcium(1000)}),
+    "calcium x1000, concentric, 0.5 mm": (Tube(calcium_deg=360), {"wall": calcium(1000)}),
+    "calcium x1000, concentric, 0.25 mm": (Tube(edge=0.25, calcium_deg=360), {"wall": calcium(1000)}),
+    "90 %, eccentric, calcium x1000": (Tube(stenosis=0.9, **ECCENTRIC), {"wall": calcium(1000)}),
+    "90 %, eccentric, calcium x1000, 0.4 mm": (Tube(stenosis=0.9, edge=0.4, **ECCENTRIC), {"wall": calcium(1000)}),
+    "80 %, eccentric, calcium x30": (Tube(stenosis=0.8, **ECCENTRIC), {"wall": calcium(30)}),
+    "oversizing 1.4": (Tube(), {"size": 1.4}),
+    "curvature 0.3 /mm": (Tube(curvature=0.3), {}),
+    "mesh jittered by 25 %": (Tube(jitter=0.25), {}),
+    "slivers": (Tube(sliver=0.75), {}),
+    "jittered by 25 %, with slivers": (Tube(jitter=0.25, sliver=0.5), {}),  # at 0.6 triangles fold over
+    "first step x1000": (Tube(), {"numerics": {"initial_step_ms": 300, "maximal_step_ms": 300}}),
+    "25 bar": (Tube(), {"pressures": (10, 11, 25)}),
+    "overlapping stents": (Tube(length=36), {"shifts": (-4.5, 4.5)}),
+    "folded balloons": (
+        Tube(stenosis=0.6, eccentricity=0.8),
+        {"folding": {}, "numerics": {"maximal_steps_per_stage": 1500}},
+    ),
+    "kissing balloons": (Tube(), {"kissing": 0.6, "pressures": (10, 11, 12)}),
+}
+# steps of the shipped bifurcation's procedure at BENCH_EDGE_MM: a stent across the side branch and the main branch's
+# optimisation; all, with a second stent through the first one's side and kissing
+BENCH = {"stent across a side branch": 2, "culotte": None}
+BENCH_EDGE_MM = 0.4
+NAMES = (*CASES, *BENCH)
+
+
+def result_row(case, program, scene):
+    """Runs a scene and returns its row."""
+    code, messages, cpu = run([program, "deploy", scene, "--out", scene.parent / "out"])
+    row = {"case": case, "cpu_seconds": round(cpu, 2)}
+    if code:
+        kind = {2: "input refused", 3: "refused"}.get(code, f"failed with exit code {code}")
+        return row | {"outcome": kind, "reason": reason_of(messages)}
+    result = json.loads((scene.parent / "out" / "deployment.json").read_text())
+    stages = result["stages"]
+    mean, worst = (max(s[key] for s in stages) for key in ("mean_penetration_mm", "max_penetration_mm"))
+    broken = [name for name, limit in (("mean", mean > MEAN_LIMIT_MM), ("worst", worst > WORST_LIMIT_MM)) if limit]
+    return row | {
+        "outcome": "balanced",
+        "residual": max(s["residual"] for s in stages),
+        "mean_penetration_mm": mean,
+        "worst_penetration_mm": worst,
+        "within_limits": "no: " + ", ".join(broken) if broken else "yes",
+        "steps": sum(s["steps"] for s in stages),
+        "minimal_area_mm2": result["minimal_lumen_area_mm2"],
+    }
+
+
+def scenes_of(options):
+    """(name, path of scene.json) of the cases asked for, generated where they are not the caller's own."""
+    unknown = set(options.only or []) - set(NAMES)
+    if unknown:
+        raise InputError("no such hard case", "--only", ", ".join(sorted(unknown)), "use " + "; ".join(NAMES))
+    for name in options.only or NAMES:
+        folder = options.out / "".join(c if c.isalnum() else "_" for c in name)
+        numerics = {"maximal_steps_per_stage": MAXIMAL_STEPS}
+        if name in BENCH:
+            scene = culotte(options.build, BENCH_EDGE_MM, folder, BENCH[name])
+            write_json(folder / "scene.json", scene | {"numerics": numerics})
+            yield name, folder / "scene.json"
+        else:
+            tube, how = CASES[name]
+            yield name, write_scene(folder, tube, **(how | {"numerics": numerics | how.get("numerics", {})}))
+    for scene in options.scenes:
+        yield str(scene), scene
+
+
+@guarded
+def main(arguments=None):
+    parser = argparse.ArgumentParser(prog="python3 -m vci.benchmarks.hard_cases", description=__doc__.splitlines()[0])
+    parser.add_argument("--only", nargs="+", help="names of cases; all without it")
+    parser.add_argument("--scenes", nargs="+", type=pathlib.Path, default=[], help="scenes of your own to add")
+    parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path("build"), help="folder of the program vci")
+    parser.add_argument("--out", type=pathlib.Path, required=True, help="folder for hard_cases.csv and the scenes")
+    options = parser.parse_args(arguments)
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    options.out.mkdir(parents=True, exist_ok=True)
+    with (options.out / "hard_cases.csv").open("w", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS.split(","))
+        writer.writeheader()
+        for name, scene in scenes_of(options):
+            row = result_row(name, options.build / "vci", scene)
+            writer.writerow(row)
+            file.flush()
+            print(", ".join(f"{key} {value}" for key, value in row.items()), file=sys.stderr)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,72 @@
+"""What settings without a measured value are worth: areas by contact distance and margin of the region, a CSV.
+
+/usr/bin/python3 -m vci.benchmarks.sensitivity --out results/sensitivity
+
+Generated scenes of vci.benchmarks.benchmark, at EDGE_MM, with one setting at a time off its default. Changes are those
+of the mean area (of the reported segment) and of the minimal area from the default's, in percent. One run at a time.
+"""
+
+import argparse
+import csv
+import json
+import pathlib
+import sys
+
+from common import schema
+from common.errors import ComputationError, guarded
+from vci.benchmarks.benchmark import generated, outcome_of
+
+EDGE_MM = 0.6
+CASES = ("straight", "curved 0.12 per mm", "eccentric")
+VARIED = {"contact_distance_mm": (0.00625, 0.0125, 0.025), "region_margin_mm": (1.0, 3.0, 6.0, 12.0)}
+AREAS = ("mean_csa", "mla")
+COLUMNS = ("setting", "value", "case", "mean_csa_mm2", "mla_mm2", "mean_csa_change_percent", "mla_change_percent")
+COLUMNS += ("steps", "cpu_seconds")
+
+
+def run(program, case, numerics, folder):
+    """Columns of the table that a scene with the settings `numerics` fills. Raises ComputationError where it is refused
+    or its areas are not known."""
+    folder.mkdir(parents=True, exist_ok=True)
+    scene = generated(case, EDGE_MM, folder)
+    scene["numerics"] = scene["numerics"] | numerics
+    (folder / "scene.json").write_text(json.dumps(scene))
+    found = outcome_of(program, folder / "scene.json")
+    if found["outcome"] != "balanced":
+        raise ComputationError("a scene of the sensitivity did not balance", case, numerics, found["reason"])
+    return found
+
+
+def rows(program, out):
+    """Rows of the table, case by case."""
+    numerics = schema.read("deployment")["properties"]["numerics"]["properties"]
+    for case in CASES:
+        name = "".join(c if c.isalnum() else "_" for c in case)
+        usual = run(program, case, {}, out / name / "default")
+        for setting, values in VARIED.items():
+            for value in values:
+                chosen = value == numerics[setting]["default"]
+                found = usual if chosen else run(program, case, {setting: value}, out / name / f"{setting}_{value}")
+                yield {"setting": setting, "value": value, "case": case} | {
+                    key: found[key] for key in ("mean_csa_mm2", "mla_mm2", "steps", "cpu_seconds")
+                } | {f"{key}_change_percent": 100 * (found[f"{key}_mm2"] / usual[f"{key}_mm2"] - 1) for key in AREAS}
+
+
+@guarded
+def main(arguments=None):
+    parser = argparse.ArgumentParser(prog="python3 -m vci.benchmarks.sensitivity", description=__doc__.splitlines()[0])
+    parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path("build"), help="folder of the program vci")
+    parser.add_argument("--out", type=pathlib.Path, required=True, help="folder for sensitivity.csv and the scenes")
+    options = parser.parse_args(arguments)
+    options.out.mkdir(parents=True, exist_ok=True)
+    with (options.out / "sensitivity.csv").open("w", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS)
+        writer.writeheader()
+        for row in rows(options.build / "vci", options.out):
+            writer.writerow(row)
+            file.flush()
+            print(", ".join(f"{key} {value}" for key, value in row.items()), file=sys.stderr)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,43 @@
+"""The shipped bifurcation bench as a scene at any edge, and lumens remeshed, by the programs that a study runs."""
+
+import json
+import pathlib
+import sys
+
+from common.errors import ComputationError
+from vci.benchmarks.programs import run
+
+CONFIG = pathlib.Path(__file__).resolve().parents[2] / "config"
+
+
+def processed(programs, surface, units, edge, out):
+    """The anatomy of a surface remeshed at an edge (mm), in the folder `out`; programs: folder of `lumen`.
+
+    Raises ComputationError.
+    """
+    if not (out / "lumen.vtp").is_file():
+        code, messages, _ = run(
+            [programs / "lumen", "process", surface, "--units", units, "--edge", edge, "--out", out]
+        )
+        if code:
+            raise ComputationError("the lumen cannot be remeshed", str(surface), f"edge {edge} mm", messages.strip())
+
+
+def culotte(programs, edge, folder, steps=None):
+    """The scene (JSON) of config/cases/culotte_bench.yaml at an edge (mm), of its first `steps` steps (None: all).
+
+    Its surface is drawn once, beside `folder`. Raises ComputationError.
+    """
+    case, source, plan = CONFIG / "cases" / "culotte_bench.yaml", folder.parent / "source", folder / "plan.json"
+    if not (source / "lumen.vtp").is_file():
+        _called("data_synthetic", "generate", case, "--out", source)
+    processed(programs, source / "lumen.vtp", "mm", edge, folder / "anatomy")
+    _called("anatomy", "plan", case, "--anatomy", folder / "anatomy", "--devices", CONFIG / "devices", "--out", plan)
+    scene = json.loads(plan.read_text())
+    return scene | {"procedure": scene["procedure"][:steps]}
+
+
+def _called(*module):
+    code, messages, _ = run([sys.executable, "-m", *module])
+    if code:
+        raise ComputationError("the bifurcation cannot be made", module[0], f"exit code {code}", messages.strip())

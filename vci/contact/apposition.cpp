@@ -1,0 +1,70 @@
+#include "vci/contact/apposition.hpp"
+#include "vci/contact/contact.hpp"
+#include "vci/contact/foot.hpp"
+#include "vci/geometry/broad_phase.hpp"
+#include "vci/geometry/surface.hpp"
+
+#include <algorithm>
+#include <optional>
+
+namespace vci {
+
+namespace {
+
+constexpr double reach = 2.0; // mm: a stent further from the wall faces something else
+constexpr double slack = 0.1; // mm beyond the nearest triangle in which the foot along the normals may lie
+constexpr double nothing = 1e300;
+
+/// Gap (mm) from a wall vertex to the smooth surface of a stent, as contact measures it, 0 in contact; none where the
+/// foot lies on the stent's end or the two do not face one way.
+std::optional<double> gap_to(const System& system, const Body& stent, const Vectors& units, int vertex,
+                             const std::vector<int>& candidates) {
+  double closest = 0;
+  const Vec3& p = system.x[vertex];
+  const Foot foot = foot_of(p, candidates, system, units, stent, closest);
+  if (foot.triangle < 0)
+    return std::nullopt;
+  const Triangle& t = stent.triangles[foot.triangle];
+  double inside = 0;
+  Vec3 q = Vec3::Zero();
+  for (int k = 0; k < 3; ++k) {
+    inside += stent.boundary[t[k] - stent.first] ? 0 : foot.weights[k];
+    q += foot.weights[k] * system.x[t[k]];
+  }
+  const Vec3 n = interpolated_normal(t, foot.weights, units);
+  if (inside <= 1e-9 || n.dot(units[vertex]) <= 0)
+    return std::nullopt;
+  return std::max(0.0, n.dot(p - q) - sagitta(t, foot.weights, system.x, units));
+}
+
+} // namespace
+
+std::vector<double> malapposition(const System& system, const std::string& stent) {
+  const Body& wall = system.body(0);
+  Vectors units = area_vectors(system);
+  for (Vec3& n : units)
+    n.normalize();
+  std::vector<double> gaps(wall.count, nothing);
+  std::vector<NearTriangle> found;
+  std::vector<int> candidates;
+  for (int b = 1; b < system.bodies(); ++b) {
+    const Body& body = system.body(b);
+    if (body.name != stent)
+      continue;
+    const BroadPhase boxes(body.triangles, system.x);
+    for (int i = 0; i < wall.count; ++i) {
+      boxes.near(system.x[i], body.triangles, system.x, reach, slack, -1, found);
+      candidates.clear();
+      for (const NearTriangle& f : found)
+        candidates.push_back(f.triangle);
+      if (candidates.empty())
+        continue;
+      if (const std::optional<double> gap = gap_to(system, body, units, i, candidates))
+        gaps[i] = std::min(gaps[i], *gap);
+    }
+  }
+  std::replace(gaps.begin(), gaps.end(), nothing, 0.0);
+  return gaps;
+}
+
+} // namespace vci

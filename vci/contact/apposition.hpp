@@ -1,0 +1,11 @@
+// The gap between the wall and the stents that should lie against it.
+#pragma once
+#include "vci/mechanics/system.hpp"
+
+namespace vci {
+
+/// Per vertex of the wall (body 0): the gap (mm) to the smooth surface of the nearest body of a name that faces it
+/// within 2 mm, 0 where none does.
+std::vector<double> malapposition(const System& system, const std::string& stent);
+
+} // namespace vci

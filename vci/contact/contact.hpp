@@ -1,0 +1,146 @@
+// One-sided contact between an inner and an outer surface, and ties that keep a contact point together.
+#pragma once
+#include "vci/geometry/broad_phase.hpp"
+#include "vci/linalg/pcg.hpp"
+#include "vci/mechanics/system.hpp"
+
+#include <map>
+
+namespace vci {
+
+struct ContactSettings {
+  double stiffness = 60.0;         ///< kappa, MPa/mm
+  double distance = 0.0125;        ///< delta, mm: contact begins at this gap
+  double ramp = 0.02;              ///< w, mm
+  double skin = 0.2;               ///< mm
+  double friction = 0.1;           ///< Coulomb's mu
+  double friction_stiffness = 2.0; ///< MPa/mm: tangential stress per slip below the limit
+  bool smooth = true;         ///< the surface through the triangles' corners (sagitta); false: the triangles themselves
+  bool time_averaged = false; ///< eq 18: the law's mean over the gaps of a step, where the velocity is followed
+};
+
+/// How much of a surface is there for each ramp: 1 inside, falling to 0 over the last row of triangles before an open
+/// edge, for the deep ramp before a window's rim only at its end. Beyond the edge nothing touches, and a contact that
+/// ended abruptly there would flip for ever.
+struct ShareSeen {
+  double first_ramp = 1, deep_ramp = 1;
+};
+
+/// The ramp: with a = delta - gap, pressure kappa a^2 / (2 w) for a below w, kappa (a - w / 2) above; and a second one
+/// of 40 kappa and 2 w, from a = 1.5 w on.
+struct RampLaw {
+  double energy, pressure, stiffness; ///< per area: N/mm, MPa, MPa/mm
+};
+RampLaw contact_ramp(double gap, const ContactSettings& settings, const ShareSeen& seen = {});
+/// Its mean while the gap goes evenly from one value to another (eq 18; eq 19's law with the signed gap: by the
+/// unsigned distance a surface that is through pulls itself further).
+RampLaw averaged_ramp(double from, double to, const ContactSettings& settings, const ShareSeen& seen = {});
+
+/// A vertex against a triangle. The gap is n . sum(w_k x_k), n the triangle's interpolated normal: it turns negative
+/// when the surfaces cross, so that nothing can tunnel. Normal and weights are held within a step.
+struct ContactPoint {
+  PointLink link;
+  double area;  ///< of the vertex, mm^2
+  double gap;   ///< mm
+  double force; ///< N along the normal
+  Vec3 drag;    ///< friction force, N: opposes the slip, at most mu times the normal force
+  Vec3* slip;   ///< elastic part of the tangential displacement since first touch, mm; kept by the contact
+};
+
+/// Regularised Coulomb friction: elastic slip, mapped back where it passes the limit. Sets slip, drag and the link's
+/// tangential stiffness (secant of the trial state, never negative; where it slides, less along its way).
+void add_friction(ContactPoint& point, const ContactSettings& settings);
+
+/// How two surfaces lie, and which of their vertices do not see the other one (flags; empty: all see it). A foot among
+/// blind vertices does not count, as beyond an open edge.
+struct ContactSides {
+  bool nested = true; ///< false: side by side, the outward normals face each other
+  std::vector<char> inner_blind, outer_blind;
+};
+
+/// Area vectors of all vertices (mm^2) and their directions.
+struct Normals {
+  Vectors area, unit;
+  Normals(Vectors areas); // NOLINT(google-explicit-constructor) ; area vectors are all there is to say
+};
+
+/// The boxes round the surfaces of several contacts, one tree a body.
+class SurfaceTrees {
+public:
+  /// That of a body, fitted to the system's positions as far as a search needs.
+  const BroadPhase& at(const System& system, int body);
+  void forget(int body) { trees_.erase(body); }
+
+private:
+  std::map<int, BroadPhase> trees_;
+};
+
+/// Both directions: inner vertices against outer triangles, outer vertices against inner triangles. Normals of both
+/// surfaces point outwards. Candidates come from the broad phase. A vertex is searched for again, and its gap measured
+/// again, only once it and the other surface may have moved far enough to matter.
+class SurfaceContact {
+public:
+  /// @param trees shared with other contacts, all of them of one system; none: its own
+  SurfaceContact(int inner, int outer, const ContactSettings& settings, ContactSides sides = {},
+                 std::shared_ptr<SurfaceTrees> trees = {})
+      : inner_(inner), outer_(outer), settings_(settings), sides_(std::move(sides)),
+        trees_(trees ? std::move(trees) : std::make_shared<SurfaceTrees>()) {}
+  int inner() const { return inner_; }
+  int outer() const { return outer_; }
+  /// Appends the active contact points at the system's positions.
+  /// @param ahead ms over which a time-averaged law follows the velocities
+  void detect(const System& system, const Normals& normals, std::vector<ContactPoint>& points, double ahead = 0);
+
+private:
+  /// How far a vertex and the surface it faces may move, taken together, before a finding no longer holds.
+  struct Leeway {
+    Vec3 place;
+    double travel, length; ///< of the surface when found; mm
+    bool used_up(const Vec3& p, double travelled) const { return (p - place).norm() + travelled - travel > length; }
+  };
+  struct Facing {
+    Leeway search{Vec3::Zero(), 0, -1}, measure = search; ///< -1: at once
+    std::vector<int> triangles;
+    int foot = -1; ///< the triangle that the vertex met last, or that the search found nearest; -1: none
+  };
+  struct Direction {
+    std::vector<Facing> facing; ///< per vertex of the source body
+    Vectors slip;               ///< likewise
+    double travel = 0;          ///< sum of the target's largest displacements, mm
+  };
+  void search(const System& system, const Vectors& units, int from, int onto, bool vertex_inside, Direction& side);
+  void face(const System& system, const Vectors& units, int v, const Body& target, bool vertex_inside,
+            const std::vector<NearTriangle>& found, double travel, Facing& facing) const;
+  bool keeps_foot(const System& system, const Vectors& units, const Vec3& p, const Body& target, double travel,
+                  const Facing& facing) const;
+  void measure(const System& system, const Normals& normals, int from, int onto, bool vertex_inside, double ahead,
+               Direction& side, std::vector<ContactPoint>& points) const;
+  double largest_move(const System& system, int body) const;
+  bool blind(const System& system, int body, int vertex) const;
+  ShareSeen share_seen(const System& system, int body, const Triangle& t, const Vec3& weights) const;
+
+  int inner_, outer_;
+  ContactSettings settings_;
+  ContactSides sides_;
+  std::shared_ptr<SurfaceTrees> trees_;
+  Vectors last_; ///< positions at the last call
+  Direction inner_on_outer_, outer_on_inner_;
+};
+
+/// A contact point kept as it is: force f0 n at the offset r0, with stiffness both ways along n and across it.
+struct Tie {
+  PointLink link;
+  Vec3 offset;  ///< r0, mm
+  double force; ///< f0, N
+};
+Tie tie_of(const ContactPoint& point, const Vectors& x, double stiffness_mpa_per_mm);
+/// Adds the ties' forces.
+void add_tie_forces(const std::vector<Tie>& ties, const Vectors& x, Vectors& force);
+void add_contact_forces(const std::vector<ContactPoint>& points, Vectors& force);
+/// Adds a step's displacements to the slip of the contact points; detect() maps it back to the friction limit.
+void add_slip(const std::vector<ContactPoint>& points, const Vectors& displacement);
+
+/// Area vectors of all vertices of all bodies.
+Vectors area_vectors(const System& system);
+
+} // namespace vci

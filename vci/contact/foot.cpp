@@ -1,0 +1,93 @@
+#include "vci/contact/foot.hpp"
+#include "vci/geometry/closest_point.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace vci {
+
+Vec3 interpolated_normal(const Triangle& t, const Vec3& weights, const Vectors& units) {
+  Vec3 n = Vec3::Zero();
+  for (int k = 0; k < 3; ++k)
+    n += weights[k] * units[t[k]];
+  return n.normalized();
+}
+
+namespace {
+
+/// The point of a triangle from which p lies along the interpolated normal: unlike the closest point it moves
+/// continuously across edges on both sides of a folded surface. Returns false where it lies outside the triangle.
+bool project_along_normals(const Vec3& p, const Triangle& t, const System& system, const Vectors& units,
+                           Vec3& weights) {
+  constexpr double settled = 1e-5; // of the weights; each turn leaves a hundredth of their error or less
+  const Vec3 &a = system.x[t[0]], ab = system.x[t[1]] - a, ac = system.x[t[2]] - a;
+  const Vec3 face = ab.cross(ac), pa = p - a;
+  const double square = face.squaredNorm(), least = 0.2 * std::sqrt(square), height = pa.dot(face);
+  for (int iteration = 0; iteration < 4; ++iteration) {
+    const Vec3 n = interpolated_normal(t, weights, units);
+    const double slope = n.dot(face);
+    if (slope <= least)
+      return false;
+    const Vec3 q = pa - height / slope * n;
+    const double v = q.cross(ac).dot(face) / square, w = ab.cross(q).dot(face) / square;
+    const double change = std::max(std::abs(v - weights[1]), std::abs(w - weights[2]));
+    weights = Vec3(1 - v - w, v, w);
+    if (weights.minCoeff() < -0.5)
+      return false;
+    if (change < settled)
+      break;
+  }
+  return weights.minCoeff() >= -1e-6;
+}
+
+} // namespace
+
+bool follow_foot(const Vec3& p, int triangle, const System& system, const Vectors& units, const Body& target,
+                 Foot& foot) {
+  constexpr double near = 0.1; // mm
+  const Triangle& t = target.triangles[triangle];
+  Vec3 weights = Vec3::Constant(1.0 / 3);
+  if (!project_along_normals(p, t, system, units, weights))
+    return false;
+  const double d2 =
+      (p - weights[0] * system.x[t[0]] - weights[1] * system.x[t[1]] - weights[2] * system.x[t[2]]).squaredNorm();
+  foot = {triangle, weights, d2};
+  return d2 < near * near;
+}
+
+Foot foot_of(const Vec3& p, const std::vector<int>& candidates, const System& system, const Vectors& units,
+             const Body& target, double& distance) {
+  constexpr double near = 0.05; // mm beyond the closest triangle
+  std::array<Foot, 16> feet;
+  std::size_t count = 0;
+  Foot closest;
+  for (int k : candidates) {
+    const Triangle& t = target.triangles[k];
+    const ClosestPoint q = closest_on_triangle(p, system.x[t[0]], system.x[t[1]], system.x[t[2]]);
+    const Foot foot{k, q.weights, q.distance_squared};
+    if (foot.distance_squared < closest.distance_squared)
+      closest = foot;
+    if (count < feet.size())
+      feet[count++] = foot;
+  }
+  distance = std::sqrt(closest.distance_squared);
+  const double reach = distance + near;
+  Foot best;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (feet[k].distance_squared > reach * reach)
+      continue;
+    const Triangle& t = target.triangles[feet[k].triangle];
+    Vec3 weights = feet[k].weights;
+    if (!project_along_normals(p, t, system, units, weights))
+      continue;
+    const double d2 =
+        (p - weights[0] * system.x[t[0]] - weights[1] * system.x[t[1]] - weights[2] * system.x[t[2]]).squaredNorm();
+    if (d2 < best.distance_squared)
+      best = {feet[k].triangle, weights, d2};
+  }
+  return best.triangle >= 0 ? best : closest;
+}
+
+} // namespace vci

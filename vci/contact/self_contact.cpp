@@ -1,0 +1,201 @@
+#include "vci/contact/self_contact.hpp"
+#include "vci/contact/foot.hpp"
+#include "vci/geometry/closest_point.hpp"
+#include "vci/geometry/surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vci {
+
+namespace {
+
+constexpr double reach = 0.15;          // mm: a layer further off is not faced
+constexpr double facing_cosine = -0.2;  // of the two normals, below which layers face each other
+constexpr double turned_away = 0.5;     // above it a layer has turned away, however deep
+constexpr double begins_at_share = 0.9; // of the thickness: what a wrapped balloon leaves between layers, less chords
+constexpr int longest_walk = 20;        // triangles
+constexpr double ramp_share = 0.4;      // of the thickness
+constexpr std::array<double, 2> sides{1.0, -1.0}; // outer, inner
+
+/// Pressure (MPa) and its stiffness (MPa/mm) at a gap: quadratic over the ramp, then linear.
+struct LayerLaw {
+  double pressure, stiffness;
+};
+LayerLaw layer_law(double gap, double thickness, double kappa) {
+  const double a = begins_at_share * thickness - gap, w = ramp_share * thickness;
+  if (a <= 0)
+    return {0, 0};
+  if (a < w)
+    return {kappa * a * a / (2 * w), kappa * a / w};
+  return {kappa * (a - 0.5 * w), kappa};
+}
+
+Vec3 point_of(const Triangle& t, const Vec3& weights, const Vectors& x) {
+  return weights[0] * x[t[0]] + weights[1] * x[t[1]] + weights[2] * x[t[2]];
+}
+
+std::vector<std::vector<int>> sharing_a_vertex(const Triangles& triangles, int count) {
+  std::vector<std::vector<int>> of_vertex(count), around(triangles.size());
+  for (std::size_t k = 0; k < triangles.size(); ++k)
+    for (int v : triangles[k])
+      of_vertex[v].push_back(static_cast<int>(k));
+  for (std::size_t k = 0; k < triangles.size(); ++k) {
+    for (int v : triangles[k])
+      around[k].insert(around[k].end(), of_vertex[v].begin(), of_vertex[v].end());
+    std::sort(around[k].begin(), around[k].end());
+    around[k].erase(std::unique(around[k].begin(), around[k].end()), around[k].end());
+    std::erase(around[k], static_cast<int>(k));
+  }
+  return around;
+}
+
+} // namespace
+
+SelfContact::SelfContact(const System& system, int body, double stiffness, std::vector<double> thickness)
+    : body_(body), stiffness_(0.5 * stiffness), thickness_(std::move(thickness)) {
+  const Body& b = system.body(body);
+  Triangles own_indices = b.triangles;
+  for (Triangle& t : own_indices)
+    for (int& v : t)
+      v -= b.first;
+  near_ = vertex_neighbours(own_indices, b.count);
+  for (int v = 0; v < b.count; ++v)
+    near_[v].insert(std::lower_bound(near_[v].begin(), near_[v].end(), v), v);
+  around_ = sharing_a_vertex(own_indices, b.count);
+  for (auto& side : layers_)
+    side.resize(b.count);
+}
+
+int SelfContact::facing() const {
+  int count = 0;
+  for (std::size_t k = 0; k < near_.size(); ++k)
+    count += layers_[0][k].triangle >= 0 || layers_[1][k].triangle >= 0;
+  return count;
+}
+
+bool SelfContact::own(int vertex, const Triangle& t, int first) const {
+  const std::vector<int>& near = near_[vertex];
+  return std::any_of(t.begin(), t.end(),
+                     [&](int v) { return std::binary_search(near.begin(), near.end(), v - first); });
+}
+
+/// Goes on to the closest point of the layer that the vertex faces, from triangle to triangle.
+void SelfContact::follow(const System& system, int vertex, Layer& layer) const {
+  const Body& body = system.body(body_);
+  const Vec3& p = system.x[body.first + vertex];
+  const auto closest = [&](int k) {
+    const Triangle& t = body.triangles[k];
+    return closest_on_triangle(p, system.x[t[0]], system.x[t[1]], system.x[t[2]]);
+  };
+  ClosestPoint best = closest(layer.triangle);
+  for (int walked = 0; walked < longest_walk && best.weights.minCoeff() < 1e-9; ++walked) {
+    const int here = layer.triangle;
+    for (int k : around_[here]) {
+      if (own(vertex, body.triangles[k], body.first))
+        continue;
+      const ClosestPoint c = closest(k);
+      if (c.distance_squared < best.distance_squared - 1e-16) {
+        best = c;
+        layer.triangle = k;
+      }
+    }
+    if (layer.triangle == here)
+      break;
+  }
+  layer.weights = best.weights;
+  layer.distance = std::sqrt(best.distance_squared);
+}
+
+/// Measures the gap to the layer faced; false where it has gone or turned away.
+bool SelfContact::keeps(const System& system, int vertex, double side, Layer& layer) const {
+  follow(system, vertex, layer);
+  const Body& body = system.body(body_);
+  const Triangle& t = body.triangles[layer.triangle];
+  const Vec3 n = interpolated_normal(t, layer.weights, units_);
+  layer.gap = side * n.dot(system.x[body.first + vertex] - point_of(t, layer.weights, system.x));
+  const double cosine = n.dot(units_[body.first + vertex]);
+  return layer.distance < reach && cosine < (layer.gap > 0 ? facing_cosine : turned_away);
+}
+
+/// The nearest layer on each side that faces the vertex, unless it is held by one that is nearer or that it is through.
+void SelfContact::search(const System& system, int vertex, std::vector<NearTriangle>& found) {
+  const Body& body = system.body(body_);
+  const Vec3 &p = system.x[body.first + vertex], &normal = units_[body.first + vertex];
+  boxes_->near(p, body.triangles, system.x, reach, reach, -1, found);
+  for (const NearTriangle& f : found) {
+    const Triangle& t = body.triangles[f.triangle];
+    const bool seen = std::all_of(t.begin(), t.end(), [&](int v) { return thickness_[v - body.first] > 0; });
+    if (!seen || own(vertex, t, body.first))
+      continue;
+    const Vec3 n = interpolated_normal(t, f.weights, units_), d = p - point_of(t, f.weights, system.x);
+    for (std::size_t k = 0; k < sides.size(); ++k) {
+      Layer& layer = layers_[k][vertex];
+      const double gap = sides[k] * n.dot(d);
+      const bool faces = gap > 0 && sides[k] * normal.dot(d) < 0 && n.dot(normal) < facing_cosine;
+      if (faces && (layer.triangle < 0 || (layer.gap > 0 && f.distance < layer.distance)))
+        layer = {f.triangle, Vec3::Zero(), f.weights, f.distance, gap};
+    }
+  }
+}
+
+/// True where a layer that no vertex faces may have come near enough to touch.
+bool SelfContact::may_have_missed(const System& system) {
+  const Body& body = system.body(body_);
+  double moved = 0;
+  if (last_.size() == static_cast<std::size_t>(body.count))
+    for (int v = 0; v < body.count; ++v)
+      moved = std::max(moved, (system.x[body.first + v] - last_[v]).squaredNorm());
+  const double largest_distance = begins_at_share * *std::max_element(thickness_.begin(), thickness_.end());
+  last_.assign(system.x.begin() + body.first, system.x.begin() + body.first + body.count);
+  travel_ += std::sqrt(moved);
+  return !boxes_ || 2 * travel_ > reach - largest_distance;
+}
+
+void SelfContact::press(const System& system, int vertex, double area, double side, Layer& layer,
+                        std::vector<ContactPoint>& points) const {
+  const LayerLaw law = layer_law(layer.gap, thickness_[vertex], stiffness_);
+  if (law.pressure <= 0)
+    return;
+  const Body& body = system.body(body_);
+  const Triangle& t = body.triangles[layer.triangle];
+  const Vec3 &w = layer.weights, n = interpolated_normal(t, w, units_);
+  points.push_back({{{body.first + vertex, t[0], t[1], t[2]},
+                     {side, -side * w[0], -side * w[1], -side * w[2]},
+                     n,
+                     area * law.stiffness,
+                     0.0},
+                    area,
+                    layer.gap,
+                    area * law.pressure,
+                    Vec3::Zero(),
+                    &layer.slip});
+}
+
+void SelfContact::detect(const System& system, const Vectors& normals, std::vector<ContactPoint>& points) {
+  const Body& body = system.body(body_);
+  units_.resize(system.x.size());
+  for (int v = body.first; v < body.first + body.count; ++v)
+    units_[v] = normals[v].normalized();
+  for (std::size_t k = 0; k < sides.size(); ++k)
+    for (int v = 0; v < body.count; ++v)
+      if (layers_[k][v].triangle >= 0 && !keeps(system, v, sides[k], layers_[k][v]))
+        layers_[k][v] = {};
+  if (may_have_missed(system)) {
+    if (boxes_)
+      boxes_->update(body.triangles, system.x);
+    else
+      boxes_ = std::make_unique<BroadPhase>(body.triangles, system.x);
+    travel_ = 0;
+    std::vector<NearTriangle> found;
+    for (int v = 0; v < body.count; ++v)
+      if (thickness_[v] > 0)
+        search(system, v, found);
+  }
+  for (std::size_t k = 0; k < sides.size(); ++k)
+    for (int v = 0; v < body.count; ++v)
+      if (layers_[k][v].triangle >= 0)
+        press(system, v, normals[body.first + v].norm(), sides[k], layers_[k][v], points);
+}
+
+} // namespace vci

@@ -1,0 +1,117 @@
+#include "vci/devices/balloon/balloon.hpp"
+#include "vci/devices/balloon/folding.hpp"
+#include "vci/devices/balloon/hoop_chart.hpp"
+#include "vci/mechanics/hinge.hpp"
+#include "vci/mechanics/membrane.hpp"
+#include "vci/mechanics/vertex_force.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace vci {
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr double surface_density = 1.1e-3 * 0.1; // g/mm^2: folded nylon, 0.1 mm thick
+constexpr double tip_share = 0.35;               // of the nominal diameter, where the balloon's ends are welded
+// N/mm at the nominal diameter: bent, the taut balloon has pi R^3 times this. By its makers' charts an isotropic film,
+// (1 - nu/2) d(p R)/d ln R from nominal to rated burst pressure, nu 0.4, would have 14 (semi-compliant), 15 (delivery)
+// or 43 (non-compliant, all of 3 mm); less along than around, as polyamide-12 balloons are (Geith et al., PLoS ONE 15
+// (2020) e0234340), and with residual folds. What the choice is worth: measured.md.
+constexpr double balloon_axial_stiffness = 8.0;
+constexpr double balloon_hinge = 0.002; // N mm per edge, keeps the grid from wrinkling
+constexpr double crease_yield = 0.02;   // rad per edge: the folded membrane is limp, its creases set and are ironed out
+constexpr double shaft_anchor = 0.02;   // N/mm per vertex of the end rings
+constexpr double neck_hold = 0.4;       // N/mm per end ring of a folded balloon, whose rings have more vertices
+// A grid of fibres alone has no shear stiffness: a weak film gives it.
+constexpr HenckyLaw balloon_film{0.3, 0.3, 0.0, 0.05, 0.02};
+
+} // namespace
+
+RingGrid balloon_grid(const BalloonSpec& spec, double edge) {
+  RingGrid g;
+  g.around = spec.folding ? vertices_round_folded(spec, edge) : even_count(pi * spec.nominal_diameter, edge);
+  const double needs = spec.folding ? 2 * folded_section(spec, g.around).outer / spec.crimped_diameter : 1.0;
+  const int body = std::max(2, static_cast<int>(std::lround(spec.length / edge)));
+  const int cone = std::max(2, static_cast<int>(std::lround(spec.shoulder / edge)));
+  const double tip = tip_share;
+  const auto add = [&](double s, double profile) {
+    g.s.push_back(s);
+    g.profile.push_back(profile);
+    g.start.push_back(needs * profile);
+  };
+  for (int k = 0; k < cone; ++k)
+    add(-0.5 * spec.length - spec.shoulder * (cone - k) / cone, tip + (1 - tip) * std::sin(0.5 * pi * k / cone));
+  for (int k = 0; k <= body; ++k)
+    add(spec.length * (static_cast<double>(k) / body - 0.5), 1.0);
+  for (int k = 1; k <= cone; ++k)
+    add(0.5 * spec.length + spec.shoulder * k / cone, tip + (1 - tip) * std::sin(0.5 * pi * (cone - k) / cone));
+  return g;
+}
+
+Balloon add_balloon(System& system, const BalloonSpec& spec, RingGrid grid, const std::vector<Frame>& frames,
+                    const std::vector<double>& radius) {
+  const bool folded = spec.folding.has_value();
+  const Vectors points = folded ? place_folded(spec, grid, frames, radius) : place_grid(grid, frames, radius);
+  const int first = system.vertices();
+  const int body =
+      system.add_body("balloon", points, grid.triangles(), surface_density, std::vector<char>(points.size(), 0));
+  std::vector<double> pressure_mpa = spec.chart_pressure_bar;
+  for (double& p : pressure_mpa)
+    p *= mpa_per_bar;
+  auto chart = std::make_shared<const BalloonChart>(
+      folded ? BalloonChart::of_unfolded(pressure_mpa, spec.chart_diameter)
+             : BalloonChart(pressure_mpa, spec.chart_diameter, spec.crimped_diameter));
+
+  const std::vector<double> width = ring_widths(grid);
+  std::vector<HoopChart::Hoop> hoops;
+  for (const auto& e : hoop_edges(grid))
+    hoops.push_back({first + e[0], first + e[1], width[e[0] / grid.around], grid.profile[e[0] / grid.around]});
+  system.add_force(body, std::make_unique<HoopChart>(hoops, grid.around, *chart));
+
+  std::vector<Fibres::Fibre> axial;
+  const double share = pi * spec.nominal_diameter / grid.around;
+  for (int r = 0; r + 1 < grid.rings(); ++r)
+    for (int k = 0; k < grid.around; ++k) {
+      // the inflated profile's length, along its slope in the shoulders
+      const double rise = 0.5 * spec.nominal_diameter * (grid.profile[r + 1] - grid.profile[r]);
+      const double mean = 0.5 * (grid.profile[r] + grid.profile[r + 1]);
+      axial.push_back({first + r * grid.around + k, first + (r + 1) * grid.around + k,
+                       std::hypot(grid.s[r + 1] - grid.s[r], rise), balloon_axial_stiffness * share * mean, 0.0, true});
+    }
+  Fibres& fibres = system.add_force(body, std::make_unique<Fibres>(axial));
+  Pressure& pressure = system.add_force(body, std::make_unique<Pressure>(system.body(body).triangles, system.x, 0.0));
+
+  const Vectors rest = straight_grid(grid, 0.5 * (folded ? unfolded_diameter(spec) : spec.nominal_diameter));
+  std::vector<EdgePair> edges = interior_edges(grid.triangles(), rest);
+  const std::vector<double> coefficients = folded ? shell_coefficients(edges, rest, bending_rigidity(*spec.folding))
+                                                  : std::vector<double>(edges.size(), balloon_hinge);
+  shift(edges, first);
+  system.add_force(body, std::make_unique<Hinges>(edges, folded ? system.x : shifted(rest, first), coefficients,
+                                                  folded ? crease_yield : 0.1));
+  const Triangles& triangles = system.body(body).triangles;
+  system.add_force(body, std::make_unique<Membrane>(triangles, folded ? shifted(rest, first) : system.x,
+                                                    std::vector<HenckyLaw>(triangles.size(), balloon_film)));
+  std::vector<Anchors::Element> anchors;
+  const double hold = folded ? neck_hold / grid.around : shaft_anchor;
+  for (int k = 0; k < grid.around; ++k)
+    for (int v : {first + k, first + (grid.rings() - 1) * grid.around + k})
+      anchors.push_back({v, system.x[v], hold});
+  system.add_force(body, std::make_unique<Anchors>(anchors));
+  return {body, std::move(grid), &pressure, &fibres, chart};
+}
+
+void set_pressure(Balloon& balloon, double pressure_mpa) {
+  balloon.pressure->set(pressure_mpa);
+  const double d = balloon.chart->diameter_at(pressure_mpa);
+  const double pull = pressure_mpa * pi * d * d / (4 * balloon.grid.around);
+  std::vector<double> pretension;
+  for (int r = 0; r + 1 < balloon.grid.rings(); ++r) {
+    const double mean = 0.5 * (balloon.grid.profile[r] + balloon.grid.profile[r + 1]);
+    pretension.insert(pretension.end(), balloon.grid.around, pull * (mean * mean - tip_share * tip_share));
+  }
+  balloon.axial->set_pretension(pretension);
+}
+
+} // namespace vci

@@ -1,0 +1,33 @@
+// A maker's compliance chart, continued below its first point down to the crimped balloon.
+#pragma once
+#include "vci/linalg/types.hpp"
+
+namespace vci {
+
+/// Pressure (MPa) that holds a free balloon at a diameter (mm), piecewise linear and increasing: from nothing at the
+/// crimped diameter along a soft unfolding branch (at most half the pressure of the chart's first point), through the
+/// chart, and on with its last slope.
+class BalloonChart {
+public:
+  /// @throws std::invalid_argument unless both columns rise strictly, the chart has two points or more and starts above
+  /// the crimped diameter.
+  BalloonChart(const std::vector<double>& pressure_mpa, const std::vector<double>& diameter_mm,
+               double crimped_diameter_mm);
+
+  /// The chart of a balloon that is unfolded already: continued with its first slope to no pressure. Below that
+  /// diameter the film buckles: a fiftieth of that slope, and the pressure is negative.
+  static BalloonChart of_unfolded(const std::vector<double>& pressure_mpa, const std::vector<double>& diameter_mm);
+
+  double pressure_at(double diameter_mm) const;
+  double slope_at(double diameter_mm) const; ///< MPa/mm
+  double diameter_at(double pressure_mpa) const;
+  /// Integral of p(D) D dD from the crimped diameter (MPa mm^2): the work of a ring's tension.
+  double first_moment(double diameter_mm) const;
+
+private:
+  BalloonChart() = default;
+  std::size_t segment_of_diameter(double diameter_mm) const;
+  std::vector<double> pressure_, diameter_;
+};
+
+} // namespace vci

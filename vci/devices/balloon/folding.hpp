@@ -1,0 +1,38 @@
+// A balloon as it is delivered: pleated into wings that are wrapped round the catheter's shaft.
+#pragma once
+#include "vci/devices/balloon/balloon_spec.hpp"
+#include "vci/devices/ring_grid.hpp"
+
+namespace vci {
+
+/// Section of a folded balloon's body. Its perimeter is the inflated one, since the membrane hardly stretches; the
+/// layers are arms of a spiral that rises by twice the membrane's thickness from one wing to the next. Each sector is a
+/// valley on the shaft that goes over into a wing's back, the wing's crest, and its belly back to the next valley.
+/// Balloons folded in three: De Beule et al., J Biomech 41 (2008) 383; Mortier et al., J Biomech Eng 130 (2008) 021018.
+struct FoldedSection {
+  std::vector<Vec2>
+      points;          ///< mm, counterclockwise, equally far apart; the first is a valley's middle. Empty: no wings
+  double inner, outer; ///< distances of the nearest and the furthest vertex from the axis, mm
+  double wrap;         ///< angle that a wing covers, rad
+};
+/// @param edge between neighbouring vertices, mm; @param around vertices, a multiple of twice the wings
+FoldedSection folded_section(const FoldingSpec& folding, int around, double edge);
+/// The same of a balloon as its chart has it without pressure.
+FoldedSection folded_section(const BalloonSpec& spec, int around);
+
+/// Diameter (mm) of the balloon unfolded without pressure: the chart, continued to no pressure.
+double unfolded_diameter(const BalloonSpec& spec);
+
+/// E t^3 / (12 (1 - nu^2)) of the membrane, N mm.
+double bending_rigidity(const FoldingSpec& folding);
+
+/// Vertices that its rings need to follow the folds. Throws common::InputError where the perimeter does not fit into
+/// the profile, or leaves no wings.
+int vertices_round_folded(const BalloonSpec& spec, double edge_mm);
+
+/// Its vertices on a vessel's axis; the cones taper as the section scaled. @param room radius that each ring may take,
+/// mm. Throws common::ComputationError where a ring does not fit.
+Vectors place_folded(const BalloonSpec& spec, const RingGrid& grid, const std::vector<Frame>& frames,
+                     const std::vector<double>& room);
+
+} // namespace vci

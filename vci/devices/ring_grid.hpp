@@ -1,0 +1,47 @@
+// Grids of rings along an axis, which balloons and stents are made of.
+#pragma once
+#include "vci/geometry/centreline.hpp"
+#include "vci/geometry/surface.hpp"
+#include "vci/mechanics/system.hpp"
+
+namespace vci {
+
+/// Rings of `around` vertices each; vertex (ring, k) is ring * around + k.
+struct RingGrid {
+  int around = 0;
+  std::vector<double> s;       ///< along the straight device, from its centre, mm
+  std::vector<double> profile; ///< share of the body's diameter
+  std::vector<double> start;   ///< share of the crimped diameter that it needs at the start
+  int rings() const { return static_cast<int>(s.size()); }
+  Triangles triangles() const; ///< outward
+  /// Arc lengths (mm) of the rings with the device's centre at one.
+  std::vector<double> along(double centre_s) const;
+};
+
+/// An even number of edges (12 at least) of about the length `edge_mm` round a circumference.
+int even_count(double circumference_mm, double edge_mm);
+
+/// Vertices of a grid with the given radius at each ring.
+Vectors place_grid(const RingGrid& grid, const std::vector<Frame>& frames, const std::vector<double>& radius);
+/// The same along a straight axis, the radius (mm) times the grid's profile.
+Vectors straight_grid(const RingGrid& grid, double radius);
+
+/// Edges round the rings, ring by ring.
+std::vector<std::array<int, 2>> hoop_edges(const RingGrid& grid);
+/// Axial length (mm) that each ring stands for.
+std::vector<double> ring_widths(const RingGrid& grid);
+
+/// Mean radius (mm) of each ring about its own centre, from the area its polygon encloses.
+std::vector<double> ring_radii(const System& system, int body, const RingGrid& grid);
+/// Diameter (mm) of the circle as long as each ring.
+std::vector<double> girth_diameters(const System& system, int body, const RingGrid& grid);
+/// Area (mm^2) that each ring encloses, seen along the line through the rings' centres: the tube's section, however
+/// aslant the ring lies in it.
+std::vector<double> ring_sections(const System& system, int body, const RingGrid& grid);
+Vectors ring_centres(const System& system, int body, const RingGrid& grid);
+
+/// Indices and positions of a body alone as those of a system in which its first vertex is `first`.
+void shift(std::vector<EdgePair>& edges, int first);
+Vectors shifted(const Vectors& points, int first);
+
+} // namespace vci

@@ -1,0 +1,58 @@
+// Hoop laws of a stent's rings.
+#pragma once
+#include "vci/mechanics/force.hpp"
+
+namespace vci {
+
+/// Elastic-plastic hoop of a closed ring: one tension T(L) along all its edges, L its whole length. A ring of struts
+/// opens as one; a law per edge would let the first edge that yields take all of the opening (necking).
+///   T = k e,  e = L / L0 - 1;  beyond e_y  T = sign(e) k (e_y + H (|e| - e_y)), and L0 follows (isotropic hardening).
+/// The Hessian T' g g^T + T dg/dx, g = dL/dx, couples all of a ring: its first part is a RankOne of the matrix.
+class RingHoops : public Force {
+public:
+  struct Ring {
+    std::vector<int> vertices;          ///< in order; the last joins the first
+    double stiffness;                   ///< k, N
+    double yield_strain, hardening = 0; ///< e_y, H (0 to 1)
+    double rest_length = 0;             ///< L0, mm
+    int flows = 0;                      ///< sign of e where the last step left a set: its tangent is then H k
+  };
+  explicit RingHoops(std::vector<Ring> rings) : rings_(std::move(rings)) {}
+
+  double energy(const Vectors& x) const override;
+  void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const override;
+  void declare(BlockPattern& pattern) const override;
+  void link(const BlockMatrix& matrix) override;
+  void commit(const Vectors& x) override;
+  int yielding(const Vectors& x) const;
+
+private:
+  std::vector<Ring> rings_;
+  std::vector<StencilSlots<2>> slots_; // edge by edge
+};
+
+/// Keeps neighbouring edges of a ring alike: E = c / 2 ln(l_i / l_i+1)^2. Struts are rigid pieces of one pattern; the
+/// logarithm keeps every edge from collapsing, and an even opening costs nothing. Gauss-Newton Hessian.
+class RingEvenness : public Force {
+public:
+  struct Ring {
+    std::vector<int> vertices;
+    double coefficient; ///< c, N mm
+  };
+  explicit RingEvenness(const std::vector<Ring>& rings);
+
+  double energy(const Vectors& x) const override;
+  void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const override;
+  void declare(BlockPattern& pattern) const override;
+  void link(const BlockMatrix& matrix) override;
+
+private:
+  struct Element {
+    std::array<int, 3> v; // two edges in a row
+    double coefficient;
+    StencilSlots<3> slots{};
+  };
+  std::vector<Element> elements_;
+};
+
+} // namespace vci

@@ -1,0 +1,106 @@
+#include "vci/devices/stent/stent.hpp"
+#include "vci/devices/stent/cell_shear.hpp"
+#include "vci/devices/stent/ring_hoop.hpp"
+#include "vci/mechanics/fibre.hpp"
+#include "vci/mechanics/hinge.hpp"
+#include "vci/mechanics/membrane.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace vci {
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr double surface_density = 1.1e-3 * 0.1; // g/mm^2: struts, 0.1 mm thick
+// N mm per edge: struts bending across the ring, E w t^3 / 12 for 235 GPa and 0.09 mm by 0.08 mm, half of it since
+// struts run aslant, one of them for each 1.2 mm of length.
+constexpr double stent_hinge = 0.4, stent_hinge_thickness = 0.08;
+// A grid of fibres alone has no shear stiffness: a weak film gives it, with more hardening than a balloon's.
+constexpr HenckyLaw stent_film{0.3, 0.3, 0.0, 0.05, 0.1};
+constexpr double hoop_hardening = 0.01;
+// Tension that turns one edge e times as long as its neighbour, over the ring's yield tension.
+constexpr double strut_evenness = 2.0;
+
+// Shear stiffness of a cell over that at which a ring in compression at its yield folds in zigzag, tension over twice
+// the edge: the struts of a cell are far stiffer than the ring is strong.
+constexpr double cell_shear = 4.0;
+
+} // namespace
+
+RingGrid stent_grid(const StentSpec& spec, double edge) {
+  RingGrid g;
+  g.around = even_count(pi * spec.nominal_diameter, edge);
+  const int n = std::max(4, static_cast<int>(std::lround(spec.length / edge)));
+  for (int k = 0; k <= n; ++k) {
+    g.s.push_back(spec.length * (static_cast<double>(k) / n - 0.5));
+    g.profile.push_back(1.0);
+    g.start.push_back(1.0);
+  }
+  return g;
+}
+
+Stent add_stent(System& system, const StentSpec& spec, const std::string& device, RingGrid grid,
+                const std::vector<Frame>& frames, const std::vector<double>& radius) {
+  const Vectors points = place_grid(grid, frames, radius);
+  const int first = system.vertices();
+  const int body =
+      system.add_body("stent", points, grid.triangles(), surface_density, std::vector<char>(points.size(), 0));
+  const std::vector<double> width = ring_widths(grid);
+  // hardened on the way to its nominal diameter, the stent yields there at the strain stated
+  const double first_yield =
+      std::max(0.2 * spec.yield_strain,
+               spec.yield_strain - hoop_hardening * std::log(spec.nominal_diameter / spec.crimped_diameter));
+  std::vector<RingHoops::Ring> hoops;
+  std::vector<RingEvenness::Ring> even;
+  for (int r = 0; r < grid.rings(); ++r) {
+    RingHoops::Ring hoop{{}, spec.hoop_stiffness * width[r], first_yield, hoop_hardening};
+    for (int k = 0; k < grid.around; ++k) {
+      hoop.vertices.push_back(first + r * grid.around + k);
+      hoop.rest_length += (points[r * grid.around + (k + 1) % grid.around] - points[r * grid.around + k]).norm();
+    }
+    const double nominal_edge = pi * spec.nominal_diameter / grid.around;
+    even.push_back({hoop.vertices, strut_evenness * spec.yield_strain * hoop.stiffness * nominal_edge});
+    hoops.push_back(std::move(hoop));
+  }
+  system.add_force(body, std::make_unique<RingHoops>(std::move(hoops)));
+  system.add_force(body, std::make_unique<RingEvenness>(even));
+  std::vector<CellShear::Cell> cells;
+  for (int r = 0; r + 1 < grid.rings(); ++r)
+    for (int k = 0; k < grid.around; ++k) {
+      const int a = first + r * grid.around + k, b = first + r * grid.around + (k + 1) % grid.around;
+      const double tension = spec.yield_strain * spec.hoop_stiffness * width[r];
+      cells.push_back({{a, b, b + grid.around, a + grid.around},
+                       cell_shear * tension / (2 * pi * spec.nominal_diameter / grid.around)});
+    }
+  system.add_force(body, std::make_unique<CellShear>(cells));
+  std::vector<Fibres::Fibre> fibres;
+  const double share = pi * spec.nominal_diameter / grid.around;
+  for (int r = 0; r + 1 < grid.rings(); ++r)
+    for (int k = 0; k < grid.around; ++k)
+      fibres.push_back({first + r * grid.around + k, first + (r + 1) * grid.around + k, grid.s[r + 1] - grid.s[r],
+                        spec.axial_stiffness * share});
+  system.add_force(body, std::make_unique<Fibres>(fibres));
+  const Vectors rest = straight_grid(grid, 0.5 * spec.nominal_diameter);
+  std::vector<EdgePair> edges = interior_edges(grid.triangles(), rest);
+  shift(edges, first);
+  // Bent as a beam, the axial fibres give pi R^3 k; hinges at the ring edges, turning by curvature times spacing times
+  // the cosine round the ring, give the rest of the stent's bending stiffness.
+  const double half = 0.5 * spec.nominal_diameter, spacing = spec.length / (grid.rings() - 1);
+  const double by_fibres = pi * half * half * half * spec.axial_stiffness;
+  const double ring_hinge = 2 * std::max(0.0, spec.bending_stiffness - by_fibres) / (grid.around * spacing);
+  const double across = stent_hinge * std::pow(spec.strut_thickness / stent_hinge_thickness, 3);
+  std::vector<double> coefficients;
+  for (const EdgePair& e : edges) {
+    const bool on_ring = (e.e0 - first) / grid.around == (e.e1 - first) / grid.around;
+    coefficients.push_back(on_ring ? std::max(ring_hinge, across) : across);
+  }
+  system.add_force(body, std::make_unique<Hinges>(edges, shifted(rest, first), coefficients, 0.1));
+  const Triangles& triangles = system.body(body).triangles;
+  system.add_force(
+      body, std::make_unique<Membrane>(triangles, system.x, std::vector<HenckyLaw>(triangles.size(), stent_film)));
+  return {body, std::move(grid), device};
+}
+
+} // namespace vci

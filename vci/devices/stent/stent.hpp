@@ -1,0 +1,21 @@
+// A stent as a grid of rings along the vessel's axis, with its forces.
+#pragma once
+#include "vci/devices/ring_grid.hpp"
+#include "vci/devices/stent/stent_spec.hpp"
+
+namespace vci {
+
+RingGrid stent_grid(const StentSpec& spec, double edge_mm);
+
+/// A stent in the system.
+struct Stent {
+  int body;
+  RingGrid grid;
+  std::string device;
+};
+
+/// @param radius of each ring at the start, mm; at most the crimped one.
+Stent add_stent(System& system, const StentSpec& spec, const std::string& device, RingGrid grid,
+                const std::vector<Frame>& frames, const std::vector<double>& radius);
+
+} // namespace vci

@@ -1,0 +1,36 @@
+// Candidate triangles near a point: FCL's dynamic tree of axis-aligned boxes.
+#pragma once
+#include "vci/linalg/types.hpp"
+#include <memory>
+
+namespace vci {
+
+struct NearTriangle {
+  int triangle;
+  double distance; ///< mm
+  Vec3 weights;    ///< barycentric, of the closest point
+};
+
+class BroadPhase {
+public:
+  /// Boxes round the triangles at positions x.
+  BroadPhase(const Triangles& triangles, const Vectors& x);
+  ~BroadPhase();
+  BroadPhase(BroadPhase&&) noexcept;
+  BroadPhase& operator=(BroadPhase&&) noexcept;
+
+  /// Takes note of new positions; the boxes are fitted to them only once a vertex has moved far. Until then the search
+  /// allows for the largest displacement, which never changes what is found.
+  void update(const Triangles& triangles, const Vectors& x);
+  /// Triangles no further than `reach` from p, and no further than the nearest of them plus `slack`; by index.
+  /// @param triangles, x as given to the last update
+  /// @param guess a triangle that may be near, or -1: a good one shortens the search and never changes what is found
+  void near(const Vec3& p, const Triangles& triangles, const Vectors& x, double reach, double slack, int guess,
+            std::vector<NearTriangle>& found) const;
+
+private:
+  struct Tree;
+  std::unique_ptr<Tree> tree_;
+};
+
+} // namespace vci

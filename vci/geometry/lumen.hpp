@@ -1,0 +1,17 @@
+// The lumen surface with what is known at its points.
+#pragma once
+#include "vci/linalg/types.hpp"
+
+namespace vci {
+
+struct Lumen {
+  Vectors points; ///< mm
+  Triangles triangles;
+  std::vector<int> region;              ///< per triangle: 0 wall, others caps
+  std::vector<double> radius;           ///< local lumen radius, mm
+  std::vector<double> plaque;           ///< plaque thickness, mm
+  std::vector<int> plaque_type;         ///< 0 none, 1 fibrous, 2 lipid, 3 calcified
+  std::vector<double> reference_radius; ///< radius without disease, mm; empty where it is not known
+};
+
+} // namespace vci

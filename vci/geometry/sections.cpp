@@ -1,0 +1,91 @@
+#include "vci/geometry/sections.hpp"
+#include "vci/geometry/surface.hpp"
+
+#include <Eigen/Geometry>
+#include <map>
+#include <utility>
+
+namespace vci {
+
+namespace {
+
+/// Where the plane meets the smooth surface, on an edge of a triangle.
+struct Crossing {
+  Vec3 point, normal; ///< normal: of the surface, interpolated
+};
+
+/// The edge from a to b is met at the share t; the smooth surface's point beside it, moved within the plane.
+Crossing crossing_at(int a, int b, double t, const Vectors& points, const Vectors& units, const Vec3& plane) {
+  const Vec3 side = points[b] - points[a], turn = units[b] - units[a];
+  const Vec3 normal = units[a] + t * turn;
+  const Vec3 outward = (normal - normal.dot(plane) * plane).normalized();
+  return {points[a] + t * side + 0.5 * t * (1 - t) * turn.dot(side) * outward, normal};
+}
+
+} // namespace
+
+Vectors section_normals(const Vectors& points, const Triangles& triangles) {
+  Vectors units = vertex_area_vectors(triangles, points, 0, static_cast<int>(points.size()));
+  for (Vec3& n : units)
+    n.normalize();
+  return units;
+}
+
+double section_area(const Vectors& points, const Triangles& triangles, const Vectors& units, const Vec3& origin,
+                    const Vec3& normal) {
+  constexpr double local = 64.0; // mm^2: loops further than 8 mm from the axis belong to other branches
+  using Edge = std::pair<int, int>;
+  const auto side = [&](int v) { return normal.dot(points[v] - origin); };
+  std::map<Edge, Edge> next;
+  std::map<Edge, Crossing> crossing;
+  for (const Triangle& t : triangles) {
+    if ((points[t[0]] - origin).squaredNorm() > local)
+      continue;
+    Edge enter, leave;
+    int crossings = 0;
+    for (int k = 0; k < 3; ++k) {
+      const int a = t[k], b = t[(k + 1) % 3];
+      const double da = side(a), db = side(b);
+      if ((da < 0) == (db < 0))
+        continue;
+      const Edge e{std::min(a, b), std::max(a, b)};
+      crossing[e] = crossing_at(a, b, da / (da - db), points, units, normal);
+      (da < 0 ? leave : enter) = e; // along the triangle's outline: up through `leave`, down through `enter`
+      ++crossings;
+    }
+    if (crossings == 2)
+      next[enter] = leave;
+  }
+  double best = 0, nearest = 1e300;
+  while (!next.empty()) {
+    const Edge first = next.begin()->first;
+    Edge e = first;
+    Vec3 area = Vec3::Zero(), centroid = Vec3::Zero();
+    double length = 0, bulge = 0; // of the arcs beyond their chords: two thirds of chord times sagitta
+    bool closed = false;
+    while (true) {
+      const auto it = next.find(e);
+      if (it == next.end())
+        break;
+      const Edge to = it->second;
+      next.erase(it);
+      const Vec3 a = crossing[e].point - origin, b = crossing[to].point - origin;
+      bulge += (b - a).norm() / 12 * (crossing[to].normal - crossing[e].normal).dot(b - a);
+      area += 0.5 * a.cross(b);
+      centroid += (b - a).norm() * 0.5 * (a + b);
+      length += (b - a).norm();
+      e = to;
+      if (e == first) {
+        closed = true;
+        break;
+      }
+    }
+    if (closed && length > 0 && (centroid / length).norm() < nearest) {
+      nearest = (centroid / length).norm();
+      best = area.norm() + bulge;
+    }
+  }
+  return best;
+}
+
+} // namespace vci

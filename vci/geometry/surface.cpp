@@ -1,0 +1,99 @@
+#include "vci/geometry/surface.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+namespace vci {
+
+namespace {
+
+struct Side {
+  int from, to, opposite;
+};
+
+/// Triangle sides keyed by their two vertices in ascending order; the map keeps a fixed order.
+std::map<std::pair<int, int>, std::vector<Side>> sides_of(const Triangles& triangles) {
+  std::map<std::pair<int, int>, std::vector<Side>> sides;
+  for (const Triangle& t : triangles)
+    for (int k = 0; k < 3; ++k) {
+      const int a = t[k], b = t[(k + 1) % 3];
+      sides[{std::min(a, b), std::max(a, b)}].push_back({a, b, t[(k + 2) % 3]});
+    }
+  return sides;
+}
+
+} // namespace
+
+std::vector<EdgePair> interior_edges(const Triangles& triangles, const Vectors& points) {
+  std::vector<EdgePair> edges;
+  for (const auto& [key, list] : sides_of(triangles)) {
+    if (list.size() != 2 || list[0].from != list[1].to)
+      continue;
+    const double length = (points[key.second] - points[key.first]).norm();
+    edges.push_back({list[0].from, list[0].to, list[0].opposite, list[1].opposite, length});
+  }
+  return edges;
+}
+
+std::vector<char> boundary_vertices(const Triangles& triangles, int vertex_count) {
+  std::vector<char> boundary(vertex_count, 0);
+  for (const auto& [key, list] : sides_of(triangles))
+    if (list.size() == 1)
+      boundary[key.first] = boundary[key.second] = 1;
+  return boundary;
+}
+
+Vectors vertex_area_vectors(const Triangles& triangles, const Vectors& x, int first, int count) {
+  Vectors areas(count, Vec3::Zero());
+  for (const Triangle& t : triangles) {
+    const Vec3 third = area_vector(t, x) / 3.0;
+    for (int v : t)
+      areas[v - first] += third;
+  }
+  return areas;
+}
+
+namespace {
+
+/// (n_j - n_i) . (x_j - x_i) / 2 along a side; at most what a side of a hexagon has, since normals of a crumpled
+/// surface say nothing of its curvature.
+double bulge(int i, int j, const Vectors& x, const Vectors& units) {
+  const Vec3 side = x[j] - x[i];
+  const double limit = 0.5 * side.norm();
+  return std::clamp(0.5 * (units[j] - units[i]).dot(side), -limit, limit);
+}
+
+} // namespace
+
+double sagitta(const Triangle& t, const Vec3& weights, const Vectors& x, const Vectors& units) {
+  double sum = 0;
+  for (int k = 0; k < 3; ++k) {
+    const int j = (k + 1) % 3;
+    sum += weights[k] * weights[j] * bulge(t[k], t[j], x, units);
+  }
+  return sum;
+}
+
+double largest_sagitta(const Triangle& t, const Vectors& x, const Vectors& units) {
+  double sum = 0;
+  for (int k = 0; k < 3; ++k)
+    sum += 0.25 * std::abs(bulge(t[k], t[(k + 1) % 3], x, units));
+  return sum;
+}
+
+std::vector<std::vector<int>> vertex_neighbours(const Triangles& triangles, int vertex_count) {
+  std::vector<std::vector<int>> neighbours(vertex_count);
+  for (const Triangle& t : triangles)
+    for (int k = 0; k < 3; ++k) {
+      neighbours[t[k]].push_back(t[(k + 1) % 3]);
+      neighbours[t[k]].push_back(t[(k + 2) % 3]);
+    }
+  for (auto& list : neighbours) {
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+  }
+  return neighbours;
+}
+
+} // namespace vci

@@ -1,0 +1,40 @@
+// Geometry and connectivity of triangle surfaces.
+#pragma once
+#include "vci/linalg/types.hpp"
+#include <Eigen/Geometry>
+
+namespace vci {
+
+/// An interior edge and the two triangles beside it: (e0, e1, w0) and (e1, e0, w1), oriented alike.
+struct EdgePair {
+  int e0, e1, w0, w1;
+  double rest_length; ///< mm
+};
+
+/// Edges with exactly two triangles of opposite orientation; others (boundary, non-manifold) are left out.
+std::vector<EdgePair> interior_edges(const Triangles& triangles, const Vectors& points);
+
+/// True for vertices on an edge that has only one triangle.
+std::vector<char> boundary_vertices(const Triangles& triangles, int vertex_count);
+
+/// Area vector (mm^2) of a triangle: its normal times its area.
+inline Vec3 area_vector(const Triangle& t, const Vectors& x) {
+  return 0.5 * (x[t[1]] - x[t[0]]).cross(x[t[2]] - x[t[0]]);
+}
+
+/// A third of the area vectors of the triangles round each vertex, for vertices [first, first + count).
+Vectors vertex_area_vectors(const Triangles& triangles, const Vectors& x, int first, int count);
+
+/// How far the smooth surface through a triangle's corners lies beyond the triangle, along its normals, at a point of
+/// it: the quadratic w_i w_j (n_j - n_i) . (x_j - x_i) / 2 over its sides, which is l^2 / (8 R) amid a chord of a
+/// circle. Positive where the surface is convex seen from outside; mm.
+/// @param weights barycentric coordinates of the point
+/// @param units unit normals of the vertices
+double sagitta(const Triangle& t, const Vec3& weights, const Vectors& x, const Vectors& units);
+/// A bound of its size anywhere on the triangle, mm.
+double largest_sagitta(const Triangle& t, const Vectors& x, const Vectors& units);
+
+/// For each vertex the vertices that share an edge with it, ascending.
+std::vector<std::vector<int>> vertex_neighbours(const Triangles& triangles, int vertex_count);
+
+} // namespace vci

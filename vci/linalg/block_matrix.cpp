@@ -1,0 +1,74 @@
+#include "vci/linalg/block_matrix.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+namespace vci {
+
+BlockMatrix::BlockMatrix(BlockPattern pattern) {
+  auto& columns = pattern.columns();
+  const int n = static_cast<int>(columns.size());
+  start_.assign(1, 0);
+  for (int i = 0; i < n; ++i) {
+    columns[i].push_back(i);
+    std::sort(columns[i].begin(), columns[i].end());
+    columns[i].erase(std::unique(columns[i].begin(), columns[i].end()), columns[i].end());
+    column_.insert(column_.end(), columns[i].begin(), columns[i].end());
+    start_.push_back(static_cast<int>(column_.size()));
+  }
+  values_of_.resize(column_.size());
+  diagonal_.resize(n);
+  std::vector<int> next(n); // entry of a row that mirrors the next block above it
+  int count = 0;
+  for (int i = 0; i < n; ++i) {
+    next[i] = start_[i];
+    diagonal_[i] = entry(i, i);
+  }
+  for (int i = 0; i < n; ++i)
+    for (int k = diagonal_[i]; k < start_[i + 1]; ++k) {
+      values_of_[k] = count;
+      if (column_[k] > i) // rows come in ascending order, and so do the columns of each row below
+        values_of_[next[column_[k]]++] = count;
+      ++count;
+    }
+  values_.assign(count, Mat3::Zero());
+}
+
+int BlockMatrix::entry(int i, int j) const {
+  const auto first = column_.begin() + start_[i], last = column_.begin() + start_[i + 1];
+  const auto it = std::lower_bound(first, last, j);
+  if (i > j || it == last || *it != j)
+    throw std::logic_error("block (" + std::to_string(i) + ", " + std::to_string(j) + ") is not in the pattern");
+  return static_cast<int>(it - column_.begin());
+}
+
+int BlockMatrix::slot(int i, int j) const {
+  return values_of_[entry(i, j)];
+}
+
+void BlockMatrix::set_zero() {
+  std::fill(values_.begin(), values_.end(), Mat3::Zero());
+  rank_ones_.clear();
+}
+
+void BlockMatrix::multiply(const Vectors& x, Vectors& y) const {
+  std::fill(y.begin(), y.end(), Vec3::Zero());
+  for (int i = 0; i < rows(); ++i)
+    for (int k = diagonal_[i]; k < start_[i + 1]; ++k) {
+      const Mat3& a = values_[values_of_[k]];
+      const int j = column_[k];
+      y[i] += a * x[j];
+      if (j > i)
+        y[j] += a.transpose() * x[i];
+    }
+  for (const RankOne& term : rank_ones_) {
+    double along = 0;
+    for (std::size_t k = 0; k < term.vertex.size(); ++k)
+      along += term.gradient[k].dot(x[term.vertex[k]]);
+    for (std::size_t k = 0; k < term.vertex.size(); ++k)
+      y[term.vertex[k]] += term.stiffness * along * term.gradient[k];
+  }
+}
+
+} // namespace vci

@@ -1,0 +1,66 @@
+// Symmetric sparse matrix of 3x3 blocks with a pattern that is fixed between changes of the mesh.
+#pragma once
+#include "vci/linalg/types.hpp"
+
+namespace vci {
+
+/// Collects which pairs of vertices interact.
+class BlockPattern {
+public:
+  explicit BlockPattern(int vertex_count) : columns_(vertex_count) {}
+  /// Declares that all vertices of a stencil interact with one another.
+  template <class Stencil> void add(const Stencil& stencil) {
+    for (int i : stencil)
+      for (int j : stencil)
+        columns_[i].push_back(j);
+  }
+  std::vector<std::vector<int>>& columns() { return columns_; }
+
+private:
+  std::vector<std::vector<int>> columns_;
+};
+
+/// stiffness g g^T over some vertices: a term that couples them all, cheaper kept apart than stored as blocks.
+struct RankOne {
+  std::vector<int> vertex;
+  Vectors gradient; ///< g, one vector per vertex
+  double stiffness;
+};
+
+/// Rows in compressed form, columns ascending; each row holds its diagonal block. Only blocks of the upper half have
+/// values: block (j, i) is block (i, j) transposed.
+class BlockMatrix {
+public:
+  BlockMatrix() = default;
+  explicit BlockMatrix(BlockPattern pattern);
+
+  int rows() const { return static_cast<int>(start_.size()) - 1; }
+  /// Position of the values of block (i, j), i <= j; throws std::logic_error where the pattern has none.
+  int slot(int i, int j) const;
+  int diagonal_slot(int i) const { return values_of_[diagonal_[i]]; }
+  Mat3& block(int slot) { return values_[slot]; }
+  const Mat3& block(int slot) const { return values_[slot]; }
+  /// Block (i, j) of either half.
+  Mat3 at(int i, int j) const { return i <= j ? values_[slot(i, j)] : Mat3(values_[slot(j, i)].transpose()); }
+
+  // the pattern of both halves, entry by entry
+  int entries() const { return static_cast<int>(column_.size()); }
+  int row_start(int i) const { return start_[i]; }
+  int diagonal_entry(int i) const { return diagonal_[i]; }
+  int column(int entry) const { return column_[entry]; }
+  /// Where an entry's values are, transposed below the diagonal.
+  int slot_of(int entry) const { return values_of_[entry]; }
+  void set_zero();
+  void add(RankOne term) { rank_ones_.push_back(std::move(term)); }
+  const std::vector<RankOne>& rank_ones() const { return rank_ones_; }
+  /// y = A x.
+  void multiply(const Vectors& x, Vectors& y) const;
+
+private:
+  int entry(int i, int j) const;
+  std::vector<int> start_, column_, diagonal_, values_of_;
+  std::vector<Mat3> values_;
+  std::vector<RankOne> rank_ones_;
+};
+
+} // namespace vci

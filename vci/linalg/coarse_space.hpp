@@ -1,0 +1,40 @@
+// Second level of the preconditioner: patches of vertices that move together.
+#pragma once
+#include "vci/linalg/linear_operator.hpp"
+#include <Eigen/SparseCholesky>
+
+namespace vci {
+
+/// The matrix seen by rigid shifts of patches (aggregation without smoothing, Vanek et al. 1996): what single vertices
+/// pass on slowly, long waves along the vessel and shifts of whole devices, is solved at once.
+class CoarseSpace {
+public:
+  /// @param patch_size vertices to a patch at most
+  CoarseSpace(const BlockMatrix& matrix, const std::vector<PointLink>& links, const std::vector<char>& fixed,
+              int patch_size);
+  int patches() const { return patches_; }
+  int vertices() const { return static_cast<int>(patch_.size()); }
+  /// False where the coarse matrix was not positive: apply() must not be called.
+  bool usable() const { return usable_; }
+  /// z += P (P^T A P)^-1 P^T r
+  template <class Field> void apply(const Field& r, Field& z) const {
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(3 * patches_);
+    for (std::size_t i = 0; i < patch_.size(); ++i)
+      if (patch_[i] >= 0)
+        sum.segment<3>(3 * patch_[i]) += r[i].template head<3>().matrix().template cast<double>();
+    const Eigen::VectorXd shift = factor_.solve(sum);
+    using Real = typename Field::value_type::Scalar;
+    for (std::size_t i = 0; i < patch_.size(); ++i)
+      if (patch_[i] >= 0)
+        z[i].template head<3>() += shift.segment<3>(3 * patch_[i]).template cast<Real>().array();
+  }
+
+private:
+  void assign(const BlockMatrix& matrix, const std::vector<char>& fixed, int patch_size);
+  int patches_ = 0;
+  bool usable_ = false;
+  std::vector<int> patch_; ///< per vertex, -1 where fixed
+  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor_;
+};
+
+} // namespace vci

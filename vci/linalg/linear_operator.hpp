@@ -1,0 +1,123 @@
+// The step's matrix in the form that conjugate gradients read fastest: four numbers to a vector, single or double.
+#pragma once
+#include "vci/linalg/block_matrix.hpp"
+#include <algorithm>
+
+namespace vci {
+
+/// A stiffness k n n^T + k_t (I - n n^T) - s s^T on a weighted sum of up to four vertices: contacts and ties, kept out
+/// of the sparse pattern because they come and go.
+struct PointLink {
+  std::array<int, 4> vertex; ///< -1 marks an unused place
+  std::array<double, 4> weight;
+  Vec3 normal;
+  double normal_stiffness;     ///< N/mm
+  double tangential_stiffness; ///< N/mm
+  Vec3 sliding = Vec3::Zero(); ///< s, tangential: what a contact that slides lacks along its way, (N/mm)^(1/2)
+  Mat3 stiffness() const {
+    Mat3 k = (normal_stiffness - tangential_stiffness) * normal * normal.transpose();
+    k.diagonal().array() += tangential_stiffness;
+    return k - sliding * sliding.transpose();
+  }
+};
+
+/// Block matrix, rank-one terms and links with fixed vertices left out. Vectors hold four numbers a vertex, the last 0.
+template <class Real> class LinearOperator {
+public:
+  using Four = Eigen::Array<Real, 4, 1>;
+  using Block = Eigen::Array<Real, 4, 3>;
+  using Field = std::vector<Four>;
+
+  LinearOperator(const BlockMatrix& matrix, const std::vector<PointLink>& links, const std::vector<char>& fixed)
+      : matrix_(matrix), fixed_(fixed) {
+    values_.resize(9 * static_cast<std::size_t>(matrix.entries()) + 1); // the last column is read with one number more
+    for (int i = 0; i < matrix.rows(); ++i)
+      for (int k = matrix.row_start(i); k < matrix.row_start(i + 1); ++k) {
+        const double* a = matrix.block(matrix.slot_of(k)).data();
+        Real* own = values_.data() + 9 * static_cast<std::ptrdiff_t>(k);
+        if (k < matrix.diagonal_entry(i)) // below the diagonal
+          for (int c = 0; c < 3; ++c)
+            for (int r = 0; r < 3; ++r)
+              own[3 * c + r] = static_cast<Real>(a[3 * r + c]);
+        else
+          for (int e = 0; e < 9; ++e)
+            own[e] = static_cast<Real>(a[e]);
+      }
+    for (const PointLink& link : links) {
+      Link own{link.vertex, {}, padded(link.stiffness())};
+      for (int k = 0; k < 4; ++k) {
+        own.weight[k] = link.vertex[k] < 0 || fixed[link.vertex[k]] ? Real(0) : Real(link.weight[k]);
+        own.vertex[k] = std::max(link.vertex[k], 0);
+      }
+      links_.push_back(own);
+    }
+    for (const RankOne& term : matrix.rank_ones()) {
+      Ring ring{{}, {}, Real(term.stiffness)};
+      for (std::size_t k = 0; k < term.vertex.size(); ++k)
+        if (!fixed[term.vertex[k]]) {
+          ring.vertex.push_back(term.vertex[k]);
+          ring.gradient.push_back(padded(term.gradient[k]));
+        }
+      rings_.push_back(std::move(ring));
+    }
+  }
+
+  static Four padded(const Vec3& v) { return Four(Real(v[0]), Real(v[1]), Real(v[2]), Real(0)); }
+  static Block padded(const Mat3& m) {
+    Block b = Block::Zero();
+    b.template topRows<3>() = m.array().template cast<Real>();
+    return b;
+  }
+  static Four product(const Block& a, const Four& x) { return a.col(0) * x[0] + a.col(1) * x[1] + a.col(2) * x[2]; }
+
+  /// y = A x; x must be 0 at fixed vertices, y is.
+  void multiply(const Field& x, Field& y) const {
+    for (int i = 0; i < matrix_.rows(); ++i) {
+      Four sum = Four::Zero();
+      if (!fixed_[i])
+        for (int k = matrix_.row_start(i); k < matrix_.row_start(i + 1); ++k) {
+          const Real* a = values_.data() + 9 * static_cast<std::ptrdiff_t>(k); // columns of three, read as fours
+          const Four& v = x[matrix_.column(k)];
+          sum += Loose(a) * v[0] + Loose(a + 3) * v[1] + Loose(a + 6) * v[2];
+        }
+      y[i] = sum;
+      y[i][3] = 0;
+    }
+    for (const Ring& ring : rings_) {
+      Four sum = Four::Zero();
+      for (std::size_t k = 0; k < ring.vertex.size(); ++k)
+        sum += ring.gradient[k] * x[ring.vertex[k]];
+      const Real along = ring.stiffness * (sum[0] + sum[1] + sum[2]);
+      for (std::size_t k = 0; k < ring.vertex.size(); ++k)
+        y[ring.vertex[k]] += along * ring.gradient[k];
+    }
+    for (const Link& link : links_) {
+      Four r = Four::Zero();
+      for (int k = 0; k < 4; ++k)
+        r += link.weight[k] * x[link.vertex[k]];
+      const Four f = product(link.stiffness, r);
+      for (int k = 0; k < 4; ++k)
+        y[link.vertex[k]] += link.weight[k] * f;
+    }
+  }
+
+private:
+  struct Link {
+    std::array<int, 4> vertex;
+    std::array<Real, 4> weight;
+    Block stiffness;
+  };
+  struct Ring {
+    std::vector<int> vertex;
+    Field gradient;
+    Real stiffness;
+  };
+  using Loose = Eigen::Map<const Four>;
+  const BlockMatrix& matrix_;
+  const std::vector<char>& fixed_;
+  std::vector<Real> values_; ///< nine to a block, column by column
+  std::vector<Link> links_;
+  std::vector<Ring> rings_;
+};
+
+} // namespace vci

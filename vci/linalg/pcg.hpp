@@ -1,0 +1,42 @@
+// Filtered conjugate gradients (eq 12) with a two-level preconditioner: 3x3 block Jacobi and shifts of patches.
+#pragma once
+#include "vci/linalg/linear_operator.hpp"
+#include <limits>
+#include <memory>
+
+namespace vci {
+
+class CoarseSpace;
+
+struct PcgSettings {
+  double tolerance = 0.1; ///< of the residual, relative
+  int maximal_iterations = 300;
+  int patch_size = 0;            ///< vertices to a patch of the second level; 0: block Jacobi alone
+  bool single_precision = false; ///< the iterations; good for tolerances of 1e-4 and more
+  bool plain = false;            ///< no preconditioner at all
+  /// Of the residual in the preconditioner's norm, which stands for the error's energy: a few vertices deep in contact
+  /// are nearly all of the residual itself. Has to be met as well.
+  double preconditioned_tolerance = std::numeric_limits<double>::infinity();
+};
+
+/// The second level of the last solves: good for some more while the matrix changes little.
+struct PcgMemory {
+  std::shared_ptr<const CoarseSpace> coarse;
+  int age = 0;
+  int first_iterations = 0; ///< of the solve that it was made for
+};
+
+struct SolveResult {
+  bool converged;
+  int iterations;
+  double residual; ///< ||b - A x|| / ||b|| over the free vertices
+};
+
+/// Stops with converged false where the matrix turns out not to be positive; x then holds what was found before.
+/// @param memory where given, lends the second level of an earlier matrix while it serves, and keeps the new one
+/// Solves (A + links) x = b with x = 0 at fixed vertices; x leaves as the solution.
+SolveResult solve_pcg(const BlockMatrix& matrix, const std::vector<PointLink>& links, const std::vector<char>& fixed,
+                      const Vectors& right_hand_side, Vectors& x, const PcgSettings& settings,
+                      PcgMemory* memory = nullptr);
+
+} // namespace vci

@@ -1,0 +1,55 @@
+// Forces along the edges of device grids: axial fibres, and what edge laws share.
+#pragma once
+#include "vci/mechanics/force.hpp"
+
+namespace vci {
+
+/// Two-vertex elements that share everything but the tension law.
+class EdgeForce : public Force {
+public:
+  double energy(const Vectors& x) const override;
+  void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const override;
+  void declare(BlockPattern& pattern) const override;
+  void link(const BlockMatrix& matrix) override;
+
+protected:
+  struct Tension {
+    double energy;  ///< N mm
+    double force;   ///< dE/dl, N
+    double tangent; ///< d2E/dl2, N/mm
+  };
+  virtual Tension tension(std::size_t k, double length) const = 0;
+  void add_edge(int i, int j) { edges_.push_back({i, j}); }
+  /// Adds h to the blocks of edge k as a stiffness of the difference of its two vertices.
+  void add_along(BlockMatrix& matrix, std::size_t k, const Mat3& h) const;
+  double length(std::size_t k, const Vectors& x) const { return (x[edges_[k][1]] - x[edges_[k][0]]).norm(); }
+
+  std::vector<std::array<int, 2>> edges_;
+
+private:
+  std::vector<StencilSlots<2>> slots_;
+};
+
+/// Elastic fibre of stiffness k times width w (N): T = k w eps + T0, eps = ln(l / l0). The energy k w l0 eps^2 / 2 is
+/// per reference length, so that the force is k w eps l0 / l + T0.
+class Fibres : public EdgeForce {
+public:
+  struct Fibre {
+    int i, j;
+    double rest_length;    ///< mm
+    double stiffness;      ///< k w, N
+    double pretension = 0; ///< N, constant
+    bool slack = false;    ///< a folded film: 2 % of the stiffness once the whole tension would turn negative
+  };
+  explicit Fibres(const std::vector<Fibre>& fibres);
+  /// One pretension (N) per fibre.
+  void set_pretension(const std::vector<double>& tension);
+
+protected:
+  Tension tension(std::size_t k, double length) const override;
+
+private:
+  std::vector<Fibre> fibres_;
+};
+
+} // namespace vci

@@ -1,0 +1,76 @@
+// What every force of the model offers: energy, force (minus its gradient) and stiffness (its Hessian).
+#pragma once
+#include "vci/linalg/block_matrix.hpp"
+#include <algorithm>
+
+namespace vci {
+
+/// Which part of the force balance a force belongs to (see residual in integrator.hpp).
+enum class ForceKind { elastic, foundation, pressure };
+
+class Force {
+public:
+  virtual ~Force() = default;
+  virtual ForceKind kind() const { return ForceKind::elastic; }
+  /// Energy in N mm at positions x (mm).
+  virtual double energy(const Vectors& x) const = 0;
+  /// Adds -dE/dx (N) to `force` and, where given, d2E/dx2 (N/mm) to `stiffness`, which must have been linked.
+  /// With `exact` false, negative eigenvalues of the element Hessians are left out: the matrix stays positive.
+  virtual void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact = false) const = 0;
+  /// Declares the pairs of vertices that interact.
+  virtual void declare(BlockPattern& pattern) const = 0;
+  /// Looks up where the pairs are stored.
+  virtual void link(const BlockMatrix& matrix) = 0;
+  /// Adds rate (1/ms) times the damping matrix (N ms/mm) of forces that have one; mass (g) per vertex.
+  virtual void add_damping(const Vectors& x, const std::vector<double>& mass, double rate, BlockMatrix& matrix) const {
+    (void)x, (void)mass, (void)rate, (void)matrix;
+  }
+  /// Makes plastic flow at x permanent.
+  virtual void commit(const Vectors& x) { (void)x; }
+};
+
+/// Where a stencil's blocks are: those of the matrix's upper half.
+template <std::size_t N> class StencilSlots {
+public:
+  StencilSlots() = default;
+  StencilSlots(const BlockMatrix& matrix, const std::array<int, N>& stencil) {
+    for (std::size_t i = 0; i < N; ++i)
+      order_[i] = static_cast<int>(i);
+    std::sort(order_.begin(), order_.end(), [&](int a, int b) { return stencil[a] < stencil[b]; });
+    std::size_t k = 0;
+    for (std::size_t i = 0; i < N; ++i)
+      for (std::size_t j = i; j < N; ++j)
+        slot_[k++] = matrix.slot(stencil[order_[i]], stencil[order_[j]]);
+  }
+  /// The stencil's places in ascending order of their vertices.
+  const std::array<int, N>& order() const { return order_; }
+  /// Adds block(a, b) for places a, b of the stencil; a's vertex comes first.
+  template <class Block> void add(BlockMatrix& matrix, const Block& block) const {
+    std::size_t k = 0;
+    for (std::size_t i = 0; i < N; ++i)
+      for (std::size_t j = i; j < N; ++j)
+        matrix.block(slot_[k++]).noalias() += block(order_[i], order_[j]);
+  }
+  /// Adds blocks by rank of their vertices; those of the upper half count.
+  void add_upper(BlockMatrix& matrix, const Mat3 (&block)[N][N]) const {
+    std::size_t k = 0;
+    for (std::size_t i = 0; i < N; ++i)
+      for (std::size_t j = i; j < N; ++j)
+        matrix.block(slot_[k++]) += block[i][j];
+  }
+  /// Adds c g g^T, g a vector per place.
+  void add_rank_one(BlockMatrix& matrix, double c, const std::array<Vec3, N>& g) const {
+    std::size_t k = 0;
+    for (std::size_t i = 0; i < N; ++i) {
+      const Vec3 scaled = c * g[order_[i]];
+      for (std::size_t j = i; j < N; ++j)
+        matrix.block(slot_[k++]).noalias() += scaled * g[order_[j]].transpose();
+    }
+  }
+
+private:
+  std::array<int, N> order_{};
+  std::array<int, N*(N + 1) / 2> slot_{};
+};
+
+} // namespace vci

@@ -1,0 +1,64 @@
+#include "vci/mechanics/hencky_law.hpp"
+
+#include <cmath>
+
+namespace vci {
+
+namespace {
+
+constexpr double rounding = 1e-9; // of the yield strain, where a set made permanent leaves the strain
+
+} // namespace
+
+HenckyLaw::Response HenckyLaw::response_at(const Vec2& square, bool flows) const {
+  const Vec2 log_strain = at_depth(square);
+  const double c = 1.0 / (1.0 - poisson_ratio * poisson_ratio);
+  Mat2 d;
+  d << c, c * poisson_ratio, c * poisson_ratio, c;
+  const Vec2 d_eps = d * log_strain;
+  const double w2 = std::max(0.0, log_strain.dot(d_eps));
+  const double w = std::sqrt(w2);
+  Response r;
+  r.strain = w;
+  r.yields = w > yield_strain * (1 + (flows ? -rounding : rounding));
+  double phi, dphi_over_w; // dphi/dw / w
+  if (r.yields) {
+    const double excess = w - yield_strain;
+    phi = elastic_part(w) / w;
+    dphi_over_w = -(1.0 - hardening) * yield_strain / (w2 * w);
+    r.energy =
+        stiffness * (0.5 * yield_strain * yield_strain + yield_strain * excess + 0.5 * hardening * excess * excess);
+  } else {
+    phi = 1.0 + stiffening * w2;
+    dphi_over_w = 2.0 * stiffening;
+    r.energy = stiffness * (0.5 * w2 + 0.25 * stiffening * w2 * w2);
+  }
+  r.stress = stiffness * phi * d_eps;
+  r.tangent = stiffness * (phi * d + dphi_over_w * d_eps * d_eps.transpose());
+  if (depth > 0) {
+    const Eigen::Array2d share = square.array() / (square.array() + depth); // d at_depth / d lumen_strain
+    r.tangent = (r.tangent.array() * (share.matrix() * share.matrix().transpose()).array()).matrix();
+    r.tangent.diagonal().array() += r.stress.array() * 2 * share * (1 - share);
+    r.stress.array() *= share;
+  }
+  return r;
+}
+
+Vec2 HenckyLaw::flow(const Vec2& lumen_strain) {
+  const Vec2 square = (2 * lumen_strain).array().exp(), layer = at_depth(square);
+  const double w = response_at(square).strain;
+  if (w <= yield_strain)
+    return Vec2::Zero();
+  // the layer's elastic strain shrinks in proportion to the stress reached; the lumen has moved with the rest
+  const Vec2 elastic = elastic_part(w) / w * layer, lasting = layer - elastic;
+  yield_strain = elastic_part(w);
+  if (depth == 0)
+    return lasting;
+  // Seen from the widened lumen the layer is less deep (a narrowed one keeps its depth). The lumen's elastic strain is
+  // what gives the layer's at the new depth, so that the stress in the wider direction stays as it was.
+  const double widened = lasting.maxCoeff() > 0 ? std::exp(2 * lasting.maxCoeff()) * (1 + depth) - depth : 1;
+  depth /= widened;
+  return lumen_strain - Vec2(0.5 * ((2 * elastic).array().exp() * (1 + depth) - depth).log());
+}
+
+} // namespace vci

@@ -1,0 +1,52 @@
+// Plane-stress law in logarithmic (Hencky) strains of the principal stretches, with stiffening or yield.
+#pragma once
+#include "vci/linalg/types.hpp"
+#include <limits>
+
+namespace vci {
+
+/// Equivalent elastic strain w: w^2 = eps . D eps with D = 1/(1 - nu^2) [1 nu; nu 1].
+/// Kirchhoff stress resultants t_i = E phi(w) (D eps)_i, E a modulus times thickness (N/mm), where
+///   phi = 1 + beta w^2                        healthy wall: stiffens
+///   phi = (w_y + H (w - w_y)) / w, w > w_y    plaque, film: yields with linear hardening
+/// which derive from the energy per reference area E psi(w), psi' = phi w.
+///
+/// A layer at depth, radius R behind a lumen of radius a, stretches less than the lumen does: incompressible tissue
+/// between them gives lambda_R^2 = (lambda^2 + q) / (1 + q), q = (R/a)^2 - 1 (of a ring; taken for both principal
+/// stretches). The formulas above hold for the layer's strain; the response is that of the lumen's.
+struct HenckyLaw {
+  double stiffness; ///< modulus times thickness per reference length of the lumen, N/mm
+  double poisson_ratio = 0.45;
+  double stiffening = 0; ///< beta; only without yield
+  double yield_strain = std::numeric_limits<double>::infinity();
+  double hardening = 0; ///< H, 0 to 1
+  double depth = 0;     ///< q; 0 at the lumen itself
+
+  struct Response {
+    double energy; ///< N/mm
+    Vec2 stress;   ///< d energy / d eps_i, eps the lumen's strain, N/mm
+    Mat2 tangent;  ///< d stress_i / d eps_j, N/mm
+    double strain; ///< w of the layer
+    bool yields;
+  };
+  /// @param square squared principal stretches of the lumen
+  /// @param flows the last step left a set: at the yield strain, where that leaves it, the tangent is that of yield;
+  /// else it is the elastic one, whatever the rounding
+  Response response_at(const Vec2& square, bool flows = false) const;
+  Response response(const Vec2& log_strain) const { return response_at((2 * log_strain).array().exp()); }
+  bool yields_at(const Vec2& square) const { return strain_squared(at_depth(square)) > yield_strain * yield_strain; }
+  /// Elastic part of w that stays after yield: E times it is the stress reached.
+  double elastic_part(double w) const { return yield_strain + hardening * (w - yield_strain); }
+  /// What of the lumen's strain stays after yield at that strain; the law then holds for the strain beyond it.
+  Vec2 flow(const Vec2& log_strain);
+
+private:
+  /// w^2 at a layer's strain.
+  double strain_squared(const Vec2& e) const {
+    return (e.squaredNorm() + 2 * poisson_ratio * e[0] * e[1]) / (1.0 - poisson_ratio * poisson_ratio);
+  }
+  /// The layer's logarithmic strain.
+  Vec2 at_depth(const Vec2& square) const { return 0.5 * ((square.array() + depth) / (1 + depth)).log(); }
+};
+
+} // namespace vci

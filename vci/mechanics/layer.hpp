@@ -1,0 +1,18 @@
+// What the models of a layer, constant-strain triangles or springs, tell alike.
+#pragma once
+#include "vci/linalg/types.hpp"
+
+namespace vci {
+
+/// What a layer tells beyond its forces.
+class Layer {
+public:
+  virtual ~Layer() = default;
+  /// Largest total (elastic and plastic) principal stretch of each triangle.
+  virtual std::vector<double> largest_stretch(const Vectors& x) const = 0;
+};
+
+/// Per vertex the largest stretch of the triangles round it, at least 1.
+std::vector<double> vertex_stretch(const Layer& layer, const Triangles& triangles, const Vectors& x);
+
+} // namespace vci

@@ -1,0 +1,32 @@
+// Pressure inside a surface, following its current normals.
+#pragma once
+#include "vci/geometry/surface.hpp"
+#include "vci/mechanics/force.hpp"
+
+namespace vci {
+
+/// Force p times a third of the area vectors of the triangles round each vertex; of a closed surface it derives from
+/// E = -p V. Its stiffness is symmetric away from open edges, and left out at these. It is indefinite: a bent balloon
+/// gains volume where its axial tension would straighten it, and the two all but cancel. Half of it keeps the sum
+/// positive and still lets the balloon bend; the exact one is all of it.
+class Pressure : public Force {
+public:
+  /// @param reference positions that the triangles index
+  Pressure(Triangles triangles, const Vectors& reference, double pressure_mpa)
+      : triangles_(std::move(triangles)), edges_(interior_edges(triangles_, reference)), pressure_(pressure_mpa) {}
+
+  ForceKind kind() const override { return ForceKind::pressure; }
+  void set(double pressure_mpa) { pressure_ = pressure_mpa; }
+  double energy(const Vectors& x) const override;
+  void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const override;
+  void declare(BlockPattern& pattern) const override;
+  void link(const BlockMatrix& matrix) override;
+
+private:
+  Triangles triangles_;
+  std::vector<EdgePair> edges_;
+  std::vector<int> slots_; // of (e0, e1) or (e1, e0)
+  double pressure_;
+};
+
+} // namespace vci

@@ -1,0 +1,35 @@
+// Forces that act on single vertices, and springs that anchor them.
+#pragma once
+#include "vci/mechanics/force.hpp"
+
+namespace vci {
+
+/// Forces on vertices one by one: only diagonal blocks.
+class VertexForce : public Force {
+public:
+  void declare(BlockPattern& pattern) const override;
+  void link(const BlockMatrix& matrix) override;
+
+protected:
+  explicit VertexForce(std::vector<int> vertices) : vertices_(std::move(vertices)) {}
+  std::vector<int> vertices_, slots_;
+};
+
+/// Springs that hold vertices at a place: a device's shaft.
+class Anchors : public VertexForce {
+public:
+  struct Element {
+    int vertex;
+    Vec3 place;
+    double stiffness; ///< N/mm
+  };
+  explicit Anchors(std::vector<Element> elements);
+
+  double energy(const Vectors& x) const override;
+  void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const override;
+
+private:
+  std::vector<Element> elements_;
+};
+
+} // namespace vci

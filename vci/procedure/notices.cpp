@@ -1,0 +1,50 @@
+#include "vci/procedure/notices.hpp"
+#include "vci/procedure/unfolding.hpp"
+
+#include <algorithm>
+#include <sstream>
+
+namespace vci {
+
+std::vector<std::string> left_out(const Scene& scene, std::size_t held, std::size_t vertices) {
+  std::ostringstream region;
+  region << "wall further than " << scene.numerics.region_margin << " mm from every device: " << held << " of "
+         << vertices << " vertices stay where they are";
+  const bool whole = scene.numerics.integrator.textbook, folded = any_folded(scene);
+  return {whole ? "nothing of the wall: textbook integration takes the whole vessel" : region.str(),
+          folded ? "folding of balloons whose entries do not ask for it"
+                 : "folding: balloons start as small tubes that unfold softly",
+          folded ? "self-contact of all but folded balloons" : "self-contact of the wall and of the devices",
+          "mean blood pressure during occlusion: kept as prestress"};
+}
+
+std::vector<std::string> warnings_of_plan(const Scene& scene) {
+  std::vector<std::string> warnings;
+  for (const Step& step : scene.procedure)
+    for (const Placement& p : step.devices) {
+      const auto stent = scene.stents.find(p.device);
+      const BalloonSpec& balloon = scene.balloons.at(stent == scene.stents.end() ? p.device : stent->second.balloon);
+      if (p.pressure_bar <= balloon.rated_burst_pressure_bar)
+        continue;
+      std::ostringstream text;
+      text << step.name << ": " << p.device << " is inflated to " << p.pressure_bar
+           << " bar, above its balloon's rated burst pressure of " << balloon.rated_burst_pressure_bar << " bar";
+      warnings.push_back(text.str());
+    }
+  return warnings;
+}
+
+std::optional<std::string> overexpansion(const System& system, const StentHistory& h, const StentSpec& spec,
+                                         const std::string& step) {
+  const std::vector<double> girths = girth_diameters(system, h.stent.body, h.stent.grid);
+  const auto beyond = std::count_if(girths.begin(), girths.end(), [&](double d) { return d > spec.maximal_diameter; });
+  if (beyond == 0)
+    return std::nullopt;
+  std::ostringstream text;
+  text << step << ": " << h.device << " is opened to " << *std::max_element(girths.begin(), girths.end())
+       << " mm by its girth, beyond its maximal diameter of " << spec.maximal_diameter << " mm (" << beyond << " of "
+       << girths.size() << " rings)";
+  return text.str();
+}
+
+} // namespace vci

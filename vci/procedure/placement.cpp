@@ -1,0 +1,122 @@
+#include "vci/procedure/placement.hpp"
+#include "vci/geometry/closest_point.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace vci {
+
+namespace {
+
+constexpr double departed = 0.6;   // of the stent's radius: an axis this far from the stent's leaves through its side
+constexpr double departing = 0.3;  // likewise: from here on the device makes its window
+constexpr double tolerance = 0.15; // mm by which centre lines of nested devices may differ
+
+/// The place on a chain of ring centres that is nearest to p.
+struct OnAxis {
+  Vec3 point;
+  double radius;
+  bool beyond; ///< p lies past the chain's ends
+};
+OnAxis nearest_on_axis(const Vec3& p, const Vectors& centres, const std::vector<double>& radii) {
+  OnAxis best{centres.front(), radii.front(), true};
+  double distance = 1e300;
+  for (std::size_t k = 0; k + 1 < centres.size(); ++k) {
+    const Vec3 along = centres[k + 1] - centres[k];
+    const double t = (p - centres[k]).dot(along) / along.squaredNorm(), inside = std::clamp(t, 0.0, 1.0);
+    const Vec3 q = centres[k] + inside * along;
+    if ((p - q).squaredNorm() >= distance)
+      continue;
+    distance = (p - q).squaredNorm();
+    const bool past = (k == 0 && t < 0) || (k + 2 == centres.size() && t > 1);
+    best = {q, (1 - inside) * radii[k] + inside * radii[k + 1], past};
+  }
+  return best;
+}
+
+Vectors origins(const Course& course) {
+  Vectors points;
+  for (const Frame& f : course.frames)
+    points.push_back(f.origin);
+  return points;
+}
+
+} // namespace
+
+ContactSides leaving_through(const System& system, const Stent& stent, const Course& device) {
+  const Vectors axis = ring_centres(system, stent.body, stent.grid), course = origins(device);
+  const std::vector<double> radii = ring_radii(system, stent.body, stent.grid);
+  std::vector<double> offset; // of each ring from the stent's axis, in stent radii; 0 past its ends
+  for (const Vec3& o : course) {
+    const OnAxis a = nearest_on_axis(o, axis, radii);
+    offset.push_back(a.beyond ? 0 : (o - a.point).norm() / a.radius);
+  }
+  ContactSides sides;
+  if (*std::max_element(offset.begin(), offset.end()) < departed)
+    return sides;
+  const std::vector<double> reach(device.frames.size(), device.inflated_radius);
+  const Vectors inflated = place_grid(device.grid, device.frames, reach);
+  for (const Vec3& p : inflated) {
+    const OnAxis a = nearest_on_axis(p, axis, radii);
+    sides.inner_blind.push_back(!a.beyond &&
+                                (p - a.point).norm() > std::max(a.radius, device.inflated_radius) + tolerance);
+  }
+  const Body& body = system.body(stent.body);
+  sides.outer_blind.assign(body.count, 0);
+  for (int v = 0; v < body.count; ++v) {
+    const Vec3& p = system.x[body.first + v];
+    const OnAxis a = nearest_on_axis(p, axis, radii);
+    for (std::size_t r = 0; r < course.size(); ++r)
+      if (offset[r] > departing && (p - course[r]).norm() < device.inflated_radius + tolerance &&
+          (p - a.point).dot(course[r] - a.point) > 0)
+        sides.outer_blind[v] = 1;
+  }
+  return sides;
+}
+
+std::vector<double> start_radii(const System& system, const Course& device, double crimped_diameter,
+                                const std::vector<ContactSides>& sides) {
+  constexpr double near = 6.0; // mm
+  std::vector<double> radii;
+  for (int r = 0; r < device.grid.rings(); ++r) {
+    const Vec3& p = device.frames[r].origin;
+    double nearest = near * near;
+    for (int b = 0; b < system.bodies(); ++b) {
+      const Body& body = system.body(b);
+      const bool whole = b >= static_cast<int>(sides.size()) || sides[b].outer_blind.empty();
+      for (const Triangle& t : body.triangles) {
+        if ((system.x[t[0]] - p).squaredNorm() > near * near)
+          continue;
+        if (!whole && std::any_of(t.begin(), t.end(), [&](int v) { return sides[b].outer_blind[v - body.first]; }))
+          continue;
+        nearest =
+            std::min(nearest, closest_on_triangle(p, system.x[t[0]], system.x[t[1]], system.x[t[2]]).distance_squared);
+      }
+    }
+    const double fits = 0.95 * std::sqrt(nearest) - start_clearance;
+    radii.push_back(std::max(0.05, std::min(0.5 * crimped_diameter * device.grid.start[r], fits)));
+  }
+  return radii;
+}
+
+void set_side_by_side(Course& one, Course& other, double crimped_diameter) {
+  const double wanted = crimped_diameter + 2 * start_clearance;
+  const std::array<Vectors, 2> axes{origins(one), origins(other)};
+  const std::array<std::vector<double>, 2> none{std::vector<double>(axes[0].size(), 0.0),
+                                                std::vector<double>(axes[1].size(), 0.0)};
+  const Vec3 towards = axes[1].back() - axes[0].back();
+  for (int k = 0; k < 2; ++k)
+    for (Frame& f : (k == 0 ? one : other).frames) {
+      const OnAxis a = nearest_on_axis(f.origin, axes[1 - k], none[1 - k]);
+      const double apart = (f.origin - a.point).norm();
+      if (apart >= wanted)
+        continue;
+      Vec3 across = towards - towards.dot(f.tangent) * f.tangent;
+      if (across.norm() < 0.1 * wanted) // both stay in one vessel
+        across = f.first;
+      f.origin += (k == 0 ? -0.5 : 0.5) * (wanted - apart) * across.normalized();
+    }
+}
+
+} // namespace vci

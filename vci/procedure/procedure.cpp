@@ -1,0 +1,23 @@
+#include "vci/procedure/procedure.hpp"
+
+#include <algorithm>
+
+namespace vci {
+
+namespace {
+
+// A crimped stent opens only beyond its yield pressure (some 7 bar); below it would never reach the wall.
+constexpr double stent_opening_fraction = 0.75;
+
+} // namespace
+
+std::vector<Stage> stages_of(const Step& step, const Numerics& numerics) {
+  const bool opens_stent = step.action == "stent";
+  const double to_contact = opens_stent ? std::max(numerics.contact_pressure_fraction, stent_opening_fraction)
+                                        : numerics.contact_pressure_fraction;
+  return {{"deployment-to-contact", to_contact, true, false},
+          {"contact-to-balance", 1.0, true, true},
+          {"balloon-extraction", 0.0, false, false}};
+}
+
+} // namespace vci

@@ -1,0 +1,145 @@
+#include "vci/procedure/radius_correction.hpp"
+#include "vci/devices/balloon/balloon_chart.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vci {
+
+namespace {
+
+constexpr double blend_length = 3.0; // mm beyond the device's ends
+
+struct Target {
+  const Path* path;
+  double s_start, s_end, radius;
+  double keeps; ///< share of the inflated radius after recoil
+};
+
+/// One target per stent, with the largest balloon that was inflated inside it; balloons alone count where no stent is.
+std::vector<Target> targets_of(const Scene& scene, const std::map<std::string, Path>& paths) {
+  std::vector<Target> stents, balloons;
+  for (const Step& step : scene.procedure)
+    for (const Placement& p : step.devices) {
+      const bool stent = scene.stents.contains(p.device);
+      const BalloonSpec& b = scene.balloons.at(stent ? scene.stents.at(p.device).balloon : p.device);
+      const BalloonChart chart(b.chart_pressure_bar, b.chart_diameter, b.crimped_diameter);
+      const double length = stent ? scene.stents.at(p.device).length : b.length;
+      const Target t{&paths.at(p.branch), p.centre_s - 0.5 * length, p.centre_s + 0.5 * length,
+                     0.5 * chart.diameter_at(p.pressure_bar), 1.0};
+      if (stent) {
+        const double keeps = 1 - 0.01 * scene.stents.at(p.device).recoil_percent;
+        stents.push_back({t.path, t.s_start, t.s_end, keeps * t.radius, keeps});
+      } else
+        balloons.push_back(t);
+    }
+  for (Target& stent : stents)
+    for (const Target& b : balloons) // centred in the stent's span
+      if (b.path == stent.path && 0.5 * (b.s_start + b.s_end) > stent.s_start &&
+          0.5 * (b.s_start + b.s_end) < stent.s_end)
+        stent.radius = std::max(stent.radius, stent.keeps * b.radius);
+  return stents.empty() ? balloons : stents;
+}
+
+/// Clamped cubic from 1 at the span to 0 at blend_length beyond it.
+double weight_at(double s, const Target& t) {
+  const double outside = std::max({t.s_start - s, s - t.s_end, 0.0}) / blend_length;
+  return outside >= 1 ? 0.0 : 1 - outside * outside * (3 - 2 * outside);
+}
+
+/// A branch's own axis with the radius of the largest ball round each of its points, mm.
+class Axis {
+public:
+  Axis(const Path& path, const Vectors& wall) {
+    const int steps = std::max(1, static_cast<int>(std::lround(path.end() / spacing)));
+    for (int k = 0; k <= steps; ++k) {
+      points_.push_back(path.at(path.end() * k / steps));
+      double nearest = 1e300;
+      for (const Vec3& p : wall)
+        nearest = std::min(nearest, (p - points_.back()).squaredNorm());
+      radius_.push_back(std::sqrt(nearest));
+    }
+    step_ = path.end() / steps;
+  }
+  double radius_at(double s) const {
+    const double place = std::clamp(s / step_, 0.0, static_cast<double>(points_.size() - 1));
+    const auto k = std::min(static_cast<std::size_t>(place), points_.size() - 2);
+    const double t = place - static_cast<double>(k);
+    return (1 - t) * radius_[k] + t * radius_[k + 1];
+  }
+  /// How far p lies outside the branch, mm.
+  double outside(const Vec3& p) const {
+    double least = 1e300;
+    for (std::size_t k = 0; k < points_.size(); ++k)
+      least = std::min(least, (p - points_[k]).norm() - radius_[k]);
+    return least;
+  }
+
+private:
+  static constexpr double spacing = 0.25;
+  Vectors points_;
+  std::vector<double> radius_;
+  double step_;
+};
+
+/// Arc length of the section that p lies in. Sections are perpendicular to the axis's direction over a millimetre:
+/// those of the bare polyline jump at its corners, and wall that moves far outwards along them would cross itself.
+double section_of(const Vec3& p, const Path& path, double first, double last) {
+  double nearest = 1e300, place = 0;
+  for (double s = first; s <= last; s += 0.1)
+    if (const double d = (p - path.at(s)).squaredNorm(); d < nearest) {
+      nearest = d;
+      place = s;
+    }
+  double low = place - 0.5, high = place + 0.5;
+  for (int k = 0; k < 40; ++k) {
+    const double middle = 0.5 * (low + high);
+    ((p - path.at(middle)).dot(path.tangent(middle)) > 0 ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+/// New distance from the axis of a point at distance r. The branch's own wall comes to lie on the target. What lies
+/// beyond it (a side branch's wall, a neighbour) gives way by a share that fades over twice the change of radius: a
+/// monotone map of r, so that no wall passes through another.
+double new_distance(double r, double radius, double target, bool own_wall) {
+  if (own_wall)
+    return target;
+  const double change = target - radius;
+  const double beyond = std::max(0.0, r - radius) / std::max(2 * std::abs(change), 1e-9);
+  return r + change * std::max(0.0, 1 - beyond);
+}
+
+} // namespace
+
+Vectors correct_radius(const Scene& scene, const Lumen& lumen, const std::map<std::string, Path>& paths) {
+  Vectors points = lumen.points;
+  std::vector<char> cap(points.size(), 0);
+  for (std::size_t k = 0; k < lumen.triangles.size(); ++k)
+    if (lumen.region[k] != 0)
+      for (int v : lumen.triangles[k])
+        cap[v] = 1;
+  std::map<const Path*, Axis> axes;
+  for (const auto& [name, path] : paths)
+    axes.emplace(&path, Axis(path, lumen.points));
+  for (const Target& t : targets_of(scene, paths)) {
+    const Axis& axis = axes.at(t.path);
+    const double first = t.s_start - blend_length, last = t.s_end + blend_length;
+    for (std::size_t v = 0; v < points.size(); ++v) {
+      if (cap[v])
+        continue;
+      const double place = section_of(points[v], *t.path, first, last);
+      const Vec3 ray = points[v] - t.path->at(place);
+      const double r = ray.norm(), radius = axis.radius_at(place);
+      if (place <= first || place >= last || r > 3 * std::max(radius, t.radius) || r < 1e-6)
+        continue;
+      bool own_wall = true;
+      for (const auto& [path, other] : axes)
+        own_wall = own_wall && (path == t.path || other.outside(lumen.points[v]) > r - radius - 0.1 * radius);
+      points[v] += weight_at(place, t) * (new_distance(r, radius, t.radius, own_wall) - r) * ray / r;
+    }
+  }
+  return points;
+}
+
+} // namespace vci

@@ -1,0 +1,14 @@
+// The baseline without mechanics: the radius along the stented span becomes the device's.
+#pragma once
+#include "vci/geometry/centreline.hpp"
+#include "vci/geometry/lumen.hpp"
+#include "vci/scene/scene.hpp"
+
+namespace vci {
+
+/// Moves each wall point of the branch along its ray from the axis. Within each stent's span (each balloon's where
+/// there is no stent) the radius becomes (1 - recoil) R(p): R(p) the chart's radius of the largest balloon centred in
+/// the span, recoil the maker's. Over 3 mm beyond the ends a clamped cubic leads back to the radius as it was.
+Vectors correct_radius(const Scene& scene, const Lumen& lumen, const std::map<std::string, Path>& paths);
+
+} // namespace vci

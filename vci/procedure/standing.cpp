@@ -1,0 +1,134 @@
+#include "vci/procedure/standing.hpp"
+#include "common/error.hpp"
+#include "vci/contact/foot.hpp"
+#include "vci/geometry/sections.hpp"
+#include "vci/geometry/surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <sstream>
+
+namespace vci {
+
+namespace {
+
+constexpr double reach = 2.0;      // mm: from a vertex to the wall
+constexpr double slack = 0.1;      // mm beyond the nearest triangle in which the foot along the normals may lie
+constexpr double tolerated = 0.1;  // mm outside the wall: several times what balanced stages show
+constexpr double on_an_end = 1e-9; // weight of a foot's inner corners: below it, it lies on an open edge
+
+int body_with(const System& system, int vertex) {
+  int body = 0;
+  while (vertex >= system.body(body).first + system.body(body).count)
+    ++body;
+  return body;
+}
+
+/// How far (mm) a point lies beyond the smooth surface; negative inside, and where no wall is near.
+double beyond(const Vec3& p, const System& system, const Vectors& units, const std::vector<int>& candidates) {
+  const Body& wall = system.body(0);
+  double closest = 0;
+  const Foot foot = foot_of(p, candidates, system, units, wall, closest);
+  if (foot.triangle < 0)
+    return -1;
+  const Triangle& t = wall.triangles[foot.triangle];
+  double inner = 0;
+  Vec3 q = Vec3::Zero();
+  for (int k = 0; k < 3; ++k) {
+    inner += wall.boundary[t[k] - wall.first] ? 0 : foot.weights[k];
+    q += foot.weights[k] * system.x[t[k]];
+  }
+  if (inner <= on_an_end)
+    return -1;
+  return interpolated_normal(t, foot.weights, units).dot(p - q) - sagitta(t, foot.weights, system.x, units);
+}
+
+} // namespace
+
+Outside furthest_outside(const System& system, SurfaceTrees& trees) {
+  const Body& wall = system.body(0);
+  const Normals normals(area_vectors(system));
+  const BroadPhase& boxes = trees.at(system, 0);
+  Outside furthest;
+  std::vector<NearTriangle> found;
+  std::vector<int> candidates;
+  for (int v = wall.first + wall.count; v < system.vertices(); ++v) {
+    boxes.near(system.x[v], wall.triangles, system.x, reach, slack, -1, found);
+    candidates.clear();
+    for (const NearTriangle& f : found)
+      candidates.push_back(f.triangle);
+    if (candidates.empty())
+      continue;
+    const double distance = beyond(system.x[v], system, normals.unit, candidates);
+    if (distance > furthest.distance)
+      furthest = {distance, v};
+  }
+  return furthest;
+}
+
+void check_inside(const System& system, SurfaceTrees& trees, const std::string& where) {
+  const Outside furthest = furthest_outside(system, trees);
+  if (furthest.distance <= tolerated)
+    return;
+  const Vec3& at = system.x[furthest.vertex];
+  std::ostringstream value;
+  value << "a vertex of the " << system.body(body_with(system, furthest.vertex)).name << " at (" << at[0] << ", "
+        << at[1] << ", " << at[2] << "), " << furthest.distance << " mm outside; at most " << tolerated;
+  throw common::ComputationError("a device lies outside the lumen", where, value.str(),
+                                 "refine the lumen or the devices, or predilate first; no lumen is written");
+}
+
+std::vector<char> borne(const System& system, const std::vector<ContactPoint>& contacts, const std::vector<Tie>& ties,
+                        const std::vector<StentHistory>& stents) {
+  std::vector<int> group(system.bodies());
+  std::iota(group.begin(), group.end(), 0);
+  const auto join = [&](const PointLink& link) {
+    int first = -1;
+    for (int k = 0; k < 4; ++k) {
+      if (link.vertex[k] < 0 || link.weight[k] == 0)
+        continue;
+      const int body = group[body_with(system, link.vertex[k])];
+      if (first >= 0)
+        std::replace(group.begin(), group.end(), std::max(first, body), std::min(first, body));
+      first = first < 0 ? body : std::min(first, body);
+    }
+  };
+  for (const ContactPoint& p : contacts)
+    if (p.force > 0)
+      join(p.link);
+  for (const Tie& tie : ties)
+    join(tie.link);
+  std::vector<char> result;
+  for (const StentHistory& h : stents)
+    result.push_back(group[h.stent.body] == group[0]);
+  return result;
+}
+
+void check_borne(const System& system, Interactions& interactions, const std::vector<StentHistory>& stents,
+                 const Vectors& points, const Triangles& triangles, const std::map<std::string, Path>& paths) {
+  if (stents.empty())
+    return;
+  std::vector<ContactPoint> contacts;
+  interactions.detect(system, area_vectors(system), contacts);
+  const std::vector<char> held = borne(system, contacts, interactions.ties, stents);
+  for (std::size_t k = 0; k < stents.size(); ++k) {
+    if (held[k])
+      continue;
+    const StentHistory& h = stents[k];
+    const Path& path = paths.at(h.branch);
+    const double lumen = section_area(points, triangles, section_normals(points, triangles), path.at(h.centre_s),
+                                      path.tangent(h.centre_s));
+    std::ostringstream value;
+    value << "the stent's diameter is " << h.final_diameter << " mm";
+    if (lumen > 0)
+      value << ", the lumen's at its middle " << 2 * std::sqrt(lumen / std::numbers::pi) << " mm";
+    throw common::ComputationError("a stent touches nothing once all balloons are out",
+                                   h.device + " at " + h.branch + ", stent " + std::to_string(k + 1), value.str(),
+                                   "choose a larger stent, raise its pressure_bar or dilate it with a larger balloon: "
+                                   "it is smaller than the lumen");
+  }
+}
+
+} // namespace vci

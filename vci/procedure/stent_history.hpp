@@ -1,0 +1,29 @@
+// What a stent's rings went through: the diameters that its recoil is taken between.
+#pragma once
+#include "vci/contact/contact.hpp"
+#include "vci/devices/stent/stent.hpp"
+
+namespace vci {
+
+/// A deployed stent's numbers along the way.
+struct StentHistory {
+  std::string device, branch;
+  double centre_s;
+  Stent stent;
+  std::vector<double> inflated_radii = {}; ///< of each ring at the end of the last inflation that filled it, mm
+  double final_diameter = 0;               ///< mean over its rings, after the last extraction, mm
+  double final_length = 0;                 ///< along its ring centres, mm
+  double minimal_area = 0;                 ///< the smallest ring section after the last extraction, mm^2
+  Vec3 first_end = Vec3::Zero();           ///< centre of its first ring then
+  Vec3 last_end = Vec3::Zero();            ///< and of its last
+  double inflated_diameter() const;        ///< mean over its rings, mm
+};
+
+/// Notes the rings that inflated balloons fill: those of which half the vertices or more bear a balloon's contact; all
+/// of them at the stent's own delivery.
+/// @param balloons contact points of the balloons with the stent
+void note_inflation(StentHistory& history, const System& system, const std::vector<ContactPoint>& balloons);
+/// Notes diameter, length, smallest section and ends once balloons are out.
+void note_extraction(StentHistory& history, const System& system);
+
+} // namespace vci

@@ -1,0 +1,47 @@
+#include "vci/procedure/unfolding.hpp"
+
+#include <algorithm>
+
+namespace vci {
+
+namespace {
+
+constexpr double narrowest_layers = 0.6; // share of the diameter: folds of the necks are finer than their contact
+constexpr double step_over_thickness = 2, folds_pcg_tolerance = 0.05;
+constexpr double folds_maximal_step = 5;    // ms: a kink left in the cones goes to and fro under longer ones
+constexpr double folds_initial_step = 0.03; // ms: a longer one throws layers through one another at once
+
+} // namespace
+
+void add_layers(Interactions& interactions, const System& system, const Balloon& balloon, const BalloonSpec& spec,
+                const ContactSettings& settings) {
+  if (!spec.folding)
+    return;
+  std::vector<double> thickness;
+  for (double profile : balloon.grid.profile)
+    thickness.insert(thickness.end(), balloon.grid.around,
+                     profile < narrowest_layers ? 0.0 : spec.folding->membrane_thickness * profile);
+  interactions.self_contacts.emplace_back(system, balloon.body, settings.stiffness, std::move(thickness));
+}
+
+IntegratorSettings with_folds(const IntegratorSettings& settings, const BalloonSpec& spec, bool unfolds) {
+  IntegratorSettings careful = settings;
+  if (!spec.folding)
+    return careful;
+  careful.stalled_steps = settings.maximal_steps;
+  careful.maximal_step = std::min(settings.maximal_step, folds_maximal_step);
+  careful.pcg.tolerance = std::min(settings.pcg.tolerance, folds_pcg_tolerance);
+  if (unfolds) {
+    careful.initial_step = std::min(settings.initial_step, folds_initial_step);
+    careful.displacement_per_step =
+        std::min(settings.displacement_per_step, step_over_thickness * spec.folding->membrane_thickness);
+  }
+  return careful;
+}
+
+bool any_folded(const Scene& scene) {
+  return std::any_of(scene.balloons.begin(), scene.balloons.end(),
+                     [](const auto& entry) { return entry.second.folding.has_value(); });
+}
+
+} // namespace vci

@@ -1,0 +1,97 @@
+#include "vci/results/output.hpp"
+#include "common/error.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <csignal>
+#include <fstream>
+#include <unistd.h>
+
+namespace vci {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* partial = ".partial-"; // and the process's number: where a run writes before it is whole
+constexpr const char* results[] = {"lumen.vtp", "lumen.stl", "deployment.json"}; // devices/*.vtp go before the last
+
+/// The results that are in a folder.
+std::vector<fs::path> results_in(const fs::path& folder) {
+  std::vector<fs::path> found;
+  for (const char* name : results)
+    if (fs::exists(folder / name))
+      found.push_back(folder / name);
+  if (fs::is_directory(folder / "devices"))
+    for (const auto& entry : fs::directory_iterator(folder / "devices"))
+      if (entry.path().extension() == ".vtp")
+        found.push_back(entry.path());
+  return found;
+}
+
+/// Temporary folders of runs that were ended by a signal: their process is no more.
+void remove_left_behind(const fs::path& folder) {
+  const std::string start = partial;
+  for (const auto& entry : std::vector<fs::directory_entry>(fs::directory_iterator(folder), fs::directory_iterator())) {
+    const std::string name = entry.path().filename().string(),
+                      number = name.substr(std::min(name.size(), start.size()));
+    const bool ours = name.rfind(start, 0) == 0 && !number.empty() && number.size() < 10 && entry.is_directory() &&
+                      std::all_of(number.begin(), number.end(), [](unsigned char c) { return std::isdigit(c); });
+    if (ours && std::stoi(number) > 0 && kill(std::stoi(number), 0) != 0 && errno == ESRCH)
+      fs::remove_all(entry.path());
+  }
+}
+
+} // namespace
+
+Output::Output(fs::path out, const std::vector<fs::path>& inputs)
+    : out_(std::move(out)), partial_(out_ / (partial + std::to_string(getpid()))) {
+  try {
+    fs::create_directories(out_);
+    remove_left_behind(out_);
+    const std::vector<fs::path> earlier = results_in(out_);
+    for (const fs::path& file : earlier)
+      for (const fs::path& input : inputs)
+        if (fs::exists(input) && fs::equivalent(file, input))
+          throw common::InputError("results would replace what they are made of", out_.string(), input.string(),
+                                   "name another folder with --out");
+    for (const fs::path& file : earlier)
+      fs::remove(file);
+    fs::create_directories(partial_ / "devices");
+  } catch (const fs::filesystem_error& e) {
+    throw common::InputError("the folder for results cannot be written", out_.string(), e.code().message(),
+                             "name a folder of yours with --out");
+  }
+}
+
+Output::~Output() {
+  std::error_code ignored; // a leftover temporary folder is no reason to hide the error under way
+  fs::remove_all(partial_, ignored);
+}
+
+void Output::publish() const {
+  fs::create_directories(out_ / "devices");
+  for (const auto& entry : fs::directory_iterator(partial_ / "devices"))
+    fs::rename(entry.path(), out_ / "devices" / entry.path().filename());
+  for (const char* name : results)
+    if (fs::exists(partial_ / name))
+      fs::rename(partial_ / name, out_ / name);
+}
+
+void withdraw(const fs::path& out, const fs::path& scene) {
+  std::error_code ignored; // the refusal under way matters more
+  const fs::path answer = out / "deployment.json";
+  if (!fs::equivalent(answer, scene, ignored))
+    fs::remove(answer, ignored);
+}
+
+void write_json(const fs::path& file, const nlohmann::json& document) {
+  std::ofstream stream(file);
+  stream << document.dump(1) << '\n';
+  stream.close(); // what is left of the text is written only now
+  if (!stream)
+    throw common::ComputationError("a file cannot be written", file.string(), "", "check the folder and free space");
+}
+
+} // namespace vci

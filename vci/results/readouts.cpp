@@ -1,0 +1,182 @@
+#include "vci/results/readouts.hpp"
+#include "vci/geometry/sections.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <numbers>
+
+namespace vci {
+
+using nlohmann::json;
+
+namespace {
+
+Segment span_of(const Scene& scene, const Placement& p) {
+  const double length =
+      scene.stents.contains(p.device) ? scene.stents.at(p.device).length : scene.balloons.at(p.device).length;
+  return {p.branch, p.centre_s - 0.5 * length, p.centre_s + 0.5 * length};
+}
+
+/// Mean healthy lumen area (mm^2) by the wall's reference radius within the span.
+double reference_area(const Lumen& lumen, const Path& path, const Segment& segment) {
+  if (lumen.reference_radius.empty())
+    return 0;
+  double sum = 0;
+  int count = 0;
+  for (std::size_t v = 0; v < lumen.points.size(); ++v)
+    for (double s = segment.s_start; s <= segment.s_end; s += 1.0)
+      if ((lumen.points[v] - path.at(s)).norm() < lumen.radius[v] + 0.5) {
+        const double r = lumen.reference_radius[v];
+        sum += std::numbers::pi * r * r;
+        ++count;
+        break;
+      }
+  return count > 0 ? sum / count : 0;
+}
+
+/// Of this program's own memory since it began, MiB; 0 where the system does not say. (The resource usage of a process
+/// begins with that of the program it was forked from.)
+double peak_memory_mib() {
+  std::ifstream status("/proc/self/status");
+  std::string key;
+  for (double kib = 0; status >> key;)
+    if (key == "VmHWM:" && status >> kib)
+      return kib / 1024;
+  return 0;
+}
+
+/// The smallest, or by another order the first, value under `key` of rows that have one; null where none has.
+template <class Order = std::less<>>
+json smallest_of(const json& rows, const char* key = "area_mm2", Order before = {}) {
+  json smallest = nullptr;
+  for (const json& row : rows)
+    if (!row[key].is_null() && (smallest.is_null() || before(row[key], smallest)))
+      smallest = row[key];
+  return smallest;
+}
+
+/// Where a path passes nearest to a point, within `reach` (mm) of the arc length s.
+double place_on(const Path& path, const Vec3& p, double s, double reach) {
+  constexpr int steps = 2000;
+  double place = s, nearest = 1e300;
+  for (int k = 0; k <= steps; ++k) {
+    const double at = s + reach * (2.0 * k / steps - 1);
+    if (const double d = (path.at(at) - p).squaredNorm(); d < nearest) {
+      nearest = d;
+      place = at;
+    }
+  }
+  return place;
+}
+
+/// The smallest lumen area between a deployed stent's ends. Planes nearer than half a millimetre to an end are left
+/// out: they cut its oblique edge, and bare vessel beside it.
+json lumen_area_in(const StentHistory& h, double length, const Deployment& d, const Triangles& triangles) {
+  constexpr double edge = 0.5; // mm
+  const Path& path = d.paths.at(h.branch);
+  const double one = place_on(path, h.first_end, h.centre_s, length),
+               other = place_on(path, h.last_end, h.centre_s, length);
+  const double start = std::min(one, other) + edge, end = std::max(one, other) - edge;
+  return start < end ? smallest_area(area_profile(d.points, triangles, path, start, end)) : json(nullptr);
+}
+
+/// How much less the axis turns in all along the segment, degrees, by pieces as long as the lumen is wide.
+double degrees_less(const Path& before, const Path& after, const Segment& s, const json& profile) {
+  double area = 0;
+  for (const json& row : profile)
+    area += (row["area_mm2"].is_null() ? 0.0 : row["area_mm2"].get<double>()) / static_cast<double>(profile.size());
+  const double wide = std::max(1.0, 2 * std::sqrt(area / std::numbers::pi));
+  return (before.turning(s.s_start, s.s_end, wide) - after.turning(s.s_start, s.s_end, wide)) * 180.0 /
+         std::numbers::pi;
+}
+
+} // namespace
+
+Segment reported_segment(const Scene& scene) {
+  if (scene.segment)
+    return *scene.segment;
+  for (const Step& step : scene.procedure)
+    for (const Placement& p : step.devices)
+      if (scene.stents.contains(p.device))
+        return span_of(scene, p);
+  return span_of(scene, scene.procedure.front().devices.front());
+}
+
+json area_profile(const Vectors& points, const Triangles& triangles, const Path& path, double s_start, double s_end) {
+  json profile = json::array();
+  const Vectors units = section_normals(points, triangles);
+  const int n = std::max(1, static_cast<int>(std::lround((s_end - s_start) / 0.5)));
+  for (int k = 0; k <= n; ++k) {
+    const double s = s_start + (s_end - s_start) * k / n;
+    const double area = section_area(points, triangles, units, path.at(s), path.tangent(s));
+    profile.push_back({{"s_mm", s}, {"area_mm2", area > 0 ? json(area) : json(nullptr)}});
+  }
+  return profile;
+}
+
+json smallest_area(const json& profile) {
+  return smallest_of(profile);
+}
+
+json readouts(const Scene& scene, const Lumen& lumen, const std::map<std::string, Path>& before, const Deployment& d) {
+  json out{{"schema", "vci-deployment-1"},
+           {"case", scene.case_name},
+           {"status", scene.numerics.integrator.textbook ? "at rest" : "converged"},
+           {"method", "vci deploy"}};
+  double total = 0;
+  out["stages"] = json::array();
+  for (const StageReport& s : d.stages) {
+    total += s.seconds;
+    out["stages"].push_back({{"step", s.step},
+                             {"stage", s.stage},
+                             {"seconds", s.seconds},
+                             {"steps", s.result.steps},
+                             {"careful_from", s.result.careful_from < 0 ? json(nullptr) : json(s.result.careful_from)},
+                             {"cg_iterations", s.result.cg_iterations},
+                             {"residual", s.result.residual},
+                             {"contacts", s.result.contacts},
+                             {"max_penetration_mm", s.result.maximal_penetration},
+                             {"mean_penetration_mm", s.result.mean_penetration}});
+  }
+  out["settings"] = scene.settings;
+  out["switched_off"] = d.switched_off;
+  out["warnings"] = d.warnings;
+  out["wall_vertices"] = d.vertices;
+  out["seconds"] = total;
+  out["peak_memory_mib"] = peak_memory_mib();
+
+  const Segment segment = reported_segment(scene);
+  out["segment"] = {{"branch", segment.branch}, {"s_start_mm", segment.s_start}, {"s_end_mm", segment.s_end}};
+  const Path &path_before = before.at(segment.branch), &path_after = d.paths.at(segment.branch);
+  out["csa_profile_before"] = area_profile(lumen.points, lumen.triangles, path_before, segment.s_start, segment.s_end);
+  out["csa_profile"] = area_profile(d.points, lumen.triangles, path_after, segment.s_start, segment.s_end);
+  out["minimal_lumen_area_mm2"] = smallest_area(out["csa_profile"]);
+  out["straightening_deg"] = degrees_less(path_before, path_after, segment, out["csa_profile"]);
+
+  out["stents"] = json::array();
+  for (const StentHistory& h : d.stents) {
+    const StentSpec& spec = scene.stents.at(h.device);
+    const Segment own = span_of(scene, {h.device, h.branch, h.centre_s, 0});
+    const double reference = reference_area(lumen, before.at(h.branch), own);
+    out["stents"].push_back({{"device", h.device},
+                             {"branch", h.branch},
+                             {"inflated_diameter_mm", h.inflated_diameter()},
+                             {"final_diameter_mm", h.final_diameter},
+                             {"minimal_stent_area_mm2", h.minimal_area},
+                             {"minimal_lumen_area_in_stent_mm2", lumen_area_in(h, spec.length, d, lumen.triangles)},
+                             {"expansion_index", reference > 0 ? json(h.minimal_area / reference) : json(nullptr)},
+                             {"recoil_percent", 100 * (1 - h.final_diameter / h.inflated_diameter())},
+                             {"recoil_percent_of_maker", spec.recoil_percent},
+                             {"foreshortening_percent", 100 * (1 - h.final_length / spec.length)}});
+  }
+  for (const char* key : {"minimal_stent_area_mm2", "minimal_lumen_area_in_stent_mm2", "expansion_index"})
+    out[key] = smallest_of(out["stents"], key, std::less<>());
+  for (const char* key : {"recoil_percent", "foreshortening_percent"})
+    out[key] = smallest_of(out["stents"], key, std::greater<>());
+  out["maximal_malapposition_mm"] = *std::max_element(d.malapposition.begin(), d.malapposition.end());
+  return out;
+}
+
+} // namespace vci

@@ -1,0 +1,103 @@
+#include "vci/results/strut_pattern.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <vtkCellArray.h>
+#include <vtkNew.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkTriangleFilter.h>
+#include <vtkTubeFilter.h>
+
+namespace vci {
+
+namespace {
+
+/// Point of the deployed cylinder at a share of its length (0 to 1) and of its turn.
+Vec3 on_cylinder(const RingGrid& grid, const Vectors& x, double length_share, double turn_share) {
+  const double r = std::clamp(length_share, 0.0, 1.0) * (grid.rings() - 1);
+  const int r0 = std::min(static_cast<int>(r), grid.rings() - 2);
+  double k = (turn_share - std::floor(turn_share)) * grid.around;
+  const int k0 = static_cast<int>(k) % grid.around, k1 = (k0 + 1) % grid.around;
+  const double u = r - r0, v = k - std::floor(k);
+  const auto at = [&](int ring, int place) { return x[ring * grid.around + place]; };
+  return (1 - u) * ((1 - v) * at(r0, k0) + v * at(r0, k1)) + u * ((1 - v) * at(r0 + 1, k0) + v * at(r0 + 1, k1));
+}
+
+/// Adds tubes about the lines, `thickness` wide, closed at their ends.
+void add_tubes(Struts& s, double thickness) {
+  constexpr int sides = 6;
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  for (const Vec3& p : s.points)
+    points->InsertNextPoint(p.data());
+  vtkNew<vtkCellArray> lines;
+  for (const auto& line : s.lines) {
+    lines->InsertNextCell(static_cast<int>(line.size()));
+    for (int v : line)
+      lines->InsertCellPoint(v);
+  }
+  vtkNew<vtkPolyData> axes;
+  axes->SetPoints(points);
+  axes->SetLines(lines);
+  vtkNew<vtkTubeFilter> tubes;
+  tubes->SetInputData(axes);
+  tubes->SetRadius(0.5 * thickness);
+  tubes->SetNumberOfSides(sides);
+  tubes->CappingOn();
+  tubes->SetOutputPointsPrecision(vtkAlgorithm::DOUBLE_PRECISION);
+  vtkNew<vtkTriangleFilter> cut;
+  cut->SetInputConnection(tubes->GetOutputPort());
+  cut->Update();
+  vtkPolyData* surface = cut->GetOutput();
+  const int first = static_cast<int>(s.points.size());
+  for (vtkIdType i = 0; i < surface->GetNumberOfPoints(); ++i)
+    s.points.emplace_back(surface->GetPoint(i));
+  vtkCellArray* polygons = surface->GetPolys();
+  for (vtkIdType k = 0; k < surface->GetNumberOfPolys(); ++k) {
+    vtkIdType size;
+    const vtkIdType* ids;
+    polygons->GetCellAtId(k, size, ids);
+    s.triangles.push_back(
+        {first + static_cast<int>(ids[0]), first + static_cast<int>(ids[1]), first + static_cast<int>(ids[2])});
+  }
+}
+
+} // namespace
+
+Struts strut_pattern(const StentSpec& spec, const RingGrid& grid, const Vectors& cylinder) {
+  constexpr double row_length = 1.2; // mm
+  constexpr double row_share = 0.8;  // of a row's length taken by its crowns, the rest by links
+  constexpr int points_per_strut = 6;
+  const int rows = std::max(2, static_cast<int>(std::lround(spec.length / row_length)));
+  Struts s;
+  for (int row = 0; row < rows; ++row) {
+    std::vector<int> line;
+    const int n = 2 * spec.crowns * points_per_strut;
+    for (int k = 0; k <= n; ++k) {
+      const double turn = static_cast<double>(k) / n;
+      const double swing = 0.5 - 0.5 * std::cos(2 * 3.14159265358979323846 * spec.crowns * turn);
+      line.push_back(static_cast<int>(s.points.size()));
+      s.points.push_back(on_cylinder(grid, cylinder, (row + row_share * swing) / (rows - 1 + row_share), turn));
+    }
+    s.lines.push_back(line);
+    for (int link = 0; row + 1 < rows && link < spec.links; ++link) {
+      // from a crest of this row to a valley of the next, turned a little from row to row
+      const int crown = (link * spec.crowns / spec.links + row) % spec.crowns;
+      const double from = (crown + 0.5) / spec.crowns, to = (crown + 1.0) / spec.crowns;
+      std::vector<int> bridge;
+      for (int k = 0; k <= 3; ++k) {
+        const double t = k / 3.0;
+        bridge.push_back(static_cast<int>(s.points.size()));
+        const double place = (1 - t) * (row + row_share) + t * (row + 1.0);
+        s.points.push_back(on_cylinder(grid, cylinder, place / (rows - 1 + row_share), (1 - t) * from + t * to));
+      }
+      s.lines.push_back(bridge);
+    }
+  }
+  add_tubes(s, spec.strut_thickness);
+  return s;
+}
+
+} // namespace vci

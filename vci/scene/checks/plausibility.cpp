@@ -1,0 +1,105 @@
+#include "vci/scene/checks/plausibility.hpp"
+#include "common/error.hpp"
+#include "vci/devices/balloon/balloon_chart.hpp"
+
+#include <algorithm>
+#include <sstream>
+
+namespace vci {
+
+namespace {
+
+constexpr double beside = 0.5; // mm: axes of nested devices are nearer than that
+
+struct Span {
+  double start, end;
+};
+
+Span span_of(const Placement& p, double length) {
+  return {p.centre_s - 0.5 * length, p.centre_s + 0.5 * length};
+}
+
+template <class... Parts> std::string text(const Parts&... parts) {
+  std::ostringstream stream;
+  (stream << ... << parts);
+  return stream.str();
+}
+
+const Path& branch_of(const std::string& name, const std::string& where, const std::map<std::string, Path>& paths) {
+  if (!paths.contains(name))
+    throw common::InputError("a branch that the centreline does not have", where, name,
+                             "use a branch_name of the centreline");
+  return paths.at(name);
+}
+
+void check_within(const Path& path, const Span& span, const std::string& what, const std::string& where,
+                  const std::string& remedy) {
+  constexpr double rounding = 1e-6; // mm
+  if (span.start < path.start() - rounding || span.end > path.end() + rounding)
+    throw common::InputError(what, where, text("from ", span.start, " to ", span.end, " mm"),
+                             text(remedy, " within ", path.start(), " to ", path.end(), " mm"));
+}
+
+/// Whether a balloon reaches into a stent: somewhere along both, their axes are one.
+bool reaches_into(const Placement& balloon, double balloon_length, const Placement& stent, double stent_length,
+                  const std::map<std::string, Path>& paths) {
+  constexpr double step = 0.25; // mm
+  const Path &course = paths.at(balloon.branch), &axis = paths.at(stent.branch);
+  const Span inner = span_of(balloon, balloon_length), outer = span_of(stent, stent_length);
+  for (double s = inner.start; s <= inner.end; s += step)
+    for (double t = outer.start; t <= outer.end; t += step)
+      if ((course.at(s) - axis.at(t)).norm() < beside)
+        return true;
+  return false;
+}
+
+double free_diameter(const BalloonSpec& b, double pressure_bar) {
+  return BalloonChart(b.chart_pressure_bar, b.chart_diameter, b.crimped_diameter).diameter_at(pressure_bar);
+}
+
+/// The balloon that a device is, or that a stent is delivered on.
+const BalloonSpec& balloon_of(const Scene& scene, const std::string& device) {
+  const auto stent = scene.stents.find(device);
+  return scene.balloons.at(stent == scene.stents.end() ? device : stent->second.balloon);
+}
+
+} // namespace
+
+std::string place_of(const Scene& scene, std::size_t step, std::size_t device) {
+  const Step& s = scene.procedure[step];
+  return text(scene.file.string(), ": scene.procedure[", step, "].devices[", device, "] (step ", s.name, ", ",
+              s.devices[device].device, ")");
+}
+
+void check_placements(const Scene& scene, const std::map<std::string, Path>& paths) {
+  std::vector<Placement> stents;
+  for (std::size_t step = 0; step < scene.procedure.size(); ++step)
+    for (std::size_t device = 0; device < scene.procedure[step].devices.size(); ++device) {
+      const Placement& p = scene.procedure[step].devices[device];
+      const std::string where = place_of(scene, step, device);
+      const Path& path = branch_of(p.branch, where, paths);
+      const BalloonSpec& balloon = balloon_of(scene, p.device);
+      const bool with_stent = scene.stents.contains(p.device);
+      const double longest = std::max(balloon.length, with_stent ? scene.stents.at(p.device).length : 0.0);
+      check_within(path, span_of(p, longest), "a device reaches past the end of its branch", where,
+                   "choose centre_s_mm and length_mm so that it lies");
+      if (with_stent)
+        stents.push_back(p);
+      const double diameter = free_diameter(balloon, p.pressure_bar);
+      for (const Placement& s : stents) {
+        const StentSpec& stent = scene.stents.at(s.device);
+        if (diameter > stent.maximal_diameter && reaches_into(p, balloon.length, s, stent.length, paths))
+          throw common::InputError("a balloon that opens a stent beyond its maximal diameter", where,
+                                   text(diameter, " mm by its chart; ", s.device, ": at most ", stent.maximal_diameter),
+                                   "choose a smaller balloon, less pressure or another stent");
+      }
+    }
+  if (scene.segment) {
+    const Segment& s = *scene.segment;
+    const std::string where = scene.file.string() + ": scene.segment";
+    check_within(branch_of(s.branch, where, paths), {s.s_start, s.s_end}, "a segment reaches past its branch", where,
+                 "choose s_start_mm and s_end_mm");
+  }
+}
+
+} // namespace vci

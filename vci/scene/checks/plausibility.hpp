@@ -1,0 +1,15 @@
+// What a scene asks for against the vessel's branches, before any work.
+#pragma once
+#include "vci/geometry/centreline.hpp"
+#include "vci/scene/scene.hpp"
+
+namespace vci {
+
+/// Throws common::InputError where a branch is missing, a device or the reported segment reaches past its branch, or a
+/// balloon would open a stent beyond its maximal diameter.
+void check_placements(const Scene& scene, const std::map<std::string, Path>& paths);
+
+/// "FILE: scene.procedure[1].devices[0] (step NAME, DEVICE)", for errors.
+std::string place_of(const Scene& scene, std::size_t step, std::size_t device);
+
+} // namespace vci

@@ -1,0 +1,132 @@
+#include "vci/scene/files/centreline_file.hpp"
+#include "common/error.hpp"
+#include "vci/scene/files/reading.hpp"
+
+#include <set>
+#include <sstream>
+#include <vtkAbstractArray.h>
+#include <vtkCellArray.h>
+#include <vtkCellData.h>
+#include <vtkStringArray.h>
+
+namespace vci {
+
+namespace {
+
+/// A line whose points are out of order doubles back on itself, and its arc lengths say nothing.
+void refuse_turning_back(const Vectors& points, const std::string& name, const std::filesystem::path& file) {
+  constexpr double sharpest = -0.7, piece = 0.1; // cosine of 135 degrees; mm, below which points may scatter
+  for (std::size_t k = 2; k < points.size(); ++k) {
+    const Vec3 before = points[k - 1] - points[k - 2], after = points[k] - points[k - 1];
+    const double lengths = before.norm() * after.norm();
+    if (std::min(before.norm(), after.norm()) > piece && before.dot(after) < sharpest * lengths) {
+      std::ostringstream place;
+      place << "at (" << points[k - 1].transpose() << ") mm, its point " << k - 1;
+      throw common::InputError("a branch of the centreline turns back on itself", file.string() + ": branch " + name,
+                               place.str(), "give its points in their order along the vessel");
+    }
+  }
+}
+
+double distance_to(const Vectors& line, const Vec3& p) {
+  double nearest = 1e300;
+  for (const Vec3& q : line)
+    nearest = std::min(nearest, (p - q).norm());
+  return nearest;
+}
+
+/// A side branch's line starts on its parent's axis; one that ends there runs the wrong way.
+void refuse_reversed_sides(const Vectors& main, const std::vector<std::pair<std::string, Vectors>>& sides,
+                           const std::filesystem::path& file) {
+  constexpr double apart = 0.5; // mm: a line that starts this near to another starts on it
+  for (const auto& [name, points] : sides) {
+    double start = distance_to(main, points.front()), end = distance_to(main, points.back());
+    for (const auto& [other, line] : sides)
+      if (other != name) {
+        start = std::min(start, distance_to(line, points.front()));
+        end = std::min(end, distance_to(line, points.back()));
+      }
+    if (start > apart && end < start) {
+      std::ostringstream value;
+      value << "its first point is " << start << " mm from the other branches, its last " << end;
+      throw common::InputError("a side branch of the centreline does not start at its parent",
+                               file.string() + ": branch " + name, value.str(),
+                               "turn the branch round: it runs from its parent to its outlet");
+    }
+  }
+}
+
+std::map<std::string, Path> paths_of(const std::filesystem::path& file) {
+  const vtkSmartPointer<vtkPolyData> data = read_polydata(file, "centreline");
+  auto* names = vtkStringArray::SafeDownCast(data->GetCellData()->GetAbstractArray("branch_name"));
+  if (!names || data->GetNumberOfLines() == 0 || data->GetNumberOfLines() != data->GetNumberOfCells())
+    throw common::InputError("the centreline has no named lines", file.string(), "branch_name",
+                             "make the centreline with the anatomy step");
+  std::map<std::string, Path> paths;
+  std::vector<std::pair<std::string, Vectors>> sides;
+  std::set<std::string> taken;
+  for (vtkIdType c = 0; c < data->GetNumberOfLines(); ++c) {
+    vtkIdType size;
+    const vtkIdType* ids;
+    data->GetLines()->GetCellAtId(c, size, ids);
+    if (std::any_of(ids, ids + size, [&](vtkIdType id) { return id < 0 || id >= data->GetNumberOfPoints(); }))
+      throw common::InputError("a cell that names a point which is not there", file.string(),
+                               "cell " + std::to_string(c), "the file is damaged: write it anew");
+    Vectors points;
+    for (vtkIdType k = 0; k < size; ++k) {
+      Vec3 p;
+      data->GetPoint(ids[k], p.data());
+      if (!p.allFinite() || p.norm() > 1e6)
+        throw common::InputError("a point of the centreline is not plausible", file.string(),
+                                 "point " + std::to_string(ids[k]), "coordinates are in mm");
+      if (points.empty() || (p - points.back()).norm() > 1e-9)
+        points.push_back(p);
+    }
+    const std::string name = names->GetValue(c);
+    if (points.size() < 2)
+      throw common::InputError("a centreline branch has fewer than two points", file.string(), name,
+                               "check the anatomy step");
+    if (!taken.insert(name).second)
+      throw common::InputError("two branches of the centreline have one name", file.string(), name,
+                               "name each branch otherwise: devices are placed by it");
+    refuse_turning_back(points, name, file);
+    if (name == "main")
+      paths["main"] = Path(points, 0);
+    else
+      sides.emplace_back(name, points);
+  }
+  if (!paths.contains("main"))
+    throw common::InputError("the centreline lacks its main branch", file.string(), "main", "check the anatomy step");
+  refuse_reversed_sides(paths.at("main").points(), sides, file);
+  for (const auto& [name, points] : sides) {
+    // the parent is the branch whose axis comes closest to the first point; its part upstream leads to the branch
+    const Path* parent = nullptr;
+    std::size_t leave = 0;
+    double nearest = 1e300;
+    for (const auto& [other, path] : paths)
+      for (std::size_t k = 0; k < path.points().size(); ++k)
+        if (const double d = (path.points()[k] - points.front()).squaredNorm(); d < nearest) {
+          nearest = d;
+          parent = &path;
+          leave = k;
+        }
+    Vectors joined(parent->points().begin(), parent->points().begin() + static_cast<std::ptrdiff_t>(leave));
+    while (joined.size() > 1 && (joined.back() - points.front()).norm() < 0.2)
+      joined.pop_back();
+    joined.insert(joined.end(), points.begin(), points.end());
+    const std::size_t before = joined.size() - points.size();
+    double upstream = 0;
+    for (std::size_t k = 1; k <= before; ++k)
+      upstream += (joined[k] - joined[k - 1]).norm();
+    paths[name] = Path(joined, -upstream);
+  }
+  return paths;
+}
+
+} // namespace
+
+std::map<std::string, Path> read_centreline(const std::filesystem::path& file) {
+  return reading(file, [&] { return paths_of(file); });
+}
+
+} // namespace vci

@@ -1,0 +1,101 @@
+#include "vci/scene/files/checked_json.hpp"
+#include "common/error.hpp"
+
+#include <cmath>
+#include <sstream>
+
+namespace vci {
+
+using nlohmann::json;
+
+CheckedObject::CheckedObject(const json& object, std::string where) : object_(object), where_(std::move(where)) {
+  if (!object_.is_object())
+    throw common::InputError("an object is expected", where_, object_.dump().substr(0, 80),
+                             "write {\"key\": value, ...}");
+}
+
+void CheckedObject::refuse(const std::string& what, const std::string& key, const std::string& remedy) const {
+  const std::string value = object_.contains(key) ? object_.at(key).dump().substr(0, 80) : "missing";
+  throw common::InputError(what, path(key), value, remedy);
+}
+
+const json* CheckedObject::find(const std::string& key, bool required) {
+  known_.insert(key);
+  if (!object_.contains(key)) {
+    if (required)
+      refuse("a required key is missing", key, "add it; docs/design.md describes the file");
+    return nullptr;
+  }
+  return &object_.at(key);
+}
+
+double CheckedObject::number(const std::string& key, double low, double high, std::optional<double> fallback) {
+  const json* value = find(key, !fallback);
+  double result = fallback.value_or(0);
+  if (value) {
+    std::ostringstream range;
+    range << "give a number from " << low << " to " << high;
+    if (!value->is_number())
+      refuse("a number is expected", key, range.str());
+    result = value->get<double>();
+    if (!std::isfinite(result) || result < low || result > high)
+      refuse("a number is out of its range", key, range.str());
+  }
+  used[key] = result;
+  return result;
+}
+
+int CheckedObject::integer(const std::string& key, int low, int high, std::optional<int> fallback) {
+  const double value = number(key, low, high, fallback ? std::optional<double>(*fallback) : std::nullopt);
+  if (value != std::floor(value))
+    refuse("a whole number is expected", key, "leave out the decimals");
+  used[key] = static_cast<int>(value);
+  return static_cast<int>(value);
+}
+
+std::string CheckedObject::text(const std::string& key, std::optional<std::string> fallback) {
+  const json* value = find(key, !fallback);
+  if (value && !value->is_string())
+    refuse("a text is expected", key, "write it in double quotes");
+  const std::string result = value ? value->get<std::string>() : *fallback;
+  used[key] = result;
+  return result;
+}
+
+std::vector<double> CheckedObject::numbers(const std::string& key) {
+  const json* value = find(key, true);
+  std::vector<double> result;
+  if (!value->is_array())
+    refuse("a list of numbers is expected", key, "write [a, b, ...]");
+  for (const json& item : *value) {
+    if (!item.is_number())
+      refuse("a list of numbers is expected", key, "write [a, b, ...]");
+    result.push_back(item.get<double>());
+  }
+  used[key] = result;
+  return result;
+}
+
+json CheckedObject::child(const std::string& key, bool required) {
+  const json* value = find(key, required);
+  return value ? *value : json::object();
+}
+
+json CheckedObject::list(const std::string& key) {
+  const json* value = find(key, true);
+  if (!value->is_array() || value->empty())
+    refuse("a list with one entry or more is expected", key, "write [{...}, ...]");
+  return *value;
+}
+
+void CheckedObject::finish() const {
+  for (const auto& [key, value] : object_.items())
+    if (!known_.contains(key)) {
+      std::string all;
+      for (const std::string& k : known_)
+        all += (all.empty() ? "" : ", ") + k;
+      refuse("an unknown key", key, "remove it; known keys are: " + all);
+    }
+}
+
+} // namespace vci

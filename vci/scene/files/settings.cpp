@@ -1,0 +1,150 @@
+#include "vci/scene/files/settings.hpp"
+#include "common/error.hpp"
+#include "vci/scene/files/checked_json.hpp"
+
+#include <limits>
+
+namespace vci {
+
+using nlohmann::json;
+
+namespace {
+
+PlaqueSpec read_plaque(CheckedObject& parent, const std::string& type, const PlaqueSpec& defaults, json& used) {
+  CheckedObject o(parent.child(type, false), parent.path(type));
+  PlaqueSpec p = defaults;
+  p.youngs_modulus = o.number("youngs_modulus_mpa", 1e-3, 1e5, p.youngs_modulus);
+  const json raw = parent.child(type, false);
+  const bool never = raw.contains("yield_strain") ? raw["yield_strain"].is_null() : std::isinf(p.yield_strain);
+  if (never) {
+    o.ignore("yield_strain");
+    o.used["yield_strain"] = nullptr;
+    p.yield_strain = std::numeric_limits<double>::infinity();
+  } else {
+    p.yield_strain = o.number("yield_strain", 1e-3, 2.0, std::isinf(p.yield_strain) ? 0.12 : p.yield_strain);
+  }
+  p.hardening = o.number("hardening", 0, 1, p.hardening);
+  o.finish();
+  used[type] = o.used;
+  return p;
+}
+
+/// Refuses what only the other integration would heed: nothing would say that it is left unused.
+void refuse_unused(const CheckedObject& o, const Numerics& n) {
+  struct Setting {
+    const char* key;
+    double value, usual;
+  };
+  const IntegratorSettings &i = n.integrator, usual;
+  const std::vector<Setting> of_textbook{
+      {"fixed_step_ms", i.fixed_step, usual.fixed_step},
+      {"velocity_stop_mm_per_ms", i.velocity_stop, usual.velocity_stop},
+  };
+  const std::vector<Setting> of_adaptive{
+      {"residual_tolerance", i.residual_tolerance, usual.residual_tolerance},
+      {"displacement_per_step_mm", i.displacement_per_step, usual.displacement_per_step},
+      {"initial_step_ms", i.initial_step, usual.initial_step},
+      {"maximal_step_ms", i.maximal_step, usual.maximal_step},
+      {"stalled_steps_per_stage", static_cast<double>(i.stalled_steps), static_cast<double>(usual.stalled_steps)},
+      {"pcg_patch_vertices", static_cast<double>(i.pcg.patch_size), static_cast<double>(usual.pcg.patch_size)},
+      {"damping_mpa_ms_per_mm", i.damping, usual.damping},
+      {"stiffness_damping_ms", i.stiffness_damping, usual.stiffness_damping},
+      {"region_margin_mm", n.region_margin, Numerics{}.region_margin},
+  };
+  for (const Setting& s : i.textbook ? of_adaptive : of_textbook)
+    if (s.value != s.usual)
+      throw common::InputError(i.textbook ? "a setting of adaptive integration, in textbook integration"
+                                          : "a setting of textbook integration, without it",
+                               o.path(s.key), std::to_string(s.value),
+                               i.textbook ? "set integration to adaptive, or leave it out"
+                                          : "set integration to textbook, or leave it out");
+}
+
+} // namespace
+
+WallSpec read_wall(const json& entry, const std::string& where, json& used) {
+  CheckedObject o(entry, where);
+  WallSpec w;
+  w.model = o.text("model", w.model);
+  if (w.model != "membrane" && w.model != "mass-spring")
+    throw common::InputError("an unknown wall model", o.path("model"), w.model, "use membrane or mass-spring");
+  const std::string mapping = o.text("spring_mapping", "lame");
+  if (mapping != "lame" && mapping != "van_gelder")
+    throw common::InputError("an unknown spring mapping", o.path("spring_mapping"), mapping, "use lame or van_gelder");
+  w.spring_mapping = mapping == "lame" ? SpringMapping::lame : SpringMapping::van_gelder;
+  if (w.model != "mass-spring" && mapping != "lame")
+    throw common::InputError("a mapping to springs, without any", o.path("spring_mapping"), mapping,
+                             "set model to mass-spring, or leave it out");
+  w.youngs_modulus = o.number("youngs_modulus_mpa", 1e-3, 1e3, w.youngs_modulus);
+  w.poisson_ratio = o.number("poisson_ratio", 0, 0.499, w.poisson_ratio);
+  w.intima_thickness = o.number("intima_thickness_mm", 0.01, 2, w.intima_thickness);
+  w.media_thickness = o.number("media_thickness_mm", 0.01, 2, w.media_thickness);
+  w.stiffening = o.number("stiffening", 0, 100, w.stiffening);
+  w.tissue_modulus = o.number("tissue_modulus_mpa", 0, 10, w.tissue_modulus);
+  w.tangential_stiffness = o.number("tangential_stiffness_mpa_per_mm", 0, 10, w.tangential_stiffness);
+  w.density = o.number("density_g_per_mm3", 1e-5, 0.1, w.density);
+  w.hinge_yield = o.number("hinge_yield_rad", 1e-3, 10, w.hinge_yield);
+  CheckedObject p(o.child("plaque", false), o.path("plaque"));
+  json plaque;
+  w.plaque[1] = read_plaque(p, "fibrous", w.plaque[1], plaque);
+  w.plaque[2] = read_plaque(p, "lipid", w.plaque[2], plaque);
+  w.plaque[3] = read_plaque(p, "calcified", w.plaque[3], plaque);
+  p.finish();
+  o.finish();
+  used = o.used;
+  used["plaque"] = plaque;
+  return w;
+}
+
+Numerics read_numerics(const json& entry, const std::string& where, json& used) {
+  CheckedObject o(entry, where);
+  Numerics n;
+  IntegratorSettings& i = n.integrator;
+  ContactSettings& c = n.contact;
+  const auto choice = [&](const char* key, const char* usual, const char* other) {
+    const std::string text = o.text(key, usual);
+    if (text != usual && text != other)
+      throw common::InputError("an unknown choice", o.path(key), text, std::string("use ") + usual + " or " + other);
+    return text == other;
+  };
+  i.residual_tolerance = o.number("residual_tolerance", 1e-8, 0.1, i.residual_tolerance);
+  i.displacement_per_step = o.number("displacement_per_step_mm", 1e-3, 1, i.displacement_per_step);
+  i.initial_step = o.number("initial_step_ms", 1e-4, 1e4, i.initial_step);
+  i.maximal_step = o.number("maximal_step_ms", 1e-3, 1e6, i.maximal_step);
+  i.maximal_steps = o.integer("maximal_steps_per_stage", 1, 1000000, i.maximal_steps);
+  i.stalled_steps = o.integer("stalled_steps_per_stage", 1, 1000000, i.stalled_steps);
+  i.pcg.tolerance = o.number("pcg_tolerance", 1e-12, 0.5, i.pcg.tolerance);
+  i.pcg.maximal_iterations = o.integer("pcg_maximal_iterations", 1, 100000, i.pcg.maximal_iterations);
+  i.pcg.patch_size = o.integer("pcg_patch_vertices", 0, 10000, i.pcg.patch_size);
+  i.pcg.single_precision = !choice("pcg_precision", "single", "double");
+  c.stiffness = o.number("contact_stiffness_mpa_per_mm", 1, 1e5, c.stiffness);
+  c.distance = o.number("contact_distance_mm", 0, 0.2, c.distance);
+  c.ramp = o.number("contact_ramp_mm", 1e-4, 0.2, c.ramp);
+  c.skin = o.number("contact_skin_mm", 1e-3, 0.4, c.skin);
+  c.smooth = !choice("contact_surface", "smooth", "facets");
+  c.friction = o.number("friction_coefficient", 0, 1, c.friction);
+  c.friction_stiffness = o.number("friction_stiffness_mpa_per_mm", 1e-3, 1e4, c.friction_stiffness);
+  i.textbook = choice("integration", "adaptive", "textbook");
+  i.fixed_step = o.number("fixed_step_ms", 1e-5, 10, i.fixed_step);
+  i.velocity_stop = o.number("velocity_stop_mm_per_ms", 1e-9, 10, i.velocity_stop);
+  c.time_averaged = choice("contact_law", "one-sided", "time-averaged");
+  if (c.time_averaged && !i.textbook)
+    throw common::InputError("a contact law that follows velocities, without any", o.path("contact_law"),
+                             "time-averaged", "set integration to textbook, or leave the one-sided law");
+  n.tie_stiffness = o.number("tie_stiffness_mpa_per_mm", 0, 1e5, n.tie_stiffness);
+  i.damping = o.number("damping_mpa_ms_per_mm", 0, 1e4, i.damping);
+  i.stiffness_damping = o.number("stiffness_damping_ms", 0, 1e4, i.stiffness_damping);
+  n.region_margin = o.number("region_margin_mm", 1, 1000, n.region_margin);
+  n.device_edge = o.number("device_edge_mm", 0.1, 1.5, n.device_edge);
+  n.contact_pressure_fraction = o.number("contact_pressure_fraction", 0.01, 1, n.contact_pressure_fraction);
+  refuse_unused(o, n);
+  if (i.initial_step > i.maximal_step)
+    throw common::InputError("a first step longer than any may be", o.path("initial_step_ms"),
+                             std::to_string(i.initial_step) + " ms, maximal_step_ms " + std::to_string(i.maximal_step),
+                             "lower it, or raise maximal_step_ms");
+  o.finish();
+  used = o.used;
+  return n;
+}
+
+} // namespace vci

@@ -1,0 +1,31 @@
+#include "vci/solver/step_relaxation.hpp"
+
+#include <algorithm>
+
+namespace vci {
+
+namespace {
+
+constexpr double outlier = 2;         // times the typical displacement
+constexpr double turned = -0.3;       // cosine between two steps of a vertex
+constexpr int to_and_fro = 4;         // turns running
+constexpr double least_share = 0.125; // so that a vertex is not stopped on its way
+
+} // namespace
+
+void StepRelaxation::calm(Vectors& displacement, const Vectors& last, double typical) {
+  if (last.size() != displacement.size())
+    return;
+  share_.resize(displacement.size(), 1.0);
+  turns_.resize(displacement.size(), 0);
+  for (std::size_t i = 0; i < displacement.size(); ++i) {
+    const double now = displacement[i].norm(), along = displacement[i].dot(last[i]);
+    const bool turns_back = along < 0 && along < turned * now * last[i].norm();
+    turns_[i] = turns_back ? turns_[i] + 1 : 0;
+    const bool hangs = turns_back && (now > outlier * typical || turns_[i] >= to_and_fro);
+    share_[i] = hangs ? std::max(least_share, 0.5 * share_[i]) : std::min(1.0, 2 * share_[i]);
+    displacement[i] *= share_[i];
+  }
+}
+
+} // namespace vci

@@ -1,0 +1,80 @@
+#include "vci/solver/textbook.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace vci {
+
+namespace {
+
+double root_mean_square_velocity(const System& system) {
+  double sum = 0;
+  int count = 0;
+  for (int i = 0; i < system.vertices(); ++i)
+    if (!system.fixed[i]) {
+      sum += system.velocity[i].squaredNorm();
+      ++count;
+    }
+  return count > 0 ? std::sqrt(sum / count) : 0;
+}
+
+/// One step; returns the iterations of its linear solve.
+int step(System& system, Interactions& interactions, const IntegratorSettings& s) {
+  const double h = s.fixed_step;
+  Vectors elastic, foundation, force, dx;
+  system.evaluate(elastic, foundation, force, true);
+  std::vector<ContactPoint> points;
+  const Vectors normals = area_vectors(system);
+  interactions.detect(system, normals, points, h);
+  add_contact_forces(points, force);
+  add_tie_forces(interactions.ties, system.x, force);
+  std::vector<PointLink> links;
+  for (const ContactPoint& p : points)
+    links.push_back(p.link);
+  for (const Tie& tie : interactions.ties)
+    links.push_back(tie.link);
+  system.add_damping(1 / h);
+  BlockMatrix& matrix = system.matrix();
+  for (int i = 0; i < system.vertices(); ++i) {
+    matrix.block(matrix.diagonal_slot(i)).diagonal().array() += system.mass[i] / (h * h);
+    force[i] += elastic[i] + foundation[i] + system.mass[i] / h * system.velocity[i];
+  }
+  PcgSettings plain = s.pcg;
+  plain.plain = true;
+  plain.patch_size = 0;
+  const int iterations = solve_pcg(matrix, links, system.fixed, force, dx, plain).iterations;
+  for (int i = 0; i < system.vertices(); ++i) {
+    system.x[i] += dx[i];
+    system.velocity[i] = s.velocity_kept / h * dx[i];
+  }
+  add_slip(points, dx);
+  system.commit();
+  return iterations;
+}
+
+} // namespace
+
+RelaxResult relax_textbook(System& system, Interactions& interactions, const IntegratorSettings& s, Balance* balance) {
+  int steps = 0, iterations = 0;
+  bool at_rest = false;
+  system.velocity.assign(system.x.size(), Vec3::Zero());
+  while (!at_rest && steps < s.maximal_steps) {
+    iterations += step(system, interactions, s);
+    ++steps;
+    if (interactions.after_step)
+      interactions.after_step(steps, {});
+    const double velocity = root_mean_square_velocity(system);
+    if (!std::isfinite(velocity))
+      break;
+    at_rest = velocity <= s.velocity_stop;
+  }
+  IntegratorSettings only_measure = s;
+  only_measure.residual_tolerance = std::numeric_limits<double>::max();
+  RelaxResult result = relax(system, interactions, only_measure, balance);
+  result.converged = at_rest;
+  result.steps = steps;
+  result.cg_iterations = iterations;
+  return result;
+}
+
+} // namespace vci

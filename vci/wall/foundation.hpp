@@ -1,0 +1,51 @@
+// What lies outside the lumen surface: the media and the tissue round it, as a ring foundation at each vertex.
+#pragma once
+#include "vci/mechanics/vertex_force.hpp"
+
+namespace vci {
+
+/// Ring law at a vertex, with u its displacement along the reference normal. The plaque between lumen (radius a) and
+/// media (radius b) keeps its area: a = a0 + u, b^2 = b0^2 + a^2 - a0^2, lambda = b / b0.
+///   p a = E_m t_m (lambda - 1) (1 + beta (lambda - 1)^2) + E_s / (1 + nu) (lambda - 1) b + p0 (a0 - a)
+/// The last part is the prestress: the lumen as given balances the mean blood pressure p0, and a constant hoop tension
+/// p0 a0 holds less pressure, p0 a0 / a, once the ring is wider. Inwards (u < 0) the law goes on with its slope at 0.
+struct RingLaw {
+  double media_stiffness;      ///< E_m t_m, N/mm
+  double stiffening;           ///< beta
+  double tissue_modulus;       ///< E_s / (1 + nu), MPa
+  double tangential_stiffness; ///< MPa/mm
+  double blood_pressure;       ///< p0, MPa
+  double lumen_radius;         ///< a0, mm
+  double media_radius;         ///< b0, mm
+
+  /// Pressure per reference area, p a / a0 (MPa), and its derivative by u (MPa/mm).
+  std::array<double, 2> pressure(double u) const;
+};
+
+/// The pressure follows the surface's normal where its triangles are given, as a ring's hoop tension does: with a fixed
+/// direction, against contact that turns with the surface, the wall would wring itself about the vessel's axis once
+/// p > tangential_stiffness a. Also holds each vertex by tangential_stiffness against sliding: a bare membrane is
+/// singular on an irregular mesh.
+class RingFoundation : public VertexForce {
+public:
+  struct Element {
+    int vertex;
+    Vec3 origin, normal; ///< reference position (mm) and unit normal out of the lumen
+    double area;         ///< mm^2
+    RingLaw law;
+  };
+  /// @param triangles of the surface, with outward normals; none: the pressure keeps the direction of `normal`
+  explicit RingFoundation(std::vector<Element> elements, Triangles triangles = {});
+
+  ForceKind kind() const override { return ForceKind::foundation; }
+  /// For a pressure of fixed direction; one that follows the surface has none.
+  double energy(const Vectors& x) const override;
+  /// The stiffness leaves out how the normals turn.
+  void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const override;
+
+private:
+  std::vector<Element> elements_;
+  Triangles triangles_;
+};
+
+} // namespace vci

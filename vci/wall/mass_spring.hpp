@@ -1,0 +1,46 @@
+// The published wall model: springs along the triangles' edges.
+#pragma once
+#include "vci/mechanics/fibre.hpp"
+#include "vci/mechanics/hencky_law.hpp"
+#include "vci/mechanics/layer.hpp"
+#include "vci/wall/spring_mapping.hpp"
+
+namespace vci {
+
+/// Stiffness (N/mm) of the springs along the edges opposite to corners 0, 1 and 2.
+std::array<double, 3> spring_stiffness(const std::array<Vec3, 3>& corners, double modulus_times_thickness,
+                                       double poisson_ratio, SpringMapping mapping);
+
+/// Three springs per triangle, so that each keeps its triangle's yield; those of two triangles along an edge add.
+/// With e = l / L - 1 (of a layer at depth: from its stretch, see HenckyLaw), energy k L^2 s psi(e), s the lasting
+/// stretch:
+///   psi' = e (1 + beta e^2);  beyond yield psi' = e_y + H (e - e_y), which moves the rest length.
+/// Each spring is critically damped, c = 2 sqrt(k m) (eq 17), m the mean mass of its two vertices and k the sum along
+/// the edge; only integrations that ask for damping (Force::add_damping) see it.
+class MassSpring : public EdgeForce, public Layer {
+public:
+  MassSpring(const Triangles& triangles, const Vectors& reference, const std::vector<HenckyLaw>& laws,
+             SpringMapping mapping);
+  void commit(const Vectors& x) override;
+  void add_damping(const Vectors& x, const std::vector<double>& mass, double rate, BlockMatrix& matrix) const override;
+  std::vector<double> largest_stretch(const Vectors& x) const override;
+  /// Springs that yield at x.
+  int yielding(const Vectors& x) const;
+
+protected:
+  Tension tension(std::size_t k, double length) const override;
+
+private:
+  struct Spring {
+    double stiffness, rest_length, along_edge; ///< N/mm, mm, N/mm of all springs along the same edge
+    double plastic_stretch, layer_set;         ///< lasting stretch seen at the lumen, and the layer's own
+    double stiffening, yield_strain, hardening, depth;
+    double layer_strain(double length) const;
+    double elastic_part(double strain) const { return yield_strain + hardening * (strain - yield_strain); }
+  };
+  std::vector<Spring> springs_;
+  Triangles triangles_;
+  std::vector<Mat2> inverse_edges_; ///< per triangle, in its reference plane
+};
+
+} // namespace vci

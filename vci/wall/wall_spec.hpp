@@ -1,0 +1,36 @@
+// The wall's material and the model of its layers.
+#pragma once
+#include "vci/wall/spring_mapping.hpp"
+
+#include <array>
+#include <limits>
+#include <string>
+
+namespace vci {
+
+struct PlaqueSpec {
+  double youngs_modulus; ///< MPa
+  double yield_strain;   ///< infinity: it does not yield
+  double hardening;      ///< 0 to 1
+};
+
+struct WallSpec {
+  std::string model = "membrane"; ///< or mass-spring
+  SpringMapping spring_mapping = SpringMapping::lame;
+  double youngs_modulus = 0.8; ///< MPa
+  double poisson_ratio = 0.45;
+  double intima_thickness = 0.2;      ///< mm
+  double media_thickness = 0.4;       ///< mm
+  double stiffening = 3;              ///< beta of the Hencky law
+  double tissue_modulus = 0.08;       ///< MPa, of what lies round the vessel
+  double tangential_stiffness = 0.02; ///< MPa/mm, against sliding in that tissue
+  double density = 0.0011;            ///< g/mm^3
+  double hinge_yield = 0.1;           ///< rad per edge
+  /// By plaque_type: 0 unused, 1 fibrous, 2 lipid, 3 calcified.
+  std::array<PlaqueSpec, 4> plaque{{{1, std::numeric_limits<double>::infinity(), 0},
+                                    {2.0, 0.12, 0.08},
+                                    {0.5, 0.10, 0.05},
+                                    {30.0, std::numeric_limits<double>::infinity(), 0.0}}};
+};
+
+} // namespace vci
