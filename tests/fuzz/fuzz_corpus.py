@@ -11,7 +11,7 @@ import tempfile
 import vtk
 
 from common import vtp
-from vci import scenes
+from vci.benchmarks import scenes
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 READERS = ("scene", "lumen", "centreline")

@@ -1,6 +1,8 @@
 // Balloons follow their chart, whatever the number of vertices round them; stents have their radial strength.
 #include "vci/bench/bench.hpp"
 #include "vci/bench/crush.hpp"
+#include "vci/devices/balloon/balloon.hpp"
+#include "vci/devices/stent/stent.hpp"
 #include "vci/results/strut_pattern.hpp"
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,6 +1,7 @@
 // Energy, force and stiffness of every force agree with finite differences, on each branch of its law.
 #include "force_checks.hpp"
 #include "vci/devices/balloon/balloon_chart.hpp"
+#include "vci/devices/balloon/hoop_chart.hpp"
 #include "vci/mechanics/fibre.hpp"
 #include "vci/mechanics/hinge.hpp"
 #include "vci/mechanics/membrane.hpp"

@@ -6,6 +6,7 @@
 #include "vci/mechanics/fibre.hpp"
 #include "vci/mechanics/hinge.hpp"
 #include "vci/mechanics/pressure.hpp"
+#include "vci/wall/foundation.hpp"
 #include <Eigen/Dense>
 #include <cmath>
 #include <numeric>

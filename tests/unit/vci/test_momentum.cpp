@@ -1,8 +1,10 @@
 // A deployment's bodies left to themselves: what acts between them and within them sums to nothing.
 #include "contact_checks.hpp"
 #include "vci/devices/balloon/balloon.hpp"
+#include "vci/devices/stent/stent.hpp"
 #include "vci/mechanics/hinge.hpp"
 #include "vci/mechanics/membrane.hpp"
+#include "vci/scene/numerics.hpp"
 #include "vci/solver/integrator.hpp"
 #include "vci/solver/textbook.hpp"
 #include "vci/wall/foundation.hpp"

@@ -9,7 +9,7 @@ import signal
 import pytest
 
 from common.errors import InputError
-from vci import baseline, benchmark
+from vci.benchmarks import baseline, benchmark
 from vci.benchmarks.programs import run
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]

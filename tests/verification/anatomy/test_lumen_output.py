@@ -3,7 +3,7 @@
 import resource
 import subprocess
 
-from vci import scenes
+from vci.benchmarks import scenes
 
 
 def test_a_surface_cut_short_is_no_result(binary, tmp_path):

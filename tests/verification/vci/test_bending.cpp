@@ -1,5 +1,6 @@
 // Balloons and stents bend as beams: the moment that holds their ends at an angle, against closed forms.
 #include "vci/devices/balloon/balloon.hpp"
+#include "vci/devices/stent/stent.hpp"
 #include "vci/solver/integrator.hpp"
 #include <algorithm>
 #include <cmath>

@@ -11,7 +11,7 @@ import subprocess
 import pytest
 
 from fuzz_corpus import NUMERICS, TUBE, flipped, odd_value
-from vci import scenes
+from vci.benchmarks import scenes
 
 MUTANTS = int(os.environ.get("VCI_FUZZ_MUTANTS", 60))
 SEED = os.environ.get("VCI_FUZZ_SEED", "")  # for others than those that are always run

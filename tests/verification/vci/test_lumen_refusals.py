@@ -9,7 +9,7 @@ import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
 from common import vtp
-from vci import scenes
+from vci.benchmarks import scenes
 
 TUBE = scenes.Tube(length=24, edge=0.8, lesion_length=6)
 

@@ -5,7 +5,7 @@ import subprocess
 
 import pytest
 
-from vci import scenes
+from vci.benchmarks import scenes
 
 COARSE = {"device_edge_mm": 0.6}
 

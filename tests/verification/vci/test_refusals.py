@@ -5,7 +5,7 @@ import subprocess
 
 import pytest
 
-from vci import scenes
+from vci.benchmarks import scenes
 
 TUBE = scenes.Tube(length=24, edge=1.2, lesion_length=6)
 

@@ -11,7 +11,7 @@ import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
 from common import vtp
-from vci import scenes
+from vci.benchmarks import scenes
 
 FORCES = ("pressure_n", "contact_n", "foundation_n", "residual_n")
 

@@ -9,7 +9,7 @@ import pytest
 from vtk.util.numpy_support import vtk_to_numpy
 
 from common import vtp
-from vci import scenes
+from vci.benchmarks import scenes
 
 TUBE = scenes.Tube(length=24, edge=0.5, lesion_length=8)
 

@@ -8,7 +8,7 @@ import pytest
 from vtk.util.numpy_support import vtk_to_numpy
 
 from common import vtp
-from vci import scenes
+from vci.benchmarks import scenes
 
 COARSE = {"device_edge_mm": 0.6}
 HEALTHY = scenes.Tube(stenosis=0.0, edge=0.6)
