@@ -97,12 +97,24 @@ void cut_flat(Prepared& out, const Options& options) {
   out.ends = measured_ends(out.mesh);
 }
 
-// Which end is which: as in the earlier state, by the given caps, by the given points, or by size.
-Naming named(std::vector<End>& ends, const Options& options, const std::optional<nlohmann::json>& like) {
+// The end where the file's own tags have the inlet; a cut may have moved it along the vessel.
+std::optional<Vec3> inlet_by_tag(const std::vector<End>& ends, vtkPolyData* input) {
+  const std::optional<Vec3> tagged = tagged_inlet(input);
+  if (!tagged || ends.empty())
+    return std::nullopt;
+  return std::min_element(
+             ends.begin(), ends.end(),
+             [&](const End& a, const End& b) { return (a.centre - *tagged).norm() < (b.centre - *tagged).norm(); })
+      ->centre;
+}
+
+// Which end is which: as in the earlier state, by the given caps, by the given points, by the file's tags, or by size.
+Naming named(std::vector<End>& ends, const Options& options, const std::optional<nlohmann::json>& like,
+             vtkPolyData* input) {
   if (like)
     return naming_like(ends, *like);
   if (options.caps.empty())
-    return naming_given(ends, options.inlet, options.outlets);
+    return naming_given(ends, options.inlet ? options.inlet : inlet_by_tag(ends, input), options.outlets);
   std::vector<Vec3> centres;
   for (const GivenCap& cap : read_caps(options.caps, options.units))
     centres.push_back(cap.centre);
@@ -221,7 +233,7 @@ Anatomy process(const Options& options, StepTimer& timer) {
   out.repairs = prepared.repairs;
   out.ends = prepared.ends;
   check_ends_seen(prepared.mesh, prepared.ends);
-  const Naming naming = named(out.ends, options, like);
+  const Naming naming = named(out.ends, options, like, prepared.input);
   timer.start("extend");
   prepared.mesh = extended(prepared.mesh, out.ends, extensions(options, out.ends.size(), naming.inlet));
   const bool extends = options.extend_inlet > 0 || options.extend_outlets > 0;

@@ -243,6 +243,23 @@ Soup soup_of(vtkPolyData* data) {
   return soup;
 }
 
+std::optional<Vec3> tagged_inlet(vtkPolyData* data) {
+  constexpr int inlet = 1; // docs/design.md
+  const Soup soup = soup_of(data);
+  Vec3 sum = Vec3::Zero();
+  double area = 0;
+  for (std::size_t i = 0; i < soup.region.size(); ++i) {
+    if (soup.region[i] != inlet)
+      continue;
+    const Vec3 a = vec(soup.points[soup.triangles[i][0]]), b = vec(soup.points[soup.triangles[i][1]]),
+               c = vec(soup.points[soup.triangles[i][2]]);
+    const double weight = (b - a).cross(Vec3(c - a)).norm();
+    sum += weight * (a + b + c) / 3;
+    area += weight;
+  }
+  return area > 0 ? std::optional<Vec3>(sum / area) : std::nullopt;
+}
+
 std::string sha256_of_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> digest(EVP_MD_CTX_new(), EVP_MD_CTX_free);

@@ -1,6 +1,7 @@
 // Surface files: STL (ASCII or binary), VTP, PLY, OBJ; and labelled masks, whose surface is taken.
 #pragma once
 #include "types.hpp"
+#include <optional>
 #include <vtkPolyData.h>
 #include <vtkSmartPointer.h>
 
@@ -22,6 +23,9 @@ double voxel_edge(vtkPolyData* data);
 
 /// The triangles and, if present, the cell array region_id.
 Soup soup_of(vtkPolyData* data);
+
+/// Centre of the triangles that the file itself tags as the inlet's cap (region_id 1), if it does.
+std::optional<Vec3> tagged_inlet(vtkPolyData* data);
 
 /// SHA-256 of a file's bytes, hexadecimal.
 std::string sha256_of_file(const std::string& path);
