@@ -1,4 +1,4 @@
-"""Command line: python3 -m anatomy plan|picture|contours|thin-contours."""
+"""Command line: python3 -m anatomy plan|plan-picture|picture|contours|thin-contours."""
 
 import argparse
 import pathlib
@@ -22,6 +22,10 @@ def _parser():
         "--devices", type=pathlib.Path, default=ROOT / "config" / "devices", help="folder of device families"
     )
     plan.add_argument("--out", type=pathlib.Path, required=True, help="plan.json to write")
+    drawn = commands.add_parser("plan-picture", help="a plan's devices over the lumen along the branches they treat")
+    drawn.add_argument("plan", type=pathlib.Path, help="plan.json made by `anatomy plan`")
+    drawn.add_argument("--anatomy", type=pathlib.Path, required=True, help="folder made by `lumen process`")
+    drawn.add_argument("--out", type=pathlib.Path, required=True, help="picture to write: .png or .svg")
     picture = commands.add_parser("picture", help="the tree with its sections, names and lesions")
     picture.add_argument("--anatomy", type=pathlib.Path, required=True, help="folder made by `lumen process`")
     picture.add_argument("--out", type=pathlib.Path, required=True, help="picture to write: .png or .svg")
@@ -91,7 +95,7 @@ def main(arguments=None):
     """Runs one command; exit code 2 for bad input."""
     options = _parser().parse_args(arguments)
     if options.command == "plan":
-        from . import plan
+        from .planning import plan
 
         plan.run(options.case, options.anatomy, options.devices, options.out)
     elif options.command == "contours":
@@ -100,6 +104,10 @@ def main(arguments=None):
         from .contours import tables
 
         tables.thin(options.table, options.out, options.points)
+    elif options.command == "plan-picture":
+        from .planning import plan_picture
+
+        plan_picture.run(options.anatomy, options.plan, options.out)
     else:
         from . import picture
 

@@ -8,7 +8,7 @@ from common.errors import InputError
 
 _NUMBERS = (
     "s_mm x_mm y_mm z_mm area_mm2 equivalent_diameter_mm min_diameter_mm max_diameter_mm inscribed_radius_mm "
-    "curvature_per_mm"
+    "reference_diameter_mm curvature_per_mm"
 ).split()
 
 

@@ -46,11 +46,11 @@ class Configuration:
 
     def device_files(self, name):
         """Files of the device families a case's plan can use: those it lists, or all when it is proposed."""
-        plan = self.cases[name]["plan"]
-        if plan == "auto":
+        steps = config.listed_steps(self.cases[name]["plan"])
+        if not steps:
             families = set(self.devices)
         else:
-            families = {device["device"] for step in plan for device in step["devices"]}
+            families = {device["device"] for step in steps for device in step["devices"]}
             families |= {
                 self.devices[name]["delivery_balloon"] for name in families if self.devices[name]["kind"] == "stent"
             }
@@ -114,10 +114,8 @@ class Configuration:
                     raise InputError("no such case", where, name, f"known cases: {', '.join(self.cases)}")
 
     def _check_plan(self, name, case):
-        if case["plan"] == "auto":
-            return
         document = yaml_reader.read(self.case_file(name))
-        for i, step in enumerate(case["plan"]):
+        for i, step in enumerate(config.listed_steps(case["plan"])):
             for j, device in enumerate(step["devices"]):
                 self._check_device(document, ("plan", i, "devices", j), step["action"], device)
 

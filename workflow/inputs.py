@@ -4,6 +4,8 @@ import os
 import pathlib
 import shlex
 
+from common import config
+
 SYNTHETIC_STATES = ("pre", "vci", "rc", "reference")
 SURFACE_STATES = ("pre", "vci", "rc")  # without a reference
 CENTRELINE_OPTIONS = {
@@ -28,12 +30,16 @@ class Inputs:
         return SYNTHETIC_STATES + (("ct",) if self.configuration.settings(case)["ct"]["enabled"] else ())
 
     def has_reference(self, case):
-        """Whether the reference can treat the case: a synthetic one, by one device at a time in one branch."""
+        """Whether the reference can treat the case: a synthetic one, by one device at a time in one branch.
+
+        A plan that treats all lesions may go into several branches, which is not known before the lumen is measured.
+        """
         description = self.configuration.cases[case]
-        plan = [] if description["plan"] == "auto" else description["plan"]
-        branches = {device["branch"] for step in plan for device in step["devices"]}
-        one_at_a_time = all(len(step["devices"]) == 1 for step in plan)
-        return description["kind"] == "synthetic" and one_at_a_time and len(branches) <= 1
+        steps = config.listed_steps(description["plan"])
+        branches = {device["branch"] for step in steps for device in step["devices"]}
+        one_at_a_time = all(len(step["devices"]) == 1 for step in steps)
+        one_branch = len(branches) <= 1 and description["plan"] != {"treat": "all"}
+        return description["kind"] == "synthetic" and one_at_a_time and one_branch
 
     def device_files(self, wildcards):
         """The device families that the case's plan can use."""

@@ -13,11 +13,13 @@ struct Lesion {
 };
 
 /// Stretches at least 1 mm long whose diameter stenosis exceeds `shoulder` per cent and reaches `least_stenosis` per
-/// cent, most severe first.
+/// cent, most severe first. A stretch is parted where the lumen between two narrowings recovers `recovered` of the lesser
+/// one's stenosis.
 std::vector<Lesion> find_lesions(const std::vector<Branch>& branches, const std::vector<Section>& sections,
                                  const std::vector<ReferenceProfile>& profiles);
 
 constexpr double least_stenosis = 8; ///< per cent by diameter
 constexpr double shoulder = 4;       ///< per cent by diameter
+constexpr double recovered = 0.5;    ///< of the lesser narrowing's stenosis
 
 } // namespace anatomy

@@ -21,16 +21,18 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
 
 std::string sections_csv(const Anatomy& anatomy) {
   std::string text = "branch,branch_id,s_mm,x_mm,y_mm,z_mm,tx,ty,tz,area_mm2,equivalent_diameter_mm,min_diameter_mm,"
-                     "max_diameter_mm,inscribed_radius_mm,curvature_per_mm,torsion_per_mm,flag\n";
+                     "max_diameter_mm,inscribed_radius_mm,reference_diameter_mm,curvature_per_mm,torsion_per_mm,flag\n";
   for (const Section& section : anatomy.sections) {
     const Branch& branch = anatomy.branches[section.branch];
     const std::size_t i = section.sample;
     const Vec3 x = branch.x[i], t = branch.axis.tangent(branch.s[i]);
     char line[400];
-    std::snprintf(line, sizeof line, "%s,%d,%.4f,%.5f,%.5f,%.5f,%.6f,%.6f,%.6f,%.5f,%.5f,%.5f,%.5f,%.5f,%.6f,%.6f,%s\n",
+    std::snprintf(line, sizeof line,
+                  "%s,%d,%.4f,%.5f,%.5f,%.5f,%.6f,%.6f,%.6f,%.5f,%.5f,%.5f,%.5f,%.5f,%.5f,%.6f,%.6f,%s\n",
                   branch.name.c_str(), branch.id, branch.s[i], x.x(), x.y(), x.z(), t.x(), t.y(), t.z(), section.area,
                   section.equivalent_diameter(), section.min_diameter, section.max_diameter, branch.radius[i],
-                  branch.curvature[i], branch.torsion[i], section.flag.c_str());
+                  anatomy.profiles[section.branch].diameter(branch.s[i]), branch.curvature[i], branch.torsion[i],
+                  section.flag.c_str());
     text += line;
   }
   return text;

@@ -124,7 +124,7 @@ std::vector<Calibre> calibres(const std::vector<Branch>& branches, const std::ve
   std::vector<Calibre> out;
   for (const Section& section : sections)
     if (section.branch == branch && section.flag != "end")
-      out.push_back({branches[branch].s[section.sample], section.equivalent_diameter()});
+      out.push_back({branches[branch].s[section.sample], section.equivalent_diameter(), section.flag == "ostium"});
   return out;
 }
 

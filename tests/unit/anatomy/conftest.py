@@ -1,6 +1,10 @@
-"""The devices, and a measured vessel with one lesion."""
+"""The devices, and measured vessels whose narrowings the tests choose."""
+
+import csv
+import json
 
 import pytest
+from narrowed_vessels import drawn
 
 from common import config
 
@@ -12,18 +16,29 @@ def families(repo_root):
 
 @pytest.fixture
 def summary():
-    lesion = {
-        "name": "lesion1",
-        "branch": "main",
-        "s_start_mm": 16.0,
-        "s_mla_mm": 20.0,
-        "s_end_mm": 26.0,
-        "mld_mm": 1.1,
-        "reference_diameter_mm": 3.1,
-        "proximal_reference_diameter_mm": 3.3,
-        "distal_reference_diameter_mm": 2.9,
-        "diameter_stenosis_percent": 64.0,
-    }
-    side = {"name": "side1", "length_mm": 9.0, "s_on_parent_mm": 20.0}
-    branches = [{"name": "main", "length_mm": 50.0, "s_on_parent_mm": 0.0}, side]
-    return {"schema": "vci-anatomy-1", "lesions": [lesion], "branches": branches}
+    return drawn()[0]
+
+
+@pytest.fixture
+def vessel():
+    """narrowed_vessels.drawn."""
+    return drawn
+
+
+@pytest.fixture
+def written(tmp_path):
+    """written(summary, sections): the folder, as `lumen process` leaves it."""
+
+    def write(summary, sections):
+        folder = tmp_path / "anatomy"
+        folder.mkdir()
+        (folder / "anatomy.json").write_text(json.dumps(summary))
+        numbers = dict.fromkeys("x_mm y_mm z_mm area_mm2 inscribed_radius_mm curvature_per_mm".split(), 0.0)
+        table = [row | numbers for branch in sections.values() for row in branch]
+        with (folder / "sections.csv").open("w", newline="") as file:
+            writer = csv.DictWriter(file, list(table[0]))
+            writer.writeheader()
+            writer.writerows(table)
+        return folder
+
+    return write

@@ -13,7 +13,7 @@ from common.errors import InputError
 
 HEADER = (
     "branch,branch_id,s_mm,x_mm,y_mm,z_mm,tx,ty,tz,area_mm2,equivalent_diameter_mm,min_diameter_mm,max_diameter_mm,"
-    "inscribed_radius_mm,curvature_per_mm,torsion_per_mm,flag"
+    "inscribed_radius_mm,reference_diameter_mm,curvature_per_mm,torsion_per_mm,flag"
 )
 
 
@@ -23,9 +23,9 @@ def folder(tmp_path):
     for i in range(1, 40):
         s, d = i / 2, 3.0 - (1.2 if 18 < i < 24 else 0)
         flag = "end" if i < 4 or i > 36 else "ok"
-        rows.append(f"main,0,{s},{s},{s * s / 50},0,1,0,0,7,{d},{d - 0.1},{d + 0.1},{d / 2},0.04,0,{flag}")
+        rows.append(f"main,0,{s},{s},{s * s / 50},0,1,0,0,7,{d},{d - 0.1},{d + 0.1},{d / 2},3.0,0.04,0,{flag}")
         if i < 12:
-            rows.append(f"side1,1,{s},{10 + s},{2 - s},1,0,-1,0,2,1.6,1.5,1.7,0.8,0,0,ok")
+            rows.append(f"side1,1,{s},{10 + s},{2 - s},1,0,-1,0,2,1.6,1.5,1.7,0.8,1.6,0,0,ok")
     (tmp_path / "sections.csv").write_text("\n".join(rows) + "\n")
     lesion = {
         "branch": "main",

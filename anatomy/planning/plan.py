@@ -7,8 +7,8 @@ from common import config
 from common.errors import InputError
 from common.files import write_json
 
-from . import catalogue, remarks, sizing
-from .measured import branch_named, lesion_number, read_summary
+from ..measured import branch_named, lesion_number, read_sections, read_summary
+from . import catalogue, proposal, remarks
 
 PASCAL_PER_MMHG = 133.322387415
 
@@ -18,10 +18,11 @@ def run(case_file, anatomy_folder, devices_folder, out):
     case = config.load_case(case_file)
     families = config.load_devices(devices_folder)
     summary = read_summary(anatomy_folder)
-    steps = case["plan"]
-    if steps == "auto":
-        steps = sizing.propose(summary, families, str(case_file))
-        for remark in remarks.of_proposal(summary, steps):
+    steps, treat = case["plan"], proposal.wanted(case["plan"])
+    if treat:
+        proposed = proposal.propose(summary, read_sections(anatomy_folder), families, str(case_file), treat)
+        steps = proposed.steps
+        for remark in remarks.of_proposal(summary, proposed):
             print(f"warning: {case_file}: plan: auto: {remark}", file=sys.stderr)
     relative = os.path.relpath(anatomy_folder.resolve(), out.resolve().parent)
     document = {

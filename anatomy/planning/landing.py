@@ -1,0 +1,128 @@
+"""Where stents begin and end: in the most normal lumen beside the stretch that they cover.
+
+A stent's end lies MARGIN_MM to WITHIN_MM beyond the stretch, where the lumen is nearest to the vessel's reference. So
+the reference segment is defined (ACC consensus on intravascular ultrasound, Mintz et al., J Am Coll Cardiol
+2001;37:1478-92: the most normal lumen beside the stenosis in the same segment, without a large side branch between),
+and so imaging-guided stents land (EAPCI consensus, Raeber et al., Eur Heart J 2018;39:3281-3300, and the criteria of
+ULTIMATE, Zhang et al., J Am Coll Cardiol 2018;72:3126-37: plaque burden below 50 % within 5 mm of the stent's edges).
+The plaque burden itself is not known from a lumen alone.
+"""
+
+import dataclasses
+import itertools
+
+import numpy as np
+
+from common.errors import InputError
+
+MARGIN_MM = 2.0  # least length of stent beyond the stretch
+WITHIN_MM = 5.0  # from the stretch, in which the landing zone is looked for
+ALIKE_PERCENT = 5  # of the diameter by which a landing zone may differ from the most normal lumen
+EDGE_MM = 1.5  # least distance of a device from the ends of its branch
+OVERLAP_MM = 2.5  # of two stents in a row, so that no gap is left between them
+STEP_MM = 0.5
+MOST_STENTS = 3
+
+
+@dataclasses.dataclass
+class Span:
+    """One stent's place, s from `start` to `end` in mm."""
+
+    start: float
+    end: float
+
+    @property
+    def length(self):
+        """mm."""
+        return self.end - self.start
+
+    @property
+    def centre(self):
+        """mm, to a micrometre."""
+        return round(0.5 * (self.start + self.end), 3)
+
+
+def spans(target, lengths, where, least=1):
+    """Spans of the stents that cover a target, the distal one first: one if the catalogue has the length, else several
+    of about equal length that overlap by OVERLAP_MM; `least` stents. InputError where they cannot be placed.
+    """
+    window = _window(target, where)
+    for count in range(least, MOST_STENTS + 1):
+        candidates = []
+        for rows in _rows(lengths, count):
+            candidates += _places(target.profile, window, rows)
+        if candidates:
+            return _in_a_row(*min(candidates, key=lambda candidate: candidate[0])[1:])
+    shortest = lengths[0] * least - OVERLAP_MM * (least - 1)
+    room = target.profile.length_mm - 2 * EDGE_MM
+    if room < max(shortest, target.end - target.start):
+        value, remedy = f"{shortest:g} mm and {EDGE_MM} mm to each end, in {target.profile.length_mm:.1f} mm", "shorter"
+        raise InputError("the stent is longer than the branch has room for", where, value, f"bring {remedy} stents")
+    raise InputError(
+        "no stents of the catalogue are long enough",
+        where,
+        f"{target.end - target.start:.1f} mm of {target.name}, and {MARGIN_MM} mm beyond each end",
+        f"{MOST_STENTS} of {lengths[-1]} mm are the most that are proposed: write the plan's steps",
+    )
+
+
+def _window(target, where):
+    """((nearest, farthest) start, (nearest, farthest) end) in mm of the stented length: nearest covers the stretch."""
+    lowest, highest = EDGE_MM, target.profile.length_mm - EDGE_MM
+    if not lowest < target.s_mla < highest:
+        raise InputError(
+            "the lesion's narrowest place is too near an end of its branch for a stent",
+            where,
+            f"{target.name} at {target.s_mla:.1f} mm of {target.profile.length_mm:.1f} mm",
+            "bring more of the vessel, or write the plan's steps",
+        )
+    starts = max(target.start - MARGIN_MM, lowest), max(target.start - WITHIN_MM, lowest)
+    ends = min(target.end + MARGIN_MM, highest), min(target.end + WITHIN_MM, highest)
+    return starts, ends
+
+
+def _rows(lengths, count):
+    """Lengths (mm) of `count` stents in a row, proximal first, that differ by one size of the catalogue at most."""
+    for first in range(len(lengths)):
+        yield from itertools.product(lengths[first : first + 2], repeat=count)
+
+
+def _places(profile, window, row):
+    """[(cost, start, row)] of a row of stents at every place where it covers the stretch inside its branch."""
+    (start_near, start_far), (end_near, end_far) = window
+    total = sum(row) - OVERLAP_MM * (len(row) - 1)
+    first = max(EDGE_MM, end_near - total)
+    last = min(start_near, profile.length_mm - EDGE_MM - total)
+    if first > last + 1e-9:
+        return []
+    best = [_most_normal(profile, near, far) for near, far in window]
+    middle = 0.5 * (start_near + end_near)
+    found = []
+    for start in np.append(np.arange(last, first, -STEP_MM), first):
+        ends = (start, start + total)
+        beyond = max(start_far - start, 0.0) + max(start + total - end_far, 0.0)
+        mouths = sum(profile.in_a_mouth(end) is not None for end in ends)
+        unlike = max(abs(profile.stenosis_at(end)) - least for end, least in zip(ends, best))
+        cost = (
+            round(beyond / STEP_MM),
+            mouths,
+            max(round(unlike - ALIKE_PERCENT), 0),
+            total,
+            abs(start + total / 2 - middle),
+        )
+        found.append((cost, float(start), row))
+    return found
+
+
+def _most_normal(profile, near, far):
+    """Least difference from the reference (per cent) of the usable sections from near to far, 0 without one."""
+    here = profile.usable & (profile.s >= min(near, far) - 1e-9) & (profile.s <= max(near, far) + 1e-9)
+    return float(np.abs(profile.stenosis[here]).min()) if here.any() else 0.0
+
+
+def _in_a_row(start, row):
+    found = []
+    for length in row:
+        found.append(Span(start, start + length))
+        start += length - OVERLAP_MM
+    return found[::-1]

@@ -1,0 +1,87 @@
+"""A picture of a plan: the lumen along each treated branch, its reference and lesions, and where each device lies."""
+
+import json
+
+import matplotlib
+import numpy as np
+
+from common.errors import InputError
+from common.files import replacing
+
+from ..measured import read_sections, read_summary
+from .profile import Profile
+
+matplotlib.use("Agg")
+from matplotlib import pyplot as plt  # noqa: E402  (the backend comes first)
+
+WIDTH, HEIGHT, LANE = 11, 4.2, 0.32  # inches: of the picture, of a branch's diameters, of one device
+
+
+def run(anatomy_folder, plan_file, out):
+    """Writes the picture of plan.json in the lumen of an anatomy folder as .png or .svg."""
+    if out.suffix not in (".png", ".svg"):
+        raise InputError("unknown picture format", out, out.suffix, "name a .png or .svg file")
+    summary, sections, plan = read_summary(anatomy_folder), read_sections(anatomy_folder), _read(plan_file)
+    placed = _by_branch(plan)
+    heights = [HEIGHT + LANE * len(devices) for devices in placed.values()]
+    figure, axes = plt.subplots(
+        len(placed), 1, figsize=(WIDTH, sum(heights)), height_ratios=heights, squeeze=False, layout="constrained"
+    )
+    for one, (branch, devices) in zip(axes[:, 0], placed.items()):
+        _draw(one, summary, sections, branch, devices)
+    axes[0, 0].set_title(plan.get("case", ""), loc="left")
+    with replacing(out) as partial:
+        figure.savefig(partial, dpi=110, metadata={"Software": None} if out.suffix == ".png" else {"Date": None})
+    plt.close(figure)
+
+
+def _read(path):
+    try:
+        plan = json.loads(path.read_text())
+        return plan if plan["procedure"] and plan["devices"] else plan["no device"]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InputError("no readable plan", path, error, "run `anatomy plan` first") from error
+
+
+def _by_branch(plan):
+    """{branch: [(step name, device name, start, end, diameter at its pressure, kind)]}, lengths in mm."""
+    found = {}
+    for step in plan["procedure"]:
+        for device in step["devices"]:
+            entry = plan["devices"][device["device"]]
+            half = entry["length_mm"] / 2
+            span = (device["centre_s_mm"] - half, device["centre_s_mm"] + half)
+            balloon = plan["devices"][entry["balloon"]] if entry["kind"] == "stent" else entry
+            wide = float(np.interp(device["pressure_bar"], *balloon["chart"].values()))
+            label = f"{step['name']}: {device['device']}, {device['pressure_bar']:g} bar"
+            found.setdefault(device["branch"], []).append((label, *span, wide, entry["kind"]))
+    return found
+
+
+def _draw(axes, summary, sections, branch, devices):
+    profile = Profile(summary, sections, branch)
+    axes.plot(profile.s, profile.diameter, color="k", lw=1.6, label="lumen (diameter of equal area)")
+    low, high = np.array([[row["min_diameter_mm"], row["max_diameter_mm"]] for row in sections[branch]]).T
+    axes.fill_between(profile.s, low, high, color="0.85", lw=0, label="smallest to largest chord")
+    axes.plot(profile.s, profile.reference, "--", color="seagreen", lw=1.2, label="reference")
+    axes.plot(profile.s, 0.7 * profile.reference, ":", color="crimson", lw=1.0, label="30 % narrower")
+    for name, (start, end) in profile.mouths.items():
+        axes.axvspan(start, end, color="gold", alpha=0.2, lw=0)
+        axes.text((start + end) / 2, 0.02, name, ha="center", fontsize=7, transform=axes.get_xaxis_transform())
+    top = max(float(high.max()), max(device[3] for device in devices)) * 1.05
+    for lesion in (lesion for lesion in summary["lesions"] if lesion["branch"] == branch):
+        axes.axvspan(lesion["s_start_mm"], lesion["s_end_mm"], color="crimson", alpha=0.06, lw=0)
+        text = f"{lesion['name']} {lesion['diameter_stenosis_percent']:.0f} %"
+        axes.annotate(text, (lesion["s_mla_mm"], lesion["mld_mm"]), (0, -12), textcoords="offset points",
+                      ha="center", fontsize=8, color="crimson")  # fmt: skip
+    for lane, (label, start, end, wide, kind) in enumerate(devices):
+        colour = "tab:blue" if kind == "stent" else "0.5"
+        at = top + 0.3 + 0.35 * lane
+        axes.plot([start, end], [at, at], lw=5 if kind == "stent" else 2.5, color=colour, solid_capstyle="butt")
+        axes.text(end + 0.5, at, f"{label}: {wide:.2f} mm", fontsize=7.5, va="center", color=colour)
+        if kind == "stent":
+            axes.plot([start, start, end, end], [0, wide, wide, 0], color=colour, lw=0.8, alpha=0.7)
+    axes.set_ylim(0, top + 0.3 + 0.35 * len(devices))
+    axes.set(xlabel=f"s along {branch} (mm)", ylabel="diameter (mm)")
+    axes.margins(x=0.01)
+    axes.legend(fontsize=7, loc="lower left")

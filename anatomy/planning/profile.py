@@ -1,0 +1,63 @@
+"""The lumen along one branch as a planner looks at it: diameter, healthy reference, side branches' mouths."""
+
+import numpy as np
+
+from common.errors import InputError
+
+REFERENCE_MM = 2.0  # length beyond a device's end over which its reference lumen is averaged
+
+
+class Profile:
+    """Sections of one branch. s, diameter, reference: (n,) mm; stenosis: (n,) per cent by diameter, below 0 if wide.
+
+    `usable` (n,): sections that show the branch's own lumen, neither in a side branch's mouth nor at a cap.
+    `mouths`: {side branch: (s_low, s_high)} in mm.
+    """
+
+    def __init__(self, summary, sections, branch):
+        if branch not in sections:
+            raise InputError("branch without cross-sections", "sections.csv", branch, "run `lumen process` again")
+        rows = sections[branch]
+        self.branch = branch
+        self.length_mm = next(b["length_mm"] for b in summary["branches"] if b["name"] == branch)
+        self.s, self.diameter, self.reference = np.array(
+            [[row[key] for key in ("s_mm", "equivalent_diameter_mm", "reference_diameter_mm")] for row in rows]
+        ).T
+        self.stenosis = 100 * (1 - self.diameter / self.reference)
+        self.measured = np.array([row["flag"] != "end" for row in rows])
+        self.mouths = mouths(summary, branch)
+        self.usable = np.array([row["flag"] == "ok" for row in rows])
+        for low, high in self.mouths.values():
+            self.usable &= (self.s < low) | (self.s > high)
+
+    def stenosis_at(self, s_mm):
+        """Per cent by diameter at arc lengths s_mm, between the sections."""
+        return np.interp(s_mm, self.s, self.stenosis)
+
+    def reference_at(self, s_mm):
+        """Diameter (mm) of the healthy vessel at arc length s_mm, as `lumen process` has fitted it."""
+        return float(np.interp(s_mm, self.s, self.reference))
+
+    def in_a_mouth(self, s_mm):
+        """Name of the side branch in whose mouth s_mm lies, or None."""
+        return next((name for name, (low, high) in self.mouths.items() if low < s_mm < high), None)
+
+    def lumen_beyond(self, s_mm, direction):
+        """Mean lumen diameter (mm) from a device's end at s_mm outwards (direction -1 proximal, 1 distal).
+
+        Over REFERENCE_MM, where sections there show the branch's own lumen; else of the nearest such section.
+        """
+        beyond = direction * (self.s - s_mm)
+        here = self.usable & (beyond >= 0) & (beyond <= REFERENCE_MM)
+        if here.any():
+            return float(self.diameter[here].mean())
+        among = np.flatnonzero(self.usable if self.usable.any() else self.measured)
+        return float(self.diameter[among[np.abs(self.s[among] - s_mm).argmin()]])
+
+
+def mouths(summary, parent):
+    """{side branch: (s_low, s_high)} of the mouths on a branch, mm, as wide as their outlets."""
+    width = {end["branch"]: end["diameter_mm"] for end in summary.get("ends", ()) if end["kind"] == "outlet"}
+    sides = [branch for branch in summary["branches"] if branch.get("parent") == parent]
+    middles = {side["name"]: side["s_on_parent_mm"] for side in sides}
+    return {name: (s - width[name] / 2, s + width[name] / 2) for name, s in middles.items()}

@@ -1,0 +1,116 @@
+"""A plan proposed from the lesions and the device catalogue: `plan: auto`, or `plan: {treat: culprit | all}`."""
+
+import dataclasses
+
+from common.errors import InputError
+
+from . import landing, sizing, targets
+
+CULPRIT, ALL = "culprit", "all"
+GAP_MM = 3.0  # of lumen between two stents below which they are planned as one row
+
+
+@dataclasses.dataclass
+class Treated:
+    """A target (targets.Target) with its stents (sizing.Stent), the distal one first."""
+
+    target: object
+    stents: list
+
+    @property
+    def ends(self):
+        """(start, end) of the stented length, mm."""
+        return self.stents[-1].span.start, self.stents[0].span.end
+
+
+@dataclasses.dataclass
+class Proposal:
+    """steps: as in a case file, placed by centre_s_mm; treated: [Treated], the most severe first; left_out: [(Target,
+    why its narrowing cannot be treated)]."""
+
+    steps: list
+    treated: list
+    left_out: list
+
+
+def wanted(plan):
+    """CULPRIT or ALL for a case's `plan` that asks for a proposal, None for listed steps."""
+    if plan == "auto":
+        return CULPRIT
+    return plan["treat"] if isinstance(plan, dict) else None
+
+
+def propose(summary, sections, families, where, treat=CULPRIT):
+    """Proposal for the lesions of a measured lumen (`summary`, `sections`: measured.read_summary, read_sections).
+
+    Raises InputError if there is no lesion, or if the catalogue or the branch does not fit any.
+    """
+    if not summary["lesions"]:
+        raise InputError(
+            "no lesion to plan for",
+            where,
+            "plan: auto",
+            "write the plan's steps with centre_s_mm; a vessel narrowed all along its length has no healthy reference",
+        )
+    for family in (sizing.PREDILATATION, sizing.STENT, sizing.POSTDILATATION):
+        if family not in families:
+            raise InputError("plan: auto needs a device family", where, family, f"add {family}.yaml to the devices")
+    treated, left_out = [], []
+    for target in targets.found(summary, sections, treat):
+        try:
+            treated.append(_stented(target, families, where))
+        except InputError as error:
+            left_out.append((target, error))
+    if not treated:
+        raise left_out[0][1]
+    treated = _without_short_gaps(treated, families, where)
+    return Proposal([step for one in _in_order(treated) for step in _steps(one, families, where)], treated, left_out)
+
+
+def _stented(target, families, where):
+    """Treated for a target: by as many stents as its length and the vessel's taper need."""
+    lengths = families[sizing.STENT]["lengths_mm"]
+    spans = landing.spans(target, lengths, where)
+    while True:
+        try:
+            return Treated(target, sizing.sized(target.profile, spans, families, where))
+        except sizing.TooTapered:
+            if len(spans) == landing.MOST_STENTS:
+                raise
+            spans = landing.spans(target, lengths, where, least=len(spans) + 1)
+
+
+def _without_short_gaps(treated, families, where):
+    """The same, those on one branch whose stents overlap or leave less than GAP_MM between them planned as one."""
+    for k, one in enumerate(treated):
+        for other in treated[k + 1 :]:
+            gap = max(one.ends[0] - other.ends[1], other.ends[0] - one.ends[1])
+            if one.target.profile is other.target.profile and gap < GAP_MM:
+                rest = [kept for kept in treated if kept is not one and kept is not other]
+                joined = _stented(one.target.joined(other.target), families, where)
+                return _without_short_gaps(sorted([joined, *rest], key=lambda t: -t.target.percent), families, where)
+    return treated
+
+
+def _in_order(treated):
+    """The branch of the worst lesion first; on each branch the distal target first, so that no stent is passed."""
+    branches = list(dict.fromkeys(one.target.profile.branch for one in treated))
+    return sorted(treated, key=lambda one: (branches.index(one.target.profile.branch), -one.target.start))
+
+
+def _steps(one, families, where):
+    """Predilatation of each stent's part, then the stents, then their post-dilatations; distal ones first."""
+    branch, target = one.target.profile.branch, one.target
+    before, stents, after = [], [], []
+    for stent in one.stents:
+        low, high = max(stent.span.start, target.start), min(stent.span.end, target.end)
+        place = (branch, stent.span.centre)
+        diameter, length = sizing.predilatation(families, stent, high - low, where)
+        size = (sizing.PREDILATATION, diameter, length)
+        before.append(sizing.step(families, "predilatation", *size, *place, diameter, where))
+        size = (sizing.STENT, stent.diameter, stent.span.length)
+        stents.append(sizing.step(families, "stent", *size, *place, stent.diameter, where))
+        diameter, length, centre, wide = sizing.postdilatation(families, stent, where)
+        size = (sizing.POSTDILATATION, diameter, length)
+        after.append(sizing.step(families, "postdilatation", *size, branch, centre, wide, where))
+    return before + stents + after

@@ -1,0 +1,101 @@
+"""What a reader of a proposed plan should know: what it leaves, and where it could not follow its own rules."""
+
+import numpy as np
+
+from . import landing, targets
+
+WIDE_BRANCH_MM = 2.0  # diameter from which a side branch under a stent is usually looked after
+TOLERANCE_MM = 0.05
+LANDING_PERCENT = 15  # difference of a landing zone from the reference, by diameter, from which it is said
+DIFFUSE_PERCENT, DIFFUSE_MM = 10, 5.0  # narrowing that is left beside a stent, and its length, from which it is said
+
+
+def of_proposal(summary, proposal):
+    """Sentences on a proposal (proposal.Proposal) for the lumen of `summary`; none where nothing is to be said."""
+    said = [*_severity(proposal), *_left(summary, proposal)]
+    for one in proposal.treated:
+        said += [*_covered(one), *_row(one), *_landing(one), *_diffuse(one), *_sides(one)]
+    return said
+
+
+def _severity(proposal):
+    for one in proposal.treated:
+        if one.target.percent < targets.SIGNIFICANT_PERCENT:
+            yield (
+                f"{one.target.name} narrows the diameter by {one.target.percent:.0f} % only: below"
+                f" {targets.SIGNIFICANT_PERCENT} % a stent is rarely indicated, look at the FFR first"
+            )
+
+
+def _left(summary, proposal):
+    treated = [lesion for one in proposal.treated for lesion in one.target.lesions]
+    failed = {lesion["name"]: error for target, error in proposal.left_out for lesion in target.lesions}
+    names = " and ".join(one.target.name for one in proposal.treated)
+    for lesion in summary["lesions"]:
+        if lesion in treated or lesion["diameter_stenosis_percent"] < targets.SIGNIFICANT_PERCENT:
+            continue
+        which = (
+            f"{lesion['name']} ({lesion['diameter_stenosis_percent']:.0f} % on {lesion['branch']} at"
+            f" {lesion['s_mla_mm']:.1f} mm) is left as it is: "
+        )
+        why = f"the plan treats {names} alone"
+        if lesion["name"] in failed:
+            why = " ".join(str(failed[lesion["name"]]).split())
+        yield which + why
+
+
+def _covered(one):
+    start, end = one.ends
+    sides = (("proximal", one.target.start - start), ("distal", end - one.target.end))
+    for side, margin in sides:
+        if margin < landing.MARGIN_MM - TOLERANCE_MM:
+            yield (
+                f"the stent reaches {margin:.1f} mm past {one.target.name} at its {side} end, {landing.MARGIN_MM} mm are"
+                " wanted: the branch ends"
+            )
+
+
+def _row(one):
+    if len(one.stents) > 1:
+        yield (
+            f"{one.target.name} takes {len(one.stents)} stents that overlap by {landing.OVERLAP_MM} mm:"
+            f" {one.ends[1] - one.ends[0]:.1f} mm in all"
+        )
+    for stent in one.stents:
+        if stent.distal > stent.diameter:
+            yield (
+                f"the vessel at {one.target.name} is {stent.distal:.2f} mm wide, the largest stent"
+                f" {stent.diameter:.2f} mm: it is opened to the vessel by post-dilatation"
+            )
+
+
+def _landing(one):
+    profile = one.target.profile
+    for side, end in zip(("proximal", "distal"), one.ends):
+        mouth, percent = profile.in_a_mouth(end), float(profile.stenosis_at(end))
+        if mouth:
+            low, high = profile.mouths[mouth]
+            yield f"the stent ends in the mouth of {mouth} ({low:.1f} to {high:.1f} mm), which no length avoids"
+        elif abs(percent) > LANDING_PERCENT:
+            how = f"{abs(percent):.0f} % {'narrower' if percent > 0 else 'wider'} than the reference"
+            yield f"the stent's {side} end, at {end:.1f} mm, lies in lumen {how}: {landing.WITHIN_MM:g} mm hold no better"
+
+
+def _diffuse(one):
+    """What narrowing goes on from the stent's ends."""
+    profile = one.target.profile
+    for beyond, end in ((profile.s[::-1], one.ends[0]), (profile.s, one.ends[1])):
+        outside = beyond[beyond < end] if beyond[0] > beyond[-1] else beyond[beyond > end]
+        percent = np.where(np.isin(outside, profile.s[profile.measured]), profile.stenosis_at(outside), 0)
+        healthy = np.flatnonzero(percent < DIFFUSE_PERCENT)
+        run = outside[: healthy[0]] if healthy.size else outside
+        if run.size and np.ptp(run) >= DIFFUSE_MM:
+            low, high = sorted((run[0], run[-1]))
+            worst = profile.stenosis_at(run).max()
+            yield f"diffuse narrowing by up to {worst:.0f} % from {low:.1f} to {high:.1f} mm is left beside the stent"
+
+
+def _sides(one):
+    for name, (low, high) in one.target.profile.mouths.items():
+        if high - low >= WIDE_BRANCH_MM and one.ends[0] < (low + high) / 2 < one.ends[1]:
+            yield f"the stent lies across {name} ({high - low:.1f} mm wide): consider opening it towards that branch"

@@ -1,0 +1,120 @@
+"""Diameters of balloon and stent by the lumen at the stent's two ends.
+
+As in the EAPCI consensus on intracoronary imaging (Raeber et al., Eur Heart J 2018;39:3281-3300): the stent by the
+distal reference lumen, rounded up to the catalogue; post-dilatation with a non-compliant balloon at the proximal
+reference, but not more than half a millimetre above the distal one; in a vessel that tapers by more than that only in
+the stent's proximal part.
+"""
+
+import dataclasses
+
+from common.errors import InputError
+
+from . import catalogue
+
+OVERSIZE_MM = 0.5  # of the stent over the distal reference at most
+TAPER_MM = 0.5  # from the proximal to the distal reference that one balloon may dilate alike
+PREDILATATION, STENT, POSTDILATATION = "semi_compliant", "des", "non_compliant"
+
+
+@dataclasses.dataclass
+class Stent:
+    """A stent as planned: its span (landing.Span), nominal diameter, and the reference lumens at its ends, mm."""
+
+    span: object
+    diameter: float
+    proximal: float
+    distal: float
+
+
+class TooTapered(InputError):
+    """No stent that fits the distal reference can be expanded to the proximal one; two in a row might."""
+
+
+def sized(profile, spans, families, where):
+    """[Stent] for spans in a row, the distal one first. Raises InputError for lumens that the catalogue does not fit.
+
+    The reference between two stents is the vessel's, at the middle of their overlap: the lumen there is diseased.
+    """
+    found = []
+    for k, span in enumerate(spans):
+        distal = _between(profile, span, spans[k - 1]) if k else profile.lumen_beyond(span.end, 1)
+        last = k == len(spans) - 1
+        proximal = profile.lumen_beyond(span.start, -1) if last else _between(profile, spans[k + 1], span)
+        found.append(Stent(span, stent_diameter(families, distal, proximal, where), proximal, distal))
+    return found
+
+
+def _between(profile, proximal, distal):
+    return profile.reference_at(0.5 * (proximal.end + distal.start))
+
+
+def stent_diameter(families, distal, proximal, where):
+    """The least diameter (mm) not below the distal reference whose design can be expanded to the proximal one.
+
+    In a vessel wider than the catalogue the largest one, if its design can be expanded to the vessel.
+    """
+    sizes = families[STENT]["diameters_mm"]
+    fitting = [size for size in sizes if distal - 1e-9 <= size <= distal + OVERSIZE_MM]
+    if distal > sizes[-1] and _greatest_diameter(families, sizes[-1]) >= distal:
+        fitting = sizes[-1:]
+    if not fitting:
+        raise InputError(
+            "no stent diameter of the catalogue fits the vessel",
+            where,
+            f"distal reference {distal:.2f} mm",
+            f"sizes are {sizes[0]} to {sizes[-1]} mm, at most {OVERSIZE_MM} mm above the reference: "
+            "treat by balloon alone, or write the plan's steps",
+        )
+    for size in fitting:
+        if _greatest_diameter(families, size) >= max(proximal, size):
+            return size
+    raise TooTapered(
+        "no stent that fits the distal reference can be expanded to the proximal one",
+        where,
+        f"{distal:.2f} and {proximal:.2f} mm",
+        "write the plan's steps with two overlapping stents",
+    )
+
+
+def _greatest_diameter(families, size):
+    designs = families[STENT]["designs"]
+    return next(d for d in designs if size <= d["up_to_diameter_mm"])["maximal_diameter_mm"]
+
+
+def predilatation(families, stent, stretch, where):
+    """(diameter, length) of the balloon before a stent, mm: not above the distal reference, over the stretch."""
+    family = families[PREDILATATION]
+    diameter = _at_most(family["diameters_mm"], stent.distal, "predilatation diameter", where)
+    longest = _at_most(family["lengths_mm"], stent.span.length, "predilatation length", where)
+    return diameter, min([x for x in family["lengths_mm"] if stretch <= x <= longest], default=longest)
+
+
+def postdilatation(families, stent, where):
+    """(diameter, length, centre, wanted diameter) of the balloon after a stent, mm."""
+    wanted = max(stent.proximal, stent.diameter)
+    tapers = wanted - stent.distal > TAPER_MM
+    family = families[POSTDILATATION]
+    sizes = family["diameters_mm"]
+    if not tapers:  # dilates the distal reference, too
+        sizes = [size for size in sizes if size <= stent.distal + TAPER_MM + 1e-9] or sizes[:1]
+    diameter = min(sizes, key=lambda size: abs(size - wanted))
+    covered = stent.span.length / 2 if tapers else stent.span.length
+    length = _at_most(family["lengths_mm"], covered, "post-dilatation length", where)
+    return diameter, length, round(stent.span.start + length / 2, 3) if tapers else stent.span.centre, wanted
+
+
+def step(families, action, family, diameter, length, branch, centre, wanted, where):
+    """A plan's step with one device, at the pressure that opens it to the wanted diameter (mm)."""
+    inflated = catalogue.balloon_family(families, family)
+    balloon = catalogue.entries(families, inflated, diameter, length, where).popitem()[1]
+    size = {"device": family, "diameter_mm": diameter, "length_mm": length}
+    place = {"branch": branch, "centre_s_mm": centre, "pressure_bar": catalogue.pressure_for(balloon, wanted)}
+    return {"action": action, "devices": [size | place]}
+
+
+def _at_most(sizes, wanted, what, where):
+    for size in reversed(sizes):
+        if size <= wanted + 1e-9:
+            return size
+    raise InputError(f"no {what} small enough in the catalogue", where, f"{wanted:.2f} mm", f"smallest {sizes[0]} mm")

@@ -1,0 +1,103 @@
+"""Which narrowings are treated, and from where to where.
+
+A lesion of SIGNIFICANT_PERCENT by diameter and more is usually treated. What has to come under the stent is its stretch
+of significant narrowing, 30 % by diameter (half by area) and more: the threshold of Dietz et al. (Heart 2006;92:80-84),
+who stented such stretches alone, with less restenosis than with full coverage; narrowing below 45 % left beside the
+stent did not matter. Of a lesion below 60 % it is the stretch of more than half its own narrowing. Milder disease that
+runs on from there is left.
+"""
+
+import dataclasses
+
+import numpy as np
+
+from .profile import Profile
+
+SIGNIFICANT_PERCENT = 50  # diameter stenosis from which a lesion is usually treated
+STRETCH_PERCENT = 30  # diameter stenosis from which a narrowing has to come under the stent
+ROOM_MM = 5.0  # lumen between two stretches below which there is no landing zone for a stent's end
+
+
+@dataclasses.dataclass
+class Target:
+    """What one stent, or several that overlap, are to cover: lesions (names) of a branch, start and end in mm."""
+
+    profile: Profile
+    lesions: list
+    start: float
+    end: float
+    s_mla: float
+    percent: float
+
+    @property
+    def name(self):
+        """The lesions' names, for messages."""
+        return " and ".join(lesion["name"] for lesion in self.lesions)
+
+    def joined(self, other):
+        """One target from this and another of the same branch."""
+        worst = max(self, other, key=lambda target: target.percent)
+        return Target(
+            self.profile,
+            self.lesions + [lesion for lesion in other.lesions if lesion not in self.lesions],
+            min(self.start, other.start),
+            max(self.end, other.end),
+            worst.s_mla,
+            worst.percent,
+        )
+
+
+def stretch(profile, lesion):
+    """(start, end) in mm of a lesion's significant narrowing: the sections round its narrowest one, without a gap."""
+    threshold = min(STRETCH_PERCENT, lesion["diameter_stenosis_percent"] / 2)
+    narrow = profile.stenosis >= threshold
+    at = int(np.abs(profile.s - lesion["s_mla_mm"]).argmin())
+    healthy = np.flatnonzero(~narrow)
+    before, behind = healthy[healthy < at], healthy[healthy > at]
+    first = before[-1] + 1 if before.size else 0
+    last = behind[0] - 1 if behind.size else len(narrow) - 1
+    return float(profile.s[first]), float(profile.s[last])
+
+
+def found(summary, sections, treat):
+    """Targets, the most severe first: of the worst lesion (`culprit`), or of all significant ones (`all`).
+
+    Significant lesions with less than ROOM_MM of lumen between their stretches are one target. Without a significant
+    lesion the worst one is taken. `summary` has at least one lesion.
+    """
+    profiles = {}
+
+    def of(lesion):
+        branch = lesion["branch"]
+        if branch not in profiles:
+            profiles[branch] = Profile(summary, sections, branch)
+        profile = profiles[branch]
+        return Target(profile, [lesion], *stretch(profile, lesion), *_worst(lesion))
+
+    first, *others = summary["lesions"]
+    significant = [of(lesion) for lesion in others if lesion["diameter_stenosis_percent"] >= SIGNIFICANT_PERCENT]
+    targets = together([of(first), *significant])
+    return targets if treat == "all" else [target for target in targets if first in target.lesions]
+
+
+def together(targets):
+    """Targets of which those on one branch with less than ROOM_MM between them are joined."""
+    done = []
+    for target in targets:
+        while (near := _near(target, done)) is not None:
+            done.remove(near)
+            target = near.joined(target)
+        done.append(target)
+    return sorted(done, key=lambda target: -target.percent)
+
+
+def _near(target, others):
+    for other in others:
+        gap = max(other.start - target.end, target.start - other.end)
+        if other.profile is target.profile and gap < ROOM_MM:
+            return other
+    return None
+
+
+def _worst(lesion):
+    return lesion["s_mla_mm"], lesion["diameter_stenosis_percent"]

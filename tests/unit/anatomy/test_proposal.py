@@ -1,0 +1,92 @@
+"""Proposed plans: what is treated by which devices, in which order."""
+
+import numpy as np
+import pytest
+from narrowed_vessels import drawn, focal, plateau, rows, worst_of
+
+from anatomy.planning import plan, proposal
+from common.errors import InputError
+
+
+def proposed(families, *narrowings, treat="culprit", **shape):
+    summary, sections = drawn(*narrowings, **shape)
+    done = proposal.propose(summary, sections, families, "case", treat)
+    plan.procedure(done.steps, families, summary, "case")  # what is proposed is allowed
+    return done
+
+
+def actions(done):
+    return [step["action"] for step in done.steps]
+
+
+def test_one_lesion(families):
+    done = proposed(families, focal(21, 12, 64))
+    pre, stent, post = (step["devices"][0] for step in done.steps)
+    assert actions(done) == ["predilatation", "stent", "postdilatation"]
+    assert stent["diameter_mm"] == 2.75 and stent["length_mm"] == 12  # 2.73 mm distal to it
+    assert pre["diameter_mm"] == 2.5 and stent["pressure_bar"] == 11 and 12 <= post["pressure_bar"] <= 20
+    assert {d["branch"] for d in (pre, stent, post)} == {"main"}
+
+
+def test_mild_diffuse_disease_behind_a_severe_lesion_takes_a_short_stent(families):
+    """33.5 mm and its margins were more than the longest stent; a cardiologist stents the severe part."""
+    done = proposed(families, worst_of(focal(14, 10, 84), plateau(14, 45, 25)), length=60.0)
+    assert actions(done).count("stent") == 1 and done.steps[1]["devices"][0]["length_mm"] <= 15
+
+
+def test_a_long_lesion_takes_two_overlapping_stents_distal_first(families):
+    done = proposed(families, plateau(10, 52, 70), length=70.0)
+    assert actions(done) == ["predilatation"] * 2 + ["stent"] * 2 + ["postdilatation"] * 2
+    first, second = (step["devices"][0] for step in done.steps[2:4])
+    assert first["centre_s_mm"] > second["centre_s_mm"] and first["diameter_mm"] <= second["diameter_mm"]
+    reach = (first["length_mm"] + second["length_mm"]) / 2
+    assert first["centre_s_mm"] - second["centre_s_mm"] == pytest.approx(reach - 2.5, abs=0.01)
+
+
+def test_a_vessel_that_tapers_more_than_a_design_opens_takes_two_stents(families):
+    done = proposed(families, plateau(12, 30, 70), healthy=lambda s: 5.2 - 0.075 * s)
+    sizes = [step["devices"][0]["diameter_mm"] for step in done.steps if step["action"] == "stent"]
+    assert len(sizes) == 2 and sizes[0] < sizes[1]
+
+
+def test_all_significant_lesions_the_worst_branch_first_then_distal_first(families):
+    three = focal(12, 8, 60), focal(30, 8, 75), focal(43, 8, 40)
+    assert len(proposed(families, *three).steps) == 3
+    done = proposed(families, *three, treat="all")
+    assert [one.target.name for one in done.treated] == ["lesion1", "lesion2"]
+    stents = [step["devices"][0]["centre_s_mm"] for step in done.steps if step["action"] == "stent"]
+    assert len(stents) == 2 and stents[0] > 27 and stents[1] < 15
+
+
+def test_stents_that_would_meet_become_one_row(families):
+    done = proposed(families, focal(14, 8, 70), focal(24.5, 8, 70), treat="all")
+    assert len(done.treated) == 1 and len(done.treated[0].target.lesions) == 2
+
+
+def test_a_lesion_that_the_catalogue_does_not_fit_is_left_out_of_all(families):
+    summary, sections = drawn(focal(21, 12, 64), sides=((35.0, 1.5),))
+    sections["side1"] = rows("side1", *along_a_narrow_branch())
+    lesion = summary["lesions"][0] | {"name": "lesion2", "branch": "side1", "s_mla_mm": 5.0}
+    summary["lesions"].append(lesion | {"diameter_stenosis_percent": 60.0})
+    done = proposal.propose(summary, sections, families, "case", "all")
+    assert [target.name for target, _ in done.left_out] == ["lesion2"]
+    assert len(done.steps) == 3
+    summary["lesions"].pop(0)
+    with pytest.raises(InputError, match="no stent|longer than the branch"):
+        proposal.propose(summary, sections, families, "case", "all")
+
+
+def along_a_narrow_branch():
+    s = np.arange(1.5, 9.0, 0.25)
+    return s, 1.5 * (1 - focal(5, 3, 60)(s)), 0 * s + 1.5
+
+
+def test_nothing_to_propose(families):
+    summary, sections = drawn()
+    with pytest.raises(InputError, match="no lesion.*(?s:.*)no healthy reference"):
+        proposal.propose({**summary, "lesions": []}, sections, families, "case")
+
+
+@pytest.mark.parametrize("plan_key, treat", [("auto", "culprit"), ({"treat": "all"}, "all"), ([], None)])
+def test_what_a_case_asks_for(plan_key, treat):
+    assert proposal.wanted(plan_key) == treat

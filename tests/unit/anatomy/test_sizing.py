@@ -1,0 +1,69 @@
+"""Diameters by the lumen at a stent's ends."""
+
+import pytest
+from narrowed_vessels import drawn, focal, plateau
+
+from anatomy.planning import landing, sizing, targets
+from common.errors import InputError
+
+
+def planned(families, proximal, distal):
+    """The one stent for a focal lesion between two lumens, mm."""
+    (target,) = targets.found(*drawn(focal(21, 8, 80), healthy=lambda s: proximal + (distal - proximal) * (s > 21)), "all")
+    return sizing.sized(target.profile, landing.spans(target, [15], "case"), families, "case")[0]
+
+
+@pytest.mark.parametrize(
+    "proximal, distal, size",
+    [
+        (3.3, 2.9, 3.0),  # rounded up
+        (3.0, 3.0, 3.0),
+        (3.6, 2.7, 3.0),  # the 2.75 mm design ends at 3.5 mm
+        (4.4, 4.1, 4.5),
+        (5.0, 4.9, 4.5),  # the largest; its design opens to 5.7 mm
+        (2.0, 1.8, 2.25),
+    ],
+)
+def test_stent_by_the_distal_lumen(families, proximal, distal, size):
+    stent = planned(families, proximal, distal)
+    assert stent.diameter == size and (stent.proximal, stent.distal) == pytest.approx((proximal, distal))
+
+
+@pytest.mark.parametrize(
+    "proximal, distal, what",
+    [(2.0, 1.7, "no stent diameter"), (6.0, 5.8, "no stent diameter"), (4.6, 2.3, "two overlapping stents")],
+)
+def test_what_the_catalogue_cannot_hold(families, proximal, distal, what):
+    with pytest.raises(InputError, match=f"(?s){what}"):
+        planned(families, proximal, distal)
+
+
+def test_balloon_before_is_not_above_the_distal_reference(families):
+    stent = planned(families, 3.3, 2.9)
+    assert sizing.predilatation(families, stent, 10.0, "case") == (2.75, 12)
+    assert sizing.predilatation(families, stent, 40.0, "case") == (2.75, 15)  # not beyond the stent
+
+
+def test_balloon_after_reaches_the_proximal_reference(families):
+    stent = planned(families, 3.3, 2.9)
+    diameter, length, centre, wanted = sizing.postdilatation(families, stent, "case")
+    assert (diameter, length, centre) == (3.25, 15, stent.span.centre) and wanted == pytest.approx(3.3)
+
+
+def test_tapered_vessel_is_postdilated_in_its_proximal_part(families):
+    stent = planned(families, 3.9, 2.9)
+    diameter, length, centre, _ = sizing.postdilatation(families, stent, "case")
+    assert diameter == 4.0 and length <= 7.5 and centre - length / 2 == pytest.approx(stent.span.start)
+
+
+def test_post_dilatation_does_not_overstretch_the_distal_reference(families):
+    """References 0.48 mm apart, but the balloon nearest to the proximal one is 0.59 mm above the distal one."""
+    diameter, length, *_ = sizing.postdilatation(families, planned(families, 3.64, 3.16), "case")
+    assert diameter == 3.5 and length == 15
+
+
+def test_between_two_stents_the_vessels_reference_counts(families):
+    (target,) = targets.found(*drawn(plateau(10, 50, 70), length=70.0, healthy=lambda s: 4.0 - 0.02 * s), "all")
+    distal, proximal = sizing.sized(target.profile, landing.spans(target, [28], "case"), families, "case")
+    joint = 0.5 * (proximal.span.end + distal.span.start)
+    assert distal.proximal == proximal.distal == pytest.approx(4.0 - 0.02 * joint, abs=1e-3)

@@ -1,0 +1,58 @@
+"""What is treated: the stretch of significant narrowing, with neighbours too near for a landing zone."""
+
+import pytest
+from narrowed_vessels import focal, plateau, worst_of
+
+from anatomy.planning import targets
+from anatomy.planning.profile import Profile
+
+
+def found(vessel, *narrowings, treat="culprit", **shape):
+    return targets.found(*vessel(*narrowings, **shape), treat)
+
+
+def test_a_stretch_ends_where_the_narrowing_falls_below_30_percent(vessel):
+    (target,) = found(vessel, focal(21, 12, 80))
+    assert target.start == pytest.approx(21 - 3.5, abs=0.3) and target.end == pytest.approx(21 + 3.5, abs=0.3)
+
+
+def test_a_mild_lesion_is_covered_to_half_its_narrowing(vessel):
+    (target,) = found(vessel, plateau(15, 25, 20))
+    assert target.start == pytest.approx(15.25, abs=0.26) and target.end == pytest.approx(24.75, abs=0.26)
+
+
+@pytest.mark.parametrize("percent, end", [(25, 27.7), (29, 27.7), (31, 43.8)])
+def test_mild_disease_behind_a_severe_lesion_is_left(vessel, percent, end):
+    """84 % with a long narrowing of up to 29 % joined to it: that is not part of what is stented; 31 % is."""
+    (target,) = found(vessel, worst_of(focal(24, 12, 84), plateau(24, 44, percent)))
+    assert target.end == pytest.approx(end, abs=0.4) and target.start == pytest.approx(20.3, abs=0.4)
+
+
+def test_culprit_or_all(vessel):
+    three = focal(12, 8, 60), focal(30, 8, 75), focal(43, 8, 40)
+    (culprit,) = found(vessel, *three)
+    assert culprit.name == "lesion1" and culprit.percent == pytest.approx(75)
+    assert [target.name for target in found(vessel, *three, treat="all")] == ["lesion1", "lesion2"]
+
+
+@pytest.mark.parametrize("second, together", [(24.9, True), (27.5, False)])
+def test_lesions_without_a_landing_zone_between_are_one(vessel, second, together):
+    """Stretches of 3.6 mm each; 4.7 or 7.3 mm of lumen between them."""
+    for treat in ("culprit", "all"):
+        targets_found = found(vessel, focal(16, 8, 60), focal(second, 8, 70), treat=treat)
+        joined = [target for target in targets_found if len(target.lesions) == 2]
+        assert bool(joined) == together
+        if joined:
+            assert joined[0].percent == pytest.approx(70, abs=0.3) and joined[0].s_mla == pytest.approx(second, abs=0.2)
+
+
+def test_a_mild_neighbour_is_no_part_of_it(vessel):
+    (target,) = found(vessel, focal(16, 8, 70), focal(24, 8, 45))
+    assert target.name == "lesion1" and target.end < 20
+
+
+def test_lumen_beyond_an_end_leaves_out_mouths(vessel):
+    summary, sections = vessel(focal(15, 8, 70), lumen=lambda s: 3 + 0 * s + (abs(s - 20) < 1), sides=((20.0, 2.0),))
+    profile = Profile(summary, sections, "main")
+    assert profile.lumen_beyond(18.5, 1) == pytest.approx(3.0)
+    assert profile.lumen_beyond(19.5, 1) == pytest.approx(3.0) and profile.in_a_mouth(19.5) == "side1"
