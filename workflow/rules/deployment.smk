@@ -11,7 +11,7 @@ rule plan:
         centreline="results/cases/{case}/anatomy/centreline.vtp",
         sections="results/cases/{case}/anatomy/sections.csv",
         anatomy="results/cases/{case}/anatomy/anatomy.json",
-        code=code("anatomy", "anatomy.plan"),
+        code=code("anatomy", "anatomy.planning.plan"),
     output:
         "results/cases/{case}/vci/plan.json",
     priority: 1  # a device that does not fit is refused before flow is computed

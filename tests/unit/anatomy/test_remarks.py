@@ -1,69 +1,76 @@
 """What is said about a proposed plan."""
 
-import json
-
 import pytest
+from narrowed_vessels import drawn, focal, plateau, worst_of
 
-from anatomy import remarks, sizing
-
-SIDE = {"kind": "outlet", "branch": "side1", "diameter_mm": 2.2}
-
-
-def said(summary, families):
-    return remarks.of_proposal(summary, sizing.propose(summary, families, "case"))
+from anatomy.planning import proposal, remarks
 
 
-def test_nothing_where_nothing_is_left_open(families, summary):
-    assert said(summary, families) == []
+def said(families, *narrowings, treat="culprit", **shape):
+    summary, sections = drawn(*narrowings, **shape)
+    return remarks.of_proposal(summary, proposal.propose(summary, sections, families, "case", treat))
 
 
-@pytest.mark.parametrize(
-    "change, words",
-    [
-        ({"diameter_stenosis_percent": 14.0}, "14 % only"),
-        ({"s_start_mm": 3.0, "s_end_mm": 9.0}, "reaches 1.5 mm past lesion1 at its proximal end"),
-        ({"s_start_mm": 41.0, "s_end_mm": 47.0}, "reaches 1.5 mm past lesion1 at its distal end"),
-    ],
-)
-def test_lesion_that_is_mild_or_near_an_end(families, summary, change, words):
-    summary["lesions"][0].update(change)
-    assert [words in remark for remark in said(summary, families)] == [True]
-
-
-def test_lesion_that_is_left(families, summary):
-    other = {"name": "lesion2", "branch": "side1", "s_start_mm": 3.0, "s_mla_mm": 4.0, "s_end_mm": 6.0}
-    summary["lesions"].append({**other, "diameter_stenosis_percent": 58.0})
-    (remark,) = said(summary, families)
-    assert "lesion2 (58 % on side1 at 4.0 mm)" in remark
-    summary["lesions"][1]["diameter_stenosis_percent"] = 40.0
-    assert said(summary, families) == []
+def test_nothing_where_nothing_is_left_open(families):
+    assert said(families, focal(21, 12, 64)) == []
 
 
 @pytest.mark.parametrize(
-    "mouth, width, words",
+    "narrowing, words",
     [
-        (21.0, 2.2, "lies across side1 (2.2 mm wide)"),
-        (21.0, 1.5, None),
-        (28.5, 8.0, "ends in the mouth of side1 (24.5 to 32.5 mm)"),
-        (35.0, 2.2, None),
+        (focal(21, 12, 44), "44 % only"),
+        (plateau(2.0, 9.0, 60), "mm past lesion1 at its proximal end"),
+        (plateau(41.0, 48.0, 60), "mm past lesion1 at its distal end"),
     ],
 )
-def test_side_branch_at_the_stent(families, summary, mouth, width, words):
-    summary["branches"][1].update(parent="main", s_on_parent_mm=mouth)
-    summary["ends"] = [{**SIDE, "diameter_mm": width}]
-    found = said(summary, families)
-    assert any(words in remark for remark in found) if words else found == []
+def test_lesion_that_is_mild_or_near_an_end(families, narrowing, words):
+    assert [words in remark for remark in said(families, narrowing)] == [True]
 
 
-def test_end_in_a_mild_lesion_that_no_length_avoids(families, summary):
-    other = {"name": "lesion2", "branch": "main", "s_start_mm": 26.5, "s_mla_mm": 35.0, "s_end_mm": 44.0}
-    summary["lesions"].append({**other, "diameter_stenosis_percent": 20.0})
-    assert ["26.5 to 44.0 mm" in remark for remark in said(summary, families)] == [True]
+def test_lesion_that_is_left(families):
+    two = focal(12, 8, 75), focal(40, 8, 58)
+    (remark,) = said(families, *two)
+    assert "lesion2 (58 % on main at 40.0 mm) is left as it is: the plan treats lesion1 alone" in remark
+    assert said(families, *two, treat="all") == []
+    assert said(families, focal(12, 8, 75), focal(40, 8, 45)) == []
 
 
-def test_the_command_says_them(run_module, repo_root, summary, tmp_path):
-    summary["lesions"][0]["diameter_stenosis_percent"] = 14.0
-    (tmp_path / "anatomy.json").write_text(json.dumps(summary))
-    case = repo_root / "config" / "cases" / "real_artery.yaml"
-    done = run_module("anatomy", "plan", case, "--anatomy", tmp_path, "--out", tmp_path / "plan.json")
-    assert done.returncode == 0 and "warning: " in done.stderr and "14 % only" in done.stderr
+def test_lesion_that_cannot_be_treated_says_why(families):
+    two = focal(12, 8, 75), focal(44, 6, 60)
+    taper = {"healthy": lambda s: 3.3 - 0.9 * (s > 30) - 0.7 * (s > 38)}
+    (remark,) = said(families, *two, treat="all", **taper)
+    assert "lesion2" in remark and "no stent diameter of the catalogue fits the vessel" in remark
+
+
+@pytest.mark.parametrize("middle, width, words", [(21.0, 2.2, "lies across side1 (2.2 mm wide)"), (35.0, 2.2, None)])
+def test_side_branch_at_the_stent(families, middle, width, words):
+    found = said(families, focal(21, 12, 64), sides=((middle, width),))
+    assert [words in remark for remark in found] == [True] if words else found == []
+
+
+def test_end_in_a_mouth_that_no_length_avoids(families):
+    found = said(families, focal(21, 12, 64), sides=((30.0, 12.0),))
+    assert any("ends in the mouth of side1 (24.0 to 36.0 mm)" in remark for remark in found)
+
+
+def test_diffuse_disease_that_is_left(families):
+    found = said(families, worst_of(focal(14, 10, 84), plateau(14, 45, 25)), length=60.0)
+    assert any("diffuse narrowing by up to 25 %" in remark and "to 44." in remark for remark in found)
+    assert any("lies in lumen 25 % narrower than the reference" in remark for remark in found)
+    short = said(families, worst_of(focal(14, 10, 84), plateau(14, 25, 25)), length=60.0)
+    assert not any("diffuse" in remark for remark in short)
+
+
+def test_several_stents(families):
+    assert any("2 stents that overlap by 2.5 mm" in one for one in said(families, plateau(10, 52, 70), length=70.0))
+
+
+def test_a_vessel_wider_than_the_largest_stent(families):
+    found = said(families, focal(21, 12, 64), healthy=lambda s: 4.9 + 0 * s)
+    assert any("is 4.90 mm wide, the largest stent 4.50 mm" in remark for remark in found)
+
+
+def test_the_command_says_them(run_module, repo_root, written, tmp_path):
+    folder, case = written(*drawn(focal(21, 12, 34))), repo_root / "config" / "cases" / "real_artery.yaml"
+    done = run_module("anatomy", "plan", case, "--anatomy", folder, "--out", tmp_path / "plan.json")
+    assert done.returncode == 0 and "warning: " in done.stderr and "34 % only" in done.stderr

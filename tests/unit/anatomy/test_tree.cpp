@@ -101,6 +101,34 @@ TEST(Lesions, FoundWithTheirReference) {
   EXPECT_GT(lesions[0].proximal_reference, lesions[0].distal_reference);
 }
 
+// Lesions of a straight vessel of 3 mm narrowed by 60 % from 10 to 15 mm and 40 % from 20 to 25 mm, by `between` per cent
+// from one to the other; `mouth`: whether the sections there are widened by a side branch's mouth.
+std::vector<Lesion> two_narrowings(double between, bool mouth) {
+  std::vector<Branch> branches(1);
+  std::vector<Section> sections;
+  for (std::size_t i = 0; i < 160; ++i) {
+    const double s = 0.25 * static_cast<double>(i);
+    branches[0].s.push_back(s);
+    const double lacking = s < 10 || s > 25 ? 0 : s < 15 ? 60 : s > 20 ? 40 : between;
+    Section section;
+    section.sample = i;
+    section.area = M_PI / 4 * 9 * (1 - lacking / 100) * (1 - lacking / 100);
+    section.flag = mouth && s >= 15 && s <= 20 ? "ostium" : "ok";
+    sections.push_back(section);
+  }
+  return find_lesions(branches, sections, {ReferenceProfile{3, 0, {}}});
+}
+
+TEST(Lesions, PartWhereHalfOfTheLesserNarrowingIsRecovered) {
+  const std::vector<Lesion> two = two_narrowings(19, false);
+  ASSERT_EQ(two.size(), 2u);
+  EXPECT_NEAR(two[0].diameter_stenosis, 60, 1e-9);
+  EXPECT_NEAR(two[1].diameter_stenosis, 40, 1e-9);
+  EXPECT_LE(two[0].s_end, two[1].s_start);
+  EXPECT_EQ(two_narrowings(21, false).size(), 1u);
+  EXPECT_EQ(two_narrowings(19, true).size(), 1u);
+}
+
 TEST(Lesions, NoneInAHealthyTube) {
   shapes::Tube tube = shapes::straight(1.6, 30);
   tube.radius = [](double s) { return 1.6 - 0.01 * s; };

@@ -6,7 +6,7 @@ import subprocess
 
 import pytest
 
-from anatomy import catalogue
+from anatomy.planning import catalogue
 from common import config
 
 STRENGTH_MPA = (0.20, 0.25)  # at losses of 5 and 10 % of the diameter, beyond the struts' yield
