@@ -26,20 +26,20 @@ MOST_STENTS = 3
 
 @dataclasses.dataclass
 class Span:
-    """One stent's place, s from `start` to `end` in mm."""
+    """One stent's place: s of its `start`, and its `length` as the catalogue has it, mm."""
 
     start: float
-    end: float
+    length: float
 
     @property
-    def length(self):
+    def end(self):
         """mm."""
-        return self.end - self.start
+        return self.start + self.length
 
     @property
     def centre(self):
         """mm, to a micrometre."""
-        return round(0.5 * (self.start + self.end), 3)
+        return round(self.start + 0.5 * self.length, 3)
 
 
 def spans(target, lengths, where, least=1):
@@ -102,7 +102,7 @@ def _places(profile, window, row):
         ends = (start, start + total)
         beyond = max(start_far - start, 0.0) + max(start + total - end_far, 0.0)
         mouths = sum(profile.in_a_mouth(end) is not None for end in ends)
-        unlike = max(abs(profile.stenosis_at(end)) - least for end, least in zip(ends, best))
+        unlike = max(profile.unlike(end) - least for end, least in zip(ends, best))
         cost = (
             round(beyond / STEP_MM),
             mouths,
@@ -115,14 +115,14 @@ def _places(profile, window, row):
 
 
 def _most_normal(profile, near, far):
-    """Least difference from the reference (per cent) of the usable sections from near to far, 0 without one."""
-    here = profile.usable & (profile.s >= min(near, far) - 1e-9) & (profile.s <= max(near, far) + 1e-9)
-    return float(np.abs(profile.stenosis[here]).min()) if here.any() else 0.0
+    """Least difference from the reference (per cent) at the places from near to far, 0 where all are in mouths."""
+    steps = np.append(np.arange(min(near, far), max(near, far), STEP_MM), max(near, far))
+    return min((profile.unlike(at) for at in steps if profile.in_a_mouth(at) is None), default=0.0)
 
 
 def _in_a_row(start, row):
     found = []
     for length in row:
-        found.append(Span(start, start + length))
+        found.append(Span(start, length))
         start += length - OVERLAP_MM
     return found[::-1]

@@ -5,6 +5,8 @@ import numpy as np
 from common.errors import InputError
 
 REFERENCE_MM = 2.0  # length beyond a device's end over which its reference lumen is averaged
+LANDING_MM = 0.5  # to both sides of a stent's end that its landing zone reaches
+NORMAL = (0.85, 1.05)  # lumen over the vessel's reference within which it tells the vessel's size
 
 
 class Profile:
@@ -38,21 +40,27 @@ class Profile:
         """Diameter (mm) of the healthy vessel at arc length s_mm, as `lumen process` has fitted it."""
         return float(np.interp(s_mm, self.s, self.reference))
 
+    def unlike(self, s_mm):
+        """Difference (per cent by diameter) of the lumen from the reference within LANDING_MM of s_mm: the largest."""
+        return float(np.abs(self.stenosis_at(s_mm + np.linspace(-LANDING_MM, LANDING_MM, 5))).max())
+
     def in_a_mouth(self, s_mm):
         """Name of the side branch in whose mouth s_mm lies, or None."""
         return next((name for name, (low, high) in self.mouths.items() if low < s_mm < high), None)
 
     def lumen_beyond(self, s_mm, direction):
-        """Mean lumen diameter (mm) from a device's end at s_mm outwards (direction -1 proximal, 1 distal).
+        """Reference lumen (mm) at a device's end at s_mm: the mean diameter outwards (direction -1 proximal, 1 distal).
 
-        Over REFERENCE_MM, where sections there show the branch's own lumen; else of the nearest such section.
+        Over REFERENCE_MM, where sections there show the branch's own lumen; else of the nearest such section. Where
+        that is diffusely diseased or dilated it does not tell the vessel's size: it is kept within NORMAL of it.
         """
         beyond = direction * (self.s - s_mm)
         here = self.usable & (beyond >= 0) & (beyond <= REFERENCE_MM)
-        if here.any():
-            return float(self.diameter[here].mean())
-        among = np.flatnonzero(self.usable if self.usable.any() else self.measured)
-        return float(self.diameter[among[np.abs(self.s[among] - s_mm).argmin()]])
+        if not here.any():
+            among = np.flatnonzero(self.usable if self.usable.any() else self.measured)
+            here = among[np.abs(self.s[among] - s_mm).argmin()]
+        whole = float(np.mean(self.reference[here]))
+        return float(np.clip(np.mean(self.diameter[here]), NORMAL[0] * whole, NORMAL[1] * whole))
 
 
 def mouths(summary, parent):

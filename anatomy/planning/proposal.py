@@ -43,7 +43,7 @@ def wanted(plan):
 def propose(summary, sections, families, where, treat=CULPRIT):
     """Proposal for the lesions of a measured lumen (`summary`, `sections`: measured.read_summary, read_sections).
 
-    Raises InputError if there is no lesion, or if the catalogue or the branch does not fit any.
+    CULPRIT: for the most severe lesion that stents of the catalogue fit, a significant one if there is any. Raises InputError if there is no lesion, or if the catalogue or the branch does not fit any.
     """
     if not summary["lesions"]:
         raise InputError(
@@ -56,11 +56,14 @@ def propose(summary, sections, families, where, treat=CULPRIT):
         if family not in families:
             raise InputError("plan: auto needs a device family", where, family, f"add {family}.yaml to the devices")
     treated, left_out = [], []
-    for target in targets.found(summary, sections, treat):
+    for target in targets.found(summary, sections):
         try:
             treated.append(_stented(target, families, where))
         except InputError as error:
             left_out.append((target, error))
+            continue
+        if treat == CULPRIT or target.percent < targets.SIGNIFICANT_PERCENT:
+            break
     if not treated:
         raise left_out[0][1]
     treated = _without_short_gaps(treated, families, where)

@@ -32,7 +32,8 @@ def _left(summary, proposal):
     failed = {lesion["name"]: error for target, error in proposal.left_out for lesion in target.lesions}
     names = " and ".join(one.target.name for one in proposal.treated)
     for lesion in summary["lesions"]:
-        if lesion in treated or lesion["diameter_stenosis_percent"] < targets.SIGNIFICANT_PERCENT:
+        mild = lesion["diameter_stenosis_percent"] < targets.SIGNIFICANT_PERCENT
+        if lesion in treated or (mild and lesion["name"] not in failed):
             continue
         which = (
             f"{lesion['name']} ({lesion['diameter_stenosis_percent']:.0f} % on {lesion['branch']} at"
@@ -51,7 +52,7 @@ def _covered(one):
         if margin < landing.MARGIN_MM - TOLERANCE_MM:
             yield (
                 f"the stent reaches {margin:.1f} mm past {one.target.name} at its {side} end, {landing.MARGIN_MM} mm are"
-                " wanted: the branch ends"
+                " wanted: the branch ends there"
             )
 
 
@@ -72,13 +73,15 @@ def _row(one):
 def _landing(one):
     profile = one.target.profile
     for side, end in zip(("proximal", "distal"), one.ends):
-        mouth, percent = profile.in_a_mouth(end), float(profile.stenosis_at(end))
+        mouth = profile.in_a_mouth(end)
         if mouth:
             low, high = profile.mouths[mouth]
             yield f"the stent ends in the mouth of {mouth} ({low:.1f} to {high:.1f} mm), which no length avoids"
-        elif abs(percent) > LANDING_PERCENT:
-            how = f"{abs(percent):.0f} % {'narrower' if percent > 0 else 'wider'} than the reference"
-            yield f"the stent's {side} end, at {end:.1f} mm, lies in lumen {how}: {landing.WITHIN_MM:g} mm hold no better"
+        elif profile.unlike(end) > LANDING_PERCENT:
+            yield (
+                f"the stent's {side} end, at {end:.1f} mm, lies where the lumen is up to {profile.unlike(end):.0f} % off the"
+                f" reference: {landing.WITHIN_MM:g} mm hold no better"
+            )
 
 
 def _diffuse(one):

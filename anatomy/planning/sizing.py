@@ -83,9 +83,9 @@ def _greatest_diameter(families, size):
 
 
 def predilatation(families, stent, stretch, where):
-    """(diameter, length) of the balloon before a stent, mm: not above the distal reference, over the stretch."""
+    """(diameter, length) of the balloon before a stent, mm: 5 % above the distal reference at most, over the stretch."""
     family = families[PREDILATATION]
-    diameter = _at_most(family["diameters_mm"], stent.distal, "predilatation diameter", where)
+    diameter = _at_most(family["diameters_mm"], 1.05 * stent.distal, "predilatation diameter", where)
     longest = _at_most(family["lengths_mm"], stent.span.length, "predilatation length", where)
     return diameter, min([x for x in family["lengths_mm"] if stretch <= x <= longest], default=longest)
 

@@ -59,11 +59,10 @@ def stretch(profile, lesion):
     return float(profile.s[first]), float(profile.s[last])
 
 
-def found(summary, sections, treat):
-    """Targets, the most severe first: of the worst lesion (`culprit`), or of all significant ones (`all`).
+def found(summary, sections):
+    """Targets, the most severe first: of the lesions of SIGNIFICANT_PERCENT and more, of all lesions without such.
 
-    Significant lesions with less than ROOM_MM of lumen between their stretches are one target. Without a significant
-    lesion the worst one is taken. `summary` has at least one lesion.
+    Those with less than ROOM_MM of lumen between their stretches are one target; mild ones are not joined.
     """
     profiles = {}
 
@@ -74,10 +73,8 @@ def found(summary, sections, treat):
         profile = profiles[branch]
         return Target(profile, [lesion], *stretch(profile, lesion), *_worst(lesion))
 
-    first, *others = summary["lesions"]
-    significant = [of(lesion) for lesion in others if lesion["diameter_stenosis_percent"] >= SIGNIFICANT_PERCENT]
-    targets = together([of(first), *significant])
-    return targets if treat == "all" else [target for target in targets if first in target.lesions]
+    significant = [lesion for lesion in summary["lesions"] if lesion["diameter_stenosis_percent"] >= SIGNIFICANT_PERCENT]
+    return together([of(lesion) for lesion in significant]) or [of(lesion) for lesion in summary["lesions"]]
 
 
 def together(targets):

@@ -12,6 +12,7 @@ constexpr double band = 0.03;           // of the diameter: sections this near t
 constexpr std::size_t fewest = 8;       // sections for a profile
 constexpr double least_widening = 1.15; // of a dilatation: an ostium's sections may be 8 % too wide
 constexpr double many_more = 1.25;      // healthy sections beside a dilatation than the envelope finds
+constexpr double ectatic = 1.5;         // of the widest lumen on both sides of it (definition of coronary ectasia)
 constexpr double least_share = 0.1;     // a profile may not lose more than all but this of D^m to its side branches
 
 // What the branches that leave before s carry, in mm^m.
@@ -35,6 +36,8 @@ void fit(ReferenceProfile& profile, const std::vector<Calibre>& trunk, const std
   const double spread = wss - ws * ws / w;
   profile.slope = spread > 1e-9 * wss ? (wsd - ws * wd / w) / spread : 0;
   profile.at_start = (wd - profile.slope * ws) / w;
+  if (profile.slope > 0) // a healthy vessel does not widen
+    profile = {wd / w, 0, std::move(profile.sides)};
 }
 
 // Quantile regression by iteratively reweighted least squares, then least squares of the sections near that line.
@@ -79,6 +82,33 @@ std::optional<std::pair<double, double>> dilatation(const ReferenceProfile& prof
       healthy(profile, {last, measured.end()}) < fewest)
     return std::nullopt;
   return std::pair{first->s, (last - 1)->s};
+}
+
+// The sections without those of an ectasia: one stretch, with at least `fewest` sections before and behind it, that is
+// `ectatic` times as wide as anything there. Its flanks are taken off in the same way.
+std::vector<Calibre> without_ectasia(std::vector<Calibre> measured, const Branch& branch, std::vector<Repair>& notes) {
+  const std::size_t all = measured.size();
+  const auto wider = [](const Calibre& a, const Calibre& b) { return a.diameter < b.diameter; };
+  Calibre widest{};
+  while (measured.size() > 2 * fewest) {
+    const Calibre peak = *std::max_element(measured.begin(), measured.end(), wider);
+    const auto wide = [&](const Calibre& c) { return c.diameter >= peak.diameter / ectatic; };
+    const auto first = std::find_if(measured.begin(), measured.end(), wide);
+    const auto last = std::find_if(measured.rbegin(), measured.rend(), wide).base();
+    if (first - measured.begin() < static_cast<long>(fewest) || measured.end() - last < static_cast<long>(fewest) ||
+        !std::all_of(first, last, wide))
+      break;
+    if (measured.size() == all)
+      widest = peak;
+    measured.erase(first, last);
+  }
+  if (measured.size() < all) {
+    char detail[192];
+    std::snprintf(detail, sizeof detail, "%s about %.1f mm along it: up to %.2f mm wide", branch.name.c_str(), widest.s,
+                  widest.diameter);
+    notes.push_back({"ectasia left out of the reference", 1, detail, true});
+  }
+  return measured;
 }
 
 // The upper envelope, unless it follows a dilatation: a stretch wider than the vessel is on both sides of it.
@@ -144,7 +174,7 @@ std::vector<ReferenceProfile> reference_profiles(const std::vector<Branch>& bran
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return generation(a) > generation(b); });
   for (std::size_t b : order) {
-    const std::vector<Calibre> measured = calibres(branches, sections, b);
+    const std::vector<Calibre> measured = without_ectasia(calibres(branches, sections, b), branches[b], notes);
     if (measured.size() < fewest) {
       profiles[b] = constant(branches[b]);
       notes.push_back({"constant reference diameter", 1, branches[b].name + " is too short for a profile"});

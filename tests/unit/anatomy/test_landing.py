@@ -10,7 +10,7 @@ LENGTHS = [8, 12, 15, 18, 23, 28, 33, 38]
 
 
 def spans(*narrowings, least=1, **shape):
-    (target,) = targets.found(*drawn(*narrowings, **shape), "culprit")
+    target = targets.found(*drawn(*narrowings, **shape))[0]
     return target, landing.spans(target, LENGTHS, "case", least)
 
 

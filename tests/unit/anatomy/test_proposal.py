@@ -24,7 +24,7 @@ def test_one_lesion(families):
     pre, stent, post = (step["devices"][0] for step in done.steps)
     assert actions(done) == ["predilatation", "stent", "postdilatation"]
     assert stent["diameter_mm"] == 2.75 and stent["length_mm"] == 12  # 2.73 mm distal to it
-    assert pre["diameter_mm"] == 2.5 and stent["pressure_bar"] == 11 and 12 <= post["pressure_bar"] <= 20
+    assert pre["diameter_mm"] == 2.75 and stent["pressure_bar"] == 11 and 12 <= post["pressure_bar"] <= 20
     assert {d["branch"] for d in (pre, stent, post)} == {"main"}
 
 
@@ -79,6 +79,15 @@ def test_a_lesion_that_the_catalogue_does_not_fit_is_left_out_of_all(families):
 def along_a_narrow_branch():
     s = np.arange(1.5, 9.0, 0.25)
     return s, 1.5 * (1 - focal(5, 3, 60)(s)), 0 * s + 1.5
+
+
+def test_the_culprit_is_the_worst_lesion_that_a_stent_fits(families):
+    """80 % where the vessel is 1.2 mm wide, 60 % where it is 3 mm; a mild lesion is no substitute."""
+    narrow = {"healthy": lambda s: np.where(s < 30, 3.0, 1.2)}
+    done = proposed(families, focal(14, 8, 60), focal(40, 8, 80), **narrow)
+    assert [one.target.name for one in done.treated] == ["lesion2"] and len(done.left_out) == 1
+    with pytest.raises(InputError, match="no stent diameter of the catalogue fits the vessel"):
+        proposed(families, focal(14, 8, 45), focal(40, 8, 80), **narrow)
 
 
 def test_nothing_to_propose(families):

@@ -9,7 +9,7 @@ from common.errors import InputError
 
 def planned(families, proximal, distal):
     """The one stent for a focal lesion between two lumens, mm."""
-    (target,) = targets.found(*drawn(focal(21, 8, 80), healthy=lambda s: proximal + (distal - proximal) * (s > 21)), "all")
+    (target,) = targets.found(*drawn(focal(21, 8, 80), healthy=lambda s: proximal + (distal - proximal) * (s > 21)))
     return sizing.sized(target.profile, landing.spans(target, [15], "case"), families, "case")[0]
 
 
@@ -38,10 +38,10 @@ def test_what_the_catalogue_cannot_hold(families, proximal, distal, what):
         planned(families, proximal, distal)
 
 
-def test_balloon_before_is_not_above_the_distal_reference(families):
+def test_balloon_before_is_by_the_distal_reference(families):
     stent = planned(families, 3.3, 2.9)
-    assert sizing.predilatation(families, stent, 10.0, "case") == (2.75, 12)
-    assert sizing.predilatation(families, stent, 40.0, "case") == (2.75, 15)  # not beyond the stent
+    assert sizing.predilatation(families, stent, 10.0, "case") == (3.0, 12)
+    assert sizing.predilatation(families, stent, 40.0, "case") == (3.0, 15)  # not beyond the stent
 
 
 def test_balloon_after_reaches_the_proximal_reference(families):
@@ -63,7 +63,7 @@ def test_post_dilatation_does_not_overstretch_the_distal_reference(families):
 
 
 def test_between_two_stents_the_vessels_reference_counts(families):
-    (target,) = targets.found(*drawn(plateau(10, 50, 70), length=70.0, healthy=lambda s: 4.0 - 0.02 * s), "all")
+    (target,) = targets.found(*drawn(plateau(10, 50, 70), length=70.0, healthy=lambda s: 4.0 - 0.02 * s))
     distal, proximal = sizing.sized(target.profile, landing.spans(target, [28], "case"), families, "case")
     joint = 0.5 * (proximal.span.end + distal.span.start)
     assert distal.proximal == proximal.distal == pytest.approx(4.0 - 0.02 * joint, abs=1e-3)

@@ -7,8 +7,8 @@ from anatomy.planning import targets
 from anatomy.planning.profile import Profile
 
 
-def found(vessel, *narrowings, treat="culprit", **shape):
-    return targets.found(*vessel(*narrowings, **shape), treat)
+def found(vessel, *narrowings, **shape):
+    return targets.found(*vessel(*narrowings, **shape))
 
 
 def test_a_stretch_ends_where_the_narrowing_falls_below_30_percent(vessel):
@@ -28,22 +28,19 @@ def test_mild_disease_behind_a_severe_lesion_is_left(vessel, percent, end):
     assert target.end == pytest.approx(end, abs=0.4) and target.start == pytest.approx(20.3, abs=0.4)
 
 
-def test_culprit_or_all(vessel):
+def test_significant_lesions_only_or_all_where_there_is_none(vessel):
     three = focal(12, 8, 60), focal(30, 8, 75), focal(43, 8, 40)
-    (culprit,) = found(vessel, *three)
-    assert culprit.name == "lesion1" and culprit.percent == pytest.approx(75)
-    assert [target.name for target in found(vessel, *three, treat="all")] == ["lesion1", "lesion2"]
+    assert [target.name for target in found(vessel, *three)] == ["lesion1", "lesion2"]
+    assert [target.percent for target in found(vessel, focal(12, 8, 30), focal(20, 6, 45))] == pytest.approx([45, 30])
 
 
 @pytest.mark.parametrize("second, together", [(24.9, True), (27.5, False)])
 def test_lesions_without_a_landing_zone_between_are_one(vessel, second, together):
     """Stretches of 3.6 mm each; 4.7 or 7.3 mm of lumen between them."""
-    for treat in ("culprit", "all"):
-        targets_found = found(vessel, focal(16, 8, 60), focal(second, 8, 70), treat=treat)
-        joined = [target for target in targets_found if len(target.lesions) == 2]
-        assert bool(joined) == together
-        if joined:
-            assert joined[0].percent == pytest.approx(70, abs=0.3) and joined[0].s_mla == pytest.approx(second, abs=0.2)
+    targets_found = found(vessel, focal(16, 8, 60), focal(second, 8, 70))
+    assert (len(targets_found) == 1) == together
+    assert targets_found[0].percent == pytest.approx(70, abs=0.3)
+    assert targets_found[0].s_mla == pytest.approx(second, abs=0.2)
 
 
 def test_a_mild_neighbour_is_no_part_of_it(vessel):
@@ -52,7 +49,13 @@ def test_a_mild_neighbour_is_no_part_of_it(vessel):
 
 
 def test_lumen_beyond_an_end_leaves_out_mouths(vessel):
-    summary, sections = vessel(focal(15, 8, 70), lumen=lambda s: 3 + 0 * s + (abs(s - 20) < 1), sides=((20.0, 2.0),))
+    summary, sections = vessel(focal(15, 8, 70), healthy=lambda s: 3 + 0 * s, lumen=lambda s: 3 + 0 * s + (abs(s - 20) < 1), sides=((20.0, 2.0),))
     profile = Profile(summary, sections, "main")
-    assert profile.lumen_beyond(18.5, 1) == pytest.approx(3.0)
+    assert profile.lumen_beyond(18.0, 1) == pytest.approx(3.0)
     assert profile.lumen_beyond(19.5, 1) == pytest.approx(3.0) and profile.in_a_mouth(19.5) == "side1"
+
+
+@pytest.mark.parametrize("share, told", [(1.0, 3.0), (0.9, 2.7), (0.7, 2.55), (1.8, 3.15)])
+def test_diseased_or_dilated_lumen_does_not_tell_the_vessels_size(vessel, share, told):
+    summary, sections = vessel(focal(15, 8, 70), healthy=lambda s: 3 + 0 * s, lumen=lambda s: share * 3 + 0 * s)
+    assert Profile(summary, sections, "main").lumen_beyond(30, 1) == pytest.approx(told)

@@ -175,6 +175,39 @@ TEST(Reference, StepsDownPastASideBranchByTheFlowSplit) {
   EXPECT_NEAR(find_lesions(branches, sections, profiles).at(0).diameter_stenosis, 60, 0.5);
 }
 
+// Profile of a single vessel with the given diameters over 40 mm.
+ReferenceProfile profile_of(const std::function<double(double)>& diameter) {
+  std::vector<Branch> branches;
+  std::vector<Repair> notes;
+  std::vector<Section> sections = sections_of(branches, diameter, 1);
+  branches.resize(1);
+  std::erase_if(sections, [](const Section& section) { return section.branch != 0; });
+  return reference_profiles(branches, sections, notes)[0];
+}
+
+TEST(Reference, LeavesAnEctasiaOut) {
+  // up to 4.7 mm in a vessel of 1.4 mm before and 1 mm behind it: a line through it would rise from 1.5 to 4.6 mm
+  const auto vessel = [](double s) { return s < 23 ? 1.4 : 1.0; };
+  const ReferenceProfile profile =
+      profile_of([&](double s) { return std::max(4.7 - 0.35 * std::abs(s - 23), vessel(s)); });
+  EXPECT_LE(profile.slope, 0);
+  EXPECT_NEAR(profile.diameter(10), 1.4, 0.1);
+  EXPECT_LT(profile.diameter(38), 1.45);
+}
+
+TEST(Reference, KeepsTheHealthyVesselBetweenANarrowOstiumAndItsEnd) {
+  // narrowed by 60 % up to 10 mm, healthy behind that: not an ectasia, since nothing narrower follows
+  const auto healthy = [](double s) { return 3 - 0.01 * s; };
+  const ReferenceProfile profile = profile_of([&](double s) { return healthy(s) * (s < 10 ? 0.4 : 1); });
+  EXPECT_NEAR(profile.diameter(5), healthy(5), 0.05);
+  EXPECT_NEAR(profile.diameter(30), healthy(30), 0.02);
+}
+
+TEST(Reference, DoesNotWidenAlongTheVessel) {
+  const ReferenceProfile profile = profile_of([](double s) { return 2 + 0.02 * s; });
+  EXPECT_EQ(profile.slope, 0);
+}
+
 TEST(Reference, HasNoStepWhereTheVesselHasNone) {
   std::vector<Branch> branches;
   std::vector<Repair> notes;
