@@ -20,7 +20,6 @@ def load(path, schema_name):
     return _load(path, schema_name).data
 
 
-
 def load_study(path):
     """config/study.yaml: cohorts and the sections `SECTIONS`."""
     return load(path, "study")
@@ -33,15 +32,10 @@ def load_case(path):
     if patient["dbp_mmhg"] >= patient["sbp_mmhg"]:
         remedy = f"below the systolic one, sbp_mmhg: {patient['sbp_mmhg']}; are they swapped?"
         _refuse(document, ("patient", "dbp_mmhg"), "diastolic blood pressure is not below the systolic", remedy)
-<<<<<<< HEAD
     for key in ("lumen", "post"):
         if key in document.data:
             _check_lumen(document, key)
-    steps = document.data["plan"] if document.data["plan"] != "auto" else []
-    for i, step in enumerate(steps):
-=======
     for i, step in enumerate(listed_steps(document.data["plan"])):
->>>>>>> 00f1779 (Plans: the significant stretch is stented between the most normal lumens beside it; planning is a package)
         if step["action"] == "stent" and len(step["devices"]) != 1:
             _refuse(
                 document, ("plan", i, "devices"), "a stent step places one stent", "give each stent a step of its own"
@@ -53,7 +47,6 @@ def load_case(path):
     return document.data
 
 
-<<<<<<< HEAD
 def _check_lumen(document, key):
     """A lumen is given in one way, and contours leave no choice of ends and labels to make."""
     lumen = document.data[key]
@@ -65,11 +58,11 @@ def _check_lumen(document, key):
         _refuse(
             document, (key, unused[0]), "contours know their ends", "leave the key out; z_from says which is proximal"
         )
-=======
+
+
 def listed_steps(plan):
     """The steps that a case's `plan` lists; none where a plan is to be proposed."""
     return plan if isinstance(plan, list) else []
->>>>>>> 00f1779 (Plans: the significant stretch is stented between the most normal lumens beside it; planning is a package)
 
 
 def load_device(path):

@@ -8,7 +8,7 @@ from common.errors import InputError
 from common.files import write_json
 
 from ..measured import branch_named, lesion_number, read_sections, read_summary
-from . import catalogue, proposal, remarks
+from . import catalogue, outer_wall, proposal, remarks
 
 PASCAL_PER_MMHG = 133.322387415
 
@@ -20,7 +20,10 @@ def run(case_file, anatomy_folder, devices_folder, out):
     summary = read_summary(anatomy_folder)
     steps, treat = case["plan"], proposal.wanted(case["plan"])
     if treat:
-        proposed = proposal.propose(summary, read_sections(anatomy_folder), families, str(case_file), treat)
+        sections = read_sections(anatomy_folder)
+        if outer_wall.known(case):
+            sections = outer_wall.referenced(sections, anatomy_folder / "lumen.vtp")
+        proposed = proposal.propose(summary, sections, families, str(case_file), treat)
         steps = proposed.steps
         for remark in remarks.of_proposal(summary, proposed):
             print(f"warning: {case_file}: plan: auto: {remark}", file=sys.stderr)

@@ -43,7 +43,8 @@ def wanted(plan):
 def propose(summary, sections, families, where, treat=CULPRIT):
     """Proposal for the lesions of a measured lumen (`summary`, `sections`: measured.read_summary, read_sections).
 
-    CULPRIT: for the most severe lesion that stents of the catalogue fit, a significant one if there is any. Raises InputError if there is no lesion, or if the catalogue or the branch does not fit any.
+    CULPRIT: for the most severe lesion that stents of the catalogue fit, a significant one if there is any. Raises
+    InputError if there is no lesion, or if the catalogue or the branch does not fit any.
     """
     if not summary["lesions"]:
         raise InputError(

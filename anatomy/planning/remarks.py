@@ -41,7 +41,8 @@ def _left(summary, proposal):
         )
         why = f"the plan treats {names} alone"
         if lesion["name"] in failed:
-            why = " ".join(str(failed[lesion["name"]]).split())
+            error = failed[lesion["name"]]
+            why = f"{error.what}, {error.value}"
         yield which + why
 
 
@@ -51,8 +52,8 @@ def _covered(one):
     for side, margin in sides:
         if margin < landing.MARGIN_MM - TOLERANCE_MM:
             yield (
-                f"the stent reaches {margin:.1f} mm past {one.target.name} at its {side} end, {landing.MARGIN_MM} mm are"
-                " wanted: the branch ends there"
+                f"the stent reaches {margin:.1f} mm past {one.target.name} at its {side} end,"
+                f" {landing.MARGIN_MM} mm are wanted: the branch ends there"
             )
 
 
@@ -78,10 +79,8 @@ def _landing(one):
             low, high = profile.mouths[mouth]
             yield f"the stent ends in the mouth of {mouth} ({low:.1f} to {high:.1f} mm), which no length avoids"
         elif profile.unlike(end) > LANDING_PERCENT:
-            yield (
-                f"the stent's {side} end, at {end:.1f} mm, lies where the lumen is up to {profile.unlike(end):.0f} % off the"
-                f" reference: {landing.WITHIN_MM:g} mm hold no better"
-            )
+            off = f"{profile.unlike(end):.0f} % off the reference: {landing.WITHIN_MM:g} mm hold no better"
+            yield f"the stent's {side} end, at {end:.1f} mm, lies where the lumen is up to {off}"
 
 
 def _diffuse(one):

@@ -83,7 +83,7 @@ def _greatest_diameter(families, size):
 
 
 def predilatation(families, stent, stretch, where):
-    """(diameter, length) of the balloon before a stent, mm: 5 % above the distal reference at most, over the stretch."""
+    """(diameter, length) of the balloon before a stent, mm: 5 % above the distal reference at most."""
     family = families[PREDILATATION]
     diameter = _at_most(family["diameters_mm"], 1.05 * stent.distal, "predilatation diameter", where)
     longest = _at_most(family["lengths_mm"], stent.span.length, "predilatation length", where)

@@ -47,9 +47,9 @@ class Target:
         )
 
 
-def stretch(profile, lesion):
+def stretch(profile, lesion, percent):
     """(start, end) in mm of a lesion's significant narrowing: the sections round its narrowest one, without a gap."""
-    threshold = min(STRETCH_PERCENT, lesion["diameter_stenosis_percent"] / 2)
+    threshold = min(STRETCH_PERCENT, percent / 2)
     narrow = profile.stenosis >= threshold
     at = int(np.abs(profile.s - lesion["s_mla_mm"]).argmin())
     healthy = np.flatnonzero(~narrow)
@@ -71,10 +71,11 @@ def found(summary, sections):
         if branch not in profiles:
             profiles[branch] = Profile(summary, sections, branch)
         profile = profiles[branch]
-        return Target(profile, [lesion], *stretch(profile, lesion), *_worst(lesion))
+        percent = float(profile.stenosis_at(lesion["s_mla_mm"]))
+        return Target(profile, [lesion], *stretch(profile, lesion, percent), lesion["s_mla_mm"], percent)
 
-    significant = [lesion for lesion in summary["lesions"] if lesion["diameter_stenosis_percent"] >= SIGNIFICANT_PERCENT]
-    return together([of(lesion) for lesion in significant]) or [of(lesion) for lesion in summary["lesions"]]
+    every = sorted(map(of, summary["lesions"]), key=lambda target: -target.percent)
+    return together([target for target in every if target.percent >= SIGNIFICANT_PERCENT]) or every
 
 
 def together(targets):
@@ -94,7 +95,3 @@ def _near(target, others):
         if other.profile is target.profile and gap < ROOM_MM:
             return other
     return None
-
-
-def _worst(lesion):
-    return lesion["s_mla_mm"], lesion["diameter_stenosis_percent"]

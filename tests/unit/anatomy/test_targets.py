@@ -49,7 +49,8 @@ def test_a_mild_neighbour_is_no_part_of_it(vessel):
 
 
 def test_lumen_beyond_an_end_leaves_out_mouths(vessel):
-    summary, sections = vessel(focal(15, 8, 70), healthy=lambda s: 3 + 0 * s, lumen=lambda s: 3 + 0 * s + (abs(s - 20) < 1), sides=((20.0, 2.0),))
+    lumens = {"healthy": lambda s: 3 + 0 * s, "lumen": lambda s: 3 + 0 * s + (abs(s - 20) < 1)}
+    summary, sections = vessel(focal(15, 8, 70), sides=((20.0, 2.0),), **lumens)
     profile = Profile(summary, sections, "main")
     assert profile.lumen_beyond(18.0, 1) == pytest.approx(3.0)
     assert profile.lumen_beyond(19.5, 1) == pytest.approx(3.0) and profile.in_a_mouth(19.5) == "side1"

@@ -1,0 +1,49 @@
+"""The healthy vessel where the outer wall is known: the lumen and the plaque that has grown into it.
+
+Intravascular contours with an outer wall give the plaque's thickness beyond a healthy wall. The lumen's diameter and
+twice its mean round a section is the lumen that the vessel would have without plaque: the reference there, instead of a
+line fitted through diameters that are all diseased in diffuse disease.
+"""
+
+import numpy as np
+from scipy.spatial import cKDTree
+from vtkmodules.util.numpy_support import vtk_to_numpy
+
+from common import vtp
+
+WALL = 0
+
+
+def known(case):
+    """Whether a case's lumen comes with its outer wall."""
+    return "outer_wall" in case.get("lumen", {}).get("contours", {})
+
+
+def referenced(sections, lumen_file):
+    """The sections (measured.read_sections) with reference_diameter_mm by the plaque of lumen.vtp."""
+    data = vtp.read(lumen_file, "run `lumen process` first")
+    points, triangles = vtp.arrays(data)
+    region = vtk_to_numpy(data.GetCellData().GetArray("region_id"))
+    wall = np.unique(triangles[region == WALL])
+    plaque = vtk_to_numpy(data.GetPointData().GetArray("plaque_thickness_mm"))[wall]
+    rows = [row for branch in sections.values() for row in branch]
+    centres = np.array([[row[key] for key in ("x_mm", "y_mm", "z_mm")] for row in rows])
+    nearest = cKDTree(centres).query(points[wall])[1]
+    count = np.bincount(nearest, minlength=len(rows))
+    mean = np.bincount(nearest, weights=plaque, minlength=len(rows)) / np.maximum(count, 1)
+    for row, thickness, found in zip(rows, mean, count):
+        row["plaque_mm"] = float(thickness) if found else None
+    return {
+        name: [_referenced(row, _between(branch, k)) for k, row in enumerate(branch)]
+        for name, branch in sections.items()
+    }
+
+
+def _between(branch, k):
+    """Mean plaque (mm) at a branch's k-th section; between its neighbours where no point of the wall is nearest."""
+    known_at = [(row["s_mm"], row["plaque_mm"]) for row in branch if row["plaque_mm"] is not None]
+    return float(np.interp(branch[k]["s_mm"], *zip(*known_at)))
+
+
+def _referenced(row, plaque_mm):
+    return row | {"reference_diameter_mm": row["equivalent_diameter_mm"] + 2 * plaque_mm}
