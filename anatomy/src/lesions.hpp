@@ -13,8 +13,8 @@ struct Lesion {
 };
 
 /// Stretches at least 1 mm long whose diameter stenosis exceeds `shoulder` per cent and reaches `least_stenosis` per
-/// cent, most severe first. A stretch is parted where the lumen between two narrowings recovers `recovered` of the lesser
-/// one's stenosis.
+/// cent, most severe first. A stretch is parted where the lumen between two narrowings recovers `recovered` of the
+/// lesser one's stenosis.
 std::vector<Lesion> find_lesions(const std::vector<Branch>& branches, const std::vector<Section>& sections,
                                  const std::vector<ReferenceProfile>& profiles);
 

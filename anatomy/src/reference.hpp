@@ -22,7 +22,8 @@ struct ReferenceProfile {
 std::vector<ReferenceProfile> reference_profiles(const std::vector<Branch>& branches,
                                                  const std::vector<Section>& sections, std::vector<Repair>& notes);
 
-/// Arc length and equivalent diameter of a branch's sections away from the ends; whether a side branch's mouth widens it.
+/// Arc length and equivalent diameter of a branch's sections away from the ends; whether a side branch's mouth widens
+/// it.
 struct Calibre {
   double s, diameter;
   bool mouth;

@@ -101,8 +101,8 @@ TEST(Lesions, FoundWithTheirReference) {
   EXPECT_GT(lesions[0].proximal_reference, lesions[0].distal_reference);
 }
 
-// Lesions of a straight vessel of 3 mm narrowed by 60 % from 10 to 15 mm and 40 % from 20 to 25 mm, by `between` per cent
-// from one to the other; `mouth`: whether the sections there are widened by a side branch's mouth.
+// Lesions of a straight vessel of 3 mm narrowed by 60 % from 10 to 15 mm and 40 % from 20 to 25 mm, by `between` per
+// cent from one to the other; `mouth`: whether the sections there are widened by a side branch's mouth.
 std::vector<Lesion> two_narrowings(double between, bool mouth) {
   std::vector<Branch> branches(1);
   std::vector<Section> sections;
