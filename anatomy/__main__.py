@@ -1,4 +1,4 @@
-"""Command line: python3 -m anatomy plan|plan-picture|picture|contours|thin-contours."""
+"""Command line: python3 -m anatomy plan|plan-picture|picture|register|contours|thin-contours."""
 
 import argparse
 import pathlib
@@ -34,6 +34,15 @@ def _parser():
     thin.add_argument("table", type=pathlib.Path, help="table of outlines: frame, x, y, z in mm")
     thin.add_argument("--points", type=int, default=125, help="points of each frame; default: 125")
     thin.add_argument("--out", type=pathlib.Path, required=True, help="table to write")
+    register = commands.add_parser(
+        "register", help="the lumen found after the real procedure, brought to the one before it"
+    )
+    register.add_argument("case", type=pathlib.Path, help="case file with `post`, config/cases/<case>.yaml")
+    register.add_argument("--pre", type=pathlib.Path, required=True, help="folder made by `lumen process` of `lumen`")
+    register.add_argument("--post", type=pathlib.Path, required=True, help="folder made by `lumen process` of `post`")
+    register.add_argument(
+        "--out", type=pathlib.Path, required=True, help="folder for lumen.vtp, like.json and registration.json"
+    )
     return parser
 
 
@@ -108,6 +117,10 @@ def main(arguments=None):
         from .planning import plan_picture
 
         plan_picture.run(options.anatomy, options.plan, options.out)
+    elif options.command == "register":
+        from .register import run
+
+        run.run(options.case, options.pre, options.post, options.out)
     else:
         from . import picture
 

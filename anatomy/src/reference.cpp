@@ -182,7 +182,7 @@ std::vector<ReferenceProfile> reference_profiles(const std::vector<Branch>& bran
     }
     std::vector<std::pair<double, double>> sides;
     for (std::size_t k = 0; k < branches.size(); ++k)
-      if (branches[k].parent == branches[b].id)
+      if (branches[k].parent == static_cast<int>(b))
         sides.emplace_back(branches[k].s_on_parent, profiles[k].diameter(branches[k].s_outside));
     profiles[b] = beside_dilatations(measured, branches[b], notes);
     if (sides.empty())

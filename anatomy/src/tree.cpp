@@ -167,14 +167,20 @@ struct Builder {
   }
 };
 
+// Names by id, branches in the order of their ids. The ids of an earlier state may have gaps: a branch may be missing
+// from the lumen found after a procedure.
 void rename(std::vector<Branch>& branches, const std::vector<int>& id_of) {
   for (std::size_t b = 0; b < branches.size(); ++b) {
     branches[b].id = id_of[b];
     branches[b].name = id_of[b] == 0 ? "main" : "side" + std::to_string(id_of[b]);
   }
+  std::vector<int> place(branches.size());
+  for (std::size_t b = 0; b < branches.size(); ++b)
+    place[b] =
+        static_cast<int>(std::count_if(id_of.begin(), id_of.end(), [&](int other) { return other < id_of[b]; }));
   for (Branch& branch : branches)
     if (branch.parent >= 0)
-      branch.parent = id_of[static_cast<std::size_t>(branch.parent)];
+      branch.parent = place[static_cast<std::size_t>(branch.parent)];
   std::sort(branches.begin(), branches.end(), [](const Branch& a, const Branch& b) { return a.id < b.id; });
 }
 

@@ -9,7 +9,7 @@ namespace anatomy {
 struct Branch {
   std::string name;    ///< main, side1, ...
   int id = 0;          ///< 0, 1, ...
-  int parent = -1;     ///< id; -1 for main
+  int parent = -1;     ///< place in the list of branches; -1 for main
   std::size_t end = 0; ///< index of its end
   double s_on_parent = 0;
   double s_outside = 0; ///< where its axis leaves the parent's inscribed tube

@@ -1,0 +1,102 @@
+"""Whether a placement is to be trusted: each refusal says which figure is out of place, and what the user can do."""
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from common.errors import InputError
+
+from . import search
+from .tree import Line, Tree
+
+LEAST_SHARE = 0.6  # of both lumens' axes on each other: right pairs with a third cut off have 0.8, other vessels 0.55
+LARGEST_RESIDUAL = (
+    0.5  # calibres: right pairs have 0.01 to 0.05 with noise or a stent, a vessel's own motion perhaps 0.2
+)
+LARGEST_MISS = 1.0  # calibres that landmarks may be off
+LANDMARKS = "give `registration: landmarks`, places that are seen in both lumens"
+
+
+def shares(target, tree, placement):
+    """(of both lumens' axes, of the one that lies more on the other): shares within a calibre of the other's axes."""
+    moved = placement.apply(tree.points)
+    _, to_pre, _ = target.offsets(moved)
+    to_post, _ = cKDTree(moved).query(target.points)
+    near_post, near_pre = to_pre < target.calibre, to_post < target.calibre
+    return float(np.concatenate([near_post, near_pre]).mean()), float(max(near_post.mean(), near_pre.mean()))
+
+
+def check_fit(where, target, tree, found, match, landmarks):
+    """Raises InputError for a placement that does not fit, or one of several that fit alike."""
+    calibre = f"{match.calibre_mm:.2f} mm, the vessel's usual radius"
+    both, contained = shares(target, tree, found.placement)
+    marked = len(landmarks[0]) > 0
+    misses = landmark_misses(found.placement, landmarks)
+    if marked and misses.max() > LARGEST_MISS * match.calibre_mm:
+        raise InputError(
+            "a landmark does not fit",
+            f"{where}: landmark {1 + int(misses.argmax())}",
+            f"{misses.max():.2f} mm off, at most {calibre}",
+            "correct its place in the one lumen or the other",
+        )
+    share, of = (contained, "the shorter lumen's axes") if marked else (both, "both lumens' axes")
+    if share < LEAST_SHARE:
+        raise InputError(
+            "the lumen after the procedure does not fit on the one before",
+            where,
+            f"{100 * share:.0f} % of {of} lie on the other's, {100 * LEAST_SHARE:.0f} % are wanted (within {calibre})",
+            "is it the same vessel, with the right units and inlet? Cut what only one of them has, or " + LANDMARKS,
+        )
+    if match.trimmed_mm > LARGEST_RESIDUAL * match.calibre_mm:
+        raise InputError(
+            "the lumen after the procedure does not fit on the one before",
+            where,
+            f"residual {match.trimmed_mm:.2f} mm (the fifth that fits worst left out), at most half of {calibre}",
+            "is it the same vessel, with the right units and inlet? Or " + LANDMARKS,
+        )
+    if found.rival is not None and found.rival_cost < found.cost + search.ALIKE:
+        apart = found.placement.apart_mm(found.rival, tree.points)
+        raise InputError(
+            "two placements of the lumen after the procedure fit alike",
+            where,
+            f"misfits {found.cost:.2f} and {found.rival_cost:.2f} of 1, {apart:.1f} mm apart",
+            LANDMARKS,
+        )
+
+
+def check_direction(where, pre, post, found, landmarks):
+    """Raises InputError where a single vessel fits better the other way round: its inlet is not the one before."""
+    if len(post.branches) > 1 or len(pre.branches) > 1 or search.spans_a_plane(landmarks[1]):
+        return
+    line = post.branches["main"]
+    turned = Line(line.points[::-1], line.radius[::-1], line.branch)
+    other = search.best(pre, Tree({"main": turned}, {"main": turned}, post.summary, post.source), landmarks)
+    if other.cost + search.ALIKE < found.cost:
+        x, y, z = post.summary["ends"][-1]["centre_mm"]
+        raise InputError(
+            "the lumen after the procedure fits better the other way round",
+            where,
+            f"misfit {found.cost:.2f} of 1, turned round {other.cost:.2f}",
+            f"if its inlet is at {x:.2f}, {y:.2f}, {z:.2f} mm give that as post.inlet_point_mm (or correct lumen's)",
+        )
+
+
+def check_outlets(where, match):
+    """Raises InputError where the two lumens have not the same outlets: flow needs a resistance behind each."""
+    if match.new or match.missing:
+        says = []
+        if match.missing:
+            says.append(f"{', '.join(match.missing)} of `lumen` not found in `post`")
+        if match.new:
+            says.append(f"{', '.join(match.new.values())} of `post` not found in `lumen`")
+        raise InputError(
+            "the two lumens have not the same branches",
+            where,
+            "; ".join(says),
+            "close or cut off what only one of them has, or compare areas only: `registration: {compare: areas}`",
+        )
+
+
+def landmark_misses(placement, landmarks):
+    """Distances (m,) of the moved landmarks from those before, in mm."""
+    pre, post = landmarks
+    return np.linalg.norm(placement.apply(post) - pre, axis=1) if len(pre) else np.zeros(0)

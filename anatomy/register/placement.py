@@ -1,0 +1,91 @@
+"""A rigid placement of one lumen's axes on another's, and how well they lie on each other."""
+
+import dataclasses
+import warnings
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
+
+from .tree import STEP_MM
+
+SCALE = 0.25  # calibres: residuals well above it hardly pull, as those of a stretch that a stent has straightened
+RADIUS_WEIGHT = 0.5  # of a difference of radii against one of places: it says where along a straight vessel one is
+
+
+@dataclasses.dataclass(frozen=True)
+class Placement:
+    """x -> rotation x + translation, in mm."""
+
+    rotation: Rotation
+    translation: np.ndarray
+
+    def apply(self, points):
+        """Moved points (n, 3)."""
+        return self.rotation.apply(points) + self.translation
+
+    def apart_mm(self, other, points):
+        """Mean distance between the points (n, 3) as this and as the other placement move them."""
+        return float(np.linalg.norm(self.apply(points) - other.apply(points), axis=1).mean())
+
+
+class Target:
+    """The axes of a Tree, ready for questions of what is near; `calibre`: its usual radius in mm."""
+
+    def __init__(self, tree):
+        self.tree, self.calibre = tree, tree.calibre_mm
+        self.points, self.radius, self.names = tree.points, tree.radius, tree.names
+        tangents = [np.gradient(line.points, axis=0) for line in tree.branches.values()]
+        self.tangents = np.concatenate([t / np.linalg.norm(t, axis=1, keepdims=True) for t in tangents])
+        self.near = cKDTree(self.points)
+
+    def offsets(self, points):
+        """For points (n, 3): offsets (n, 3) across the nearest axis, distances (n,) to it, nearest samples (n,)."""
+        _, nearest = self.near.query(points)
+        offset, tangent = points - self.points[nearest], self.tangents[nearest]
+        along = np.einsum("ij,ij->i", offset, tangent)
+        across = offset - along[:, None] * tangent
+        past_the_end = np.maximum(np.abs(along) - STEP_MM / 2, 0.0)  # a sample stands for half a step on both sides
+        return across, np.hypot(np.linalg.norm(across, axis=1), past_the_end), nearest
+
+
+def fitted(post, pre, weights=None):
+    """The Placement that brings points post (n, 3) to pre (n, 3) with the (weighted) least squares."""
+    middle_post, middle_pre = (np.average(points, axis=0, weights=weights) for points in (post, pre))
+    with warnings.catch_warnings():  # points in one line leave the turn about it open: see `search`
+        warnings.simplefilter("ignore", UserWarning)
+        rotation, _ = Rotation.align_vectors(pre - middle_pre, post - middle_post, weights)
+    return Placement(rotation, middle_pre - rotation.apply(middle_post))
+
+
+def cost(target, tree, placement):
+    """Mean over both lumens' axes of min((distance / calibre)^2, 1): 0 where they are one, 1 where nothing is near."""
+    moved = placement.apply(tree.points)
+    _, to_pre, _ = target.offsets(moved)
+    to_post, _ = cKDTree(moved).query(target.points)
+    return float(np.mean(np.minimum(np.concatenate([to_pre, to_post]) / target.calibre, 1.0) ** 2))
+
+
+def refined(target, tree, start, landmarks):
+    """The Placement near `start` that lays the axes on each other with a robust loss (Cauchy's): what has changed its
+    place or its radius, or is missing, hardly counts. landmarks: (pre (m, 3), post (m, 3)); together they weigh as much
+    as all of the axes."""
+    points, radius = tree.points, tree.radius
+    middle = points.mean(axis=0)
+    weight = np.sqrt(len(points) / max(len(landmarks[0]), 1))
+
+    def placed(move):
+        rotation = Rotation.from_rotvec(move[:3] / target.calibre) * start.rotation
+        return Placement(rotation, start.apply(middle[None])[0] + move[3:] - rotation.apply(middle))
+
+    def residuals(move):
+        placement = placed(move)
+        across, distance, nearest = target.offsets(placement.apply(points))
+        calibres = RADIUS_WEIGHT * (radius - target.radius[nearest])
+        near = distance < 2 * target.calibre
+        marks = weight * (placement.apply(landmarks[1]) - landmarks[0]) if len(landmarks[0]) else np.zeros(0)
+        return np.concatenate([(across * near[:, None]).ravel(), calibres * near, marks.ravel()]) / target.calibre
+
+    found = least_squares(residuals, np.zeros(6), loss="cauchy", f_scale=SCALE, diff_step=1e-4, max_nfev=60)
+    return placed(found.x)

@@ -1,0 +1,87 @@
+"""The axes of a lumen as points of equal distance: what a registration compares."""
+
+import dataclasses
+import pathlib
+
+import numpy as np
+from vtk.util.numpy_support import vtk_to_numpy
+
+from common import vtp
+
+from ..measured import read_summary
+
+STEP_MM = 0.5
+
+
+@dataclasses.dataclass(frozen=True)
+class Line:
+    """One axis: points (n, 3) in mm, inscribed radii (n,) in mm, both STEP_MM apart, and the branch of each (n,)."""
+
+    points: np.ndarray
+    radius: np.ndarray
+    branch: np.ndarray
+
+
+@dataclasses.dataclass(frozen=True)
+class Tree:
+    """The axes of a lumen. branches: {name: Line}; ways: {name of the branch at its end: Line from the inlet on}."""
+
+    branches: dict
+    ways: dict
+    summary: dict
+    source: str
+
+    @property
+    def points(self):
+        """All points (n, 3) of the branches, in their order."""
+        return np.concatenate([line.points for line in self.branches.values()])
+
+    @property
+    def radius(self):
+        """Their radii (n,)."""
+        return np.concatenate([line.radius for line in self.branches.values()])
+
+    @property
+    def names(self):
+        """Their branches' names (n,)."""
+        return np.concatenate([line.branch for line in self.branches.values()])
+
+    @property
+    def calibre_mm(self):
+        """The usual inscribed radius of the main vessel: the measure of what is far."""
+        return float(np.median(self.branches["main"].radius))
+
+
+def read(folder):
+    """The Tree of a folder made by `lumen process`. Raises InputError."""
+    folder = pathlib.Path(folder)
+    summary = read_summary(folder)
+    poly = vtp.read(folder / "centreline.vtp", "run `lumen process` again")
+    names = poly.GetCellData().GetAbstractArray("branch_name")
+    s, radius = (vtk_to_numpy(poly.GetPointData().GetArray(key)).astype(float) for key in ("s_mm", "radius_mm"))
+    points, branches, ways = vtp.points(poly), {}, {}
+    for cell, rows in enumerate(vtp.lines(poly)):
+        name = str(names.GetValue(cell))
+        branches[name] = _resampled(name, s[rows], points[rows], radius[rows])
+    parents = {branch["name"]: (branch["parent"], branch["s_on_parent_mm"]) for branch in summary["branches"]}
+    for name in branches:
+        ways[name] = _way(name, branches, parents)
+    return Tree(branches, ways, summary, str(folder))
+
+
+def _resampled(name, s, points, radius):
+    count = max(2, 1 + int(round((s[-1] - s[0]) / STEP_MM)))
+    at = np.linspace(s[0], s[-1], count)
+    placed = np.stack([np.interp(at, s, points[:, k]) for k in range(3)], axis=1)
+    return Line(placed, np.interp(at, s, radius), np.full(count, name))
+
+
+def _way(name, branches, parents):
+    """From the inlet through the parents to the branch's end."""
+    pieces, upto = [], None
+    while name is not None:
+        line = branches[name]
+        last = len(line.points) if upto is None else 1 + int(round(upto / STEP_MM))
+        pieces.insert(0, (line.points[:last], line.radius[:last], line.branch[:last]))
+        name, upto = parents[name]
+    return Line(*(np.concatenate([piece[k] for piece in pieces]) for k in range(3)))

@@ -1,0 +1,200 @@
+"""The lumen after a real procedure on the one before: moved, noised, cropped and treated pairs; other vessels."""
+
+import json
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from anatomy.register import judge, search
+from anatomy.register.match import matched
+from anatomy.register.placement import Placement, Target
+from anatomy.register.run import like
+from anatomy.register.tree import STEP_MM, Line, Tree
+from common.errors import InputError
+
+NONE = (np.zeros((0, 3)), np.zeros((0, 3)))
+TURN = Rotation.from_rotvec(np.radians(40) * np.array([1, 2, -1.5]) / np.linalg.norm([1, 2, -1.5]))
+SHIFT = 60 * np.array([0.6, -0.64, 0.48])
+
+
+def curve(length_mm, seed, start=(0.0, 0.0, 0.0), heading=None, bend=0.06):
+    """Points STEP_MM apart of a smooth curve whose direction wanders, curvature about `bend` (1/mm)."""
+    random = np.random.default_rng(seed)
+    count = int(length_mm / STEP_MM) + 1
+    s = np.arange(count) * STEP_MM
+    direction = np.array([1.0, 0.0, 0.0]) if heading is None else np.asarray(heading) / np.linalg.norm(heading)
+    waves, points = random.uniform(0, 2 * np.pi, (2, 3)), [np.asarray(start, float)]
+    for at in s[1:]:
+        push = np.sin(2 * np.pi * at / 37 + waves[0]) + 0.7 * np.sin(2 * np.pi * at / 19 + waves[1])
+        direction = direction + bend * STEP_MM * (push - direction * (push @ direction))
+        direction = direction / np.linalg.norm(direction)
+        points.append(points[-1] + STEP_MM * direction)
+    return np.array(points)
+
+
+def tree_of(branches, parents, radius=1.5):
+    """A Tree of {name: points}, {name: (parent, sample where it leaves)}."""
+    lines = {
+        name: Line(points, np.linspace(radius, 0.8 * radius, len(points)), np.full(len(points), name))
+        for name, points in branches.items()
+    }
+    ways, ends = {}, []
+    for name, line in lines.items():
+        pieces, at = [line], parents.get(name)
+        while at:
+            parent = lines[at[0]]
+            cut = slice(0, at[1] + 1)
+            pieces.insert(0, Line(parent.points[cut], parent.radius[cut], parent.branch[cut]))
+            at = parents.get(at[0])
+        ways[name] = Line(*(np.concatenate([getattr(p, k) for p in pieces]) for k in ("points", "radius", "branch")))
+        ends.append({"name": f"outlet{len(ends) + 1}", "kind": "outlet", "branch": name})
+        ends[-1].update(centre_mm=line.points[-1].tolist(), normal=[0.0, 0.0, 1.0], region_id=1 + len(ends))
+    inlet = {"name": "inlet", "kind": "inlet", "branch": "main", "region_id": 1, "normal": [0.0, 0.0, 1.0]}
+    inlet["centre_mm"] = lines["main"].points[0].tolist()
+    return Tree(lines, ways, {"ends": [inlet, *ends]}, "test")
+
+
+def vessel(seed=1):
+    """60 mm with a branch at 20 mm and one at 40 mm."""
+    main = curve(60, seed)
+    side1 = curve(15, seed + 10, main[40], np.cross(main[41] - main[40], [0, 0, 1]) + 0.5 * (main[41] - main[40]))
+    side2 = curve(12, seed + 20, main[80], np.cross(main[81] - main[80], [0, 1, 0]) + 0.5 * (main[81] - main[80]))
+    return tree_of({"main": main, "side1": side1, "side2": side2}, {"side1": ("main", 40), "side2": ("main", 80)})
+
+
+def moved(tree, keep=None, names=None, noise=0.05, change=None):
+    """The tree turned by 40 degrees and moved by 60 mm, with noise; keep: {name: slice}, names: {old: new}."""
+    random, branches, parents = np.random.default_rng(3), {}, {}
+    for name, line in tree.branches.items():
+        rows = (keep or {}).get(name, slice(None))
+        if rows is not None:
+            points = line.points if change is None else change(line.points)
+            points = points[rows] + noise * random.standard_normal(points[rows].shape)
+            branches[(names or {}).get(name, name)] = TURN.apply(points) + SHIFT
+    first = (keep or {}).get("main", slice(None)).start or 0
+    for name, at in (("side1", 40), ("side2", 80)):
+        if (names or {}).get(name, name) in branches:
+            parents[(names or {}).get(name, name)] = ("main", at - first)
+    return tree_of(branches, parents)
+
+
+def registered(pre, post, landmarks=NONE):
+    """(Found, Match, Target), refused as the command does."""
+    target = Target(pre)
+    found = search.best(pre, post, landmarks)
+    match = matched(target, post, found.placement)
+    judge.check_direction("case: post", pre, post, found, landmarks)
+    judge.check_fit("case: post", target, post, found, match, landmarks)
+    return found, match, target
+
+
+def wrong_by(found, tree):
+    """(mm, degrees) between the placement and the inverse of the motion."""
+    true = Placement(TURN.inv(), -TURN.inv().apply(SHIFT))
+    turn = np.degrees((found.placement.rotation * TURN).magnitude())
+    return found.placement.apart_mm(true, TURN.apply(tree.points) + SHIFT), turn
+
+
+def test_moved_and_noised():
+    found, match, _ = registered(vessel(), moved(vessel()))
+    distance, turn = wrong_by(found, vessel())
+    assert distance < 0.05 and turn < 0.2, "of 60 mm and 40 degrees, noise of 0.05 mm a point"
+    assert match.names == {"main": "main", "side1": "side1", "side2": "side2"}
+    assert not match.missing and not match.new
+    assert match.trimmed_mm < 0.1 and match.shared_mm > 80
+
+
+def test_cropped_at_both_ends_without_a_branch():
+    """The hard case just inside: 25 % of the main vessel and one of two branches are missing."""
+    post = moved(vessel(), keep={"main": slice(14, 105), "side1": None}, names={"side2": "side1"})
+    found, match, target = registered(vessel(), post)
+    distance, turn = wrong_by(found, vessel())
+    assert distance < 0.1 and turn < 0.3
+    assert match.names == {"main": "main", "side1": "side2"} and match.missing == ["side1"]
+    start, end = match.shared["main"]
+    assert start == pytest.approx(7, abs=0.6) and end == pytest.approx(52, abs=0.6)
+    with pytest.raises(InputError, match="side1 of `lumen` not found in `post`"):
+        judge.check_outlets("case: post", match)
+    named = like(post.summary, found.placement, match)["ends"]
+    assert [(end["branch"], end["name"], end["region_id"]) for end in named] == [
+        ("main", "inlet", 1),
+        ("main", "outlet1", 2),
+        ("side2", "outlet3", 4),
+    ]
+    assert np.allclose(named[1]["centre_mm"], vessel().branches["main"].points[104], atol=0.3)
+
+
+def test_a_main_vessel_that_is_another_branch_keeps_its_name():
+    """Cropped so that the longest way ends elsewhere: names go by place, not by length."""
+    post = moved(vessel())
+    swapped = tree_of(
+        {"main": np.concatenate([post.branches["main"].points[:80], post.branches["side2"].points]),
+         "side1": post.branches["side1"].points, "side2": post.branches["main"].points[80:90]},
+        {"side1": ("main", 40), "side2": ("main", 80)},
+    )  # fmt: skip
+    _, match, _ = registered(vessel(), swapped)
+    assert match.names == {"main": "side2", "side1": "side1", "side2": "main"}
+
+
+def test_a_straightened_stretch_hardly_counts():
+    """A stent of 18 mm in the middle moves its stretch by up to 1 mm; the rest lies where it was."""
+
+    def straighten(points):
+        if len(points) < 100:
+            return points
+        out = points.copy()
+        bump = np.zeros(len(points))
+        bump[42:79] = np.sin(np.linspace(0, np.pi, 37)) ** 2
+        return out + bump[:, None] * np.array([0.0, 0.0, 1.0])
+
+    found, match, _ = registered(vessel(), moved(vessel(), change=straighten))
+    distance, turn = wrong_by(found, vessel())
+    assert distance < 0.1 and turn < 1.5, "about the axis, of which the side branches alone say how it is turned"
+    assert match.residual_mm.max() > 0.7, "the stretch itself shows"
+
+
+@pytest.mark.parametrize("seed", [2, 3, 4])
+def test_another_vessel_is_refused(seed):
+    with pytest.raises(InputError) as error:
+        registered(vessel(1), moved(vessel(seed)))
+    assert "usual radius" in str(error.value) or "fit alike" in str(error.value)
+
+
+def straight(length_mm, radius=1.5):
+    points = np.zeros((int(length_mm / STEP_MM) + 1, 3))
+    points[:, 2] = np.arange(len(points)) * STEP_MM
+    line = Line(points, np.full(len(points), radius), np.full(len(points), "main"))
+    return Tree({"main": line}, {"main": line}, vessel().summary, "test")
+
+
+def test_a_straight_vessel_needs_a_landmark():
+    """A part of a straight vessel could be any part of it; one place that is seen in both says which."""
+    pre, post = straight(16), straight(20)
+    with pytest.raises(InputError, match="fit alike"):
+        registered(pre, post)
+    found, match, _ = registered(pre, post, (np.array([[0, 0, 15.68]]), np.array([[0, 0, 19.75]])))
+    assert found.placement.apply(np.array([[0, 0, 10.0]]))[0] == pytest.approx([0, 0, 5.93], abs=0.05)
+    assert match.shared["main"] == (0.0, 16.0)
+
+
+def test_three_landmarks_decide_alone():
+    marks = np.array([[0, 0, 0], [10, 0, 0], [0, 10, 5.0]])
+    found, _, _ = registered(vessel(), moved(vessel()), (marks, TURN.apply(marks) + SHIFT))
+    assert wrong_by(found, vessel())[0] < 1e-6
+    with pytest.raises(InputError, match="a landmark does not fit.*\n.*landmark 2"):
+        other = TURN.apply(marks + [[0, 0, 0], [3, 0, 0], [0, 0, 0]]) + SHIFT
+        registered(vessel(), moved(vessel()), (marks, other))
+
+
+def test_the_wrong_inlet_is_named():
+    line = vessel().branches["main"]
+    pre = tree_of({"main": line.points}, {})
+    post = tree_of({"main": (TURN.apply(line.points) + SHIFT)[::-1]}, {})
+    with pytest.raises(InputError, match="better the other way round(.|\n)*post.inlet_point_mm"):
+        registered(pre, post)
+
+
+def test_like_is_json():
+    found, match, _ = registered(vessel(), moved(vessel()))
+    assert json.loads(json.dumps(like(vessel().summary, found.placement, match)))["schema"] == "vci-anatomy-1"
