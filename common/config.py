@@ -26,7 +26,8 @@ def load_study(path):
 
 
 def load_case(path):
-    """config/cases/<case>.yaml: patient, vessel (synthetic) or lumen (surface), plan and settings."""
+    """config/cases/<case>.yaml: patient, vessel (synthetic) or lumen (surface), plan, settings, and what is known of a
+    real patient (post, measured)."""
     document = _load(path, "case")
     patient = document.data["patient"]
     if patient["dbp_mmhg"] >= patient["sbp_mmhg"]:
@@ -35,6 +36,9 @@ def load_case(path):
     for key in ("lumen", "post"):
         if key in document.data:
             _check_lumen(document, key)
+    if "registration" in document.data and "post" not in document.data:
+        remedy = "give `post`, the lumen after the procedure"
+        _refuse(document, ("registration",), "there is nothing to register", remedy)
     for i, step in enumerate(listed_steps(document.data["plan"])):
         if step["action"] == "stent" and len(step["devices"]) != 1:
             _refuse(

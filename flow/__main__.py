@@ -40,7 +40,8 @@ def boundary_command(arguments):
     anatomy = lumen_summary.read(arguments.anatomy, "ends")
     tree = centreline.read(arguments.centreline or pathlib.Path(arguments.anatomy).with_name("centreline.vtp"))
     lumen_summary.check_lengths(anatomy, tree, arguments.anatomy)
-    write_json(arguments.out, boundary.make(anatomy, tree, patient, settings))
+    measured = config.load_case(arguments.case).get("measured") if arguments.case else None
+    write_json(arguments.out, boundary.make(anatomy, tree, patient, settings, measured))
 
 
 def mesh_command(arguments):

@@ -1,4 +1,5 @@
-"""agreement.csv: the predictions against the reference over the cohort, beside the published agreement."""
+"""agreement.csv: what is predicted and computed against what is known to be true over the cohort, beside the published
+agreement."""
 
 import dataclasses
 import json
@@ -7,15 +8,17 @@ import pathlib
 import pandas as pd
 
 from reports.bland_altman import Agreement, bland_altman
+from reports.measured import MEASURED, same_side, wire_pair
 from reports.metrics import COMPARISONS
 from reports.reading import number
 
 PUBLISHED_PATH = pathlib.Path(__file__).with_name("published.json")
-PUBLISHED_COMPARISON = ("vci", "ct")  # what the study compared: post-VCI minus CT after PCI
+PUBLISHED_COMPARISONS = (("vci", "ct"), ("vci", "post"))  # what the study compared: post-VCI minus CT after PCI
 
 # name in agreement.csv -> where a state's value is in metrics.json
 QUANTITIES = {"ffr": "ffr.distal", "mean_area": "area.mean_mm2", "mean_curvature": "curvature.mean_per_mm"}
 COLUMNS = ["quantity", "unit", "error", "comparison"] + [field.name for field in dataclasses.fields(Agreement)]
+COLUMNS.append("same_decision")
 PUBLISHED_COLUMNS = ["published_n", "published_bias", "published_sd", "published_loa_lower", "published_loa_upper"]
 
 
@@ -25,11 +28,22 @@ def published():
 
 
 def paired_values(documents, quantity, a, b):
-    """(case names, values of a, values of b) over the metrics documents that have both states."""
+    """(case names, values of a, values of b) over the metrics documents that have both states.
+
+    With b `measured`: FFR of state a at the wire's sensor, and what the wire read. Cases without a flow have no FFR.
+    """
     cases, values_a, values_b = [], [], []
     for document in documents:
         states = document["states"]
-        if a in states and b in states:
+        if b == MEASURED:
+            pair = wire_pair(document, a) if quantity == "ffr" else None
+            if pair:
+                cases.append(document["case"])
+                values_a.append(pair[0])
+                values_b.append(pair[1])
+        elif a in states and b in states:
+            if quantity == "ffr" and None in (states[a]["ffr"], states[b]["ffr"]):
+                continue
             cases.append(document["case"])
             values_a.append(number(states, f"{a}.{QUANTITIES[quantity]}", f"metrics of {document['case']}"))
             values_b.append(number(states, f"{b}.{QUANTITIES[quantity]}", f"metrics of {document['case']}"))
@@ -48,7 +62,9 @@ def agreement_table(documents):
             row = {"quantity": quantity, "unit": source["unit"], "error": error}
             row["comparison"] = f"{a}_minus_{b}"
             row.update(dataclasses.asdict(bland_altman(values_a, values_b)))
-            if (a, b) == PUBLISHED_COMPARISON:
+            if quantity == "ffr":
+                row["same_decision"] = same_side(values_a, values_b)
+            if (a, b) in PUBLISHED_COMPARISONS:
                 row["published_n"] = paper["n"]
                 row.update({f"published_{key}": source[key] for key in ("bias", "sd", "loa_lower", "loa_upper")})
             rows.append(row)

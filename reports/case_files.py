@@ -4,8 +4,10 @@ import dataclasses
 import pathlib
 
 from common.errors import InputError
+from reports.reading import entry, read_json
 
-STATES = ("pre", "vci", "rc", "reference", "ct")  # ct: the reference as it is found in its CT
+# ct: the reference as it is found in its CT; post: the lumen found after the real procedure
+STATES = ("pre", "vci", "rc", "reference", "ct", "post")
 IMAGED = ("pre", "reference")  # states of which there may be a CT volume
 
 
@@ -54,6 +56,17 @@ class CaseFiles:
 
     def flow(self, state):
         return self.folder / "flow" / state
+
+    @property
+    def registration(self):
+        """How the lumen after the real procedure was brought to the one before."""
+        return self.folder / "post" / "registration.json"
+
+    def has_flow(self, state):
+        """Whether there is a flow of a state: of `post` not where only areas are compared."""
+        if state != "post":
+            return True
+        return entry(read_json(self.registration, "anatomy register"), "compare", self.registration) == "flow"
 
     def struts(self):
         """The struts of the stents after deployment, in the order of their names; balloons leave the vessel."""

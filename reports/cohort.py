@@ -50,6 +50,8 @@ def cohort_table(documents):
         for state in STATES:
             values = document["states"].get(state)
             for name, (group, key) in STATE_VALUES.items():
-                row[f"{state}_{name}"] = None if values is None else values[group][key]
+                row[f"{state}_{name}"] = None if values is None or values[group] is None else values[group][key]
+        measured = document.get("measured") or {}
+        row.update({f"measured_{key}": measured.get(key) for key in ("ffr_pre", "ffr_post")})
         rows.append(row)
     return pd.DataFrame(rows)

@@ -6,6 +6,7 @@ from common.errors import ComputationError, InputError
 from reports.case_files import IMAGED, STATES
 from reports.curvature import mean_over_length
 from reports.device_readouts import case_kind, deployment_summary, lesion_summary, patient_summary, procedure_summary
+from reports.measured import MEASURED, at_the_wire, measured_summary
 from reports.polyline import read_centreline
 from reports.profiles import error_of, state_profiles
 from reports.reading import entry, read_json
@@ -16,13 +17,20 @@ DEFAULT_STATIONS = 101
 FEWEST_STATIONS = 50
 LEAST_COVERAGE = 0.5  # of the stations; with fewer the mean is no longer the segment's
 # a minus b, and which error that is: of the method (against the truth), of imaging (the truth seen in CT against the
-# truth), or both at once, as a clinical study sees the method (against the CT of the truth)
+# truth), or both at once, as a clinical study sees the method (against the CT of the truth, or the lumen found after
+# the real procedure), or of the computed flow (against a pressure wire, at the place of its sensor)
 COMPARISONS = (
     ("vci", "reference", "method"),
     ("rc", "reference", "method"),
     ("ct", "reference", "imaging"),
     ("vci", "ct", "clinical"),
     ("rc", "ct", "clinical"),
+    ("vci", "post", "clinical"),
+    ("rc", "post", "clinical"),
+    ("pre", MEASURED, "measured"),
+    ("post", MEASURED, "measured"),
+    ("vci", MEASURED, "measured"),
+    ("rc", MEASURED, "measured"),
 )
 QUANTITIES = ("area_mm2", "curvature_per_mm", "ffr")
 
@@ -73,6 +81,8 @@ def case_metrics(files, margin_mm=DEFAULT_MARGIN_MM, stations=DEFAULT_STATIONS, 
             for a, b, _ in COMPARISONS
             if a in states and b in states
         },
+        "measured": measured_summary(files, config),
+        "registration": registration_summary(files) if "post" in states else None,
         "imaging": imaging_summary(files) if "ct" in states else {},
     }
 
@@ -86,6 +96,15 @@ def imaging_summary(files):
             document = read_json(path, "data_synthetic segment")
             summary[state] = {key: entry(document, key, path) for key in ("method", "point_spread_fwhm_mm", "warnings")}
     return summary
+
+
+REGISTERED = ("method", "compare", "rotation_deg", "residual_mm", "usual_radius_mm", "share_of_both", "missing", "new")
+
+
+def registration_summary(files):
+    """How the lumen after the real procedure was brought to the one before: REGISTERED of registration.json."""
+    document = read_json(files.registration, "anatomy register")
+    return {key: entry(document, key, files.registration) for key in REGISTERED}
 
 
 def common_stations(profiles, where):
@@ -103,9 +122,8 @@ def common_stations(profiles, where):
 def state_document(profile, used):
     """The entry of one state in metrics.json."""
     s_mm, segment = profile.s_mm[used], profile.segment
-    area, curvature, ffr = (getattr(profile, name)[used] for name in QUANTITIES)
+    area, curvature = profile.area_mm2[used], profile.curvature_per_mm[used]
     within = profile.sections[(profile.sections["s_mm"] >= s_mm[0]) & (profile.sections["s_mm"] <= s_mm[-1])]
-    solution = profile.solution
     return {
         "segment": {
             "s_start_mm": segment.s_start_mm,
@@ -128,26 +146,39 @@ def state_document(profile, used):
             "mean_surveyed_per_mm": profile.surveyed_curvature,
             "profile_per_mm": curvature.tolist(),
         },
-        "ffr": {
-            "distal": float(solution["ffr"]),
-            "past_segment": float(profile.ffr[-1]),
-            "profile": ffr.tolist(),
-            "model": solution.get("model"),
-            "error_estimate": error_of(solution),
-            "reduced_model": (solution.get("reduced_model") or {}).get("ffr"),
-        },
+        "ffr": None if profile.solution is None else ffr_document(profile, used),
+    }
+
+
+def ffr_document(profile, used):
+    """The FFR of one state in metrics.json."""
+    solution = profile.solution
+    return {
+        "distal": float(solution["ffr"]),
+        "past_segment": float(profile.ffr[-1]),
+        "at_wire": at_the_wire(solution),
+        "profile": profile.ffr[used].tolist(),
+        "model": solution.get("model"),
+        "error_estimate": error_of(solution),
+        "reduced_model": (solution.get("reduced_model") or {}).get("ffr"),
     }
 
 
 def differences(a, b, used):
-    """bias, sd and rmse of a - b along the segment for each quantity; rmse^2 = bias^2 + sd^2 (sd over all stations)."""
-    document = {}
+    """bias, sd and rmse of a - b along the segment for each quantity; rmse^2 = bias^2 + sd^2 (sd over all stations).
+
+    The FFR's are None where one of the two has no flow.
+    """
+    document, flow = {}, a.solution is not None and b.solution is not None
     for name in QUANTITIES:
+        if name == "ffr" and not flow:
+            document[name] = None
+            continue
         delta = (getattr(a, name) - getattr(b, name))[used]
         document[name] = {
             "bias": float(delta.mean()),
             "sd": float(delta.std()),
             "rmse": float(np.sqrt(np.mean(delta**2))),
         }
-    document["ffr_distal"] = float(a.solution["ffr"]) - float(b.solution["ffr"])
+    document["ffr_distal"] = float(a.solution["ffr"]) - float(b.solution["ffr"]) if flow else None
     return document

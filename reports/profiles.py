@@ -19,17 +19,20 @@ ANSWERED = ("converged", "converged with eddy viscosity", "unsteady")
 
 @dataclasses.dataclass(frozen=True)
 class StateProfiles:
-    """One state over the segment, one value a station; `inside` marks the stations that have sections around them."""
+    """One state over the segment, one value a station; `inside` marks the stations that have sections around them.
+
+    ffr and solution are None where no flow of the state is computed.
+    """
 
     segment: object
     s_mm: np.ndarray
     inside: np.ndarray
     area_mm2: np.ndarray
     curvature_per_mm: np.ndarray
-    ffr: np.ndarray
+    ffr: np.ndarray | None
     sections: object
     surveyed_curvature: float
-    solution: dict
+    solution: dict | None
 
 
 def _rows(path, branch):
@@ -95,16 +98,20 @@ def state_profiles(files, state, segment, line, pre_sections, relative):
     s_mm = carried.stations(relative)
     sections = read_sections(files.anatomy(state) / "sections.csv", segment.branch)
     s_sections = sections["s_mm"].to_numpy()
-    flow_line, ffr = read_pullback(files.flow(state) / "pullback.csv", segment.branch)
-    flow_ends = [flow_line.project(line.at(s))[0] for s in (carried.s_start_mm, carried.s_end_mm)]
+    ffr = solution = None
+    if files.has_flow(state):
+        flow_line, of_flow = read_pullback(files.flow(state) / "pullback.csv", segment.branch)
+        flow_ends = [flow_line.project(line.at(s))[0] for s in (carried.s_start_mm, carried.s_end_mm)]
+        ffr = np.interp(flow_ends[0] + relative * (flow_ends[1] - flow_ends[0]), flow_line.s_mm, of_flow)
+        solution = read_solution(files.flow(state) / "ffr.json")
     return StateProfiles(
         segment=carried,
         s_mm=s_mm,
         inside=(s_mm >= s_sections[0]) & (s_mm <= s_sections[-1]),
         area_mm2=np.interp(s_mm, s_sections, sections["area_mm2"]),
         curvature_per_mm=line_curvature(line, s_mm),
-        ffr=np.interp(flow_ends[0] + relative * (flow_ends[1] - flow_ends[0]), flow_line.s_mm, ffr),
+        ffr=ffr,
         sections=sections,
         surveyed_curvature=mean_over_length(np.interp(s_mm, line.s_mm, line.surveyed_per_mm), s_mm),
-        solution=read_solution(files.flow(state) / "ffr.json"),
+        solution=solution,
     )

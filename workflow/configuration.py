@@ -40,6 +40,10 @@ class Configuration:
         """Names of the cases that are `synthetic` or `surface`."""
         return [name for name, case in self.cases.items() if case["kind"] == kind]
 
+    def with_key(self, key):
+        """Names of the cases whose file has a key."""
+        return [name for name, case in self.cases.items() if key in case]
+
     def case_file(self, name):
         """config/cases/<name>.yaml."""
         return self.folder / "cases" / f"{name}.yaml"
@@ -65,17 +69,17 @@ class Configuration:
         """The sections of the study with the case's own settings laid over them."""
         return config.resolve_settings(self.study, self.cases[name])
 
-    def lumen_file(self, name):
-        """The surface file of a case of kind surface; InputError with where to put it if it is not there."""
-        return self._data_file(name, "lumen surface", "lumen.path", self.cases[name]["lumen"]["path"])
+    def lumen_file(self, name, key="lumen"):
+        """The surface file of a case's `lumen` or `post`; InputError with where to put it if it is not there."""
+        return self._data_file(name, "lumen surface", f"{key}.path", self.cases[name][key]["path"])
 
-    def contour_files(self, name):
-        """{table: file} of a case of kind surface that gives contours, with its centreline's; {} of another."""
-        given = self.cases[name].get("lumen", {}).get("contours", {})
+    def contour_files(self, name, door="lumen"):
+        """{table: file} of the contours that a case gives as `lumen` or `post`, and of their centreline; or {}."""
+        given = self.cases[name].get(door, {}).get("contours", {})
         files = {key: given[key] for key in CONTOUR_TABLES if key in given}
-        found = {key: self._data_file(name, "contour table", f"lumen.contours.{key}", files[key]) for key in files}
+        found = {key: self._data_file(name, "contour table", f"{door}.contours.{key}", files[key]) for key in files}
         if "centreline" in given:
-            key = "lumen.contours.centreline.path"
+            key = f"{door}.contours.centreline.path"
             found["centreline"] = self._data_file(name, "centreline", key, given["centreline"]["path"])
         return found
 
@@ -101,8 +105,9 @@ class Configuration:
         for name in names:
             if name not in self.cases:
                 raise InputError("no such case", where, name, f"one of {', '.join(self.cases)}")
-            if self.cases[name]["kind"] == "surface" and not self.contour_files(name):
-                self.lumen_file(name)
+            for key in ("lumen", "post"):
+                if key in self.cases[name] and not self.contour_files(name, key):
+                    self.lumen_file(name, key)
         return list(dict.fromkeys(names))
 
     def _check_cohorts(self):

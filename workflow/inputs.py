@@ -24,10 +24,18 @@ class Inputs:
         self.configuration, self.results = configuration, results
 
     def states(self, case):
-        """The states of a case: the reference where there can be one, its CT where that is wanted."""
+        """The states of a case: the reference where there can be one, its CT where that is wanted; `post` where a lumen
+        after the real procedure is given."""
+        if "post" in self.configuration.cases[case]:
+            return SURFACE_STATES + ("post",)
         if not self.has_reference(case):
             return SURFACE_STATES
         return SYNTHETIC_STATES + (("ct",) if self.configuration.settings(case)["ct"]["enabled"] else ())
+
+    def has_flow(self, case, state):
+        """Whether the flow of a state is computed: not where only areas of `post` are compared."""
+        registration = self.configuration.cases[case].get("registration", {"compare": "flow"})
+        return state != "post" or registration["compare"] == "flow"
 
     def has_reference(self, case):
         """Whether the reference can treat the case: a synthetic one, by one device at a time in one branch.
@@ -45,17 +53,18 @@ class Inputs:
         """The device families that the case's plan can use."""
         return self.configuration.device_files(wildcards.case)
 
-    def lumen(self, wildcards):
-        """The lumen before the procedure: the generated one, the one lofted from contours, or the user's file."""
-        case = self.configuration.cases[wildcards.case]
-        if case["kind"] == "synthetic" or "contours" in case["lumen"]:
-            return f"{self.results}/cases/{wildcards.case}/source/lumen.vtp"
-        return self.configuration.lumen_file(wildcards.case)
+    def lumen(self, wildcards, key="lumen"):
+        """The lumen before the procedure: the generated one, the one lofted from contours, or the user's file; with the
+        key `post` that after it."""
+        given = self.configuration.cases[wildcards.case].get(key)
+        if given and "path" in given:
+            return self.configuration.lumen_file(wildcards.case, key)
+        folder = "source" if key == "lumen" else "post/source"
+        return f"{self.results}/cases/{wildcards.case}/{folder}/lumen.vtp"
 
-    def lumen_options(self, wildcards):
+    def lumen_options(self, wildcards, key="lumen"):
         """Command-line options of `lumen process` for the surface: its units and, where given, its ends and label."""
-        case = self.configuration.cases[wildcards.case]
-        given = case["lumen"] if case["kind"] == "surface" else {}
+        given = self.configuration.cases[wildcards.case].get(key, {})
         options = f"--units {given['units'] if 'path' in given else 'mm'}"
         if "inlet_point_mm" in given:
             options += " --inlet " + ",".join(map(str, given["inlet_point_mm"]))
@@ -68,19 +77,18 @@ class Inputs:
                 options += f" --{key.removesuffix('_radii').replace('_', '-')} {given[key]}"
         return options
 
-    def of_contours(self):
-        """Names of the cases whose lumen is given by intravascular contours."""
-        cases = self.configuration.cases
-        return [name for name in self.configuration.of_kind("surface") if "contours" in cases[name]["lumen"]]
+    def of_contours(self, key="lumen"):
+        """Names of the cases whose lumen (or `post`) is given by intravascular contours."""
+        return [name for name, case in self.configuration.cases.items() if "contours" in case.get(key, {})]
 
-    def contours(self, wildcards):
+    def contours(self, wildcards, key="lumen"):
         """{table: file} of a case's contours."""
-        return self.configuration.contour_files(wildcards.case)
+        return self.configuration.contour_files(wildcards.case, key)
 
-    def contour_options(self, wildcards):
+    def contour_options(self, wildcards, key="lumen"):
         """Command-line options of `anatomy contours` for a case's tables and how they are read and laid."""
-        given = self.configuration.cases[wildcards.case]["lumen"]
-        files, contours = self.configuration.contour_files(wildcards.case), given["contours"]
+        given = self.configuration.cases[wildcards.case][key]
+        files, contours = self.configuration.contour_files(wildcards.case, key), given["contours"]
         options = [files.pop("lumen"), "--units", given["units"], "--z-from", contours["z_from"]]
         options += ["--healthy-wall", contours["healthy_wall_mm"]]
         for key in files:
@@ -96,6 +104,15 @@ class Inputs:
         for point in line.get("landmark_points_mm", ()):
             options += ["--landmark-point", *point]
         return shlex.join([*map(str, options), *(["--mirrored"] if line.get("mirrored") else [])])
+
+    @staticmethod
+    def of_post(function):
+        """A function of the wildcards: what `function` (of wildcards and key) says of the lumen after the procedure."""
+
+        def answer(wildcards):
+            return function(wildcards, "post")
+
+        return answer
 
     def section(self, key):
         """A function of the wildcards that gives a section of the case's configuration as JSON text.
@@ -132,9 +149,20 @@ class Inputs:
         }
 
     def state_lumen(self, wildcards):
-        """The lumen that a state's anatomy step measures; that of `ct` is found in the CT of the reference."""
+        """The lumen that a state's anatomy step measures; that of `ct` is found in the CT of the reference, that of
+        `post` was brought into the frame of the lumen before."""
         folder = f"{self.results}/cases/{wildcards.case}/{wildcards.state}"
         return f"{folder}/reference/lumen.vtp" if wildcards.state == "ct" else f"{folder}/lumen.vtp"
+
+    def names(self, wildcards):
+        """Where the ends of a state's lumen have their names from: the lumen before, or the registration on it."""
+        case = f"{self.results}/cases/{wildcards.case}"
+        return f"{case}/post/like.json" if wildcards.state == "post" else f"{case}/anatomy/anatomy.json"
+
+    def registrations(self, wildcards):
+        """The registration of a case's lumen after the real procedure; empty where it has none."""
+        has_post = "post" in self.states(wildcards.case)
+        return [f"{self.results}/cases/{wildcards.case}/post/registration.json"] if has_post else []
 
     def imaged(self, wildcards):
         """What the CT of a state is made of: its lumen; after the procedure also the plan's stents and their line."""
@@ -157,21 +185,24 @@ class Inputs:
         return self.anatomy_files(wildcards)["anatomy"]
 
     def of_states(self, *names):
-        """A function of the wildcards: <case>/<name> of every state, with {state} and {anatomy} filled in."""
+        """A function of the wildcards: <case>/<name> of every state, with {state} and {anatomy} filled in; those of the
+        flow only where it is computed."""
 
         def files(wildcards):
             case = f"{self.results}/cases/{wildcards.case}"
             found = []
             for state in self.states(wildcards.case):
                 anatomy = "anatomy" if state == "pre" else f"{state}/anatomy"
-                found += [f"{case}/" + name.format(state=state, anatomy=anatomy) for name in names]
+                wanted = [name for name in names if self.has_flow(wildcards.case, state) or "flow/" not in name]
+                found += [f"{case}/" + name.format(state=state, anatomy=anatomy) for name in wanted]
             return found
 
         return files
 
-    def any_reference(self, cases):
-        """Whether any of the cases has a reference to agree with."""
-        return any("reference" in self.states(case) for case in cases)
+    def any_truth(self, cases):
+        """Whether any of the cases has something to agree with: a reference, a lumen after PCI, a measured FFR."""
+        known = self.configuration.cases
+        return any({"reference", "post"} & set(self.states(case)) or "measured" in known[case] for case in cases)
 
     def templates(self):
         """The page's parts that are not Python."""

@@ -176,8 +176,7 @@ void rename(std::vector<Branch>& branches, const std::vector<int>& id_of) {
   }
   std::vector<int> place(branches.size());
   for (std::size_t b = 0; b < branches.size(); ++b)
-    place[b] =
-        static_cast<int>(std::count_if(id_of.begin(), id_of.end(), [&](int other) { return other < id_of[b]; }));
+    place[b] = static_cast<int>(std::count_if(id_of.begin(), id_of.end(), [&](int other) { return other < id_of[b]; }));
   for (Branch& branch : branches)
     if (branch.parent >= 0)
       branch.parent = place[static_cast<std::size_t>(branch.parent)];

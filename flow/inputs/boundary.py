@@ -13,7 +13,7 @@ import sys
 
 from common import json_reader, schema
 from common.errors import InputError
-from flow.inputs import lumen_summary
+from flow.inputs import lumen_summary, wire
 from flow.physics import viscosity
 
 PA_PER_MMHG = 133.322
@@ -51,10 +51,11 @@ def split_by_diameter(diameters_mm, exponent):
     return [weight / total for weight in weights]
 
 
-def make(anatomy, centreline, patient, settings):
+def make(anatomy, centreline, patient, settings, measured=None):
     """The document of boundary.json.
 
-    anatomy: document of anatomy.json; centreline: geometry.centreline.Tree; patient: lvm_g, sbp_mmhg, dbp_mmhg.
+    anatomy: document of anatomy.json; centreline: geometry.centreline.Tree; patient: lvm_g, sbp_mmhg, dbp_mmhg;
+    measured: a case's `measured` with the place of its pressure wire, or None.
     """
     map_pa = mean_arterial_pressure_mmhg(patient["sbp_mmhg"], patient["dbp_mmhg"]) * PA_PER_MMHG
     venous_pa = settings.venous_pressure_mmhg * PA_PER_MMHG
@@ -86,6 +87,8 @@ def make(anatomy, centreline, patient, settings):
             outlet.update(resistance_pa_s_per_m3=0.0, pressure_pa=pressure)
     given = settings.inlet_flow_ml_per_min * M3_PER_S_PER_ML_PER_MIN
     read_at = probes(anatomy, centreline, settings.probe_distance_mm)
+    if measured:
+        read_at.append(wire.probe(measured["probe"], centreline))
     document = {
         "schema": "vci-boundary-1",
         "inlet_flow_m3_per_s": given if settings.inlet_condition == "flow" else None,

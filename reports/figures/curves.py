@@ -5,28 +5,31 @@ import math
 import matplotlib.pyplot as plt
 import numpy as np
 
-from reports.figures.style import COLOURS, SEGMENT_COLOUR, draw_state, save
+from reports.figures.style import COLOURS, LABELS, SEGMENT_COLOUR, draw_state, save
+from reports.measured import FFR_THRESHOLD
 from reports.profiles import read_pullback, read_pullback_error
 
 SIZE = (6.6, 3.6)  # inches
+WIRE = (("ffr_pre", "before PCI", "none"), ("ffr_post", "after PCI", COLOURS["measured"]))  # marks
 BAND = 0.25  # opacity of an error's band
 HEADROOM = 0.12  # of the height below it: over the curves, for the word that names the shaded segment
 LEGEND_ROW, LEGEND_MARGIN = 0.18, 0.12  # inches
-FFR_THRESHOLD = 0.80  # at or below it a lesion is treated (ESC/EACTS guidelines on myocardial revascularisation)
 
 
 def pullback_figure(files, metrics, folder):
-    """FFR from the inlet to the end of the stented branch, for all states, each in the band of its estimated error."""
+    """FFR from the inlet to the end of the stented branch, for all states, each in the band of its estimated error, and
+    what a pressure wire read in that branch as marks."""
     figure, axes = plt.subplots(figsize=SIZE)
     shade_segment(axes, metrics["segment"])
     lowest = 1.0
-    for state in metrics["states"]:
+    for state in (name for name, entry in metrics["states"].items() if entry["ffr"] is not None):
         path, branch = files.flow(state) / "pullback.csv", metrics["segment"]["branch"]
         (line, ffr), error = read_pullback(path, branch), read_pullback_error(path, branch)
         draw_state(axes, state, line.s_mm, ffr)
         if np.isfinite(error).any():
             axes.fill_between(line.s_mm, ffr - error, ffr + error, color=COLOURS[state], alpha=BAND, linewidth=0)
         lowest = min(lowest, ffr.min(), max(0.0, np.nanmin([lowest, *(ffr - error)])))
+    lowest = min(lowest, draw_wire(axes, metrics))
     axes.axhline(FFR_THRESHOLD, color="#b0413e", linewidth=0.9, linestyle=(0, (2, 2)))
     axes.annotate("0.80", (1.0, FFR_THRESHOLD), (3, 0), xycoords=("axes fraction", "data"), textcoords="offset points")
     axes.texts[-1].set(color="#b0413e", va="center", fontsize=8.5)
@@ -35,6 +38,18 @@ def pullback_figure(files, metrics, folder):
     axes.set_xlabel(f"distance along {metrics['segment']['branch']} (mm)")
     legend_below(figure)
     save(figure, folder, f"{metrics['case']}_pullback")
+
+
+def draw_wire(axes, metrics):
+    """Marks of the wire's readings, open before and full after the procedure; returns the lowest (1 without any)."""
+    measured = metrics.get("measured")
+    if not measured or measured["branch"] != metrics["segment"]["branch"]:
+        return 1.0
+    read = [(measured[key], words, face) for key, words, face in WIRE if measured[key] is not None]
+    for ffr, words, face in read:
+        label = f"{LABELS['measured']} {words}: {ffr:.2f}"
+        axes.plot(measured["s_mm"], ffr, "D", color=COLOURS["measured"], markerfacecolor=face, label=label, zorder=5)
+    return min(ffr for ffr, _, _ in read)
 
 
 def legend_below(figure):

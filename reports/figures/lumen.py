@@ -16,6 +16,7 @@ LIGHT = np.array([0.35, 0.45, 0.82]) / np.linalg.norm([0.35, 0.45, 0.82])  # ove
 AMBIENT = 0.35
 FAR_WALL, NEAR_WALL = 1.0, 0.30  # opacity: the near wall lets the struts be seen
 COLOUR_MAP = "viridis"
+UNKNOWN = (0.75, 0.75, 0.75, 1.0)  # of a lumen without FFR
 FIGURE_WIDTH = 10.0  # inches
 SCALE_BAR_MM = 10.0
 
@@ -24,7 +25,7 @@ def lumen_figure(files, metrics, folder):
     """One panel a state, same view and scale: the lumen coloured by FFR, the devices inside the predicted one."""
     states = list(metrics["states"])
     surfaces = {state: read_lumen(files.lumen(state), MOST_TRIANGLES) for state in states}
-    values = {state: nearest_ffr(files, state, surfaces[state].points) for state in states}
+    values = {state: nearest_ffr(files, state, surfaces[state].points) for state in states if files.has_flow(state)}
     scale = Normalize(min(0.8, min(v.min() for v in values.values())), 1.0)
     devices = [device for device in map(read_device, files.struts()) if device] if "vci" in states else []
     axes3 = view_axes(surfaces["pre"].points)
@@ -36,9 +37,10 @@ def lumen_figure(files, metrics, folder):
     for axes in grid.ravel():
         axes.set_axis_off()
     for axes, state in zip(grid.ravel(), states):
-        draw_lumen(axes, surfaces[state], values[state], scale, axes3, devices if state == "vci" else [])
+        draw_lumen(axes, surfaces[state], values.get(state), scale, axes3, devices if state == "vci" else [])
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
-        axes.set_title(f"{LABELS[state]}   FFR {metrics['states'][state]['ffr']['distal']:.2f}")
+        ffr = metrics["states"][state]["ffr"]
+        axes.set_title(f"{LABELS[state]}   " + (f"FFR {ffr['distal']:.2f}" if ffr else "(areas only)"))
     draw_scale_bar(grid.ravel()[len(states) - 1], low)
     mappable = plt.cm.ScalarMappable(scale, COLOUR_MAP)
     bar = figure.colorbar(mappable, ax=grid, shrink=0.6, aspect=30, pad=0.01)
@@ -85,8 +87,10 @@ def view_axes(points):
 
 
 def draw_lumen(axes, surface, values, scale, axes3, devices):
-    """Far wall, devices and see-through near wall, each painted from back to front."""
-    colours = plt.get_cmap(COLOUR_MAP)(scale(values[surface.triangles].mean(1)))
+    """Far wall, devices and see-through near wall, each painted from back to front; without values (FFR) in grey."""
+    colours = np.full((len(surface.triangles), 4), UNKNOWN)
+    if values is not None:
+        colours = plt.get_cmap(COLOUR_MAP)(scale(values[surface.triangles].mean(1)))
     facing = paint_order(surface, axes3)
     add_triangles(axes, facing, ~facing["near"], colours, FAR_WALL)
     for device in devices:

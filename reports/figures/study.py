@@ -5,8 +5,8 @@ import numpy as np
 
 from reports.agreement import QUANTITIES, paired_values, published
 from reports.bland_altman import bland_altman
-from reports.figures.curves import FFR_THRESHOLD
 from reports.figures.style import COLOURS, ERRORS, LABELS, save
+from reports.measured import FFR_THRESHOLD
 from reports.metrics import COMPARISONS
 
 # title, unit, and the least width of the horizontal axis, lest rounding fill it
@@ -15,14 +15,15 @@ TITLES = {
     "mean_area": ("Mean CSA", " (mm²)", 2.0),
     "mean_curvature": ("Mean curvature", " (1/mm)", 0.04),
 }
-MARKERS = {"vci": "o", "rc": "^", "reference": "s", "ct": "D"}
-ROW_HEIGHT, LEGEND_HEIGHT = 3.0, 0.8  # inches
+MARKERS = {"vci": "o", "rc": "^", "reference": "s", "ct": "D", "post": "P"}
+BEFORE = {"pre": "v"}
+ROW_HEIGHT, LEGEND_ROW, LEGEND_MARGIN = 3.0, 0.2, 0.2  # inches
 PUBLISHED_COLOUR = "#b9b9b9"
 
 
 def study_figures(documents, folder):
-    """Writes agreement.{svg,png}, where a case has a reference, and ffr_before_after.{svg,png}."""
-    if any("reference" in document["states"] for document in documents):
+    """Writes agreement.{svg,png}, where a case has a truth to agree with, and ffr_before_after.{svg,png}."""
+    if any(document.get("measured") or {"reference", "post"} & set(document["states"]) for document in documents):
         agreement_figure(documents, folder)
     ffr_figure(documents, folder)
 
@@ -33,20 +34,39 @@ def agreement_figure(documents, folder):
     The published agreement is drawn where the comparison is of its kind (clinical).
     """
     comparisons = {kind: [(a, b) for a, b, error in COMPARISONS if error == kind] for kind in ERRORS}
-    shown = [kind for kind in ERRORS if any(paired_values(documents, "ffr", *pair)[0] for pair in comparisons[kind])]
-    height = ROW_HEIGHT * len(shown) + LEGEND_HEIGHT
+    shown = [
+        kind for kind in ERRORS if any(has_pairs(documents, quantity, comparisons[kind]) for quantity in QUANTITIES)
+    ]
+    entries = sum(has_pairs(documents, best(kind), [pair]) for kind in shown for pair in comparisons[kind])
+    legend_height = LEGEND_MARGIN + LEGEND_ROW * -(-(entries + ("clinical" in shown)) // 2)
+    height = ROW_HEIGHT * len(shown) + legend_height
     figure, grid = plt.subplots(len(shown), len(QUANTITIES), figsize=(11.0, height), squeeze=False)
     for row, kind in zip(grid, shown):
         for axes, quantity in zip(row, QUANTITIES):
+            if not has_pairs(documents, quantity, comparisons[kind]):
+                axes.set_axis_off()
+                continue
             agreement_panel(axes, documents, quantity, comparisons[kind], kind == "clinical")
-        row[0].set_ylabel(f"{ERRORS[kind]}\n{row[0].get_ylabel()}")
-    legend = {label: handle for axes in grid[:, 0] for handle, label in zip(*axes.get_legend_handles_labels())}
+        first = next(axes for axes in row if axes.axison)
+        first.set_ylabel(f"{ERRORS[kind]}\n{first.get_ylabel()}")
+    columns = [row[list(QUANTITIES).index(best(kind))] for row, kind in zip(grid, shown)]
+    legend = {label: handle for axes in columns for handle, label in zip(*axes.get_legend_handles_labels())}
     if "clinical" in shown:
         legend["published bias and limits (n = 9)"] = plt.Rectangle((0, 0), 1, 1, color=PUBLISHED_COLOUR, alpha=0.4)
     figure.legend(legend.values(), legend.keys(), loc="lower center", ncol=2)
-    bottom = LEGEND_HEIGHT / height
+    bottom = legend_height / height
     figure.get_layout_engine().set(rect=(0, bottom, 1, 1 - bottom))
     save(figure, folder, "agreement")
+
+
+def best(kind):
+    """The quantity that all cases of a kind of error have: a wire reads FFR alone, a lumen may have no flow."""
+    return "ffr" if kind == "measured" else "mean_area"
+
+
+def has_pairs(documents, quantity, pairs):
+    """Whether any case allows one of the comparisons (a, b) of a quantity."""
+    return any(paired_values(documents, quantity, a, b)[0] for a, b in pairs)
 
 
 def agreement_panel(axes, documents, quantity, pairs, with_published):
@@ -72,7 +92,7 @@ def draw_pairs(axes, state, other, a, b):
     """Points of one comparison, with its bias (solid) and limits of agreement (dashed)."""
     result, colour = bland_altman(a, b), COLOURS[state]
     label = f"{LABELS[state]} - {LABELS[other]} (n = {result.n})"
-    axes.plot(0.5 * (a + b), a - b, MARKERS[state], color=colour, markersize=6, alpha=0.85, label=label)
+    axes.plot(0.5 * (a + b), a - b, {**MARKERS, **BEFORE}[state], color=colour, markersize=6, alpha=0.85, label=label)
     axes.axhline(result.bias, color=colour, linewidth=1.3)
     if result.sd is not None:
         for limit in (result.loa_lower, result.loa_upper):
@@ -87,7 +107,7 @@ def ffr_figure(documents, folder):
         pairs = [
             (document["states"]["pre"]["ffr"]["distal"], document["states"][state]["ffr"]["distal"])
             for document in documents
-            if state in document["states"]
+            if state in document["states"] and document["states"][state]["ffr"] is not None
         ]
         if pairs:
             x, y = np.array(pairs).T

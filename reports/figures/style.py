@@ -7,13 +7,22 @@ import matplotlib.pyplot as plt  # noqa: E402  (the backend must be chosen first
 
 from common.files import replacing  # noqa: E402
 
-COLOURS = {"pre": "#6b6b6b", "vci": "#0072b2", "rc": "#d97b00", "reference": "#009e73", "ct": "#a3478f"}
+COLOURS = {
+    "pre": "#6b6b6b",
+    "vci": "#0072b2",
+    "rc": "#d97b00",
+    "reference": "#009e73",
+    "ct": "#a3478f",
+    "post": "#111111",
+}
+COLOURS["measured"] = "#b0413e"  # the pressure wire's reading: a mark, not a curve
 DASHES = {
     "pre": (0, (4, 2)),
     "vci": "-",
     "rc": (0, (1.2, 1.2)),
     "reference": (0, (6, 1.5, 1.2, 1.5)),
     "ct": (0, (3, 1)),
+    "post": (0, (8, 1.5)),
 }
 LABELS = {
     "pre": "Before PCI",
@@ -21,9 +30,13 @@ LABELS = {
     "rc": "Radius correction",
     "reference": "Reference (finite elements)",
     "ct": "CT of the reference",
+    "post": "After the real PCI",
+    "measured": "Pressure wire",
 }
-SHORT = {"pre": "before", "vci": "VCI", "rc": "radius", "reference": "reference", "ct": "CT"}
+SHORT = {"pre": "before", "vci": "VCI", "rc": "radius", "reference": "reference", "ct": "CT", "post": "after PCI"}
+SHORT["measured"] = "wire"
 ERRORS = {"method": "Method", "imaging": "Imaging", "clinical": "As a clinical study sees it"}
+ERRORS["measured"] = "Computed minus measured"
 SEGMENT_COLOUR = "#f2efe6"
 
 matplotlib.rcParams.update(

@@ -102,7 +102,7 @@ def summary(contexts):
         if of_state:
             means[state] = {
                 "n": len(of_state),
-                "ffr": mean_sd([entry["ffr"]["distal"] for entry in of_state]),
+                "ffr": mean_sd([entry["ffr"]["distal"] for entry in of_state if entry["ffr"] is not None]),
                 "area": mean_sd([entry["area"]["mean_mm2"] for entry in of_state]),
                 "minimum": mean_sd([entry["area"]["minimum_mm2"] for entry in of_state]),
                 "curvature": mean_sd([entry["curvature"]["mean_per_mm"] for entry in of_state]),
@@ -112,6 +112,8 @@ def summary(contexts):
         "count": len(contexts),
         "synthetic": sum(c["metrics"]["kind"] == "synthetic" for c in contexts),
         "with_reference": sum("reference" in c["metrics"]["states"] for c in contexts),
+        "with_post": sum("post" in c["metrics"]["states"] for c in contexts),
+        "measured": sum(c["metrics"]["measured"] is not None for c in contexts),
         "with_ct": sum("ct" in c["metrics"]["states"] for c in contexts),
         "means": means,
         "seconds": mean_sd(seconds) if seconds else None,
@@ -130,8 +132,8 @@ def imaging_warnings(contexts):
 
 
 def mean_sd(values):
-    """(mean, sample standard deviation or None) of a list of numbers."""
-    return sum(values) / len(values), sample_sd(values)
+    """(mean, sample standard deviation or None) of a list of numbers; (None, None) of none."""
+    return (sum(values) / len(values), sample_sd(values)) if values else (None, None)
 
 
 def agreement_rows(rows):

@@ -3,6 +3,7 @@
 import json
 
 from reports.cohort import describe_device, describe_procedure
+from reports.measured import wire_pair
 from reports.page.assets import image_uri
 from reports.page.geometry import viewer_data
 from reports.profiles import error_of
@@ -30,7 +31,7 @@ READOUTS = (
 def case_context(files, figures_dir):
     """The context of templates/case.html.j2. Raises InputError for a missing figure or file."""
     metrics = read_json(files.metrics, "reports metrics")
-    flow = {state: flow_row(files, state) for state in metrics["states"]}
+    flow = {state: flow_row(files, state) for state, entry in metrics["states"].items() if entry["ffr"] is not None}
     deployment = read_json(files.deployment, "vci deploy") if "vci" in metrics["states"] else None
     return {
         "name": files.case,
@@ -61,8 +62,15 @@ def case_context(files, figures_dir):
         "reference": optional_json(files.folder / "reference" / "reference.json"),
         "still": image_uri(figures_dir / f"{files.case}_lumen.png"),
         "curves": [{"uri": image_uri(figures_dir / f"{files.case}_{name}.svg"), "alt": text} for name, text in CURVES],
+        "wire": wire_rows(metrics),
         "viewer": viewer_data(files, metrics),
     }
+
+
+def wire_rows(metrics):
+    """Rows {state, computed, measured} of FFR at the pressure wire's sensor, for the states that have both."""
+    pairs = {state: wire_pair(metrics, state) for state in metrics["states"]}
+    return [{"state": state, "computed": pair[0], "measured": pair[1]} for state, pair in pairs.items() if pair]
 
 
 def flow_warnings(flow):

@@ -29,7 +29,10 @@ def viewer_data(files, metrics):
     low, high = every.min(0), every.max(0)
     values = {state: along_axis(files, state, lumens[state].points) for state in states}
     ranges = {
-        name: [float(min(v[name].min() for v in values.values())), float(max(v[name].max() for v in values.values()))]
+        name: [
+            float(min(v[name].min() for v in values.values() if name in v)),
+            float(max(v[name].max() for v in values.values() if name in v)),
+        ]
         for name in ("ffr", "diameter", "area")
     }
     return {
@@ -48,11 +51,11 @@ def viewer_data(files, metrics):
 
 
 def along_axis(files, state, points):
-    """FFR, diameter (mm) and area (mm2) at points (n, 3): those of the nearest place on any axis."""
+    """At points (n, 3): diameter (mm), area (mm2) and, with a flow, FFR of the nearest place on any axis."""
     table = read_table(files.anatomy(state) / "sections.csv", PLACES, ("branch",), "anatomy")
     _, nearest = cKDTree(table[["x_mm", "y_mm", "z_mm"]].to_numpy()).query(points)
     return {
-        "ffr": nearest_ffr(files, state, points),
+        **({"ffr": nearest_ffr(files, state, points)} if files.has_flow(state) else {}),
         "diameter": table["equivalent_diameter_mm"].to_numpy()[nearest],
         "area": table["area_mm2"].to_numpy()[nearest],
     }

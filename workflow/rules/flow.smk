@@ -18,6 +18,7 @@ rule boundary:
         "results/cases/{case}/benchmarks/boundary.tsv"
     params:
         patient=INPUTS.section("patient"),
+        measured=INPUTS.section("measured"),
     shell:
         "workflow/run.sh {log} /usr/bin/python3 -m flow boundary --case {input.case} --anatomy {input.anatomy}"
         " --centreline {input.centreline} --settings {input.settings} --out {output}"

@@ -89,7 +89,7 @@ rule state_anatomy:
         "{wildcards.case}: lumen, centreline, sections after {wildcards.state}"
     input:
         lumen=INPUTS.state_lumen,
-        like="results/cases/{case}/anatomy/anatomy.json",
+        like=INPUTS.names,
         binary=LUMEN,
     output:
         lumen="results/cases/{case}/{state}/anatomy/lumen.vtp",
@@ -97,7 +97,7 @@ rule state_anatomy:
         sections="results/cases/{case}/{state}/anatomy/sections.csv",
         anatomy="results/cases/{case}/{state}/anatomy/anatomy.json",
     wildcard_constraints:
-        state="vci|rc|reference|ct",
+        state="vci|rc|reference|ct|post",
     log:
         "results/cases/{case}/logs/{state}/anatomy.log",
     benchmark:
@@ -109,6 +109,85 @@ rule state_anatomy:
     shell:
         "workflow/run.sh {log} {input.binary} process {input.lumen} --units mm --like {input.like} --edge {params.edge}"
         " --spacing {params.spacing} --out {params.out}"
+
+
+use rule contours as post_contours with:
+    message:
+        "{wildcards.case}: lumen of the contours after the real procedure"
+    input:
+        unpack(INPUTS.of_post(INPUTS.contours)),
+        code=code("anatomy", "anatomy.contours.run", "anatomy.contours.picture"),
+    output:
+        surface="results/cases/{case}/post/source/lumen.vtp",
+        contours="results/cases/{case}/post/source/contours.json",
+        picture="results/cases/{case}/post/source/contours.png",
+    wildcard_constraints:
+        case="|".join(INPUTS.of_contours("post")) or "(?!)",
+    log:
+        "results/cases/{case}/logs/post/contours.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/post/contours.tsv"
+    params:
+        options=INPUTS.of_post(INPUTS.contour_options),
+        out=output_folder,
+
+
+rule post_anatomy:
+    message:
+        "{wildcards.case}: lumen, centreline, sections after the real procedure, in their own frame"
+    input:
+        lumen=INPUTS.of_post(INPUTS.lumen),
+        binary=LUMEN,
+    output:
+        lumen="results/cases/{case}/post/own/lumen.vtp",
+        centreline="results/cases/{case}/post/own/centreline.vtp",
+        sections="results/cases/{case}/post/own/sections.csv",
+        anatomy="results/cases/{case}/post/own/anatomy.json",
+    wildcard_constraints:
+        case="|".join(STUDY.with_key("post")) or "(?!)",
+    log:
+        "results/cases/{case}/logs/post/own.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/post/own.tsv"
+    params:
+        surface=INPUTS.of_post(INPUTS.lumen_options),
+        edge=INPUTS.value("anatomy", "edge_mm"),
+        spacing=INPUTS.value("anatomy", "section_spacing_mm"),
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} {input.binary} process {input.lumen:q} {params.surface} --edge {params.edge}"
+        " --spacing {params.spacing} --out {params.out}"
+
+
+rule register:
+    message:
+        "{wildcards.case}: the lumen after the real procedure in the frame of the one before"
+    input:
+        case=ancient(CASE_FILE),
+        pre="results/cases/{case}/anatomy/centreline.vtp",
+        anatomy="results/cases/{case}/anatomy/anatomy.json",
+        lumen="results/cases/{case}/post/own/lumen.vtp",
+        post="results/cases/{case}/post/own/centreline.vtp",
+        post_anatomy="results/cases/{case}/post/own/anatomy.json",
+        code=code("anatomy", "anatomy.register.run"),
+    output:
+        lumen="results/cases/{case}/post/lumen.vtp",
+        like="results/cases/{case}/post/like.json",
+        registration="results/cases/{case}/post/registration.json",
+    wildcard_constraints:
+        case="|".join(STUDY.with_key("post")) or "(?!)",
+    log:
+        "results/cases/{case}/logs/post/register.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/post/register.tsv"
+    params:
+        registration=INPUTS.section("registration"),
+        pre=lambda wildcards, input: os.path.dirname(input.anatomy),
+        post=lambda wildcards, input: os.path.dirname(input.lumen),
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m anatomy register {input.case} --pre {params.pre} --post {params.post}"
+        " --out {params.out}"
 
 
 rule anatomy_picture:

@@ -1,6 +1,6 @@
 # What the states of a case and the cases of the study say when they are laid side by side.
 CASE_FIGURES = ["lumen", "pullback", "area", "curvature"]
-STUDY_FIGURES = ["ffr_before_after"] + (["agreement"] if INPUTS.any_reference(CASES) else [])
+STUDY_FIGURES = ["ffr_before_after"] + (["agreement"] if INPUTS.any_truth(CASES) else [])
 
 
 rule metrics:
@@ -16,6 +16,7 @@ rule metrics:
             "flow/{state}/pullback.csv",
         ),
         INPUTS.segmentations,
+        INPUTS.registrations,
         case=ancient(CASE_FILE),
         scene="results/cases/{case}/vci/scene.json",
         deployment="results/cases/{case}/vci/deployment.json",
@@ -30,6 +31,7 @@ rule metrics:
     params:
         patient=INPUTS.section("patient"),
         description=INPUTS.section("description"),
+        measured=INPUTS.section("measured"),
         margin=INPUTS.value("metrics", "margin_mm"),
         states=lambda wildcards: " ".join(INPUTS.states(wildcards.case)),
         case_dir=case_folder,
@@ -79,7 +81,7 @@ rule study_figures:
 
 rule agreement:
     message:
-        "agreement with the reference"
+        "agreement with what is known to be true"
     input:
         metrics=expand("results/cases/{case}/metrics.json", case=CASES),
         code=code("reports", "reports.agreement", "reports.tables") + ["reports/published.json"],

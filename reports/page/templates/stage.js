@@ -130,7 +130,7 @@
       const hit = this.raycaster.intersectObject(state.front)[0];
       if (!hit) { this.say(""); return; }
       const at = hit.face.a, values = state.values;
-      this.say(`FFR ${values.ffr[at].toFixed(3)} · CSA ${values.area[at].toFixed(2)} mm² · diameter ${values.diameter[at].toFixed(2)} mm`);
+      this.say(`${values.ffr ? `FFR ${values.ffr[at].toFixed(3)} · ` : ""}CSA ${values.area[at].toFixed(2)} mm² · diameter ${values.diameter[at].toFixed(2)} mm`);
     }
   }
 

@@ -76,9 +76,9 @@
     makeState(name, packed) {
       const { ranges, bounds } = this.data;
       const values = {};
-      for (const key of Object.keys(ranges)) values[key] = unpack(packed[key], ranges[key][0], ranges[key][1]);
+      for (const key of Object.keys(ranges).filter((name) => packed[name])) values[key] = unpack(packed[key], ranges[key][0], ranges[key][1]);
       const shape = geometry(packed, bounds);
-      shape.setAttribute("color", new THREE.BufferAttribute(new Float32Array(values.ffr.length * 3), 3));
+      shape.setAttribute("color", new THREE.BufferAttribute(new Float32Array(values.area.length * 3), 3));
       const far = new THREE.MeshLambertMaterial({ vertexColors: THREE.VertexColors, side: THREE.BackSide });
       const near = new THREE.MeshPhongMaterial({
         vertexColors: THREE.VertexColors, transparent: true, depthWrite: false, shininess: 25, specular: 0x333333,
@@ -125,7 +125,7 @@
       const colour = roles.colour.value;
       const [low, high] = colour === "plain" ? [0, 1] : data.ranges[colour];
       for (const state of Object.values(this.states)) {
-        const plain = colour === "plain";
+        const plain = colour === "plain" || !state.values[colour];  // a lumen without a flow has no FFR
         if (!plain) {
           state.shape.getAttribute("color").array.set(ramp(state.values[colour], low, high, this.table));
           state.shape.getAttribute("color").needsUpdate = true;

@@ -140,3 +140,46 @@ def test_a_lumen_is_given_in_one_way(tmp_path, lumen, expected):
         config.load_case(path)
     path.write_text(text + "{units: mm, contours: {lumen: b.csv}, cut_points_mm: [[0, 0, 3]]}\n")
     assert config.load_case(path)["lumen"]["contours"]["z_from"] == "distal"
+
+
+POST = {"path": "data/after.stl", "units": "cm", "outlet_points_mm": [[1.0, 2.0, 3.0]]}
+MEASURED = {"ffr_pre": 0.71, "ffr_post": 0.9, "probe": {"branch": "side1", "s_mm": 12.5}}
+
+
+def real_case(edited, **changes):
+    """The shipped case of a real artery, read with some keys changed."""
+    return config.load_case(edited("cases/real_artery.yaml", changes) / "cases" / "real_artery.yaml")
+
+
+def test_the_truth_of_a_real_patient_is_taken(edited):
+    """A post lumen takes every key of `lumen`; flow is compared unless areas are asked for; a probe may be a point."""
+    pair = {"pre_mm": [1, 2, 3], "post_mm": [4, 5, 6]}
+    case = real_case(edited, post=POST, measured=MEASURED, registration={"landmarks": [pair]})
+    assert case["post"] == POST and case["measured"] == MEASURED
+    assert case["registration"] == {"landmarks": [pair], "compare": "flow"}
+    only = real_case(edited, measured={"ffr_post": 0.92, "probe": {"point_mm": [1, 2, 3]}})
+    assert "post" not in only and only["measured"]["probe"] == {"point_mm": [1, 2, 3]}
+
+
+@pytest.mark.parametrize(
+    "changes, words",
+    [
+        ({"post": {"path": "data/after.stl"}}, ["post", "units is missing"]),
+        ({"registration": {"compare": "areas"}}, ["registration", "nothing to register", "give `post`"]),
+        ({"post": POST, "registration": {"compare": "ffr"}}, ["registration.compare", "flow, areas"]),
+        ({"measured": {"probe": {"branch": "main", "s_mm": 3.0}}}, ["measured", "ffr_pre"]),
+        ({"measured": {"ffr_pre": 71, "probe": {"point_mm": [1, 2, 3]}}}, ["measured.ffr_pre", "at most 1.05"]),
+        ({"measured": {"ffr_pre": 0.71}}, ["measured", "probe is missing"]),
+        ({"measured": {"ffr_pre": 0.71, "probe": {"branch": "main"}}}, ["measured.probe", "s_mm is missing"]),
+        ({"kind": "synthetic", "post": POST}, ["post", "no place here"]),
+    ],
+)
+def test_a_truth_that_cannot_be_used_is_refused(edited, changes, words):
+    if changes.get("kind") == "synthetic":
+        folder, name = edited("cases/quick_focal.yaml", changes), "quick_focal"
+    else:
+        folder, name = edited("cases/real_artery.yaml", changes), "real_artery"
+    with pytest.raises(InputError) as error:
+        config.load_case(folder / "cases" / f"{name}.yaml")
+    for word in words:
+        assert word in str(error.value), str(error.value)

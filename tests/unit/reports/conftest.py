@@ -22,6 +22,7 @@ OPENING = {
     "rc": 0.0,
     "reference": 0.09,
     "ct": 0.12,
+    "post": 0.08,
 }  # share of the radius that the lesion takes
 
 
@@ -144,7 +145,7 @@ def write_anatomy(folder, tube):
     )
 
 
-def write_flow(folder, tube):
+def write_flow(folder, tube, wire=None):
     s = tube.s()
     points, _, _ = tube.frame(s)
     rows = ["branch,branch_id,s_mm,x_mm,y_mm,z_mm,pressure_pa,ffr,flow_m3_per_s"]
@@ -161,6 +162,8 @@ def write_flow(folder, tube):
     document["inlet_flow_m3_per_s"] = Q_M3_PER_S
     document["outlets"] = [{"name": "outlet1", "flow_m3_per_s": Q_M3_PER_S, "pressure_pa": 1e4, "ffr": ffr}]
     document["probes"] = [{"name": "distal", "ffr": ffr}]
+    if wire is not None:
+        document["probes"].append({"name": "measured", "ffr": float(tube.pressure(wire) / MAP_PA)})
     write_json(folder / "ffr.json", document)
     write_json(folder / "mesh.json", {"schema": "vci-mesh-1", "cells": 20000, "dofs": 98000, "element_order": 2})
 
@@ -220,10 +223,20 @@ def write_procedure(folder):
     write_json(folder / "deployment.json", document)
 
 
-def build_case(root, name, moves=None, states=("pre", "vci", "rc", "reference"), change=0.0, warnings=()):
+def write_registration(folder, compare):
+    document = {"schema": "vci-registration-1", "method": "axes", "compare": compare, "rotation_deg": 40.0}
+    document["residual_mm"] = {"trimmed_rms": 0.12, "rms": 0.2, "largest": 0.9}
+    document.update(usual_radius_mm=1.5, share_of_both=0.9, missing=["side1"], new=[])
+    write_json(folder / "registration.json", document)
+
+
+def build_case(
+    root, name, moves=None, states=("pre", "vci", "rc", "reference"), change=0.0, warnings=(), compare="flow", wire=None
+):
     """Writes one case below `root`/cases; `moves` {state: rigid motion}; `change` shifts the openings a little.
 
-    With the state ct: `warnings` of both segmentations.
+    With the state ct: `warnings` of both segmentations. With post: `compare` flow or areas. wire: mm along main of a
+    pressure wire's sensor, with which case.yaml and the probes go.
     """
     folder = pathlib.Path(root) / "cases" / name
     tubes = {
@@ -232,11 +245,21 @@ def build_case(root, name, moves=None, states=("pre", "vci", "rc", "reference"),
     }
     for state, tube in tubes.items():
         write_anatomy(folder / "anatomy" if state == "pre" else folder / state / "anatomy", tube)
-        write_flow(folder / "flow" / state, tube)
+        if state != "post" or compare == "flow":
+            write_flow(folder / "flow" / state, tube, wire)
     write_procedure(folder / "vci")
     write_stent(folder / "vci" / "devices" / "stent1_struts.vtp", tubes["vci"])
     boundary = {"map_pa": MAP_PA, "venous_pressure_pa": VENOUS_PA, "q_hyperaemic_m3_per_s": Q_M3_PER_S}
+    boundary["probes"] = [] if wire is None else [{"name": "measured", "branch": "main", "s_mm": wire}]
     write_json(folder / "flow" / "boundary.json", {"schema": "vci-boundary-1", **boundary})
+    if wire is not None:
+        (folder / "case.yaml").write_text(
+            "kind: surface\ndescription: with a wire\npatient: {lvm_g: 150, sbp_mmhg: 120, dbp_mmhg: 80}\n"
+            "lumen: {path: a.stl, units: mm}\n"
+            f"measured: {{ffr_pre: 0.62, ffr_post: 0.91, probe: {{branch: main, s_mm: {wire}}}}}\n"
+        )
+    if "post" in states:
+        write_registration(folder / "post", compare)
     if "reference" in states:
         write_json(folder / "source" / "truth.json", {"schema": "vci-truth-1"})
         write_json(

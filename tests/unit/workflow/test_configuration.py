@@ -127,7 +127,8 @@ lumen:
     inputs = Inputs(Configuration(folder, tmp_path))
     wildcards = SimpleNamespace(case="own")
     command = shlex.split(inputs.contour_options(wildcards))
-    assert set(inputs.of_contours()) == {"ivus_plaque", "own"}
+    assert set(inputs.of_contours()) == {"ivus_plaque", "ivus_stent", "own"}
+    assert inputs.of_contours("post") == ["ivus_stent"]
     options = anatomy_parser().parse_args(["contours", *command, "--out", "x"])
     assert str(options.lumen) == str(tmp_path / "lumen.csv") and options.units == "cm" and options.z_from == "proximal"
     assert options.z_range == [1, 20] and options.drop_frame == [4, 7] and options.healthy_wall == "0.2"

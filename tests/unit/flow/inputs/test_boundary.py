@@ -107,6 +107,33 @@ def test_probe_stays_inside_the_branch(settings, capsys):
     assert "probe distal is 3.5 mm past its lesion's end instead of 10 mm" in said and said in capsys.readouterr().err
 
 
+WIRE = {"ffr_pre": 0.7, "ffr_post": None}
+
+
+@pytest.mark.parametrize("place", [{"branch": "main", "s_mm": 48.0}, {"point_mm": [48.0, 2.8, 0.0]}])
+def test_the_wires_sensor_is_one_more_probe(settings, place):
+    """By arc length, or by a point as far off the axis as one may be that lies at the wall of a dilated vessel."""
+    measured = {**WIRE, "probe": place}
+    document = boundary.make(_anatomy(), _tree(), PATIENT, settings, measured)
+    *others, last = document["probes"]
+    assert (last["name"], last["branch"], last["s_mm"]) == ("measured", "main", pytest.approx(48.0))
+    assert last["point_mm"] == pytest.approx([48.0, 0, 0])
+    assert others == boundary.make(_anatomy(), _tree(), PATIENT, settings)["probes"]
+
+
+@pytest.mark.parametrize(
+    "place, words",
+    [
+        ({"branch": "side2", "s_mm": 4.0}, "side2(.|\n)*main"),
+        ({"branch": "main", "s_mm": 60.5}, "60.5 mm, main is 60.0 mm long"),
+        ({"point_mm": [48.0, 3.2, 0.0]}, "3.2 mm from the nearest axis"),
+    ],
+)
+def test_a_sensor_outside_the_vessel_is_refused(settings, place, words):
+    with pytest.raises(InputError, match=words):
+        boundary.make(_anatomy(), _tree(), PATIENT, settings, {**WIRE, "probe": place})
+
+
 def test_negative_resistance_is_refused(settings):
     document = boundary.make(_anatomy(), _tree(), PATIENT, settings)
     document["outlets"][1]["resistance_pa_s_per_m3"] *= -1

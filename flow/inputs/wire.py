@@ -1,0 +1,41 @@
+"""The place of the pressure wire's sensor in a patient, as one more probe."""
+
+import numpy as np
+
+from common.errors import InputError
+
+NAME = "measured"
+FAR = 2.0  # local radii from the axis beyond which a point is in another vessel
+
+
+def probe(given, tree, where="measured.probe"):
+    """The probe `measured`: {name, branch, s_mm, point_mm} on the axes before the procedure.
+
+    given: {branch, s_mm} or {point_mm: [x, y, z]}, in mm; tree: flow.geometry.centreline.Tree. Raises InputError for a
+    place that is not in the vessel.
+    """
+    if "branch" in given:
+        names = [line.name for line in tree]
+        if given["branch"] not in names:
+            known = f"branches of this lumen: {', '.join(names)}"
+            raise InputError("no such branch", f"{where}.branch", given["branch"], known)
+        line, s_mm = tree[given["branch"]], float(given["s_mm"])
+        if s_mm > line.length_mm:
+            value = f"{s_mm:g} mm, {line.name} is {line.length_mm:.1f} mm long"
+            raise InputError(
+                "the wire's sensor lies beyond its branch", f"{where}.s_mm", value, "mm from the branch's start"
+            )
+    else:
+        line, s_mm = _nearest(np.array(given["point_mm"], float), tree, where)
+    return {"name": NAME, "branch": line.name, "s_mm": s_mm, "point_mm": line.point(s_mm).tolist()}
+
+
+def _nearest(point, tree, where):
+    s_mm, distance, line = min(
+        ((*line.project(point), line) for line in tree), key=lambda found: found[1] / found[2].radius(found[0])
+    )
+    if distance > FAR * line.radius(s_mm):
+        value = f"{distance:.1f} mm from the nearest axis ({line.name} at {s_mm:.1f} mm)"
+        remedy = "a point in the vessel, x, y, z in mm in the frame of the case's lumen"
+        raise InputError("the wire's sensor lies outside the vessel", f"{where}.point_mm", value, remedy)
+    return line, float(s_mm)

@@ -1,0 +1,46 @@
+"""FFR that a pressure wire read in the patient, beside what is computed at its sensor's place."""
+
+from common.config import load_case
+from common.errors import InputError
+from reports.reading import read_json
+
+MEASURED = "measured"  # name of the probe in boundary.json and ffr.json, and of the wire among the compared
+FFR_THRESHOLD = 0.80  # at or below it a lesion is treated (ESC/EACTS guidelines on myocardial revascularisation)
+
+
+def measured_summary(files, config=None):
+    """{ffr_pre, ffr_post (None: not read), branch, s_mm} of the wire, from the case's YAML and boundary.json.
+
+    None where nothing was measured. Raises InputError where the boundary values do not know of the wire.
+    """
+    given = load_case(config).get("measured") if config is not None else None
+    if given is None:
+        return None
+    probes = {probe["name"]: probe for probe in read_json(files.boundary, "flow boundary").get("probes", [])}
+    if MEASURED not in probes:
+        raise InputError("no probe at the wire's sensor", files.boundary, sorted(probes), "repeat: flow boundary")
+    place = {key: probes[MEASURED][key] for key in ("branch", "s_mm")}
+    return {"ffr_pre": given.get("ffr_pre"), "ffr_post": given.get("ffr_post"), **place}
+
+
+def at_the_wire(solution):
+    """FFR of a solution (ffr.json) at the wire's sensor; None without one."""
+    return next((float(probe["ffr"]) for probe in solution.get("probes", []) if probe["name"] == MEASURED), None)
+
+
+def wire_pair(document, state):
+    """(computed, measured) FFR of a state of metrics.json at the wire's sensor; None where one of them is missing.
+
+    What a wire read after the procedure is compared with every state after it.
+    """
+    measured, entry = document.get("measured"), document["states"].get(state)
+    if measured is None or entry is None or entry["ffr"] is None:
+        return None
+    computed, read = entry["ffr"]["at_wire"], measured["ffr_pre" if state == "pre" else "ffr_post"]
+    return None if computed is None or read is None else (computed, read)
+
+
+def same_side(first, second):
+    """Share of cases in which both FFR lead to the same decision: treat (at most FFR_THRESHOLD) or not."""
+    same = [(a <= FFR_THRESHOLD) == (b <= FFR_THRESHOLD) for a, b in zip(first, second)]
+    return sum(same) / len(same)

@@ -1,0 +1,104 @@
+"""What is known of a real patient (lumen after the procedure, pressure wire): metrics, agreement, figures, page."""
+
+import pytest
+
+from common.errors import InputError
+from reports.agreement import agreement_table
+from reports.case_files import CaseFiles
+from reports.cohort import cohort_table
+from reports.figures.case import case_figures
+from reports.figures.study import study_figures
+from reports.measured import same_side
+from reports.metrics import case_metrics
+from reports.page.build import build_report
+from reports.tables import write_csv
+from reports.timings import timings_table
+from common.files import write_json
+
+STATES = ("pre", "vci", "rc", "post")
+WIRE_MM = 37.0
+
+
+def metrics_of(folder):
+    config = folder / "case.yaml"
+    return case_metrics(CaseFiles(folder.name, folder), config=config if config.exists() else None)
+
+
+def test_a_wire_stands_beside_what_is_computed_at_its_sensor(make_case, tube):
+    document = metrics_of(make_case(states=STATES, wire=WIRE_MM))
+    assert document["measured"] == {"ffr_pre": 0.62, "ffr_post": 0.91, "branch": "main", "s_mm": WIRE_MM}
+    map_pa = document["patient"]["map_pa"]
+    for state in STATES:
+        assert document["states"][state]["ffr"]["at_wire"] == pytest.approx(tube(state).pressure(WIRE_MM) / map_pa)
+    assert document["registration"]["residual_mm"]["trimmed_rms"] == 0.12
+    assert {"vci_minus_post", "rc_minus_post"} == set(document["differences"])
+
+
+def test_agreement_with_post_and_wire(make_case):
+    folders = [make_case(f"real{k}", states=STATES, change=c, wire=WIRE_MM) for k, c in enumerate((0.0, 0.02, -0.03))]
+    documents = [metrics_of(folder) for folder in folders]
+    table = agreement_table(documents).set_index(["quantity", "comparison"])
+    row = table.loc[("ffr", "pre_minus_measured")]
+    computed = [document["states"]["pre"]["ffr"]["at_wire"] for document in documents]
+    assert row["error"] == "measured" and row["n"] == 3
+    assert row["bias"] == pytest.approx(sum(computed) / 3 - 0.62)
+    assert row["loa_upper"] - row["loa_lower"] == pytest.approx(2 * 1.96 * row["sd"])
+    after = table.loc[("ffr", "post_minus_measured")]
+    assert after["mean_b"] == pytest.approx(0.91) and after["same_decision"] == 1.0
+    assert ("mean_area", "pre_minus_measured") not in table.index, "a wire reads no areas"
+    clinical = table.loc[("mean_area", "vci_minus_post")]
+    assert clinical["error"] == "clinical" and clinical["published_bias"] == -1.55
+    cohort = cohort_table(documents)
+    assert cohort["measured_ffr_pre"].tolist() == [0.62] * 3 and cohort["post_ffr_distal"].notna().all()
+
+
+@pytest.mark.parametrize("computed, measured, share", [((0.8, 0.9), (0.7, 0.81), 1.0), ((0.81, 0.9), (0.8, 0.85), 0.5)])
+def test_decisions(computed, measured, share):
+    assert same_side(computed, measured) == share
+
+
+def test_areas_only(make_case):
+    """Without a flow after the procedure areas and curvature are compared all the same."""
+    document = metrics_of(make_case(states=STATES, compare="areas"))
+    assert document["states"]["post"]["ffr"] is None and document["measured"] is None
+    difference = document["differences"]["vci_minus_post"]
+    assert difference["ffr"] is None and difference["ffr_distal"] is None
+    assert difference["area_mm2"]["bias"] > 0, "opened further than the lumen found"
+    table = agreement_table([document]).set_index(["quantity", "comparison"])
+    assert ("ffr", "vci_minus_post") not in table.index and ("mean_area", "vci_minus_post") in table.index
+    assert cohort_table([document])["post_ffr_distal"].isna().all()
+
+
+def test_a_wire_that_the_flow_does_not_know_of_is_refused(make_case):
+    folder = make_case(states=STATES, wire=WIRE_MM)
+    boundary = folder / "flow" / "boundary.json"
+    boundary.write_text(boundary.read_text().replace('"measured"', '"distal"'))
+    with pytest.raises(InputError, match="no probe at the wire(.|\n)*flow boundary"):
+        metrics_of(folder)
+
+
+@pytest.mark.parametrize("compare", ["flow", "areas"])
+def test_figures_and_page(make_case, tmp_path, compare):
+    folder = make_case("patient", states=STATES, compare=compare, wire=WIRE_MM)
+    document = metrics_of(folder)
+    files = CaseFiles("patient", folder)
+    write_json(files.metrics, document)
+    figures, study = tmp_path / "figures", tmp_path / "study"
+    case_figures(files, figures)
+    study_figures([document], figures)
+    pullback = (figures / "patient_pullback.svg").read_text()
+    assert "Pressure wire before PCI: 0.62" in pullback and "Pressure wire after PCI: 0.91" in pullback
+    assert ("After the real PCI" in pullback) == (compare == "flow")
+    write_csv(study / "agreement.csv", agreement_table([document]))
+    write_csv(study / "timings.csv", timings_table([files]))
+    build_report([files], study, figures, tmp_path / "index.html")
+    page = (tmp_path / "index.html").read_text()
+    for words in (
+        "FFR at the pressure wire",
+        "0.12 mm are left between the axes",
+        "Computed minus measured",
+        "After the real PCI",
+    ):
+        assert words in page, words
+    assert ("No flow is computed in it" in page) == (compare == "areas")
+    assert "Nothing here has been compared" not in page
