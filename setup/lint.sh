@@ -33,7 +33,7 @@ check flake8 /usr/bin/python3 -m flake8 "${python[@]}"
 if [ ${#cpp[@]} -gt 0 ]; then
   check clang-format clang-format --dry-run -Werror "${cpp[@]}"
   check cppcheck cppcheck --quiet --std=c++20 --language=c++ --enable=warning,performance,portability --inline-suppr \
-    --suppressions-list=setup/cppcheck-suppressions.txt --error-exitcode=1 -j "$(nproc)" -I . "${sources[@]}"
+    --suppressions-list=setup/cppcheck-suppressions.txt --error-exitcode=1 -j "$(nproc)" -I . -I anatomy/src "${sources[@]}"
 fi
 for script in "${shell[@]}"; do
   check "bash -n $script" bash -n "$script"

@@ -1,4 +1,4 @@
-#include "axis.hpp"
+#include "centreline/axis.hpp"
 #include <gtest/gtest.h>
 #include <random>
 

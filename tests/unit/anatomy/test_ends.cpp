@@ -1,7 +1,11 @@
 #include "common/error.hpp"
-#include "ends.hpp"
-#include "remesh.hpp"
-#include "repair.hpp"
+#include "ends/cap_open_ends.hpp"
+#include "ends/ends.hpp"
+#include "ends/flat_caps.hpp"
+#include "ends/naming.hpp"
+#include "ends/ragged_ends.hpp"
+#include "remesh/remesh.hpp"
+#include "repair/repair.hpp"
 #include "tube.hpp"
 #include <CGAL/boost/graph/helpers.h>
 #include <gtest/gtest.h>

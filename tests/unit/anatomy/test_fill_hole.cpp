@@ -1,5 +1,5 @@
-#include "fill_hole.hpp"
-#include "repair.hpp"
+#include "repair/fill_hole.hpp"
+#include "repair/repair.hpp"
 #include "tube.hpp"
 #include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>

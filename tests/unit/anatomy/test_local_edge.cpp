@@ -1,7 +1,7 @@
-#include "corners.hpp"
-#include "ends.hpp"
-#include "local_edge.hpp"
-#include "remesh.hpp"
+#include "ends/ends.hpp"
+#include "remesh/corners.hpp"
+#include "remesh/local_edge.hpp"
+#include "remesh/remesh.hpp"
 #include "tube_mesh.hpp"
 #include <gtest/gtest.h>
 #include <random>

@@ -1,5 +1,5 @@
-#include "ends.hpp"
-#include "refine.hpp"
+#include "ends/ends.hpp"
+#include "remesh/refine.hpp"
 #include "tube_mesh.hpp"
 #include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/boost/graph/helpers.h>

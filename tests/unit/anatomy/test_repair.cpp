@@ -1,6 +1,6 @@
 #include "common/error.hpp"
-#include "loops.hpp"
-#include "repair.hpp"
+#include "repair/loops.hpp"
+#include "repair/repair.hpp"
 #include "tube.hpp"
 #include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/boost/graph/helpers.h>

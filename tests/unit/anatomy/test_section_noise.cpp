@@ -1,4 +1,4 @@
-#include "section_noise.hpp"
+#include "measure/section_noise.hpp"
 #include <gtest/gtest.h>
 #include <random>
 

@@ -1,4 +1,4 @@
-#include "shortest_ways.hpp"
+#include "core/shortest_ways.hpp"
 #include <gtest/gtest.h>
 #include <random>
 

@@ -1,5 +1,5 @@
 #include "common/error.hpp"
-#include "surface_file.hpp"
+#include "files/surface_file.hpp"
 #include <cstdio>
 #include <filesystem>
 #include <fstream>

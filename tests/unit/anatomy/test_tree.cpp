@@ -1,7 +1,9 @@
-#include "ends.hpp"
-#include "lesions.hpp"
-#include "remesh.hpp"
-#include "repair.hpp"
+#include "ends/ends.hpp"
+#include "ends/flat_caps.hpp"
+#include "ends/naming.hpp"
+#include "measure/lesions.hpp"
+#include "remesh/remesh.hpp"
+#include "repair/repair.hpp"
 #include "tube.hpp"
 #include <gtest/gtest.h>
 

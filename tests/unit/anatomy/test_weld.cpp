@@ -1,5 +1,5 @@
+#include "repair/weld.hpp"
 #include "tube.hpp"
-#include "weld.hpp"
 #include <gtest/gtest.h>
 
 using namespace anatomy;

@@ -1,6 +1,6 @@
 // Swept tubes with known axis and radius, as triangle soups.
 #pragma once
-#include "types.hpp"
+#include "core/types.hpp"
 #include <functional>
 #include <random>
 

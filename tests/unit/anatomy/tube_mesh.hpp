@@ -1,7 +1,8 @@
 // Swept tubes as repaired meshes with tagged caps.
 #pragma once
-#include "ends.hpp"
-#include "repair.hpp"
+#include "ends/ends.hpp"
+#include "ends/flat_caps.hpp"
+#include "repair/repair.hpp"
 #include "tube.hpp"
 
 namespace anatomy::shapes {

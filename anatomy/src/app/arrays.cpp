@@ -1,0 +1,81 @@
+#include "app/arrays.hpp"
+#include <algorithm>
+#include <vtkCell.h>
+#include <vtkCellLocator.h>
+#include <vtkDataArray.h>
+#include <vtkGenericCell.h>
+#include <vtkPointData.h>
+
+namespace anatomy {
+namespace {
+
+void carry_plaque(const Mesh& mesh, vtkPolyData* input, vtkDataArray* thickness, vtkDataArray* type, Arrays& arrays) {
+  vtkNew<vtkCellLocator> locator; // vtkStaticCellLocator hands back another cell than the nearest (VTK 9.1)
+  locator->SetDataSet(input);
+  locator->BuildLocator();
+  vtkNew<vtkGenericCell> cell;
+  for (Vertex v : mesh.vertices()) {
+    const Point& p = mesh.point(v);
+    double x[3] = {p.x(), p.y(), p.z()}, nearest[3], pcoords[3], weights[3], d2;
+    vtkIdType id;
+    int sub;
+    locator->FindClosestPoint(x, nearest, cell, id, sub, d2);
+    cell->EvaluatePosition(nearest, nullptr, sub, pcoords, d2, weights);
+    double t = 0, total = 0;
+    int heaviest = 0;
+    for (int k = 0; k < 3; ++k) {
+      // on slivers the weights of a point on the edge come out slightly outside [0, 1]
+      const double weight = std::max(0.0, weights[k]);
+      total += weight;
+      t += weight * thickness->GetTuple1(cell->GetPointId(k));
+      if (weights[k] > weights[heaviest])
+        heaviest = k;
+    }
+    arrays.plaque_thickness_mm[v] = t / total;
+    arrays.plaque_type[v] = static_cast<int>(type->GetTuple1(cell->GetPointId(heaviest)));
+  }
+}
+
+// The inner points of caps, which are no wall.
+void clear_caps(const Mesh& mesh, Arrays& arrays) {
+  const RegionMap region = region_map(mesh);
+  for (Vertex v : mesh.vertices()) {
+    const auto faces = mesh.faces_around_target(mesh.halfedge(v));
+    if (std::none_of(faces.begin(), faces.end(), [&](Face f) { return region[f] == 0; }))
+      arrays.plaque_thickness_mm[v] = arrays.plaque_type[v] = 0;
+  }
+}
+
+} // namespace
+
+Arrays arrays_of(const Mesh& mesh, const std::vector<Branch>& branches, const std::vector<ReferenceProfile>& profiles,
+                 vtkPolyData* input) {
+  Arrays arrays;
+  const std::size_t n = mesh.number_of_vertices();
+  arrays.radius_mm.resize(n);
+  arrays.reference_radius_mm.resize(n);
+  arrays.plaque_thickness_mm.resize(n);
+  arrays.plaque_type.resize(n);
+  for (Vertex v : mesh.vertices()) {
+    const NearestAxis near = nearest_axis(branches, vec(mesh.point(v)));
+    const Branch& branch = branches[near.branch];
+    arrays.radius_mm[v] = branch.radius[near.sample];
+    arrays.reference_radius_mm[v] = 0.5 * profiles[near.branch].diameter(branch.s[near.sample]);
+    arrays.plaque_thickness_mm[v] = std::max(0.0, arrays.reference_radius_mm[v] - near.distance);
+    arrays.plaque_type[v] = arrays.plaque_thickness_mm[v] > 0 ? 1 : 0;
+  }
+  for (Face f : mesh.faces()) {
+    Vec3 centre = Vec3::Zero();
+    for (Vertex v : mesh.vertices_around_face(mesh.halfedge(f)))
+      centre += vec(mesh.point(v)) / 3;
+    arrays.branch_id.push_back(branches[nearest_axis(branches, centre).branch].id);
+  }
+  vtkDataArray* thickness = input->GetPointData()->GetArray("plaque_thickness_mm");
+  vtkDataArray* type = input->GetPointData()->GetArray("plaque_type");
+  if (thickness && type)
+    carry_plaque(mesh, input, thickness, type, arrays);
+  clear_caps(mesh, arrays);
+  return arrays;
+}
+
+} // namespace anatomy

@@ -1,0 +1,67 @@
+#include "app/checks.hpp"
+#include "common/error.hpp"
+#include "repair/spikes.hpp"
+#include "repair/tips.hpp"
+#include <CGAL/Polygon_mesh_processing/repair.h>
+
+namespace anatomy {
+namespace {
+
+namespace PMP = CGAL::Polygon_mesh_processing;
+using common::InputError;
+
+constexpr double least_move = 1e-3;       // mm
+constexpr double most_off_surface = 1e-2; // mm from the given surface, more is warned of
+constexpr double smallest_angle = 30;     // degrees
+constexpr double rough = 0.15;            // edges, rms: flat ends are found to 12 degrees
+constexpr long few_rings = 4;             // more are not vessels that touch
+
+} // namespace
+
+void check_no_handle(Mesh& mesh) {
+  PMP::remove_isolated_vertices(mesh);
+  mesh.collect_garbage();
+  const auto places = places_on_handles(mesh);
+  if (places.empty())
+    return;
+  const long euler =
+      static_cast<long>(mesh.number_of_vertices() + mesh.number_of_faces()) - static_cast<long>(mesh.number_of_edges());
+  if (euler > 2)
+    throw InputError("the surface falls into pieces", "near " + place(vec(mesh.point(places[0]))),
+                     "Euler number " + std::to_string(euler), "smooth or re-segment the surface there");
+  const long rings = 1 - euler / 2;
+  throw InputError(rings > 1 ? "the lumen forms " + std::to_string(rings) + " rings, as no coronary tree does"
+                             : "the lumen forms a ring, as no coronary tree does",
+                   "near " + place(vec(mesh.point(places[0]))), "Euler number " + std::to_string(euler),
+                   rings > few_rings ? "smooth or re-segment the surface: so many are noise as large as its triangles"
+                                     : "separate the vessels that touch there, or fill the hole through the lumen");
+}
+
+void report_move(std::vector<Repair>& repairs, const Move& move, std::size_t ends) {
+  if (move.distance > least_move)
+    repairs.push_back({"caps flattened", ends,
+                       "moved up to " + std::to_string(move.distance) + " mm at " + place(move.to),
+                       move.distance > most_off_surface});
+}
+
+void warn_of_corner(std::vector<Repair>& repairs, const Quality& quality) {
+  if (quality.min_angle_deg >= smallest_angle)
+    return;
+  char detail[160];
+  std::snprintf(detail, sizeof detail, "of %.1f degrees at %s: %.0f are wanted; try another edge length",
+                quality.min_angle_deg, place(quality.min_angle_at).c_str(), smallest_angle);
+  repairs.push_back({"narrow corner in the new surface", 1, detail, true});
+}
+
+void check_ends_seen(const Mesh& mesh, const std::vector<End>& ends) {
+  const Roughness wall = roughness_of(mesh);
+  if (ends.size() >= 2 || wall.rms < rough * wall.edge)
+    return;
+  char value[160];
+  std::snprintf(value, sizeof value, "%zu ends found; the wall scatters by %.3f mm (rms) at edges of %.3f mm",
+                ends.size(), wall.rms, wall.edge);
+  throw InputError("the wall is too rough for its ends to be seen", "roughest near " + place(wall.at), value,
+                   "smooth the surface, or cut its ends off and leave them open");
+}
+
+} // namespace anatomy

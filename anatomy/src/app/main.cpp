@@ -1,0 +1,127 @@
+// The program lumen: any lumen surface in, trustworthy geometry out.
+#include "app/process.hpp"
+#include "app/vtk_output.hpp"
+#include "common/command_line.hpp"
+#include "files/surface_file.hpp"
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <vtkObject.h>
+
+namespace {
+
+using namespace anatomy;
+
+// Coordinates as the command line gives them.
+struct GivenPoints {
+  std::vector<double> inlet, outlets, cuts;
+};
+
+std::vector<Vec3> points_of(const std::vector<double>& coordinates, const std::string& option) {
+  if (coordinates.size() % 3 != 0)
+    throw common::InputError("a point has three coordinates", option, std::to_string(coordinates.size()) + " numbers",
+                             "write " + option + " x,y,z for each point");
+  std::vector<Vec3> points;
+  if (!std::all_of(coordinates.begin(), coordinates.end(), [](double x) { return std::isfinite(x); }))
+    throw common::InputError("a coordinate is no number", option, "nan or inf", "write " + option + " x,y,z in mm");
+  for (std::size_t i = 0; i < coordinates.size(); i += 3)
+    points.emplace_back(coordinates[i], coordinates[i + 1], coordinates[i + 2]);
+  return points;
+}
+
+void add_input(CLI::App& command, Options& options, GivenPoints& given) {
+  command
+      .add_option("surface", options.input,
+                  "lumen surface (.stl, .vtp, .ply, .obj) or labelled mask (.nii, .nii.gz, .nrrd, .mha, .mhd)")
+      ->required();
+  command.add_option("--units", options.units, "length unit of the file: mm, cm or m")->capture_default_str();
+  command.add_option("--label", options.label, "the lumen's label in a mask; default: the only one")
+      ->check([](const std::string& label) { return std::string(label == "0" ? "0 is what is no vessel" : ""); });
+  command.add_option("--cut", given.cuts, "cut the vessel flat across at its axis near x,y,z (mm); repeat for each")
+      ->delimiter(',');
+  command.add_option(
+      "--cap", options.caps,
+      "file with the triangles of one end; repeat for each: the inlet's, then the outlets', main's first");
+  command.add_option("--inlet", given.inlet, "a point near the inlet, x,y,z in mm; default: the largest end")
+      ->delimiter(',')
+      ->expected(3);
+  command.add_option("--outlet", given.outlets, "a point near an outlet, x,y,z in mm; repeat for each, main's first")
+      ->delimiter(',');
+}
+
+void print_summary(const Anatomy& anatomy, const StepTimer& timer) {
+  nlohmann::ordered_json all = summary(anatomy, timer);
+  for (const auto& repair : all["repairs"])
+    std::cerr << "lumen: repair: " << repair["what"].get<std::string>() << " (" << repair["count"] << ") "
+              << repair["detail"].get<std::string>() << '\n';
+  std::printf("%zu ends, %zu branches, %zu sections, %zu lesions, %zu triangles, smallest angle %.1f deg\n",
+              anatomy.ends.size(), anatomy.branches.size(), anatomy.sections.size(), anatomy.lesions.size(),
+              static_cast<std::size_t>(anatomy.mesh.number_of_faces()), anatomy.quality.min_angle_deg);
+}
+
+void check(const Options& options, const std::string& repaired) {
+  StepTimer timer;
+  const Prepared prepared = prepare(options, timer);
+  for (const Repair& repair : prepared.repairs)
+    std::cout << "repair: " << repair.what << " (" << repair.count << ") " << repair.detail << '\n';
+  for (const End& end : prepared.ends)
+    std::cout << "end: radius " << end.radius() << " mm at " << place(end.centre) << '\n';
+  if (!repaired.empty())
+    write_surface(prepared.given, repaired);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"lumen: checks, repairs, remeshes and measures a coronary lumen surface (lengths in mm)", "lumen"};
+  app.require_subcommand(1);
+  Options options;
+  std::string out;
+  GivenPoints given;
+
+  auto* process_command =
+      app.add_subcommand("process", "surface to lumen.vtp, centreline.vtp, sections.csv, anatomy.json");
+  add_input(*process_command, options, given);
+  process_command->add_option("--edge", options.edge, "edge length of the new surface, mm")->capture_default_str();
+  process_command->add_option("--spacing", options.spacing, "distance between cross-sections, mm")
+      ->capture_default_str();
+  process_command->add_option("--extend-inlet", options.extend_inlet, "straight extension of the inlet, in its radii");
+  process_command->add_option("--extend-outlets", options.extend_outlets,
+                              "straight extension of every outlet, in its radii");
+  process_command->add_option("--like", options.like, "anatomy.json of an earlier state, whose names the ends take");
+  process_command->add_option("--out", out, "folder for the results")->required();
+
+  auto* check_command = app.add_subcommand("check", "print the repairs a surface needs and the ends it has");
+  add_input(*check_command, options, given);
+  std::string repaired;
+  check_command->add_option("--repaired", repaired, "repaired, capped surface to write: .vtp or .stl; default: none");
+
+  auto* remesh_command = app.add_subcommand("remesh", "repaired, capped, uniform surface with region_id");
+  add_input(*remesh_command, options, given);
+  remesh_command->add_option("--edge", options.edge, "edge length, mm")->capture_default_str();
+  remesh_command->add_option("--out", out, "surface to write: .vtp or .stl")->required();
+
+  vtkObject::GlobalWarningDisplayOff(); // what a reader cannot read is said once, by InputError
+  if (const auto code = common::exit_code_of_parsing(app, argc, argv))
+    return *code;
+  return common::guarded([&] {
+    if (!given.inlet.empty())
+      options.inlet = points_of(given.inlet, "--inlet").front();
+    options.outlets = points_of(given.outlets, "--outlet");
+    options.cuts = points_of(given.cuts, "--cut");
+    if (check_command->parsed()) {
+      check(options, repaired);
+    } else if (remesh_command->parsed()) {
+      StepTimer timer;
+      const Prepared prepared = prepare(options, timer);
+      write_surface(remeshed(prepared.given, options.edge, prepared.mesh), out);
+    } else {
+      StepTimer timer;
+      const Anatomy anatomy = process(options, timer);
+      timer.stop();
+      write_anatomy(anatomy, timer, out);
+      print_summary(anatomy, timer);
+    }
+    return 0;
+  });
+}

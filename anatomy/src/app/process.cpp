@@ -1,0 +1,276 @@
+#include "app/process.hpp"
+#include "app/checks.hpp"
+#include "common/error.hpp"
+#include "ends/cap_open_ends.hpp"
+#include "ends/cut_ends.hpp"
+#include "ends/ends.hpp"
+#include "ends/extend.hpp"
+#include "ends/flat_caps.hpp"
+#include "ends/given_caps.hpp"
+#include "ends/naming.hpp"
+#include "ends/ragged_ends.hpp"
+#include "files/surface_file.hpp"
+#include "measure/coarse_mask.hpp"
+#include "measure/section_noise.hpp"
+#include "remesh/local_edge.hpp"
+#include "remesh/refine.hpp"
+#include "repair/handles.hpp"
+#include "repair/repair.hpp"
+#include "repair/spikes.hpp"
+#include <CGAL/Polygon_mesh_processing/measure.h>
+#include <CGAL/Polygon_mesh_processing/repair.h>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <vtkCellData.h>
+
+namespace anatomy {
+namespace {
+
+namespace PMP = CGAL::Polygon_mesh_processing;
+using common::InputError;
+
+constexpr double finest_start = 0.05;     // mm
+constexpr double most_triangles = 250000; // of a mesh to start from: some 20 s
+constexpr double smallest_cap = 1.5;      // voxels: a thin lumen of voxels has facets as large as one on its wall
+
+// Whether a mesh of this edge (mm) may be tried where a coarser one fails.
+bool may_start_from(double edge, const Mesh& surface) {
+  return edge >= finest_start && PMP::area(surface) / (std::sqrt(3.0) / 4 * edge * edge) < most_triangles;
+}
+
+nlohmann::json read_like(const std::string& path) {
+  std::ifstream file(path);
+  if (!file)
+    throw InputError("no such file", path, "missing", "give the anatomy.json of the earlier state");
+  nlohmann::json like = nlohmann::json::parse(file, nullptr, false);
+  if (like.is_discarded() || like.value("schema", "") != "vci-anatomy-1" || !like.contains("ends"))
+    throw InputError("not an anatomy summary", path, "no schema vci-anatomy-1", "give an anatomy.json");
+  return like;
+}
+
+void check_options(const Options& options) {
+  if (!(options.edge >= 0.05 && options.edge <= 2))
+    throw InputError("edge length out of range", "--edge", std::to_string(options.edge) + " mm", "choose 0.05 to 2 mm");
+  if (!(options.spacing >= 0.05 && options.spacing <= 2))
+    throw InputError("section spacing out of range", "--spacing", std::to_string(options.spacing) + " mm",
+                     "choose 0.05 to 2 mm");
+  for (double radii : {options.extend_inlet, options.extend_outlets})
+    if (!(radii == 0 || (radii >= 0.5 && radii <= 20)))
+      throw InputError("flow extension out of range", "--extend-inlet, --extend-outlets",
+                       std::to_string(radii) + " radii", "choose 0.5 to 20 radii, or 0 for none");
+  if (!options.caps.empty() && (options.inlet || !options.outlets.empty()))
+    throw InputError("ends given twice", "--cap", "with --inlet or --outlet", "give caps or points, not both");
+}
+
+void say_warnings(const std::vector<Repair>& repairs, std::size_t from) {
+  for (std::size_t i = from; i < repairs.size(); ++i)
+    if (repairs[i].warning)
+      std::cerr << "lumen: warning: " << repairs[i].what << ": " << repairs[i].detail << '\n';
+}
+
+std::set<int> tags_of(const std::vector<OpenEnd>& open) {
+  std::set<int> tags;
+  for (const OpenEnd& end : open)
+    tags.insert(end.tag);
+  return tags;
+}
+
+// Tags as numbered by the tree, instead of by area.
+void retag(Mesh& mesh, const std::vector<End>& ends, const std::vector<End>& before) {
+  RegionMap region = region_map(mesh);
+  for (Face f : mesh.faces())
+    for (std::size_t e = 0; e < ends.size(); ++e)
+      if (region[f] == before[e].region) {
+        region[f] = ends[e].region;
+        break;
+      }
+}
+
+// Cuts what the user asks for and the ends that are rounded, and caps the openings.
+void cut_flat(Prepared& out, const Options& options) {
+  std::vector<Vec3> wanted = options.outlets;
+  if (options.inlet)
+    wanted.push_back(*options.inlet);
+  cut_across(out.mesh, out.ends, options.cuts, out.repairs);
+  cap_open_ends(out.mesh, out.repairs);
+  out.ends = measured_ends(out.mesh);
+  if (!cut_tips(out.mesh, out.ends, wanted, out.repairs))
+    return;
+  cap_open_ends(out.mesh, out.repairs);
+  out.ends = measured_ends(out.mesh);
+}
+
+// The end where the file's own tags have the inlet; a cut may have moved it along the vessel.
+std::optional<Vec3> inlet_by_tag(const std::vector<End>& ends, vtkPolyData* input) {
+  const std::optional<Vec3> tagged = tagged_inlet(input);
+  if (!tagged || ends.empty())
+    return std::nullopt;
+  return std::min_element(
+             ends.begin(), ends.end(),
+             [&](const End& a, const End& b) { return (a.centre - *tagged).norm() < (b.centre - *tagged).norm(); })
+      ->centre;
+}
+
+// Which end is which: as in the earlier state, by the given caps, by the given points, by the file's tags, or by size.
+Naming named(std::vector<End>& ends, const Options& options, const std::optional<nlohmann::json>& like,
+             vtkPolyData* input) {
+  if (like)
+    return naming_like(ends, *like);
+  if (options.caps.empty())
+    return naming_given(ends, options.inlet ? options.inlet : inlet_by_tag(ends, input), options.outlets);
+  std::vector<Vec3> centres;
+  for (const GivenCap& cap : read_caps(options.caps, options.units))
+    centres.push_back(cap.centre);
+  return naming_given(ends, centres.front(), {centres.begin() + 1, centres.end()});
+}
+
+// Whether the wanted edge may already be there: tagged, closed and of about as many triangles, as an earlier state is.
+bool may_be_kept(const Options& options, const Prepared& prepared, bool tagged) {
+  const double triangles = PMP::area(prepared.given) / (std::sqrt(3.0) / 4 * options.edge * options.edge);
+  return tagged && !options.like.empty() && static_cast<double>(prepared.given.number_of_faces()) < 4 * triangles;
+}
+
+std::vector<double> extensions(const Options& options, std::size_t ends, std::size_t inlet) {
+  std::vector<double> radii(ends, options.extend_outlets);
+  radii[inlet] = options.extend_inlet;
+  return radii;
+}
+
+// The mesh whose inscribed balls give the axes, and the ways through them.
+struct Start {
+  Mesh mesh;
+  double edge; ///< mm, of the mesh
+  std::vector<Path> paths;
+};
+
+// Of the wanted edge; where that is too coarse to follow the lumen through a narrowing, of the half of it, and so on.
+Start started(const Mesh& coarse, const Prepared& prepared, const Options& options, std::size_t inlet,
+              StepTimer& timer) {
+  for (double edge = options.edge;; edge /= 2)
+    try {
+      timer.start("remesh");
+      Mesh mesh = remeshed(coarse, edge, prepared.mesh);
+      timer.start("centreline");
+      std::vector<Path> paths = voronoi_paths(mesh, prepared.ends, inlet);
+      return {std::move(mesh), edge, std::move(paths)};
+    } catch (const common::ComputationError&) {
+      if (!may_start_from(edge / 2, prepared.mesh))
+        throw;
+    }
+}
+
+// From the uniform mesh; where that has pinched a throat, from finer ones.
+Mesh graded_from(const Start& start, const Mesh& surface, const EdgeField& field) {
+  for (double edge = start.edge;; edge /= 2)
+    try {
+      if (edge >= field.edge())
+        return graded(start.mesh, surface, field);
+      return coarsened(edge == start.edge ? start.mesh : remeshed(surface, edge, surface), edge, surface, field);
+    } catch (const common::ComputationError&) {
+      if (!may_start_from(edge / 2, surface))
+        throw;
+    }
+}
+
+// The mesh for the deployment: an earlier state's as far as it still is as wanted, else made anew.
+Mesh graded_mesh(const Start& start, bool kept, const Mesh& surface, const EdgeField& field) {
+  if (!kept)
+    return graded_from(start, surface, field);
+  if (const auto regraded_mesh = regraded(start.mesh, surface, field))
+    return *regraded_mesh;
+  return graded_from({remeshed(surface, field.edge(), surface), field.edge(), {}}, surface, field);
+}
+
+} // namespace
+
+Prepared prepare(const Options& options, StepTimer& timer) {
+  check_options(options);
+  Prepared out;
+  timer.start("read");
+  const std::vector<GivenCap> caps = read_caps(options.caps, options.units);
+  out.input = read_surface(options.input, options.units, options.label, out.repairs);
+  const Soup soup = soup_of(out.input);
+  timer.start("repair");
+  out.mesh = repaired(soup, out.repairs);
+  region_map(out.mesh);
+  if (!soup.region.empty())
+    tag_from_soup(out.mesh, soup);
+  timer.start("ends");
+  const std::vector<OpenEnd> open = cap_open_ends(out.mesh, out.repairs);
+  orient_outward(out.mesh, out.repairs);
+  remove_small_handles(out.mesh, out.repairs);
+  check_no_handle(out.mesh); // what follows keeps those there are, and takes long where there are many
+  timer.start("self-intersections");
+  remove_self_intersections(out.mesh, out.repairs);
+  check_no_handle(out.mesh);
+  drop_scraps_of_caps(out.mesh, tags_of(open), out.repairs);
+  cut_ragged(out.mesh, open, out.repairs);
+  timer.start("caps");
+  if (!caps.empty())
+    tag_given_caps(out.mesh, caps);
+  else if (soup.region.empty())
+    tag_flat_caps(out.mesh, smallest_cap * voxel_edge(out.input));
+  flatten_spikes(out.mesh, out.repairs);
+  out.ends = measured_ends(out.mesh);
+  cut_flat(out, options);
+  check_no_handle(out.mesh);
+  report_move(out.repairs, flatten_caps(out.mesh), out.ends.size());
+  check_mean_radius(2 * PMP::volume(out.mesh) / PMP::area(out.mesh), options.units, options.input);
+  out.given = out.mesh;
+  if (is_coarse(out.mesh))
+    out.mesh = curved_refined(out.mesh);
+  say_warnings(out.repairs, 0);
+  return out;
+}
+
+Anatomy process(const Options& options, StepTimer& timer) {
+  std::optional<nlohmann::json> like;
+  if (!options.like.empty())
+    like = read_like(options.like);
+  Prepared prepared = prepare(options, timer);
+  Anatomy out;
+  out.source_path = options.input;
+  out.source_sha256 = sha256_of_file(options.input);
+  out.units = options.units;
+  out.edge = options.edge;
+  out.repairs = prepared.repairs;
+  out.ends = prepared.ends;
+  check_ends_seen(prepared.mesh, prepared.ends);
+  const Naming naming = named(out.ends, options, like, prepared.input);
+  timer.start("extend");
+  prepared.mesh = extended(prepared.mesh, out.ends, extensions(options, out.ends.size(), naming.inlet));
+  const bool extends = options.extend_inlet > 0 || options.extend_outlets > 0;
+  const Mesh& coarse = extends ? prepared.mesh : prepared.given; // which is the faster to remesh
+  const bool kept = !extends && may_be_kept(options, prepared, prepared.input->GetCellData()->HasArray("region_id"));
+  prepared.ends = out.ends; // with their extensions
+  if (kept)
+    timer.start("centreline");
+  Start start = kept ? Start{prepared.given, options.edge, voronoi_paths(prepared.given, out.ends, naming.inlet)}
+                     : started(coarse, prepared, options, naming.inlet, timer);
+  const WallTree wall(prepared.mesh);
+  const std::vector<End> before = out.ends;
+  out.branches = build_tree(start.paths, out.ends, naming.inlet, wall, options.spacing, naming.branch);
+  retag(start.mesh, out.ends, before);
+  timer.start("sections");
+  out.sections = cut_sections(prepared.mesh, out.branches, out.ends);
+  smooth_noisy_areas(out.branches, out.sections, out.repairs);
+  std::size_t said = out.repairs.size();
+  warn_of_few_voxels(out.branches, out.sections, voxel_edge(prepared.input), out.repairs);
+  timer.start("lesions");
+  out.profiles = reference_profiles(out.branches, out.sections, out.repairs);
+  say_warnings(out.repairs, said);
+  out.lesions = find_lesions(out.branches, out.sections, out.profiles);
+  timer.start("grade");
+  retag(prepared.mesh, out.ends, before);
+  out.mesh = graded_mesh(start, kept, prepared.mesh, EdgeField(options.edge, out.branches, out.profiles));
+  out.quality = quality_of(out.mesh);
+  said = out.repairs.size();
+  warn_of_corner(out.repairs, out.quality);
+  say_warnings(out.repairs, said);
+  timer.start("arrays");
+  out.arrays = arrays_of(out.mesh, out.branches, out.profiles, prepared.input);
+  return out;
+}
+
+} // namespace anatomy

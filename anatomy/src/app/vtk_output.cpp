@@ -1,0 +1,118 @@
+#include "app/vtk_output.hpp"
+#include "common/error.hpp"
+#include "common/vtk_writing.hpp"
+#include <vtkCellArray.h>
+#include <vtkCellData.h>
+#include <vtkDoubleArray.h>
+#include <vtkIntArray.h>
+#include <vtkPointData.h>
+#include <vtkSTLWriter.h>
+#include <vtkStringArray.h>
+#include <vtkXMLPolyDataWriter.h>
+
+namespace anatomy {
+namespace {
+
+template <class Array, class Values> void add(vtkDataSetAttributes* to, const char* name, const Values& values) {
+  vtkNew<Array> array;
+  array->SetName(name);
+  for (const auto value : values)
+    array->InsertNextValue(value);
+  to->AddArray(array);
+}
+
+} // namespace
+
+vtkSmartPointer<vtkPolyData> lumen_data(const Mesh& mesh, const Arrays* arrays) {
+  auto data = vtkSmartPointer<vtkPolyData>::New();
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  for (Vertex v : mesh.vertices())
+    points->InsertNextPoint(mesh.point(v).x(), mesh.point(v).y(), mesh.point(v).z());
+  vtkNew<vtkCellArray> cells;
+  const RegionMap region = region_map(mesh);
+  std::vector<int> regions;
+  for (Face f : mesh.faces()) {
+    cells->InsertNextCell(3);
+    for (Vertex v : mesh.vertices_around_face(mesh.halfedge(f)))
+      cells->InsertCellPoint(static_cast<vtkIdType>(v.idx()));
+    regions.push_back(region[f]);
+  }
+  data->SetPoints(points);
+  data->SetPolys(cells);
+  add<vtkIntArray>(data->GetCellData(), "region_id", regions);
+  if (arrays) {
+    add<vtkIntArray>(data->GetCellData(), "branch_id", arrays->branch_id);
+    add<vtkDoubleArray>(data->GetPointData(), "radius_mm", arrays->radius_mm);
+    add<vtkDoubleArray>(data->GetPointData(), "reference_radius_mm", arrays->reference_radius_mm);
+    add<vtkDoubleArray>(data->GetPointData(), "plaque_thickness_mm", arrays->plaque_thickness_mm);
+    add<vtkIntArray>(data->GetPointData(), "plaque_type", arrays->plaque_type);
+  }
+  return data;
+}
+
+vtkSmartPointer<vtkPolyData> centreline_data(const std::vector<Branch>& branches) {
+  auto data = vtkSmartPointer<vtkPolyData>::New();
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  vtkNew<vtkCellArray> lines;
+  vtkNew<vtkStringArray> names;
+  names->SetName("branch_name");
+  std::vector<int> ids;
+  std::vector<double> s, radius, curvature, torsion;
+  for (const Branch& branch : branches) {
+    lines->InsertNextCell(static_cast<int>(branch.x.size()));
+    for (const Vec3& x : branch.x)
+      lines->InsertCellPoint(points->InsertNextPoint(x.data()));
+    ids.push_back(branch.id);
+    names->InsertNextValue(branch.name);
+    s.insert(s.end(), branch.s.begin(), branch.s.end());
+    radius.insert(radius.end(), branch.radius.begin(), branch.radius.end());
+    curvature.insert(curvature.end(), branch.curvature.begin(), branch.curvature.end());
+    torsion.insert(torsion.end(), branch.torsion.begin(), branch.torsion.end());
+  }
+  data->SetPoints(points);
+  data->SetLines(lines);
+  add<vtkIntArray>(data->GetCellData(), "branch_id", ids);
+  data->GetCellData()->AddArray(names);
+  add<vtkDoubleArray>(data->GetPointData(), "s_mm", s);
+  add<vtkDoubleArray>(data->GetPointData(), "radius_mm", radius);
+  add<vtkDoubleArray>(data->GetPointData(), "curvature_per_mm", curvature);
+  add<vtkDoubleArray>(data->GetPointData(), "torsion_per_mm", torsion);
+  return data;
+}
+
+void write_vtp(vtkPolyData* data, const std::filesystem::path& path) {
+  vtkNew<vtkXMLPolyDataWriter> writer;
+  writer->SetFileName(path.c_str());
+  writer->SetInputData(data);
+  if (!common::wrote_xml(writer.Get(), path)) {
+    std::error_code none;
+    std::filesystem::remove(path, none);
+    throw common::InputError("the file cannot be written", path.string(), "", "check the folder and the free space");
+  }
+}
+
+void write_surface(const Mesh& mesh, const std::string& path) {
+  const std::filesystem::path target(path);
+  const auto partial = target.parent_path() / (".partial-" + target.filename().string());
+  const auto data = lumen_data(mesh, nullptr);
+  if (target.extension() == ".vtp") {
+    write_vtp(data, partial);
+  } else if (target.extension() == ".stl") {
+    vtkNew<vtkSTLWriter> writer;
+    writer->SetFileName(partial.c_str());
+    writer->SetFileTypeToBinary();
+    writer->SetInputData(data);
+    if (!common::wrote_stl(writer.Get(), partial, data->GetNumberOfPolys()))
+      throw common::InputError("the file cannot be written", path, "", "check the folder and the free space");
+  } else {
+    throw common::InputError("unknown surface format", path, target.extension().string(), "name a .vtp or .stl file");
+  }
+  std::error_code error;
+  std::filesystem::rename(partial, target, error);
+  if (error) // VTK does not say that it could not open the file
+    throw common::InputError("the file cannot be written", path, error.message(), "check the folder and its rights");
+}
+
+} // namespace anatomy

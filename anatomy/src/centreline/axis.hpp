@@ -1,0 +1,41 @@
+// A smooth axis: a quintic smoothing spline through noisy points, parametrised by arc length.
+#pragma once
+#include "core/types.hpp"
+#include <unsupported/Eigen/Splines>
+
+namespace anatomy {
+
+/// Minimises sum w |x(t_i) - x_i|^2 + lambda int |x'''|^2 dt over quintic B-splines (Eilers & Marx 1996; the third
+/// derivative is penalised because second would pull a bend straight). lambda is the largest for which the
+/// residual stays at the noise of the points, estimated from their sixth differences (Morozov's discrepancy
+/// principle).
+class Axis {
+public:
+  Axis() = default;
+  /// points: in order, about evenly spaced, at least 2; the first and last are met exactly.
+  explicit Axis(const std::vector<Vec3>& points);
+
+  double length() const { return s_.back(); }
+  Vec3 at(double s) const;
+  Vec3 tangent(double s) const;
+  double curvature(double s) const; ///< 1/mm
+  double torsion(double s) const;   ///< 1/mm; 0 where the curvature is below 0.01 /mm, where it has no meaning
+  double noise() const { return noise_; }
+
+private:
+  using Spline = Eigen::Spline<double, 3, 5>;
+  void fit(const std::vector<double>& t, const std::vector<Vec3>& x, double rms_target);
+  void tabulate();
+  double parameter(double s) const;
+
+  Spline spline_;
+  double noise_ = 0, t_end_ = 0;
+  std::vector<double> s_, t_; ///< arc length against parameter
+};
+
+/// Standard deviation of the points' noise per coordinate, from sixth differences of every fourth point (of white
+/// noise: variance 924 sigma^2); of nearer ones where there are few. Fourth differences would take the bends of a
+/// tortuous vessel for noise of some 0.008 mm, and smooth them.
+double noise_of(const std::vector<Vec3>& points);
+
+} // namespace anatomy

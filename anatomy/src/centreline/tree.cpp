@@ -1,0 +1,250 @@
+#include "centreline/tree.hpp"
+#include "common/error.hpp"
+#include <algorithm>
+#include <numeric>
+
+namespace anatomy {
+namespace {
+
+constexpr double bin = 0.25;       // mm; averaging of the Voronoi path
+constexpr double end_trim = 0.5;   // inscribed radii left out next to a cap, where few balls are left to average
+constexpr double look_ahead = 1.5; // parent radii over which a side branch's direction at its exit is taken
+
+double arc_length(const std::vector<Vec3>& points) {
+  double length = 0;
+  for (std::size_t i = 1; i < points.size(); ++i)
+    length += (points[i] - points[i - 1]).norm();
+  return length;
+}
+
+// Mean of the points in bins of arc length, weighted by the length they stand for.
+std::vector<Vec3> binned(const std::vector<Vec3>& points) {
+  std::vector<Vec3> out;
+  Vec3 sum = Vec3::Zero();
+  double weight = 0, s = 0, bin_end = bin;
+  const auto close_bin = [&] {
+    if (weight > 0)
+      out.push_back(sum / weight);
+    sum.setZero();
+    weight = 0;
+  };
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    const double w = (points[i + 1] - points[i]).norm();
+    // a long step of the path is shared among the bins it crosses
+    const int pieces = std::max(1, static_cast<int>(std::ceil(w / (0.2 * bin))));
+    for (int k = 0; k < pieces; ++k) {
+      const double f = (k + 0.5) / pieces;
+      const double here = s + f * w;
+      while (here > bin_end) {
+        close_bin();
+        bin_end += bin;
+      }
+      sum += w / pieces * ((1 - f) * points[i] + f * points[i + 1]);
+      weight += w / pieces;
+    }
+    s += w;
+  }
+  close_bin();
+  return out;
+}
+
+std::size_t nearest_sample(const Branch& branch, const Vec3& p) {
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < branch.x.size(); ++i)
+    if ((branch.x[i] - p).squaredNorm() < (branch.x[best] - p).squaredNorm())
+      best = i;
+  return best;
+}
+
+bool inside_tube(const Branch& branch, const Vec3& p) {
+  const std::size_t i = nearest_sample(branch, p);
+  return (branch.x[i] - p).norm() < branch.radius[i];
+}
+
+// Points of the path between the two caps (or from index `first`), without those too near to a cap.
+std::vector<Vec3> between(const Path& path, std::size_t first, const End* from, const End& to) {
+  std::vector<Vec3> out;
+  for (std::size_t i = first; i < path.points.size(); ++i) {
+    const auto near = [&](const End& end) {
+      return std::abs((path.points[i] - end.centre).dot(end.normal)) < end_trim * end.radius() &&
+             (path.points[i] - end.centre).norm() < 2 * end.radius();
+    };
+    if (!(from && near(*from)) && !near(to))
+      out.push_back(path.points[i]);
+  }
+  return out;
+}
+
+void sample(Branch& branch, const WallTree& wall, double step) {
+  const int n = std::max(4, static_cast<int>(std::lround(branch.axis.length() / step)));
+  for (int i = 0; i <= n; ++i) {
+    const double s = branch.axis.length() * i / n;
+    branch.s.push_back(s);
+    branch.x.push_back(branch.axis.at(s));
+    branch.radius.push_back(wall.distance(branch.x.back()));
+    branch.curvature.push_back(branch.axis.curvature(s));
+    branch.torsion.push_back(branch.axis.torsion(s));
+  }
+}
+
+// Where a side branch's direction, continued backwards from its exit, passes nearest to the parent's axis.
+std::size_t take_off(const Branch& parent, const Vec3& exit, const Vec3& direction) {
+  const std::size_t here = nearest_sample(parent, exit);
+  std::size_t best = here;
+  double nearest = 1e300;
+  for (std::size_t i = 0; i <= here; ++i) {
+    if (parent.s[here] - parent.s[i] > 6 * parent.radius[here])
+      continue;
+    const Vec3 d = parent.x[i] - exit;
+    const double along = std::min(0.0, d.dot(direction));
+    const double distance = (d - along * direction).norm();
+    if (distance < nearest) {
+      nearest = distance;
+      best = i;
+    }
+  }
+  return best;
+}
+
+struct Builder {
+  const std::vector<Path>& paths;
+  const std::vector<End>& ends;
+  const End& inlet;
+  const WallTree& wall;
+  double step;
+  std::vector<Branch> branches;
+  std::vector<double> from_inlet; // path length at which each branch leaves
+
+  void add_main(std::size_t end) {
+    Branch main;
+    main.end = end;
+    std::vector<Vec3> points = binned(between(paths[end], 0, &inlet, ends[end]));
+    points.insert(points.begin(), inlet.centre);
+    points.push_back(ends[end].centre);
+    main.axis = Axis(points);
+    sample(main, wall, step);
+    branches.push_back(main);
+    from_inlet.push_back(0);
+  }
+
+  void add_side(std::size_t end) {
+    const Path& path = paths[end];
+    std::size_t parent = 0, exit = 0;
+    for (std::size_t b = 0; b < branches.size(); ++b) {
+      std::size_t i = path.points.size();
+      while (i > 0 && !inside_tube(branches[b], path.points[i - 1]))
+        --i;
+      if (i > exit) {
+        exit = i;
+        parent = b;
+      }
+    }
+    const std::vector<Vec3> outside = between(path, exit, nullptr, ends[end]);
+    if (outside.size() < 4)
+      throw common::ComputationError("a side branch is too short for an axis", place(ends[end].centre),
+                                     std::to_string(outside.size()) + " points of axis",
+                                     "cut the branch further out, or fill it");
+    const Branch& trunk = branches[parent];
+    std::size_t ahead = 0;
+    const double reach = look_ahead * trunk.radius[nearest_sample(trunk, outside.front())];
+    while (ahead + 1 < outside.size() && (outside[ahead] - outside.front()).norm() < reach)
+      ++ahead;
+    const std::size_t root = take_off(trunk, outside.front(), (outside[ahead] - outside.front()).normalized());
+    std::vector<Vec3> points = binned(outside);
+    points.insert(points.begin(), trunk.x[root]);
+    points.push_back(ends[end].centre);
+    Branch side;
+    side.end = end;
+    side.parent = static_cast<int>(parent);
+    side.s_on_parent = trunk.s[root];
+    side.axis = Axis(points);
+    sample(side, wall, step);
+    for (std::size_t i = 0; i < side.x.size(); ++i)
+      if (inside_tube(trunk, side.x[i]))
+        side.s_outside = side.s[i];
+    from_inlet.push_back(from_inlet[parent] + side.s_on_parent);
+    branches.push_back(side);
+  }
+};
+
+// Names by id, branches in the order of their ids. The ids of an earlier state may have gaps: a branch may be missing
+// from the lumen found after a procedure.
+void rename(std::vector<Branch>& branches, const std::vector<int>& id_of) {
+  for (std::size_t b = 0; b < branches.size(); ++b) {
+    branches[b].id = id_of[b];
+    branches[b].name = id_of[b] == 0 ? "main" : "side" + std::to_string(id_of[b]);
+  }
+  std::vector<int> place(branches.size());
+  for (std::size_t b = 0; b < branches.size(); ++b)
+    place[b] = static_cast<int>(std::count_if(id_of.begin(), id_of.end(), [&](int other) { return other < id_of[b]; }));
+  for (Branch& branch : branches)
+    if (branch.parent >= 0)
+      branch.parent = place[static_cast<std::size_t>(branch.parent)];
+  std::sort(branches.begin(), branches.end(), [](const Branch& a, const Branch& b) { return a.id < b.id; });
+}
+
+} // namespace
+
+double Branch::radius_at(double at) const {
+  const double f = std::clamp(at / s.back(), 0.0, 1.0) * static_cast<double>(s.size() - 1);
+  const auto i = std::min(static_cast<std::size_t>(f), s.size() - 2);
+  return radius[i] + (f - static_cast<double>(i)) * (radius[i + 1] - radius[i]);
+}
+
+std::vector<Branch> build_tree(const std::vector<Path>& paths, std::vector<End>& ends, std::size_t inlet,
+                               const WallTree& wall, double step, const std::vector<int>& wanted) {
+  std::vector<std::size_t> order;
+  for (std::size_t e = 0; e < ends.size(); ++e)
+    if (e != inlet)
+      order.push_back(e);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    if (!wanted.empty() && (wanted[a] == 0 || wanted[b] == 0))
+      return wanted[a] == 0 && wanted[b] != 0;
+    return arc_length(paths[a].points) > arc_length(paths[b].points);
+  });
+  Builder builder{paths, ends, ends[inlet], wall, step, {}, {}};
+  builder.add_main(order.front());
+  for (std::size_t k = 1; k < order.size(); ++k)
+    builder.add_side(order[k]);
+
+  std::vector<Branch> branches = std::move(builder.branches);
+  std::vector<int> id_of(branches.size(), 0);
+  std::vector<std::size_t> rank(branches.size());
+  std::iota(rank.begin(), rank.end(), 0);
+  std::stable_sort(rank.begin() + 1, rank.end(),
+                   [&](std::size_t a, std::size_t b) { return builder.from_inlet[a] < builder.from_inlet[b]; });
+  for (std::size_t r = 0; r < rank.size(); ++r)
+    id_of[rank[r]] = wanted.empty() ? static_cast<int>(r) : wanted[branches[rank[r]].end];
+  rename(branches, id_of);
+
+  ends[inlet].name = "inlet";
+  ends[inlet].inlet = true;
+  ends[inlet].branch = "main";
+  ends[inlet].region = 1;
+  for (const Branch& branch : branches) {
+    End& end = ends[branch.end];
+    end.branch = branch.name;
+    end.region = 2 + branch.id;
+    end.name = "outlet" + std::to_string(1 + branch.id);
+  }
+  return branches;
+}
+
+NearestAxis nearest_axis(const std::vector<Branch>& branches, const Vec3& p) {
+  NearestAxis nearest{0, 0, 1e300};
+  double least = 1e300;
+  for (std::size_t b = 0; b < branches.size(); ++b)
+    for (std::size_t i = 0; i < branches[b].x.size(); ++i) {
+      if (branches[b].s[i] < branches[b].s_outside)
+        continue;
+      const double d2 = (branches[b].x[i] - p).squaredNorm();
+      const double power = d2 - branches[b].radius[i] * branches[b].radius[i];
+      if (power < least) {
+        least = power;
+        nearest = {b, i, std::sqrt(d2)};
+      }
+    }
+  return nearest;
+}
+
+} // namespace anatomy

@@ -1,0 +1,60 @@
+#include "centreline/voronoi.hpp"
+#include "centreline/inner_balls.hpp"
+#include "common/error.hpp"
+#include <algorithm>
+
+namespace anatomy {
+namespace {
+
+constexpr std::size_t most_compared = 3000; // balls of each side; they are so dense that a part of them shows the place
+
+// Where the balls that can be reached from the inlet come nearest to those that can be reached from the end.
+Vec3 narrowest_gap(const Balls& balls, const Ways& from_inlet, std::size_t end) {
+  const Ways from_end = cheapest_ways(balls, end);
+  std::vector<Vec3> here, beyond;
+  for (std::size_t i = 0; i < balls.centre.size(); ++i)
+    if (from_inlet.cost[i] < unreached)
+      here.push_back(balls.centre[i]);
+    else if (from_end.cost[i] < unreached)
+      beyond.push_back(balls.centre[i]);
+  const auto step = [](const std::vector<Vec3>& x) { return x.size() / most_compared + 1; };
+  double nearest = unreached;
+  Vec3 place = balls.centre[end];
+  for (std::size_t i = 0; i < here.size(); i += step(here))
+    for (std::size_t j = 0; j < beyond.size(); j += step(beyond))
+      if (const double d = (here[i] - beyond[j]).squaredNorm(); d < nearest) {
+        nearest = d;
+        place = 0.5 * (here[i] + beyond[j]);
+      }
+  return place;
+}
+
+} // namespace
+
+std::vector<Path> voronoi_paths(const Mesh& mesh, const std::vector<End>& ends, std::size_t inlet) {
+  const Balls balls = inner_balls(mesh, ends);
+  const std::size_t from = ball_at(balls, ends[inlet]);
+  const Ways ways = cheapest_ways(balls, from);
+  std::vector<Path> paths(ends.size());
+  for (std::size_t e = 0; e < ends.size(); ++e) {
+    if (e == inlet)
+      continue;
+    std::size_t at = ball_at(balls, ends[e]);
+    if (ways.cost[at] >= unreached)
+      throw common::ComputationError(
+          "no way through the lumen from the inlet to an end", "near " + place(narrowest_gap(balls, ways, at)),
+          std::to_string(balls.centre.size()) + " inscribed balls, none on the way to " + place(ends[e].centre),
+          "the lumen is too narrow there, or closed: widen or cut it");
+    for (; at != from; at = ways.before[at]) {
+      paths[e].points.push_back(balls.centre[at]);
+      paths[e].radius.push_back(balls.radius[at]);
+    }
+    paths[e].points.push_back(balls.centre[from]);
+    paths[e].radius.push_back(balls.radius[from]);
+    std::reverse(paths[e].points.begin(), paths[e].points.end());
+    std::reverse(paths[e].radius.begin(), paths[e].radius.end());
+  }
+  return paths;
+}
+
+} // namespace anatomy

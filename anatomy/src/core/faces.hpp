@@ -1,0 +1,13 @@
+// Measures of single triangles.
+#pragma once
+#include "core/types.hpp"
+
+namespace anatomy {
+
+/// Unit normal times area (mm2), on the side from which the corners run anticlockwise.
+Vec3 area_vector(const Mesh& mesh, Face f);
+
+/// Mean of the corners (mm).
+Vec3 centroid(const Mesh& mesh, Face f);
+
+} // namespace anatomy

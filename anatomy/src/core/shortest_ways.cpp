@@ -1,0 +1,36 @@
+#include "core/shortest_ways.hpp"
+#include <boost/graph/dijkstra_shortest_paths.hpp>
+
+namespace anatomy {
+
+WayGraph::WayGraph(std::size_t nodes, const std::vector<Link>& links, const std::vector<double>& costs)
+    : graph_(boost::edges_are_unsorted_multi_pass, links.begin(), links.end(), nodes) {
+  // the graph sorts its edges by their first node and keeps the order within
+  std::vector<std::size_t> next(nodes + 1, 0);
+  for (const Link& link : links)
+    ++next[link.first + 1];
+  for (std::size_t i = 0; i < nodes; ++i)
+    next[i + 1] += next[i];
+  std::vector<double> sorted(costs.size());
+  for (std::size_t k = 0; k < links.size(); ++k)
+    sorted[next[links[k].first]++] = costs[k];
+  std::size_t k = 0;
+  for (const auto& edge : boost::make_iterator_range(boost::edges(graph_)))
+    graph_[edge].value = sorted[k++];
+}
+
+Ways WayGraph::from(std::size_t start) const {
+  Ways ways;
+  ways.cost.resize(boost::num_vertices(graph_));
+  ways.before.resize(boost::num_vertices(graph_));
+  boost::dijkstra_shortest_paths(
+      graph_, start,
+      boost::weight_map(boost::get(&Cost::value, graph_))
+          .distance_map(boost::make_iterator_property_map(ways.cost.begin(), boost::get(boost::vertex_index, graph_)))
+          .predecessor_map(
+              boost::make_iterator_property_map(ways.before.begin(), boost::get(boost::vertex_index, graph_)))
+          .distance_inf(unreached));
+  return ways;
+}
+
+} // namespace anatomy

@@ -1,0 +1,79 @@
+// The types that all of anatomy shares. Lengths in mm.
+#pragma once
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Surface_mesh.h>
+#include <Eigen/Dense>
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace anatomy {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Point = Kernel::Point_3;
+using Vector = Kernel::Vector_3;
+using Mesh = CGAL::Surface_mesh<Point>;
+using Face = Mesh::Face_index;
+using Vertex = Mesh::Vertex_index;
+using Halfedge = Mesh::Halfedge_index;
+using Edge = Mesh::Edge_index;
+using RegionMap = Mesh::Property_map<Face, int>;
+using Vec3 = Eigen::Vector3d;
+using Triangle = std::array<std::size_t, 3>;
+
+inline Vec3 vec(const Point& p) {
+  return {p.x(), p.y(), p.z()};
+}
+inline Point point(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+/// Triangles as read: nothing is promised about orientation, duplicates or gaps.
+struct Soup {
+  std::vector<Point> points;
+  std::vector<Triangle> triangles;
+  std::vector<int> region; ///< per triangle, from the array region_id; empty if the file has none
+};
+
+/// One thing done to the input, for the report to the user.
+struct Repair {
+  std::string what;
+  std::size_t count;
+  std::string detail;
+  bool warning = false; ///< said to the user at once, since it may not be what he wants
+};
+
+/// A flat end of the lumen. `region` tags its faces in the property map "f:region" (0 is wall).
+struct End {
+  std::string name;
+  int region = 0;
+  bool inlet = false;
+  std::string branch;
+  Vec3 centre = Vec3::Zero();
+  Vec3 normal = Vec3::Zero(); ///< outward
+  double area = 0;
+  double extension = 0; ///< mm of straight wall added behind it
+  double radius() const;
+};
+
+inline double End::radius() const {
+  return std::sqrt(area / 3.14159265358979323846);
+}
+
+/// The wall-and-caps tags of a mesh; created with every face as wall (0) if absent.
+inline RegionMap region_map(Mesh& mesh) {
+  return mesh.add_property_map<Face, int>("f:region", 0).first;
+}
+inline RegionMap region_map(const Mesh& mesh) {
+  return mesh.property_map<Face, int>("f:region").first;
+}
+
+/// "(x, y, z) mm", for messages.
+inline std::string place(const Vec3& p) {
+  char text[96];
+  std::snprintf(text, sizeof text, "(%.2f, %.2f, %.2f) mm", p.x(), p.y(), p.z());
+  return text;
+}
+
+} // namespace anatomy

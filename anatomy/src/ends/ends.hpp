@@ -1,0 +1,27 @@
+// The flat ends of the lumen by their tags: flattened and measured.
+#pragma once
+#include "core/types.hpp"
+#include <set>
+
+namespace anatomy {
+
+/// Tags faces with the soup's region_id, by the nearest triangle of the soup.
+void tag_from_soup(Mesh& mesh, const Soup& soup);
+
+/// Tags as wall what is apart from a larger cap of the same tag and below smallest_end in radius, as the removal of
+/// self-intersections leaves beside a rim; of the tags `single`, which one cap each has, whatever its radius.
+void drop_scraps_of_caps(Mesh& mesh, const std::set<int>& single, std::vector<Repair>& repairs);
+
+/// How far the largest move went, and where to.
+struct Move {
+  double distance = 0; ///< mm
+  Vec3 to = Vec3::Zero();
+};
+
+/// Moves the vertices of each tagged cap onto the cap's plane; returns the largest move.
+Move flatten_caps(Mesh& mesh);
+
+/// The ends by their tags, one per connected cap; retags them 1, 2, ... by falling area.
+std::vector<End> measured_ends(Mesh& mesh);
+
+} // namespace anatomy

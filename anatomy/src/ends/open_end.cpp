@@ -1,0 +1,120 @@
+#include "ends/open_end.hpp"
+#include "common/error.hpp"
+#include "repair/fill_hole.hpp"
+#include <CGAL/boost/graph/Euler_operations.h>
+#include <algorithm>
+#include <set>
+
+namespace anatomy {
+namespace {
+
+using common::InputError;
+
+constexpr double largest_move = 0.25; // radii: a rim farther from its plane is not flat, however fine its triangles
+constexpr double largest_loss = 1;    // radii of the vessel
+constexpr double flat = 0.05;         // edges: no farther from its plane, a rim is as flat as a file can say
+constexpr double crushed = 0.2;       // of a triangle's area left to it, on its own side
+constexpr double behind_notch = 0.5;  // edges
+constexpr double before_rim = 0.5;    // radii, of the fan's apex
+constexpr double diagonal = 0.8;      // of the cutting square's half width: what surely lies on it
+// The rim as seen from its plane.
+struct Rim {
+  std::set<Vertex> corners;
+  double spacing = 0;               // mean length of the edges at the corners, mm
+  Vec3 inward = Vec3::Zero();       // the loop's normal, towards the vessel
+  double deepest = 0, foremost = 0; // heights along `inward` over the loop's centre, mm
+  Vec3 foremost_at = Vec3::Zero();
+  double reach = 0; // farthest corner from the centre, mm
+
+  double farthest() const { return std::max(deepest, -foremost); }
+};
+
+Rim rim_of(const Mesh& mesh, const Loop& loop) {
+  Rim rim;
+  double along = 0;
+  std::size_t edges = 0;
+  for (Halfedge h : CGAL::halfedges_around_face(loop.halfedge, mesh)) {
+    const Vec3 a = vec(mesh.point(mesh.source(h))), b = vec(mesh.point(mesh.target(h)));
+    along += loop.normal.dot(Vec3(vec(mesh.point(mesh.target(mesh.next(mesh.opposite(h))))) - 0.5 * (a + b)));
+    rim.corners.insert(mesh.target(h));
+    for (Vertex w : mesh.vertices_around_target(h)) {
+      rim.spacing += (vec(mesh.point(w)) - b).norm();
+      ++edges;
+    }
+  }
+  rim.spacing /= static_cast<double>(edges);
+  rim.inward = along > 0 ? loop.normal : Vec3(-loop.normal);
+  rim.deepest = -1e300;
+  rim.foremost = 1e300;
+  for (Vertex v : rim.corners) {
+    const Vec3 p = vec(mesh.point(v)) - loop.centre;
+    const double height = rim.inward.dot(p);
+    rim.deepest = std::max(rim.deepest, height);
+    rim.reach = std::max(rim.reach, p.norm());
+    if (height < rim.foremost) {
+      rim.foremost = height;
+      rim.foremost_at = p + loop.centre;
+    }
+  }
+  return rim;
+}
+
+// Whether a triangle beside the rim turns over or is crushed when the rim is moved onto its plane.
+bool folds(const Mesh& mesh, const Loop& loop, const Rim& rim) {
+  const auto moved = [&](Vertex v) {
+    const Vec3 p = vec(mesh.point(v));
+    return rim.corners.contains(v) ? Vec3(p - loop.normal.dot(Vec3(p - loop.centre)) * loop.normal) : p;
+  };
+  for (Vertex v : rim.corners)
+    for (Face f : mesh.faces_around_target(mesh.halfedge(v))) {
+      if (f == Mesh::null_face())
+        continue;
+      std::array<Vec3, 3> before, after;
+      std::size_t k = 0;
+      for (Vertex w : mesh.vertices_around_face(mesh.halfedge(f))) {
+        before[k] = vec(mesh.point(w));
+        after[k++] = moved(w);
+      }
+      const Vec3 normal = (before[1] - before[0]).cross(before[2] - before[0]);
+      if ((after[1] - after[0]).cross(after[2] - after[0]).dot(normal) < crushed * normal.squaredNorm())
+        return true;
+    }
+  return false;
+}
+
+} // namespace
+
+OpenEnd open_end(const Mesh& mesh, const Loop& loop) {
+  const Rim rim = rim_of(mesh, loop);
+  const double radius = std::sqrt(loop.area / M_PI);
+  const double behind = rim.deepest + behind_notch * rim.spacing;
+  OpenEnd end;
+  end.plane = {loop.centre + behind * rim.inward, rim.inward, std::max(radius, rim.reach / (diagonal * half_width))};
+  end.centre = loop.centre;
+  end.foremost = rim.foremost_at;
+  end.area = loop.area;
+  end.depth = behind - rim.foremost;
+  end.spacing = rim.spacing;
+  end.ragged = rim.farthest() > flat * rim.spacing &&
+               (rim.farthest() > std::min(largest_move * radius, rim.spacing) || folds(mesh, loop, rim));
+  if (end.ragged && end.depth > largest_loss * radius)
+    throw InputError("an open end is not cut flat", place(loop.centre),
+                     "rim up to " + std::to_string(rim.farthest()) + " mm from its plane, radius " +
+                         std::to_string(radius) + " mm",
+                     cut_remedy);
+  return end;
+}
+
+std::vector<Face> closed_as_it_is(Mesh& mesh, const Loop& loop, const OpenEnd& end) {
+  const auto around = CGAL::vertices_around_face(loop.halfedge, mesh);
+  if (std::set<Vertex>(around.begin(), around.end()).size() < loop.halfedges)
+    return filled(mesh, loop.halfedge);
+  CGAL::Euler::fill_hole(loop.halfedge, mesh);
+  const Vertex apex = mesh.target(CGAL::Euler::add_center_vertex(loop.halfedge, mesh));
+  const double radius = std::sqrt(end.area / M_PI);
+  mesh.point(apex) = point(end.plane.centre - (end.depth + before_rim * radius) * end.plane.normal);
+  const auto faces = mesh.faces_around_target(mesh.halfedge(apex));
+  return {faces.begin(), faces.end()};
+}
+
+} // namespace anatomy

@@ -1,0 +1,31 @@
+// Openings of a surface that are ends of the vessel: how flat their rims are.
+#pragma once
+#include "ends/plane_cut.hpp"
+#include "repair/loops.hpp"
+
+namespace anatomy {
+
+/// An open end as it was found, and where to cut it if it is ragged.
+struct OpenEnd {
+  Vec3 centre = Vec3::Zero();
+  double area = 0;              ///< within the rim, projected on its plane, mm2
+  double spacing = 0;           ///< mean edge at the rim, mm
+  Plane plane;                  ///< parallel to the rim's, half an edge behind its deepest notch
+  Vec3 foremost = Vec3::Zero(); ///< of the rim's corners the one farthest before the plane, mm
+  double depth = 0;             ///< mm, from there to the plane: what a cut there loses of the vessel
+  bool ragged = false;          ///< flattening would turn or crush triangles beside the rim
+  int tag = 0;                  ///< of its flat cap; 0 where it is ragged, thus filled as it is
+};
+
+constexpr const char* cut_remedy = "cut the end by a plane across the vessel";
+
+/// Ragged is a rim of which a corner would move by more than an edge or a quarter of the rim's radius, or by which a
+/// triangle would be turned over or lose four fifths of its area. Throws InputError if a cut would then lose more of
+/// the vessel than the rim's radius.
+OpenEnd open_end(const Mesh& mesh, const Loop& loop);
+
+/// Closes a ragged end for the time being, before its rim and thus clear of the wall behind it: by a fan, or where its
+/// loop passes a corner twice as CGAL finds best. Returns the faces, none where it cannot.
+std::vector<Face> closed_as_it_is(Mesh& mesh, const Loop& loop, const OpenEnd& end);
+
+} // namespace anatomy

@@ -1,0 +1,22 @@
+// A vessel cut across by a plane that reaches no farther than the vessel itself.
+#pragma once
+#include "core/types.hpp"
+
+namespace anatomy {
+
+struct Plane {
+  Vec3 centre, normal; ///< the normal points along the vessel, away from what is to be dropped
+  double radius;       ///< mm, of the vessel there
+};
+
+constexpr double half_width = 2; ///< of the cutting square, in radii: wide enough for ovals, not for neighbours
+
+/// Cuts the mesh across and drops the side that holds `tip`, or the smaller one if `tip` is the null vertex. The
+/// opening is the only one it makes; faces keep their tags. Returns the area dropped (mm2); the mesh then holds
+/// garbage. Throws InputError, which gives `remedy`, where the plane does not separate the two sides.
+double cut(Mesh& mesh, const Plane& plane, Vertex tip, const std::string& remedy);
+
+/// Notes a cut in `repairs`: its radius, place and the wall lost (mm2).
+void report_cut(std::vector<Repair>& repairs, const std::string& what, const Plane& plane, double lost);
+
+} // namespace anatomy

@@ -1,0 +1,129 @@
+#include "ends/ragged_ends.hpp"
+#include "common/error.hpp"
+#include "core/faces.hpp"
+#include "ends/cap_open_ends.hpp"
+#include <CGAL/Polygon_mesh_processing/repair.h>
+#include <algorithm>
+#include <optional>
+
+namespace anatomy {
+namespace {
+
+namespace PMP = CGAL::Polygon_mesh_processing;
+using common::InputError;
+
+constexpr double same_cap = 0.02;      // of a cap's area
+constexpr double off_cap = 0.25;       // edges
+constexpr double like_rim = 0.25;      // of the area within a rim that is a sawtooth
+constexpr double same_section = 0.05;  // of the area
+constexpr double aside_of_axis = 0.05; // radii
+constexpr int most_attempts = 6;       // cuts, each an edge farther in
+
+// The vertex nearest to p of those that the plane parts from the vessel: repairs may have moved the rim's corners.
+Vertex vertex_before(const Mesh& mesh, const Plane& plane, const Vec3& p) {
+  Vertex best = Mesh::null_vertex();
+  double least = 1e300;
+  for (Vertex v : mesh.vertices()) {
+    const Vec3 q = vec(mesh.point(v));
+    if ((q - p).norm() < least && plane.normal.dot(Vec3(q - plane.centre)) < 0) {
+      least = (q - p).norm();
+      best = v;
+    }
+  }
+  return best;
+}
+
+// Whether the repair of self-intersections has changed the cap that closed the end, or crumpled it.
+bool is_damaged(const Mesh& mesh, const OpenEnd& end) {
+  const RegionMap region = region_map(mesh);
+  Vec3 total = Vec3::Zero();
+  double sum = 0, off = 0;
+  for (Face f : mesh.faces()) {
+    if (region[f] != end.tag)
+      continue;
+    const Vec3 area = area_vector(mesh, f), b = vec(mesh.point(mesh.target(mesh.halfedge(f))));
+    total += area;
+    sum += area.norm();
+    off = std::max(off, std::abs(end.plane.normal.dot(Vec3(b - end.centre))));
+  }
+  return std::abs(total.norm() / end.area - 1) > same_cap || sum > (1 + same_cap) * total.norm() ||
+         off > off_cap * end.spacing;
+}
+
+// The mesh without an end, and the opening that this left.
+struct Opened {
+  Mesh mesh;
+  Loop loop;
+  double lost, depth; // mm2 of wall, mm of the vessel
+};
+
+// Cut so much deeper (mm) than planned; nothing where that leaves another opening than the one, or one that is not like
+// the rim.
+std::optional<Opened> opened(const Mesh& mesh, const OpenEnd& end, double deeper) {
+  Plane plane = end.plane;
+  plane.centre += deeper * plane.normal;
+  Opened out{mesh, {}, 0, end.depth + deeper};
+  try {
+    out.lost = cut(out.mesh, plane, vertex_before(out.mesh, plane, end.foremost), cut_remedy);
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+  out.mesh.collect_garbage();
+  const std::vector<Loop> loops = boundary_loops(out.mesh);
+  if (loops.size() != 1 || std::abs(loops[0].area / end.area - 1) > like_rim)
+    return std::nullopt;
+  out.loop = loops[0];
+  return out;
+}
+
+bool alike(const Opened& a, const Opened& b, const Vec3& along) {
+  const Vec3 aside = (b.loop.centre - a.loop.centre).cross(along);
+  return std::abs(b.loop.area / a.loop.area - 1) < same_section &&
+         aside.norm() < aside_of_axis * std::sqrt(a.loop.area / M_PI);
+}
+
+// Cuts behind the end where the next plane, an edge farther in, finds the same section: what closed the end may reach
+// behind its rim, and the wall beside it may be crumpled.
+Opened cut_behind(const Mesh& mesh, const OpenEnd& end) {
+  std::optional<Opened> last;
+  for (int attempt = 0; attempt < most_attempts; ++attempt) {
+    std::optional<Opened> next = opened(mesh, end, attempt * end.spacing);
+    if (last && next && alike(*last, *next, end.plane.normal))
+      return *std::move(last);
+    last = std::move(next);
+  }
+  throw InputError("an open end is too ragged to be cut flat", place(end.centre),
+                   "no two like sections within " + std::to_string(end.depth + (most_attempts - 1) * end.spacing) +
+                       " mm behind its rim",
+                   cut_remedy);
+}
+
+void untag(Mesh& mesh, int tag) {
+  RegionMap region = region_map(mesh);
+  for (Face f : mesh.faces())
+    if (region[f] == tag)
+      region[f] = 0;
+}
+
+} // namespace
+
+void cut_ragged(Mesh& mesh, const std::vector<OpenEnd>& ends, std::vector<Repair>& repairs) {
+  PMP::remove_isolated_vertices(mesh);
+  mesh.collect_garbage();
+  for (const OpenEnd& end : ends) {
+    if (!end.ragged && !is_damaged(mesh, end))
+      continue;
+    if (!end.ragged)
+      untag(mesh, end.tag);
+    Opened cut_off = cut_behind(mesh, end);
+    mesh = std::move(cut_off.mesh);
+    char detail[192];
+    std::snprintf(detail, sizeof detail, "at %s: %.2f mm of the vessel and %.2f mm2 of wall dropped, %s",
+                  place(end.centre).c_str(), cut_off.depth, cut_off.lost,
+                  end.ragged ? "since its rim is a sawtooth" : "since the wall crosses itself at its rim");
+    repairs.push_back({"ragged end cut flat", 1, detail, true});
+    cap_open_ends(mesh, repairs);
+  }
+}
+
+} // namespace anatomy

@@ -1,0 +1,42 @@
+#include "files/cap_files.hpp"
+#include "common/error.hpp"
+#include "files/surface_file.hpp"
+
+namespace anatomy {
+namespace {
+
+using common::InputError;
+
+GivenCap measured(const std::string& path, const Soup& soup) {
+  GivenCap cap{path, Vec3::Zero(), Vec3::Zero(), 0, 1, soup};
+  double weight = 0;
+  Vec3 total = Vec3::Zero();
+  for (const Triangle& t : soup.triangles) {
+    const Vec3 a = vec(soup.points[t[0]]), b = vec(soup.points[t[1]]), c = vec(soup.points[t[2]]);
+    Vec3 area = 0.5 * (b - a).cross(Vec3(c - a));
+    if (area.dot(total) < 0) // triangles of a soup may disagree
+      area = -area;
+    total += area;
+    weight += area.norm();
+    cap.centre += area.norm() * (a + b + c) / 3;
+  }
+  cap.centre /= weight;
+  cap.area = total.norm();
+  cap.normal = total / cap.area;
+  cap.flatness = cap.area / weight;
+  if (!(cap.area > 0))
+    throw InputError("a cap without area", path, std::to_string(soup.triangles.size()) + " triangles",
+                     "give the triangles that close one end");
+  return cap;
+}
+
+} // namespace
+
+std::vector<GivenCap> read_caps(const std::vector<std::string>& paths, const std::string& units) {
+  std::vector<GivenCap> caps;
+  for (const std::string& path : paths)
+    caps.push_back(measured(path, soup_of(read_triangles(path, units))));
+  return caps;
+}
+
+} // namespace anatomy

@@ -1,0 +1,284 @@
+#include "files/surface_file.hpp"
+#include "common/error.hpp"
+#include "files/obj_check.hpp"
+#include "files/ply_check.hpp"
+#include "mask/mask_file.hpp"
+#include "mask/mask_labels.hpp"
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <new>
+#include <openssl/evp.h>
+#include <sstream>
+#include <vtkCellArray.h>
+#include <vtkCellArrayIterator.h>
+#include <vtkCellData.h>
+#include <vtkDataArray.h>
+#include <vtkFieldData.h>
+#include <vtkOBJReader.h>
+#include <vtkPLYReader.h>
+#include <vtkSTLReader.h>
+#include <vtkTriangleFilter.h>
+#include <vtkXMLPolyDataReader.h>
+
+namespace anatomy {
+namespace {
+
+using common::InputError;
+
+template <class Reader> vtkSmartPointer<vtkPolyData> read_with(const std::string& path) {
+  auto reader = vtkSmartPointer<Reader>::New();
+  reader->SetFileName(path.c_str());
+  reader->Update();
+  if (reader->GetErrorCode() != 0)
+    throw InputError("the surface cannot be read", path, "incomplete or not of its format", "export the surface again");
+  return reader->GetOutput();
+}
+
+constexpr std::uintmax_t stl_head = 84, stl_triangle = 50; // bytes
+
+// Text that was cut off loses its last line: VTK's reader takes what there is.
+void check_stl_text(std::ifstream& file, std::uintmax_t size, const std::string& path) {
+  const std::uintmax_t length = std::min<std::uintmax_t>(size, 1024);
+  std::string tail(length, ' ');
+  file.clear();
+  file.seekg(static_cast<std::streamoff>(size - length));
+  file.read(tail.data(), static_cast<std::streamsize>(length));
+  std::transform(tail.begin(), tail.end(), tail.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (tail.find("endsolid") == std::string::npos)
+    throw InputError("the surface is incomplete", path, std::to_string(size) + " bytes without a last line endsolid",
+                     "export it again");
+}
+
+// VTK's reader takes memory for as many triangles as a binary file says it has, and reads no more than that.
+void check_stl_length(const std::string& path) {
+  std::array<unsigned char, stl_head> head{};
+  std::ifstream file(path, std::ios::binary);
+  const std::uintmax_t size = std::filesystem::file_size(path);
+  file.read(reinterpret_cast<char*>(head.data()), head.size());
+  std::uintmax_t count = 0;
+  for (std::size_t k = 4; k-- > 0;)
+    count = 256 * count + head[80 + k];
+  const std::uintmax_t expected = stl_head + stl_triangle * count;
+  const bool text = std::string(head.begin(), head.begin() + 5) == "solid" &&
+                    std::all_of(head.begin(), head.end(), [](unsigned char c) { return c < 128; });
+  if (text && size != expected)
+    return check_stl_text(file, size, path);
+  if (size < expected || size >= expected + stl_triangle)
+    throw InputError("the file's size is not that of its triangles", path,
+                     std::to_string(size) + " bytes; its header says " + std::to_string(count) + " triangles, " +
+                         std::to_string(expected) + " bytes",
+                     "export it again");
+}
+
+vtkSmartPointer<vtkPolyData> read_by_suffix(const std::string& path, int label, std::vector<Repair>& repairs) {
+  if (is_mask_file(path))
+    return surface_of_label(read_mask(path), label, path, repairs);
+  if (label != any_label)
+    throw InputError("only masks have labels", "--label", std::to_string(label) + " for " + path,
+                     "leave the option out, or give a mask");
+  std::string suffix = std::filesystem::path(path).extension().string();
+  std::transform(suffix.begin(), suffix.end(), suffix.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (suffix == ".stl") {
+    check_stl_length(path);
+    return read_with<vtkSTLReader>(path);
+  }
+  if (suffix == ".vtp")
+    return read_with<vtkXMLPolyDataReader>(path);
+  if (suffix == ".ply") {
+    check_ply(path);
+    return read_with<vtkPLYReader>(path);
+  }
+  if (suffix == ".obj") {
+    check_obj(path);
+    return read_with<vtkOBJReader>(path);
+  }
+  throw InputError("unknown surface format", path, suffix.empty() ? "no suffix" : suffix,
+                   "give a surface (.stl, .vtp, .ply, .obj) or a labelled mask (.nii, .nii.gz, .nrrd, .mha, .mhd)");
+}
+
+std::string figure(double value) {
+  std::ostringstream text;
+  text.precision(4);
+  text << value;
+  return text.str();
+}
+
+// A unit in which `size` (mm under the declared unit) lies between lowest and highest, or "" if none does.
+std::string likely_unit(double size, const std::string& units, double lowest, double highest) {
+  for (const std::string candidate : {"mm", "cm", "m"}) {
+    const double scaled = size / millimetres_per(units) * millimetres_per(candidate);
+    if (scaled >= lowest && scaled <= highest)
+      return candidate;
+  }
+  return "";
+}
+
+void check_range(double size, double lowest, double highest, const std::string& what, const std::string& units,
+                 const std::string& path) {
+  if (size >= lowest && size <= highest)
+    return;
+  const std::string likely = likely_unit(size, units, lowest, highest);
+  throw InputError("implausible scale for a coronary lumen", path,
+                   what + " " + figure(size) + " mm with units " + units + ", expected " + figure(lowest) + " to " +
+                       figure(highest) + " mm",
+                   likely.empty() ? "check that the file is a coronary lumen surface"
+                                  : "the file is likely in " + likely + ": declare units " + likely);
+}
+
+// VTK's readers hand on the indices of a file as they are.
+void check_indices(vtkPolyData* data, const std::string& path) {
+  for (vtkCellArray* cells : {data->GetPolys(), data->GetStrips()}) {
+    vtkIdType n = 0;
+    const vtkIdType* ids = nullptr;
+    bool sound = cells->IsValid();
+    auto cell = vtk::TakeSmartPointer(cells->NewIterator());
+    for (cell->GoToFirstCell(); sound && !cell->IsDoneWithTraversal(); cell->GoToNextCell()) {
+      cell->GetCurrentCell(n, ids);
+      sound = std::all_of(ids, ids + n, [&](vtkIdType id) { return id >= 0 && id < data->GetNumberOfPoints(); });
+    }
+    if (!sound)
+      throw InputError("a triangle names a point that the file does not have", path,
+                       std::to_string(data->GetNumberOfPoints()) + " points", "export the surface again");
+  }
+}
+
+vtkSmartPointer<vtkPolyData> in_millimetres(const std::string& path, const std::string& units, int label,
+                                            vtkIdType fewest, std::vector<Repair>& repairs) {
+  const double scale = millimetres_per(units);
+  if (!std::filesystem::is_regular_file(path))
+    throw InputError("no such surface file", path, "missing", "check the path");
+  vtkSmartPointer<vtkPolyData> read;
+  try {
+    read = read_by_suffix(path, label, repairs);
+  } catch (const std::bad_alloc&) {
+    throw InputError("the file claims more than there is memory for", path, "",
+                     "export it again; of a mask, crop the volume to the lumen");
+  }
+  check_indices(read, path);
+  auto triangulate = vtkSmartPointer<vtkTriangleFilter>::New();
+  triangulate->SetInputData(read);
+  triangulate->PassVertsOff();
+  triangulate->PassLinesOff();
+  triangulate->Update();
+  vtkSmartPointer<vtkPolyData> data = triangulate->GetOutput();
+  if (data->GetNumberOfCells() < fewest)
+    throw InputError("no surface in the file", path, std::to_string(data->GetNumberOfCells()) + " triangles",
+                     "check that the file is complete and holds a triangulated surface");
+  auto points = vtkSmartPointer<vtkPoints>::New();
+  points->SetDataTypeToDouble();
+  points->SetNumberOfPoints(data->GetNumberOfPoints());
+  for (vtkIdType i = 0; i < data->GetNumberOfPoints(); ++i) {
+    double x[3];
+    data->GetPoint(i, x);
+    if (!std::isfinite(x[0]) || !std::isfinite(x[1]) || !std::isfinite(x[2]))
+      throw InputError("a coordinate is not a finite number", path, "point " + std::to_string(i),
+                       "export the surface again");
+    points->SetPoint(i, x[0] * scale, x[1] * scale, x[2] * scale);
+  }
+  data->SetPoints(points);
+  if (vtkDataArray* edge = read->GetFieldData()->GetArray(voxel_edge_array); edge && is_mask_file(path)) {
+    edge->SetTuple1(0, scale * edge->GetTuple1(0));
+    data->GetFieldData()->AddArray(edge);
+  }
+  return data;
+}
+
+} // namespace
+
+double voxel_edge(vtkPolyData* data) {
+  vtkDataArray* edge = data->GetFieldData()->GetArray(voxel_edge_array);
+  return edge ? edge->GetTuple1(0) : 0;
+}
+
+double millimetres_per(const std::string& units) {
+  if (units == "mm")
+    return 1;
+  if (units == "cm")
+    return 10;
+  if (units == "m")
+    return 1000;
+  throw InputError("unknown length unit", "units", units, "declare mm, cm or m");
+}
+
+void check_diagonal(double diagonal_mm, const std::string& units, const std::string& path) {
+  check_range(diagonal_mm, 4, 500, "bounding diagonal", units, path);
+}
+
+void check_mean_radius(double radius_mm, const std::string& units, const std::string& path) {
+  check_range(radius_mm, 0.3, 6, "mean radius", units, path);
+}
+
+vtkSmartPointer<vtkPolyData> read_triangles(const std::string& path, const std::string& units) {
+  std::vector<Repair> repairs; // of masks alone
+  return in_millimetres(path, units, any_label, 1, repairs);
+}
+
+vtkSmartPointer<vtkPolyData> read_surface(const std::string& path, const std::string& units, int label,
+                                          std::vector<Repair>& repairs) {
+  const auto data = in_millimetres(path, units, label, 4, repairs);
+  check_diagonal(data->GetLength(), units, path);
+  return data;
+}
+
+Soup soup_of(vtkPolyData* data) {
+  Soup soup;
+  for (vtkIdType i = 0; i < data->GetNumberOfPoints(); ++i) {
+    const double* x = data->GetPoint(i);
+    soup.points.emplace_back(x[0], x[1], x[2]);
+  }
+  vtkIdType n = 0;
+  const vtkIdType* ids = nullptr;
+  auto cells = vtk::TakeSmartPointer(data->GetPolys()->NewIterator());
+  for (cells->GoToFirstCell(); !cells->IsDoneWithTraversal(); cells->GoToNextCell()) {
+    cells->GetCurrentCell(n, ids);
+    soup.triangles.push_back(
+        {static_cast<std::size_t>(ids[0]), static_cast<std::size_t>(ids[1]), static_cast<std::size_t>(ids[2])});
+  }
+  if (vtkDataArray* region = data->GetCellData()->GetArray("region_id"))
+    for (vtkIdType i = 0; i < region->GetNumberOfTuples(); ++i)
+      soup.region.push_back(static_cast<int>(region->GetTuple1(i)));
+  return soup;
+}
+
+std::optional<Vec3> tagged_inlet(vtkPolyData* data) {
+  constexpr int inlet = 1; // docs/design.md
+  const Soup soup = soup_of(data);
+  Vec3 sum = Vec3::Zero();
+  double area = 0;
+  for (std::size_t i = 0; i < soup.region.size(); ++i) {
+    if (soup.region[i] != inlet)
+      continue;
+    const Vec3 a = vec(soup.points[soup.triangles[i][0]]), b = vec(soup.points[soup.triangles[i][1]]),
+               c = vec(soup.points[soup.triangles[i][2]]);
+    const double weight = (b - a).cross(Vec3(c - a)).norm();
+    sum += weight * (a + b + c) / 3;
+    area += weight;
+  }
+  return area > 0 ? std::optional<Vec3>(sum / area) : std::nullopt;
+}
+
+std::string sha256_of_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> digest(EVP_MD_CTX_new(), EVP_MD_CTX_free);
+  bool ok = file && digest && EVP_DigestInit_ex(digest.get(), EVP_sha256(), nullptr);
+  std::array<char, 1 << 16> block;
+  while (ok && (file.read(block.data(), block.size()) || file.gcount() > 0))
+    ok = EVP_DigestUpdate(digest.get(), block.data(), static_cast<std::size_t>(file.gcount()));
+  std::array<unsigned char, EVP_MAX_MD_SIZE> bytes;
+  unsigned int length = 0;
+  if (!ok || !EVP_DigestFinal_ex(digest.get(), bytes.data(), &length))
+    throw InputError("the file cannot be read", path, "", "check its permissions");
+  std::string hex;
+  for (unsigned int i = 0; i < length; ++i) {
+    char text[3];
+    std::snprintf(text, sizeof text, "%02x", bytes[i]);
+    hex += text;
+  }
+  return hex;
+}
+
+} // namespace anatomy

@@ -1,0 +1,263 @@
+#include "mask/mask_file.hpp"
+#include "common/error.hpp"
+#include "mask/mask_header.hpp"
+#include "mask/mask_labels.hpp"
+#include "mask/nifti_check.hpp"
+#include <algorithm>
+#include <cmath>
+#include <vtkDataArrayRange.h>
+#include <vtkDoubleArray.h>
+#include <vtkFieldData.h>
+#include <vtkFlyingEdges3D.h>
+#include <vtkImageCast.h>
+#include <vtkImageConnectivityFilter.h>
+#include <vtkImageGaussianSmooth.h>
+#include <vtkImageWeightedSum.h>
+#include <vtkMatrix4x4.h>
+#include <vtkMetaImageReader.h>
+#include <vtkNIFTIImageReader.h>
+#include <vtkNrrdReader.h>
+#include <vtkPointData.h>
+#include <vtkPolyDataConnectivityFilter.h>
+
+namespace anatomy {
+namespace {
+
+using common::InputError;
+
+constexpr double smoothing = 0.85; // voxels
+constexpr double kernel_reach = 4; // standard deviations
+constexpr int padding = 8;         // voxels: beyond the wider kernel
+constexpr double fragment = 0.01;  // of the largest piece's triangles
+
+std::string suffix_of(const std::string& path) {
+  std::string lower = path;
+  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
+  for (const std::string suffix : {".nii", ".nii.gz", ".nrrd", ".nhdr", ".mha", ".mhd"})
+    if (lower.ends_with(suffix))
+      return suffix;
+  return "";
+}
+
+// NIfTI: VTK's matrices turn index times spacing, with the slices in the reader's order, into the file's frame.
+Eigen::Matrix4d nifti_affine(vtkNIFTIImageReader& reader) {
+  vtkMatrix4x4* matrix = reader.GetSFormMatrix() ? reader.GetSFormMatrix() : reader.GetQFormMatrix();
+  Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
+  for (int i = 0; matrix && i < 4; ++i)
+    for (int j = 0; j < 4; ++j)
+      m(i, j) = matrix->GetElement(i, j);
+  for (int j = 0; j < 3; ++j)
+    m.col(j) *= reader.GetOutput()->GetSpacing()[j];
+  return m;
+}
+
+// 1 where the label is, in a box about it with a margin of zeros.
+vtkSmartPointer<vtkImageData> indicator_of(vtkImageData* labels, int label) {
+  const int* size = labels->GetDimensions();
+  const auto* values = static_cast<const int*>(labels->GetScalarPointer());
+  std::array<int, 3> low{size[0], size[1], size[2]}, high{-1, -1, -1};
+  const auto visit = [&](const auto& action) {
+    std::size_t n = 0;
+    for (int k = 0; k < size[2]; ++k)
+      for (int j = 0; j < size[1]; ++j)
+        for (int i = 0; i < size[0]; ++i)
+          if (values[n++] == label)
+            action(i, j, k);
+  };
+  visit([&](int i, int j, int k) {
+    low = {std::min(low[0], i), std::min(low[1], j), std::min(low[2], k)};
+    high = {std::max(high[0], i), std::max(high[1], j), std::max(high[2], k)};
+  });
+  auto box = vtkSmartPointer<vtkImageData>::New();
+  box->SetExtent(low[0] - padding, high[0] + padding, low[1] - padding, high[1] + padding, low[2] - padding,
+                 high[2] + padding);
+  box->AllocateScalars(VTK_FLOAT, 1);
+  box->GetPointData()->GetScalars()->Fill(0);
+  visit([&](int i, int j, int k) { *static_cast<float*>(box->GetScalarPointer(i, j, k)) = 1; });
+  return box;
+}
+
+void keep_largest_island(vtkImageData* indicator, std::vector<Repair>& repairs) {
+  vtkNew<vtkImageConnectivityFilter> islands;
+  islands->SetInputData(indicator);
+  islands->SetScalarRange(0.5, 2);
+  islands->SetLabelModeToSizeRank();
+  islands->SetLabelScalarTypeToInt();
+  islands->Update();
+  if (islands->GetNumberOfExtractedRegions() < 2)
+    return;
+  vtkIdType dropped = 0;
+  const auto* rank = static_cast<const int*>(islands->GetOutput()->GetScalarPointer());
+  auto* value = static_cast<float*>(indicator->GetScalarPointer());
+  for (vtkIdType i = 0; i < indicator->GetNumberOfPoints(); ++i)
+    if (rank[i] > 1) {
+      value[i] = 0;
+      ++dropped;
+    }
+  repairs.push_back({"islands of the mask dropped",
+                     static_cast<std::size_t>(islands->GetNumberOfExtractedRegions() - 1),
+                     std::to_string(dropped) + " voxels; kept the largest"});
+}
+
+vtkSmartPointer<vtkImageData> smoothed(vtkImageData* image, double deviation) {
+  vtkNew<vtkImageGaussianSmooth> smooth;
+  smooth->SetInputData(image);
+  smooth->SetDimensionality(3);
+  smooth->SetStandardDeviation(deviation);
+  smooth->SetRadiusFactor(kernel_reach);
+  smooth->SetNumberOfThreads(1);
+  smooth->Update();
+  return smooth->GetOutput();
+}
+
+vtkSmartPointer<vtkPolyData> level_surface(vtkImageData* indicator) {
+  vtkNew<vtkImageWeightedSum> field;
+  field->AddInputData(smoothed(indicator, smoothing));
+  field->AddInputData(smoothed(indicator, 2 * smoothing));
+  field->SetWeight(0, 2);
+  field->SetWeight(1, -1);
+  field->NormalizeByWeightOff();
+  vtkNew<vtkFlyingEdges3D> contour;
+  contour->SetInputConnection(field->GetOutputPort());
+  contour->SetValue(0, 0.5);
+  contour->ComputeNormalsOff();
+  contour->ComputeScalarsOff();
+  contour->Update();
+  return contour->GetOutput();
+}
+
+// What the image's border cuts off is not seen: across a vessel this is an end, along one the sections are too small.
+void report_border(const Mask& mask, int label, std::vector<Repair>& repairs) {
+  const int* size = mask.labels->GetDimensions();
+  const auto* values = static_cast<const int*>(mask.labels->GetScalarPointer());
+  std::size_t n = 0, touching = 0;
+  Eigen::Vector4d first;
+  for (int k = 0; k < size[2]; ++k)
+    for (int j = 0; j < size[1]; ++j)
+      for (int i = 0; i < size[0]; ++i) {
+        const bool border = i == 0 || j == 0 || k == 0 || i == size[0] - 1 || j == size[1] - 1 || k == size[2] - 1;
+        if (values[n++] == label && border && touching++ == 0)
+          first = mask.to_file * Eigen::Vector4d(i, j, k, 1);
+      }
+  if (touching > 0)
+    repairs.push_back({"lumen cut by the image's border", touching,
+                       "voxels, first at " + place(first.head<3>()) + " (in the file's unit)"});
+}
+
+void check_one_piece(vtkPolyData* surface, const Eigen::Matrix4d& to_file, const std::string& path) {
+  vtkNew<vtkPolyDataConnectivityFilter> pieces;
+  pieces->SetInputData(surface);
+  pieces->SetExtractionModeToAllRegions();
+  pieces->ColorRegionsOn();
+  pieces->Update();
+  vtkIdTypeArray* sizes = pieces->GetRegionSizes();
+  const auto count = [&](int r) { return static_cast<double>(sizes->GetValue(r)); };
+  int largest = 0;
+  for (int r = 1; r < pieces->GetNumberOfExtractedRegions(); ++r)
+    largest = count(r) > count(largest) ? r : largest;
+  for (int r = 0; r < pieces->GetNumberOfExtractedRegions(); ++r) {
+    if (r == largest || count(r) < fragment * count(largest))
+      continue;
+    const auto region = vtk::DataArrayValueRange<1>(pieces->GetOutput()->GetPointData()->GetScalars());
+    const auto first = static_cast<vtkIdType>(std::find(region.begin(), region.end(), r) - region.begin());
+    const double* x = pieces->GetOutput()->GetPoint(first);
+    const Eigen::Vector4d p = to_file * Eigen::Vector4d(x[0], x[1], x[2], 1);
+    throw InputError("a narrowing of the mask is lost between its voxels", path,
+                     "a piece of the lumen stands alone near " + place(p.head<3>()) + " (in the file's unit)",
+                     "resample the image to smaller voxels before segmenting, or give a surface");
+  }
+}
+
+} // namespace
+
+bool is_mask_file(const std::string& path) {
+  return !suffix_of(path).empty();
+}
+
+Mask read_mask(const std::string& path) {
+  Mask mask;
+  vtkSmartPointer<vtkImageData> image;
+  const std::string suffix = suffix_of(path);
+  const auto check_length = [&](vtkImageReader2& reader) {
+    const int* extent = reader.GetDataExtent();
+    std::uintmax_t bytes = static_cast<std::uintmax_t>(vtkDataArray::GetDataTypeSize(reader.GetDataScalarType()));
+    for (int k = 0; k < 6; k += 2)
+      bytes *= static_cast<std::uintmax_t>(std::max(0, extent[k + 1] - extent[k] + 1));
+    if (suffix == ".nrrd" || suffix == ".nhdr")
+      check_nrrd_length(path, bytes);
+    else if (suffix.starts_with(".nii"))
+      check_nifti_length(path, bytes);
+    else
+      check_meta_length(path, bytes);
+  };
+  const auto read = [&](vtkImageReader2& reader) {
+    if (!reader.CanReadFile(path.c_str()))
+      throw InputError("the mask cannot be read", path, "not a file of its format", "export the mask again");
+    reader.SetFileName(path.c_str());
+    reader.UpdateInformation();
+    check_length(reader);
+    reader.Update();
+    image = reader.GetOutput();
+    if (reader.GetErrorCode() != 0 || !image->GetPointData()->GetScalars())
+      throw InputError("the mask cannot be read", path, "incomplete or of an unknown encoding",
+                       "export the mask again");
+  };
+  if (suffix.starts_with(".nii")) {
+    check_nifti_header(path);
+    vtkNew<vtkNIFTIImageReader> reader;
+    read(*reader);
+    mask.to_file = nifti_affine(*reader);
+  } else if (suffix == ".nrrd" || suffix == ".nhdr") {
+    mask.to_file = nrrd_affine(path);
+    vtkNew<vtkNrrdReader> reader;
+    read(*reader);
+  } else {
+    mask.to_file = meta_affine(path);
+    vtkNew<vtkMetaImageReader> reader;
+    read(*reader);
+  }
+  if (!(std::abs(mask.to_file.determinant()) > 1e-12))
+    throw InputError("the mask's header gives its voxels no volume", path, "determinant of the affine 0 or undefined",
+                     "export the mask again");
+  check_labels(image, path);
+  vtkNew<vtkImageCast> cast;
+  cast->SetInputData(image);
+  cast->SetOutputScalarTypeToInt();
+  cast->Update();
+  mask.labels = cast->GetOutput();
+  mask.labels->SetOrigin(0, 0, 0);
+  mask.labels->SetSpacing(1, 1, 1);
+  mask.labels->SetDirectionMatrix(1, 0, 0, 0, 1, 0, 0, 0, 1);
+  return mask;
+}
+
+vtkSmartPointer<vtkPolyData> surface_of_label(const Mask& mask, int label, const std::string& path,
+                                              std::vector<Repair>& repairs) {
+  const int chosen = chosen_label(vtkIntArray::SafeDownCast(mask.labels->GetPointData()->GetScalars()), label, path);
+  const auto indicator = indicator_of(mask.labels, chosen);
+  keep_largest_island(indicator, repairs);
+  report_border(mask, chosen, repairs);
+  vtkSmartPointer<vtkPolyData> surface = level_surface(indicator);
+  if (surface->GetNumberOfPolys() == 0)
+    throw InputError("the lumen is too thin for the mask's voxels", path, "nowhere two voxels wide",
+                     "resample the image to smaller voxels before segmenting, or give a surface");
+  check_one_piece(surface, mask.to_file, path);
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  for (vtkIdType i = 0; i < surface->GetNumberOfPoints(); ++i) {
+    const double* x = surface->GetPoint(i);
+    const Eigen::Vector4d p = mask.to_file * Eigen::Vector4d(x[0], x[1], x[2], 1);
+    points->InsertNextPoint(p.x(), p.y(), p.z());
+  }
+  surface->SetPoints(points);
+  vtkNew<vtkDoubleArray> edge;
+  edge->SetName(voxel_edge_array);
+  edge->InsertNextValue(mask.to_file.topLeftCorner<3, 3>().colwise().norm().maxCoeff());
+  surface->GetFieldData()->AddArray(edge);
+  if (mask.to_file.determinant() < 0) // a frame of the other hand turns the triangles inward
+    for (vtkIdType i = 0; i < surface->GetNumberOfCells(); ++i)
+      surface->GetPolys()->ReverseCellAtId(i);
+  return surface;
+}
+
+} // namespace anatomy

@@ -1,0 +1,34 @@
+// Labelled masks as segmentation programs write them: NIfTI, NRRD, MetaImage; and the sub-voxel surface of a label.
+#pragma once
+#include "core/types.hpp"
+#include <vtkImageData.h>
+#include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
+
+namespace anatomy {
+
+/// Integer labels on a grid of unit spacing from the origin; to_file is voxel index to the file's own frame and unit
+/// (NIfTI: x right, y front, z up; NRRD and MetaImage: as their headers say).
+struct Mask {
+  vtkSmartPointer<vtkImageData> labels;
+  Eigen::Matrix4d to_file = Eigen::Matrix4d::Identity();
+};
+
+/// Whether the suffix is a mask's: .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd.
+bool is_mask_file(const std::string& path);
+
+/// Throws InputError: unreadable or not three-dimensional, several components a voxel, values that are not whole
+/// numbers, or an affine that is singular.
+Mask read_mask(const std::string& path);
+
+/// The surface of one label in the file's unit: level 0.5 of 2 G(s) - G(2 s) applied to the indicator function, G being
+/// a Gaussian of s = 0.85 voxels. Its one-sided moments cancel, so that to first order a curved wall stays where it is
+/// (one Gaussian moves it inward by s^2 / 2 R). label: none for the only one in the mask. Islands other than
+/// the largest are left out and reported, and so is a label that reaches the image's border. Throws InputError where
+/// the label is absent or ambiguous, too thin for its voxels, or where a narrowing is lost between them.
+vtkSmartPointer<vtkPolyData> surface_of_label(const Mask& mask, int label, const std::string& path,
+                                              std::vector<Repair>& repairs);
+
+constexpr const char* voxel_edge_array = "voxel_edge"; ///< of the surface's field data: the longest edge of a voxel
+
+} // namespace anatomy

@@ -1,0 +1,217 @@
+#include "mask/mask_header.hpp"
+#include "common/error.hpp"
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+#include <sstream>
+#include <vector>
+
+namespace anatomy {
+namespace {
+
+using common::InputError;
+using Fields = std::map<std::string, std::string>;
+constexpr std::size_t longest_line = 4096;
+constexpr int most_lines = 500;
+constexpr std::uintmax_t best_packing = 1100; // of deflate
+
+// VTK's reader waits for ever for the empty line that ends a NRRD header, and at what is no text before it.
+void check_header_ends(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string line;
+  for (int n = 0; n < most_lines && std::getline(file, line) && line.size() < longest_line; ++n)
+    if (line.empty() || line == "\r")
+      return;
+    else if (std::any_of(line.begin(), line.end(),
+                         [](unsigned char c) { return std::iscntrl(c) && c != '\t' && c != '\r'; }))
+      throw InputError("the header of the mask cannot be read", path + ", line " + std::to_string(n + 1),
+                       "a control character", "export the mask again");
+  throw InputError("the header of the mask is incomplete", path, "no empty line ends it", "export the mask again");
+}
+
+// "key <separator> value" lines up to the first empty line, the key `last`, or what is no text.
+Fields header_of(const std::string& path, char separator, const std::string& last) {
+  std::ifstream file(path, std::ios::binary);
+  Fields fields;
+  std::string line;
+  for (int n = 0; n < most_lines && std::getline(file, line) && line.size() < longest_line; ++n) {
+    line.erase(std::remove(line.begin(), line.end(), '\r'), line.end());
+    if (line.empty())
+      break;
+    const std::size_t at = line.find(separator);
+    if (at == std::string::npos || line.front() == '#')
+      continue;
+    std::string key = line.substr(0, at);
+    key.erase(key.find_last_not_of(' ') + 1);
+    fields[key] = line.substr(at + 1);
+    if (key == last)
+      break;
+  }
+  return fields;
+}
+
+std::string field(const Fields& fields, const std::vector<std::string>& names) {
+  for (const std::string& name : names)
+    if (const auto found = fields.find(name); found != fields.end())
+      return found->second;
+  return "";
+}
+
+// `count` numbers of a text in which brackets and commas count as blanks.
+std::vector<double> numbers(std::string text, std::size_t count, const std::string& what, const std::string& path) {
+  const std::string value = text;
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '(' || c == ')' || c == ','; }, ' ');
+  std::istringstream stream(text);
+  std::vector<double> out;
+  for (double x; stream >> x;)
+    out.push_back(x);
+  if (out.size() != count || !stream.eof())
+    throw InputError("the header of the mask cannot be read", path + ": " + what, value,
+                     "give a three-dimensional image with " + std::to_string(count) + " numbers here");
+  return out;
+}
+
+Eigen::Matrix4d affine(const std::vector<double>& columns, const std::vector<double>& scale,
+                       const std::vector<double>& origin) {
+  Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
+  for (int j = 0; j < 3; ++j)
+    for (int i = 0; i < 3; ++i)
+      m(i, j) = columns[static_cast<std::size_t>(3 * j + i)] * scale[static_cast<std::size_t>(j)];
+  for (int i = 0; i < 3; ++i)
+    m(i, 3) = origin[static_cast<std::size_t>(i)];
+  return m;
+}
+
+std::string trimmed(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
+  return first == std::string::npos ? "" : text.substr(first, last - first + 1);
+}
+
+void check_length(const std::filesystem::path& header, const std::string& data, std::uintmax_t bytes, bool packed) {
+  const std::filesystem::path file = data.empty() ? header : header.parent_path() / data;
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  if (error || (packed ? best_packing * size : size) < bytes)
+    throw InputError("the mask is incomplete", file.string(),
+                     (error ? "no such file" : std::to_string(size) + " bytes") + ", the header promises " +
+                         std::to_string(bytes),
+                     "export the mask again");
+}
+
+constexpr double largest = 8192; // voxels along an axis
+
+// VTK's reader takes what a header lacks or has in a form of its own from memory, or waits for it.
+void check_nrrd_fields(const std::string& path, const Fields& fields) {
+  const auto check = [&](const std::string& name, const std::set<std::string>& known) {
+    if (const std::string value = trimmed(field(fields, {name})); !known.contains(value))
+      throw InputError("the header of the mask cannot be read", path + ": " + name, value.empty() ? "missing" : value,
+                       "export the mask again, raw or packed by gzip");
+  };
+  check("type", {"signed char",
+                 "int8",
+                 "int8_t",
+                 "uchar",
+                 "unsigned char",
+                 "uint8",
+                 "uint8_t",
+                 "short",
+                 "short int",
+                 "signed short",
+                 "signed short int",
+                 "int16",
+                 "int16_t",
+                 "ushort",
+                 "unsigned short",
+                 "unsigned short int",
+                 "uint16",
+                 "uint16_t",
+                 "int",
+                 "signed int",
+                 "int32",
+                 "int32_t",
+                 "uint",
+                 "unsigned int",
+                 "uint32",
+                 "uint32_t",
+                 "longlong",
+                 "long long",
+                 "long long int",
+                 "signed long long",
+                 "signed long long int",
+                 "int64",
+                 "int64_t",
+                 "ulonglong",
+                 "unsigned long long",
+                 "unsigned long long int",
+                 "uint64",
+                 "uint64_t",
+                 "float",
+                 "double"});
+  const std::string type = trimmed(field(fields, {"type"}));
+  if (!type.ends_with("char") && !type.ends_with("int8") && !type.ends_with("int8_t"))
+    check("endian", {"little", "big"});
+  check("encoding", {"raw", "txt", "text", "ascii", "gz", "gzip"});
+  for (const double n : numbers(field(fields, {"sizes"}), 3, "sizes", path))
+    if (!(n >= 1 && n <= largest && n == std::floor(n)))
+      throw InputError("the header of the mask cannot be read", path + ": sizes", field(fields, {"sizes"}),
+                       "give a three-dimensional image");
+  const std::string data = trimmed(field(fields, {"data file", "datafile"}));
+  if (data.empty() && path.ends_with(".nhdr"))
+    throw InputError("the header of the mask cannot be read", path + ": data file", "missing",
+                     "name the file with the voxels");
+}
+
+const std::vector<double> identity{1, 0, 0, 0, 1, 0, 0, 0, 1}, ones{1, 1, 1}, zeros{0, 0, 0};
+
+} // namespace
+
+Eigen::Matrix4d nrrd_affine(const std::string& path) {
+  check_header_ends(path);
+  const Fields fields = header_of(path, ':', "");
+  check_nrrd_fields(path, fields);
+  if (numbers(field(fields, {"dimension"}), 1, "dimension", path)[0] != 3)
+    throw InputError("the mask is not three-dimensional", path, "dimension" + field(fields, {"dimension"}),
+                     "give one scalar label for each voxel");
+  const std::string directions = field(fields, {"space directions"}), origin = field(fields, {"space origin"}),
+                    spacings = field(fields, {"spacings"});
+  const auto at = origin.empty() ? zeros : numbers(origin, 3, "space origin", path);
+  if (!directions.empty())
+    return affine(numbers(directions, 9, "space directions", path), ones, at);
+  return affine(identity, spacings.empty() ? ones : numbers(spacings, 3, "spacings", path), at);
+}
+
+Eigen::Matrix4d meta_affine(const std::string& path) {
+  const Fields fields = header_of(path, '=', "ElementDataFile");
+  const std::string turn = field(fields, {"TransformMatrix", "Rotation", "Orientation"}),
+                    origin = field(fields, {"Offset", "Origin", "Position"}),
+                    spacing = field(fields, {"ElementSpacing", "ElementSize"});
+  return affine(turn.empty() ? identity : numbers(turn, 9, "TransformMatrix", path),
+                spacing.empty() ? ones : numbers(spacing, 3, "ElementSpacing", path),
+                origin.empty() ? zeros : numbers(origin, 3, "Offset", path));
+}
+
+void check_nrrd_length(const std::string& path, std::uintmax_t bytes) {
+  const Fields fields = header_of(path, ':', "");
+  check_length(path, trimmed(field(fields, {"data file", "datafile"})), bytes,
+               trimmed(field(fields, {"encoding"})) != "raw");
+}
+
+void check_meta_length(const std::string& path, std::uintmax_t bytes) {
+  const Fields fields = header_of(path, '=', "ElementDataFile");
+  const std::string data = trimmed(field(fields, {"ElementDataFile"}));
+  const bool packed =
+      trimmed(field(fields, {"CompressedData"})) == "True" || trimmed(field(fields, {"BinaryData"})) == "False";
+  if (data.find_first_of(" %") == std::string::npos && data != "LIST") // else one file a slice
+    check_length(path, data == "LOCAL" ? "" : data, bytes, packed);
+}
+
+void check_nifti_length(const std::string& path, std::uintmax_t bytes) {
+  check_length(path, "", bytes, std::filesystem::path(path).extension() == ".gz");
+}
+
+} // namespace anatomy

@@ -1,0 +1,67 @@
+#include "mask/mask_labels.hpp"
+#include "common/error.hpp"
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <vtkDataArrayRange.h>
+#include <vtkPointData.h>
+
+namespace anatomy {
+namespace {
+
+using common::InputError;
+
+constexpr std::size_t most_named = 10; // labels in a message
+
+std::string known_labels(const std::map<int, vtkIdType>& counts) {
+  std::string known;
+  std::size_t named = 0;
+  for (const auto& [value, count] : counts) {
+    if (named++ == most_named)
+      return known + " and " + std::to_string(counts.size() - most_named) + " more";
+    known += (known.empty() ? "" : ", ") + std::to_string(value) + " (" + std::to_string(count) + " voxels)";
+  }
+  return known;
+}
+
+// A vessel leaves most of an image free, however closely it is cropped: pi / 4 of it at the most.
+void check_not_the_background(vtkIdType voxels, vtkIdType all, const std::string& path) {
+  if (voxels > 0.9 * static_cast<double>(all))
+    throw InputError("the label fills the image, as no vessel does", path,
+                     std::to_string(voxels) + " of " + std::to_string(all) + " voxels",
+                     "give the lumen's label, with 0 outside it");
+}
+
+} // namespace
+
+void check_labels(vtkImageData* image, const std::string& path) {
+  const int* size = image->GetDimensions();
+  if (image->GetNumberOfScalarComponents() != 1 || std::min({size[0], size[1], size[2]}) < 2)
+    throw InputError("not a three-dimensional mask", path,
+                     std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " + std::to_string(size[2]) +
+                         " voxels of " + std::to_string(image->GetNumberOfScalarComponents()) + " components",
+                     "give one scalar label for each voxel of a volume");
+  for (const double value : vtk::DataArrayValueRange<1>(image->GetPointData()->GetScalars()))
+    if (value != std::round(value) || std::abs(value) > 2e9)
+      throw InputError("the image is not a labelled mask", path, "a voxel of value " + std::to_string(value),
+                       "give whole numbers, 0 outside the lumen");
+}
+
+int chosen_label(vtkIntArray* labels, int label, const std::string& path) {
+  std::map<int, vtkIdType> counts;
+  for (const int value : vtk::DataArrayValueRange<1>(labels))
+    if (value != 0)
+      ++counts[value];
+  if (label == any_label ? counts.size() == 1 : counts.contains(label)) {
+    const int chosen = label == any_label ? counts.begin()->first : label;
+    check_not_the_background(counts.at(chosen), labels->GetNumberOfValues(), path);
+    return chosen;
+  }
+  if (counts.empty())
+    throw InputError("the mask is empty", path, "no voxel other than 0", "check the segmentation");
+  throw InputError(label == any_label ? "the mask has several labels" : "no such label in the mask", path,
+                   known_labels(counts),
+                   "name the lumen's by --label; of an image of the CT itself segment the lumen first");
+}
+
+} // namespace anatomy

@@ -1,0 +1,97 @@
+#include "measure/lesions.hpp"
+#include <algorithm>
+
+namespace anatomy {
+namespace {
+
+constexpr double shortest = 1.0; // mm
+
+using Part = std::vector<Calibre>;
+
+// Per cent by diameter that a section lacks to its reference.
+double stenosis(const Calibre& sample, const ReferenceProfile& profile) {
+  return 100 * (1 - sample.diameter / profile.diameter(sample.s));
+}
+
+// Where a stretch falls apart into two narrowings: the section of least stenosis in relation to the lesser of the two,
+// if half of that is recovered there. A mouth's sections are widened by it and show no recovery. 0: nowhere.
+std::size_t recovery(const Part& part, const ReferenceProfile& profile) {
+  std::vector<double> lacking(part.size()), behind(part.size());
+  for (std::size_t i = 0; i < part.size(); ++i)
+    lacking[i] = stenosis(part[i], profile);
+  double worst = 0;
+  for (std::size_t i = part.size(); i-- > 0;)
+    behind[i] = worst = std::max(worst, lacking[i]);
+  std::size_t best = 0;
+  double least = 1 - recovered;
+  worst = 0;
+  for (std::size_t i = 0; i < part.size(); ++i) {
+    worst = std::max(worst, lacking[i]);
+    const double lesser = std::min(worst, behind[i]);
+    if (!part[i].mouth && lesser >= least_stenosis && lacking[i] <= least * lesser) {
+      least = lacking[i] / lesser;
+      best = i;
+    }
+  }
+  return best;
+}
+
+std::vector<Part> narrowings(const Part& part, const ReferenceProfile& profile) {
+  const std::size_t at = recovery(part, profile);
+  if (at == 0)
+    return {part};
+  const auto cut = part.begin() + static_cast<std::ptrdiff_t>(at);
+  std::vector<Part> found = narrowings({part.begin(), cut + 1}, profile);
+  for (Part& other : narrowings({cut, part.end()}, profile))
+    found.push_back(std::move(other));
+  return found;
+}
+
+Lesion measured(const Part& part, const ReferenceProfile& profile, std::size_t branch) {
+  const auto narrowest = std::min_element(part.begin(), part.end(),
+                                          [](const Calibre& a, const Calibre& b) { return a.diameter < b.diameter; });
+  Lesion lesion;
+  lesion.branch = branch;
+  lesion.s_start = part.front().s;
+  lesion.s_mla = narrowest->s;
+  lesion.s_end = part.back().s;
+  lesion.mld = narrowest->diameter;
+  lesion.mla = M_PI / 4 * lesion.mld * lesion.mld;
+  lesion.reference = profile.diameter(lesion.s_mla);
+  lesion.proximal_reference = profile.diameter(lesion.s_start);
+  lesion.distal_reference = profile.diameter(lesion.s_end);
+  const double ratio = lesion.mld / lesion.reference;
+  lesion.diameter_stenosis = 100 * (1 - ratio);
+  lesion.area_stenosis = 100 * (1 - ratio * ratio);
+  return lesion;
+}
+
+} // namespace
+
+std::vector<Lesion> find_lesions(const std::vector<Branch>& branches, const std::vector<Section>& sections,
+                                 const std::vector<ReferenceProfile>& profiles) {
+  std::vector<Lesion> lesions;
+  for (std::size_t b = 0; b < branches.size(); ++b) {
+    Part part;
+    const auto close = [&] {
+      for (const Part& one : narrowings(part, profiles[b]))
+        if (one.size() > 1 && one.back().s - one.front().s >= shortest) {
+          const Lesion lesion = measured(one, profiles[b], b);
+          if (lesion.diameter_stenosis >= least_stenosis)
+            lesions.push_back(lesion);
+        }
+      part.clear();
+    };
+    for (const Calibre& sample : calibres(branches, sections, b))
+      if (sample.diameter < (1 - shoulder / 100) * profiles[b].diameter(sample.s))
+        part.push_back(sample);
+      else
+        close();
+    close();
+  }
+  std::stable_sort(lesions.begin(), lesions.end(),
+                   [](const Lesion& a, const Lesion& b) { return a.diameter_stenosis > b.diameter_stenosis; });
+  return lesions;
+}
+
+} // namespace anatomy

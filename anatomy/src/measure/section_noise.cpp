@@ -1,0 +1,179 @@
+#include "measure/section_noise.hpp"
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+
+namespace anatomy {
+namespace {
+
+constexpr std::array<double, 7> difference{1, -6, 15, -20, 15, -6, 1}; // squares: 924
+constexpr double stride_mm = 0.5; // nearer sections of a rough wall share vertices; farther ones differ by their shape
+constexpr double usual_radius = 1.5;
+constexpr std::size_t fewest = 5;        // differences for an estimate
+constexpr Eigen::Index shortest_run = 8; // sections for a profile
+constexpr double median_of_normal = 0.6745;
+constexpr double caution = 1.4; // times C_p's price of a degree of freedom, against chance fits (Kim & Gu 2004)
+constexpr int width = 3;        // bands of the penalty beside the diagonal
+
+using Sparse = Eigen::SparseMatrix<double>;
+
+// Equivalent radii along one branch by sample, weight 0 where they are clipped at an ostium or missing.
+struct Profile {
+  std::vector<Section*> section;
+  Eigen::VectorXd radius, weight;
+};
+
+Profile profile_of(std::vector<Section>& sections, std::size_t branch) {
+  Profile profile;
+  std::size_t first = 0;
+  for (Section& section : sections) {
+    if (section.branch != branch || section.flag == "end")
+      continue;
+    if (profile.section.empty())
+      first = section.sample;
+    profile.section.resize(section.sample - first + 1, nullptr);
+    profile.section.back() = &section;
+  }
+  const auto n = static_cast<Eigen::Index>(profile.section.size());
+  profile.radius = profile.weight = Eigen::VectorXd::Zero(n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    if (const Section* section = profile.section[static_cast<std::size_t>(i)]; section && section->flag == "ok") {
+      profile.radius(i) = section->equivalent_diameter() / 2;
+      profile.weight(i) = profile.radius(i) / usual_radius; // a ring of n vertices scatters by 1 / sqrt(n)
+    }
+  return profile;
+}
+
+Eigen::Index stride_of(const Branch& branch) {
+  return std::max<Eigen::Index>(1, std::lround(stride_mm / (branch.s[1] - branch.s[0])));
+}
+
+Sparse third_differences(Eigen::Index n) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Eigen::Index i = 0; i + 3 < n; ++i)
+    for (const auto& [k, c] : {std::pair{0, -1.0}, {1, 3.0}, {2, -3.0}, {3, 1.0}})
+      entries.emplace_back(static_cast<int>(i), static_cast<int>(i) + k, c);
+  Sparse d(n - 3, n);
+  d.setFromTriplets(entries.begin(), entries.end());
+  return d;
+}
+
+// Diagonal of the inverse of L D L^T with L of bandwidth `width`, from the last element up (Erisman & Tinney 1975).
+Eigen::VectorXd inverse_diagonal(const Sparse& l, const Eigen::VectorXd& d) {
+  const Eigen::Index n = d.size();
+  Eigen::MatrixXd z = Eigen::MatrixXd::Zero(n + width, width + 1), low = z; // z(i, k): element (i, i + k)
+  for (int j = 0; j < l.outerSize(); ++j)
+    for (Sparse::InnerIterator it(l, j); it; ++it)
+      if (it.row() > j)
+        low(j, it.row() - j) = it.value();
+  for (Eigen::Index i = n; i-- > 0;) {
+    for (Eigen::Index k = width; k > 0; --k)
+      for (Eigen::Index j = 1; j <= width; ++j)
+        z(i, k) -= low(i, j) * z(i + std::min(j, k), std::abs(j - k));
+    z(i, 0) = 1 / d(i);
+    for (Eigen::Index j = 1; j <= width; ++j)
+      z(i, 0) -= low(i, j) * z(i, j);
+  }
+  return z.col(0).head(n);
+}
+
+// The straight line of least weighted squares through (i, y).
+Eigen::VectorXd line_through(const Eigen::VectorXd& y, const Eigen::VectorXd& w) {
+  const Eigen::ArrayXd x = Eigen::ArrayXd::LinSpaced(y.size(), 0, static_cast<double>(y.size() - 1));
+  const double mean_x = w.dot(x.matrix()) / w.sum(), mean_y = w.dot(y) / w.sum();
+  const Eigen::ArrayXd from_mean = x - mean_x;
+  const double slope = (w.array() * from_mean * (y.array() - mean_y)).sum() / (w.array() * from_mean.square()).sum();
+  return (mean_y + slope * from_mean).matrix();
+}
+
+// The smooth profile for the penalty with the least Mallows' C_p. Samples nearer than `stride` share their noise, which
+// would pass for shape: the penalty is chosen by every stride-th one, and serves all. However stiff, the penalty leaves
+// a parabola; a plain taper competes with it.
+Eigen::VectorXd smoothed(const Profile& profile, Eigen::Index stride, double sigma) {
+  const Eigen::VectorXd& y = profile.radius;
+  Eigen::VectorXd w = profile.weight;
+  for (Eigen::Index i = 0; i < w.size(); ++i)
+    w(i) = i % stride == 0 ? static_cast<double>(stride) * w(i) : 0;
+  const Sparse d = third_differences(y.size()), penalty = d.transpose() * d;
+  const auto system = [&](const Eigen::VectorXd& weight, double lambda) {
+    Sparse diagonal(y.size(), y.size());
+    diagonal.setIdentity();
+    diagonal.diagonal() = weight;
+    return Sparse(diagonal + lambda * penalty);
+  };
+  const auto score_of = [&](const Eigen::VectorXd& z, double freedom) {
+    return w.dot((z - y).cwiseAbs2()) / static_cast<double>(stride) + 2 * caution * sigma * sigma * freedom;
+  };
+  Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::NaturalOrdering<int>> solver;
+  double best = 0, least = 1e300;
+  for (double log_lambda = -3; log_lambda <= 9; log_lambda += 0.25) {
+    solver.compute(system(w, std::pow(10.0, log_lambda)));
+    if (solver.info() != Eigen::Success)
+      continue;
+    const Eigen::VectorXd z = solver.solve(Eigen::VectorXd(w.cwiseProduct(y)));
+    const Sparse l = solver.matrixL();
+    const double score = score_of(z, inverse_diagonal(l, solver.vectorD()).dot(w));
+    if (score < least) {
+      least = score;
+      best = std::pow(10.0, log_lambda);
+    }
+  }
+  if (score_of(line_through(y, w), 2) < least)
+    return line_through(y, profile.weight);
+  solver.compute(system(profile.weight, best));
+  return solver.solve(Eigen::VectorXd(profile.weight.cwiseProduct(y)));
+}
+
+} // namespace
+
+double area_noise(const std::vector<Branch>& branches, const std::vector<Section>& sections) {
+  std::vector<Section> copy = sections;
+  std::vector<double> found;
+  for (std::size_t b = 0; b < branches.size(); ++b) {
+    const Profile profile = profile_of(copy, b);
+    const Eigen::Index stride = stride_of(branches[b]);
+    for (Eigen::Index i = 0; i + 6 * stride < profile.radius.size(); ++i) {
+      double sum = 0, healthy = 1;
+      for (Eigen::Index k = 0; k < 7; ++k) {
+        sum += difference[static_cast<std::size_t>(k)] * profile.radius(i + k * stride);
+        healthy *= profile.weight(i + k * stride);
+      }
+      if (healthy > 0)
+        found.push_back(std::abs(sum) / std::sqrt(924.0) * std::sqrt(profile.weight(i + 3 * stride)));
+    }
+  }
+  if (found.size() < fewest)
+    return 0;
+  const auto middle = found.begin() + static_cast<long>(found.size() / 2);
+  std::nth_element(found.begin(), middle, found.end());
+  return 2 * *middle / median_of_normal / usual_radius;
+}
+
+void smooth_noisy_areas(const std::vector<Branch>& branches, std::vector<Section>& sections,
+                        std::vector<Repair>& notes) {
+  const double noise = area_noise(branches, sections);
+  if (noise < least_area_noise)
+    return;
+  std::size_t changed = 0;
+  for (std::size_t b = 0; b < branches.size(); ++b) {
+    const Profile profile = profile_of(sections, b);
+    if ((profile.weight.array() > 0).count() < shortest_run)
+      continue;
+    const Eigen::VectorXd smooth = smoothed(profile, stride_of(branches[b]), noise * usual_radius / 2);
+    for (Eigen::Index i = 0; i < smooth.size(); ++i) {
+      if (profile.weight(i) == 0)
+        continue;
+      Section& section = *profile.section[static_cast<std::size_t>(i)];
+      const double ratio = smooth(i) / profile.radius(i);
+      section.area *= ratio * ratio;
+      section.min_diameter *= ratio;
+      section.max_diameter *= ratio;
+      ++changed;
+    }
+  }
+  char detail[120];
+  std::snprintf(detail, sizeof detail, "the wall's noise scatters them by %.1f %% of an area at radius 1.5 mm",
+                100 * noise);
+  notes.push_back({"areas smoothed along the axis", changed, detail});
+}
+
+} // namespace anatomy

@@ -1,0 +1,163 @@
+#include "measure/sections.hpp"
+#include "common/error.hpp"
+#include <CGAL/AABB_halfedge_graph_segment_primitive.h>
+#include <CGAL/Polygon_mesh_slicer.h>
+#include <algorithm>
+
+namespace anatomy {
+namespace {
+
+using EdgePrimitive = CGAL::AABB_halfedge_graph_segment_primitive<Mesh>;
+using EdgeTree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, EdgePrimitive>>;
+using Slicer = CGAL::Polygon_mesh_slicer<Mesh, Kernel>;
+using Vec2 = Eigen::Vector2d;
+
+struct Frame {
+  Vec3 origin, u, v;
+  Frame(const Vec3& o, const Vec3& normal) : origin(o), u(normal.unitOrthogonal()), v(normal.cross(u)) {}
+  Vec2 plane(const Vec3& p) const { return {(p - origin).dot(u), (p - origin).dot(v)}; }
+};
+
+double signed_area(const std::vector<Vec2>& loop) {
+  double area = 0;
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    const Vec2 &a = loop[i], &b = loop[(i + 1) % loop.size()];
+    area += 0.5 * (a.x() * b.y() - a.y() * b.x());
+  }
+  return area;
+}
+
+bool contains_origin(const std::vector<Vec2>& loop) {
+  bool inside = false;
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    const Vec2 &a = loop[i], &b = loop[(i + 1) % loop.size()];
+    if ((a.y() > 0) != (b.y() > 0) && a.x() - a.y() * (b.x() - a.x()) / (b.y() - a.y()) > 0)
+      inside = !inside;
+  }
+  return inside;
+}
+
+Vec2 centroid(const std::vector<Vec2>& loop) {
+  Vec2 sum = Vec2::Zero();
+  double area = 0;
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    const Vec2 &a = loop[i], &b = loop[(i + 1) % loop.size()];
+    const double cross = a.x() * b.y() - a.y() * b.x();
+    sum += cross * (a + b) / 6;
+    area += cross / 2;
+  }
+  return sum / area;
+}
+
+// Distance from `from` to the loop along direction d (the farthest crossing; 0 if none).
+double reach(const std::vector<Vec2>& loop, const Vec2& from, const Vec2& d) {
+  double farthest = 0;
+  const Vec2 n(-d.y(), d.x());
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    const Vec2 a = loop[i] - from, b = loop[(i + 1) % loop.size()] - from;
+    const double ha = a.dot(n), hb = b.dot(n);
+    if ((ha > 0) != (hb > 0))
+      farthest = std::max(farthest, (a + ha / (ha - hb) * (b - a)).dot(d));
+  }
+  return farthest;
+}
+
+// Chords through the centroid, every 3 degrees.
+void set_diameters(Section& section, const std::vector<Vec2>& loop) {
+  const Vec2 c = centroid(loop);
+  section.min_diameter = 1e300;
+  for (int k = 0; k < 60; ++k) {
+    const double angle = k * M_PI / 60;
+    const Vec2 d(std::cos(angle), std::sin(angle));
+    const double chord = reach(loop, c, d) + reach(loop, c, -d);
+    section.min_diameter = std::min(section.min_diameter, chord);
+    section.max_diameter = std::max(section.max_diameter, chord);
+  }
+}
+
+bool on_a_cap(const Vec3& p, const std::vector<End>& ends) {
+  return std::any_of(ends.begin(), ends.end(), [&](const End& end) {
+    return std::abs((p - end.centre).dot(end.normal)) < 1e-3 && (p - end.centre).norm() < 1.5 * end.radius();
+  });
+}
+
+// The innermost loop around the axis, as points in space; empty if there is none.
+std::vector<Vec3> loop_around(const Slicer& slicer, const Frame& frame, const Vec3& normal) {
+  std::vector<std::vector<Point>> polylines;
+  slicer(Kernel::Plane_3(point(frame.origin), Vector(normal.x(), normal.y(), normal.z())),
+         std::back_inserter(polylines));
+  std::vector<Vec3> best;
+  double smallest = 1e300;
+  for (const auto& polyline : polylines) {
+    if (polyline.size() < 4 || polyline.front() != polyline.back())
+      continue;
+    std::vector<Vec3> loop;
+    std::vector<Vec2> flat;
+    for (std::size_t i = 0; i + 1 < polyline.size(); ++i) {
+      loop.push_back(vec(polyline[i]));
+      flat.push_back(frame.plane(loop.back()));
+    }
+    const double area = std::abs(signed_area(flat));
+    if (contains_origin(flat) && area < smallest) {
+      smallest = area;
+      best = loop;
+    }
+  }
+  return best;
+}
+
+} // namespace
+
+bool near_an_end(const Branch& branch, const std::vector<End>& ends, double s) {
+  const auto inlet = std::find_if(ends.begin(), ends.end(), [](const End& end) { return end.inlet; });
+  const double at_inlet = std::max(end_zone * branch.radius.front(), inlet == ends.end() ? 0 : inlet->extension);
+  const double at_outlet = std::max(end_zone * branch.radius.back(), ends[branch.end].extension);
+  return (branch.parent < 0 && s < at_inlet) || branch.axis.length() - s < at_outlet;
+}
+
+std::vector<Section> cut_sections(const Mesh& surface, const std::vector<Branch>& branches,
+                                  const std::vector<End>& ends) {
+  EdgeTree tree(surface.edges().begin(), surface.edges().end(), surface);
+  const Slicer slicer(surface, tree);
+  std::vector<Section> sections;
+  for (std::size_t b = 0; b < branches.size(); ++b) {
+    const Branch& branch = branches[b];
+    for (std::size_t i = 1; i + 1 < branch.s.size(); ++i) {
+      if (branch.s[i] <= branch.s_outside && branch.parent >= 0)
+        continue;
+      const Vec3 normal = branch.axis.tangent(branch.s[i]);
+      const Frame frame(branch.x[i], normal);
+      const std::vector<Vec3> loop = loop_around(slicer, frame, normal);
+      const bool end = near_an_end(branch, ends, branch.s[i]);
+      if (loop.empty()) {
+        if (end)
+          continue;
+        throw common::ComputationError("no cross-section contains the axis", branch.name + " at " + place(branch.x[i]),
+                                       "s = " + std::to_string(branch.s[i]) + " mm", "use a smaller edge");
+      }
+      Section section;
+      section.branch = b;
+      section.sample = i;
+      section.flag = end ? "end" : "ok";
+      std::vector<Vec2> flat;
+      for (const Vec3& p : loop) {
+        Vec2 q = frame.plane(p);
+        if (on_a_cap(p, ends))
+          section.flag = "end";
+        const double limit = ostium_clip * branch.radius[i];
+        if (branches.size() > 1 && q.norm() > limit && nearest_axis(branches, p).branch != b) {
+          q *= limit / q.norm();
+          if (section.flag == "ok")
+            section.flag = "ostium";
+        }
+        flat.push_back(q);
+      }
+      section.area = std::abs(signed_area(flat));
+      set_diameters(section, flat);
+      sections.push_back(section);
+    }
+  }
+  return sections;
+}
+
+} // namespace anatomy

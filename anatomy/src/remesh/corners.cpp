@@ -1,0 +1,277 @@
+#include "remesh/corners.hpp"
+#include "core/faces.hpp"
+#include "core/tags.hpp"
+#include "remesh/remesh.hpp"
+#include <CGAL/Polygon_mesh_processing/self_intersections.h>
+#include <CGAL/boost/graph/Euler_operations.h>
+#include <algorithm>
+#include <functional>
+#include <set>
+
+namespace anatomy {
+namespace {
+
+constexpr double slack = 0.4;      // degrees below the wanted corner that are not worth another pass
+constexpr int rings = 2;           // of vertices round a narrow triangle that may move
+constexpr int sweeps = 6;          // of moves over them
+constexpr int directions = 6;      // tried at each step of a move
+constexpr double first_step = 0.2; // of the mean edge at the vertex
+constexpr int halvings = 4;
+constexpr double least_gain = 0.05; // degrees; less is not worth a change
+constexpr double least_move = 1e-3; // degrees; likewise, of one vertex
+constexpr double cos_turned = 0.5;  // 60 degrees: a move may not turn a triangle by more
+constexpr double cos_folded = 0.3;  // 73 degrees to the wall below
+constexpr std::size_t most_changes = 400;
+
+Vec3 normal_at(const Mesh& mesh, Vertex v) {
+  Vec3 sum = Vec3::Zero();
+  for (Face f : mesh.faces_around_target(mesh.halfedge(v)))
+    sum += area_vector(mesh, f);
+  return sum.normalized();
+}
+
+bool may_move(const Mesh& mesh, Vertex v) {
+  const RegionMap region = region_map(mesh);
+  for (Face f : mesh.faces_around_target(mesh.halfedge(v)))
+    if (region[f] != 0)
+      return false;
+  return true;
+}
+
+struct Star {
+  std::vector<Face> faces;
+  std::vector<Vec3> normals;
+};
+
+// The smallest corner of the star, or some corner that is not above `enough`; -1 where a triangle has turned.
+double corner_of(const Mesh& mesh, const Star& star, double enough) {
+  double corner = 180;
+  for (std::size_t i = 0; i < star.faces.size() && corner > enough; ++i) {
+    if (area_vector(mesh, star.faces[i]).normalized().dot(star.normals[i]) < cos_turned)
+      return -1;
+    corner = std::min(corner, smallest_corner(mesh, star.faces[i]));
+  }
+  return corner;
+}
+
+// Moves v on the wall to where the smallest corner round it is widest (pattern search).
+bool move(Mesh& mesh, const WallTree& wall, Vertex v) {
+  const Vec3 normal = normal_at(mesh, v), u = normal.unitOrthogonal(), w = normal.cross(u);
+  Star star;
+  double step = 0;
+  for (Halfedge h : mesh.halfedges_around_target(mesh.halfedge(v))) {
+    star.faces.push_back(mesh.face(h));
+    star.normals.push_back(area_vector(mesh, mesh.face(h)).normalized());
+    step += (vec(mesh.point(mesh.source(h))) - vec(mesh.point(v))).norm() / static_cast<double>(mesh.degree(v));
+  }
+  double best = corner_of(mesh, star, 0);
+  step *= first_step;
+  bool moved = false;
+  for (int k = 0; k < halvings; step /= 2, ++k)
+    for (int d = 0; d < directions; ++d) {
+      const double angle = 2 * M_PI * d / directions;
+      const Point before = mesh.point(v);
+      const double aim = best + least_move;
+      mesh.point(v) = point(vec(before) + step * (std::cos(angle) * u + std::sin(angle) * w));
+      if (corner_of(mesh, star, aim) > aim) { // worth the search for the nearest point of the wall
+        mesh.point(v) = wall.nearest(mesh.point(v));
+        if (const double corner = corner_of(mesh, star, aim); corner > aim) {
+          best = corner;
+          moved = true;
+          continue;
+        }
+      }
+      mesh.point(v) = before;
+    }
+  return moved;
+}
+
+using Change = std::function<bool(Mesh&)>;
+
+Change flip(Edge e) {
+  return [e](Mesh& mesh) {
+    const Halfedge h = mesh.halfedge(e);
+    const Vertex a = mesh.target(mesh.next(h)), b = mesh.target(mesh.next(mesh.opposite(h)));
+    if (a == b || mesh.halfedge(a, b) != Mesh::null_halfedge())
+      return false;
+    CGAL::Euler::flip_edge(h, mesh);
+    return true;
+  };
+}
+
+Change collapse(Edge e, const WallTree& wall) {
+  return [e, &wall](Mesh& mesh) {
+    const Vertex a = mesh.vertex(e, 0), b = mesh.vertex(e, 1);
+    if (!may_move(mesh, a) || !may_move(mesh, b) || !CGAL::Euler::does_satisfy_link_condition(e, mesh))
+      return false;
+    const Point middle = wall.nearest(CGAL::midpoint(mesh.point(a), mesh.point(b)));
+    mesh.point(CGAL::Euler::collapse_edge(e, mesh)) = middle;
+    return true;
+  };
+}
+
+Change split(Edge e, const WallTree& wall) {
+  return [e, &wall](Mesh& mesh) {
+    const Halfedge h = mesh.halfedge(e);
+    const Point middle = wall.nearest(CGAL::midpoint(mesh.point(mesh.source(h)), mesh.point(mesh.target(h))));
+    const Halfedge first = CGAL::Euler::split_edge(h, mesh);
+    mesh.point(mesh.target(first)) = middle;
+    RegionMap region = region_map(mesh);
+    for (Halfedge side : {first, mesh.opposite(mesh.next(first))}) {
+      const Halfedge half = CGAL::Euler::split_face(side, mesh.next(mesh.next(side)), mesh);
+      region[mesh.face(half)] = region[mesh.face(mesh.opposite(half))] = 0; // rims are never split
+    }
+    return true;
+  };
+}
+
+struct Mender {
+  Mesh mesh;
+  const Mesh& surface;
+  const WallTree& wall;
+  double wanted;
+  bool careful;
+  std::set<Face> hopeless; // at their best already
+
+  std::set<Vertex> around(Face f) const {
+    std::set<Vertex> patch;
+    for (Vertex v : mesh.vertices_around_face(mesh.halfedge(f)))
+      patch.insert(v);
+    for (int ring = 0; ring < rings; ++ring)
+      for (Vertex v : std::vector<Vertex>(patch.begin(), patch.end()))
+        for (Vertex w : mesh.vertices_around_target(mesh.halfedge(v)))
+          patch.insert(w);
+    return patch;
+  }
+
+  // Smallest corner of the wall's triangles at these vertices, away from the rims.
+  static double corner_of(const Mesh& in, const std::set<Vertex>& patch) {
+    double corner = 180;
+    for (Vertex v : patch)
+      if (!in.is_removed(v))
+        for (Face f : in.faces_around_target(in.halfedge(v)))
+          if (!touches_cap(in, f))
+            corner = std::min(corner, smallest_corner(in, f));
+    return corner;
+  }
+
+  void relax(Mesh& in, const std::set<Vertex>& patch) const {
+    bool moved = true;
+    for (int sweep = 0; sweep < sweeps && moved; ++sweep) {
+      moved = false;
+      for (Vertex v : patch)
+        if (!in.is_removed(v) && may_move(in, v))
+          moved |= move(in, wall, v);
+    }
+  }
+
+  std::vector<Change> changes(Face f) const {
+    std::vector<Change> all{[](Mesh&) { return true; }}; // moves alone
+    std::set<Edge> edges;
+    for (Vertex v : mesh.vertices_around_face(mesh.halfedge(f)))
+      for (Halfedge h : mesh.halfedges_around_target(mesh.halfedge(v)))
+        if (!touches_cap(mesh, mesh.face(h)) && !touches_cap(mesh, mesh.face(mesh.opposite(h))))
+          edges.insert(mesh.edge(h));
+    for (Edge e : edges)
+      all.push_back(flip(e));
+    for (Edge e : edges)
+      all.push_back(collapse(e, wall));
+    for (Edge e : edges)
+      all.push_back(split(e, wall));
+    return all;
+  }
+
+  void mend(Face f) {
+    const std::set<Vertex> patch = around(f);
+    const double before = corner_of(mesh, patch);
+    double best_corner = before + least_gain;
+    Mesh best;
+    for (const Change& change : changes(f)) {
+      Mesh trial = mesh;
+      std::set<Vertex> moving = patch;
+      const std::size_t count = trial.num_vertices();
+      if (!change(trial))
+        continue;
+      for (std::size_t k = count; k < trial.num_vertices(); ++k)
+        moving.insert(Vertex(static_cast<Mesh::size_type>(k)));
+      relax(trial, moving);
+      const double corner = corner_of(trial, moving);
+      if (corner > best_corner && folded(trial, moving) <= folded(mesh, patch) &&
+          !(careful && crosses(trial, moving))) {
+        best_corner = corner;
+        best = std::move(trial);
+        if (corner >= wanted)
+          break;
+      }
+    }
+    if (best.is_empty())
+      hopeless.insert(f);
+    else
+      mesh = std::move(best);
+  }
+
+  // Triangles at these vertices that do not lie along the wall, as some at a sharp carina never do.
+  std::size_t folded(const Mesh& in, const std::set<Vertex>& patch) const {
+    std::set<Face> faces;
+    for (Vertex v : patch)
+      if (!in.is_removed(v) && may_move(in, v))
+        for (Face f : in.faces_around_target(in.halfedge(v)))
+          faces.insert(f);
+    return static_cast<std::size_t>(std::count_if(faces.begin(), faces.end(), [&](Face f) {
+      Vec3 centre = Vec3::Zero();
+      for (Vertex v : in.vertices_around_face(in.halfedge(f)))
+        centre += vec(in.point(v)) / 3;
+      return area_vector(in, f).normalized().dot(area_vector(surface, wall.nearest_face(point(centre))).normalized()) <
+             cos_folded;
+    }));
+  }
+
+  // Whether the triangles at these vertices, and those beside them, cross each other.
+  static bool crosses(const Mesh& in, const std::set<Vertex>& patch) {
+    std::set<Face> faces;
+    for (Vertex v : patch)
+      if (!in.is_removed(v))
+        for (Vertex w : in.vertices_around_target(in.halfedge(v)))
+          for (Face f : in.faces_around_target(in.halfedge(w)))
+            faces.insert(f);
+    return CGAL::Polygon_mesh_processing::does_self_intersect(faces, in);
+  }
+
+  double smallest() const {
+    double corner = 180;
+    for (Face f : mesh.faces())
+      if (!touches_cap(mesh, f))
+        corner = std::min(corner, smallest_corner(mesh, f));
+    return corner;
+  }
+
+  std::pair<double, Face> worst() const {
+    std::pair<double, Face> found{180, Face()};
+    for (Face f : mesh.faces())
+      if (const double corner = smallest_corner(mesh, f);
+          corner < found.first && !touches_cap(mesh, f) && !hopeless.contains(f))
+        found = {corner, f};
+    return found;
+  }
+};
+
+} // namespace
+
+void widen_corners(Mesh& mesh, const Mesh& surface, const WallTree& wall, double wanted, int passes, bool careful) {
+  Mender mender{mesh, surface, wall, wanted, careful, {}};
+  mender.mesh.set_recycle_garbage(false); // an index names one face for good
+  // what could not be widened at first may be once its neighbours have changed
+  for (int pass = 0; pass < passes && (pass == 0 || mender.smallest() < wanted - slack); ++pass) {
+    mender.hopeless.clear();
+    for (std::size_t k = 0; k < most_changes; ++k) {
+      const auto [corner, face] = mender.worst();
+      if (corner >= wanted)
+        break;
+      mender.mend(face);
+    }
+  }
+  mesh = std::move(mender.mesh);
+  mesh.collect_garbage();
+}
+
+} // namespace anatomy

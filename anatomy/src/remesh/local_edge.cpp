@@ -1,0 +1,195 @@
+#include "remesh/local_edge.hpp"
+#include "core/faces.hpp"
+#include "core/tags.hpp"
+#include "ends/ends.hpp"
+#include "remesh/corners.hpp"
+#include "remesh/remesh.hpp"
+#include <CGAL/Polygon_mesh_processing/remesh.h>
+#include <CGAL/Polygon_mesh_processing/self_intersections.h>
+#include <algorithm>
+
+namespace anatomy {
+namespace {
+
+namespace PMP = CGAL::Polygon_mesh_processing;
+
+constexpr double edge_per_radius = 0.3;
+constexpr double largest_edge_per_radius = 0.8; // eight edges round the narrowest throat
+constexpr double thinnest = 0.05;               // mm; shorter edges only where a shorter `edge` asks for them
+constexpr double growth = 0.3;                  // of the edge, mm per mm along the wall
+// CGAL's remeshing tolerates edges of 0.8 to 1.33 of its target: at this step a level's edges suit its neighbour's.
+constexpr double level_step = 0.85;
+constexpr double good_corner = 30;    // degrees
+constexpr double aimed_corner = 30.5; // so that writing and reading leave 30
+constexpr double shortest = 0.5;      // of the length wanted: what remeshing itself leaves in one of 10^4 triangles
+constexpr double longest = 1.6;       // likewise
+constexpr int rings_beside = 3;       // of triangles remeshed beside those that need it
+constexpr double off_wall = 1e-6;     // mm
+constexpr double mostly = 1.0 / 3;
+
+bool as_wanted(const Mesh& mesh, Face f, const EdgeField& field) {
+  const double length = field.at(centroid(mesh, f));
+  for (Halfedge h : mesh.halfedges_around_face(mesh.halfedge(f))) {
+    const double ratio = (vec(mesh.point(mesh.source(h))) - vec(mesh.point(mesh.target(h)))).norm() / length;
+    if (ratio < shortest || ratio > longest)
+      return false;
+  }
+  return smallest_corner(mesh, f) >= good_corner;
+}
+
+// Per face of a compact mesh: whether it is on the wall, away from the rims, and not as wanted, or near such a face.
+std::vector<bool> to_remesh(const Mesh& mesh, const EdgeField& field) {
+  std::vector<bool> chosen(mesh.num_faces(), false);
+  for (Face f : mesh.faces())
+    chosen[f] = !touches_cap(mesh, f) && !as_wanted(mesh, f, field);
+  for (int ring = 0; ring < rings_beside; ++ring) {
+    const std::vector<bool> before = chosen;
+    for (Face f : mesh.faces())
+      if (before[f])
+        for (Vertex v : mesh.vertices_around_face(mesh.halfedge(f)))
+          for (Face g : mesh.faces_around_target(mesh.halfedge(v)))
+            chosen[g] = chosen[g] || !touches_cap(mesh, g);
+  }
+  return chosen;
+}
+
+struct Remesher {
+  Mesh mesh;
+  const Mesh &original, &surface;
+  const WallTree wall, given; ///< of the smooth surface, of `original`
+  const EdgeField& field;
+  std::vector<bool> chosen; ///< per face of `original`; empty: all
+
+  Remesher(const Mesh& start, const Mesh& smooth, const EdgeField& lengths)
+      : mesh(start), original(start), surface(smooth), wall(smooth), given(original), field(lengths) {}
+
+  // Faces, away from the rims, where the original was to be remeshed and at most this length is wanted.
+  std::vector<Face> faces_up_to(double length) const {
+    std::vector<Face> faces;
+    for (Face f : mesh.faces()) {
+      if (touches_cap(mesh, f))
+        continue;
+      const Vec3 c = centroid(mesh, f);
+      if (field.at(c) <= length && (chosen.empty() || chosen[given.nearest_face(point(c))]))
+        faces.push_back(f);
+    }
+    return faces;
+  }
+
+  // All faces, the caps' too, where at least this length is wanted.
+  std::vector<Face> faces_from(double length) const {
+    std::vector<Face> faces;
+    for (Face f : mesh.faces())
+      if (field.at(centroid(mesh, f)) >= length)
+        faces.push_back(f);
+    return faces;
+  }
+
+  // Every step flips and relaxes; `resize` splits and collapses, too.
+  void remesh(const std::vector<Face>& faces, double target, unsigned iterations, bool resize) {
+    RegionMap region = region_map(mesh);
+    auto rim = mark_rims(mesh);
+    PMP::isotropic_remeshing(faces, target, mesh,
+                             CGAL::parameters::number_of_iterations(iterations)
+                                 .number_of_relaxation_steps(2)
+                                 .do_split(resize)
+                                 .do_collapse(resize)
+                                 .edge_is_constrained_map(rim)
+                                 .face_patch_map(region)
+                                 .protect_constraints(false)
+                                 .projection_functor([&](Vertex v) { return on_wall(mesh, v, wall); }));
+    mesh.remove_property_map(rim);
+    mesh.collect_garbage();
+    // CGAL leaves what it splits on the border of the faces where it was; what lies on the wall stays to the bit
+    for (Vertex v : mesh.vertices())
+      if (const Point p = on_wall(mesh, v, wall); CGAL::squared_distance(p, mesh.point(v)) > off_wall * off_wall)
+        mesh.point(v) = p;
+  }
+
+  // Nested: each level is resized with all that is finer, so that its seams are far from theirs.
+  void resize(double coarsest) {
+    for (double target = coarsest;; target *= level_step) {
+      const std::vector<Face> faces = faces_up_to(target == field.edge() ? target : target / std::sqrt(level_step));
+      if (faces.empty())
+        break;
+      remesh(faces, target, 5, true);
+    }
+    const std::vector<Face> faces = faces_up_to(coarsest);
+    if (!faces.empty())
+      remesh(faces, coarsest, 3, false);
+  }
+
+  // From a mesh of uniform edge: first what is to be finer, then upwards, each level with all that is to be coarser.
+  void resize_both_ways(double uniform) {
+    resize(level_step * uniform);
+    for (double target = uniform / level_step;; target = std::min(target / level_step, field.edge())) {
+      const std::vector<Face> faces = faces_from(target * std::sqrt(level_step));
+      if (!faces.empty())
+        remesh(faces, target, 5, true);
+      if (target == field.edge())
+        break;
+    }
+    remesh(faces_up_to(field.edge()), field.edge(), 3, false);
+    flatten_caps(mesh);
+  }
+
+  Mesh finished() {
+    untangle(mesh);
+    check_remeshed(mesh, field.edge());
+    for (const auto& [passes, careful] : {std::pair{3, false}, {1, false}, {3, true}}) {
+      Mesh widened = mesh;
+      widen_corners(widened, surface, wall, aimed_corner, passes, careful);
+      if (!PMP::does_self_intersect(widened))
+        return widened;
+    }
+    return mesh;
+  }
+};
+
+} // namespace
+
+EdgeField::EdgeField(double edge, const std::vector<Branch>& branches, const std::vector<ReferenceProfile>& profiles)
+    : edge_(edge) {
+  for (std::size_t b = 0; b < branches.size(); ++b)
+    for (std::size_t i = 0; i < branches[b].x.size(); ++i) {
+      if (branches[b].s[i] < branches[b].s_outside)
+        continue;
+      const double radius = branches[b].radius[i], reference = 0.5 * profiles[b].diameter(branches[b].s[i]);
+      const double wanted = std::min(edge * radius / reference, edge_per_radius * radius);
+      const double least = std::min(smallest_edge_factor * edge, std::max(largest_edge_per_radius * radius, thinnest));
+      if (wanted < edge)
+        narrow_.push_back({branches[b].x[i], radius, std::max(wanted, least)});
+    }
+}
+
+double EdgeField::at(const Vec3& p) const {
+  double length = edge_;
+  for (const Narrow& sample : narrow_)
+    length = std::min(length, sample.edge + growth * std::max(0.0, (p - sample.x).norm() - sample.radius));
+  return length;
+}
+
+Mesh graded(const Mesh& mesh, const Mesh& surface, const EdgeField& field) {
+  Remesher remesher(mesh, surface, field);
+  remesher.resize(level_step * field.edge());
+  return remesher.finished();
+}
+
+Mesh coarsened(const Mesh& mesh, double edge, const Mesh& surface, const EdgeField& field) {
+  Remesher remesher(mesh, surface, field);
+  remesher.resize_both_ways(edge);
+  return remesher.finished();
+}
+
+std::optional<Mesh> regraded(const Mesh& mesh, const Mesh& surface, const EdgeField& field) {
+  Remesher remesher(mesh, surface, field);
+  remesher.chosen = to_remesh(mesh, field);
+  const auto count = static_cast<double>(std::count(remesher.chosen.begin(), remesher.chosen.end(), true));
+  if (count > mostly * static_cast<double>(mesh.number_of_faces()))
+    return std::nullopt;
+  if (count > 0)
+    remesher.resize(field.edge());
+  return remesher.finished();
+}
+
+} // namespace anatomy

@@ -1,0 +1,103 @@
+#include "remesh/remesh.hpp"
+#include "common/error.hpp"
+#include "core/tags.hpp"
+#include "ends/ends.hpp"
+#include <CGAL/Polygon_mesh_processing/measure.h>
+#include <CGAL/Polygon_mesh_processing/remesh.h>
+#include <CGAL/Polygon_mesh_processing/repair_self_intersections.h>
+#include <CGAL/Polygon_mesh_processing/self_intersections.h>
+#include <algorithm>
+
+namespace anatomy {
+namespace PMP = CGAL::Polygon_mesh_processing;
+
+Point on_wall(const Mesh& mesh, Vertex v, const WallTree& wall) {
+  const RegionMap region = region_map(mesh);
+  for (Face f : mesh.faces_around_target(mesh.halfedge(v)))
+    if (region[f] != 0)
+      return mesh.point(v);
+  return wall.nearest(mesh.point(v));
+}
+
+Mesh remeshed(const Mesh& mesh, double edge, const Mesh& surface) {
+  Mesh out = mesh;
+  const WallTree wall(surface);
+  RegionMap region = region_map(out);
+  auto rim = mark_rims(out);
+  // relaxing the rims as well shrinks them at every iteration until caps and wall cross
+  PMP::isotropic_remeshing(out.faces(), edge, out,
+                           CGAL::parameters::number_of_iterations(8)
+                               .number_of_relaxation_steps(2)
+                               .edge_is_constrained_map(rim)
+                               .face_patch_map(region)
+                               .protect_constraints(false)
+                               .projection_functor([&](Vertex v) { return on_wall(out, v, wall); }));
+  out.remove_property_map(rim);
+  out.collect_garbage();
+  flatten_caps(out);
+  untangle(out);
+  check_remeshed(out, edge);
+  return out;
+}
+
+void untangle(Mesh& mesh) {
+  if (!PMP::does_self_intersect(mesh))
+    return;
+  const auto on_caps = [](const Mesh& m) {
+    const RegionMap region = region_map(m);
+    return std::count_if(m.faces().begin(), m.faces().end(), [&](Face f) { return region[f] != 0; });
+  };
+  Mesh copy = mesh;
+  PMP::experimental::remove_self_intersections(copy);
+  copy.collect_garbage();
+  // a ball's topology: nothing fused, nothing torn
+  const bool sound = CGAL::is_closed(copy) && !PMP::does_self_intersect(copy) && on_caps(copy) == on_caps(mesh) &&
+                     copy.number_of_vertices() + copy.number_of_faces() == copy.number_of_edges() + 2;
+  if (sound)
+    mesh = copy;
+}
+
+void check_remeshed(const Mesh& out, double edge) {
+  if (!CGAL::is_closed(out))
+    throw common::ComputationError("remeshing left the surface open", "remeshing", std::to_string(edge) + " mm",
+                                   "try a smaller edge");
+  std::vector<std::pair<Face, Face>> pairs;
+  PMP::self_intersections(out, std::back_inserter(pairs));
+  if (!pairs.empty())
+    throw common::ComputationError(
+        "remeshing made the surface cross itself", place(vec(out.point(out.target(out.halfedge(pairs.front().first))))),
+        std::to_string(pairs.size()) + " pairs of triangles at edge " + std::to_string(edge) + " mm",
+        "use a smaller edge");
+}
+
+double smallest_corner(const Mesh& mesh, Face f) {
+  double smallest = 180;
+  for (Halfedge h : mesh.halfedges_around_face(mesh.halfedge(f))) {
+    const Vec3 p = vec(mesh.point(mesh.target(h)));
+    const Vec3 a = vec(mesh.point(mesh.source(h))) - p, b = vec(mesh.point(mesh.target(mesh.next(h)))) - p;
+    smallest = std::min(smallest, std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI);
+  }
+  return smallest;
+}
+
+Quality quality_of(const Mesh& mesh) {
+  Quality quality;
+  quality.min_angle_deg = quality.min_angle_rim_deg = 180;
+  quality.smallest_edge_mm = 1e300;
+  for (Edge e : mesh.edges()) {
+    const double length = (vec(mesh.point(mesh.vertex(e, 0))) - vec(mesh.point(mesh.vertex(e, 1)))).norm();
+    quality.smallest_edge_mm = std::min(quality.smallest_edge_mm, length);
+  }
+  for (Face f : mesh.faces()) {
+    const double angle = smallest_corner(mesh, f);
+    quality.min_angle_rim_deg = std::min(quality.min_angle_rim_deg, angle);
+    if (angle < quality.min_angle_deg && !touches_cap(mesh, f)) {
+      quality.min_angle_deg = angle;
+      quality.min_angle_at = vec(mesh.point(mesh.target(mesh.halfedge(f))));
+    }
+  }
+  quality.volume_mm3 = PMP::volume(mesh);
+  return quality;
+}
+
+} // namespace anatomy

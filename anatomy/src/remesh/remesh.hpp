@@ -1,0 +1,34 @@
+// Uniform remeshing that keeps the caps' rims, and the quality of the result.
+#pragma once
+#include "core/wall_tree.hpp"
+
+namespace anatomy {
+
+/// A copy of the closed, tagged `mesh` with edges of about `edge` mm, tags kept and caps flat; the wall's vertices lie
+/// on the wall of `surface`, which is `mesh` itself or its curved refinement. Throws ComputationError if the result
+/// crosses itself or is not closed.
+Mesh remeshed(const Mesh& mesh, double edge, const Mesh& surface);
+
+/// Where v belongs: the nearest point of the wall, but on caps and rims its own place.
+Point on_wall(const Mesh& mesh, Vertex v, const WallTree& wall);
+
+/// Repairs self-intersections of a closed, tagged mesh without changing its caps or its topology (CGAL's local
+/// remeshing), as a wall rougher than its edges leaves them; where that fails the mesh stays as it is.
+void untangle(Mesh& mesh);
+
+/// Throws ComputationError if the mesh, remeshed at `edge` mm, crosses itself or is not closed.
+void check_remeshed(const Mesh& mesh, double edge);
+
+/// Smallest corner of a triangle, degrees.
+double smallest_corner(const Mesh& mesh, Face f);
+
+struct Quality {
+  double min_angle_deg = 0;         ///< smallest corner of a wall triangle away from the rims
+  Vec3 min_angle_at = Vec3::Zero(); ///< its place, mm
+  double min_angle_rim_deg = 0;     ///< smallest corner of all triangles
+  double smallest_edge_mm = 0;
+  double volume_mm3 = 0;
+};
+Quality quality_of(const Mesh& mesh);
+
+} // namespace anatomy

@@ -1,0 +1,166 @@
+#include "repair/repair.hpp"
+#include "common/error.hpp"
+#include "repair/fill_hole.hpp"
+#include "repair/weld.hpp"
+#include <CGAL/Polygon_mesh_processing/bbox.h>
+#include <CGAL/Polygon_mesh_processing/connected_components.h>
+#include <CGAL/Polygon_mesh_processing/measure.h>
+#include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
+#include <CGAL/Polygon_mesh_processing/orientation.h>
+#include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
+#include <CGAL/Polygon_mesh_processing/repair_degeneracies.h>
+#include <CGAL/Polygon_mesh_processing/repair_self_intersections.h>
+#include <CGAL/Polygon_mesh_processing/self_intersections.h>
+#include <CGAL/Polygon_mesh_processing/stitch_borders.h>
+#include <algorithm>
+
+namespace anatomy {
+namespace {
+
+namespace PMP = CGAL::Polygon_mesh_processing;
+using common::InputError;
+using ComponentMap = Mesh::Property_map<Face, std::size_t>;
+
+constexpr double comparable = 0.2; // of the largest component's area
+
+// Whether b lists a's corners in the opposite sense; orienting keeps the order of triangles and only swaps corners.
+bool reversed(const std::vector<std::size_t>& a, const std::vector<std::size_t>& b) {
+  const auto start = static_cast<std::size_t>(std::find(b.begin(), b.end(), a[0]) - b.begin());
+  return start < 3 && b[(start + 1) % 3] == a[2];
+}
+
+Mesh oriented_mesh(const Soup& soup, std::vector<Repair>& repairs) {
+  std::vector<Point> points = soup.points;
+  std::vector<std::vector<std::size_t>> polygons;
+  for (const Triangle& t : soup.triangles)
+    polygons.emplace_back(t.begin(), t.end());
+  const auto before = polygons;
+  PMP::orient_polygon_soup(points, polygons);
+  std::size_t turned = 0;
+  for (std::size_t i = 0; i < polygons.size(); ++i)
+    turned += reversed(before[i], polygons[i]);
+  turned = std::min(turned, polygons.size() - turned);
+  if (turned > 0)
+    repairs.push_back({"triangles turned", turned, "their normals disagreed with their neighbours'"});
+  if (points.size() > soup.points.size())
+    repairs.push_back({"non-manifold points split", points.size() - soup.points.size(), ""});
+  Mesh mesh;
+  PMP::polygon_soup_to_polygon_mesh(points, polygons, mesh);
+  return mesh;
+}
+
+// A component of comparable size is likely another vessel, not a speck: its place and the kept one's are said.
+void warn_of_vessels(const Mesh& mesh, const ComponentMap& component, const std::vector<double>& area,
+                     std::size_t largest, std::vector<Repair>& repairs) {
+  std::vector<Vec3> centre(area.size(), Vec3::Zero());
+  for (Face f : mesh.faces()) {
+    Vec3 middle = Vec3::Zero();
+    for (Vertex v : mesh.vertices_around_face(mesh.halfedge(f)))
+      middle += vec(mesh.point(v)) / 3;
+    centre[component[f]] += PMP::face_area(f, mesh) / area[component[f]] * middle;
+  }
+  for (std::size_t c = 0; c < area.size(); ++c) {
+    if (c == largest || area[c] < comparable * area[largest])
+      continue;
+    char sizes[96];
+    std::snprintf(sizes, sizeof sizes, "%.0f mm2 of wall, the one kept has %.0f mm2 ", area[c], area[largest]);
+    repairs.push_back({"another vessel left out", 1,
+                       "round " + place(centre[c]) + ": " + sizes + "round " + place(centre[largest]) +
+                           "; give each vessel as a file of its own, or join them",
+                       true});
+  }
+}
+
+void keep_largest_component(Mesh& mesh, std::vector<Repair>& repairs) {
+  auto component = mesh.add_property_map<Face, std::size_t>("f:component").first;
+  const std::size_t n = PMP::connected_components(mesh, component);
+  if (n > 1) {
+    std::vector<double> area(n, 0);
+    for (Face f : mesh.faces())
+      area[component[f]] += PMP::face_area(f, mesh);
+    const auto largest = static_cast<std::size_t>(std::max_element(area.begin(), area.end()) - area.begin());
+    double total = 0;
+    for (double a : area)
+      total += a;
+    char detail[96];
+    std::snprintf(detail, sizeof detail, "kept the largest of %zu, %.2f %% of the area", n,
+                  100 * area[largest] / total);
+    repairs.push_back({"components dropped", n - 1, detail});
+    warn_of_vessels(mesh, component, area, largest, repairs);
+    PMP::keep_connected_components(mesh, std::vector<std::size_t>{largest}, component);
+  }
+  mesh.remove_property_map(component);
+}
+
+// Edges divided on one side only leave a hole without width, which no triangles fill.
+void close_t_junctions(Mesh& mesh, double tolerance, std::vector<Repair>& repairs) {
+  std::size_t count = 0;
+  for (const Loop& loop : boundary_loops(mesh))
+    count += divided(mesh, loop.halfedge, tolerance);
+  if (count == 0)
+    return;
+  PMP::stitch_borders(mesh);
+  repairs.push_back({"edges divided", count, "where points of the triangles beside them lie on them"});
+}
+
+void fill_holes(Mesh& mesh, std::vector<Repair>& repairs) {
+  for (const Loop& loop : boundary_loops(mesh)) {
+    if (is_open_end(mesh, loop) && std::sqrt(loop.area / M_PI) > smallest_end)
+      continue;
+    if (filled(mesh, loop.halfedge).empty())
+      throw InputError("a hole in the wall cannot be filled", place(loop.centre),
+                       std::to_string(loop.halfedges) + " edges round it", "repair the surface there");
+    repairs.push_back({"hole filled", 1, std::to_string(loop.halfedges) + " edges at " + place(loop.centre)});
+  }
+}
+
+} // namespace
+
+Mesh repaired(const Soup& soup, std::vector<Repair>& repairs) {
+  CGAL::Bbox_3 box;
+  for (const Point& p : soup.points)
+    box += p.bbox();
+  const double diagonal = Vec3(box.xmax() - box.xmin(), box.ymax() - box.ymin(), box.zmax() - box.zmin()).norm();
+  Soup clean = welded(soup, weld_tolerance * diagonal, repairs);
+  drop_degenerate_and_duplicate(clean, repairs);
+  drop_fins(clean, repairs);
+  if (clean.triangles.size() < 4)
+    throw InputError("no surface remains after repair", "surface",
+                     std::to_string(clean.triangles.size()) + " triangles", "check the file");
+  Mesh mesh = oriented_mesh(clean, repairs);
+  const std::size_t stitched = PMP::stitch_borders(mesh);
+  if (stitched > 0)
+    repairs.push_back({"borders stitched", stitched, "pairs of edges"});
+  keep_largest_component(mesh, repairs);
+  PMP::remove_degenerate_faces(mesh);
+  close_t_junctions(mesh, weld_tolerance * diagonal, repairs);
+  fill_holes(mesh, repairs);
+  mesh.collect_garbage();
+  return mesh;
+}
+
+void orient_outward(Mesh& mesh, std::vector<Repair>& repairs) {
+  if (PMP::is_outward_oriented(mesh))
+    return;
+  PMP::reverse_face_orientations(mesh);
+  repairs.push_back({"normals turned outward", mesh.number_of_faces(), "the whole surface faced inward"});
+}
+
+void remove_self_intersections(Mesh& mesh, std::vector<Repair>& repairs) {
+  std::vector<std::pair<Face, Face>> pairs;
+  PMP::self_intersections(mesh, std::back_inserter(pairs));
+  if (pairs.empty())
+    return;
+  const Vec3 where = vec(mesh.point(mesh.target(mesh.halfedge(pairs.front().first))));
+  const std::size_t found = pairs.size();
+  PMP::experimental::remove_self_intersections(mesh);
+  mesh.collect_garbage();
+  pairs.clear();
+  PMP::self_intersections(mesh, std::back_inserter(pairs));
+  if (!pairs.empty() || !CGAL::is_closed(mesh))
+    throw InputError("the surface crosses itself and could not be repaired", "near " + place(where),
+                     std::to_string(found) + " pairs of triangles", "separate, smooth or re-segment the surface there");
+  repairs.push_back({"self-intersections removed", found, "pairs of triangles, first near " + place(where)});
+}
+
+} // namespace anatomy

@@ -1,0 +1,136 @@
+#include "repair/spikes.hpp"
+#include <CGAL/Polygon_mesh_processing/measure.h>
+#include <algorithm>
+
+namespace anatomy {
+namespace {
+
+namespace PMP = CGAL::Polygon_mesh_processing;
+
+constexpr double least_slope = 0.5;         // edges: 27 degrees all round
+constexpr double least_radii = 0.15;        // mean radii of the lumen: less hardly changes a section
+constexpr double least_outlier = 8;         // times the scatter of the vertices round it
+constexpr double worth_a_look = 0.35;       // edges
+constexpr std::size_t most_neighbours = 12; // the apex of a fan over a whole end stands out, too
+constexpr Eigen::Index most_unknowns = 6;   // of a quadric; three more points show how they scatter
+
+struct Ring {
+  std::vector<Vertex> vertices; // in order
+  Vec3 mean = Vec3::Zero(), normal = Vec3::Zero();
+  double edge = 0; // mm, mean between neighbours of the ring: a spike does not lengthen it
+};
+
+Ring ring_of(const Mesh& mesh, Vertex v) {
+  Ring ring;
+  for (Vertex w : mesh.vertices_around_target(mesh.halfedge(v)))
+    ring.vertices.push_back(w);
+  const double n = static_cast<double>(ring.vertices.size());
+  for (Vertex w : ring.vertices)
+    ring.mean += vec(mesh.point(w)) / n;
+  for (std::size_t i = 0; i < ring.vertices.size(); ++i) {
+    const Vec3 a = vec(mesh.point(ring.vertices[i])),
+               b = vec(mesh.point(ring.vertices[(i + 1) % ring.vertices.size()]));
+    ring.normal += (a - ring.mean).cross(Vec3(b - ring.mean));
+    ring.edge += (b - a).norm() / n;
+  }
+  if (ring.normal.norm() > 0)
+    ring.normal.normalize();
+  return ring;
+}
+
+double over_ring(const Mesh& mesh, Vertex v, const Ring& ring) {
+  return ring.normal.dot(Vec3(vec(mesh.point(v)) - ring.mean));
+}
+
+// The height of v over the quadric fitted to the two rings round it, and the scatter of these about it; no height where
+// they are too few.
+std::pair<double, double> over_quadric(const Mesh& mesh, Vertex v, const Ring& ring) {
+  std::vector<Vertex> around = ring.vertices;
+  for (Vertex w : ring.vertices)
+    for (Vertex x : mesh.vertices_around_target(mesh.halfedge(w)))
+      if (x != v && std::find(around.begin(), around.end(), x) == around.end())
+        around.push_back(x);
+  const auto rows = static_cast<Eigen::Index>(around.size());
+  if (rows < most_unknowns + 3)
+    return {0, 0};
+  const Vec3 p = vec(mesh.point(v)), e = ring.normal.unitOrthogonal(), f = ring.normal.cross(e);
+  Eigen::MatrixXd basis(rows, most_unknowns);
+  Eigen::VectorXd height(rows);
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const Vec3 q = vec(mesh.point(around[static_cast<std::size_t>(i)])) - p;
+    const double x = e.dot(q), y = f.dot(q);
+    basis.row(i) << 1, x, y, x * x, x * y, y * y;
+    height[i] = ring.normal.dot(q);
+  }
+  const Eigen::VectorXd fit = basis.colPivHouseholderQr().solve(height);
+  const double scatter = (basis * fit - height).norm() / std::sqrt(static_cast<double>(rows - most_unknowns));
+  return {-fit[0], scatter};
+}
+
+// Whether a cap touches the vertex or one beside it.
+bool near_cap(const Mesh& mesh, const RegionMap& region, const Ring& ring) {
+  for (Vertex w : ring.vertices)
+    for (Face f : mesh.faces_around_target(mesh.halfedge(w)))
+      if (region[f] != 0)
+        return true;
+  return false;
+}
+
+} // namespace
+
+void flatten_spikes(Mesh& mesh, std::vector<Repair>& repairs) {
+  const RegionMap region = region_map(mesh);
+  const double radius = 2 * std::abs(PMP::volume(mesh)) / PMP::area(mesh);
+  std::vector<std::pair<Vertex, Vec3>> moves;
+  double highest = 0;
+  Vec3 where = Vec3::Zero();
+  for (Vertex v : mesh.vertices()) {
+    const Ring ring = ring_of(mesh, v);
+    if (ring.vertices.size() > most_neighbours || std::abs(over_ring(mesh, v, ring)) < worth_a_look * ring.edge ||
+        near_cap(mesh, region, ring))
+      continue;
+    const auto [height, scatter] = over_quadric(mesh, v, ring);
+    if (std::abs(height) < std::max({least_slope * ring.edge, least_radii * radius, least_outlier * scatter}))
+      continue;
+    moves.emplace_back(v, vec(mesh.point(v)) - height * ring.normal);
+    if (std::abs(height) > highest) {
+      highest = std::abs(height);
+      where = vec(mesh.point(v));
+    }
+  }
+  if (moves.empty())
+    return;
+  for (const auto& [v, p] : moves)
+    mesh.point(v) = point(p);
+  char detail[128];
+  std::snprintf(detail, sizeof detail, "single vertices up to %.3f mm off the wall round them, the highest at %s",
+                highest, place(where).c_str());
+  repairs.push_back({"spikes flattened", moves.size(), detail});
+}
+
+Roughness roughness_of(const Mesh& mesh) {
+  Roughness out;
+  std::vector<double> off;
+  double mean = 0;
+  for (Vertex v : mesh.vertices()) {
+    const Ring ring = ring_of(mesh, v);
+    const double n = static_cast<double>(ring.vertices.size());
+    off.push_back(over_ring(mesh, v, ring) / std::sqrt(1 + 1 / n)); // the neighbours' mean scatters, too
+    mean += off.back() / static_cast<double>(mesh.number_of_vertices());
+    out.edge += ring.edge / static_cast<double>(mesh.number_of_vertices());
+  }
+  double sum = 0, most = 0;
+  std::size_t i = 0;
+  for (Vertex v : mesh.vertices()) {
+    const double d = std::abs(off[i++] - mean);
+    sum += d * d;
+    if (d > most) {
+      most = d;
+      out.at = vec(mesh.point(v));
+    }
+  }
+  out.rms = std::sqrt(sum / static_cast<double>(mesh.number_of_vertices()));
+  return out;
+}
+
+} // namespace anatomy

@@ -1,0 +1,22 @@
+// Single vertices that stand out of the wall, and how rough the wall is.
+#pragma once
+#include "core/types.hpp"
+
+namespace anatomy {
+
+/// Moves a vertex of the wall that stands out alone (by half an edge, eight times the scatter of those round it, and
+/// 0.15 mean radii) onto the quadratic surface through the two rings of vertices round it. Reports the number, the
+/// largest height and its place. `mesh` is closed and tagged; caps and what is beside them are left alone.
+void flatten_spikes(Mesh& mesh, std::vector<Repair>& repairs);
+
+struct Roughness {
+  double rms = 0;         ///< mm, scatter of the wall's vertices about their neighbourhood
+  double edge = 0;        ///< mm, mean
+  Vec3 at = Vec3::Zero(); ///< where a vertex stands out most
+};
+
+/// From the distance of each vertex to the mean of its neighbours, along the wall's normal and less the mean over the
+/// mesh, which is the curvature's.
+Roughness roughness_of(const Mesh& mesh);
+
+} // namespace anatomy

@@ -1,0 +1,114 @@
+#include "repair/tips.hpp"
+#include "core/shortest_ways.hpp"
+#include <algorithm>
+#include <numeric>
+#include <set>
+
+namespace anatomy {
+namespace {
+
+// The mesh's edges in both directions, by their length.
+WayGraph edge_graph(const Mesh& mesh) {
+  std::vector<WayGraph::Link> links;
+  std::vector<double> lengths;
+  for (Halfedge h : mesh.halfedges()) {
+    links.emplace_back(mesh.source(h), mesh.target(h));
+    lengths.push_back((vec(mesh.point(mesh.target(h))) - vec(mesh.point(mesh.source(h)))).norm());
+  }
+  return {mesh.number_of_vertices(), links, lengths};
+}
+
+std::size_t farthest(const std::vector<double>& d) {
+  return static_cast<std::size_t>(std::max_element(d.begin(), d.end()) - d.begin());
+}
+
+// The distance of every vertex from the farthest extremity, and the vertices from the highest down.
+struct Sweep {
+  std::size_t root = 0;
+  std::vector<double> height;
+  std::vector<std::size_t> order;
+
+  explicit Sweep(const Mesh& mesh) {
+    const WayGraph graph = edge_graph(mesh);
+    root = farthest(graph.from(0).cost);
+    height = graph.from(root).cost;
+    order.resize(height.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(), [this](std::size_t a, std::size_t b) { return higher(a, b); });
+  }
+  bool higher(std::size_t a, std::size_t b) const { return height[a] != height[b] ? height[a] > height[b] : a < b; }
+};
+
+// Sets of vertices, each represented by its highest one.
+struct Hills {
+  std::vector<std::size_t> above;
+  explicit Hills(std::size_t n) : above(n) { std::iota(above.begin(), above.end(), 0); }
+  std::size_t summit(std::size_t v) {
+    while (above[v] != v)
+      v = above[v] = above[above[v]];
+    return v;
+  }
+};
+
+} // namespace
+
+std::vector<Tip> tips_of(const Mesh& mesh, double least_prominence) {
+  const Sweep sweep(mesh);
+  const std::vector<double>& height = sweep.height;
+  Hills hills(height.size());
+  std::vector<Tip> tips;
+  const auto keep = [&](std::size_t v, double prominence) {
+    if (prominence >= least_prominence)
+      tips.push_back({Vertex(static_cast<Mesh::size_type>(v)), prominence});
+  };
+  // flooding from above: where two hills meet, the lower one's prominence is known
+  for (std::size_t v : sweep.order)
+    for (Vertex w : mesh.vertices_around_target(mesh.halfedge(Vertex(static_cast<Mesh::size_type>(v))))) {
+      if (!sweep.higher(w, v))
+        continue;
+      std::size_t a = hills.summit(v), b = hills.summit(w);
+      if (a == b)
+        continue;
+      if (sweep.higher(b, a))
+        std::swap(a, b);
+      keep(b, height[b] - height[v]);
+      hills.above[b] = a;
+    }
+  keep(sweep.order.front(), height[sweep.order.front()]);
+  keep(sweep.root, height[sweep.order.front()]);
+  std::stable_sort(tips.begin(), tips.end(), [](const Tip& a, const Tip& b) { return a.prominence > b.prominence; });
+  return tips;
+}
+
+std::vector<Vertex> places_on_handles(const Mesh& mesh) {
+  const long euler = static_cast<long>(mesh.number_of_vertices()) - static_cast<long>(mesh.number_of_edges()) +
+                     static_cast<long>(mesh.number_of_faces());
+  if (euler == 2)
+    return {};
+  const Sweep sweep(mesh);
+  Hills hills(sweep.height.size());
+  std::vector<Vertex> places;
+  for (std::size_t v : sweep.order) {
+    // Shortest distances have no minimum but the root, so a loop closed above v never fills: it goes round a handle.
+    const Vertex here(static_cast<Mesh::size_type>(v));
+    std::set<std::size_t> summits;
+    std::size_t runs = 0; // of higher neighbours round v
+    for (Halfedge h : mesh.halfedges_around_target(mesh.halfedge(here))) {
+      const Vertex w = mesh.source(h), after = mesh.target(mesh.next(h));
+      if (!sweep.higher(w, v))
+        continue;
+      runs += !sweep.higher(after, v);
+      summits.insert(hills.summit(w));
+    }
+    if (runs > summits.size())
+      places.push_back(here);
+    for (std::size_t summit : summits)
+      hills.above[hills.summit(summit)] = v;
+    hills.above[v] = v;
+  }
+  if (places.empty())
+    places.push_back(Vertex(static_cast<Mesh::size_type>(sweep.order.front())));
+  return places;
+}
+
+} // namespace anatomy

@@ -1,0 +1,16 @@
+// Steps of the repair that work on a triangle soup, before it is a mesh.
+#pragma once
+#include "core/types.hpp"
+
+namespace anatomy {
+
+/// Merges points closer than `tolerance` (mm) and drops points that no triangle uses.
+Soup welded(const Soup& soup, double tolerance, std::vector<Repair>& repairs);
+
+/// Drops triangles with two equal corners and all but one of triangles with the same corners.
+void drop_degenerate_and_duplicate(Soup& soup, std::vector<Repair>& repairs);
+
+/// Drops fins: triangles that hang on a non-manifold edge by having another edge of their own free.
+void drop_fins(Soup& soup, std::vector<Repair>& repairs);
+
+} // namespace anatomy
