@@ -1,4 +1,4 @@
-// The program vci: deploy, radius-correct, inflate, crush.
+// The program vci: deploy, radius-correct, inflate, crush, settings.
 #include "common/command_line.hpp"
 #include "common/error.hpp"
 #include "vci/bench/bench.hpp"
@@ -13,6 +13,7 @@
 #include "vci/scene/checks/plausibility.hpp"
 #include "vci/scene/files/centreline_file.hpp"
 #include "vci/scene/files/scene_file.hpp"
+#include "vci/scene/files/settings.hpp"
 
 #include <chrono>
 #include <limits>
@@ -47,12 +48,12 @@ int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& 
   check_placements(scene, paths);
   check_lumen(scene, lumen, paths);
   std::optional<FrameWriter> writer;
-  Observer observer{{}, every_steps};
+  Observer observer{{}, every_steps, [](const std::string& line) { std::cerr << line << '\n'; }};
   if (!frames.empty()) {
     writer.emplace(frames, lumen);
     observer.see = [&](const Snapshot& snapshot) { writer->add(snapshot); };
   }
-  const Deployment d = deploy(scene, lumen, paths, writer ? &observer : nullptr);
+  const DeploymentResult d = deploy(scene, lumen, paths, observer);
   if (writer)
     writer->finish();
   std::vector<PointArray> arrays = force_arrays(d.forces);
@@ -61,7 +62,7 @@ int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& 
   arrays.push_back({"malapposition_mm", 1, d.malapposition});
   write_lumen(output.folder() / "lumen.vtp", output.folder() / "lumen.stl", lumen, d.points, arrays);
   std::size_t stent = 0;
-  for (const DeviceShape& shape : d.balloons) {
+  for (const DeviceShape& shape : d.devices) {
     const bool is_stent = shape.kind == DeviceShape::Kind::stent;
     const std::string name = is_stent ? "stent" + std::to_string(stent + 1) : shape.name;
     write_shape(output.folder() / "devices" / (name + ".vtp"), shape.points, shape.triangles, {},
@@ -132,7 +133,7 @@ int run_crush(const fs::path& scene_file, const std::string& device) {
     throw common::InputError("no such stent in the scene", scene_file.string() + ": devices", device,
                              "name an entry with kind stent");
   const StentSpec& spec = scene.stents.at(device);
-  const CrushTest test = crush(spec, scene.balloons.at(spec.balloon), scene.numerics);
+  const CrushTest test = crush(spec, scene.balloon(device), scene.numerics);
   std::cout << "diameter_loss_percent,pressure_mpa,inflated_diameter_mm,free_diameter_mm,recoil_percent,residual\n";
   for (const CrushPoint& p : test.points)
     std::cout << p.loss_percent << ',' << p.pressure_mpa << ',' << test.inflated_diameter << ',' << test.free_diameter
@@ -147,6 +148,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   std::string scene, out, device, frames;
   int every_steps = 0, wings = 0;
+  bool as_json = false;
   CLI::App* deploy_command = app.add_subcommand("deploy", "run a scene's procedure");
   CLI::App* correct_command = app.add_subcommand("radius-correct", "the baseline: set the radius to the device's");
   for (CLI::App* command : {deploy_command, correct_command}) {
@@ -165,6 +167,8 @@ int main(int argc, char** argv) {
   CLI::App* crush_command = app.add_subcommand("crush", "radial strength and free recoil of a stent on the bench, CSV");
   crush_command->add_option("scene", scene, "scene.json that defines the stent and its balloon")->required();
   crush_command->add_option("--device", device, "key under devices")->required();
+  CLI::App* settings_command = app.add_subcommand("settings", "every setting of a scene's wall and numerics");
+  settings_command->add_flag("--json", as_json, "as the properties of a JSON schema")->required();
   if (const auto code = common::exit_code_of_parsing(app, argc, argv))
     return *code;
   return common::guarded([&] {
@@ -172,6 +176,10 @@ int main(int argc, char** argv) {
       return run_deploy(scene, out, frames, every_steps);
     if (*correct_command)
       return run_radius_correct(scene, out);
+    if (*settings_command) {
+      std::cout << settings_table().dump(1) << '\n';
+      return 0;
+    }
     if (*crush_command)
       return run_crush(scene, device);
     return run_inflate(scene, device, wings);

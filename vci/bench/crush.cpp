@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
 namespace vci {
@@ -87,7 +86,7 @@ CrushTest crush(const StentSpec& spec, const BalloonSpec& balloon, const Numeric
       system.add_force(stent.body, std::make_unique<Pressure>(system.body(stent.body).triangles, system.x, 0.0));
   std::vector<int> all(system.vertices());
   std::iota(all.begin(), all.end(), 0);
-  const double area = std::numbers::pi * spec.nominal_diameter * spec.length / system.vertices();
+  const double area = pi * spec.nominal_diameter * spec.length / system.vertices();
   Iris& iris = system.add_force(stent.body, std::make_unique<Iris>(std::move(all), iris_stiffness * area));
 
   CrushTest test{};
@@ -106,8 +105,8 @@ CrushTest crush(const StentSpec& spec, const BalloonSpec& balloon, const Numeric
     iris.close(0.5 * test.free_diameter * (1 - k * increment));
     test.residual = std::max(test.residual, settle(system, none, numerics, "crushing"));
     const double diameter = mean_diameter(system, stent);
-    pressure = iris.total(system.x) /
-               (std::numbers::pi * test.free_diameter * chain_length(ring_centres(system, stent.body, stent.grid)));
+    pressure =
+        iris.total(system.x) / (pi * test.free_diameter * chain_length(ring_centres(system, stent.body, stent.grid)));
     loss = 100 * (1 - diameter / test.free_diameter);
     for (double wanted : losses)
       if (before < wanted && loss >= wanted)

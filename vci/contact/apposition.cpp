@@ -39,7 +39,7 @@ std::optional<double> gap_to(const System& system, const Body& stent, const Vect
 
 } // namespace
 
-std::vector<double> malapposition(const System& system, const std::string& stent) {
+std::vector<double> malapposition(const System& system, const std::vector<int>& stents) {
   const Body& wall = system.body(0);
   Vectors units = area_vectors(system);
   for (Vec3& n : units)
@@ -47,10 +47,8 @@ std::vector<double> malapposition(const System& system, const std::string& stent
   std::vector<double> gaps(wall.count, nothing);
   std::vector<NearTriangle> found;
   std::vector<int> candidates;
-  for (int b = 1; b < system.bodies(); ++b) {
+  for (int b : stents) {
     const Body& body = system.body(b);
-    if (body.name != stent)
-      continue;
     const BroadPhase boxes(body.triangles, system.x);
     for (int i = 0; i < wall.count; ++i) {
       boxes.near(system.x[i], body.triangles, system.x, reach, slack, -1, found);

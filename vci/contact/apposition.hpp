@@ -4,8 +4,8 @@
 
 namespace vci {
 
-/// Per vertex of the wall (body 0): the gap (mm) to the smooth surface of the nearest body of a name that faces it
-/// within 2 mm, 0 where none does.
-std::vector<double> malapposition(const System& system, const std::string& stent);
+/// Per vertex of the wall (body 0): the gap (mm) to the smooth surface of the nearest of the bodies given that
+/// faces it within 2 mm, 0 where none does.
+std::vector<double> malapposition(const System& system, const std::vector<int>& stents);
 
 } // namespace vci

@@ -2,13 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace vci {
 
 namespace {
-
-constexpr double pi = std::numbers::pi;
 
 /// Area vector (mm^2) of each ring: its polygon's, times what a circle through the vertices of a regular one has more.
 Vectors ring_areas(const System& system, int body, const RingGrid& grid) {

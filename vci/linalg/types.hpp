@@ -2,6 +2,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <array>
+#include <numbers>
 #include <vector>
 
 namespace vci {
@@ -14,6 +15,7 @@ using Vectors = std::vector<Vec3>; ///< one vector per vertex of the whole syste
 using Triangle = std::array<int, 3>;
 using Triangles = std::vector<Triangle>;
 
+using std::numbers::pi;
 constexpr double mpa_per_bar = 0.1;
 constexpr double mpa_per_pa = 1e-6;
 

@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <numbers>
 
 namespace vci {
 
@@ -27,7 +26,7 @@ template <class Element> Dihedral dihedral_of(const Element& e, const Vectors& x
 
 /// The same angle between -pi and pi.
 double wrapped(double angle) {
-  return std::abs(angle) <= std::numbers::pi ? angle : std::remainder(angle, 2 * std::numbers::pi);
+  return std::abs(angle) <= pi ? angle : std::remainder(angle, 2 * pi);
 }
 
 } // namespace
@@ -83,7 +82,7 @@ void Hinges::link(const BlockMatrix& matrix) {
 }
 
 void Hinges::commit(const Vectors& x) {
-  if (yield_angle_ >= std::numbers::pi)
+  if (yield_angle_ >= pi)
     return;
   for (Element& e : elements_) {
     const double bend = wrapped(dihedral_of(e, x).angle - e.rest_angle);

@@ -1,10 +1,9 @@
-// Runs a scene's procedure on the mechanical system.
+// Runs a scene's procedure on the mechanical system: all at once, or step by step.
 #pragma once
-#include "vci/geometry/centreline.hpp"
-#include "vci/geometry/lumen.hpp"
-#include "vci/procedure/procedure.hpp"
-#include "vci/procedure/stent_history.hpp"
-#include "vci/wall/wall.hpp"
+#include "vci/procedure/snapshot.hpp"
+
+#include <functional>
+#include <memory>
 
 namespace vci {
 
@@ -14,21 +13,12 @@ struct StageReport {
   RelaxResult result;
 };
 
-/// A device as it stands when it matters: a balloon inflated, a stent at the end.
-struct DeviceShape {
-  enum class Kind { balloon, stent } kind;
-  std::string name; ///< a balloon's by its step, a stent's device
-  Vectors points;
-  Triangles triangles;
-  Balance forces; ///< at these points, N
-};
-
-struct Deployment {
+struct DeploymentResult {
   std::vector<StageReport> stages;
   std::vector<StentHistory> stents;
-  std::vector<DeviceShape> balloons;
+  std::vector<DeviceShape> devices; ///< balloons inflated, in the order of their steps, then stents
   std::vector<std::string> switched_off, warnings;
-  Vectors points;                    ///< lumen points at the end
+  Vectors points;                    ///< lumen points at the end, mm
   std::vector<double> wall_stretch;  ///< per lumen point: largest principal stretch
   std::vector<double> malapposition; ///< per lumen point: gap between wall and stent, mm; 0 where no stent faces it
   Balance forces;                    ///< per lumen point at the end, N; 0 where the wall is fixed
@@ -36,22 +26,46 @@ struct Deployment {
   int vertices = 0;                  ///< that took part in the wall
 };
 
-/// The state on the way, for pictures.
-struct Snapshot {
-  int stages_done, steps; ///< steps of the stage under way
-  Vectors lumen;
-  Balance forces; ///< per lumen point, N; empty amid a stage of textbook integration, as the devices' then
-  std::vector<DeviceShape> devices;
-};
-/// Sees the state at the end of each stage and, where every_steps > 0, every so many steps.
+/// Who is told what happens. Each may be left out.
 struct Observer {
+  /// Sees the state at the end of each stage and, where every_steps > 0, every so many steps.
   std::function<void(const Snapshot&)> see;
   int every_steps = 0;
+  /// Takes lines of progress and warnings, without their ends.
+  std::function<void(const std::string&)> log;
 };
 
-/// @param lumen, paths as read; progress goes to standard error.
-/// Throws common::ComputationError naming step, stage, residual and remedy where a stage does not reach force balance.
-Deployment deploy(const Scene& scene, const Lumen& lumen, const std::map<std::string, Path>& paths,
-                  const Observer* observer = nullptr);
+/// A procedure under way, which can be taken a step further and asked.
+class Deployment {
+public:
+  /// @param lumen, paths as they are before; distances in mm
+  Deployment(Scene scene, Lumen lumen, std::map<std::string, Path> paths, Observer observer = {});
+  ~Deployment();
+  Deployment(Deployment&&) noexcept;
+  Deployment& operator=(Deployment&&) noexcept;
+
+  /// Steps of the scene's procedure, and how many of them are done.
+  std::size_t steps() const;
+  std::size_t steps_done() const;
+  /// Runs the next step: its devices are placed, inflated and, but for stents, taken out again.
+  /// Throws common::ComputationError naming step, stage, residual and remedy where a stage does not reach force
+  /// balance, std::logic_error where no step is left.
+  void step();
+  /// Lumen points as they are now, mm, in the order of the lumen's.
+  Vectors lumen() const;
+  /// Lumen and devices as they are now, with their forces.
+  Snapshot snapshot() const;
+  const std::vector<StageReport>& stages() const;
+  /// What came of the steps done. Throws common::ComputationError where a stent touches nothing.
+  DeploymentResult result();
+
+private:
+  class Run;
+  std::unique_ptr<Run> run_;
+};
+
+/// Runs all steps of the scene. Throws as Deployment does.
+DeploymentResult deploy(const Scene& scene, const Lumen& lumen, const std::map<std::string, Path>& paths,
+                        const Observer& observer = {});
 
 } // namespace vci

@@ -22,8 +22,7 @@ std::vector<std::string> warnings_of_plan(const Scene& scene) {
   std::vector<std::string> warnings;
   for (const Step& step : scene.procedure)
     for (const Placement& p : step.devices) {
-      const auto stent = scene.stents.find(p.device);
-      const BalloonSpec& balloon = scene.balloons.at(stent == scene.stents.end() ? p.device : stent->second.balloon);
+      const BalloonSpec& balloon = scene.balloon(p.device);
       if (p.pressure_bar <= balloon.rated_burst_pressure_bar)
         continue;
       std::ostringstream text;

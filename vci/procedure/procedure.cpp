@@ -12,7 +12,7 @@ constexpr double stent_opening_fraction = 0.75;
 } // namespace
 
 std::vector<Stage> stages_of(const Step& step, const Numerics& numerics) {
-  const bool opens_stent = step.action == "stent";
+  const bool opens_stent = step.action == Action::stent;
   const double to_contact = opens_stent ? std::max(numerics.contact_pressure_fraction, stent_opening_fraction)
                                         : numerics.contact_pressure_fraction;
   return {{"deployment-to-contact", to_contact, true, false},

@@ -21,14 +21,14 @@ std::vector<Target> targets_of(const Scene& scene, const std::map<std::string, P
   std::vector<Target> stents, balloons;
   for (const Step& step : scene.procedure)
     for (const Placement& p : step.devices) {
-      const bool stent = scene.stents.contains(p.device);
-      const BalloonSpec& b = scene.balloons.at(stent ? scene.stents.at(p.device).balloon : p.device);
+      const StentSpec* stent = scene.stent(p.device);
+      const BalloonSpec& b = scene.balloon(p.device);
       const BalloonChart chart(b.chart_pressure_bar, b.chart_diameter, b.crimped_diameter);
-      const double length = stent ? scene.stents.at(p.device).length : b.length;
+      const double length = scene.length(p.device);
       const Target t{&paths.at(p.branch), p.centre_s - 0.5 * length, p.centre_s + 0.5 * length,
                      0.5 * chart.diameter_at(p.pressure_bar), 1.0};
       if (stent) {
-        const double keeps = 1 - 0.01 * scene.stents.at(p.device).recoil_percent;
+        const double keeps = 1 - 0.01 * stent->recoil_percent;
         stents.push_back({t.path, t.s_start, t.s_end, keeps * t.radius, keeps});
       } else
         balloons.push_back(t);

@@ -8,10 +8,8 @@ std::vector<char> region_of_interest(const Lumen& lumen, const Scene& scene, con
   std::vector<char> free(lumen.points.size(), 0);
   for (const Step& step : scene.procedure)
     for (const Placement& p : step.devices) {
-      const bool stent = scene.stents.contains(p.device);
-      const BalloonSpec& balloon = scene.balloons.at(stent ? scene.stents.at(p.device).balloon : p.device);
-      const double half = 0.5 * std::max(balloon.length, stent ? scene.stents.at(p.device).length : 0.0) +
-                          balloon.shoulder + scene.numerics.region_margin;
+      const double half =
+          0.5 * scene.opened_length(p.device) + scene.balloon(p.device).shoulder + scene.numerics.region_margin;
       const Path& path = paths.at(p.branch);
       for (double s = p.centre_s - half; s <= p.centre_s + half; s += 0.5) {
         const Vec3 centre = path.at(s);

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <sstream>
 
@@ -123,7 +122,7 @@ void check_borne(const System& system, Interactions& interactions, const std::ve
     std::ostringstream value;
     value << "the stent's diameter is " << h.final_diameter << " mm";
     if (lumen > 0)
-      value << ", the lumen's at its middle " << 2 * std::sqrt(lumen / std::numbers::pi) << " mm";
+      value << ", the lumen's at its middle " << 2 * std::sqrt(lumen / pi) << " mm";
     throw common::ComputationError("a stent touches nothing once all balloons are out",
                                    h.device + " at " + h.branch + ", stent " + std::to_string(k + 1), value.str(),
                                    "choose a larger stent, raise its pressure_bar or dilate it with a larger balloon: "

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
-#include <numbers>
 
 namespace vci {
 
@@ -14,8 +13,7 @@ using nlohmann::json;
 namespace {
 
 Segment span_of(const Scene& scene, const Placement& p) {
-  const double length =
-      scene.stents.contains(p.device) ? scene.stents.at(p.device).length : scene.balloons.at(p.device).length;
+  const double length = scene.length(p.device);
   return {p.branch, p.centre_s - 0.5 * length, p.centre_s + 0.5 * length};
 }
 
@@ -29,7 +27,7 @@ double reference_area(const Lumen& lumen, const Path& path, const Segment& segme
     for (double s = segment.s_start; s <= segment.s_end; s += 1.0)
       if ((lumen.points[v] - path.at(s)).norm() < lumen.radius[v] + 0.5) {
         const double r = lumen.reference_radius[v];
-        sum += std::numbers::pi * r * r;
+        sum += pi * r * r;
         ++count;
         break;
       }
@@ -73,7 +71,7 @@ double place_on(const Path& path, const Vec3& p, double s, double reach) {
 
 /// The smallest lumen area between a deployed stent's ends. Planes nearer than half a millimetre to an end are left
 /// out: they cut its oblique edge, and bare vessel beside it.
-json lumen_area_in(const StentHistory& h, double length, const Deployment& d, const Triangles& triangles) {
+json lumen_area_in(const StentHistory& h, double length, const DeploymentResult& d, const Triangles& triangles) {
   constexpr double edge = 0.5; // mm
   const Path& path = d.paths.at(h.branch);
   const double one = place_on(path, h.first_end, h.centre_s, length),
@@ -87,9 +85,8 @@ double degrees_less(const Path& before, const Path& after, const Segment& s, con
   double area = 0;
   for (const json& row : profile)
     area += (row["area_mm2"].is_null() ? 0.0 : row["area_mm2"].get<double>()) / static_cast<double>(profile.size());
-  const double wide = std::max(1.0, 2 * std::sqrt(area / std::numbers::pi));
-  return (before.turning(s.s_start, s.s_end, wide) - after.turning(s.s_start, s.s_end, wide)) * 180.0 /
-         std::numbers::pi;
+  const double wide = std::max(1.0, 2 * std::sqrt(area / pi));
+  return (before.turning(s.s_start, s.s_end, wide) - after.turning(s.s_start, s.s_end, wide)) * 180.0 / pi;
 }
 
 } // namespace
@@ -120,7 +117,8 @@ json smallest_area(const json& profile) {
   return smallest_of(profile);
 }
 
-json readouts(const Scene& scene, const Lumen& lumen, const std::map<std::string, Path>& before, const Deployment& d) {
+json readouts(const Scene& scene, const Lumen& lumen, const std::map<std::string, Path>& before,
+              const DeploymentResult& d) {
   json out{{"schema", "vci-deployment-1"},
            {"case", scene.case_name},
            {"status", scene.numerics.integrator.textbook ? "at rest" : "converged"},

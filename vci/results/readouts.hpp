@@ -6,7 +6,7 @@ namespace vci {
 
 /// deployment.json of a run of `vci deploy`.
 nlohmann::json readouts(const Scene& scene, const Lumen& lumen, const std::map<std::string, Path>& before,
-                        const Deployment& deployment);
+                        const DeploymentResult& deployment);
 
 /// Lumen areas every 0.5 mm along a span of a branch: [{s_mm, area_mm2}]; null where the section has no closed outline.
 nlohmann::json area_profile(const Vectors& points, const Triangles& triangles, const Path& path, double s_start,

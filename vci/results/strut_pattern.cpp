@@ -77,7 +77,7 @@ Struts strut_pattern(const StentSpec& spec, const RingGrid& grid, const Vectors&
     const int n = 2 * spec.crowns * points_per_strut;
     for (int k = 0; k <= n; ++k) {
       const double turn = static_cast<double>(k) / n;
-      const double swing = 0.5 - 0.5 * std::cos(2 * 3.14159265358979323846 * spec.crowns * turn);
+      const double swing = 0.5 - 0.5 * std::cos(2 * pi * spec.crowns * turn);
       line.push_back(static_cast<int>(s.points.size()));
       s.points.push_back(on_cylinder(grid, cylinder, (row + row_share * swing) / (rows - 1 + row_share), turn));
     }

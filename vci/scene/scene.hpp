@@ -4,6 +4,7 @@
 #include "vci/devices/stent/stent_spec.hpp"
 #include "vci/scene/numerics.hpp"
 #include "vci/wall/wall_spec.hpp"
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -17,8 +18,11 @@ struct Placement {
   double centre_s, pressure_bar; ///< mm, bar
 };
 
+enum class Action { predilatation, stent, postdilatation, proximal_optimisation, side_branch_opening, kissing };
+
 struct Step {
-  std::string name, action;
+  std::string name;
+  Action action;
   std::vector<Placement> devices;
 };
 
@@ -38,6 +42,27 @@ struct Scene {
   std::vector<Step> procedure;
   Numerics numerics;
   nlohmann::json settings; ///< wall and numerics as used, defaults filled in
+
+  /// The stent of that name; null where the device is a balloon.
+  const StentSpec* stent(const std::string& device) const {
+    const auto found = stents.find(device);
+    return found == stents.end() ? nullptr : &found->second;
+  }
+  /// The balloon that is inflated: the device itself, or the one that a stent is delivered on.
+  const BalloonSpec& balloon(const std::string& device) const {
+    const StentSpec* delivered = stent(device);
+    return balloons.at(delivered ? delivered->balloon : device);
+  }
+  /// Length (mm) of a stent, or of a balloon without its shoulders.
+  double length(const std::string& device) const {
+    const StentSpec* delivered = stent(device);
+    return delivered ? delivered->length : balloons.at(device).length;
+  }
+  /// Length (mm) that is opened: of the longer one of stent and balloon.
+  double opened_length(const std::string& device) const {
+    const StentSpec* delivered = stent(device);
+    return std::max(delivered ? delivered->length : 0.0, balloon(device).length);
+  }
 };
 
 } // namespace vci

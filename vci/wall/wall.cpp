@@ -31,16 +31,25 @@ std::array<HenckyLaw, 2> plaque_layers(const HenckyLaw& law, double modulus, dou
   return {layer(gauss[0]), layer(gauss[1])};
 }
 
-Wall add_wall(System& system, const Lumen& lumen, const std::vector<char>& free, const WallSpec& spec, double map_pa) {
-  Wall wall{};
+namespace {
+
+/// The moving part of the lumen: its points, triangles that index them, and which of the points are held.
+struct Part {
+  Vectors points;
+  Triangles triangles;
+  std::vector<char> fixed;
+};
+
+/// @param wall takes which vertices and triangles of the lumen take part
+Part moving_part(const Lumen& lumen, const std::vector<char>& free, Wall& wall) {
   std::vector<char> cap(lumen.points.size(), 0);
   for (std::size_t k = 0; k < lumen.triangles.size(); ++k)
     if (lumen.region[k] != 0)
       for (int v : lumen.triangles[k])
         cap[v] = 1;
-  std::vector<int> local(lumen.points.size(), -1);
-  Triangles triangles;
   const auto moves = [&](int v) { return free[v] && !cap[v]; };
+  std::vector<int> local(lumen.points.size(), -1);
+  Part part;
   for (std::size_t k = 0; k < lumen.triangles.size(); ++k) {
     const Triangle& t = lumen.triangles[k];
     if (lumen.region[k] != 0 || !std::any_of(t.begin(), t.end(), moves))
@@ -50,68 +59,89 @@ Wall add_wall(System& system, const Lumen& lumen, const std::vector<char>& free,
       if (local[t[i]] < 0) {
         local[t[i]] = static_cast<int>(wall.vertex.size());
         wall.vertex.push_back(t[i]);
+        part.points.push_back(lumen.points[t[i]]);
+        part.fixed.push_back(!moves(t[i]));
       }
       own[i] = local[t[i]];
     }
-    triangles.push_back(own);
+    part.triangles.push_back(own);
     wall.triangle.push_back(static_cast<int>(k));
   }
-  if (triangles.empty())
+  if (part.triangles.empty())
     throw common::InputError("no wall lies near the devices", "procedure", "0 triangles",
                              "check branch and centre_s_mm");
-  Vectors points;
-  std::vector<char> fixed;
-  for (int v : wall.vertex) {
-    points.push_back(lumen.points[v]);
-    fixed.push_back(!moves(v));
-  }
-  wall.fixed = static_cast<int>(std::count(fixed.begin(), fixed.end(), 1));
+  return part;
+}
 
+/// Plaque of a triangle: means of its corners. The stiffest type at a corner names the law.
+struct Plaque {
+  double thickness = 0, modulus = 0, radius = 0; ///< mm, MPa, mm (of the lumen)
+  int type = 0;                                  ///< 0: none that counts
+};
+
+Plaque plaque_of(const Triangle& t, const Lumen& lumen, const Wall& wall, const WallSpec& spec) {
+  Plaque plaque;
+  double modulus = 0, weight = 0;
+  for (int v : t) {
+    const int g = wall.vertex[v], type = lumen.plaque_type[g];
+    plaque.thickness += lumen.plaque[g] / 3.0;
+    plaque.radius += lumen.radius[g] / 3.0;
+    if (type > 0) {
+      modulus += lumen.plaque[g] * spec.plaque[type].youngs_modulus;
+      weight += lumen.plaque[g];
+      if (plaque.type == 0 || spec.plaque[type].youngs_modulus > spec.plaque[plaque.type].youngs_modulus)
+        plaque.type = type;
+    }
+  }
+  if (plaque.thickness < thinnest_plaque || weight <= 0)
+    plaque.type = 0;
+  plaque.modulus = modulus / weight;
+  return plaque;
+}
+
+/// Adds the healthy intima, and the two layers that stand for plaque where there is some.
+/// Returns the intima, for its stretch.
+const Layer* add_layers(System& system, int body, const Part& part, const Lumen& lumen, const Wall& wall,
+                        const WallSpec& spec) {
   std::vector<HenckyLaw> intima;
   std::array<std::vector<HenckyLaw>, 2> plaque;
   Triangles with_plaque;
-  for (const Triangle& t : triangles) {
-    double thickness = 0, modulus = 0, weight = 0, radius = 0;
-    int type = 0;
-    for (int v : t) { // the stiffest type at a corner names the law, the moduli are averaged over the plaque there
-      const int g = wall.vertex[v];
-      thickness += lumen.plaque[g] / 3.0;
-      radius += lumen.radius[g] / 3.0;
-      if (lumen.plaque_type[g] > 0) {
-        modulus += lumen.plaque[g] * spec.plaque[lumen.plaque_type[g]].youngs_modulus;
-        weight += lumen.plaque[g];
-        if (type == 0 || spec.plaque[lumen.plaque_type[g]].youngs_modulus > spec.plaque[type].youngs_modulus)
-          type = lumen.plaque_type[g];
-      }
-    }
-    const bool bare = thickness < thinnest_plaque || type == 0 || weight <= 0;
+  for (const Triangle& t : part.triangles) {
+    const Plaque own = plaque_of(t, lumen, wall, spec);
     // healthy intima lies behind the plaque, where the wall stretches less than the lumen
     intima.push_back(at_depth({0, spec.poisson_ratio, spec.stiffening}, spec.youngs_modulus, spec.intima_thickness,
-                              bare ? 1 : 1 + thickness / radius));
-    if (bare)
+                              own.type == 0 ? 1 : 1 + own.thickness / own.radius));
+    if (own.type == 0)
       continue;
     with_plaque.push_back(t);
-    const PlaqueSpec& p = spec.plaque[type];
+    const PlaqueSpec& p = spec.plaque[own.type];
     const auto layers =
-        plaque_layers({0, spec.poisson_ratio, 0, p.yield_strain, p.hardening}, modulus / weight, thickness, radius);
+        plaque_layers({0, spec.poisson_ratio, 0, p.yield_strain, p.hardening}, own.modulus, own.thickness, own.radius);
     for (std::size_t k = 0; k < layers.size(); ++k)
       plaque[k].push_back(layers[k]);
   }
-  const int body =
-      system.add_body("wall", points, triangles, spec.density * (spec.intima_thickness + spec.media_thickness), fixed);
-  wall.intima = &add_layer(system, body, spec, triangles, points, std::move(intima));
+  const Layer* added = &add_layer(system, body, spec, part.triangles, part.points, std::move(intima));
   if (!with_plaque.empty())
     for (const std::vector<HenckyLaw>& layer : plaque)
-      add_layer(system, body, spec, with_plaque, points, layer);
+      add_layer(system, body, spec, with_plaque, part.points, layer);
+  return added;
+}
+
+/// Adds the bending stiffness of intima and media together.
+void add_bending(System& system, int body, const Part& part, const WallSpec& spec) {
   const double t = spec.intima_thickness + spec.media_thickness;
   const double rigidity = spec.youngs_modulus * t * t * t / (12 * (1 - spec.poisson_ratio * spec.poisson_ratio));
-  const std::vector<EdgePair> edges = interior_edges(triangles, points);
-  system.add_force(
-      body, std::make_unique<Hinges>(edges, points, shell_coefficients(edges, points, rigidity), spec.hinge_yield));
+  const std::vector<EdgePair> edges = interior_edges(part.triangles, part.points);
+  system.add_force(body, std::make_unique<Hinges>(edges, part.points, shell_coefficients(edges, part.points, rigidity),
+                                                  spec.hinge_yield));
+}
 
-  const Vectors areas = vertex_area_vectors(triangles, points, 0, static_cast<int>(points.size()));
+/// Adds media and surrounding tissue. @param map_pa mean blood pressure, Pa
+void add_foundation(System& system, int body, const Part& part, const Lumen& lumen, const Wall& wall,
+                    const WallSpec& spec, double map_pa) {
+  const Vectors areas = vertex_area_vectors(part.triangles, part.points, 0, static_cast<int>(part.points.size()));
   std::vector<RingFoundation::Element> rings;
-  for (std::size_t i = 0; i < points.size(); ++i) {
+  for (std::size_t i = 0; i < part.points.size(); ++i) {
     const int g = wall.vertex[i];
     const RingLaw law{spec.youngs_modulus * spec.media_thickness,
                       spec.stiffening,
@@ -120,9 +150,22 @@ Wall add_wall(System& system, const Lumen& lumen, const std::vector<char>& free,
                       map_pa * mpa_per_pa,
                       lumen.radius[g],
                       lumen.radius[g] + lumen.plaque[g]};
-    rings.push_back({static_cast<int>(i), points[i], areas[i].normalized(), system.area[i], law});
+    rings.push_back({static_cast<int>(i), part.points[i], areas[i].normalized(), system.area[i], law});
   }
-  system.add_force(body, std::make_unique<RingFoundation>(std::move(rings), triangles));
+  system.add_force(body, std::make_unique<RingFoundation>(std::move(rings), part.triangles));
+}
+
+} // namespace
+
+Wall add_wall(System& system, const Lumen& lumen, const std::vector<char>& free, const WallSpec& spec, double map_pa) {
+  Wall wall{};
+  const Part part = moving_part(lumen, free, wall);
+  wall.fixed = static_cast<int>(std::count(part.fixed.begin(), part.fixed.end(), 1));
+  const double surface_density = spec.density * (spec.intima_thickness + spec.media_thickness);
+  const int body = system.add_body("wall", part.points, part.triangles, surface_density, part.fixed);
+  wall.intima = add_layers(system, body, part, lumen, wall, spec);
+  add_bending(system, body, part, spec);
+  add_foundation(system, body, part, lumen, wall, spec, map_pa);
   return wall;
 }
 

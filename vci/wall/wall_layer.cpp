@@ -6,7 +6,7 @@ namespace vci {
 
 const Layer& add_layer(System& system, int body, const WallSpec& spec, const Triangles& triangles,
                        const Vectors& reference, std::vector<HenckyLaw> laws) {
-  if (spec.model == "mass-spring")
+  if (spec.model == WallModel::mass_spring)
     return system.add_force(body, std::make_unique<MassSpring>(triangles, reference, laws, spec.spring_mapping));
   return system.add_force(body, std::make_unique<Membrane>(triangles, reference, std::move(laws)));
 }

@@ -4,9 +4,11 @@
 
 #include <array>
 #include <limits>
-#include <string>
 
 namespace vci {
+
+/// What stands for a layer: constant-strain triangles, or springs along their edges.
+enum class WallModel { membrane, mass_spring };
 
 struct PlaqueSpec {
   double youngs_modulus; ///< MPa
@@ -15,7 +17,7 @@ struct PlaqueSpec {
 };
 
 struct WallSpec {
-  std::string model = "membrane"; ///< or mass-spring
+  WallModel model = WallModel::membrane;
   SpringMapping spring_mapping = SpringMapping::lame;
   double youngs_modulus = 0.8; ///< MPa
   double poisson_ratio = 0.45;

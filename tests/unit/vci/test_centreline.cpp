@@ -41,7 +41,7 @@ TEST(Path, PointsThatScatterDoNotTurnIt) {
   Vectors points;
   for (int k = 0; k <= 48; ++k) // 12 mm, by 0.01 mm to one side and the other without order
     points.push_back({0.25 * k, 0.01 * ((k * 7919 % 13) / 6.0 - 1), 0.01 * ((k * 104729 % 11) / 5.0 - 1)});
-  const double degree = M_PI / 180;
+  const double degree = pi / 180;
   EXPECT_LT(Path(points, 0).turning(0, 12, 3), 0.5 * degree);
   EXPECT_GT(Path(points, 0).turning(0, 12, 1), 1.5 * degree) << "over short pieces it adds up";
 }

@@ -184,7 +184,7 @@ void add_tube(System& system, int around, double radius, double turn, unsigned s
   constexpr int rings = 9;
   for (int r = 0; r < rings; ++r)
     for (int k = 0; k < around; ++k) {
-      const double a = 2 * M_PI * k / around + turn;
+      const double a = 2 * pi * k / around + turn;
       points.push_back({radius * std::cos(a), radius * std::sin(a), 0.6 * r});
     }
   for (int r = 0; r + 1 < rings; ++r)

@@ -12,13 +12,13 @@ constexpr double length = 30, healthy = 1.5, narrowing = 0.5;
 
 Lumen tube(double edge) {
   Lumen l;
-  const int around = static_cast<int>(std::lround(2 * M_PI * healthy / edge));
+  const int around = static_cast<int>(std::lround(2 * pi * healthy / edge));
   const int rings = static_cast<int>(std::lround(length / (0.87 * edge))) + 1;
   for (int r = 0; r < rings; ++r) {
     const double s = length * r / (rings - 1), d = (s - length / 2) / 4;
-    const double radius = healthy * (1 - (std::abs(d) < 1 ? narrowing * 0.5 * (1 + std::cos(M_PI * d)) : 0));
+    const double radius = healthy * (1 - (std::abs(d) < 1 ? narrowing * 0.5 * (1 + std::cos(pi * d)) : 0));
     for (int k = 0; k < around; ++k) {
-      const double angle = 2 * M_PI * (k + 0.5 * (r % 2)) / around;
+      const double angle = 2 * pi * (k + 0.5 * (r % 2)) / around;
       l.points.push_back({radius * std::cos(angle), radius * std::sin(angle), s});
       l.radius.push_back(radius);
       l.plaque.push_back(healthy - radius);
@@ -59,8 +59,8 @@ Scene scene_with(std::vector<Step> procedure) {
   return scene;
 }
 
-const Step predilatation{"pre", "predilatation", {{"pre", "main", length / 2, 10}}};
-const Step stenting{"stent", "stent", {{"stent", "main", length / 2, 11}}};
+const Step predilatation{"pre", Action::predilatation, {{"pre", "main", length / 2, 10}}};
+const Step stenting{"stent", Action::stent, {{"stent", "main", length / 2, 11}}};
 
 double throat(const Lumen& l, const Vectors& points) {
   const Vectors units = section_normals(points, l.triangles);
@@ -70,7 +70,7 @@ double throat(const Lumen& l, const Vectors& points) {
 TEST(Sections, ArcsGiveTheAreaOfACoarseTube) {
   const Lumen l = tube(0.8); // twelve vertices round: its chords enclose 4.5 % less than the circle
   const Vectors units = section_normals(l.points, l.triangles);
-  const double circle = M_PI * healthy * healthy;
+  const double circle = pi * healthy * healthy;
   for (double s : {4.0, 4.2, 4.4, 4.6})
     EXPECT_NEAR(section_area(l.points, l.triangles, units, {0, 0, s}, Vec3::UnitZ()), circle, 0.003 * circle) << s;
   const Vec3 oblique = Vec3(0.3, -0.2, 1).normalized();
@@ -79,15 +79,15 @@ TEST(Sections, ArcsGiveTheAreaOfACoarseTube) {
 
 TEST(Deployment, PredilatationAloneLeavesAnAreaBetweenInitialAndInflated) {
   const Lumen l = tube(0.6);
-  const Deployment d = deploy(scene_with({predilatation}), l, axis());
-  const double inflated = M_PI * 2.81 * 2.81 / 4;
+  const DeploymentResult d = deploy(scene_with({predilatation}), l, axis());
+  const double inflated = pi * 2.81 * 2.81 / 4;
   EXPECT_GT(throat(l, d.points), 1.3 * throat(l, l.points));
   EXPECT_LT(throat(l, d.points), 0.9 * inflated);
 }
 
 TEST(Deployment, StentKeepsTheLumenOpenInBalanceAndTwiceTheSame) {
   const Lumen l = tube(0.6);
-  const Deployment d = deploy(scene_with({predilatation, stenting}), l, axis());
+  const DeploymentResult d = deploy(scene_with({predilatation, stenting}), l, axis());
   ASSERT_EQ(d.stages.size(), 6u);
   for (const StageReport& s : d.stages) {
     EXPECT_LE(s.result.residual, 3e-3) << s.step << ' ' << s.stage;
@@ -97,8 +97,8 @@ TEST(Deployment, StentKeepsTheLumenOpenInBalanceAndTwiceTheSame) {
   const double recoil = 1 - d.stents[0].final_diameter / d.stents[0].inflated_diameter();
   EXPECT_GT(recoil, 0.02);
   EXPECT_LT(recoil, 0.06);
-  EXPECT_GT(throat(l, d.points), 0.75 * M_PI * 3.25 * 3.25 / 4);
-  const Deployment again = deploy(scene_with({predilatation, stenting}), l, axis());
+  EXPECT_GT(throat(l, d.points), 0.75 * pi * 3.25 * 3.25 / 4);
+  const DeploymentResult again = deploy(scene_with({predilatation, stenting}), l, axis());
   for (std::size_t i = 0; i < d.points.size(); ++i)
     ASSERT_TRUE((d.points[i].array() == again.points[i].array()).all()) << i;
 }
@@ -131,11 +131,11 @@ TEST(Deployment, GivesUpWhereTheResidualStalls) {
 TEST(Deployment, StepsTakenWithCareEndInTheSameBalance) {
   const Lumen l = tube(0.6);
   Scene scene = scene_with({predilatation, stenting});
-  const Deployment usual = deploy(scene, l, axis());
+  const DeploymentResult usual = deploy(scene, l, axis());
   for (const StageReport& s : usual.stages)
     EXPECT_EQ(s.result.careful_from, -1) << s.step << ' ' << s.stage << ": not needed here";
   scene.numerics.integrator.stalled_steps = 24; // care from 8 steps in vain on
-  const Deployment careful = deploy(scene, l, axis());
+  const DeploymentResult careful = deploy(scene, l, axis());
   EXPECT_GE(careful.stages[0].result.careful_from, 8);
   EXPECT_TRUE(careful.stages.back().result.converged);
   EXPECT_NEAR(throat(l, careful.points), throat(l, usual.points), 0.005 * throat(l, usual.points));
@@ -150,15 +150,15 @@ TEST(Sections, APlaneAlongAVesselCutsNoLoopWithinReach) {
 
 TEST(Sections, AreaOfATube) {
   const Lumen l = tube(0.3);
-  EXPECT_NEAR(throat(l, l.points), M_PI * 0.75 * 0.75, 0.03);
+  EXPECT_NEAR(throat(l, l.points), pi * 0.75 * 0.75, 0.03);
 }
 
 TEST(Deployment, AFoldedBalloonEndsWhereTheCrimpedOneDoes) {
   const Lumen l = tube(0.8);
   Scene scene = scene_with({predilatation});
-  const Deployment crimped = deploy(scene, l, axis());
+  const DeploymentResult crimped = deploy(scene, l, axis());
   scene.balloons["pre"].folding = FoldingSpec{};
-  const Deployment folded = deploy(scene, l, axis());
+  const DeploymentResult folded = deploy(scene, l, axis());
   EXPECT_GT(folded.stages[0].result.steps, 2 * crimped.stages[0].result.steps) << "it has unfolded";
   EXPECT_NE(folded.switched_off, crimped.switched_off);
   EXPECT_NEAR(throat(l, folded.points), throat(l, crimped.points), 0.01 * throat(l, crimped.points));

@@ -6,14 +6,11 @@
 #include "vci/geometry/surface.hpp"
 #include "vci/procedure/unfolding.hpp"
 #include <gtest/gtest.h>
-#include <numbers>
 #include <set>
 
 namespace {
 
 using namespace vci;
-
-constexpr double pi = std::numbers::pi;
 
 BalloonSpec balloon(const FoldingSpec& folding, double diameter = 3.0, double length = 6.0) {
   const double d = diameter;

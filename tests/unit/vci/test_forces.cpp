@@ -152,7 +152,7 @@ TEST(HoopChart, EachPieceOfTheChartMatchesFiniteDifferences) {
   const BalloonChart chart({0.2, 1.0, 2.0}, {2.8, 3.0, 3.1}, 0.9);
   const int n = 24;
   HoopChart force({{0, 1, 0.4, 0.8}}, n, chart);
-  const double to_edge = 0.8 / std::sqrt(n / (M_PI * std::tan(M_PI / n)));
+  const double to_edge = 0.8 / std::sqrt(n / (pi * std::tan(pi / n)));
   for (double d : {0.8, 1.5, 2.78, 2.9, 3.05, 3.3}) {
     const Vectors x{{0, 0, 0}, Vec3(0.6, 0, 0.8) * d * to_edge};
     check_gradient(force, x);
@@ -194,7 +194,7 @@ TEST(RingFoundation, PressureTurnsWithTheSurface) {
   Vectors points;
   for (int ring = 0; ring < 3; ++ring)
     for (int k = 0; k < around; ++k)
-      points.push_back({std::cos(2 * M_PI * k / around), std::sin(2 * M_PI * k / around), 0.5 * ring});
+      points.push_back({std::cos(2 * pi * k / around), std::sin(2 * pi * k / around), 0.5 * ring});
   Triangles triangles;
   for (int ring = 0; ring < 2; ++ring)
     for (int k = 0; k < around; ++k) {

@@ -97,7 +97,7 @@ constexpr int around = 8;
 Vectors ring(double jitter, unsigned seed) {
   Vectors x;
   for (int k = 0; k < around; ++k)
-    x.push_back({std::cos(2 * M_PI * k / around), std::sin(2 * M_PI * k / around), 0});
+    x.push_back({std::cos(2 * pi * k / around), std::sin(2 * pi * k / around), 0});
   return perturbed(x, jitter, seed);
 }
 
@@ -159,7 +159,7 @@ struct Tube {
   explicit Tube(const RingLaw& law) {
     for (int r = 0; r < 3; ++r)
       for (int k = 0; k < around; ++k)
-        x.push_back({std::cos(2 * M_PI * k / around), std::sin(2 * M_PI * k / around), 0.5 * r});
+        x.push_back({std::cos(2 * pi * k / around), std::sin(2 * pi * k / around), 0.5 * r});
     for (int r = 0; r < 2; ++r)
       for (int k = 0; k < around; ++k) {
         const int a = r * around + k, b = r * around + (k + 1) % around;

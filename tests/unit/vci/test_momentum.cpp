@@ -9,7 +9,6 @@
 #include "vci/solver/textbook.hpp"
 #include "vci/wall/foundation.hpp"
 #include <Eigen/Geometry>
-#include <numbers>
 
 namespace {
 

@@ -11,7 +11,7 @@ constexpr double bend = 5, healthy = 1.6, throat = 0.45, length = 12, middle = 6
 
 double radius_of(double s) {
   const double d = std::abs(s - middle) / 3;
-  return healthy - (d < 1 ? (healthy - throat) * 0.5 * (1 + std::cos(M_PI * d)) : 0);
+  return healthy - (d < 1 ? (healthy - throat) * 0.5 * (1 + std::cos(pi * d)) : 0);
 }
 
 Vec3 on_axis(double s) {
@@ -30,7 +30,7 @@ Lumen narrowed_bend() {
   for (int r = 0; r < rings; ++r)
     for (int k = 0; k < around; ++k) {
       const double s = length * r / (rings - 1);
-      l.points.push_back(on_wall(s, 2 * M_PI * k / around, radius_of(s)));
+      l.points.push_back(on_wall(s, 2 * pi * k / around, radius_of(s)));
       l.radius.push_back(radius_of(s));
     }
   for (int r = 0; r + 1 < rings; ++r)
@@ -55,7 +55,7 @@ Scene stent_of_three_millimetres() {
   Scene scene;
   scene.balloons["delivery"] = {3.0, 5, 1.0, 0.8, 16, {3, 11, 16}, {2.8, 3.0, 3.2}};
   scene.stents["stent"] = {3.0, 5, 1.0, 4.4, 0.08, 8, 2, "delivery", 12, 0.03, 0.5, 20, 0.22, 4.5};
-  scene.procedure = {{"stent", "stent", {{"stent", "main", middle, 11}}}};
+  scene.procedure = {{"stent", Action::stent, {{"stent", "main", middle, 11}}}};
   return scene;
 }
 

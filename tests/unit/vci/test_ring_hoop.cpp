@@ -23,7 +23,7 @@ Vectors circle(double radius, double jitter) {
   std::uniform_real_distribution<double> shift(-jitter, jitter);
   Vectors x;
   for (int k = 0; k < n; ++k) {
-    const double a = 2 * M_PI * k / n + shift(random);
+    const double a = 2 * pi * k / n + shift(random);
     x.push_back(Vec3(radius * std::cos(a), radius * std::sin(a), shift(random)));
   }
   return x;
@@ -112,8 +112,8 @@ TEST(RingEvenness, ForceIsTheEnergysGradientAndAnEvenRingIsFree) {
 TEST(RingHoops, AFlawDoesNotNeck) {
   System system;
   Vectors x = circle(0.5, 0);
-  const double a = 2 * M_PI * 0.2 / n;
-  x[1] = Vec3(0.5 * std::cos(2 * M_PI / n + a), 0.5 * std::sin(2 * M_PI / n + a), 0);
+  const double a = 2 * pi * 0.2 / n;
+  x[1] = Vec3(0.5 * std::cos(2 * pi / n + a), 0.5 * std::sin(2 * pi / n + a), 0);
   Vectors with_hub = x;
   with_hub.push_back(Vec3::Zero());
   Triangles fan;

@@ -10,7 +10,7 @@ using namespace vci;
 
 RingGrid grid_of(double length, double radius) {
   RingGrid g;
-  g.around = even_count(2 * M_PI * radius, 0.4);
+  g.around = even_count(2 * pi * radius, 0.4);
   for (int k = 0; k <= 20; ++k) {
     g.s.push_back(length * (k / 20.0 - 0.5));
     g.profile.push_back(1);
@@ -98,7 +98,7 @@ TEST(Rings, SectionsAreTheTubesHoweverAslantItsRingsLie) {
   for (int v = 0; v < system.vertices(); ++v)
     system.x[v][2] += 0.4 * system.x[v][0]; // each ring turned by 22 degrees within the cylinder
   for (const double area : ring_sections(system, body, grid))
-    EXPECT_NEAR(area, M_PI * 1.5 * 1.5, 1e-9);
+    EXPECT_NEAR(area, pi * 1.5 * 1.5, 1e-9);
   for (const double radius : ring_radii(system, body, grid))
     EXPECT_GT(radius, 1.55) << "its own area is an ellipse's";
 }

@@ -132,7 +132,7 @@ TEST(Malapposition, IsTheGapBetweenTheCirclesNotTheirChords) {
     add_tube(system, 10, radius, 0.2, "stent");
     add_tube(system, 10, 0.5 * radius, 0.2, "balloon");
     add_tube(system, 10, radius - 0.3, 0.1, "stent"); // overlapped: the nearer one counts
-    const std::vector<double> gaps = malapposition(system, "stent");
+    const std::vector<double> gaps = malapposition(system, {1, 3});
     int amid = 0; // away from the open ends, whose normals lean
     for (int v = 0; v < system.body(0).count; ++v)
       if (const double z = system.x[v][2]; z > 1.5 && z < 6) {
@@ -149,7 +149,7 @@ TEST(Malapposition, IsNoneBeyondTheStentsEnds) {
   add_tube(system, 10, 1.5, 0.2, "stent");
   for (int v = system.body(1).first; v < system.vertices(); ++v)
     system.x[v][2] = 2 + 0.4 * system.x[v][2]; // from 2 to 5.08 mm
-  const std::vector<double> gaps = malapposition(system, "stent");
+  const std::vector<double> gaps = malapposition(system, {1});
   for (int v = 0; v < system.body(0).count; ++v)
     if (const double z = system.x[v][2]; z < 1.5 || z > 5.5) {
       EXPECT_EQ(gaps[v], 0) << z;

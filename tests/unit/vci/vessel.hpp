@@ -15,7 +15,7 @@ struct Vessel {
 
   double throat(double s) const { // 0 beside the lesion, 1 in its middle
     const double d = (s - length / 2) / 4;
-    return std::abs(d) < 1 ? 0.5 * (1 + std::cos(M_PI * d)) : 0;
+    return std::abs(d) < 1 ? 0.5 * (1 + std::cos(pi * d)) : 0;
   }
   double radius_at(double s) const { return radius * (1 - narrowing * throat(s)); }
   Vec3 centre(double s) const { return {aside * throat(s), 0, s}; }
@@ -24,7 +24,7 @@ struct Vessel {
     Lumen l;
     for (int r = 0; r <= rows; ++r)
       for (int k = 0; k < around; ++k) {
-        const double s = length * r / rows, angle = 2 * M_PI * (k + 0.5 * (r % 2)) / around, own = radius_at(s);
+        const double s = length * r / rows, angle = 2 * pi * (k + 0.5 * (r % 2)) / around, own = radius_at(s);
         l.points.push_back(centre(s) + Vec3(own * std::cos(angle), own * std::sin(angle), 0));
         l.radius.push_back(own);
       }

@@ -5,13 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
-#include <numbers>
 
 namespace {
 
 using namespace vci;
 
-constexpr double pi = std::numbers::pi;
 constexpr double half_length = 4.0;     // mm: rings further from the middle are held
 constexpr double edge = 0.45;           // mm
 constexpr double axial_stiffness = 8.0; // N/mm, of a balloon at its nominal diameter

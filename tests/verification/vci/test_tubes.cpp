@@ -24,7 +24,7 @@ Tube tube(Mesh mesh, int around) {
   Tube t;
   std::mt19937 random(11);
   std::uniform_real_distribution<double> shift(-0.25, 0.25);
-  const int rings = static_cast<int>(std::lround(length / (2 * M_PI * radius / around))) + 1;
+  const int rings = static_cast<int>(std::lround(length / (2 * pi * radius / around))) + 1;
   for (int r = 0; r < rings; ++r)
     for (int k = 0; k < around; ++k) {
       const bool end = r == 0 || r == rings - 1;
@@ -35,7 +35,7 @@ Tube tube(Mesh mesh, int around) {
         place += shift(random) / (rings - 1);
         turn += shift(random);
       }
-      const double angle = 2 * M_PI * turn / around;
+      const double angle = 2 * pi * turn / around;
       t.points.push_back({radius * std::cos(angle), radius * std::sin(angle), length * place});
       t.fixed.push_back(end);
     }
@@ -104,7 +104,7 @@ TEST(Tube, ThinWallOfSpringsAsItIs) {
   for (const Row& row : rows)
     for (int m = 0; m < 4; ++m) {
       WallSpec springs;
-      springs.model = "mass-spring";
+      springs.model = WallModel::mass_spring;
       springs.spring_mapping = row.mapping;
       const double found = widening(tube(meshes[m], 32), {{stiffness, row.poisson}}, 0,
                                     exact_pressure(stretch, row.poisson, 0), springs);

@@ -6,13 +6,11 @@
 #include "vci/mechanics/vertex_force.hpp"
 
 #include <cmath>
-#include <numbers>
 
 namespace vci {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
 constexpr double surface_density = 1.1e-3 * 0.1; // g/mm^2: folded nylon, 0.1 mm thick
 constexpr double tip_share = 0.35;               // of the nominal diameter, where the balloon's ends are welded
 // N/mm at the nominal diameter: bent, the taut balloon has pi R^3 times this. By its makers' charts an isotropic film,

@@ -4,13 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace vci {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
 constexpr double edge_over_thickness = 6;                  // vertices this close follow the folds
 constexpr double nylon_modulus = 900, nylon_poisson = 0.4; // MPa; oriented polyamide 12
 constexpr int finer_grids = 8; // tried where the rounding of a valley to whole edges makes the profile wide

@@ -1,14 +1,13 @@
 #include "vci/devices/balloon/hoop_chart.hpp"
 
 #include <cmath>
-#include <numbers>
 
 namespace vci {
 
 HoopChart::HoopChart(const std::vector<Hoop>& hoops, int edges_per_ring, BalloonChart chart)
     : hoops_(hoops), chart_(std::move(chart)) {
-  const double tangent = std::tan(std::numbers::pi / edges_per_ring);
-  diameter_per_edge_ = 1 / std::sin(std::numbers::pi / edges_per_ring);
+  const double tangent = std::tan(pi / edges_per_ring);
+  diameter_per_edge_ = 1 / std::sin(pi / edges_per_ring);
   half_cotangent_ = 0.5 / tangent;
   for (const Hoop& h : hoops_)
     add_edge(h.i, h.j);

@@ -6,13 +6,11 @@
 #include "vci/mechanics/membrane.hpp"
 
 #include <cmath>
-#include <numbers>
 
 namespace vci {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
 constexpr double surface_density = 1.1e-3 * 0.1; // g/mm^2: struts, 0.1 mm thick
 // N mm per edge: struts bending across the ring, E w t^3 / 12 for 235 GPa and 0.09 mm by 0.08 mm, half of it since
 // struts run aslant, one of them for each 1.2 mm of length.

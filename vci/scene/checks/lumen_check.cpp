@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <sstream>
 
 namespace vci {
@@ -197,7 +196,7 @@ std::optional<double> passes(const Path& path, const Rim& rim, const Lumen& lume
     const Eigen::Vector2d p(a.dot(first), a.dot(second)), q(b.dot(first), b.dot(second));
     turn += std::atan2(p[0] * q[1] - p[1] * q[0], p.dot(q));
   }
-  return std::abs(turn) > std::numbers::pi ? std::optional(passing) : std::nullopt;
+  return std::abs(turn) > pi ? std::optional(passing) : std::nullopt;
 }
 
 struct Extent {
@@ -268,10 +267,7 @@ void refuse_past_the_lumen(const Scene& scene, const std::map<std::string, Exten
   for (std::size_t step = 0; step < scene.procedure.size(); ++step)
     for (std::size_t device = 0; device < scene.procedure[step].devices.size(); ++device) {
       const Placement& p = scene.procedure[step].devices[device];
-      const auto stent = scene.stents.find(p.device);
-      const bool bare = stent == scene.stents.end();
-      const double own = bare ? 0 : stent->second.length;
-      const double half = 0.5 * std::max(own, scene.balloons.at(bare ? p.device : stent->second.balloon).length);
+      const double half = 0.5 * scene.opened_length(p.device);
       refuse_past(extents.at(p.branch), p.centre_s - half, p.centre_s + half, "a device",
                   place_of(scene, step, device));
     }

@@ -57,12 +57,6 @@ double free_diameter(const BalloonSpec& b, double pressure_bar) {
   return BalloonChart(b.chart_pressure_bar, b.chart_diameter, b.crimped_diameter).diameter_at(pressure_bar);
 }
 
-/// The balloon that a device is, or that a stent is delivered on.
-const BalloonSpec& balloon_of(const Scene& scene, const std::string& device) {
-  const auto stent = scene.stents.find(device);
-  return scene.balloons.at(stent == scene.stents.end() ? device : stent->second.balloon);
-}
-
 } // namespace
 
 std::string place_of(const Scene& scene, std::size_t step, std::size_t device) {
@@ -78,12 +72,10 @@ void check_placements(const Scene& scene, const std::map<std::string, Path>& pat
       const Placement& p = scene.procedure[step].devices[device];
       const std::string where = place_of(scene, step, device);
       const Path& path = branch_of(p.branch, where, paths);
-      const BalloonSpec& balloon = balloon_of(scene, p.device);
-      const bool with_stent = scene.stents.contains(p.device);
-      const double longest = std::max(balloon.length, with_stent ? scene.stents.at(p.device).length : 0.0);
-      check_within(path, span_of(p, longest), "a device reaches past the end of its branch", where,
-                   "choose centre_s_mm and length_mm so that it lies");
-      if (with_stent)
+      const BalloonSpec& balloon = scene.balloon(p.device);
+      check_within(path, span_of(p, scene.opened_length(p.device)), "a device reaches past the end of its branch",
+                   where, "choose centre_s_mm and length_mm so that it lies");
+      if (scene.stent(p.device))
         stents.push_back(p);
       const double diameter = free_diameter(balloon, p.pressure_bar);
       for (const Placement& s : stents) {

@@ -1,7 +1,9 @@
 #include "vci/scene/files/checked_json.hpp"
 #include "common/error.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 namespace vci {
@@ -42,6 +44,22 @@ double CheckedObject::number(const std::string& key, double low, double high, st
       refuse("a number is out of its range", key, range.str());
   }
   used[key] = result;
+  table[key] = {{"type", "number"}, {"minimum", low}, {"maximum", high}};
+  if (fallback)
+    table[key]["default"] = *fallback;
+  return result;
+}
+
+double CheckedObject::number_or_never(const std::string& key, double low, double high, double fallback) {
+  constexpr double never = std::numeric_limits<double>::infinity();
+  const json* value = find(key, false);
+  const bool is_never = value ? value->is_null() : std::isinf(fallback);
+  const double result = is_never ? never : number(key, low, high, fallback);
+  if (is_never)
+    used[key] = nullptr;
+  table[key] = {{"type", {"number", "null"}}, {"minimum", low}, {"maximum", high}, {"default", nullptr}};
+  if (!std::isinf(fallback))
+    table[key]["default"] = fallback;
   return result;
 }
 
@@ -50,6 +68,7 @@ int CheckedObject::integer(const std::string& key, int low, int high, std::optio
   if (value != std::floor(value))
     refuse("a whole number is expected", key, "leave out the decimals");
   used[key] = static_cast<int>(value);
+  table[key]["type"] = "integer";
   return static_cast<int>(value);
 }
 
@@ -60,6 +79,19 @@ std::string CheckedObject::text(const std::string& key, std::optional<std::strin
   const std::string result = value ? value->get<std::string>() : *fallback;
   used[key] = result;
   return result;
+}
+
+std::size_t CheckedObject::place_of_choice(const std::string& key, const std::vector<std::string>& names,
+                                           std::size_t usual) {
+  table[key] = {{"enum", names}, {"default", names[usual]}};
+  const std::string given = text(key, names[usual]);
+  const auto found = std::find(names.begin(), names.end(), given);
+  if (found != names.end())
+    return static_cast<std::size_t>(found - names.begin());
+  std::string all;
+  for (const std::string& name : names)
+    all += (all.empty() ? "" : name == names.back() ? " or " : ", ") + name;
+  throw common::InputError("an unknown choice", path(key), given, "use " + all);
 }
 
 std::vector<double> CheckedObject::numbers(const std::string& key) {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace vci {
@@ -14,7 +15,20 @@ public:
   /// A number within [low, high]; without a default the key must be there. The value used goes to `used`.
   double number(const std::string& key, double low, double high, std::optional<double> fallback = std::nullopt);
   int integer(const std::string& key, int low, int high, std::optional<int> fallback = std::nullopt);
+  /// A number as above; null, or the fallback of infinity, stands for infinity.
+  double number_or_never(const std::string& key, double low, double high, double fallback);
   std::string text(const std::string& key, std::optional<std::string> fallback = std::nullopt);
+  /// One of several names, each with what it stands for.
+  template <class Value>
+  Value choice(const std::string& key, const std::vector<std::pair<std::string, Value>>& choices, Value fallback) {
+    std::vector<std::string> names;
+    std::size_t usual = 0;
+    for (const auto& [name, value] : choices) {
+      usual = value == fallback ? names.size() : usual;
+      names.push_back(name);
+    }
+    return choices[place_of_choice(key, names, usual)].second;
+  }
   std::vector<double> numbers(const std::string& key);
   bool has(const std::string& key) const { return object_.contains(key); }
   /// The value of a key that must be an object, or an empty object where the key may be left out.
@@ -25,8 +39,11 @@ public:
   void finish() const;
   std::string path(const std::string& key) const { return where_ + "." + key; }
   nlohmann::json used = nlohmann::json::object();
+  /// What was asked for: per key its type, limits and default, as a JSON schema has them.
+  nlohmann::json table = nlohmann::json::object();
 
 private:
+  std::size_t place_of_choice(const std::string& key, const std::vector<std::string>& names, std::size_t usual);
   const nlohmann::json* find(const std::string& key, bool required);
   [[noreturn]] void refuse(const std::string& what, const std::string& key, const std::string& remedy) const;
   nlohmann::json object_;

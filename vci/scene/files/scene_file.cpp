@@ -16,8 +16,21 @@ using nlohmann::json;
 
 namespace {
 
-const std::set<std::string> actions{"predilatation",       "stent",  "postdilatation", "proximal_optimisation",
-                                    "side_branch_opening", "kissing"};
+const std::map<std::string, Action> actions{{"predilatation", Action::predilatation},
+                                            {"stent", Action::stent},
+                                            {"postdilatation", Action::postdilatation},
+                                            {"proximal_optimisation", Action::proximal_optimisation},
+                                            {"side_branch_opening", Action::side_branch_opening},
+                                            {"kissing", Action::kissing}};
+
+Action read_action(CheckedObject& step) {
+  const std::string action = step.text("action");
+  if (!actions.contains(action))
+    throw common::InputError(
+        "an unknown action", step.path("action"), action,
+        "use predilatation, stent, postdilatation, proximal_optimisation, side_branch_opening or kissing");
+  return actions.at(action);
+}
 
 /// Names of steps and devices become names of files.
 void check_name(const std::string& name, const std::string& where) {
@@ -33,12 +46,9 @@ void check_name(const std::string& name, const std::string& where) {
 
 Step read_step(const json& entry, const std::string& where, const Scene& scene) {
   CheckedObject o(entry, where);
-  Step step{o.text("name"), o.text("action"), {}};
+  Step step{o.text("name"), Action::predilatation, {}};
   check_name(step.name, o.path("name"));
-  if (!actions.contains(step.action))
-    throw common::InputError(
-        "an unknown action", o.path("action"), step.action,
-        "use predilatation, stent, postdilatation, proximal_optimisation, side_branch_opening or kissing");
+  step.action = read_action(o);
   const json list = o.list("devices");
   for (std::size_t k = 0; k < list.size(); ++k) {
     CheckedObject d(list[k], where + ".devices[" + std::to_string(k) + "]");
@@ -47,9 +57,9 @@ Step read_step(const json& entry, const std::string& where, const Scene& scene) 
     if (!stent && !balloon)
       throw common::InputError("a device that the scene does not define", d.path("device"), p.device,
                                "add it under devices or correct the name");
-    const BalloonSpec& b = scene.balloons.at(stent ? scene.stents.at(p.device).balloon : p.device);
+    const BalloonSpec& b = scene.balloon(p.device);
     p.pressure_bar = d.number("pressure_bar", 0.1, 40);
-    if (stent != (step.action == "stent"))
+    if (stent != (step.action == Action::stent))
       throw common::InputError(stent ? "a stent in a step that only inflates balloons" : "a balloon in a stent's step",
                                d.path("device"), p.device,
                                stent ? "name a balloon, or write action stent" : "name a stent, or another action");
@@ -65,12 +75,12 @@ Step read_step(const json& entry, const std::string& where, const Scene& scene) 
     d.finish();
     step.devices.push_back(p);
   }
-  if (step.devices.size() > 1 && step.action != "kissing")
+  if (step.devices.size() > 1 && step.action != Action::kissing)
     throw common::InputError("several devices in one step", o.path("devices"), std::to_string(step.devices.size()),
                              "only kissing inflates several balloons at once; use one step per device");
   const bool with_stent = std::any_of(step.devices.begin(), step.devices.end(),
                                       [&](const Placement& p) { return scene.stents.contains(p.device); });
-  if (step.action == "kissing" && (step.devices.size() != 2 || with_stent))
+  if (step.action == Action::kissing && (step.devices.size() != 2 || with_stent))
     throw common::InputError("kissing inflates two balloons side by side", o.path("devices"),
                              std::to_string(step.devices.size()) + (with_stent ? " devices, with a stent" : " devices"),
                              "name two balloons; place stents in steps of their own");
@@ -145,10 +155,10 @@ Scene scene_of(const std::filesystem::path& file) {
       throw common::InputError("the segment ends before it starts", o.path("segment"), o.child("segment", true).dump(),
                                "give s_start_mm < s_end_mm");
   }
-  json wall, numerics;
-  scene.wall = read_wall(o.child("wall", false), o.path("wall"), wall);
-  scene.numerics = read_numerics(o.child("numerics", false), o.path("numerics"), numerics);
-  scene.settings = {{"wall", wall}, {"numerics", numerics}, {"map_pa", scene.map_pa}};
+  CheckedObject wall(o.child("wall", false), o.path("wall")), numerics(o.child("numerics", false), o.path("numerics"));
+  scene.wall = read_wall(wall);
+  scene.numerics = read_numerics(numerics);
+  scene.settings = {{"wall", wall.used}, {"numerics", numerics.used}, {"map_pa", scene.map_pa}};
   const json devices = o.child("devices", true);
   CheckedObject(devices, o.path("devices"));
   for (const auto& [name, entry] : devices.items()) {

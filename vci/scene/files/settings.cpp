@@ -10,23 +10,14 @@ using nlohmann::json;
 
 namespace {
 
-PlaqueSpec read_plaque(CheckedObject& parent, const std::string& type, const PlaqueSpec& defaults, json& used) {
+void read_plaque(CheckedObject& parent, const std::string& type, PlaqueSpec& p) {
   CheckedObject o(parent.child(type, false), parent.path(type));
-  PlaqueSpec p = defaults;
   p.youngs_modulus = o.number("youngs_modulus_mpa", 1e-3, 1e5, p.youngs_modulus);
-  const json raw = parent.child(type, false);
-  const bool never = raw.contains("yield_strain") ? raw["yield_strain"].is_null() : std::isinf(p.yield_strain);
-  if (never) {
-    o.ignore("yield_strain");
-    o.used["yield_strain"] = nullptr;
-    p.yield_strain = std::numeric_limits<double>::infinity();
-  } else {
-    p.yield_strain = o.number("yield_strain", 1e-3, 2.0, std::isinf(p.yield_strain) ? 0.12 : p.yield_strain);
-  }
+  p.yield_strain = o.number_or_never("yield_strain", 1e-3, 1, p.yield_strain);
   p.hardening = o.number("hardening", 0, 1, p.hardening);
   o.finish();
-  used[type] = o.used;
-  return p;
+  parent.used[type] = o.used;
+  parent.table[type] = o.table;
 }
 
 /// Refuses what only the other integration would heed: nothing would say that it is left unused.
@@ -62,20 +53,17 @@ void refuse_unused(const CheckedObject& o, const Numerics& n) {
 
 } // namespace
 
-WallSpec read_wall(const json& entry, const std::string& where, json& used) {
-  CheckedObject o(entry, where);
+WallSpec read_wall(CheckedObject& o) {
   WallSpec w;
-  w.model = o.text("model", w.model);
-  if (w.model != "membrane" && w.model != "mass-spring")
-    throw common::InputError("an unknown wall model", o.path("model"), w.model, "use membrane or mass-spring");
-  const std::string mapping = o.text("spring_mapping", "lame");
-  if (mapping != "lame" && mapping != "van_gelder")
-    throw common::InputError("an unknown spring mapping", o.path("spring_mapping"), mapping, "use lame or van_gelder");
-  w.spring_mapping = mapping == "lame" ? SpringMapping::lame : SpringMapping::van_gelder;
-  if (w.model != "mass-spring" && mapping != "lame")
-    throw common::InputError("a mapping to springs, without any", o.path("spring_mapping"), mapping,
+  w.model = o.choice<WallModel>("model", {{"membrane", WallModel::membrane}, {"mass-spring", WallModel::mass_spring}},
+                                w.model);
+  w.spring_mapping = o.choice<SpringMapping>(
+      "spring_mapping", {{"lame", SpringMapping::lame}, {"van_gelder", SpringMapping::van_gelder}}, w.spring_mapping);
+  if (w.model != WallModel::mass_spring && w.spring_mapping != WallSpec{}.spring_mapping)
+    throw common::InputError("a mapping to springs, without any", o.path("spring_mapping"),
+                             o.used.at("spring_mapping").get<std::string>(),
                              "set model to mass-spring, or leave it out");
-  w.youngs_modulus = o.number("youngs_modulus_mpa", 1e-3, 1e3, w.youngs_modulus);
+  w.youngs_modulus = o.number("youngs_modulus_mpa", 1e-3, 100, w.youngs_modulus); // a stiffer one is likely in kPa
   w.poisson_ratio = o.number("poisson_ratio", 0, 0.499, w.poisson_ratio);
   w.intima_thickness = o.number("intima_thickness_mm", 0.01, 2, w.intima_thickness);
   w.media_thickness = o.number("media_thickness_mm", 0.01, 2, w.media_thickness);
@@ -83,55 +71,47 @@ WallSpec read_wall(const json& entry, const std::string& where, json& used) {
   w.tissue_modulus = o.number("tissue_modulus_mpa", 0, 10, w.tissue_modulus);
   w.tangential_stiffness = o.number("tangential_stiffness_mpa_per_mm", 0, 10, w.tangential_stiffness);
   w.density = o.number("density_g_per_mm3", 1e-5, 0.1, w.density);
-  w.hinge_yield = o.number("hinge_yield_rad", 1e-3, 10, w.hinge_yield);
-  CheckedObject p(o.child("plaque", false), o.path("plaque"));
-  json plaque;
-  w.plaque[1] = read_plaque(p, "fibrous", w.plaque[1], plaque);
-  w.plaque[2] = read_plaque(p, "lipid", w.plaque[2], plaque);
-  w.plaque[3] = read_plaque(p, "calcified", w.plaque[3], plaque);
-  p.finish();
+  w.hinge_yield = o.number("hinge_yield_rad", 1e-3, 3, w.hinge_yield); // triangles fold by less than a half turn
+  CheckedObject plaque(o.child("plaque", false), o.path("plaque"));
+  read_plaque(plaque, "fibrous", w.plaque[1]);
+  read_plaque(plaque, "lipid", w.plaque[2]);
+  read_plaque(plaque, "calcified", w.plaque[3]);
+  plaque.finish();
+  o.used["plaque"] = plaque.used;
+  o.table["plaque"] = plaque.table;
   o.finish();
-  used = o.used;
-  used["plaque"] = plaque;
   return w;
 }
 
-Numerics read_numerics(const json& entry, const std::string& where, json& used) {
-  CheckedObject o(entry, where);
+Numerics read_numerics(CheckedObject& o) {
   Numerics n;
   IntegratorSettings& i = n.integrator;
   ContactSettings& c = n.contact;
-  const auto choice = [&](const char* key, const char* usual, const char* other) {
-    const std::string text = o.text(key, usual);
-    if (text != usual && text != other)
-      throw common::InputError("an unknown choice", o.path(key), text, std::string("use ") + usual + " or " + other);
-    return text == other;
-  };
   i.residual_tolerance = o.number("residual_tolerance", 1e-8, 0.1, i.residual_tolerance);
   i.displacement_per_step = o.number("displacement_per_step_mm", 1e-3, 1, i.displacement_per_step);
   i.initial_step = o.number("initial_step_ms", 1e-4, 1e4, i.initial_step);
-  i.maximal_step = o.number("maximal_step_ms", 1e-3, 1e6, i.maximal_step);
+  i.maximal_step = o.number("maximal_step_ms", 1e-3, 1e4, i.maximal_step);
   i.maximal_steps = o.integer("maximal_steps_per_stage", 1, 1000000, i.maximal_steps);
   i.stalled_steps = o.integer("stalled_steps_per_stage", 1, 1000000, i.stalled_steps);
   i.pcg.tolerance = o.number("pcg_tolerance", 1e-12, 0.5, i.pcg.tolerance);
   i.pcg.maximal_iterations = o.integer("pcg_maximal_iterations", 1, 100000, i.pcg.maximal_iterations);
   i.pcg.patch_size = o.integer("pcg_patch_vertices", 0, 10000, i.pcg.patch_size);
-  i.pcg.single_precision = !choice("pcg_precision", "single", "double");
-  c.stiffness = o.number("contact_stiffness_mpa_per_mm", 1, 1e5, c.stiffness);
+  i.pcg.single_precision = o.choice<bool>("pcg_precision", {{"single", true}, {"double", false}}, true);
+  c.stiffness = o.number("contact_stiffness_mpa_per_mm", 1, 1e4, c.stiffness);
   c.distance = o.number("contact_distance_mm", 0, 0.2, c.distance);
   c.ramp = o.number("contact_ramp_mm", 1e-4, 0.2, c.ramp);
   c.skin = o.number("contact_skin_mm", 1e-3, 0.4, c.skin);
-  c.smooth = !choice("contact_surface", "smooth", "facets");
+  c.smooth = o.choice<bool>("contact_surface", {{"smooth", true}, {"facets", false}}, true);
   c.friction = o.number("friction_coefficient", 0, 1, c.friction);
   c.friction_stiffness = o.number("friction_stiffness_mpa_per_mm", 1e-3, 1e4, c.friction_stiffness);
-  i.textbook = choice("integration", "adaptive", "textbook");
+  i.textbook = o.choice<bool>("integration", {{"adaptive", false}, {"textbook", true}}, false);
   i.fixed_step = o.number("fixed_step_ms", 1e-5, 10, i.fixed_step);
   i.velocity_stop = o.number("velocity_stop_mm_per_ms", 1e-9, 10, i.velocity_stop);
-  c.time_averaged = choice("contact_law", "one-sided", "time-averaged");
+  c.time_averaged = o.choice<bool>("contact_law", {{"one-sided", false}, {"time-averaged", true}}, false);
   if (c.time_averaged && !i.textbook)
     throw common::InputError("a contact law that follows velocities, without any", o.path("contact_law"),
                              "time-averaged", "set integration to textbook, or leave the one-sided law");
-  n.tie_stiffness = o.number("tie_stiffness_mpa_per_mm", 0, 1e5, n.tie_stiffness);
+  n.tie_stiffness = o.number("tie_stiffness_mpa_per_mm", 0, 1e4, n.tie_stiffness);
   i.damping = o.number("damping_mpa_ms_per_mm", 0, 1e4, i.damping);
   i.stiffness_damping = o.number("stiffness_damping_ms", 0, 1e4, i.stiffness_damping);
   n.region_margin = o.number("region_margin_mm", 1, 1000, n.region_margin);
@@ -143,8 +123,14 @@ Numerics read_numerics(const json& entry, const std::string& where, json& used) 
                              std::to_string(i.initial_step) + " ms, maximal_step_ms " + std::to_string(i.maximal_step),
                              "lower it, or raise maximal_step_ms");
   o.finish();
-  used = o.used;
   return n;
+}
+
+json settings_table() {
+  CheckedObject wall(json::object(), "wall"), numerics(json::object(), "numerics");
+  read_wall(wall);
+  read_numerics(numerics);
+  return {{"wall", wall.table}, {"numerics", numerics.table}};
 }
 
 } // namespace vci

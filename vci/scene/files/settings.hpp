@@ -1,16 +1,18 @@
 // The scene's settings of wall and numerics, checked.
 #pragma once
+#include "vci/scene/files/checked_json.hpp"
 #include "vci/scene/numerics.hpp"
 #include "vci/wall/wall_spec.hpp"
 
-#include <nlohmann/json.hpp>
-
 namespace vci {
 
-/// @param where place of the entry, for messages
-/// @param used set to the settings with defaults filled in
+/// Read an entry; its `used` then holds the settings with defaults filled in.
 /// Throw common::InputError naming key, value and remedy.
-WallSpec read_wall(const nlohmann::json& entry, const std::string& where, nlohmann::json& used);
-Numerics read_numerics(const nlohmann::json& entry, const std::string& where, nlohmann::json& used);
+WallSpec read_wall(CheckedObject& entry);
+Numerics read_numerics(CheckedObject& entry);
+
+/// Every setting of a scene's wall and numerics with its type or choices, limits and default, as a JSON schema has
+/// them.
+nlohmann::json settings_table();
 
 } // namespace vci

@@ -1,0 +1,36 @@
+// A procedure under way: the mechanical system and what belongs to it.
+#pragma once
+#include "vci/devices/balloon/balloon.hpp"
+#include "vci/geometry/centreline.hpp"
+#include "vci/geometry/lumen.hpp"
+#include "vci/procedure/stent_history.hpp"
+#include "vci/scene/scene.hpp"
+#include "vci/solver/integrator.hpp"
+#include "vci/wall/wall.hpp"
+
+#include <map>
+
+namespace vci {
+
+struct RunState {
+  /// Adds the wall. The scene, the lumen and the axes as they were before are kept as copies.
+  RunState(Scene of, Lumen before, std::map<std::string, Path> axes);
+  RunState(const RunState&) = delete;
+  RunState& operator=(const RunState&) = delete;
+
+  bool is_stent(int body) const;
+  /// Positions of all lumen points as they are now, mm.
+  Vectors lumen_now() const { return moved_points(lumen, wall, system); }
+
+  const Scene scene;
+  const Lumen lumen;
+  const std::map<std::string, Path> paths;
+  System system; ///< body 0 is the wall; stents follow in the order of their steps; balloons come last
+  Wall wall;
+  Interactions interactions;
+  Balance balance; ///< of the last stage
+  std::vector<Balloon> balloons;
+  std::vector<StentHistory> stents;
+};
+
+} // namespace vci

@@ -1,0 +1,32 @@
+// Lumen and devices as they stand, apart from the system that moves them.
+#pragma once
+#include "vci/procedure/run_state.hpp"
+
+namespace vci {
+
+/// A device as it stands when it matters: a balloon inflated, a stent at the end.
+struct DeviceShape {
+  enum class Kind { balloon, stent } kind;
+  std::string name; ///< a balloon's by its step, a stent's device
+  Vectors points;   ///< mm
+  Triangles triangles;
+  Balance forces; ///< at these points, N
+};
+
+/// The state on the way, for pictures.
+struct Snapshot {
+  int stages_done, steps; ///< steps of the stage under way
+  Vectors lumen;          ///< mm
+  Balance forces;         ///< per lumen point, N; empty amid a stage of textbook integration, as the devices' then
+  std::vector<DeviceShape> devices;
+};
+
+/// Forces of the wall's vertices at all points of the lumen, 0 where the wall does not take part.
+Balance on_lumen(const RunState& run, const Balance& forces);
+
+DeviceShape shape_of(const RunState& run, int body, const std::string& name, const Balance& forces);
+
+/// @param steps done in the stage under way @param forces of the system, N; may be empty
+Snapshot snapshot_of(const RunState& run, int stages_done, int steps, const Balance& forces);
+
+} // namespace vci
