@@ -1,7 +1,6 @@
 """Command line: `python3 -m flow boundary | mesh | solve | rank`."""
 
 import argparse
-import contextlib
 import pathlib
 import signal
 import sys
@@ -12,7 +11,6 @@ from common import config, json_reader
 from common.errors import InputError, guarded
 from common.files import replacing, write_json
 from flow import command_files
-from flow.discretisation import parallel
 from flow import settings as settings_module
 
 
@@ -72,23 +70,13 @@ def mesh_command(arguments):
 def solve_command(arguments):
     """Steady flow and FFR on a mesh."""
     settings = settings_module.from_arguments(arguments)
-    parallel.launch(settings.ranks, arguments.command_line)
-    with parallel.together():
-        _solve(arguments, settings)
-
-
-def _solve(arguments, settings):
-    """On every rank."""
-    from flow import finer, solve
+    from flow import solve
     from flow.geometry import centreline
     from flow.inputs import boundary, lumen_summary
+    from flow.meshing import provenance
     from flow.physics import ffr
     from flow.reduced import extended, network as network_model
 
-    parallel.check(settings.ranks)
-    if hasattr(arguments, "most_dofs") and not (arguments.lumen and settings.model == "3d"):
-        what = "setting that does not act without --lumen and model 3d"
-        raise InputError(what, "--most-dofs", settings.most_dofs, "give --lumen with it")
     anatomy_file, sections_file = command_files.beside_centreline(arguments)
     document = json_reader.read(arguments.boundary, "boundary.json").data
     anatomy = lumen_summary.read(command_files.there(anatomy_file, "--anatomy"), "branches")
@@ -105,13 +93,9 @@ def _solve(arguments, settings):
     paths = arguments.mesh, arguments.coarse
     extensions, warnings = extended.read(given, *paths) if given else extended.beside(*paths)
     case = extended.Extended(extensions, tree, anatomy, sections, document, settings, warnings)
-    with contextlib.ExitStack() as until_done:
-        meshes = None
-        if arguments.lumen and settings.model == "3d":
-            report = given or pathlib.Path(arguments.mesh).with_suffix(".json")
-            meshes = finer.Finer(arguments.lumen, tree, report, settings, arguments.out)
-            until_done.callback(meshes.close)
-        answer = solve.run(arguments.mesh, arguments.coarse, case, arguments.out, meshes)
+    if arguments.lumen:
+        provenance.check(arguments.lumen, tree, given or pathlib.Path(arguments.mesh).with_suffix(".json"))
+    answer = solve.run(arguments.mesh, arguments.coarse, case, arguments.out)
     print(solve.in_words(answer))
 
 
@@ -168,10 +152,7 @@ def parser():
     solve.add_argument("--boundary", required=True, help="boundary.json")
     solve.add_argument("--centreline", required=True, help="centreline.vtp of the same lumen")
     solve.add_argument("--anatomy", help="anatomy.json of the same lumen (default: beside the centreline)")
-    solve.add_argument(
-        "--lumen",
-        help="lumen.vtp that the mesh was made from: where that misses ffr_tolerance finer ones are made (most_dofs)",
-    )
+    solve.add_argument("--lumen", help="lumen.vtp: a mesh that was made from another is refused")
     solve.add_argument("--mesh-report", help="report of `flow mesh`, for its extensions (default: beside the mesh)")
     solve.add_argument("--sections", help="sections.csv of the same lumen (default: beside the centreline)")
     solve.add_argument("--out", required=True, help="folder for solution.vtu, ffr.json, pullback.csv")
@@ -195,13 +176,10 @@ def main(argv=None):
     """Runs one command."""
     top = parser()
     arguments, left = top.parse_known_args(argv)
-    if arguments.command != "solve" and parallel.launched() and not parallel.first():
-        return
     command_files.clear(arguments)
     if left:
         settings_module.check_left(arguments.command, left)
         top.error(f"unrecognized arguments: {' '.join(left)}")
-    arguments.command_line = sys.argv[1:] if argv is None else argv
     arguments.run(arguments)
 
 

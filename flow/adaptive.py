@@ -13,7 +13,7 @@ import time
 from common.errors import ComputationError
 from flow.errors import error_estimate
 from flow.physics import ffr
-from flow.solvers import linear_choice, unsteady
+from flow.solvers import unsteady
 from flow.solvers.solved_mesh import solve_mesh
 
 
@@ -42,49 +42,39 @@ def missed(estimate, settings, names=()):
 class Search:
     """The answer of one lumen to `settings.ffr_tolerance`.
 
-    document: boundary.json; predicted: reduced.coupled.Predictor; meshes: record of what was found on each mesh.
+    document: boundary.json; predicted: reduced.coupled.Predictor; meshes: record of what was found on each mesh,
+    each once.
     """
 
     def __init__(self, document, settings, tree, predicted):
         self.document, self.settings, self.tree, self.predicted = document, settings, tree, predicted
         self.meshes, self.spent = [], 0
 
-    def run(self, paths, finer=None):
-        """The Solved that answers: on the first mesh of `paths`, coarse first, that is good enough, or where none is
-        on one that `finer` (flow.finer.Finer) makes.
+    def run(self, paths):
+        """The Solved that answers: on the first mesh of `paths`, coarse first, that is good enough, or the better one.
 
         The next mesh starts from the flow on the one before. A mesh that gives no flow is passed over while there are
         finer ones and factorizations left. Raises ComputationError.
         """
-        solved, before = self.given(paths)
-        if finer and solved.path == paths[-1] and self.settings.ffr_tolerance > 0:
-            solved, before = self.refined(solved, before, finer)
-        if before:
-            before.destroy()
-        return solved
-
-    def given(self, paths):
-        """(Solved that answers of those on `paths`, one on another mesh or None)."""
         before = None
         for path in paths:
             last = path == paths[-1]
             try:
                 solved = self.on_mesh(path, before, last)
-            except linear_choice.Refused:
-                raise
             except ComputationError as error:
                 self.spent += getattr(error, "factorizations", 0)
                 if last and before:
                     self.no_flow(path, error)
-                    solved, before = before, None
+                    solved, before, begin = before, None, time.process_time()
                     self.march(solved, None)
                     if solved.marched:
-                        self.meshes.append(self.record(solved))
+                        solved.cpu_seconds += time.process_time() - begin
+                        self.note(self.record(solved))
                     break
                 if last or self.spent >= self.settings.max_newton_iterations:
                     raise
                 print(f"{path}: no flow, a finer mesh is tried:\n{error}", file=sys.stderr, flush=True)
-                self.meshes.append({"mesh": pathlib.Path(path).name, "status": "no steady flow"})
+                self.note({"mesh": pathlib.Path(path).name, "status": "no steady flow"})
                 continue
             if last and before and self.better(before, solved):
                 solved, before = before, solved
@@ -92,61 +82,38 @@ class Search:
                 break
             before = solved
             before.problem.release()
-        return solved, before
+        if before:
+            before.destroy()
+        return solved
 
-    def refined(self, solved, before, finer):
-        """As `given`: the Solved on the first mesh of `finer` within the tolerance, on the first whose error is not
-        smaller than that before, or on the last before there is no finer mesh or no steady flow near on it.
-
-        A flow that was found iteratively is no start of the next, which is preconditioned by a factorization.
-        """
-        while solved.known and not within(solved.estimate, self.settings):
-            base = before if before and solved.problem.iterations is not None else solved
-            for one in (base, solved):
-                one.problem.release()
-            path = None
-            try:
-                most = linear_choice.most_dofs(base, self.settings)
-                path = finer.make(solved.space.dofs, solved.estimate["ffr"], most)
-                if path is None:
-                    break
-                found = self.on_mesh(path, base, True, solved)
-            except ComputationError as error:
-                self.spent += getattr(error, "factorizations", 0)
-                self.no_flow(path or "finer mesh", error)
-                break
-            self.meshes[-1]["report"] = finer.report
-            improved = found.known and found.estimate["ffr"] < solved.estimate["ffr"]
-            if base is solved:
-                solved, before, old = found, solved, before
-            else:
-                solved, old = found, solved
-            if old:
-                old.destroy()
-            if not improved:  # the meshes contradict each other: the finer answers, with its larger error
-                break
-        return solved, before
+    def note(self, entry):
+        """Takes an entry of `meshes`, in place of an earlier one of the same mesh."""
+        names = [one["mesh"] for one in self.meshes]
+        if entry["mesh"] in names:
+            self.meshes[names.index(entry["mesh"])] = entry
+        else:
+            self.meshes.append(entry)
 
     def no_flow(self, path, error):
         """Says and records that a mesh gives no flow where there is an answer already."""
         print(f"{path}: no flow, the mesh before answers:\n{error}", file=sys.stderr, flush=True)
-        self.meshes.append({"mesh": pathlib.Path(path).name, "status": "no flow"})
+        self.note({"mesh": pathlib.Path(path).name, "status": "no flow"})
 
-    def on_mesh(self, path, before, last, compared=None):
-        """Solved on a mesh, from the flow on the one before; the error is estimated with `compared`, a Solved of a
-        coarser mesh, by default the one before. Raises ComputationError."""
+    def on_mesh(self, path, before, last):
+        """Solved on a mesh, from the flow on the one before, with which its error is estimated too. Raises
+        ComputationError."""
         begin, known = time.process_time(), before is not None and before.known
         may_march = last and self.settings.march_steps > 0 and not known
         solved = solve_mesh(
             path, self.document, self.settings, self.tree, self.predicted, before, self.spent, may_march, known
         )
         if solved.outcome:
-            solved.estimate = error_estimate.of(solved, self.document, self.tree, self.at_probes, compared or before)
+            solved.estimate = error_estimate.of(solved, self.document, self.tree, self.at_probes, before)
         if (may_march or self.promising(solved)) and not within(solved.estimate, self.settings):
             self.march(solved, before)
         self.spent += solved.problem.solver.factorizations
         solved.cpu_seconds = time.process_time() - begin
-        self.meshes.append(self.record(solved))
+        self.note(self.record(solved))
         return solved
 
     def promising(self, solved):
@@ -202,7 +169,7 @@ class Search:
             solved.problem.release()  # both meshes' factors need not fit memory at once
             self.march(before, None)
             before.cpu_seconds += time.process_time() - begin
-            self.meshes.append(self.record(before))
+            self.note(self.record(before))
             if before.unsteady and solved.unsteady and self.of_two_means(solved, before):
                 return False  # by the same difference the coarse mesh's error is the larger
         if before.estimate is None or before.mixing > 0 and not before.unsteady:
@@ -243,6 +210,5 @@ class Search:
             "ffr": value,
             "error_estimate": estimate["ffr"] if estimate else None,
             "factorizations": solved.problem.solver.factorizations,
-            "linear_iterations": solved.problem.iterations,
             "cpu_seconds": solved.cpu_seconds,
         }

@@ -11,8 +11,6 @@ def clear(arguments):
     """Removes what an earlier run of the command of parsed arguments wrote (flow.output.clear). Raises InputError."""
     written, read = {"boundary": boundary, "mesh": mesh, "solve": solve, "rank": rank}[arguments.command](arguments)
     output.clear(written, [pathlib.Path(path) for path in (*read, arguments.settings) if path])
-    if arguments.command == "solve":
-        output.clear_scratch(pathlib.Path(arguments.out))
 
 
 def boundary(arguments):

@@ -1,9 +1,6 @@
 """Files of a solve: solution.vtu (quadratic tetrahedra, mm), ffr.json, pullback.csv."""
 
 import os
-import pathlib
-import shutil
-import tempfile
 
 import numpy as np
 import vtk
@@ -11,18 +8,16 @@ from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 
 from common.errors import InputError
 from common.files import replacing, write_json
-from flow.discretisation import parallel
 
 MM_PER_M = 1e3
 FILES = ("ffr.json", "pullback.csv", "solution.vtu")
-SCRATCH = ".meshes-"  # start of the name of a folder with the meshes that a solve makes; one that is killed leaves it
 
 
 def clear(files, inputs):
     """Removes an earlier output, `files`: after a run that is refused it would be taken for this one's.
 
-    inputs: paths of the files that the command reads. Raises InputError on every rank, and removes nothing, where one
-    is among `files`, or where they cannot be written.
+    inputs: paths of the files that the command reads. Raises InputError, and removes nothing, where one is
+    among `files`, or where they cannot be written.
     """
     own = [path.resolve() for path in files]
     for path in inputs:
@@ -35,40 +30,8 @@ def clear(files, inputs):
         if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
             value = f"{there} is no folder to write to: give another"
             raise InputError("no folder for the answer", "--out", path.parent, value)
-    if _one():
-        for path in files:
-            path.unlink(missing_ok=True)
-
-
-def clear_scratch(folder):
-    """Removes the meshes of solves that were killed: those in `folder` whose process is gone."""
-    for left in folder.glob(SCRATCH + "*") if _one() else ():
-        number = left.name.removeprefix(SCRATCH).partition("-")[0]
-        if not (number.isdigit() and _runs(int(number))):
-            shutil.rmtree(left, ignore_errors=True)
-
-
-def scratch(folder):
-    """Path of a new folder in `folder` for the meshes that this process makes."""
-    folder.mkdir(parents=True, exist_ok=True)
-    return pathlib.Path(tempfile.mkdtemp(prefix=f"{SCRATCH}{os.getpid()}-", dir=folder))
-
-
-def _runs(process):
-    """Whether there is a process of that number, on this machine."""
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except (PermissionError, OverflowError):
-        pass
-    return True
-
-
-def _one():
-    """Whether this rank removes files; MPI is left alone where it may still be launched
-    (discretisation.parallel.launch)."""
-    return not parallel.launched() or parallel.first()
+    for path in files:
+        path.unlink(missing_ok=True)
 
 
 def write_vtu(path, points, cells, fields):

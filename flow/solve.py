@@ -9,10 +9,8 @@ import numpy as np
 
 from common.errors import ComputationError
 from flow import adaptive, output
-from flow.discretisation import parallel
 from flow.errors import error_estimate, place_errors
 from flow.physics import energy, ffr, outlets
-from flow.solvers import linear_choice
 from flow.discretisation import spaces
 from flow.physics import viscosity, wall_shear
 from flow.reduced import answer as reduced_answer
@@ -21,14 +19,13 @@ from flow.solvers import solved_mesh
 LARGE = 0.05  # difference of the models' FFR that is said
 
 
-def run(mesh, coarse, case, folder, finer=None):
+def run(mesh, coarse, case, folder):
     """Solves and writes solution.vtu, pullback.csv and ffr.json to `folder`; returns the document of ffr.json.
 
-    case: reduced.extended.Extended; finer: flow.finer.Finer of the mesh, or None.
+    case: reduced.extended.Extended.
     """
     begin, begin_cpu = time.perf_counter(), _cpu_seconds()
     paths = [path for path in (coarse, mesh) if path]
-    linear_choice.check(paths, case.settings)
     spaces.check_coarser(paths)
     document, settings, tree = case.document, case.settings, case.original
     predicted = case.predictor()
@@ -37,7 +34,7 @@ def run(mesh, coarse, case, folder, finer=None):
     print(f"1D network: FFR {models['network']['ffr']:.4f}", file=sys.stderr, flush=True)
     if settings.model == "3d":
         search = adaptive.Search(document, settings, tree, predicted)
-        solved = search.run(paths, finer)
+        solved = search.run(paths)
         estimate = solved.estimate
         reference = ffr.reference_pa(document, tree, solved.sampler)
         probes = ffr.at_probes(document["probes"], tree, solved.sampler, reference)
@@ -63,12 +60,10 @@ def run(mesh, coarse, case, folder, finer=None):
     answer["warnings"] += ffr.displaced(answer["probes"], tree, table) + warnings
     answer["extensions"] = extensions
     answer["reduced_model"] = {"model": "1D network", **models["network"]}
-    answer["ranks"] = parallel.world().size
     answer["seconds"] = time.perf_counter() - begin
-    answer["cpu_seconds"] = parallel.total(_cpu_seconds() - begin_cpu)
-    answer["peak_memory_mib"] = parallel.total(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
-    if parallel.first():
-        output.write_all(pathlib.Path(folder), fields(solved, document, reference), table, answer)
+    answer["cpu_seconds"] = _cpu_seconds() - begin_cpu
+    answer["peak_memory_mib"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    output.write_all(pathlib.Path(folder), fields(solved, document, reference), table, answer)
     solved.destroy()
     predicted.destroy()
     return answer

@@ -1,7 +1,6 @@
 """What differs between FEniCSx versions, beside common.fenicsx; written for dolfinx 0.5.2 (Debian 12)."""
 
 import contextlib
-import ctypes
 import io
 import logging
 
@@ -11,10 +10,8 @@ import ufl
 from dolfinx import fem
 from dolfinx.cpp.fem.petsc import create_matrix, interpolation_matrix
 from dolfinx.io import gmshio
-from dolfinx.mesh import meshtags
 from dolfinx.plot import create_vtk_mesh
 from mpi4py import MPI
-from petsc4py import PETSc
 
 from common import fenicsx
 from common.errors import InputError
@@ -101,42 +98,9 @@ def form(expression):
     return fenicsx.form(expression, FLAGS)
 
 
-def on_cells(expression, mesh, cells, facets=None):
-    """A UFL form with its integrals over cells restricted to `cells` (numbers, ascending), those over the boundary to
-    `facets` (tags; None: as they are)."""
-    dim = mesh.topology.dim
-    tags = meshtags(mesh, dim, cells.astype(np.int32), np.ones(len(cells), np.int32))
-    chosen = {"cell": {"subdomain_id": 1, "subdomain_data": tags}}
-    if facets is not None:
-        chosen["exterior_facet"] = {"subdomain_data": facets}
-    return ufl.Form([part.reconstruct(**chosen.get(part.integral_type(), {})) for part in expression.integrals()])
-
-
-def some_tags(mesh, tags, first, last):
-    """Those of the facets' tags that are numbered first to last - 1 among them."""
-    return meshtags(mesh, tags.dim, tags.indices[first:last], tags.values[first:last])
-
-
 def block_matrix(compiled):
     """Empty PETSc matrix of a form on a vector space, stored by the blocks of its nodes."""
     return create_matrix(compiled, "baij")
-
-
-@contextlib.contextmanager
-def matrix_values(matrix):
-    """The values (n,) of an assembled sequential AIJ or BAIJ matrix as PETSc stores them, to read and to write.
-
-    petsc4py has no call for it; its library is linked to PETSc's, which has.
-    """
-    kind = {"seqaij": "SeqAIJ", "seqbaij": "SeqBAIJ"}[matrix.getType()]
-    library, handle, values = ctypes.CDLL(PETSc.__file__), ctypes.c_void_p(matrix.handle), ctypes.c_void_p()
-    if getattr(library, f"Mat{kind}GetArray")(handle, ctypes.byref(values)):
-        raise RuntimeError(f"PETSc gives no values of a {kind} matrix")
-    count = int(matrix.getInfo()["nz_used"])
-    try:
-        yield np.ctypeslib.as_array(ctypes.cast(values, ctypes.POINTER(ctypes.c_double)), (count,))
-    finally:
-        getattr(library, f"Mat{kind}RestoreArray")(handle, ctypes.byref(values))
 
 
 def interpolation(coarse, fine):

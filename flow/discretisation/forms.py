@@ -20,13 +20,12 @@ leaves undisturbed. l = c l_jet is a mixing length in jets (geometry.jet), |D| =
 are those above; c > 0 makes the jet's eddy viscosity, by which the way to c = 0 is steady (solvers.nonlinear).
 """
 
-import numpy as np
 import ufl
 from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
-from flow.discretisation import compat, parallel
+from flow.discretisation import compat
 from flow.physics import viscosity as viscosities
 from flow.geometry.tags import PHYSICAL_INLET
 
@@ -127,27 +126,15 @@ class NavierStokes:
 
     @property
     def residual(self):
-        """Without the pressure loads; over the share of cells and facets of this MPI rank (all on one; `assembled`
-        sums)."""
-        return self._once("residual", lambda index: self._summand(self._residuals[index], self._space))
-
-    @staticmethod
-    def _summand(expression, space):
-        if parallel.world().size == 1:
-            return compat.form(expression)
-        mesh, facets = space.mesh, space.facets
-        cells = np.arange(*parallel.share(mesh.topology.index_map(mesh.topology.dim).size_local))
-        own = compat.some_tags(mesh, facets, *parallel.share(len(facets.indices)))
-        return compat.form(compat.on_cells(expression, mesh, cells, own))
+        """Without the pressure loads."""
+        return self._once("residual", lambda index: compat.form(self._residuals[index]))
 
     def assembled(self, vector):
-        """The residual at the present state, into `vector`; on several MPI ranks whole on each."""
+        """The residual at the present state, into `vector`."""
         with vector.localForm() as local:
             local.set(0.0)
         fem_petsc.assemble_vector(vector, self.residual)
         vector.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
-        if parallel.world().size > 1:
-            vector.array[:] = parallel.total(vector.array)
 
     @staticmethod
     def integral(form):
@@ -163,14 +150,7 @@ class NavierStokes:
     @property
     def tangent(self):
         """Newton's velocity block, over V; `divergence` and its transposed are the rest of the tangent."""
-        return self._once("tangent", lambda index: self._shared(self._velocity_tangent(index)))
-
-    @property
-    def tangent_of_all(self):
-        """`tangent`, of all cells on each MPI rank."""
-        if self._shared_cells is None:
-            return self.tangent
-        return self._once("tangent of all", lambda index: compat.form(self._velocity_tangent(index)))
+        return self._once("tangent", lambda index: compat.form(self._velocity_tangent(index)))
 
     @property
     def picard(self):
@@ -179,14 +159,9 @@ class NavierStokes:
 
         def build(index):
             du, v = self._velocities()
-            return self._shared(ufl.replace(self._picards[index], {test: self._padded(v), trial: self._padded(du)}))
+            return compat.form(ufl.replace(self._picards[index], {test: self._padded(v), trial: self._padded(du)}))
 
         return self._once("picard", build)
-
-    def tangent_with_inertia(self, cfl):
-        """`tangent_of_all` with inertia as in picard, of the CFL number `cfl`, compiled."""
-        tangent = self._velocity_tangent(int(self.mixing.value > 0))
-        return compat.form(tangent + self._inertia(*self._velocities(), 1.0 / cfl))
 
     @property
     def divergence(self):
@@ -211,13 +186,3 @@ class NavierStokes:
         du, v = self._velocities()
         momentum = ufl.replace(self._residuals[index], {self._arguments[0]: self._padded(v)})
         return ufl.derivative(momentum, self._state, self._padded(du))
-
-    @property
-    def _shared_cells(self):
-        """Of discretisation.spaces; None, all of them, where the space says nothing."""
-        return getattr(self._space, "shared_cells", None)
-
-    def _shared(self, expression):
-        """Compiled, over the cells that this MPI rank assembles."""
-        cells = self._shared_cells
-        return compat.form(expression if cells is None else compat.on_cells(expression, self._space.mesh, cells))

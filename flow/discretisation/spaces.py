@@ -3,8 +3,6 @@
 errors.goal_error asks for the next richer pair, P3 and P2, on the same mesh.
 """
 
-import functools
-
 import numpy as np
 import ufl
 from dolfinx import fem
@@ -12,7 +10,7 @@ from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
 from common.errors import InputError
-from flow.discretisation import compat, parallel
+from flow.discretisation import compat
 from flow.geometry import tet10
 from flow.geometry.tags import PHYSICAL_INLET, PHYSICAL_OUTLET_BASE, PHYSICAL_WALL
 from flow.geometry.tet10 import LEAST_JACOBIAN_RATIO, overlapping
@@ -47,20 +45,6 @@ class LumenSpace:
         self.free = np.setdiff1d(np.arange(size), np.concatenate([self.wall, self.inlet])).astype(np.int32)
         if self.free.size == 0 or self.inlet.size == 0:
             raise InputError("inlet has no node inside its rim", where, len(self.inlet), "use a finer mesh")
-
-    @functools.cached_property
-    def rows(self):
-        """The free dofs whose equations this MPI rank assembles."""
-        return self.free[slice(*parallel.share(len(self.free)))]
-
-    @functools.cached_property
-    def shared_cells(self):
-        """Cells on which the matrix is assembled, those at `rows` and at the inlet; None: all, on one rank."""
-        if parallel.world().size == 1:
-            return None
-        wanted = np.zeros(self.dofs, bool)
-        wanted[self.rows] = wanted[self.inlet] = True
-        return np.flatnonzero(wanted[compat.cell_dofs(self.W)].any(axis=1))
 
     @property
     def dofs(self):
@@ -198,8 +182,7 @@ def _check_cells(space, path):
     """
     remedy = "make the mesh anew with `flow mesh`, which checks every cell"
     points, cells = space.nodes()
-    lower, upper = tet10.jacobian_bounds(points[cells[slice(*parallel.share(len(cells)))]])
-    lower, upper = (parallel.collected(bound, len(cells)) for bound in (lower, upper))
+    lower, upper = tet10.jacobian_bounds(points[cells])
     for limit, what in (
         (lower <= 0, "inverted or folded (their Jacobian is not positive throughout)"),
         (lower < LEAST_JACOBIAN_RATIO * upper, f"distorted (least over largest Jacobian below {LEAST_JACOBIAN_RATIO})"),

@@ -18,14 +18,15 @@ from flow.discretisation import compat
 class FreeMatrix:
     """The matrix of discretisation.forms.NavierStokes over a LumenSpace.
 
-    matrix: PETSc AIJ, the rows of this MPI rank (space.rows) by the free dofs, of the same pattern each time.
+    matrix: PETSc AIJ between the free dofs, of the same pattern each time.
     """
 
     def __init__(self, space, forms):
         self.space = space
         self.velocity = compat.block_matrix(forms.mass)
-        fem_petsc.assemble_matrix(self.velocity, forms.mass)  # of all cells on each rank: the pattern of Inertia's
+        fem_petsc.assemble_matrix(self.velocity, forms.mass)
         self.velocity.assemble()
+        self.entries = self.velocity.convert("aij", PETSc.Mat())
         self.given, self.found = self.velocity.createVecs()
         self.divergence = divergence(forms)
         pattern = self._pattern()
@@ -33,13 +34,13 @@ class FreeMatrix:
         self.fixed = np.flatnonzero(self.places < 0)  # where B and 0 are
         values = np.append(self.divergence.data, 0.0)[-self.places[self.fixed] - 2]
         self.fixed_values, self.places[self.fixed] = values, 0
-        starts, columns = (part.astype(PETSc.IntType) for part in (pattern.indptr, pattern.indices))
-        given = starts, columns, np.zeros(pattern.nnz)
+        self.pattern = tuple(part.astype(PETSc.IntType) for part in (pattern.indptr, pattern.indices))
+        given = *self.pattern, np.zeros(pattern.nnz)
         self.matrix = PETSc.Mat().createAIJ(pattern.shape, csr=given, comm=PETSc.COMM_SELF)
 
     def _pattern(self):
-        """CSR of `matrix` whose data are the places of the values among those that PETSc stores of A, from 1 on, and
-        among those of B and then 0, from -1 down."""
+        """CSR of `matrix` whose data are the places of the values among the entries of A, from 1 on, and among those of
+        B and then 0, from -1 down."""
         space, row = self.space, self.divergence.copy()
         row.data = -1 - np.arange(row.nnz, dtype=np.int32)
         corners = compat.cell_dofs(space.Q)
@@ -47,12 +48,12 @@ class FreeMatrix:
         # in the pattern, too, for MUMPS' ordering: pressures of one cell
         zero = scipy.sparse.csr_matrix((np.ones(len(pairs[0]), np.int32), pairs), 2 * (row.shape[0],))
         zero.data[:] = -1 - row.nnz
-        velocity, border = _numbered(self.velocity), scipy.sparse.bmat([[None, row.T], [row, zero]], "csr")
+        velocity, border = _numbered(self.entries), scipy.sparse.bmat([[None, row.T], [row, zero]], "csr")
         velocity.resize(border.shape)
         number = np.empty(space.dofs, np.int32)
         number[np.concatenate([space.v_map, space.q_map])] = np.arange(space.dofs)
-        rows, columns = number[space.rows], number[space.free]
-        velocity, border = (part[rows][:, columns] for part in (velocity, border))
+        free = number[space.free]
+        velocity, border = (part[free][:, free] for part in (velocity, border))
         for part in (velocity, border):
             part.sort_indices()
         return velocity + border
@@ -64,15 +65,14 @@ class FreeMatrix:
         self.velocity.assemble()
         if inertia:
             inertia.add_tangent(self.velocity)
-        with compat.matrix_values(self.velocity) as given, compat.matrix_values(self.matrix) as values:
-            np.take(given, self.places, out=values, mode="clip")  # all are places; otherwise numpy copies `out`
-            values[self.fixed] = self.fixed_values
+        self.velocity.convert("aij", self.entries)
+        values = self.entries.getValuesCSR()[2][self.places]
+        values[self.fixed] = self.fixed_values
+        self.matrix.setValuesCSR(*self.pattern, values)
+        self.matrix.assemble()
 
     def times(self, values, transposed=False):
-        """The last matrix, or its transposed, between all dofs times values (n,) over W that have no pressure.
-
-        On several MPI ranks right at the rows of this rank; transposed: where values is 0 at other ranks' rows.
-        """
+        """The last matrix, or its transposed, between all dofs times values (n,) over W that have no pressure."""
         space, found = self.space, np.zeros(len(values))
         self.given.array[:] = values[space.v_map]
         (self.velocity.multTranspose if transposed else self.velocity.mult)(self.given, self.found)
@@ -82,7 +82,7 @@ class FreeMatrix:
 
     def destroy(self):
         """Frees PETSc's memory."""
-        for petsc_object in (self.velocity, self.matrix, self.given, self.found):
+        for petsc_object in (self.velocity, self.entries, self.matrix, self.given, self.found):
             petsc_object.destroy()
 
 
@@ -96,11 +96,7 @@ def divergence(forms):
     return scipy.sparse.csr_matrix((values, columns, starts), shape)
 
 
-def _numbered(blocks):
-    """CSR of a matrix stored by blocks whose data are the places, from 1 on, among the values that PETSc stores."""
-    with compat.matrix_values(blocks) as values:
-        values[:] = np.arange(1, len(values) + 1)
-    plain = blocks.convert("aij", PETSc.Mat())
-    starts, columns, places = plain.getValuesCSR()
-    plain.destroy()
-    return scipy.sparse.csr_matrix((places.astype(np.int32), columns, starts), blocks.size)
+def _numbered(matrix):
+    """CSR of a PETSc AIJ matrix whose data are the places, from 1 on, of its entries."""
+    starts, columns, values = matrix.getValuesCSR()
+    return scipy.sparse.csr_matrix((np.arange(1, len(values) + 1, dtype=np.int32), columns, starts), matrix.size)

@@ -6,15 +6,12 @@ applied to r_k. So part k = dJ/dw e_k with K e_k = G_k: e_k is what stretch k do
 true, and one solve for each stretch gives the parts at every probe, outlet and point of the pull-back.
 """
 
-import sys
-
 import numpy as np
 import scipy.sparse
 import ufl
 from dolfinx.fem import petsc as fem_petsc
 from scipy.spatial import cKDTree
 
-from common.errors import ComputationError
 from flow.discretisation import compat, spaces
 from flow.errors import goal_error
 from flow.geometry import tet10
@@ -85,20 +82,8 @@ class Field:
 
 def of(solved, document, tree):
     """(parts (p, k) of the error as errors.goal_error has them at the document's probes, Field) of a
-    solvers.solved_mesh.Solved with a steady flow.
-
-    An iterative problem takes a whole solve for each stretch: there the Field has one for all, k = 1, or is None where
-    that is not found, and the probes have their dual solutions.
-    """
-    problem = solved.problem
-    if problem.iterations is not None:
-        along = goal_error.of(solved, document, tree)
-        try:
-            return along, Field(solved, scipy.sparse.csc_matrix(sources(problem, document, tree).sum(axis=1)))
-        except ComputationError as error:
-            print(f"no error field for outlets and pull-back:\n{error}", file=sys.stderr, flush=True)
-            return along, None
-    field = Field(solved, sources(problem, document, tree))
+    solvers.solved_mesh.Solved with a steady flow."""
+    field = Field(solved, sources(solved.problem, document, tree))
     on = [(tree[probe["branch"]], np.array(probe["point_mm"])) for probe in document["probes"]]
     places = [(branch, branch.project(point)[0]) for branch, point in on]
     points = np.array([branch.point(s_mm) for branch, s_mm in places])

@@ -9,7 +9,6 @@ Becker and Rannacher 2001, Acta Numerica 10.) Patches with as many nodes and tar
 import numpy as np
 import scipy.sparse
 
-from flow.discretisation import parallel
 
 EXPONENTS = np.array([[i, j, k] for i in range(4) for j in range(4 - i) for k in range(4 - i - j)])
 TERMS = {degree: EXPONENTS[EXPONENTS.sum(axis=1) <= degree] for degree in (2, 3)}
@@ -47,7 +46,7 @@ class Patches:
                     _add(sums, counts, entries)
                     entries, held = [], 0
             _add(sums, counts, entries)
-            found.append(parallel.total(sums) / np.maximum(parallel.total(counts), 1)[:, None])
+            found.append(sums / np.maximum(counts, 1)[:, None])
         return found
 
     def transposed(self, fields, groups):
@@ -77,7 +76,7 @@ class Patches:
         if wanted is not None:
             beside = np.isin(self.corner, self.corner[wanted]).any(axis=1)
             patches = patches[np.flatnonzero(patches @ beside.astype(np.int32))]
-        return patches[slice(*parallel.share(patches.shape[0]))]
+        return patches
 
     def _alike(self, patches, degree, sources, of, targets, components):
         """(nodes (p, n), targets (p, m)) of patches that have as many of both: their sources, enough for the degree;
@@ -109,7 +108,7 @@ class Patches:
         rows = np.concatenate([near.ravel() for near, *_ in entries])
         columns = np.concatenate([np.repeat(of_group, near.shape[1]) for near, of_group, _ in entries])
         values = np.concatenate([block.reshape(-1, components) for *_, block in entries])
-        return [parallel.total(scipy.sparse.csr_matrix((one, (rows, columns)), size)) for one in values.T]
+        return [scipy.sparse.csr_matrix((one, (rows, columns)), size) for one in values.T]
 
 
 def _add(sums, counts, entries):

@@ -4,25 +4,20 @@
     [C  D] [y] = [g]
 
 A is sparse (velocity and pressure dofs that no boundary fixes), the border has one row and column for the inflow and
-one for each outlet. `DirectSolver` factorizes A by MUMPS; a solver of another kind needs the same methods.
+one for each outlet. `DirectSolver` factorizes A by MUMPS.
 """
 
 import numpy as np
 from petsc4py import PETSc
 
 from common.errors import ComputationError
-from flow.discretisation import parallel
 
 
 class DirectSolver:
-    """MUMPS factorization of A, its symbolic part reused; one KSP for all steps (a new one each step leaks factors).
+    """MUMPS factorization of A, its symbolic part reused; one KSP for all steps (a new one each step leaks factors)."""
 
-    On several MPI ranks A is given and held by rows, each rank its share; right sides and solutions are whole on each.
-    """
-
-    def __init__(self, comm):
-        self.comm, self.shared, self.parts = comm, None, None
-        self.ksp = PETSc.KSP().create(comm)
+    def __init__(self):
+        self.ksp = PETSc.KSP().create(PETSc.COMM_SELF)
         self.ksp.setType("preonly")
         pc = self.ksp.getPC()
         pc.setType("lu")
@@ -36,36 +31,17 @@ class DirectSolver:
         self.factorizations = 0
 
     def set_matrix(self, matrix):
-        """Factorizes `matrix` (its rows of this rank's share). Raises ComputationError when MUMPS cannot."""
-        self.ksp.setOperators(matrix if self.comm.size == 1 else self._shared(matrix))
+        """Factorizes `matrix`. Raises ComputationError when MUMPS cannot."""
+        self.ksp.setOperators(matrix)
         try:
             self.ksp.setUp()
         except PETSc.Error as error:
             raise ComputationError("factorization failed", "MUMPS", error, "check memory and the mesh") from error
         self.factorizations += 1
 
-    def _shared(self, rows):
-        """The matrix over all ranks whose share on this one is `rows`, of the same pattern each time."""
-        starts, columns, values = rows.getValuesCSR()
-        if self.shared is None:
-            size = (rows.size[0], rows.size[1]), (rows.size[0], rows.size[1])
-            self.shared = PETSc.Mat().createAIJ(size, csr=(starts, columns, values), comm=self.comm)
-            self.parts = self.shared.createVecs()
-        else:
-            self.shared.setValuesCSR(starts, columns, values)
-            self.shared.assemble()
-        return self.shared
-
     def solve(self, right, solution, transposed=False):
         """solution <- A^-1 right, or A^-T right."""
-        solve = self.ksp.solveTranspose if transposed else self.ksp.solve
-        if self.comm.size == 1:
-            solve(right, solution)
-        else:
-            own, found = self.parts
-            own.array[:] = right.array[slice(*own.getOwnershipRange())]
-            solve(own, found)
-            solution.array[:] = parallel.collected(found.array_r, solution.size)
+        (self.ksp.solveTranspose if transposed else self.ksp.solve)(right, solution)
         if self.ksp.getConvergedReason() < 0:
             reason = self.ksp.getConvergedReason()
             raise ComputationError("linear solve failed", "MUMPS", f"reason {reason}", "check the mesh and resistances")
@@ -76,20 +52,16 @@ class DirectSolver:
             for right, solution in zip(rights, solutions):
                 self.solve(right, solution, transposed)
             return
-        size, matrix = rights[0].size, self.ksp.getOperators()[0]
-        own = slice(*matrix.getOwnershipRange())
-        given, found = (
-            PETSc.Mat().createDense(((own.stop - own.start, size), (None, len(rights))), comm=self.comm)
-            for _ in range(2)
-        )
+        shape = (rights[0].size, len(rights))
+        given, found = (PETSc.Mat().createDense(shape, comm=PETSc.COMM_SELF) for _ in range(2))
         for dense in (given, found):
             dense.setUp()
-        given.getDenseArray()[:] = np.stack([right.array_r[own] for right in rights], axis=1)
+        given.getDenseArray()[:] = np.stack([right.array_r for right in rights], axis=1)
         for dense in (given, found):
             dense.assemble()
         self.ksp.getPC().getFactorMatrix().matSolve(given, found)
         for solution, values in zip(solutions, found.getDenseArray().T):
-            solution.array[:] = parallel.collected(values, size)
+            solution.array[:] = values
         for dense in (given, found):
             dense.destroy()
         if not all(np.isfinite(solution.norm()) for solution in solutions):
@@ -98,10 +70,6 @@ class DirectSolver:
     def release(self):
         """Frees the factors; the next matrix is factorized as the first was."""
         self.ksp.reset()
-        if self.shared is not None:
-            for petsc_object in (self.shared, *self.parts):
-                petsc_object.destroy()
-            self.shared = None
 
     def destroy(self):
         self.release()

@@ -15,7 +15,7 @@ from dolfinx import fem
 from petsc4py import PETSc
 
 from common.errors import ComputationError
-from flow.discretisation import compat, flow_state, parallel
+from flow.discretisation import compat, flow_state
 from flow.solvers import fading, linear, predicted_start, ramp, secants
 from flow.discretisation import tangent
 from flow.physics import viscosity
@@ -37,11 +37,8 @@ class Outcome:
 class FlowProblem(flow_state.FlowState, sensitivity.Sensitivity):
     """The discrete equations of one lumen: state w (Function on space.W) and inflow.
 
-    spent: factorizations made on other meshes, of those that the settings allow. iterations: of each linear solve; None
-    where factorizations solve.
+    spent: factorizations made on other meshes, of those that the settings allow.
     """
-
-    iterations = None
 
     def __init__(self, space, boundaries, document, settings, jet_length, spent=0, log=None):
         self.spent, self.allowed = spent, settings.max_newton_iterations
@@ -60,7 +57,7 @@ class FlowProblem(flow_state.FlowState, sensitivity.Sensitivity):
         )
         self.free_velocity = np.isin(space.free, space.v_map)
         self.matrix = None  # discretisation.tangent.FreeMatrix
-        self.solver = linear.DirectSolver(parallel.world())
+        self.solver = linear.DirectSolver()
         self.full_residual = compat.petsc_vector(fem.Function(space.W)).copy()
         self.profile = compat.petsc_vector(boundaries.profile)
         self.columns_of_outlets = [self.free_part(flux) for flux in boundaries.flux]
@@ -127,8 +124,7 @@ class FlowProblem(flow_state.FlowState, sensitivity.Sensitivity):
         resistance = self.boundaries.resistance
         outlets = [column for column, r in zip(self.columns_of_outlets, resistance) if r > 0]
         column, row = self.free_vector(), self.free_vector()
-        column.array[:] = parallel.collected(forward[self.space.rows], len(self.space.free))
-        row.array[:] = backward[self.space.free]
+        column.array[:], row.array[:] = forward[self.space.free], backward[self.space.free]
         columns, rows = [column] + outlets, [row] + outlets
         corner = np.diag(np.concatenate([[profile @ forward], -1.0 / resistance[resistance > 0]]))
         if self.boundaries.inflow is not None:
@@ -166,22 +162,6 @@ class FlowProblem(flow_state.FlowState, sensitivity.Sensitivity):
         update = -x.array
         x.destroy()
         return update, -float(y[0])
-
-    def solved_for(self, values, inlet, transposed=False):
-        """(values over W, inflow) of the solution of the last tangent's equations, or of its transposed; the right
-        side's values over W, of which those of fixed dofs do not count, and inlet."""
-        bordered = self.bordered.transpose() if transposed else self.bordered
-        given = self.full_residual.duplicate()
-        given.array[:] = values
-        right = self.free_part(given)
-        x, y = bordered.solve(right, np.append(inlet, np.zeros(len(bordered.rows) - 1)))
-        found = np.zeros(len(values))
-        found[self.space.free] = x.array
-        for petsc_object in (given, right, x):
-            petsc_object.destroy()
-        if transposed:
-            bordered.destroy()
-        return found, float(y[0])
 
     def secants(self):
         """Empty solvers.secants.Secants of the free dofs and the inflow: velocities in m/s weigh as pressures over

@@ -6,7 +6,7 @@ from common.errors import ComputationError
 from flow.discretisation import mixing, spaces
 from flow.geometry import centreline, locate
 from flow.physics import ffr, outlets
-from flow.solvers import linear_choice, nonlinear
+from flow.solvers import nonlinear
 
 # of an answer: steady flow; steady flow with c > 0, of a modified model; mean over time
 CONVERGED, EDDY, UNSTEADY = STATUSES = ("converged", "converged with eddy viscosity", "unsteady")
@@ -48,8 +48,7 @@ def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0, m
     """Solved from a mesh file; the guess is that of `start` (Solved on another mesh), else of `predicted` (Predictor).
 
     spent: factorizations already made of those allowed. march: where there is no steady flow Solved has no outcome.
-    near: only a flow that Newton's method finds from `start` is wanted, and no large factorization where the iterative
-    solver finds none. Raises ComputationError.
+    near: only a flow that Newton's method finds from `start` is wanted. Raises ComputationError.
     """
     space = spaces.read(path)
     ffr.check_inside(document["probes"], tree, space)
@@ -57,16 +56,7 @@ def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0, m
     boundaries = outlets.Boundaries(space, document)
     outlets.check_places(space, document, predicted.tree, path)
     jet_length = mixing.mixing_length(space, tree, settings.jet_spread)
-    given = space, boundaries, document, settings, jet_length, spent
-    if linear_choice.iterates(space.dofs, start, settings):
-        try:
-            found = linear_choice.solve(given, start, path, near)
-        except ComputationError:
-            boundaries.destroy()
-            raise
-        if found:
-            return Solved(path, space, boundaries, *found)
-    problem = nonlinear.FlowProblem(*given)
+    problem = nonlinear.FlowProblem(space, boundaries, document, settings, jet_length, spent)
     print(f"{path}: {space.dofs} dofs", file=sys.stderr, flush=True)
     network = predicted.network
     order = [network.names.index(name) for name in boundaries.names]

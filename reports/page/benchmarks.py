@@ -39,16 +39,12 @@ TITLES = {
     ),
     "flow_tolerance": (
         "Blood flow: to a tolerance",
-        "A row is a narrowed tube solved until the error estimate is within the tolerance, on as many meshes as that "
-        "takes; errors of FFR are against an axisymmetric solution.",
+        "A row is a narrowed tube; the fine mesh is solved on where the coarse one's error estimate is above the "
+        "tolerance; errors of FFR are against an axisymmetric solution.",
     ),
     "flow_wall_shear": (
         "Blood flow: wall shear stress by boundary layers",
         "A row is a mesh of the same narrowed tube; errors in the lesion are in percent of the stress's peak.",
-    ),
-    "flow_ranks": (
-        "Blood flow: one processor against two",
-        "Seconds by section are those of the busiest; a ratio is one processor's over two.",
     ),
     "anatomy_speed": (
         "Anatomy: seconds against input size",

@@ -63,7 +63,6 @@ rule flow_solve:
         "results/cases/{case}/logs/{state}/flow_solve.log",
     benchmark:
         "results/cases/{case}/benchmarks/{state}/flow_solve.tsv"
-    threads: INPUTS.value("flow", "ranks")
     params:
         out=output_folder,
     shell:

@@ -60,24 +60,14 @@ class _Problem(types.SimpleNamespace):
 def search(monkeypatch, capfd):
     """search({mesh: (ffr, c, steady?, estimate)}, {mesh: (ffr, difference) or None}, whole) -> Solved, Search, tried.
 
-    The second says where marches settle; tried: [(mesh, "steady" or "march")] in order. Meshes beyond PATHS are made
-    (None: not good enough) and are solved iteratively.
+    The second says where marches settle; tried: [(mesh, "steady" or "march")] in order.
     """
 
     def run(meshes, marches, whole=False, **values):
-        tried, starts, compared = [], [], []
-        more = iter([path for path in meshes if path not in PATHS])
-
-        def make(dofs, estimate, most_dofs):
-            path = next(more, None)
-            if path and meshes[path] is None:
-                raise ComputationError("volume mesh is not good enough", path, 0, "none")
-            return path
+        tried = []
 
         def solve_mesh(path, document, chosen, tree, predicted, start, spent, march, near):
             tried.append((path, "near" if near else "steady"))
-            if path not in PATHS:
-                starts.append(start.path)
             ffr, mixing, steady, estimate = meshes[path]
             if not steady and not march:
                 error = ComputationError("stalled", path, 0, "none")
@@ -98,15 +88,10 @@ def search(monkeypatch, capfd):
         monkeypatch.setattr(adaptive, "solve_mesh", solve_mesh)
         monkeypatch.setattr(adaptive.unsteady, "march", march)
 
-        def estimate(solved, document, tree, at_probes, coarser=None):
-            compared.append(coarser and coarser.path)
-            return solved.found
-
-        monkeypatch.setattr(adaptive.error_estimate, "of", estimate)
+        monkeypatch.setattr(adaptive.error_estimate, "of", lambda solved, *others: solved.found)
         monkeypatch.setattr(adaptive.Search, "at_probes", lambda self, sampler: [float(sampler.x.array[0])])
         found = adaptive.Search(None, settings.make(**values), None, types.SimpleNamespace(whole=whole))
-        found.starts, found.compared = starts, compared
-        return found.run(PATHS, types.SimpleNamespace(make=make, report="report")), found, tried
+        return found.run(PATHS), found, tried
 
     return run
 
@@ -161,7 +146,8 @@ def test_where_the_fine_mesh_does_not_settle_the_coarse_one_is_marched(search, c
     assert solved.path == "coarse.msh" and solved.status == "unsteady"
     assert solved.estimate["ffr"] == pytest.approx(0.006)
     assert "the mesh before answers" in capfd.readouterr().err
-    assert [mesh["mesh"] for mesh in found.meshes] == ["coarse.msh", "fine.msh", "coarse.msh"]
+    assert [mesh["mesh"] for mesh in found.meshes] == PATHS  # each once
+    assert found.meshes[0]["ffr"] == 0.79
 
 
 def test_a_fine_mesh_without_a_steady_flow_is_marched_with_the_coarse_ones_estimate(search):
@@ -183,7 +169,7 @@ def test_two_means_estimate_the_error_of_the_finer_by_their_difference(search, c
     assert [sampler.x.array[0] for sampler, _ in means] == pytest.approx([0.77, 0.782])
     assert share == pytest.approx(1 / 3)
     assert basis.field is None and not basis.jet and basis.mean == pytest.approx(0.003)
-    assert [mesh["mesh"] for mesh in found.meshes] == [*PATHS, "coarse.msh"]
+    assert [mesh["mesh"] for mesh in found.meshes] == PATHS
     assert found.meshes[1]["error_estimate"] == solved.estimate["ffr"]
     assert "by both means over time, error 0.0070" in capfd.readouterr().err
 
@@ -195,43 +181,6 @@ def test_the_mesh_with_the_smaller_error_answers(search, capfd):
     solved, _, _ = search(meshes, {})
     assert solved.path == "fine.msh" and solved.status == "converged with eddy viscosity"
     assert solved.problem.mixing == 0.27
-
-
-def _steady(**estimates):
-    return {f"{path}.msh": (0.8, 0.0, True, {"ffr": error, "goal": error}) for path, error in estimates.items()}
-
-
-def test_finer_meshes_are_made_until_one_is_within_the_tolerance(search):
-    """Each starts from the flow of the finest factorized mesh and is compared with the mesh before."""
-    flows = _steady(coarse=0.02, fine=0.01, finer=0.007, finest=0.004, never=0.001)
-    solved, found, tried = search(flows, {})
-    assert solved.path == "finest.msh" and found.starts == ["fine.msh", "fine.msh"]
-    assert found.compared == [None, "coarse.msh", "fine.msh", "finer.msh"]
-    assert tried[2:] == [("finer.msh", "near"), ("finest.msh", "near")]
-    assert [mesh.get("report") for mesh in found.meshes] == [None, None, "report", "report"]
-
-
-def test_no_finer_mesh_where_it_is_not_asked_for_or_would_not_help(search):
-    within = search(_steady(coarse=0.02, fine=0.004, finer=0.001), {})
-    always = search(_steady(coarse=0.02, fine=0.01, finer=0.001), {}, ffr_tolerance=0)
-    fine = {"coarse.msh": (0.8, 0.27, True, ROUGH), "fine.msh": (0.8, 0.27, True, ROUGH)}
-    eddy = search(fine | _steady(finer=0.001), {})
-    not_near = search(_steady(coarse=0.02, fine=0.01, finer=0.001) | {"fine.msh": (0.8, 0, False, None)}, {})
-    assert [solved.path for solved, *_ in (within, always, eddy, not_near)] == ["fine.msh"] * 3 + ["coarse.msh"]
-    assert all("finer.msh" not in dict(tried) for *_, tried in (within, always, eddy, not_near))
-
-
-@pytest.mark.parametrize("finer", [None, (0.8, 0.0, False, None)])
-def test_the_fine_mesh_answers_where_a_finer_one_gives_no_flow(search, finer, capfd):
-    """A mesh that is not good enough, one without a flow near."""
-    solved, found, _ = search(_steady(coarse=0.02, fine=0.0055) | {"finer.msh": finer}, {})
-    assert solved.path == "fine.msh" and solved.estimate["ffr"] == 0.0055 and found.meshes[2]["status"] == "no flow"
-    assert "the mesh before answers" in capfd.readouterr().err
-
-
-def test_a_finer_mesh_that_contradicts_the_one_before_answers_with_its_larger_error(search):
-    solved, _, tried = search(_steady(coarse=0.02, fine=0.0055, finer=0.006, never=0.001), {})
-    assert solved.path == "finer.msh" and solved.estimate["ffr"] == 0.006 and tried[-1] == ("finer.msh", "near")
 
 
 def test_without_any_flow_the_solve_is_refused(search):

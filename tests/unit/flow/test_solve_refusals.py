@@ -269,7 +269,7 @@ def test_factorization_failure_is_a_computation_error():
     from petsc4py import PETSc
     from flow.solvers import linear
 
-    solver = linear.DirectSolver(PETSc.COMM_SELF)
+    solver = linear.DirectSolver()
     matrix = PETSc.Mat().createAIJ((2, 2), nnz=2, comm=PETSc.COMM_SELF)
     matrix.setValues([0, 1], [0, 1], [[np.nan, 1.0], [1.0, np.nan]])
     matrix.assemble()

@@ -1,10 +1,9 @@
 """Cost and error of the flow solver by mesh: python3 tests/verification/flow/growth.py --out DIR RINGS:COARSE ...
 
 The tube with a lesion of 62 % on meshes of RINGS rings with sections in proportion, each solved from the flow on one of
-COARSE rings, iteratively and, up to --direct-rings, by factorization. Writes DIR/growth.csv: rings, coarse_rings,
-cells, dofs, solver, ffr, its error against axisymmetric.py, linearisations, most linear iterations of one correction,
-CPU seconds of the fine mesh and of the whole process, peak memory; and DIR/exponents.csv: exponents of cells fitted to
-the whole processes' CPU seconds and to memory, by solver. Rows that are not run again stay.
+COARSE rings. Writes DIR/growth.csv: rings, coarse_rings, cells, dofs, ffr, its error against axisymmetric.py,
+linearisations, CPU seconds of the fine mesh and of the whole process, peak memory; and DIR/exponents.csv: exponents of
+cells fitted to CPU seconds and to memory. Rows that are not run again stay.
 """
 
 import argparse
@@ -23,8 +22,8 @@ from flow import settings  # noqa: E402
 
 CASE, DEFAULT = "single_62", settings.make()
 SPACING = {"throat": DEFAULT.stations_throat, "plain": DEFAULT.stations_plain}  # of the default's rings
-COLUMNS = ("rings", "coarse_rings", "cells", "dofs", "solver", "ffr", "error", "linearisations", "iterations")
-COLUMNS += ("fine_cpu_s", "cpu_s", "mib")
+COLUMNS = ("rings", "coarse_rings", "cells", "dofs", "ffr", "error", "linearisations", "fine_cpu_s", "cpu_s")
+COLUMNS += ("mib",)
 
 
 def command(folder, *arguments):
@@ -44,11 +43,11 @@ def mesh(folder, rings, coarse):
     command(folder, "mesh", "lumen.vtp", "--centreline", "centreline.vtp", *names, *sizes)
 
 
-def solve(folder, rings, coarse, solver, reference):
+def solve(folder, rings, coarse, reference):
     """Row of the table; reference: FFR."""
     names = [f"r{rings}.msh", "--coarse", f"r{rings}_coarse.msh", "--boundary", "boundary.json"]
-    out = f"r{rings}_{solver}"
-    chosen = ["--ffr-tolerance", 0, "--linear-solver", solver, "--march-steps", 0]
+    out = f"r{rings}"
+    chosen = ["--ffr-tolerance", 0, "--march-steps", 0]
     command(folder, "solve", *names, "--centreline", "centreline.vtp", "--out", out, *chosen)
     answer = json.loads((folder / out / "ffr.json").read_text())
     fine = answer["meshes"][-1]
@@ -57,11 +56,9 @@ def solve(folder, rings, coarse, solver, reference):
         "coarse_rings": coarse,
         "cells": answer["cells"],
         "dofs": answer["dofs"],
-        "solver": solver,
         "ffr": f"{answer['ffr']:.7f}",
         "error": f"{answer['ffr'] - reference:.5f}",
         "linearisations": fine["factorizations"],
-        "iterations": max(fine["linear_iterations"] or [0]) or "",
         "fine_cpu_s": f"{fine['cpu_seconds']:.0f}",
         "cpu_s": f"{answer['cpu_seconds']:.0f}",
         "mib": f"{answer['peak_memory_mib']:.0f}",
@@ -69,13 +66,11 @@ def solve(folder, rings, coarse, solver, reference):
 
 
 def exponents(rows):
-    """[{solver, of, exponent}] of cells in each column, where a solver has three meshes or more."""
+    """[{of, exponent}] of cells in each column, where there are three meshes or more."""
     found = []
-    for solver in sorted({row["solver"] for row in rows}):
-        mine = [row for row in rows if row["solver"] == solver]
-        for column in ("fine_cpu_s", "cpu_s", "mib") if len(mine) > 2 else ():
-            cells, values = (np.log([float(row[name]) for row in mine]) for name in ("cells", column))
-            found.append({"solver": solver, "of": column, "exponent": f"{np.polyfit(cells, values, 1)[0]:.2f}"})
+    for column in ("fine_cpu_s", "cpu_s", "mib") if len(rows) > 2 else ():
+        cells, values = (np.log([float(row[name]) for row in rows]) for name in ("cells", column))
+        found.append({"of": column, "exponent": f"{np.polyfit(cells, values, 1)[0]:.2f}"})
     return found
 
 
@@ -91,26 +86,24 @@ def main():
     """Runs the meshes asked for and updates both tables after each solve."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("meshes", nargs="+", metavar="RINGS:COARSE")
-    parser.add_argument("--direct-rings", type=int, default=6, help="most rings solved by factorization too")
     parser.add_argument("--out", required=True, type=pathlib.Path)
     arguments = parser.parse_args()
     arguments.out.mkdir(parents=True, exist_ok=True)
     table, rows = arguments.out / "growth.csv", {}
     if table.is_file():
         with open(table, newline="") as file:
-            rows = {(int(row["rings"]), row["solver"]): row for row in csv.DictReader(file)}
+            rows = {int(row["rings"]): row for row in csv.DictReader(file)}
     folder = arguments.out / CASE
     hard_cases.write(CASE, folder)
     reference = hard_cases.STRAIGHT[CASE].reference(hard_cases.FLOW)
     for given in arguments.meshes:
         rings, coarse = map(int, given.split(":"))
         mesh(folder, rings, coarse)
-        for solver in ("iterative", "direct") if rings <= arguments.direct_rings else ("iterative",):
-            rows[rings, solver] = solve(folder, rings, coarse, solver, reference)
-            print(rows[rings, solver], flush=True)
-            ordered = [rows[key] for key in sorted(rows)]
-            write(table, COLUMNS, ordered)
-            write(arguments.out / "exponents.csv", ("solver", "of", "exponent"), exponents(ordered))
+        rows[rings] = solve(folder, rings, coarse, reference)
+        print(rows[rings], flush=True)
+        ordered = [rows[key] for key in sorted(rows)]
+        write(table, COLUMNS, ordered)
+        write(arguments.out / "exponents.csv", ("of", "exponent"), exponents(ordered))
 
 
 if __name__ == "__main__":

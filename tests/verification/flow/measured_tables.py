@@ -21,7 +21,6 @@ TABLES = {
     "flow_against_openfoam": (
         "benchmark.csv",
         {
-            "solver": "solver",
             "resolution": "mesh",
             "cells": "cells",
             "volume_mm3": "volume, mm3",
@@ -81,28 +80,6 @@ TABLES = {
             "cpu_s": "CPU s",
         },
     ),
-    "flow_ranks": (
-        "ranks.csv",
-        {
-            "case": "case",
-            "dofs": "dofs",
-            "ranks": "ranks",
-            "ffr": "FFR",
-            "factorizations": "factorizations",
-            "start": "import",
-            "mesh": "mesh",
-            "reduced models": "reduced models",
-            "assembly": "assembly",
-            "residuals": "residuals",
-            "factorization": "factorization",
-            "solves": "solves",
-            "estimate": "error estimate",
-            "rest": "rest",
-            "cpu_s": "busiest rank, CPU s",
-            "cpu_ratio": "times faster",
-            "wall_s": "wall, s",
-        },
-    ),
     "flow_growth": (
         "growth.csv",
         {
@@ -110,11 +87,9 @@ TABLES = {
             "coarse_rings": "coarse",
             "cells": "cells",
             "dofs": "dofs",
-            "solver": "solver",
             "ffr": "FFR",
             "error": "error",
             "linearisations": "linearisations",
-            "iterations": "most iterations",
             "fine_cpu_s": "fine mesh, CPU s",
             "cpu_s": "both, CPU s",
             "mib": "MiB",

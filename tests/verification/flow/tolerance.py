@@ -1,9 +1,9 @@
 """FFR to a tolerance, its cost and error: python3 tests/verification/flow/tolerance.py --out DIR CASE:TOLERANCE ...
 
-A straight tube of hard_cases.py solved to an `ffr_tolerance` on the default's meshes and, where these miss it, on finer
-ones made as the estimate asks (`--lumen`). Writes DIR/tolerance.csv: case, tolerance, rings of the meshes solved on,
-dofs of the one that answers, ffr, its error against axisymmetric.py, estimate, whether it is within the tolerance, CPU
-seconds of `flow mesh` and of `flow solve`, peak memory. Fails where an answer said to be within its tolerance is not.
+A straight tube of hard_cases.py solved to an `ffr_tolerance` on the default's meshes. Writes DIR/tolerance.csv: case,
+tolerance, rings of the meshes solved on, dofs of the one that answers, ffr, its error against axisymmetric.py,
+estimate, whether it is within the tolerance, CPU seconds of `flow mesh` and of `flow solve`, peak memory. Fails where
+an answer said to be within its tolerance is not.
 """
 
 import argparse
@@ -26,11 +26,6 @@ def children_seconds():
     return spent.ru_utime + spent.ru_stime
 
 
-def made(mesh):
-    """Rings of a mesh that a solve made, of an entry of `meshes` in ffr.json."""
-    return str(mesh["report"]["rings"]) if "report" in mesh else mesh["status"]
-
-
 def row(case, tolerance, folder):
     """Row of the table; the case is written, meshed and solved in `folder`."""
     hard_cases.write(case, folder)
@@ -38,7 +33,7 @@ def row(case, tolerance, folder):
     begin = children_seconds()
     growth.command(folder, "mesh", "lumen.vtp", *line, "--out", *meshes)
     meshed = children_seconds() - begin
-    solve = ["solve", *meshes, "--lumen", "lumen.vtp", *line, "--boundary", "boundary.json"]
+    solve = ["solve", *meshes, *line, "--boundary", "boundary.json"]
     growth.command(folder, *solve, "--out", tolerance, "--ffr-tolerance", tolerance)
     answer = json.loads((folder / tolerance / "ffr.json").read_text())
     report = json.loads((folder / "mesh.json").read_text())
@@ -50,7 +45,7 @@ def row(case, tolerance, folder):
     return {
         "case": case,
         "tolerance": tolerance,
-        "rings": " ".join(rings.get(one["mesh"]) or made(one) for one in answer["meshes"]),
+        "rings": " ".join(rings[one["mesh"]] for one in answer["meshes"]),
         "dofs": answer["dofs"],
         "ffr": f"{answer['ffr']:.5f}",
         "error": f"{error:+.4f}",

@@ -119,19 +119,6 @@ def _speed_per_width(u, mesh):
     return ufl.sqrt(ufl.inner(u, u) + forms.SLOWEST**2) / width
 
 
-def test_the_smoothers_block_has_the_inertia_of_a_local_time_step(problem):
-    V, cfl, dx = problem.space.V, 20.0, ufl.dx(metadata={"quadrature_degree": 5})
-    du, v, (u, _) = ufl.TrialFunction(V), ufl.TestFunction(V), ufl.split(problem.state)
-    wanted = DENSITY / cfl * _speed_per_width(u, problem.space.mesh) * ufl.inner(du, v) * dx
-    found = []
-    for compiled in (problem.forms.tangent_with_inertia(cfl), problem.forms.tangent_of_all, compat.form(wanted)):
-        matrix = fem_petsc.assemble_matrix(compiled)
-        matrix.assemble()
-        found.append(_csr(matrix))
-        matrix.destroy()
-    assert _apart(found[0] - found[1], found[2]) < 1e-9
-
-
 def test_inertia_adds_its_mass_to_residual_and_matrix(problem):
     built, inertia = tangent.FreeMatrix(problem.space, problem.forms), marching.Inertia(problem)
     inertia.weight, state = 300.0, problem.state_vector()

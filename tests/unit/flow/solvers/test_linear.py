@@ -16,7 +16,7 @@ def _solver(values):
     everything = np.arange(len(values), dtype=np.int32)
     matrix.setValues(everything, everything, values)
     matrix.assemble()
-    solver = linear.DirectSolver(PETSc.COMM_SELF)
+    solver = linear.DirectSolver()
     solver.set_matrix(matrix)
     return solver, matrix
 

@@ -1,0 +1,33 @@
+"""A mesh and the surface that it was made from."""
+
+import json
+
+import pytest
+
+import tubes
+from common.errors import InputError
+from flow.geometry import centreline, surface
+from flow.meshing import mesh, provenance
+
+LENGTH, RADIUS = 6.0, 1.2
+
+
+def test_another_surface_centreline_or_report_is_refused(tmp_path):
+    """A vessel moved aside; its line moved; a report that does not say what it is of."""
+    line = tubes.line(LENGTH, lambda s: RADIUS)
+    own, other = (tubes.tube(LENGTH, lambda s: RADIUS, 0.4) for _ in range(2))
+    other.points[:, 1] += 1e-3
+    for name, lumen in (("own", own), ("other", other)):
+        tubes.write_case(tmp_path / name, lumen, [line])
+    tree, report = centreline.read(tmp_path / "own" / "centreline.vtp"), tmp_path / "mesh.json"
+    made_from = mesh.fingerprint(surface.read(tmp_path / "own" / "lumen.vtp"), tree)
+    report.write_text(json.dumps({"made_from_sha256": made_from}))
+    provenance.check(tmp_path / "own" / "lumen.vtp", tree, report)
+    with pytest.raises(InputError, match="another surface"):
+        provenance.check(tmp_path / "other" / "lumen.vtp", tree, report)
+    tree.main.points[:, 2] += 1e-3
+    with pytest.raises(InputError, match="or centreline"):
+        provenance.check(tmp_path / "own" / "lumen.vtp", tree, report)
+    report.write_text("{}")
+    with pytest.raises(InputError, match="what its mesh was made from"):
+        provenance.check(tmp_path / "own" / "lumen.vtp", tree, report)
