@@ -9,7 +9,7 @@ import numpy as np
 
 from common.errors import ComputationError
 from flow import adaptive, output
-from flow.errors import error_estimate, place_errors
+from flow.errors import error_estimate, pointwise
 from flow.physics import energy, ffr, outlets
 from flow.discretisation import spaces
 from flow.physics import viscosity, wall_shear
@@ -43,7 +43,7 @@ def run(mesh, coarse, case, folder):
         for k, probe in enumerate(probes):
             probe["error_estimate"] = estimate["probes"][k] if estimate else None
         answer["error_estimate"] = error_estimate.document(estimate)
-        place_errors.write(solved, case, answer, table)
+        pointwise.write(solved, case, answer, table)
         answer["ffr_tolerance"] = settings.ffr_tolerance
         answer["tolerance_met"] = adaptive.within(estimate, settings)
         answer["mesh"], answer["meshes"] = pathlib.Path(solved.path).name, search.meshes
@@ -52,7 +52,7 @@ def run(mesh, coarse, case, folder):
         solved = reduced_answer.Reduced(predicted, paths[0])
         reference = ffr.reference_pa(document, tree, solved.sampler)
         answer, table = reduced_answer.collect(settings.model, predicted, solved, case, reference)
-        place_errors.unknown(answer, table)
+        pointwise.unknown(answer, table)
         warnings = reduced_answer.unknown_error(settings.model)
     answer["models"] = models
     answer["warnings"] = case.warnings + document.get("warnings", []) + compared(models)

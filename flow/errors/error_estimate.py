@@ -19,7 +19,7 @@ HIDDEN = ("probes", "probes_mesh", "basis")  # of an estimate, not written with 
 
 @dataclasses.dataclass
 class Basis:
-    """What an estimate was made of: with it errors.place_errors makes it at other places.
+    """What an estimate was made of: with it errors.pointwise makes it at other places.
 
     field: errors.error_field.Field of the steady flow, or None; pair: ((sampler, outflows) of the finer and of the
     coarser mesh, share of their difference), or None; jet: whether what is left of c counts; mean: as of `of_mean`.

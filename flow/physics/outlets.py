@@ -36,7 +36,7 @@ def check_places(space, document, tree, where):
 class Boundaries:
     """Inlet at MAP or of given flow, and outlets with resistances or of given pressure, on a LumenSpace; SI units.
 
-    profile: Function, unit inflow; flux: [vector of outlet i]; P_i = behind[i] + resistance[i] Q_i; inflow: None at
+    profile: Function, unit inflow; flux: [vector of outlet i]; P_i = downstream[i] + resistance[i] Q_i; inflow: None at
     MAP.
     """
 
@@ -52,7 +52,7 @@ class Boundaries:
         self.full_resistance = np.array([outlets[tag]["resistance_pa_s_per_m3"] for tag in space.outlets])
         self.map_pa = document["map_pa"]
         venous = document["venous_pressure_pa"]
-        self.full_behind = np.array([outlets[tag].get("pressure_pa", venous) for tag in space.outlets])
+        self.full_downstream = np.array([outlets[tag].get("pressure_pa", venous) for tag in space.outlets])
         self.full_inflow = document.get("inlet_flow_m3_per_s")
         self.profile = space.inlet_profile()
         self.flux = [space.flux_vector(tag) for tag in space.outlets]
@@ -61,7 +61,7 @@ class Boundaries:
 
     def full(self):
         """Sets the conditions asked for."""
-        self.resistance, self.behind = self.full_resistance.copy(), self.full_behind.copy()
+        self.resistance, self.downstream = self.full_resistance.copy(), self.full_downstream.copy()
         self.inflow = self.full_inflow
 
     def lower(self, fraction, resistances_at):
@@ -73,14 +73,14 @@ class Boundaries:
             self.resistance = resistances_at(fraction)
         else:
             self.resistance /= fraction
-            self.behind = self.map_pa - fraction * (self.map_pa - self.behind)
+            self.downstream = self.map_pa - fraction * (self.map_pa - self.downstream)
 
     def load(self, columns):
         """Norm in N of the pressure load at rest: MAP on the inlet, P_v, or what is given, on the outlets.
 
         columns: [flux of outlet i in the free dofs].
         """
-        parts = [column.norm() * pressure for column, pressure in zip(columns, self.behind)]
+        parts = [column.norm() * pressure for column, pressure in zip(columns, self.downstream)]
         return float(np.linalg.norm(parts + [self.map_pa * self.inlet_area]))
 
     def outflows(self, vector):
@@ -89,7 +89,7 @@ class Boundaries:
 
     def pressures(self, outflows):
         """P_i (n,) at outflows (n,)."""
-        return self.behind + self.resistance * outflows
+        return self.downstream + self.resistance * outflows
 
     def destroy(self):
         for vector in self.flux:

@@ -20,7 +20,7 @@ from petsc4py import PETSc
 from common.errors import ComputationError
 from flow.discretisation import compat
 from flow.physics import viscosity as viscosities
-from flow.discretisation.forms import SMALLEST_RATE
+from flow.physics.navier_stokes import SMALLEST_RATE
 
 ACROSS = 10  # cells along a radius
 INLET, OUTLET = 1, 2

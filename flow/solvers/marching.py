@@ -63,7 +63,7 @@ class Stepper:
         self.values = [problem.state.x.array.copy()]  # last, one before, ...
         self.inflows = [problem.inflow]
         self.lengths = []
-        self.factorized_weight, self.secants = None, problem.secants()
+        self.factorized_weight, self.acceleration = None, problem.acceleration()
 
     def step(self, dt):
         """Goes on by dt (s); returns the size of the step's error in m/s (root mean square), None for the first two.
@@ -115,10 +115,10 @@ class Stepper:
         return formula / (formula + parabola) * float(np.sqrt(3 * np.mean(velocity**2)))
 
     def _solve(self):
-        """Newton's method with the last factorization and secants while they serve. Raises ComputationError."""
+        """Newton's method with the last factorization, accelerated, while it serves. Raises ComputationError."""
         problem, renewals, slow, good = self.problem, 0, 0, RELATIVE * self.problem.load
         free, inlet, norm = problem.residual()
-        self.secants.pause()
+        self.acceleration.pause()
         for count in range(MOST_CORRECTIONS):
             if norm <= good:
                 free.destroy()
@@ -134,7 +134,9 @@ class Stepper:
             update, inflow_update = problem.correction(free, inlet)
             free.destroy()
             base, base_inflow = problem.state.x.array.copy(), problem.inflow
-            step = self.secants.step(np.append(base[problem.space.free], base_inflow), np.append(update, inflow_update))
+            step = self.acceleration.step(
+                np.append(base[problem.space.free], base_inflow), np.append(update, inflow_update)
+            )
             problem.move(base, base_inflow, step[:-1], step[-1], 1.0)
             free, inlet, norm = problem.residual()
             if not np.isfinite(norm):
@@ -153,7 +155,7 @@ class Stepper:
     def _renew(self):
         """Factorizes the tangent at the present state."""
         self.problem.linearise(self.problem.forms.tangent)
-        self.factorized_weight, self.secants = self.inertia.weight, self.problem.secants()
+        self.factorized_weight, self.acceleration = self.inertia.weight, self.problem.acceleration()
 
     def pause(self):
         """Makes the problem steady again."""

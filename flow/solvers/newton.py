@@ -6,8 +6,8 @@ the way to a jet's steady flow; the corrections, in m/s at the nodes, need not. 
 from a creeping flow whose tangent knows no jet, that is good enough. The factor of the next step is that at which the
 two corrections would differ by as much as they did.
 
-Where a whole step leaves a much smaller correction the flow is near, and steps with the same factorization and the
-secants of the last ones (solvers.secants) go on while the corrections shrink: each costs a residual and a solve.
+Where a whole step leaves a much smaller correction the flow is near, and steps with the same factorization and
+Anderson acceleration (solvers.anderson) go on while the corrections shrink: each costs a residual and a solve.
 """
 
 import dataclasses
@@ -19,8 +19,8 @@ LEAST_FACTOR = 0.08  # of Newton's update: below it the state is too far from th
 NEAR = 0.3  # the correction after a whole step over that before, below which the factorization is used again
 NEARER = 0.1  # the same, below which it serves the dual solution (errors.goal_error) too
 SHRINKS = 0.5  # a correction above this share of the one before asks for a new factorization
-MOST_SECANTS = 10  # steps with one factorization
-MARGIN = 0.03  # of the limits: down to it secants go on, as one of Newton's steps would end far below them
+MOST_ACCELERATED = 10  # steps with one factorization
+MARGIN = 0.03  # of the limits: down to it accelerated steps go on, as one of Newton's steps would end far below them
 
 
 @dataclasses.dataclass
@@ -38,7 +38,7 @@ def newton(problem, absolute, relative, limit, most_picard=0, exact=False):
     """Outcome from the present state down to residuals `absolute` (N) and `relative` (to the load).
 
     Ends after `limit` factorizations or the last one allowed, and where no factor helps: there up to `most_picard`
-    steps of Picard's are tried. exact: each step by its own tangent, without secants.
+    steps of Picard's are tried. exact: each step by its own tangent, without acceleration.
     """
     free, inlet, norm = problem.residual()
     start, last = problem.solver.factorizations, None
@@ -89,17 +89,17 @@ def picard(problem, free, inlet, rate, name):
 
 
 def _go_on(problem, reached, moved, last, limits):
-    """`problem.residual()` after steps with the last factorization and secants; frees that of `reached`.
+    """`problem.residual()` after accelerated steps with the last factorization; frees that of `reached`.
 
     reached: `problem.residual()` after the Step `last`; moved: state and update before it; limits: of the residual.
     Where a step does not serve the state is that before it.
     """
-    secants = problem.secants()
-    secants.step(*moved)
+    acceleration = problem.acceleration()
+    acceleration.step(*moved)
     correction, size = (last.correction, last.inflow_correction), last.after
-    for count in range(MOST_SECANTS):
+    for count in range(MOST_ACCELERATED):
         base, base_inflow, before = problem.state.x.array.copy(), problem.inflow, reached[2]
-        step = secants.step(np.append(base[problem.space.free], base_inflow), np.append(*correction))
+        step = acceleration.step(np.append(base[problem.space.free], base_inflow), np.append(*correction))
         problem.move(base, base_inflow, step[:-1], step[-1], 1.0)
         reached[0].destroy()
         reached = problem.residual()
@@ -110,7 +110,7 @@ def _go_on(problem, reached, moved, last, limits):
             problem.move(base, base_inflow, 0.0, 0.0, 0.0)
             reached[0].destroy()
             return problem.residual()
-        problem.report(reached[2], "secants")
+        problem.report(reached[2], "accelerated")
         if problem.small(reached[2], *limits) or now > SHRINKS * size:
             break
         size = now

@@ -16,7 +16,7 @@ from petsc4py import PETSc
 
 from common.errors import ComputationError
 from flow.discretisation import compat, flow_state
-from flow.solvers import fading, linear, predicted_start, ramp, secants
+from flow.solvers import fading, linear, predicted_start, ramp, anderson
 from flow.discretisation import tangent
 from flow.physics import viscosity
 from flow.solvers import sensitivity
@@ -163,11 +163,11 @@ class FlowProblem(flow_state.FlowState, sensitivity.Sensitivity):
         x.destroy()
         return update, -float(y[0])
 
-    def secants(self):
-        """Empty solvers.secants.Secants of the free dofs and the inflow: velocities in m/s weigh as pressures over
-        rho."""
+    def acceleration(self):
+        """Empty solvers.anderson.Acceleration of the free dofs and the inflow: velocities in m/s weigh as pressures
+        over rho."""
         weights = np.where(self.free_velocity, 1.0, 1.0 / self.forms.density)
-        return secants.Secants(np.append(weights, 0.0))
+        return anderson.Acceleration(np.append(weights, 0.0))
 
     def small(self, norm, absolute, relative):
         """Whether the residual meets both limits; the relative one is to the pressure load."""

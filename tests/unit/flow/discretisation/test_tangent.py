@@ -14,7 +14,7 @@ import tubes
 from flow import settings
 from flow.discretisation import compat, forms, mixing, spaces, tangent
 from flow.geometry import centreline
-from flow.physics import outlets, viscosity
+from flow.physics import navier_stokes, outlets, viscosity
 from flow.solvers import marching, nonlinear
 
 DENSITY = 1060.0
@@ -99,7 +99,7 @@ def test_picards_matrix_convects_by_the_state_alone(problem, mixing):
     wanted = DENSITY * ufl.inner(carried + rate * speed_per_width * du, v) * dx
     wanted += 0.004 * ufl.inner(ufl.grad(du), ufl.grad(v)) * dx + given.grad_div_pa_s * ufl.div(du) * ufl.div(v) * dx
     wanted -= (dp * ufl.div(v) + q * ufl.div(du)) * dx
-    shear = ufl.sqrt(2 * ufl.inner(ufl.sym(ufl.grad(u)), ufl.sym(ufl.grad(u))) + forms.SMALLEST_RATE**2)
+    shear = ufl.sqrt(2 * ufl.inner(ufl.sym(ufl.grad(u)), ufl.sym(ufl.grad(u))) + navier_stokes.SMALLEST_RATE**2)
     coarser = ufl.dx(metadata={"quadrature_degree": 3})
     c = fem.Constant(mesh, PETSc.ScalarType(mixing))
     wanted += DENSITY * (c * problem.jet_length) ** 2 * shear * ufl.inner(ufl.grad(du), ufl.grad(v)) * coarser
@@ -116,7 +116,7 @@ def test_picards_matrix_convects_by_the_state_alone(problem, mixing):
 def _speed_per_width(u, mesh):
     """|u| / h, h being about half an edge of a cell."""
     width = (6 / 8 * abs(ufl.JacobianDeterminant(mesh)) ** (2 / 3)) ** 0.5
-    return ufl.sqrt(ufl.inner(u, u) + forms.SLOWEST**2) / width
+    return ufl.sqrt(ufl.inner(u, u) + navier_stokes.SLOWEST**2) / width
 
 
 def test_inertia_adds_its_mass_to_residual_and_matrix(problem):

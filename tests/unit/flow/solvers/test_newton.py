@@ -8,7 +8,7 @@ import pytest
 
 from common.errors import ComputationError
 from flow import settings
-from flow.solvers import fading, newton, secants
+from flow.solvers import fading, newton, anderson
 
 
 class _Vector:
@@ -31,8 +31,8 @@ class _Equations:
         self.space = types.SimpleNamespace(free=slice(None))
         self.allowed, self.said = 100, []
 
-    def secants(self):
-        return secants.Secants(np.append(np.ones(len(self.state.x.array)), 0.0))
+    def acceleration(self):
+        return anderson.Acceleration(np.append(np.ones(len(self.state.x.array)), 0.0))
 
     def outdate(self):
         self.said.append("outdated")
@@ -95,12 +95,12 @@ def test_near_the_solution_one_factorization_serves_several_steps():
         return problem, newton.newton(problem, 1e-12, 1.0, 12, exact=exact)
 
     (problem, found), (other, reached) = solve(False), solve(True)
-    assert found.converged and problem.said.count("secants") >= 2
-    assert "secants" not in other.said and found.iterations < reached.iterations
+    assert found.converged and problem.said.count("accelerated") >= 2
+    assert "accelerated" not in other.said and found.iterations < reached.iterations
     assert problem.state.x.array == pytest.approx(other.state.x.array, abs=1e-11)
 
 
-def test_a_secant_step_that_makes_it_worse_is_taken_back():
+def test_an_accelerated_step_that_makes_it_worse_is_taken_back():
     problem = _Equations(lambda x: np.where(x > 0.5, x, 1e3), lambda x: np.eye(1), [0.4])
     problem.linearise(None)
     problem.state.x.array = np.array([1.0])

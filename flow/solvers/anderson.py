@@ -1,4 +1,4 @@
-"""Quasi-Newton steps with an old factorization: what the last steps showed of the tangent is learnt from differences.
+"""Anderson acceleration of steps with an old factorization: what the last steps showed of the tangent is learnt.
 
 Anderson 1965, J ACM 12:547; as a multi-secant method Fang and Saad 2009, Numer Linear Algebra Appl 16:197. With the
 corrections f(x) = -P^-1 F(x) of the old tangent P, and the differences dX, dF of the last states and of their
@@ -12,7 +12,7 @@ MOST = 12  # differences kept
 INDEPENDENT = 1e-6  # singular values of dF below this share of the largest say nothing
 
 
-class Secants:
+class Acceleration:
     """Differences of states and corrections, arrays (n,); weights (n,): of the inner product."""
 
     def __init__(self, weights):

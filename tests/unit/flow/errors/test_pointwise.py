@@ -15,7 +15,7 @@ from flow.geometry import centreline, locate
 from flow.physics import ffr, outlets
 from flow.solvers import newton, nonlinear
 from flow.discretisation import mixing, spaces
-from flow.errors import place_errors, recovery
+from flow.errors import pointwise, recovery
 from flow import settings as settings_module
 
 MAP = 12000.0
@@ -56,7 +56,7 @@ class _Case:
     def places(self):
         """All outlets, and the pull-back."""
         table = ffr.pullback(self.tree, self.sampler, MAP, lambda branch, s_mm: 0.0)
-        return place_errors.Places(self, self.case, self.names, table), table
+        return pointwise.Places(self, self.case, self.names, table), table
 
 
 def _document(branches, resistances):
@@ -157,7 +157,7 @@ def _estimated(case, **basis):
     """(errors at outlets and pull-back, method) with a Basis."""
     places, _ = case.places()
     solved = types.SimpleNamespace(**{**vars(case), "estimate": {"basis": error_estimate.Basis(**basis)}})
-    return place_errors.of(solved, places)
+    return pointwise.of(solved, places)
 
 
 def test_each_part_of_an_estimate_counts(fork):
@@ -201,7 +201,7 @@ def test_an_outlet_behind_an_extension_has_the_error_of_its_vessels_end(fork):
         extensions = [types.SimpleNamespace(region_id=region) for region in longer]
         given = types.SimpleNamespace(**vars(fork))
         given.case = types.SimpleNamespace(extensions=extensions, document=document, original=fork.tree)
-        given.places = lambda: (place_errors.Places(given, given.case, fork.names, fork.places()[1]), None)
+        given.places = lambda: (pointwise.Places(given, given.case, fork.names, fork.places()[1]), None)
         found, _ = _estimated(given, field=field)
         wanted = [plain[last[k]] if k + 2 in longer else plain[k] for k in range(2)]
         assert found == pytest.approx(np.append(wanted, plain[2:]), rel=1e-9)
@@ -213,7 +213,7 @@ def test_an_outlet_whose_pressure_is_given_has_no_error(driven):
     assert errors[0] > 0.001  # over the inlet's pressure, which is found
     at_map = types.SimpleNamespace(**vars(driven))
     at_map.case = types.SimpleNamespace(extensions=[], original=driven.tree, document={"map_pa": MAP, "outlets": []})
-    at_map.places = lambda: (place_errors.Places(at_map, at_map.case, at_map.names, driven.places()[1]), None)
+    at_map.places = lambda: (pointwise.Places(at_map, at_map.case, at_map.names, driven.places()[1]), None)
     assert _estimated(at_map, field=field, mean=0.001)[0][0] == 0.0
 
 
