@@ -15,7 +15,7 @@ from .profile import Profile
 
 SIGNIFICANT_PERCENT = 50  # diameter stenosis from which a lesion is usually treated
 STRETCH_PERCENT = 30  # diameter stenosis from which a narrowing has to come under the stent
-ROOM_MM = 5.0  # lumen between two stretches below which there is no landing zone for a stent's end
+APART_DIAMETERS = 3  # of the vessel between two narrowings below which they are one lesion (SYNTAX score)
 
 
 @dataclasses.dataclass
@@ -62,7 +62,8 @@ def stretch(profile, lesion, percent):
 def found(summary, sections):
     """Targets, the most severe first: of the lesions of SIGNIFICANT_PERCENT and more, of all lesions without such.
 
-    Those with less than ROOM_MM of lumen between their stretches are one target; mild ones are not joined.
+    Those with less than APART_DIAMETERS between their stretches are one target (Sianos et al., EuroIntervention
+    2005;1:219-27): a stent for one would end before the other. Mild ones are not joined.
     """
     profiles = {}
 
@@ -79,7 +80,7 @@ def found(summary, sections):
 
 
 def together(targets):
-    """Targets of which those on one branch with less than ROOM_MM between them are joined."""
+    """Targets of which those on one branch with less than APART_DIAMETERS between them are joined."""
     done = []
     for target in targets:
         while (near := _near(target, done)) is not None:
@@ -92,6 +93,7 @@ def together(targets):
 def _near(target, others):
     for other in others:
         gap = max(other.start - target.end, target.start - other.end)
-        if other.profile is target.profile and gap < ROOM_MM:
+        between = 0.5 * (max(other.start, target.start) + min(other.end, target.end))
+        if other.profile is target.profile and gap < APART_DIAMETERS * target.profile.reference_at(between):
             return other
     return None
