@@ -33,6 +33,9 @@ def load_case(path):
     if patient["dbp_mmhg"] >= patient["sbp_mmhg"]:
         remedy = f"below the systolic one, sbp_mmhg: {patient['sbp_mmhg']}; are they swapped?"
         _refuse(document, ("patient", "dbp_mmhg"), "diastolic blood pressure is not below the systolic", remedy)
+    flows = ("lvm_g", "hyperaemic_inflow_ml_per_min", "cardiac_output_l_per_min")
+    if not any(key in patient for key in flows):
+        _refuse(document, ("patient",), "nothing to tell the flow by", f"give one of {', '.join(flows)}")
     for key in ("lumen", "post"):
         if key in document.data:
             _check_lumen(document, key)

@@ -33,13 +33,21 @@ def boundary_command(arguments):
     """Boundary values of a patient from the anatomy before the intervention."""
     from flow.geometry import centreline
     from flow.inputs import boundary, lumen_summary
+    from flow.reduced import flow_range, network as network_model
 
     settings, patient = settings_module.from_arguments(arguments), _patient(arguments)
     anatomy = lumen_summary.read(arguments.anatomy, "ends")
     tree = centreline.read(arguments.centreline or pathlib.Path(arguments.anatomy).with_name("centreline.vtp"))
     lumen_summary.check_lengths(anatomy, tree, arguments.anatomy)
     measured = config.load_case(arguments.case).get("measured") if arguments.case else None
-    write_json(arguments.out, boundary.make(anatomy, tree, patient, settings, measured))
+    real = bool(arguments.case) and config.load_case(arguments.case)["kind"] == "surface"
+    document = boundary.make(anatomy, tree, patient, settings, measured, ranged=real)
+    if patient.get("hyperaemic_inflow_ml_per_min") is not None:
+        sections = network_model.read_sections(pathlib.Path(arguments.anatomy).with_name("sections.csv"))
+        document = flow_range.with_inflow(
+            document, lambda values: network_model.Network(anatomy, sections, values, settings.expansion_loss)
+        )
+    write_json(arguments.out, document)
 
 
 def mesh_command(arguments):

@@ -13,7 +13,7 @@ from flow.errors import error_estimate, pointwise
 from flow.physics import energy, ffr, outlets
 from flow.discretisation import spaces
 from flow.physics import viscosity, wall_shear
-from flow.reduced import answer as reduced_answer
+from flow.reduced import answer as reduced_answer, flow_range
 from flow.solvers import solved_mesh
 
 LARGE = 0.05  # difference of the models' FFR that is said
@@ -55,6 +55,7 @@ def run(mesh, coarse, case, folder):
         pointwise.unknown(answer, table)
         warnings = reduced_answer.unknown_error(settings.model)
     answer["models"] = models
+    answer["ffr_range"] = flow_range.of_answer(answer["ffr"], document, case.network_at, _distal(document, tree))
     answer["warnings"] = case.warnings + document.get("warnings", []) + compared(models)
     answer["warnings"] += ffr.rising(answer["probes"], table)
     answer["warnings"] += ffr.displaced(answer["probes"], tree, table) + warnings
@@ -67,6 +68,12 @@ def run(mesh, coarse, case, folder):
     solved.destroy()
     predicted.destroy()
     return answer
+
+
+def _distal(document, tree):
+    """(branch, s_mm) of the probe `distal` on the lumen's own axis."""
+    probe = document["probes"][0]
+    return probe["branch"], tree[probe["branch"]].project(np.array(probe["point_mm"]))[0]
 
 
 def _cpu_seconds():

@@ -38,10 +38,14 @@ def patient_summary(files, config=None):
         "venous_pressure_pa": number(boundary, "venous_pressure_pa", files.boundary),
         "q_hyperaemic_ml_per_min": number(boundary, "q_hyperaemic_m3_per_s", files.boundary) * ML_PER_MIN,
     }
+    source = boundary.get("flow_source")
+    if source is not None:
+        patient["flow_source"] = {key: source.get(key) for key in ("territory", "share", "by")}
     if config is not None:
         document = load_case(config)
         patient["description"] = document["description"]
-        patient.update({key: float(document["patient"][key]) for key in ("lvm_g", "sbp_mmhg", "dbp_mmhg")})
+        given = document["patient"]
+        patient.update({key: float(given[key]) for key in ("lvm_g", "sbp_mmhg", "dbp_mmhg") if key in given})
     return patient
 
 

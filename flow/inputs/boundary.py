@@ -1,6 +1,6 @@
 """Boundary values of a patient's coronary flow at hyperaemia.
 
-    Q_rest = 0.71 M^0.75  mL/min (M: left ventricular mass in g),   Q_hyp = Q_rest / 0.16
+    Q_hyp by flow.inputs.hyperaemia: 0.71 M^0.75 / 0.16 mL/min (M: left ventricular mass in g), or a territory's share
     Q_i / Q_hyp = D_i^2.55 / sum_j D_j^2.55
     MAP = DBP + 0.4 (SBP - DBP)
     R_i = (MAP - P_v) / Q_i
@@ -13,7 +13,7 @@ import sys
 
 from common import json_reader, schema
 from common.errors import InputError
-from flow.inputs import lumen_summary, wire
+from flow.inputs import hyperaemia, lumen_summary, wire
 from flow.physics import viscosity
 
 PA_PER_MMHG = 133.322
@@ -34,13 +34,6 @@ def mean_arterial_pressure_mmhg(sbp_mmhg, dbp_mmhg):
     return dbp_mmhg + 0.4 * (sbp_mmhg - dbp_mmhg)
 
 
-def hyperaemic_flow_m3_per_s(lvm_g, hyperaemia_fraction):
-    """Q_hyp of the whole coronary tree from the left ventricular mass in g."""
-    if not 30 <= lvm_g <= 500:
-        raise InputError("implausible left ventricular mass", "patient lvm_g", lvm_g, "give grams, 30 to 500")
-    return 0.71 * lvm_g**0.75 / hyperaemia_fraction * M3_PER_S_PER_ML_PER_MIN
-
-
 def split_by_diameter(diameters_mm, exponent):
     """Fractions of the flow, one an outlet, that sum to one: D_i^exponent / sum_j D_j^exponent."""
     for diameter in diameters_mm:
@@ -51,11 +44,11 @@ def split_by_diameter(diameters_mm, exponent):
     return [weight / total for weight in weights]
 
 
-def make(anatomy, centreline, patient, settings, measured=None):
+def make(anatomy, centreline, patient, settings, measured=None, ranged=False):
     """The document of boundary.json.
 
-    anatomy: document of anatomy.json; centreline: geometry.centreline.Tree; patient: lvm_g, sbp_mmhg, dbp_mmhg;
-    measured: a case's `measured` with the place of its pressure wire, or None.
+    anatomy: document of anatomy.json; centreline: geometry.centreline.Tree; patient: as in a case file;
+    measured: a case's `measured` with the place of its pressure wire, or None; ranged: with `plausible_flows`.
     """
     map_pa = mean_arterial_pressure_mmhg(patient["sbp_mmhg"], patient["dbp_mmhg"]) * PA_PER_MMHG
     venous_pa = settings.venous_pressure_mmhg * PA_PER_MMHG
@@ -63,7 +56,8 @@ def make(anatomy, centreline, patient, settings, measured=None):
         raise InputError(
             "venous pressure is not below MAP", "venous_pressure_mmhg", settings.venous_pressure_mmhg, "usually 5 mmHg"
         )
-    q_hyp = hyperaemic_flow_m3_per_s(patient["lvm_g"], settings.hyperaemia_fraction)
+    source = hyperaemia.source(patient, settings.hyperaemia_fraction)
+    q_hyp = source.pop("flow_m3_per_s")
     lumen_summary.check(anatomy, "anatomy.json", "ends")
     ends = [end for end in anatomy["ends"] if end["kind"] == "outlet"]
     if not ends:
@@ -98,10 +92,13 @@ def make(anatomy, centreline, patient, settings, measured=None):
         "viscosity_pa_s": settings.viscosity_pa_s,
         "viscosity": viscosity.from_settings(settings),
         "q_hyperaemic_m3_per_s": q_hyp,
+        "flow_source": source,
         "outlets": outlets,
         "probes": read_at,
         "warnings": too_near(read_at, settings.probe_distance_mm),
     }
+    if ranged:
+        document["plausible_flows"] = hyperaemia.plausible(patient, settings.hyperaemia_fraction)
     check(document, branches=[line.name for line in centreline])
     return document
 

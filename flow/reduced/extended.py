@@ -101,9 +101,14 @@ class Extended:
             if (one.region_id, one.branch) not in ends or abs(np.linalg.norm(one.direction) - 1) > UNIT:
                 remedy = "give mesh, its report, centreline and boundary values of one lumen"
                 raise InputError("extension of another lumen", "report of the mesh: extensions", one, remedy)
-        self.network = network_model.Network(anatomy, sections, document, settings.expansion_loss)
+        self._given = anatomy, sections
+        self.network = self.network_at(document)
         self.tree = extension.prolonged(tree, extensions)
         self._longer = prolonged_network(anatomy, sections, extensions)
+
+    def network_at(self, document):
+        """The 1D network without extensions at other boundary values."""
+        return network_model.Network(*self._given, document, self.settings.expansion_loss)
 
     def predictor(self):
         """flow.reduced.coupled.Predictor of the tree with its extensions; the network alone where model is

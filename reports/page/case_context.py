@@ -57,6 +57,7 @@ def case_context(files, figures_dir):
         "deployment_warnings": (deployment or {}).get("warnings", []),
         "switched_off": [as_text(item) for item in (deployment or {}).get("switched_off", [])],
         "flow": flow,
+        "flow_ranges": flow_ranges(flow),
         "flow_warnings": flow_warnings(flow),
         "modified": [state for state, row in flow.items() if not _steady(row["solution"])],
         "reference": optional_json(files.folder / "reference" / "reference.json"),
@@ -65,6 +66,15 @@ def case_context(files, figures_dir):
         "wire": wire_rows(metrics),
         "viewer": viewer_data(files, metrics),
     }
+
+
+def flow_ranges(flow):
+    """Rows {state, ffr, low, high, at} of FFR over plausible flows, for the states that have such a range."""
+    return [
+        {"state": state, "ffr": row["solution"]["ffr"], **row["solution"]["ffr_range"]}
+        for state, row in flow.items()
+        if row["solution"].get("ffr_range")
+    ]
 
 
 def wire_rows(metrics):

@@ -8,6 +8,7 @@ rule boundary:
         case=ancient(CASE_FILE),
         centreline="results/cases/{case}/anatomy/centreline.vtp",
         anatomy="results/cases/{case}/anatomy/anatomy.json",
+        sections="results/cases/{case}/anatomy/sections.csv",
         settings="results/cases/{case}/settings/flow.json",
         code=command_code("flow", "boundary_command"),
     output:

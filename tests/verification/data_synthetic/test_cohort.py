@@ -12,7 +12,7 @@ import pytest
 from common import config, schema
 from data_synthetic import draw, patient, tree
 from flow import settings
-from flow.inputs import boundary
+from flow.inputs import boundary, hyperaemia
 from flow.reduced import network as network_model
 
 PA_PER_MMHG = 133.322
@@ -31,7 +31,7 @@ def network_ffr(case, branches):
         case["patient"]["sbp_mmhg"], case["patient"]["dbp_mmhg"]
     )
     venous_pa = PA_PER_MMHG * flow.venous_pressure_mmhg
-    total = boundary.hyperaemic_flow_m3_per_s(case["patient"]["lvm_g"], flow.hyperaemia_fraction)
+    total = hyperaemia.of_mass(case["patient"]["lvm_g"], flow.hyperaemia_fraction)
     ends = [2 * float(branch.radius(branch.axis.length_mm)) for branch in branches]
     shares = boundary.split_by_diameter(ends, flow.split_exponent)
     document = {"map_pa": map_pa, "venous_pressure_pa": venous_pa, "density_kg_per_m3": flow.density_kg_per_m3}

@@ -11,7 +11,7 @@ import tubes
 from common.errors import InputError
 from flow import __main__ as command_line
 from flow.geometry import centreline
-from flow.inputs import boundary, lumen_summary
+from flow.inputs import boundary, hyperaemia, lumen_summary
 from flow.physics import ffr
 from flow import settings as settings_module
 
@@ -29,13 +29,13 @@ def test_pressures_out_of_order_are_refused(sbp, dbp):
 def test_hyperaemic_flow():
     # 0.71 * 150^0.75 = 30.4322 mL/min at rest
     expected = 0.71 * np.exp(0.75 * np.log(150)) / 0.16
-    assert boundary.hyperaemic_flow_m3_per_s(150, 0.16) * 6e7 == pytest.approx(expected, rel=1e-12)
+    assert hyperaemia.of_mass(150, 0.16) * 6e7 == pytest.approx(expected, rel=1e-12)
     assert expected == pytest.approx(190.2, abs=0.2)
 
 
 def test_implausible_mass_is_refused():
     with pytest.raises(InputError, match="grams"):
-        boundary.hyperaemic_flow_m3_per_s(0.15, 0.16)
+        hyperaemia.of_mass(0.15, 0.16)
 
 
 @pytest.mark.parametrize("anatomy", [{}, [], {"ends": []}, {"ends": [{"kind": "outlet"}]}])
@@ -339,3 +339,14 @@ def test_a_probe_in_metres_is_refused(settings):
     for wrong in ({"point_mm": [1e-3 * x for x in probe["point_mm"]]}, {"s_mm": probe["s_mm"] + 6.1}):
         with pytest.raises(InputError, match="another place along the vessel(.|\n)*distal"):
             ffr.check_probes([probe | wrong], _tree())
+
+
+def test_boundary_values_say_where_the_flow_is_from(settings):
+    """The share of a named territory; flows as plausible as the planned one for a real case alone."""
+    patient = PATIENT | {"territory": "lad"}
+    document = boundary.make(_anatomy(), _tree(), patient, settings, ranged=True)
+    assert document["flow_source"] == {"territory": "lad", "share": pytest.approx(7 / 17), "by": "3.69 mL/min/g"}
+    assert document["q_hyperaemic_m3_per_s"] * 6e7 == pytest.approx(3.69 * 150 * 7 / 17)
+    assert {"mass -20 %", "hyperaemia +1 SD"} <= {one["what"] for one in document["plausible_flows"]}
+    study = boundary.make(_anatomy(), _tree(), PATIENT, settings)
+    assert study["flow_source"]["territory"] == "whole" and "plausible_flows" not in study

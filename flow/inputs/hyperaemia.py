@@ -1,0 +1,95 @@
+"""The hyperaemic flow into the tree: by the published mass law, by the territory it feeds, or measured.
+
+`territory: whole` (the default, and what the study's patients mean): Q = 0.71 M^0.75 / 0.16 mL/min, M the left
+ventricular mass in g, all of it in this tree, as the method was published. That is 190 mL/min for 150 g.
+
+A named territory gets its share of the whole heart's flow. The shares are those of the left ventricle's 17 segments
+(Cerqueira et al., Circulation 2002;105:539-42): LAD 7, LCX 5, RCA 5. The whole heart's flow is PER_GRAM times the mass
+(N-13 ammonia at dipyridamole hyperaemia, 3.69 +- 0.83 mL/min/g: Kiso et al., J Radiol Radiat Ther, nine volunteers).
+For 150 g that is 228 mL/min in the LAD and 554 in all; continuous thermodilution measured 228 +- 71 in LADs and
+582 +- 138 in whole hearts with mild atherosclerosis (Fournier et al., EuroIntervention 2021;17:e309-16). The published
+law is a third of that: its flow is one artery's, and it is not shared out.
+With a cardiac output instead of a mass the heart's flow is REST_SHARE of it at rest (225 of 5,000 mL/min, Guyton and
+Hall, Textbook of Medical Physiology), times RESERVE (2.78 by thermodilution: Gallinoro et al., EuroIntervention 2021).
+"""
+
+import math
+
+from common.errors import InputError
+
+M3_PER_S_PER_ML_PER_MIN = 1e-6 / 60.0
+WHOLE = "whole"
+SEGMENTS = {"lad": 7, "lcx": 5, "rca": 5, "left": 12}  # of the left ventricle's
+ALL_SEGMENTS = 17
+PER_GRAM, PER_GRAM_SD = 3.69, 0.83  # mL/min/g
+REST_SHARE, RESERVE = 0.045, 2.78
+MASS_OFF = 0.2  # of a mass that is measured by another method, or assumed
+EXPONENT = 0.75
+
+
+def of_mass(lvm_g, hyperaemia_fraction):
+    """Flow in m3/s of the published law for a left ventricular mass in g."""
+    if not 30 <= lvm_g <= 500:
+        raise InputError("implausible left ventricular mass", "patient lvm_g", lvm_g, "give grams, 30 to 500")
+    return 0.71 * lvm_g**EXPONENT / hyperaemia_fraction * M3_PER_S_PER_ML_PER_MIN
+
+
+def share(territory):
+    """Share of the whole heart's flow: of a named territory, or the number that it is."""
+    return SEGMENTS[territory] / ALL_SEGMENTS if territory in SEGMENTS else float(territory)
+
+
+def of_heart(patient):
+    """The whole heart's hyperaemic flow in m3/s, by cardiac output or else by mass."""
+    output = patient.get("cardiac_output_l_per_min")
+    if output is not None:
+        return 1000 * output * REST_SHARE * RESERVE * M3_PER_S_PER_ML_PER_MIN
+    return PER_GRAM * patient["lvm_g"] * M3_PER_S_PER_ML_PER_MIN
+
+
+def source(patient, hyperaemia_fraction):
+    """{flow_m3_per_s, territory, share (null: whole or measured), by}: the flow into the tree and where it is from."""
+    territory = patient.get("territory", WHOLE)
+    given = patient.get("hyperaemic_inflow_ml_per_min")
+    if given is not None:
+        return _source(given * M3_PER_S_PER_ML_PER_MIN, territory, None, "measured inflow")
+    if patient.get("lvm_g") is None and patient.get("cardiac_output_l_per_min") is None:
+        raise InputError("nothing to tell the flow by", "patient", "no lvm_g", "give lvm_g, or a flow")
+    if territory == WHOLE:
+        if patient.get("lvm_g") is None:
+            remedy = "give patient.territory: left, lad, lcx, rca or a share of the heart's flow"
+            raise InputError("a cardiac output is shared out by territory", "patient.territory", territory, remedy)
+        return _source(of_mass(patient["lvm_g"], hyperaemia_fraction), territory, None, "0.71 M^0.75, all of it here")
+    by = "cardiac output" if patient.get("cardiac_output_l_per_min") is not None else f"{PER_GRAM} mL/min/g"
+    return _source(share(territory) * of_heart(patient), territory, share(territory), by)
+
+
+def _source(flow, territory, part, by):
+    return {"flow_m3_per_s": flow, "territory": territory, "share": part, "by": by}
+
+
+def plausible(patient, hyperaemia_fraction):
+    """[{what, factor}]: by how much the flow may be off for each reason by itself; none where it was measured.
+
+    The mass by a fifth, hyperaemia by the standard deviation between people; a named territory by one of the left
+    ventricle's 17 segments; one that is not named may be any.
+    """
+    if patient.get("hyperaemic_inflow_ml_per_min") is not None:
+        return []
+    base = source(patient, hyperaemia_fraction)
+    found = []
+    if patient.get("cardiac_output_l_per_min") is None:
+        power = EXPONENT if base["share"] is None else 1.0
+        found += [(f"mass {sign}20 %", (1 + off) ** power) for sign, off in (("-", -MASS_OFF), ("+", MASS_OFF))]
+    spread = PER_GRAM_SD / PER_GRAM
+    found += [("hyperaemia -1 SD", 1 - spread), ("hyperaemia +1 SD", 1 + spread)]
+    if base["share"] is None:
+        heart = of_heart(patient)
+        found += [(f"territory {name}", share(name) * heart / base["flow_m3_per_s"]) for name in SEGMENTS]
+    else:
+        segment = 1 / ALL_SEGMENTS
+        found += [
+            (f"territory {sign}1 of 17 segments", max(base["share"] + off, 0.5 * segment) / base["share"])
+            for sign, off in (("-", -segment), ("+", segment))
+        ]
+    return [{"what": what, "factor": factor} for what, factor in found if math.isfinite(factor)]

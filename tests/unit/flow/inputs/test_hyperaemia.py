@@ -1,0 +1,56 @@
+"""The flow into the tree: the published law, a territory's share, a measured one; and what else it may be."""
+
+import pytest
+
+from common.errors import InputError
+from flow.inputs import hyperaemia
+
+ML = 6e7  # mL/min in a m3/s
+
+
+def flow(**patient):
+    return hyperaemia.source({"sbp_mmhg": 120, "dbp_mmhg": 80, **patient}, 0.16)["flow_m3_per_s"] * ML
+
+
+def test_whole_is_the_published_law():
+    assert flow(lvm_g=150) == flow(lvm_g=150, territory="whole") == pytest.approx(0.71 * 150**0.75 / 0.16)
+
+
+def test_territories_are_the_ventricles_segments():
+    by = {name: flow(lvm_g=150, territory=name) for name in ("lad", "lcx", "rca", "left")}
+    assert by["lad"] == pytest.approx(3.69 * 150 * 7 / 17)
+    assert by["left"] == pytest.approx(by["lad"] + by["lcx"]) and by["lcx"] == by["rca"]
+    assert sum(by[name] for name in ("lad", "lcx", "rca")) == pytest.approx(3.69 * 150)
+    assert flow(lvm_g=150, territory=7 / 17) == pytest.approx(by["lad"])
+
+
+def test_territories_are_within_what_was_measured():
+    """Continuous thermodilution: 228 +- 71 mL/min in LADs, 582 +- 138 in whole hearts (Fournier et al. 2021)."""
+    assert abs(flow(lvm_g=150, territory="lad") - 228) < 71
+    assert abs(flow(lvm_g=150, territory=1.0) - 582) < 138
+    assert abs(flow(cardiac_output_l_per_min=5.0, territory=1.0) - 582) < 138
+
+
+def test_a_measured_inflow_is_what_it_is():
+    assert flow(hyperaemic_inflow_ml_per_min=140.0, lvm_g=300, territory="left") == pytest.approx(140)
+
+
+@pytest.mark.parametrize(
+    "patient, what",
+    [({}, "nothing to tell the flow by"), ({"cardiac_output_l_per_min": 5.0}, "shared out by territory")],
+)
+def test_refusals(patient, what):
+    with pytest.raises(InputError, match=what):
+        flow(**patient)
+
+
+def test_plausible_flows():
+    def factors(**patient):
+        return {one["what"]: one["factor"] for one in hyperaemia.plausible(patient, 0.16)}
+
+    whole, lad = factors(lvm_g=150), factors(lvm_g=150, territory="lad")
+    assert whole["mass +20 %"] == pytest.approx(1.2**0.75) and lad["mass +20 %"] == pytest.approx(1.2)
+    assert whole["territory left"] * flow(lvm_g=150) == pytest.approx(flow(lvm_g=150, territory="left"))
+    assert lad["territory -1 of 17 segments"] == pytest.approx(6 / 7)
+    assert "mass +20 %" not in factors(cardiac_output_l_per_min=5.0, territory="rca")
+    assert factors(hyperaemic_inflow_ml_per_min=140.0) == {}

@@ -1,0 +1,76 @@
+"""FFR over plausible flows, and resistances for a measured inflow, against the network solved at those flows."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from common.errors import InputError
+from flow.reduced import flow_range, network as network_model
+
+PROBE = ("main", 35.0)
+MAP, VENOUS, FLOW = 12000.0, 600.0, 3e-6
+
+
+def document(factors=(0.8, 1.3)):
+    outlet = {"name": "outlet1", "branch": "main", "region_id": 2, "flow_m3_per_s": FLOW}
+    return {
+        "map_pa": MAP,
+        "venous_pressure_pa": VENOUS,
+        "density_kg_per_m3": 1060.0,
+        "viscosity_pa_s": 0.004,
+        "q_hyperaemic_m3_per_s": FLOW,
+        "outlets": [outlet | {"resistance_pa_s_per_m3": (MAP - VENOUS) / FLOW}],
+        "plausible_flows": [{"what": f"x{factor}", "factor": factor} for factor in factors],
+    }
+
+
+def network_at(values, throat=0.55):
+    s = np.linspace(0, 40, 161)
+    radius = 1.5 - (1.5 - throat) * 0.5 * (1 + np.cos(np.pi * np.clip((s - 15) / 5, -1, 1)))
+    sections = pd.DataFrame({"branch": "main", "s_mm": s, "area_mm2": np.pi * radius**2})
+    anatomy = {"branches": [{"name": "main", "parent": None, "s_on_parent_mm": None}]}
+    return network_model.Network(anatomy, sections, values, 1.14)
+
+
+def network_ffr(values):
+    network = network_at(values)
+    s, pressure = network.pressures(network.solve())["main"]
+    return float(np.interp(PROBE[1] * 1e-3, s, pressure)) / MAP
+
+
+def test_the_networks_own_answer_gives_the_networks_range():
+    own = network_ffr(document())
+    found = flow_range.of_answer(own, document(), network_at, PROBE)
+    for one in found["at"]:
+        assert one["ffr"] == pytest.approx(network_ffr(flow_range.scaled(document(), one["factor"])), abs=1e-9)
+    assert found["low"] == found["at"][1]["ffr"] < own < found["high"] == found["at"][0]["ffr"]
+
+
+def test_another_answers_loss_is_scaled():
+    own = network_ffr(document())
+    shown = 1 - 1.2 * (1 - own)
+    found = flow_range.of_answer(shown, document([1.0, 1.3]), network_at, PROBE)["at"]
+    assert found[0]["ffr"] == pytest.approx(shown)
+    assert 1 - found[1]["ffr"] == pytest.approx(1.2 * (1 - network_ffr(flow_range.scaled(document(), 1.3))))
+
+
+def test_no_range_without_other_flows():
+    assert flow_range.of_answer(0.8, document(()), network_at, PROBE) is None
+    given = document()
+    given["outlets"][0]["pressure_pa"] = 9000.0
+    assert flow_range.of_answer(0.8, given, network_at, PROBE) is None
+
+
+def test_a_measured_inflow_passes_the_narrowed_vessel():
+    """At the planned resistances less passes; those found let it pass, and are lower."""
+    planned = document()
+    assert network_at(planned).solve().sum() < 0.95 * FLOW
+    found = flow_range.with_inflow(planned, network_at)
+    assert network_at(found).solve().sum() == pytest.approx(FLOW, rel=1e-5)
+    assert found["outlets"][0]["resistance_pa_s_per_m3"] < planned["outlets"][0]["resistance_pa_s_per_m3"]
+    assert found["q_hyperaemic_m3_per_s"] == found["outlets"][0]["flow_m3_per_s"] == FLOW
+
+
+def test_more_than_the_narrowing_lets_pass_is_refused():
+    with pytest.raises(InputError, match="does not let the measured flow pass(.|\n)*at most"):
+        flow_range.with_inflow(document(), lambda values: network_at(values, throat=0.35))
