@@ -35,7 +35,14 @@ def load_case(path):
         _refuse(document, ("patient", "dbp_mmhg"), "diastolic blood pressure is not below the systolic", remedy)
     flows = ("lvm_g", "hyperaemic_inflow_ml_per_min", "cardiac_output_l_per_min")
     if not any(key in patient for key in flows):
-        _refuse(document, ("patient",), "nothing to tell the flow by", f"give one of {', '.join(flows)}")
+        what = "lvm_g is missing (left ventricular mass in g), and so is a flow"
+        _refuse(document, ("patient",), what, f"give one of {', '.join(flows)}")
+    if "cardiac_output_l_per_min" in patient and patient.get("territory", "whole") == "whole":
+        what, remedy = (
+            "a cardiac output is shared out by territory",
+            "give patient.territory: left, lad, lcx, rca or a share",
+        )
+        _refuse(document, ("patient", "cardiac_output_l_per_min"), what, remedy)
     for key in ("lumen", "post"):
         if key in document.data:
             _check_lumen(document, key)

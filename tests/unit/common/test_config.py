@@ -114,6 +114,40 @@ def test_blood_pressures_that_are_swapped_or_equal(edited, sbp, dbp):
         config.load_case(folder / "cases" / "real_artery.yaml")
 
 
+@pytest.mark.parametrize(
+    "flow, refused",
+    [
+        ({}, "lvm_g is missing"),
+        ({"cardiac_output_l_per_min": 5}, "shared out by territory"),
+        ({"cardiac_output_l_per_min": 5, "territory": "left"}, None),
+        ({"hyperaemic_inflow_ml_per_min": 140}, None),
+        ({"lvm_g": 150, "territory": 0.3}, None),
+        ({"lvm_g": 150, "territory": "lm"}, "lm"),
+    ],
+)
+def test_what_tells_the_flow(edited, flow, refused):
+    folder = edited("cases/real_artery.yaml", {"patient": {**flow, "sbp_mmhg": 120, "dbp_mmhg": 80}})
+    if refused is None:
+        assert config.load_case(folder / "cases" / "real_artery.yaml")["patient"].items() >= flow.items()
+        return
+    with pytest.raises(InputError, match=refused):
+        config.load_case(folder / "cases" / "real_artery.yaml")
+
+
+@pytest.mark.parametrize(
+    "plan, refused",
+    [({"treat": "all"}, None), ({"treat": "culprit"}, None), ({"treat": "some"}, "some"), ({}, "treat")],
+)
+def test_proposed_plans(edited, plan, refused):
+    folder = edited("cases/real_artery.yaml", {"plan": plan})
+    if refused is None:
+        assert config.load_case(folder / "cases" / "real_artery.yaml")["plan"] == plan
+        assert config.listed_steps(plan) == []
+        return
+    with pytest.raises(InputError, match=refused):
+        config.load_case(folder / "cases" / "real_artery.yaml")
+
+
 def test_vessel_and_lumen_exclude_each_other(edited):
     folder = edited("cases/real_artery.yaml", {"vessel": {"seed": 1}})
     with pytest.raises(InputError, match="key has no place here\n.*key vessel"):
