@@ -1,4 +1,4 @@
-"""Command line: python3 -m anatomy plan|plan-picture|picture|register|contours|thin-contours."""
+"""Command line: python3 -m anatomy plan|plan-picture|picture|register|contours|ct|thin-contours."""
 
 import argparse
 import pathlib
@@ -30,6 +30,7 @@ def _parser():
     picture.add_argument("--anatomy", type=pathlib.Path, required=True, help="folder made by `lumen process`")
     picture.add_argument("--out", type=pathlib.Path, required=True, help="picture to write: .png or .svg")
     _add_contours(commands)
+    _add_ct(commands)
     thin = commands.add_parser("thin-contours", help="a contour table with fewer points a frame")
     thin.add_argument("table", type=pathlib.Path, help="table of outlines: frame, x, y, z in mm")
     thin.add_argument("--points", type=int, default=125, help="points of each frame; default: 125")
@@ -73,6 +74,39 @@ def _add_contours(commands):
     command.add_argument("--out", type=pathlib.Path, required=True, help="folder for the results")
 
 
+def _add_ct(commands):
+    command = commands.add_parser("ct", help="lumen and calcium of a CT angiogram, from the vessels' end points")
+    command.add_argument("volume", type=pathlib.Path, help="NIfTI file, or folder with a DICOM series")
+    command.add_argument("--series", help="UID of the series, where the folder has several")
+    command.add_argument("--inlet", type=float, nargs=3, help="point on the vessel's axis where it begins, mm")
+    command.add_argument(
+        "--outlet", type=float, nargs=3, action="append", default=[], help="where a branch ends; repeat"
+    )
+    command.add_argument(
+        "--ends", type=pathlib.Path, help="the same as JSON: ends [{name, centre_mm}], the inlet first"
+    )
+    command.add_argument(
+        "--centreline", type=pathlib.Path, help="the user's own centreline; default: found in the image"
+    )
+    command.add_argument("--settings", type=pathlib.Path, help="YAML or JSON with the keys of the section `ct`")
+    command.add_argument("--out", type=pathlib.Path, required=True, help="folder for lumen.vtp and segmentation.json")
+
+
+def _ct(options):
+    from .ct import segment
+
+    if (options.ends is None) == (options.inlet is None):
+        raise InputError(
+            "end points are given in one way", "--ends, --inlet", "both or none", "--inlet and --outlet, or --ends"
+        )
+    if options.ends:
+        ends = segment.load_ends(options.ends)
+    else:
+        outlets = [(f"outlet{number}", point) for number, point in enumerate(options.outlet, start=1)]
+        ends = segment.checked_ends([("inlet", options.inlet), *outlets], "--inlet, --outlet")
+    segment.run(options.volume, ends, options.out, options.settings, options.centreline, options.series)
+
+
 def _contours(options):
     from .contours import run
 
@@ -109,6 +143,8 @@ def main(arguments=None):
         plan.run(options.case, options.anatomy, options.devices, options.out)
     elif options.command == "contours":
         _contours(options)
+    elif options.command == "ct":
+        _ct(options)
     elif options.command == "thin-contours":
         from .contours import tables
 

@@ -8,7 +8,8 @@ import pathlib
 from common import schema, yaml_reader
 from common.errors import InputError
 
-LUMEN_WAYS = ("path", "contours")
+ENDS_OF = {"contours": "z_from says which end is proximal", "ct": "ct.inlet_mm and ct.outlets_mm say where they are"}
+LUMEN_WAYS = ("path", "contours", "ct")
 SECTIONS = ("anatomy", "deployment", "flow", "reference", "ct", "metrics")
 
 
@@ -18,6 +19,11 @@ def load(path, schema_name):
     Returns plain dicts and lists. Raises InputError for the first value that is not allowed.
     """
     return _load(path, schema_name).data
+
+
+def load_section(path, name):
+    """A section of the settings, say `ct`, from a YAML or JSON file of its own, or its defaults where path is None."""
+    return load(path, name) if path else schema.with_defaults({}, schema.read(name))
 
 
 def load_study(path):
@@ -62,16 +68,19 @@ def load_case(path):
 
 
 def _check_lumen(document, key):
-    """A lumen is given in one way, and contours leave no choice of ends and labels to make."""
+    """A lumen is given in one way, and what is made of contours or CT has no ends to be named nor labels."""
     lumen = document.data[key]
     ways = [way for way in LUMEN_WAYS if way in lumen]
     if len(ways) != 1:
         _refuse(document, (key,), "a lumen is given in one way", f"one of the keys {', '.join(LUMEN_WAYS)}")
-    unused = [name for name in ("inlet_point_mm", "outlet_points_mm", "label") if name in lumen and "contours" in lumen]
-    if unused:
-        _refuse(
-            document, (key, unused[0]), "contours know their ends", "leave the key out; z_from says which is proximal"
-        )
+    if "path" in lumen:
+        return
+    for name in ("inlet_point_mm", "outlet_points_mm", "label"):
+        if name in lumen:
+            remedy = "leave the key out; " + ENDS_OF[ways[0]]
+            _refuse(document, (key, name), f"{ways[0]} knows its ends", remedy)
+    if ways == ["ct"] and lumen["units"] != "mm":
+        _refuse(document, (key, "units"), "CT volumes are in mm", "units: mm, and points in mm")
 
 
 def listed_steps(plan):

@@ -58,6 +58,16 @@ def lines(poly):
     return np.split(corners, vtk_to_numpy(cells.GetOffsetsArray())[1:-1])
 
 
+def read_named_lines(path, remedy):
+    """{branch name: points (n, 3) mm} of a centreline.vtp. Raises InputError, with `remedy`, if it is none."""
+    poly = read(path, remedy)
+    names = poly.GetCellData().GetAbstractArray("branch_name")
+    if poly.GetNumberOfLines() == 0 or names is None:
+        raise InputError("not a centreline", path, "no lines with branch_name", remedy)
+    at = points(poly)
+    return {names.GetValue(k): at[line] for k, line in enumerate(lines(poly))}
+
+
 def surface(points_mm, triangles_of):
     """vtkPolyData (double precision) of points (n, 3) and triangles (m, 3)."""
     poly, vtk_points, cells = vtk.vtkPolyData(), vtk.vtkPoints(), vtk.vtkCellArray()

@@ -55,12 +55,6 @@ def _parser():
     stents.add_argument("--scene", type=pathlib.Path, help="plan.json or scene.json: its stents laid on the wall")
     scan.add_argument("--centreline", type=pathlib.Path, help="this lumen's centreline.vtp (needed with --scene)")
     scan.add_argument("--out", type=pathlib.Path, required=True, help="folder for ct.nii.gz and ct.json")
-    find = commands.add_parser("segment", help="lumen from a CT volume and the vessels' end points")
-    find.add_argument("image", type=pathlib.Path, help="CT volume, .nii or .nii.gz, in HU")
-    find.add_argument("--ends", type=pathlib.Path, required=True, help="JSON: ends [{name, centre_mm}], inlet first")
-    find.add_argument("--centreline", type=pathlib.Path, help="centreline.vtp to use instead of one from the image")
-    find.add_argument("--settings", type=pathlib.Path, help="YAML or JSON with the keys of the section `ct`")
-    find.add_argument("--out", type=pathlib.Path, required=True, help="folder for lumen.vtp and segmentation.json")
     study = commands.add_parser("ct-study", help="table of how well the segmentation finds known lumens")
     study.add_argument("cases", type=pathlib.Path, nargs="+", help="synthetic cases, config/cases/<case>.yaml")
     study.add_argument("--voxels", type=float, nargs="+", default=[0.35, 0.5], help="voxel edges in mm")
@@ -105,10 +99,6 @@ def main(arguments=None):
         from .ct import scan
 
         scan.run(options.lumen, options.out, options.settings, options.struts, options.scene, options.centreline)
-    elif options.command == "segment":
-        from .ct import segment
-
-        segment.run(options.image, options.ends, options.out, options.settings, options.centreline)
     elif options.command == "ct-study":
         from .ct import study
 

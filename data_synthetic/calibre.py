@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .field import BLEND_MM
+from common.implicit.field import BLEND_MM
 
 EASE_MM = 2.0  # half the length over which the main radius falls at a bifurcation
 

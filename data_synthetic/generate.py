@@ -7,9 +7,10 @@ import numpy as np
 from common import vtp
 from common.errors import ComputationError, InputError
 from common.files import write_json
+from common.implicit import surface
+from common.implicit.field import LumenField
 
-from . import crossings, disease, patient, surface, tree, truth
-from .field import LumenField
+from . import crossings, disease, patient, tree, truth
 
 SPACING_MM = 0.2
 LARGEST_ERROR_MM = 0.001

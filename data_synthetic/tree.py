@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from common.errors import InputError
+from common.implicit.curves import SAMPLE_MM, Curve, integrate
 
 from . import calibre, disease
-from .curves import SAMPLE_MM, Curve, integrate
 
 HEART_CURVATURE = {"lad": 1 / 45, "lcx": 1 / 32, "rca": 1 / 26}
 # Bends alternate over about 15 mm: a narrow kernel less a wide one of the same integral, so that none grows to a loop.

@@ -6,9 +6,9 @@ import pathlib
 import numpy as np
 
 from common.errors import InputError
+from common.implicit.curves import Curve
 
 from . import calibre, disease, tree
-from .curves import Curve
 
 SCHEMA = "vci-truth-1"
 

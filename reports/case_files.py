@@ -54,6 +54,14 @@ class CaseFiles:
         """What the segmentation of the CT of a state says of itself."""
         return self.folder / "ct" / state / "segmentation.json"
 
+    def source_reading(self):
+        """(what, path) of what the making of a real patient's lumen says of itself: from a CT, or from contours."""
+        found = [
+            ("ct", self.folder / "source" / "segmentation.json"),
+            ("contours", self.folder / "source" / "contours.json"),
+        ]
+        return next(((what, path) for what, path in found if path.exists()), None)
+
     def flow(self, state):
         return self.folder / "flow" / state
 

@@ -83,18 +83,28 @@ def case_metrics(files, margin_mm=DEFAULT_MARGIN_MM, stations=DEFAULT_STATIONS, 
         },
         "measured": measured_summary(files, config),
         "registration": registration_summary(files) if "post" in states else None,
-        "imaging": imaging_summary(files) if "ct" in states else {},
+        "imaging": imaging_summary(files, states),
     }
 
 
-def imaging_summary(files):
-    """How each CT volume was segmented, and what the segmentation warns of: {state: {...}}; empty without CT."""
+def imaging_summary(files, states):
+    """How each CT volume was segmented, and what that warns of: {state: {...}}; empty without CT.
+
+    A real patient's lumen before the procedure may come from a CT, or from intravascular contours, which warn as well.
+    """
+    paths = {state: files.segmentation(state) for state in IMAGED} if "ct" in states else {}
+    source = files.source_reading()
+    if source and source[0] == "ct":
+        paths["pre"] = source[1]
     summary = {}
-    for state in IMAGED:
-        path = files.segmentation(state)
+    for state, path in paths.items():
         if path.exists():
-            document = read_json(path, "data_synthetic segment")
+            document = read_json(path, "anatomy ct")
             summary[state] = {key: entry(document, key, path) for key in ("method", "point_spread_fwhm_mm", "warnings")}
+    if source and source[0] == "contours":
+        said = entry(read_json(source[1], "anatomy contours"), "warnings", source[1])
+        warnings = [{"code": "contours", "message": message} for message in said]
+        summary["pre"] = {"method": "contours", "point_spread_fwhm_mm": None, "warnings": warnings}
     return summary
 
 

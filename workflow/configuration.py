@@ -73,6 +73,16 @@ class Configuration:
         """The surface file of a case's `lumen` or `post`; InputError with where to put it if it is not there."""
         return self._data_file(name, "lumen surface", f"{key}.path", self.cases[name][key]["path"])
 
+    def ct_files(self, name, door="lumen"):
+        """{volume, centreline: path} of the CT that a case gives as `lumen` or `post`; or {}."""
+        given = self.cases[name].get(door, {}).get("ct", {})
+        keys = {"volume": "path", "centreline": "centreline"}
+        return {
+            role: self._data_file(name, "CT volume" if role == "volume" else role, f"{door}.ct.{key}", given[key])
+            for role, key in keys.items()
+            if key in given
+        }
+
     def contour_files(self, name, door="lumen"):
         """{table: file} of the contours that a case gives as `lumen` or `post`, and of their centreline; or {}."""
         given = self.cases[name].get(door, {}).get("contours", {})
@@ -87,7 +97,7 @@ class Configuration:
         """The file of a path in a case's file; InputError with where to put it if it is not there."""
         given = pathlib.Path(path)
         file = self.data_folder / given.relative_to("data") if given.parts[0] == "data" else given
-        if not file.is_file():
+        if not file.exists():
             remedy = f"put it there (the case file says whence), or set VCI_DATA_DIR to the folder of {given.name}"
             raise InputError(f"{what} not found", f"{self.case_file(name)}, key {key}", file, remedy)
         return str(file)
@@ -106,7 +116,7 @@ class Configuration:
             if name not in self.cases:
                 raise InputError("no such case", where, name, f"one of {', '.join(self.cases)}")
             for key in ("lumen", "post"):
-                if key in self.cases[name] and not self.contour_files(name, key):
+                if key in self.cases[name] and not self.contour_files(name, key) and not self.ct_files(name, key):
                     self.lumen_file(name, key)
         return list(dict.fromkeys(names))
 

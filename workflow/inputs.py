@@ -54,8 +54,8 @@ class Inputs:
         return self.configuration.device_files(wildcards.case)
 
     def lumen(self, wildcards, key="lumen"):
-        """The lumen before the procedure: the generated one, the one lofted from contours, or the user's file; with the
-        key `post` that after it."""
+        """The lumen before the procedure: generated, made of contours or a CT, or the user's file; with the key `post`
+        that after it."""
         given = self.configuration.cases[wildcards.case].get(key)
         if given and "path" in given:
             return self.configuration.lumen_file(wildcards.case, key)
@@ -68,6 +68,9 @@ class Inputs:
         options = f"--units {given['units'] if 'path' in given else 'mm'}"
         if "inlet_point_mm" in given:
             options += " --inlet " + ",".join(map(str, given["inlet_point_mm"]))
+        if "ct" in given:
+            for option, point in _ct_ends(given["ct"]):
+                options += f" --{option} " + ",".join(map(str, point))
         for point in given.get("outlet_points_mm", ()):
             options += " --outlet " + ",".join(map(str, point))
         for point in given.get("cut_points_mm", ()):
@@ -80,6 +83,24 @@ class Inputs:
     def of_contours(self, key="lumen"):
         """Names of the cases whose lumen (or `post`) is given by intravascular contours."""
         return [name for name, case in self.configuration.cases.items() if "contours" in case.get(key, {})]
+
+    def of_ct(self, key="lumen"):
+        """Names of the cases whose lumen (or `post`) is found in a CT volume of the user's."""
+        return [name for name, case in self.configuration.cases.items() if "ct" in case.get(key, {})]
+
+    def ct(self, wildcards, key="lumen"):
+        """{volume, centreline: path} of a case's CT."""
+        return self.configuration.ct_files(wildcards.case, key)
+
+    def ct_options(self, wildcards, key="lumen"):
+        """Command-line options of `anatomy ct` for a case's volume and end points."""
+        given, files = self.configuration.cases[wildcards.case][key]["ct"], self.ct(wildcards, key)
+        options = [files["volume"]]
+        for option, point in _ct_ends(given):
+            options += [f"--{option}", *map(str, point)]
+        options += ["--series", given["series"]] if "series" in given else []
+        options += ["--centreline", files["centreline"]] if "centreline" in files else []
+        return shlex.join(options)
 
     def contours(self, wildcards, key="lumen"):
         """{table: file} of a case's contours."""
@@ -176,9 +197,14 @@ class Inputs:
         }
 
     def segmentations(self, wildcards):
-        """The segmentations of a case's CT volumes; empty where it has none."""
+        """What the making of a case's lumens of CT volumes or contours says of itself; empty where it has none."""
+        case = f"{self.results}/cases/{wildcards.case}"
+        if wildcards.case in self.of_ct():
+            return [f"{case}/source/segmentation.json"]
+        if wildcards.case in self.of_contours():
+            return [f"{case}/source/contours.json"]
         states = IMAGED if "ct" in self.states(wildcards.case) else ()
-        return [f"{self.results}/cases/{wildcards.case}/ct/{state}/segmentation.json" for state in states]
+        return [f"{case}/ct/{state}/segmentation.json" for state in states]
 
     def ends(self, wildcards):
         """The vessels' end points that a reader of the image would click: those of the state's own anatomy."""
@@ -207,6 +233,11 @@ class Inputs:
     def templates(self):
         """The page's parts that are not Python."""
         return sorted(str(file) for file in pathlib.Path("reports/page/templates").rglob("*") if file.is_file())
+
+
+def _ct_ends(given):
+    """(option, point) of the end points of a CT, the inlet first."""
+    return [("inlet", given["inlet_mm"]), *(("outlet", point) for point in given["outlets_mm"])]
 
 
 def test_results():

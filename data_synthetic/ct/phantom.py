@@ -12,11 +12,10 @@ from vtk.util.numpy_support import vtk_to_numpy
 
 from common import vtp
 from common.errors import InputError
+from common.volume import SIGMA_PER_FWHM, Image
 
 from .. import disease
-from .image import Image
 
-SIGMA_PER_FWHM = 1 / np.sqrt(8 * np.log(2))
 SLAB = 8  # voxel layers rendered at once; bounds the memory
 TISSUE_SAMPLES = 2  # per voxel edge; walls and plaque are smoother than the lumen's edge matters
 LARGEST_VOXELS = 60e6

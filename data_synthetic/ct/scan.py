@@ -5,19 +5,15 @@ import pathlib
 
 import numpy as np
 
-from common import config, schema, vtp
+from common import config, vtp
+from common import volume as image
 from common.errors import InputError
 from common.files import write_json
 
 from ..scene import load as load_scene
-from . import image, phantom, struts, vessel
+from . import phantom, struts, vessel
 
 SCHEMA = "vci-ct-1"
-
-
-def load_settings(path):
-    """Section `ct` from a YAML or JSON file, or its defaults."""
-    return config.load(path, "ct") if path else schema.with_defaults({}, schema.read("ct"))
 
 
 def run(lumen_path, out, settings_path=None, struts_path=None, scene_path=None, centreline_path=None):
@@ -25,7 +21,7 @@ def run(lumen_path, out, settings_path=None, struts_path=None, scene_path=None, 
 
     Struts: lines of struts_path, or the stents of a scene laid on this lumen along its centreline. Raises InputError.
     """
-    settings = load_settings(settings_path)["phantom"]
+    settings = config.load_section(settings_path, "ct")["phantom"]
     poly = vtp.read_triangles(lumen_path, "run the anatomy step first")
     found = vessel.from_surface(poly, lumen_path)
     pieces, source = None, "none"
@@ -35,7 +31,8 @@ def run(lumen_path, out, settings_path=None, struts_path=None, scene_path=None, 
         if not centreline_path:
             raise InputError("stents need the lumen's centreline", "--centreline", "missing", "give centreline.vtp")
         scene = load_scene(scene_path)
-        pieces = struts.of_scene(scene, poly, branches_of(centreline_path), scene_path)
+        lines = vtp.read_named_lines(centreline_path, "the anatomy's centreline.vtp")
+        pieces = struts.of_scene(scene, poly, lines, scene_path)
         source = "rings laid on the wall" if pieces else "none"
     metal = (pieces[0], pieces[1] * settings["strut_thickness_mm"] ** 2) if pieces else None
     volume = phantom.add_noise(phantom.render(found, settings, metal), settings)
@@ -49,8 +46,8 @@ def run(lumen_path, out, settings_path=None, struts_path=None, scene_path=None, 
 def sidecar(volume, settings, lumen_path, strut_source):
     """The JSON beside the volume: scanner, tissue, noise, and where it came from."""
     voxel = np.array(settings["voxel_mm"])
-    sigma = settings["psf_fwhm_mm"] * phantom.SIGMA_PER_FWHM
-    total = np.sqrt(sigma**2 + voxel**2 / 12) / phantom.SIGMA_PER_FWHM
+    sigma = settings["psf_fwhm_mm"] * image.SIGMA_PER_FWHM
+    total = np.sqrt(sigma**2 + voxel**2 / 12) / image.SIGMA_PER_FWHM
     return {
         "schema": SCHEMA,
         "modality": "CT",
@@ -65,13 +62,3 @@ def sidecar(volume, settings, lumen_path, strut_source):
         "struts": strut_source,
         "settings": settings,
     }
-
-
-def branches_of(path):
-    """{branch name: points (n, 3) mm} of a centreline.vtp."""
-    poly = vtp.read(path, "run the anatomy step first")
-    names = poly.GetCellData().GetAbstractArray("branch_name")
-    if poly.GetNumberOfLines() == 0 or names is None:
-        raise InputError("not a centreline", path, "no lines with branch_name", "give the anatomy's centreline.vtp")
-    points = vtp.points(poly)
-    return {names.GetValue(k): points[line] for k, line in enumerate(vtp.lines(poly))}

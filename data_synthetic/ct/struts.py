@@ -6,8 +6,8 @@ from scipy.interpolate import PchipInterpolator
 
 from common import vtp
 from common.errors import InputError
+from common.implicit.curves import Curve
 
-from ..curves import Curve
 
 RING_PITCH_MM = 1.3
 WAVE_MM = 0.45  # half the height of a ring's wave

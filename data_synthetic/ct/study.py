@@ -2,17 +2,23 @@
 
 import copy
 import csv
+import json
+import pathlib
+import subprocess
 import sys
+import tempfile
 import time
 
-import numpy as np
-
-from common import vtp
+from common import config, vtp
+from common import volume as image
 from common.errors import ComputationError, InputError
-from common.files import replacing
+from common.files import replacing, write_json
+from common.implicit import field, surface
 
-from .. import field, generate, patient, surface, tree
-from . import evaluate, image, phantom, scan, segment, struts, vessel
+from .. import generate, patient, tree
+from . import evaluate, phantom, struts, vessel
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 METHODS = ("psf_edge", "half_maximum", "threshold")
 STENT_LENGTH_MM, CROWNS, LINKS = 18.0, 8, 2
@@ -74,7 +80,7 @@ def run(cases, voxels_mm, seeds, out, methods=METHODS, settings_path=None):
 
     Raises InputError for a case that is not synthetic, voxels out of range or no seed.
     """
-    settings = scan.load_settings(settings_path)
+    settings = config.load_section(settings_path, "ct")
     bad = [v for v in voxels_mm if not 0.2 <= v <= 1]
     if bad:
         raise InputError("voxels out of range", "--voxels", bad[0], "0.2 to 1 mm")
@@ -102,21 +108,41 @@ def run(cases, voxels_mm, seeds, out, methods=METHODS, settings_path=None):
 
 
 def _rows(subject, clean, scanner, settings, methods, labels):
-    noisy = phantom.add_noise(clean, scanner)
-    noisy.values = np.clip(np.rint(noisy.values), image.LOWEST_HU, image.HIGHEST_HU)  # as stored
     rows = []
-    for method in methods:
-        row = dict(zip(COLUMNS, (*labels, method)), status="ok")
-        began = time.monotonic()
-        try:
-            found = segment.segment(noisy, subject.ends(), dict(settings["segmentation"], method=method))
-            points, triangles, _ = surface.build(found["field"], settings["segmentation"]["surface_spacing_mm"])
-            result = evaluate.compare(subject.surface, (points, triangles), subject.places, subject.extents)
-            row.update({key: round(value, 4) for key, value in result.items()})
-            row["point_spread_fwhm_mm"] = round(found["sigma_mm"] / phantom.SIGMA_PER_FWHM, 4)
-            row["warnings"] = " ".join(sorted({w["code"] for w in found["warnings"]}))
-        except ComputationError as error:
-            row["status"] = error.what
-        rows.append(row)
-        print(f"{' '.join(map(str, labels))} {method}: {time.monotonic() - began:.1f} s", file=sys.stderr)
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        image.write(phantom.add_noise(clean, scanner), folder / "ct.nii", "CT angiogram, synthetic")
+        ends = [{"name": name, "centre_mm": centre.tolist()} for name, centre in subject.ends()]
+        write_json(folder / "ends.json", {"ends": ends})
+        for method in methods:
+            row = dict(zip(COLUMNS, (*labels, method)), status="ok")
+            began = time.monotonic()
+            segmentation = dict(settings["segmentation"], method=method)
+            write_json(folder / "settings.json", dict(settings, segmentation=segmentation))
+            row.update(_found(folder, subject))
+            rows.append(row)
+            print(f"{' '.join(map(str, labels))} {method}: {time.monotonic() - began:.1f} s", file=sys.stderr)
     return rows
+
+
+def _found(folder, subject):
+    """The columns that a segmentation fills: by the command that a user runs, on the volume and end points in a folder.
+
+    Raises ComputationError where the command fails for another reason than what the image shows.
+    """
+    command = [sys.executable, "-m", "anatomy", "ct", folder / "ct.nii", "--ends", folder / "ends.json"]
+    command += ["--settings", folder / "settings.json", "--out", folder / "found"]
+    done = subprocess.run(list(map(str, command)), cwd=ROOT, capture_output=True, text=True)
+    errors = [line for line in done.stderr.splitlines() if line.startswith("error: ")]
+    if done.returncode == ComputationError.exit_code and errors:
+        return {"status": errors[0].removeprefix("error: ")}
+    if done.returncode != 0:
+        raise ComputationError("the segmentation failed", " ".join(map(str, command)), done.stderr[-2000:], "see above")
+    document = json.loads((folder / "found" / "segmentation.json").read_text())
+    found = vtp.arrays(vtp.read_triangles(folder / "found" / "lumen.vtp", ""))
+    result = evaluate.compare(subject.surface, found, subject.places, subject.extents)
+    return {
+        **{key: round(value, 4) for key, value in result.items()},
+        "point_spread_fwhm_mm": round(document["point_spread_fwhm_mm"], 4),
+        "warnings": " ".join(sorted({w["code"] for w in document["warnings"]})),
+    }

@@ -9,9 +9,9 @@ import numpy as np
 from common import config, schema, vtp
 from common.errors import InputError
 from common.files import write_json
+from common.implicit.field import LumenField, ends
 
 from .. import truth
-from ..field import LumenField, ends
 from ..scene import load as load_scene
 from . import deformation, devices, materials, output, own_error, refine, slices, straightening
 

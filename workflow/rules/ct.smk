@@ -32,7 +32,7 @@ rule ct_segment:
         image="results/cases/{case}/ct/{state}/ct.nii.gz",
         ends=INPUTS.ends,
         settings="results/cases/{case}/settings/ct.json",
-        code=code("data_synthetic", "data_synthetic.ct.segment"),
+        code=code("anatomy", "anatomy.ct.segment"),
     output:
         lumen="results/cases/{case}/ct/{state}/lumen.vtp",
         segmentation="results/cases/{case}/ct/{state}/segmentation.json",
@@ -45,5 +45,5 @@ rule ct_segment:
     params:
         out=output_folder,
     shell:
-        "workflow/run.sh {log} /usr/bin/python3 -m data_synthetic segment {input.image} --ends {input.ends}"
+        "workflow/run.sh {log} /usr/bin/python3 -m anatomy ct {input.image} --ends {input.ends}"
         " --settings {input.settings} --out {params.out}"

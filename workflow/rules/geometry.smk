@@ -59,6 +59,29 @@ rule contours:
         "workflow/run.sh {log} /usr/bin/python3 -m anatomy contours {params.options} --out {params.out}"
 
 
+rule ct_lumen:
+    message:
+        "{wildcards.case}: lumen in the CT"
+    input:
+        unpack(INPUTS.ct),
+        settings="results/cases/{case}/settings/ct.json",
+        code=code("anatomy", "anatomy.ct.segment"),
+    output:
+        surface="results/cases/{case}/source/lumen.vtp",
+        segmentation="results/cases/{case}/source/segmentation.json",
+    wildcard_constraints:
+        case="|".join(INPUTS.of_ct()) or "(?!)",
+    log:
+        "results/cases/{case}/logs/ct_lumen.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/ct_lumen.tsv"
+    params:
+        options=INPUTS.ct_options,
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m anatomy ct {params.options} --settings {input.settings} --out {params.out}"
+
+
 rule anatomy:
     message:
         "{wildcards.case}: lumen, centreline, sections, lesions"
@@ -129,6 +152,27 @@ use rule contours as post_contours with:
         "results/cases/{case}/benchmarks/post/contours.tsv"
     params:
         options=INPUTS.of_post(INPUTS.contour_options),
+        out=output_folder,
+
+
+use rule ct_lumen as post_ct_lumen with:
+    message:
+        "{wildcards.case}: lumen in the CT after the real procedure"
+    input:
+        unpack(INPUTS.of_post(INPUTS.ct)),
+        settings="results/cases/{case}/settings/ct.json",
+        code=code("anatomy", "anatomy.ct.segment"),
+    output:
+        surface="results/cases/{case}/post/source/lumen.vtp",
+        segmentation="results/cases/{case}/post/source/segmentation.json",
+    wildcard_constraints:
+        case="|".join(INPUTS.of_ct("post")) or "(?!)",
+    log:
+        "results/cases/{case}/logs/post/ct_lumen.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/post/ct_lumen.tsv"
+    params:
+        options=INPUTS.of_post(INPUTS.ct_options),
         out=output_folder,
 
 

@@ -1,5 +1,6 @@
 #include "app/arrays.hpp"
 #include <algorithm>
+#include <cmath>
 #include <vtkCell.h>
 #include <vtkCellLocator.h>
 #include <vtkDataArray.h>
@@ -31,6 +32,8 @@ void carry_plaque(const Mesh& mesh, vtkPolyData* input, vtkDataArray* thickness,
       if (weights[k] > weights[heaviest])
         heaviest = k;
     }
+    if (std::isnan(t))
+      continue; // the input does not know it here: what the narrowing says stays
     arrays.plaque_thickness_mm[v] = t / total;
     arrays.plaque_type[v] = static_cast<int>(type->GetTuple1(cell->GetPointId(heaviest)));
   }

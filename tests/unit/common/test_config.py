@@ -164,6 +164,9 @@ def test_vessel_and_lumen_exclude_each_other(edited):
         ("{units: mm, path: a.stl, contours: {lumen: b.csv}}", "path, contours"),
         ("{units: mm, contours: {lumen: b.csv}, inlet_point_mm: [0, 0, 0]}", "lumen.inlet_point_mm"),
         ("{units: mm, contours: {lumn: b.csv}}", "lumen.contours.lumn"),
+        ("{units: cm, ct: {path: a.nii, inlet_mm: [0, 0, 0], outlets_mm: [[9, 0, 0]]}}", "lumen.units"),
+        ("{units: mm, ct: {path: a.nii, inlet_mm: [0, 0, 0], outlets_mm: [[9, 0, 0]]}, label: 1}", "lumen.label"),
+        ("{units: mm, ct: {path: a.nii, inlet_mm: [0, 0, 0]}}", "outlets_mm"),
     ],
 )
 def test_a_lumen_is_given_in_one_way(tmp_path, lumen, expected):

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from common import vtp
-from data_synthetic.ct import image, scan
+from common import config, vtp
+from common import volume as image
 
 
 def settings(**changes):
     """Section `ct` with the phantom's keys replaced."""
-    found = scan.load_settings(None)
+    found = config.load_section(None, "ct")
     found["phantom"].update(changes)
     return found
 

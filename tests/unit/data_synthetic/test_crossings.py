@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from data_synthetic import crossings, field, surface
+from common.implicit import field, surface
+from data_synthetic import crossings
 
 TETRAHEDRON = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
 CORNERS = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])

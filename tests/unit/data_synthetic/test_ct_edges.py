@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from data_synthetic.ct import edges, stented
-from data_synthetic.curves import Curve
+from anatomy.ct import edges, stented
+from common.implicit.curves import Curve
 
 SIGMA = 0.31
 

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 import vtk
 
+from anatomy.ct import segment
 from common import vtp
 from common.errors import InputError
-from data_synthetic.ct import phantom, scan, segment, struts, vessel
+from data_synthetic.ct import phantom, struts, vessel
 
 
 def write_lines(path, lines, names=None):
@@ -54,7 +55,7 @@ def test_a_given_centreline_is_used_and_not_moved(ct_tubes, tmp_path):
     across = np.cross(direction, [0.0, 1.0, 0.0])
     across /= np.linalg.norm(across)
     line = np.linspace(0, 14, 57)[:, None] * direction + 0.2 * across
-    given = scan.branches_of(write_lines(tmp_path / "centreline.vtp", [line], ["main"]))
+    given = vtp.read_named_lines(write_lines(tmp_path / "centreline.vtp", [line], ["main"]), "")
     found = segment.segment(volume, ends, settings["segmentation"], given)
     tube = found["tubes"][0]
     away = tube.axis.points_mm - (tube.axis.points_mm @ direction)[:, None] * direction
@@ -68,4 +69,4 @@ def test_a_given_centreline_is_used_and_not_moved(ct_tubes, tmp_path):
 def test_a_centreline_without_names_is_refused(tmp_path):
     path = write_lines(tmp_path / "line.vtp", [[(0, 0, 0), (1, 0, 0)]])
     with pytest.raises(InputError, match="not a centreline"):
-        scan.branches_of(path)
+        vtp.read_named_lines(path, "")

@@ -3,11 +3,11 @@ import pytest
 from scipy.ndimage import distance_transform_edt
 from scipy.special import ndtr
 
-from common import schema, vtp
+from common import config, schema, vtp
 from common.errors import InputError
 from common.yaml_reader import read
 from data_synthetic import disease
-from data_synthetic.ct import phantom, scan, vessel
+from data_synthetic.ct import phantom, vessel
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +73,7 @@ def test_edge_lies_where_the_lumen_ends(wide):
 
 
 def test_tissue_behind_the_wall():
-    settings = scan.load_settings(None)["phantom"]
+    settings = config.load_section(None, "ct")["phantom"]
     depth = np.array([0.1, 0.6, 0.9, 1.8, 0.1, 0.1, 0.6])
     plaque = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0])
     fibrous, lipid, calcified, none = disease.FIBROUS, disease.LIPID, disease.CALCIFIED, disease.NONE
@@ -134,7 +134,7 @@ def test_bad_settings_are_refused_with_their_key(tmp_path, text, key):
     path = tmp_path / "ct.yaml"
     path.write_text(text + "\n")
     with pytest.raises(InputError) as caught:
-        scan.load_settings(path)
+        config.load_section(path, "ct")
     assert key.split(".")[-1] in str(caught.value)
 
 

@@ -3,11 +3,14 @@ import json
 import numpy as np
 import pytest
 
+from anatomy import __main__ as anatomy
+from anatomy.ct import paths, segment
+from common import volume as image
 from common import vtp
 from common.errors import ComputationError, InputError
+from common.implicit import surface
 from data_synthetic import __main__ as command
-from data_synthetic import surface
-from data_synthetic.ct import evaluate, image, paths, phantom, scan, segment, struts, study, vessel
+from data_synthetic.ct import evaluate, phantom, scan, struts, study, vessel
 
 ENDS = {"inlet": 0.0, "outlet1": 14.0}
 
@@ -151,7 +154,7 @@ def test_commands_from_a_lumen_to_a_lumen_and_the_same_bits(ct_tubes, tmp_path, 
     for turn in ("a", "b"):
         out = tmp_path / turn
         command.main(["phantom", str(tmp_path / "lumen.vtp"), "--out", str(out)])
-        command.main(["segment", str(out / "ct.nii.gz"), "--ends", str(tmp_path / "ends.json"), "--out", str(out)])
+        anatomy.main(["ct", str(out / "ct.nii.gz"), "--ends", str(tmp_path / "ends.json"), "--out", str(out)])
     for name in ("ct.nii.gz", "ct.json", "lumen.vtp", "segmentation.json"):
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
     document = json.loads((tmp_path / "a" / "segmentation.json").read_text())
@@ -181,8 +184,8 @@ def test_bad_end_points_are_refused_with_their_key(tmp_path, capsys):
     cases = [(name, key) for name, (_, key) in wrong.items()] + [("one.json", "ends"), ("list.json", "ends")]
     for name, key in cases:
         with pytest.raises(SystemExit) as caught:
-            arguments = ["segment", tmp_path / "ct.nii", "--ends", tmp_path / name, "--out", tmp_path / "out"]
-            command.main([str(a) for a in arguments])
+            arguments = ["ct", tmp_path / "ct.nii", "--ends", tmp_path / name, "--out", tmp_path / "out"]
+            anatomy.main([str(a) for a in arguments])
         assert caught.value.code == 2 and key in capsys.readouterr().err
         assert not (tmp_path / "out").exists()
 

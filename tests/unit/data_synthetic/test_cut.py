@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from common import vtp
-from data_synthetic import cut, field, surface
+from common.implicit import cut, field, surface
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from data_synthetic import field
+from common.implicit import field
 
 
 def test_smooth_minimum_is_below_by_at_most_a_quarter_width():

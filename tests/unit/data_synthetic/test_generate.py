@@ -9,7 +9,8 @@ from vtk.util.numpy_support import vtk_to_numpy
 from common import vtp
 from common.errors import InputError
 from data_synthetic import __main__ as command
-from data_synthetic import disease, field, generate, surface, tree, truth
+from common.implicit import field, surface
+from data_synthetic import disease, generate, tree, truth
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 CASE = ROOT / "config/cases/quick_branch.yaml"

@@ -5,7 +5,7 @@ import pytest
 
 from common import schema
 from common.errors import ComputationError
-from data_synthetic import field, surface
+from common.implicit import field, surface
 from data_synthetic.reference import deformation, devices, materials, output, refine, slices, straightening
 
 THETA = 2 * np.pi * np.arange(48) / 48

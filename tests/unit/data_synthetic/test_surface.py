@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from common.errors import ComputationError
-from data_synthetic import field, surface
+from common.implicit import field, surface
 
 
 @pytest.fixture(scope="module")

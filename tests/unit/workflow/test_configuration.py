@@ -138,6 +138,31 @@ lumen:
     assert inputs.lumen_options(wildcards) == "--units mm --extend-outlets 4"
 
 
+def test_a_ct_reaches_the_command_with_its_ends(folder, tmp_path):
+    case = """
+kind: surface
+description: an angiogram
+patient: {lvm_g: 150, sbp_mmhg: 120, dbp_mmhg: 80}
+lumen:
+  units: mm
+  ct: {path: data/series, series: 1.2.3, inlet_mm: [-1, 2, 3], outlets_mm: [[4, 5, -6], [7, 8, 9]]}
+"""
+    (folder / "cases/own.yaml").write_text(case)
+    with pytest.raises(InputError, match="lumen.ct.path"):
+        Configuration(folder, tmp_path).selected("real", "own")
+    (tmp_path / "series").mkdir()
+    inputs = Inputs(Configuration(folder, tmp_path))
+    wildcards = SimpleNamespace(case="own")
+    options = anatomy_parser().parse_args(["ct", *shlex.split(inputs.ct_options(wildcards)), "--out", "x"])
+    assert options.volume == tmp_path / "series" and options.series == "1.2.3"
+    assert options.inlet == [-1, 2, 3] and options.outlet == [[4, 5, -6], [7, 8, 9]]
+    assert inputs.of_ct() == ["own"] and inputs.lumen(wildcards).endswith("own/source/lumen.vtp")
+    assert inputs.lumen_options(wildcards) == "--units mm --inlet -1,2,3 --outlet 4,5,-6 --outlet 7,8,9"
+    assert inputs.segmentations(wildcards) == ["results/cases/own/source/segmentation.json"]
+    wildcards.case = "ivus_plaque"
+    assert inputs.segmentations(wildcards) == ["results/cases/ivus_plaque/source/contours.json"]
+
+
 def test_devices_of_a_plan(folder):
     found = Configuration(folder)
     listed = [file.rsplit("/", 1)[1] for file in found.device_files("quick_focal")]

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from common import schema
-from data_synthetic import calibre, crossings, field, surface, tree
+from common.implicit import field, surface
+from data_synthetic import calibre, crossings, tree
 
 SEEDS = 50
 SPACING_MM = 0.3

@@ -9,7 +9,8 @@ import pytest
 from scipy.optimize import brentq
 
 from common import schema
-from data_synthetic import calibre, field, surface, tree
+from common.implicit import field, surface
+from data_synthetic import calibre, tree
 from data_synthetic.ct import evaluate
 
 FIELD_TOLERANCE = 3e-3  # radii between samples of 0.1 mm, where taper sets in with a kink

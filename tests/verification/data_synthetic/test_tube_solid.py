@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from data_synthetic.curves import Curve
+from common.implicit.curves import Curve
 from data_synthetic.reference.slice_model import SliceModel
 from data_synthetic.reference.tube_mesh import Tube
 from data_synthetic.reference.tube_model import TubeModel

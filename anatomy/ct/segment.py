@@ -6,20 +6,20 @@ import sys
 
 import numpy as np
 
-from common import vtp
+from common import config, vtp
 from common.errors import ComputationError, InputError
 from common.files import write_json
+from common.implicit import surface
+from common.volume import SIGMA_PER_FWHM
 
-from .. import surface
-from . import edges, image, paths, warnings
-from .phantom import SIGMA_PER_FWHM
-from .scan import branches_of, load_settings
+from . import calcium, edges, paths, volumes, warnings
 from .tubes import LevelField, Tube, TubeField
 
 SCHEMA = "vci-segmentation-1"
 CENTRINGS = 3
 USUAL_FWHM_MM = 0.7
 CLOSEST_MM = 1.0  # two end points
+MARGIN_MM = 30.0  # of the part of the volume that is looked at round the end points: vessels bow out between them
 
 
 def load_ends(path):
@@ -34,15 +34,22 @@ def load_ends(path):
     entries = document.get("ends") if isinstance(document, dict) else None
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
         raise InputError("no end points", f"{path}: ends", "none", "ends [{name, centre_mm}], the inlet first")
-    if len(entries) < 2:
-        raise InputError("too few end points", f"{path}: ends", len(entries), "the inlet first, then each outlet")
+    return checked_ends(
+        [(entry.get("name", f"end{k}"), entry.get("centre_mm")) for k, entry in enumerate(entries, 1)], path
+    )
+
+
+def checked_ends(given, where):
+    """[(name, centre (3,))] of pairs of name and point. Raises InputError for what is no point, or names one twice."""
     found = []
-    for number, entry in enumerate(entries, start=1):
-        centre, key = entry.get("centre_mm"), f"{path}: ends[{number}]"
+    if len(given) < 2:
+        raise InputError("too few end points", f"{where}: ends", len(given), "the inlet first, then each outlet")
+    for number, (name, centre) in enumerate(given, start=1):
+        key = f"{where}: ends[{number}]"
         good = isinstance(centre, list) and len(centre) == 3 and all(type(x) in (int, float) for x in centre)
         if not good or not np.all(np.isfinite(centre)):
             raise InputError("not a point", f"{key}.centre_mm", centre, "three numbers, mm")
-        name, centre = str(entry.get("name", f"end{number}")), np.array(centre, float)
+        name, centre = str(name), np.array(centre, float)
         if name in [other for other, _ in found]:
             raise InputError("two end points of one name", f"{key}.name", name, "a name for each")
         near = [other for other, place in found if np.linalg.norm(place - centre) < CLOSEST_MM]
@@ -53,20 +60,28 @@ def load_ends(path):
     return found
 
 
-def run(image_path, ends_path, out, settings_path=None, centreline_path=None):
-    """Writes `out`/lumen.vtp and `out`/segmentation.json; returns the document.
+def run(image_path, ends, out, settings_path=None, centreline_path=None, series=None):
+    """Writes `out`/lumen.vtp (with calcium as plaque) and `out`/segmentation.json; returns the document.
 
-    The centreline comes from the image and the end points, or from centreline_path where the user gives one (then it is
-    not moved). Raises InputError, or ComputationError where the contrast is interrupted.
+    image_path, series: as volumes.read; ends: [(name, centre (3,))], the inlet first, in the volume's own coordinates,
+    which the surface has too. The centreline comes from the image and the end points, or from centreline_path where the
+    user gives one (then it is not moved). Raises InputError, or ComputationError where the contrast is interrupted.
     """
-    settings = load_settings(settings_path)["segmentation"]
-    volume, ends = image.read(image_path), load_ends(ends_path)
+    settings = config.load_section(settings_path, "ct")["segmentation"]
+    volume = volumes.read(image_path, series)
+    given = vtp.read_named_lines(centreline_path, "the anatomy's centreline.vtp") if centreline_path else None
+    inside = [(name, volume.to_image(centre)) for name, centre in ends]
+    given = {name: volume.to_image(points) for name, points in given.items()} if given else None
+    image = volume.image.cropped(np.array([centre for _, centre in inside]), MARGIN_MM)
     print("finding the centreline", file=sys.stderr)
-    given = branches_of(centreline_path) if centreline_path else None
-    found = segment(volume, ends, settings, given)
-    points, triangles, _ = surface.build(found["field"], settings["surface_spacing_mm"])
-    document = _document(found, settings, pathlib.Path(image_path).name, bool(given))
-    vtp.write(pathlib.Path(out) / "lumen.vtp", vtp.surface(points, triangles))
+    found = segment(image, inside, settings, given)
+    points, triangles, on_cap = surface.build(found["field"], settings["surface_spacing_mm"])
+    thickness, kind = calcium.behind(points, image.interpolator(), found, found["profiles"])
+    poly = vtp.surface(volume.to_patient(points), triangles)
+    vtp.add_array(poly.GetPointData(), "plaque_thickness_mm", np.where(on_cap, 0.0, thickness))
+    vtp.add_array(poly.GetPointData(), "plaque_type", np.where(on_cap, calcium.NONE, kind).astype(np.int32))
+    document = _document(found, settings, pathlib.Path(image_path).name, bool(given), volume)
+    vtp.write(pathlib.Path(out) / "lumen.vtp", poly)
     write_json(pathlib.Path(out) / "segmentation.json", document)
     for warning in document["warnings"]:
         print(f"warning: {warning['message']}", file=sys.stderr)
@@ -90,7 +105,7 @@ def _given_lines(given, ends):
 def segment(volume, ends, settings, given=None):
     """The lumen in an image: dict of field, tubes, profiles and levels.
 
-    volume: Image; ends: [(name, centre (3,))], the inlet first; given: {branch: points (n, 3)} or None.
+    volume: common.volume.Image; ends: [(name, centre (3,))], the inlet first; given: {branch: points (n, 3)} or None.
     """
     lines = _given_lines(given, ends) if given else paths.find(volume, ends)
     at, blood = volume.interpolator(), paths.blood_hu(volume, lines[0].axis.points_mm[0])
@@ -128,6 +143,7 @@ def segment(volume, ends, settings, given=None):
         "lines": lines,
         "tubes": result,
         "replaced": replaced,
+        "profiles": profiles,
         "ends": ends,
         "blood_hu": blood,
         "tissue_hu": float(np.median(tissue[0])),
@@ -198,7 +214,7 @@ def _centred(tube, parent):
     return paths.smoothed(points, 0.04)
 
 
-def _document(found, settings, image_name, given):
+def _document(found, settings, image_name, given, volume):
     branches = []
     for line, tube, bad in zip(found["lines"], found["tubes"], found["replaced"]):
         branches.append(
@@ -209,7 +225,7 @@ def _document(found, settings, image_name, given):
                 "length_mm": tube.axis.length_mm,
                 "replaced_rays_percent": float(100 * bad.mean()),
                 "s_mm": tube.s_mm.round(4).tolist(),
-                "points_mm": tube.axis.point(tube.s_mm).round(4).tolist(),
+                "points_mm": volume.to_patient(tube.axis.point(tube.s_mm)).round(4).tolist(),
                 "equivalent_radius_mm": tube.radius(tube.s_mm).round(5).tolist(),
             }
         )
@@ -223,7 +239,7 @@ def _document(found, settings, image_name, given):
         "threshold_hu": found["level_hu"],
         "point_spread_fwhm_mm": found["sigma_mm"] / SIGMA_PER_FWHM,
         "settings": settings,
-        "ends": [{"name": name, "centre_mm": centre.tolist()} for name, centre in found["ends"]],
+        "ends": [{"name": name, "centre_mm": volume.to_patient(centre).tolist()} for name, centre in found["ends"]],
         "branches": branches,
         "warnings": found["warnings"],
     }

@@ -9,8 +9,8 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from common.errors import ComputationError, InputError
+from common.implicit.curves import Curve
 
-from ..curves import Curve
 
 SEED_RADIUS_MM = 0.6
 # Shares of the blood's CT number: above the first a voxel may be crossed, above the second it counts as lumen.

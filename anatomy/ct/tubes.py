@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
 
-from ..field import BAND_MM, LumenField
+from common.implicit.field import BAND_MM, LumenField
 
 
 class Tube:

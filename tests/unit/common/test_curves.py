@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from data_synthetic.curves import Curve, integrate
+from common.implicit.curves import Curve, integrate
 
 
 @pytest.fixture

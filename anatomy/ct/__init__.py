@@ -1,0 +1,1 @@
+"""CT angiograms in, lumen surface with calcium out."""

@@ -1,0 +1,170 @@
+"""CT volumes as scanners and archives hand them on: NIfTI files and DICOM series, in any orientation."""
+
+import pathlib
+from dataclasses import dataclass
+
+import nibabel
+import numpy as np
+import pydicom
+
+from common.errors import InputError
+from common.volume import Image
+
+SKEW = 1e-3  # cosine between two voxel axes: a tilted gantry's are far above it
+UNEVEN = 0.02  # of the slices' distance
+FEWEST_SLICES = 10  # of a series that can hold a vessel: scouts and dose reports have fewer
+AIR_AND_FAT_HU = 0.0  # a hundredth of the voxels round any heart are below water
+LENGTHS = {"meter": 1000.0, "mm": 1.0, "micron": 0.001, "unknown": 1.0}
+
+
+@dataclass
+class Volume:
+    """A CT volume: image, along its own voxel axes in mm, and how it lies in the patient.
+
+    rotation (3, 3): patient's coordinates = rotation @ the image's.
+    """
+
+    image: Image
+    rotation: np.ndarray
+
+    def to_image(self, points):
+        """Points (..., 3) of the patient in the image's coordinates."""
+        return np.asarray(points, float) @ self.rotation
+
+    def to_patient(self, points):
+        """Points (..., 3) of the image in the patient's coordinates."""
+        return np.asarray(points, float) @ self.rotation.T
+
+
+def read(path, series=None):
+    """The Volume of a NIfTI file (coordinates as its header has them, right-anterior-superior) or of a folder of DICOM
+    files (the patient's, left-posterior-superior). series: the UID of which, where the folder has several.
+
+    Raises InputError for what is no volume of CT numbers in one piece.
+    """
+    path = pathlib.Path(path)
+    if path.is_dir():
+        values, affine = _dicom(path, series)
+    elif path.is_file():
+        values, affine = _nifti(path)
+    else:
+        raise InputError("no such CT volume", path, "missing", "a NIfTI file, or a folder with a DICOM series")
+    if not np.isfinite(values).all():
+        raise InputError(
+            "a CT number is not finite", path, f"{int((~np.isfinite(values)).sum())} voxels", "export it again"
+        )
+    lowest = float(np.percentile(values[::2, ::2, ::2], 1))
+    if lowest > AIR_AND_FAT_HU:
+        remedy = "CT numbers in HU: the rescale intercept (often -1024) is missing, or it is no CT"
+        raise InputError("no CT numbers", path, f"a hundredth of the voxels below {lowest:.0f} only", remedy)
+    return _along_axes(values, affine, path)
+
+
+def _along_axes(values, affine, path):
+    """Volume of values and the affine (4, 4) from voxel numbers to mm; turned over until its axes are right-handed and
+    as near to the patient's as they can be, which moves no voxel."""
+    spacing = np.linalg.norm(affine[:3, :3], axis=0)
+    if not (spacing > 0).all() or not np.isfinite(affine).all():
+        raise InputError("the volume has no place in space", path, affine[:3].tolist(), "export it with one")
+    axes = affine[:3, :3] / spacing
+    if np.abs(axes.T @ axes - np.eye(3)).max() > SKEW:
+        remedy = "resample it to a rectangular grid: the gantry was tilted"
+        raise InputError("the voxel axes are not at right angles", path, np.round(axes, 4).tolist(), remedy)
+    order = nibabel.orientations.io_orientation(affine)
+    turned = nibabel.orientations.apply_orientation(values, order)
+    affine = affine @ nibabel.orientations.inv_ornt_aff(order, values.shape)
+    spacing = np.linalg.norm(affine[:3, :3], axis=0)
+    rotation = np.linalg.qr(affine[:3, :3] / spacing)[0]  # the nearest exact rotation, but for signs
+    rotation *= np.sign((rotation * affine[:3, :3]).sum(axis=0))
+    if np.abs(rotation - np.eye(3)).max() < 1e-4:
+        rotation = np.eye(3)
+    # The header holds 32-bit numbers; a nanometre is more than they carry.
+    origin = np.round(rotation.T @ affine[:3, 3], 6)
+    return Volume(Image(np.ascontiguousarray(turned), origin, np.round(spacing, 6)), rotation)
+
+
+def _nifti(path):
+    try:
+        found = nibabel.load(path)
+        if not isinstance(found, nibabel.Nifti1Image):
+            raise InputError("not a NIfTI volume", path, type(found).__name__, "a file .nii or .nii.gz")
+        values = found.get_fdata(dtype=np.float32)
+    except (nibabel.filebasedimages.ImageFileError, nibabel.spatialimages.HeaderDataError) as error:
+        raise InputError(
+            "not a NIfTI volume", path, path.suffix, "a file .nii or .nii.gz, or a DICOM folder"
+        ) from error
+    except (OSError, EOFError, ValueError) as error:
+        raise InputError("the volume is cut off or damaged", path, error, "copy or export it again") from error
+    values = values[..., 0] if values.ndim == 4 and values.shape[3] == 1 else values
+    if values.ndim != 3 or min(values.shape) < 2:
+        raise InputError(
+            "not a volume of one CT number a voxel", path, list(values.shape), "one phase, three dimensions"
+        )
+    header = found.header
+    if header["sform_code"] == 0 and header["qform_code"] == 0:
+        raise InputError("the volume has no place in space", f"{path}: qform, sform", "absent", "export it with one")
+    scale = np.diag([LENGTHS[header.get_xyzt_units()[0]]] * 3 + [1.0])
+    return values, scale @ found.affine
+
+
+def _dicom(folder, wanted):
+    """(values (nx, ny, nz) in HU, affine (4, 4)) of the one series of a folder."""
+    by_series = {}
+    for file in sorted(file for file in folder.rglob("*") if file.is_file()):
+        try:
+            head = pydicom.dcmread(file, stop_before_pixels=True)
+        except (pydicom.errors.InvalidDicomError, OSError):
+            continue
+        if "SeriesInstanceUID" in head and "ImagePositionPatient" in head and "Rows" in head:
+            by_series.setdefault(str(head.SeriesInstanceUID), []).append((file, head))
+        elif int(head.get("NumberOfFrames", 1)) > 1:
+            remedy = "convert it to NIfTI (dcm2niix)"
+            raise InputError("one file with many frames is not read", file, f"{head.NumberOfFrames} frames", remedy)
+    found = {uid: slices for uid, slices in by_series.items() if len(slices) >= FEWEST_SLICES}
+    if wanted is not None:
+        found = {uid: slices for uid, slices in found.items() if uid == wanted}
+    if len(found) != 1:
+        names = [f"{uid} ({s[0][1].get('SeriesDescription', '')}, {len(s)} images)" for uid, s in by_series.items()]
+        remedy = f"a folder with one series of {FEWEST_SLICES} images or more, or its UID as series"
+        what = (
+            "several series in the folder" if found else "no such series" if wanted else "no DICOM series in the folder"
+        )
+        raise InputError(what, folder, "; ".join(names) or "none", remedy)
+    return _stacked(next(iter(found.values())), folder)
+
+
+def _stacked(slices, folder):
+    heads = [head for _, head in slices]
+    if heads[0].get("Modality") != "CT":
+        raise InputError("not a CT series", folder, heads[0].get("Modality"), "a CT angiogram")
+    geometry = [(*map(float, h.ImageOrientationPatient), *map(float, h.PixelSpacing), h.Rows, h.Columns) for h in heads]
+    if np.ptp(np.array(geometry, float), axis=0).max() > 1e-3:
+        raise InputError("the images of the series differ in size or direction", folder, "", "one reconstruction")
+    along_row, along_column = np.array(geometry[0][:3]), np.array(geometry[0][3:6])
+    normal = np.cross(along_row, along_column)
+    place = np.array([[float(x) for x in h.ImagePositionPatient] for h in heads])
+    order = np.argsort(place @ normal)
+    place, steps = place[order], np.diff((place @ normal)[order])
+    if steps.min() < 1e-3:
+        value = f"{int((steps < 1e-3).sum()) + 1} images at one place"
+        raise InputError("several images of one slice", folder, value, "a folder with one phase of the heart")
+    if np.ptp(steps) > UNEVEN * np.median(steps):
+        at = int(np.abs(steps - np.median(steps)).argmax())
+        value = f"{steps[at]:.3f} mm after image {at + 1}, else {np.median(steps):.3f} mm"
+        raise InputError("the slices are not evenly apart", folder, value, "the whole series: an image is missing")
+    values = np.stack([_pixels(slices[k][0]).T for k in order], axis=2)
+    affine = np.eye(4)
+    rows_apart, columns_apart = geometry[0][6:8]
+    affine[:3, 0], affine[:3, 1] = along_row * columns_apart, along_column * rows_apart
+    affine[:3, 2], affine[:3, 3] = (place[-1] - place[0]) / (len(place) - 1), place[0]
+    return values, affine
+
+
+def _pixels(file):
+    """CT numbers (rows, columns) of one image."""
+    image = pydicom.dcmread(file)
+    try:
+        values = image.pixel_array.astype(np.float32)
+    except Exception as error:  # pydicom's decoders raise whatever their libraries do
+        raise InputError("the image cannot be decoded", file, error, "decompress it (gdcmconv --raw)") from error
+    return values * np.float32(image.get("RescaleSlope", 1)) + np.float32(image.get("RescaleIntercept", 0))
