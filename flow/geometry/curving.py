@@ -5,7 +5,6 @@ import dataclasses
 import numpy as np
 
 from flow.geometry import tet10
-from flow.geometry.smooth_surface import edge_middles
 
 SMALLEST_RATIO = 0.15  # least det J over the mean det J of an element that stays curved
 
@@ -22,13 +21,7 @@ class QuadraticMesh:
     straightened_edges: int
 
 
-def curve(surface, points, tetrahedra):
-    """QuadraticMesh from linear tetrahedra whose first vertices are the surface's."""
-    edges, side = surface.edges()
-    return curve_with(surface.triangles, surface.region, points, tetrahedra, edges, edge_middles(surface, edges, side))
-
-
-def curve_with(boundary, region, points, tetrahedra, edges, middles_of_edges):
+def curve(boundary, region, points, tetrahedra, edges, middles_of_edges):
     """QuadraticMesh from linear tetrahedra, the middle points (e, 3) of some of its edges (e, 2) given.
 
     boundary (f, 3), region (f,): the triangles of wall and caps. Given middles of elements whose Jacobian would get too
@@ -83,13 +76,13 @@ def quality(mesh, swept):
     Jacobian alone.
     """
     corners = mesh.points[mesh.tetrahedra[~swept, :4]]
-    gamma = _gamma(corners) if len(corners) else None
+    found = gamma(corners) if len(corners) else None
     lower, upper = tet10.jacobian_bounds(mesh.points[mesh.tetrahedra])
     ratio = lower / upper
     return {
-        "gamma_min": float(gamma.min()) if len(corners) else None,
-        "gamma_1_percent": float(np.percentile(gamma, 1)) if len(corners) else None,
-        "gamma_mean": float(gamma.mean()) if len(corners) else None,
+        "gamma_min": float(found.min()) if len(corners) else None,
+        "gamma_1_percent": float(np.percentile(found, 1)) if len(corners) else None,
+        "gamma_mean": float(found.mean()) if len(corners) else None,
         "jacobian_ratio_min": float(ratio.min()),
         "jacobian_ratio_min_swept": float(ratio[swept].min()) if swept.any() else None,
         "jacobian_min_mm3": float(lower.min()),
@@ -98,7 +91,7 @@ def quality(mesh, swept):
     }
 
 
-def _gamma(corners):
+def gamma(corners):
     """3 r_in / r_circ of tetrahedra (t, 4, 3); 1 for the regular one, 0 or below for a flat or inverted one."""
     a, b, c = (corners[:, k] - corners[:, 0] for k in (1, 2, 3))
     six_volume = np.einsum("ij,ij->i", a, np.cross(b, c))

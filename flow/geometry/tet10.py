@@ -18,6 +18,14 @@ def six_volumes(points, tetrahedra):
     return np.einsum("ij,ij->i", b - a, np.cross(c - a, d - a))
 
 
+def positive(points, tetrahedra):
+    """The tetrahedra (t, 4) with positive volume by orientation (swaps two corners where it is negative)."""
+    negative = six_volumes(points, tetrahedra) < 0
+    tetrahedra = tetrahedra.copy()
+    tetrahedra[negative] = tetrahedra[negative][:, [0, 2, 1, 3]]
+    return tetrahedra
+
+
 def basis(lam):
     """Basis functions (..., 10) at barycentric coordinates lam (..., 4)."""
     return np.concatenate([lam * (2 * lam - 1), 4 * lam[..., EDGES[:, 0]] * lam[..., EDGES[:, 1]]], axis=-1)

@@ -1,32 +1,35 @@
 """Volume mesh of a tree: swept lattices in its tubes, Delaunay tetrahedra in its junctions, conforming.
 
 Spans (meshing.sweep.laying) are laid first; the wall that they leave is zipped to their end rings
-(meshing.sweep.stitch) and, with the end discs, closes the junctions, which gmsh fills. An end that cannot be stitched
-moves half a radius into its span.
+(meshing.sweep.stitch) and, with the end discs, closes the junctions, which gmsh fills. Where a junction cannot be
+stitched, filled, or filled without slivers, its ends move into their spans.
 """
 
 import dataclasses
+import sys
 
 import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from common.errors import ComputationError
-from flow.geometry import smooth_surface
+from flow.geometry import smooth_surface, tet10
 from flow.meshing import volume_mesh
 from flow.geometry.surface import WALL, Surface
 from flow.meshing.sweep import disc as disc_module
 from flow.meshing.sweep import laying, section, stitch
 
-MOVE_RADII = 0.5  # by which an end moves into its span when it cannot be stitched
-TRIES = 8
+MOVE_RADII = 0.25  # by which the ends of a junction move into their spans when it cannot be filled
+TRIES = 12
 DISC_REGION = 1000  # regions of the end discs while a junction is filled
 
 
 @dataclasses.dataclass
 class Linear:
-    """Conforming linear tetrahedra: points (n, 3), tetrahedra (t, 4), swept (t,) bool; boundary (f, 3), region (f,);
-    edges (e, 2) whose middles (e, 3) are known; spans [{branch, from_mm, to_mm, stations}]."""
+    """Conforming linear tetrahedra of positive volume: points (n, 3), tetrahedra (t, 4), swept (t,) bool; boundary
+    (f, 3), region (f,); edges (e, 2) whose middles (e, 3) are known; spans [{branch, from_mm, to_mm, stations}];
+    moved [str]: which of their ends moved, and why.
+    """
 
     points: np.ndarray
     tetrahedra: np.ndarray
@@ -36,20 +39,19 @@ class Linear:
     edges: np.ndarray
     middles: np.ndarray
     spans: list
+    moved: list
 
 
 class NoSpans(Exception):
     """No stretch of the tree can be swept."""
 
 
-def build(surface, tree, sizes, settings, rings, coarsening=1.0, shorter=0.0):
-    """Linear mesh of `surface`, every end of a span that is not at a cap moved inwards by `shorter` radii. Raises
-    NoSpans, or ComputationError where a junction cannot be filled."""
+def build(surface, tree, sizes, settings, rings, coarsening=1.0):
+    """Linear mesh of `surface`. Raises NoSpans where junctions cannot be filled wherever the spans end."""
     slicer = section.Slicer(surface)
     disc = disc_module.make(rings, settings.wall_layers)
     found = laying.find(surface, tree, slicer, disc)
-    free = {(number, k) for number, span in enumerate(found) for k in (0, 1) if span.caps[k] is None}
-    found = laying.moved(found, free, shorter)
+    moved = []
     for _ in range(TRIES):
         for span in found:
             if span.lattice is None:
@@ -58,13 +60,16 @@ def build(surface, tree, sizes, settings, rings, coarsening=1.0, shorter=0.0):
         if not found:
             raise NoSpans("no stretch between branches is long, round and even enough")
         try:
-            return _assemble(surface, slicer, found, disc, sizes)
+            return _assemble(surface, slicer, found, disc, sizes, moved)
         except stitch.StitchError as error:
+            places = ", ".join(f"{found[n].axis.branch.name} {found[n].at(k):.1f} mm" for n, k in sorted(error.ends))
+            moved.append(f"{places}: {error}")
+            print(f"ends of swept stretches move: {moved[-1]}", file=sys.stderr, flush=True)
             found = laying.moved(found, error.ends, MOVE_RADII)
-    raise NoSpans("the spans' ends could not be stitched to the wall")
+    raise NoSpans(f"junctions could not be filled wherever the swept stretches end: {moved[-1]}")
 
 
-def _assemble(surface, slicer, found, disc, sizes):
+def _assemble(surface, slicer, found, disc, sizes, moved):
     """Linear mesh of the spans and the junctions between them. Raises StitchError."""
     parts = _Parts(surface, slicer)
     ends, cuts = [], []
@@ -85,7 +90,7 @@ def _assemble(surface, slicer, found, disc, sizes):
         parts.junctions(kept, ends, found, sizes)
     elif len(kept):
         raise stitch.StitchError("wall is left over", [])
-    return parts.finish(found)
+    return parts.finish(found, moved)
 
 
 @dataclasses.dataclass
@@ -158,8 +163,14 @@ class _Parts:
             number = DISC_REGION + 2 * key[0] + key[1]
             tags += [np.full(len(strip), WALL), np.full(len(disc_faces), number)]
         faces, tags = np.concatenate(faces), np.concatenate(tags)
+        failed = []
         for piece in _pieces(faces):
-            self._fill(points, normals, faces[piece], tags[piece], sizes)
+            try:
+                self._fill(points, normals, faces[piece], tags[piece], sizes)
+            except stitch.StitchError as error:  # all that fail are known before any end moves
+                failed.append(error)
+        if failed:
+            raise stitch.StitchError("; ".join(map(str, failed)), [key for error in failed for key in error.ends])
 
     def _fill(self, points, normals, faces, tags, sizes):
         used, local = np.unique(faces, return_inverse=True)
@@ -171,10 +182,9 @@ class _Parts:
         if closed.volume_mm3() <= 0:
             raise stitch.StitchError("a junction is inside out", keys)
         try:
-            spacing = max(0.25, float(sizes.size.min()))
-            filled, tetrahedra = volume_mesh.fill(closed, sizes, spacing_mm=spacing)
+            filled, tetrahedra = volume_mesh.fill(closed, sizes)
         except ComputationError as error:
-            raise stitch.StitchError(str(error), keys) from error
+            raise stitch.StitchError(f"{error.what}, {error.value}", keys) from error
         first = self.add(filled[len(used) :])
         number = np.concatenate([used, first + np.arange(len(filled) - len(used))])
         self.tetrahedra.append(number[tetrahedra])
@@ -189,7 +199,7 @@ class _Parts:
         self.edges.append(used[edges[chosen]])
         self.middles.append(smooth_surface.edge_middles(closed, edges, side, normals[used])[chosen])
 
-    def finish(self, found):
+    def finish(self, found, moved):
         """Linear mesh without unused points."""
         points, tetrahedra = np.concatenate(self.points), np.concatenate(self.tetrahedra)
         used, local = np.unique(tetrahedra, return_inverse=True)
@@ -206,13 +216,14 @@ class _Parts:
         ]
         return Linear(
             points[used],
-            local.reshape(-1, 4),
+            tet10.positive(points[used], local.reshape(-1, 4)),
             np.concatenate(self.swept),
             number[np.concatenate(self.boundary)],
             np.concatenate(self.region),
             number[np.concatenate(self.edges)],
             np.concatenate(self.middles),
             spans_report,
+            moved,
         )
 
 

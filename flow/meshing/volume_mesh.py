@@ -12,18 +12,23 @@ import tempfile
 import numpy as np
 
 from common.errors import ComputationError
-from flow.meshing import gmsh_fill
+from flow.geometry import curving, tet10
+from flow.meshing import gmsh_fill, slivers
 
 PROGRAM = pathlib.Path(__file__).with_name("gmsh_fill.py")
+LEAST_GAMMA, WANTED_GAMMA = 0.02, 0.1  # below the first an element is a sliver that spoils the whole solve
+LEAST_SPACING_MM = 0.25  # of the grid on which gmsh gets the cells' sizes
 COMMAND = [sys.executable, "-I", "-B", str(PROGRAM)]
 
 
-def fill(surface, size_field, spacing_mm):
-    """(points (n, 3), tetrahedra (t, 4)): the surface's vertices come first, in their order. Raises
-    ComputationError."""
+def fill(surface, size_field):
+    """(points (n, 3), tetrahedra (t, 4) of positive volume): the surface's vertices come first, in their order. Raises
+    ComputationError, also where a tetrahedron is a sliver."""
     with tempfile.TemporaryDirectory(prefix="flow-mesh-") as folder:
         folder = pathlib.Path(folder)
-        origin, spacing, shape, values = size_field.grid(surface.points, spacing_mm)
+        origin, spacing, shape, values = size_field.grid(
+            surface.points, max(LEAST_SPACING_MM, float(size_field.size.min()))
+        )
         np.savez(
             folder / gmsh_fill.SURFACE,
             points=surface.points,
@@ -46,4 +51,11 @@ def fill(surface, size_field, spacing_mm):
         raise ComputationError("gmsh made no tetrahedra", "volume mesh", 0, "check the surface for self-contact")
     if not np.allclose(points[: len(surface.points)], surface.points, rtol=0, atol=1e-12):
         raise ComputationError("gmsh moved the surface", "volume mesh", "vertices differ", "report this surface")
+    cells = tet10.positive(points, tetrahedra)
+    points, tetrahedra = slivers.split(points, cells, surface.edges()[0], WANTED_GAMMA)
+    worst = int(np.argmin(curving.gamma(points[tetrahedra])))
+    gamma = float(curving.gamma(points[tetrahedra[worst]][None])[0])
+    if not gamma >= LEAST_GAMMA:
+        where = f"volume mesh: tetrahedron at {np.round(points[tetrahedra[worst]].mean(axis=0), 2).tolist()} mm"
+        raise ComputationError("gmsh left a sliver", where, f"gamma {gamma:.3g}", f"at least {LEAST_GAMMA} is needed")
     return points, tetrahedra

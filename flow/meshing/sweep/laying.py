@@ -25,14 +25,17 @@ class Span:
     sections: object = None
     stations: int = 0
 
+    def at(self, which):
+        """Arc length in mm of its first (0) or last (1) end."""
+        return (self.start_mm, self.end_mm)[which]
+
 
 def find(surface, tree, slicer, disc):
     """Spans of all branches, every sample section star-shaped and clear of other branches."""
     angles = np.pi * np.arange(2 * len(disc.rim)) / len(disc.rim)
     found = []
     for axis in spans.axes(surface, tree).values():
-        step = SAMPLING_RADII * float(axis.branch.radius_mm.min())
-        s = np.linspace(0, axis.length_mm, int(np.ceil(axis.length_mm / step)) + 1)
+        s = stations.spread(0.0, axis.length_mm, lambda at: SAMPLING_RADII * axis.radius(at), 2)
         allowed = spans.free(axis, tree, s)
         inner = s[allowed]
         if len(inner) < 2:
@@ -75,8 +78,7 @@ def moved(found, ends, radii):
     for number, span in enumerate(found):
         for which in (0, 1):
             if (number, which) in ends:
-                at = span.start_mm if which == 0 else span.end_mm
-                shift = radii * float(span.axis.radius(at))
+                shift = radii * float(span.axis.radius(span.at(which)))
                 span = dataclasses.replace(span, lattice=None)
                 if which == 0:
                     span.start_mm += shift

@@ -8,10 +8,11 @@ quadratic patch (geometry.smooth_surface) lies off the facet by d there, so the 
 import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
 from flow.geometry import smooth_surface
 from flow.geometry.surface import WALL
-from flow.geometry.vectors import circle, dot, length, unit
+from flow.geometry.vectors import circle, dot, unit
 
 FOLLOWING = np.array([1, 2, 0])
 
@@ -67,21 +68,20 @@ class Slicer:
         middles = smooth_surface.edge_middles(surface, self.edges, self.side)
         self.bow = middles - surface.points[self.edges].mean(axis=1)
         self.wall = np.flatnonzero(surface.region == WALL)
+        self.places = cKDTree(surface.points[surface.triangles[self.wall]].mean(axis=1))
         self.facing = unit(surface.area_vectors())
 
     def cut(self, origin, normal, e1, e2, reach):
         """Section around `origin` with the plane, None where no single loop of wall surrounds it within `reach` mm."""
-        height = dot(self.surface.points - origin, normal)
+        near = self.wall[np.sort(self.places.query_ball_point(origin, reach)).astype(int)]
+        height = dot(self.surface.points[self.surface.triangles[near]] - origin, normal)
         height[height == 0.0] = 1e-12
-        triangles = self.surface.triangles[self.wall]
-        above = height[triangles] > 0
-        crossed = self.wall[above.any(axis=1) & ~above.all(axis=1)]
-        centroid = self.surface.points[self.surface.triangles[crossed]].mean(axis=1)
-        crossed = crossed[length(centroid - origin) < reach]
-        if len(crossed) < 3:
+        up = height > 0
+        cut = up.any(axis=1) & ~up.all(axis=1)
+        if cut.sum() < 3:
             return None
+        crossed, height, up = near[cut], height[cut], up[cut]
         corners = self.surface.triangles[crossed]
-        up = height[corners] > 0
         leaves, enters = up & ~up[:, FOLLOWING], ~up & up[:, FOLLOWING]
         ends, barycentric, edge_ids = [], [], []
         for which in (leaves, enters):  # above on the left: seen along the normal the loop is counter-clockwise
@@ -89,7 +89,9 @@ class Slicer:
             rows = np.arange(len(crossed))
             p, q = corners[rows, k], corners[rows, FOLLOWING[k]]
             low, high = np.minimum(p, q), np.maximum(p, q)  # one order, so that both facets find the same bits
-            t = height[low] / (height[low] - height[high])
+            ends_at = height[rows, k], height[rows, FOLLOWING[k]]
+            at_low, at_high = np.where(p == low, ends_at, ends_at[::-1])
+            t = at_low / (at_low - at_high)
             lam = np.zeros((len(crossed), 3))
             lam[rows, k], lam[rows, FOLLOWING[k]] = np.where(p == low, 1 - t, t), np.where(p == low, t, 1 - t)
             ends.append(self.surface.points[low] * (1 - t)[:, None] + self.surface.points[high] * t[:, None])

@@ -44,10 +44,15 @@ def _curvature(branch):
 
 def place(branch, settings, start_mm, end_mm, coarsening=1.0):
     """Arc lengths (k,) of the sections from start_mm to end_mm inclusive, at least two cells apart from each other."""
+    return spread(start_mm, end_mm, lambda s: coarsening * spacing(branch, settings, s), 2)
+
+
+def spread(start_mm, end_mm, gap_mm, least):
+    """Arc lengths (k,) from start_mm to end_mm inclusive, `gap_mm(s (n,)) -> (n,)` apart, in `least` gaps or more."""
     s = np.linspace(start_mm, end_mm, max(2, int(np.ceil((end_mm - start_mm) / STEP_MM)) + 1))
-    density = 1.0 / (coarsening * spacing(branch, settings, s))
+    density = 1.0 / gap_mm(s)
     count = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(s))])
-    cells = max(2, int(np.ceil(count[-1])))
-    found = np.interp(np.linspace(0, count[-1], cells + 1), count, s)
+    gaps = max(least, int(np.ceil(count[-1])))
+    found = np.interp(np.linspace(0, count[-1], gaps + 1), count, s)
     found[0], found[-1] = start_mm, end_mm
     return found

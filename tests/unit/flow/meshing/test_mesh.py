@@ -1,5 +1,6 @@
 """Volume meshes of tubes: volume, tags, quality, extension, and the refusal of bad ones."""
 
+import dataclasses
 import json
 import os
 import subprocess
@@ -12,13 +13,19 @@ from scipy.spatial.transform import Rotation
 import tubes
 from common.errors import ComputationError
 from flow.discretisation import spaces
-from flow.geometry import centreline, curving, refine, surface, tags, tet10
-from flow.meshing import hybrid, mesh
+from flow.geometry import centreline, curving, folds, refine, surface, tags, tet10
+from flow.meshing import hybrid, mesh, size_field, slivers, volume_mesh
 from flow import settings as settings_module
 
 
-def _no_spans(*_):
-    raise hybrid.NoSpans("not wanted here")
+def _not_swept(patch):
+    """Makes the first attempt find nothing to sweep."""
+
+    def no_spans(*_):
+        raise hybrid.NoSpans("not wanted here")
+
+    first, *others = mesh.ATTEMPTS
+    patch.setattr(mesh, "ATTEMPTS", (dataclasses.replace(first, cells=no_spans), *others))
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +35,7 @@ def built():
     tube = tubes.tube(16, radius, 0.5, tubes.arc(0.05))
     tree = centreline.Tree([tubes.line(16, radius, tubes.arc(0.05))])
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(hybrid, "build", _no_spans)
+        _not_swept(patch)
         return tube, mesh.build(tube, tree, 2.0, settings_module.make(**tubes.AS_IT_IS))
 
 
@@ -55,7 +62,9 @@ def test_quality_is_reported_and_good(built):
     assert quality["gamma_min"] > 0.1
     assert quality["jacobian_ratio_min"] > 0.3
     assert quality["curved_edges"] > 1000 and quality["straightened_edges"] == 0
-    assert report["swept"] == {"cells": 0, "spans": [], "reason": "not wanted here"}
+    swept = report["swept"]
+    assert (swept["way"], swept["cells"], swept["spans"], swept["moved"]) == ("isotropic", 0, [], [])
+    assert swept["reason"] == "swept: not wanted here" and swept["cost"] == mesh.COST
 
 
 def test_mesh_file_has_the_tags(built, tmp_path):
@@ -68,14 +77,13 @@ def test_mesh_file_has_the_tags(built, tmp_path):
     assert space.dofs == report["dofs"]
 
 
-def test_a_folded_element_is_straightened(monkeypatch):
+def test_a_folded_element_is_straightened():
     points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0.05]])
     faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
     flat = surface.Surface(points, faces, np.array([0, 0, 0, 0]))
-    # a wall that bows through the opposite corner
-    bowed = lambda lumen, edges, side: lumen.points[edges].mean(axis=1) + np.array([0, 0, 0.1])  # noqa: E731
-    monkeypatch.setattr(curving, "edge_middles", bowed)
-    quadratic = curving.curve(flat, points, np.array([[0, 1, 2, 3]]))
+    edges, _ = flat.edges()
+    bowed = points[edges].mean(axis=1) + np.array([0, 0, 0.1])  # through the opposite corner
+    quadratic = curving.curve(faces, flat.region, points, np.array([[0, 1, 2, 3]]), edges, bowed)
     assert quadratic.straightened_edges > 0
     assert tet10.jacobian_bounds(quadratic.points[quadratic.tetrahedra])[0].min() > 0
 
@@ -137,13 +145,91 @@ def test_the_same_surface_gives_the_same_mesh_everywhere(repo_root, tmp_path):
 
 
 def test_layers_that_nothing_swept_has_are_not_claimed(monkeypatch, capsys):
-    monkeypatch.setattr(hybrid, "build", _no_spans)
+    _not_swept(monkeypatch)
     tree = centreline.Tree([tubes.line(5, lambda s: 1.5)])
     wanted = settings_module.make(wall_layers=3, **tubes.AS_IT_IS)
     _, report = mesh.build(tubes.tube(5, lambda s: 1.5), tree, 1.5, wanted)
     assert report["wall_layers"] == 1
     assert "not wanted here" in report["swept"]["reason"] and "3 were asked for" in report["swept"]["reason"]
     assert "no wall_layers, 3 were asked for" in capsys.readouterr().err
+
+
+def _with_a_fold(whole):
+    """A tube with an edge of its wall split near one end, and the edge from there to that end flipped: the two facets
+    beside it lie on each other, as radius correction left three on a real tree."""
+    edges, side = whole.edges()
+    middles = whole.points[edges].mean(axis=1)
+    k = int(np.argmin(np.linalg.norm(middles - [2.5, 1.5, 0.0], axis=1)))
+    a, b = edges[k]
+    first, second = np.flatnonzero((side == k).any(axis=1))
+    order = whole.triangles[first].tolist()
+    if order[(order.index(a) + 1) % 3] != b:
+        first, second = second, first
+    (c,), (d,) = (np.setdiff1d(whole.triangles[facet], edges[k]) for facet in (first, second))
+    m = len(whole.points)
+    points = np.concatenate([whole.points, 0.85 * whole.points[[a]] + 0.15 * whole.points[[b]]])
+    rest = np.delete(np.arange(len(whole.triangles)), [first, second])
+    new = [[m, b, c], [b, m, d], [a, d, c], [d, m, c]]  # flat: [a, m, c], [m, a, d] instead of the last two
+    return surface.Surface(
+        points,
+        np.concatenate([whole.triangles[rest], new]),
+        np.concatenate([whole.region[rest], np.zeros(4, whole.region.dtype)]),
+    )
+
+
+def test_a_fold_of_the_surface_is_flattened():
+    tree = centreline.Tree([tubes.line(5, lambda s: 1.5)])
+    sizes = size_field.SizeField(tree, 1.5, 0.1)
+    folded = _with_a_fold(tubes.tube(5, lambda s: 1.5))
+    surface.check(folded, "folded")
+    with pytest.raises(ComputationError):
+        volume_mesh.fill(folded, sizes)
+    flat = folds.unfolded(folded)
+    surface.check(flat, "unfolded")
+    assert (flat.triangles != folded.triangles).any(axis=1).sum() == 2
+    assert flat.volume_mm3() == pytest.approx(folded.volume_mm3(), rel=1e-4)
+    points, tetrahedra = volume_mesh.fill(flat, sizes)
+    assert tet10.six_volumes(points, tetrahedra).sum() / 6 == pytest.approx(flat.volume_mm3())
+    assert folds.unfolded(flat) is flat  # sharp edges, as of caps, are no folds
+
+
+def test_a_sliver_is_split_where_it_can_be():
+    """A flat tetrahedron on two others, under a wall; all corners are on the surface."""
+    points = np.array([[0, 0, 0], [1, 0, 0.0], [0, 1, 0], [1, 1, 0], [0.5, 0.5, -1.0]], float)
+    points[[0, 3], 2] -= 1e-3  # the square's diagonal 0-3 runs just below the other one, which is of the surface
+    cells = tet10.positive(points, np.array([[0, 3, 1, 2], [0, 3, 1, 4], [0, 3, 2, 4]]))
+    assert curving.gamma(points[cells]).min() < 0.02
+    edges = np.array([[1, 2], [0, 1], [1, 3], [3, 2], [2, 0], [0, 4], [1, 4], [2, 4], [3, 4]])
+    more, split = slivers.split(points, cells, edges, 0.02)
+    assert len(more) == 6 and curving.gamma(more[split]).min() >= 0.02
+    volume = tet10.six_volumes(points, cells).sum()
+    assert tet10.six_volumes(more, split).sum() == pytest.approx(volume) and tet10.overlapping(split) == 0
+
+
+def test_a_sliver_is_refused_with_its_place(monkeypatch):
+    monkeypatch.setattr(volume_mesh, "LEAST_GAMMA", 0.9)
+    tree = centreline.Tree([tubes.line(5, lambda s: 1.5)])
+    with pytest.raises(ComputationError, match="sliver(.|\n)*tetrahedron at(.|\n)*gamma"):
+        volume_mesh.fill(tubes.tube(5, lambda s: 1.5), size_field.SizeField(tree, 1.5, 0.1))
+
+
+def test_where_finer_facets_cannot_be_filled_those_given_are(monkeypatch):
+    """As where the smooth surface crosses itself in a cleft."""
+    tube, asked = tubes.tube(5, lambda s: 1.5, 0.8), []
+
+    def fill(surface, sizes, real=volume_mesh.fill):
+        asked.append(len(surface.triangles))
+        if len(surface.triangles) > len(tube.triangles):
+            raise ComputationError("gmsh could not fill the lumen", "volume mesh", "crosses itself", "none")
+        return real(surface, sizes)
+
+    monkeypatch.setattr(volume_mesh, "fill", fill)
+    _not_swept(monkeypatch)
+    tree = centreline.Tree([tubes.line(5, lambda s: 1.5)])
+    quadratic, report = mesh.build(tube, tree, 3.0, settings_module.make(**tubes.AS_IT_IS))
+    assert len(asked) == 2 and asked[0] > asked[1] == len(tube.triangles) == len(quadratic.triangles)
+    assert report["swept"]["way"] == mesh.ATTEMPTS[2].name and "crosses itself" in report["swept"]["reason"]
+    assert _volume(quadratic) == pytest.approx(np.pi * 1.5**2 * 5, rel=1e-3)
 
 
 def test_a_bad_mesh_is_refused(monkeypatch, settings):
@@ -171,10 +257,10 @@ def test_a_coarse_mesh_that_is_not_coarser_is_made_in_another_size(monkeypatch, 
 def test_cells_on_the_same_side_of_a_face_overlap():
     """Each of positive volume: the second's tip lies beyond the face, then before it."""
     points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0.2, 0.2, -1.0]])
-    pair = mesh._positive(points, np.array([[0, 1, 2, 3], [0, 1, 2, 4]]))
+    pair = tet10.positive(points, np.array([[0, 1, 2, 3], [0, 1, 2, 4]]))
     assert tet10.overlapping(pair) == 0
     points[4, 2] = 0.5
-    folded = mesh._positive(points, np.array([[0, 1, 2, 3], [0, 1, 2, 4]]))
+    folded = tet10.positive(points, np.array([[0, 1, 2, 3], [0, 1, 2, 4]]))
     assert tet10.overlapping(folded) == 1
     shuffled = folded[:, [1, 2, 0, 3]]  # an even exchange of corners
     assert tet10.overlapping(shuffled) == 1

@@ -7,7 +7,7 @@ import tubes
 from common.errors import ComputationError
 from flow import settings
 from flow.geometry import centreline, curving, tet10
-from flow.meshing import mesh
+from flow.meshing import hybrid, mesh, volume_mesh
 from flow.meshing.sweep import disc, lattice, section, spans, stations, stitch
 
 
@@ -121,7 +121,8 @@ def test_an_end_that_cannot_be_stitched_moves_or_the_mesh_is_of_one_size(monkeyp
         patch.setattr(stitch, "strips", fails_at_first)
         _, report = mesh.build(surface, tree, 2.0, settings.make())
     first, second = (found["swept"]["spans"][0] for found in (forked[2], report))
-    assert second["to_mm"] == pytest.approx(first["to_mm"] - 0.5 * 1.5, abs=0.02)
+    assert second["to_mm"] == pytest.approx(first["to_mm"] - hybrid.MOVE_RADII * 1.5, abs=0.02)
+    assert len(report["swept"]["moved"]) == 1 and "made to fail" in report["swept"]["moved"][0]
 
     def always_fails(points, normals, kept, ends):
         raise stitch.StitchError("made to fail", [end.key for end in ends])
@@ -132,21 +133,24 @@ def test_an_end_that_cannot_be_stitched_moves_or_the_mesh_is_of_one_size(monkeyp
     assert report["swept"]["cells"] == 0 and report["swept"]["reason"]
 
 
-def test_a_sliver_in_a_junction_moves_the_cuts(monkeypatch, forked):
+def test_a_junction_that_cannot_be_filled_moves_its_ends(monkeypatch, forked):
+    """Those of its own spans, once all junctions were tried; `mesh.json` says which and why."""
     surface, branches = tubes.fork()
-    checked, calls = mesh._checked, []
+    calls = []
 
-    def bad_at_first(quadratic, swept):
-        calls.append(swept)
+    def fails_at_first(junction, sizes, real=volume_mesh.fill):
+        calls.append(junction)
         if len(calls) == 1:
-            raise ComputationError("a sliver", "junction", 0.001, "made on purpose")
-        return checked(quadratic, swept)
+            raise ComputationError("gmsh left a sliver", "junction", "gamma 0.001", "made on purpose")
+        return real(junction, sizes)
 
-    monkeypatch.setattr(mesh, "_checked", bad_at_first)
+    monkeypatch.setattr(volume_mesh, "fill", fails_at_first)
     _, report = mesh.build(surface, centreline.Tree(branches), 2.0, settings.make())
-    assert report["swept"]["shorter_radii"] == mesh.SHORTER[1] and len(calls) == 2
+    assert len(calls) == 2 and report["swept"]["way"] == "swept" and "reason" not in report["swept"]
+    (moved,) = report["swept"]["moved"]
+    assert "a sliver, gamma 0.001" in moved and moved.count("main") == 2 and moved.count("side1") == 1
     first, second = (found["swept"]["spans"][0] for found in (forked[2], report))
-    assert second["to_mm"] == pytest.approx(first["to_mm"] - mesh.SHORTER[1] * 1.5, abs=0.02)
+    assert second["to_mm"] == pytest.approx(first["to_mm"] - hybrid.MOVE_RADII * 1.5, abs=0.02)
 
 
 @pytest.mark.parametrize(("layers", "triangles"), [(1, 96), (2, 144), (3, 192)])
@@ -248,6 +252,6 @@ def test_curving_keeps_given_middles():
     points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
     middle = np.array([[0.5, -0.05, 0.0]])
-    found = curving.curve_with(faces, np.zeros(4, int), points, np.array([[0, 1, 2, 3]]), np.array([[1, 0]]), middle)
+    found = curving.curve(faces, np.zeros(4, int), points, np.array([[0, 1, 2, 3]]), np.array([[1, 0]]), middle)
     assert found.points[found.tetrahedra[0, 4]] == pytest.approx(middle[0])
     assert found.curved_edges == 1

@@ -1,0 +1,47 @@
+"""Slivers that gmsh's optimiser leaves: flat tetrahedra whose corners all lie on the wall, with nothing inside to move.
+
+An edge of the sliver that runs through the inside is split by a point nearer to the other corners of the cells around
+it, until no sliver is left or none of its edges can be split for the better.
+"""
+
+import numpy as np
+
+from flow.geometry import tet10
+from flow.geometry.curving import gamma
+
+INWARDS = (0.05, 0.1, 0.2, 0.35, 0.5, 0.7)  # places that are tried, from the edge's middle to the other corners
+MOST_SPLITS = 100
+
+
+def split(points, tetrahedra, edges, least):
+    """(points, tetrahedra) with further points behind the given ones (n, 3), so that gamma of the tetrahedra (t, 4), of
+    positive volume, is at least `least` where that can be reached. edges (e, 2): of the surface, which stay."""
+    fixed = {tuple(edge) for edge in np.sort(edges, axis=1).tolist()}
+    for _ in range(MOST_SPLITS):
+        found = gamma(points[tetrahedra])
+        worst = int(np.argmin(found))
+        if found[worst] >= least:
+            break
+        inner = np.sort(tetrahedra[worst][tet10.EDGES], axis=1)
+        tried = [_split(points, tetrahedra, edge) for edge in inner if tuple(edge.tolist()) not in fixed]
+        best = max(tried, key=lambda one: one[0], default=(0.0,))
+        if best[0] <= found[worst]:
+            break
+        _, point, around, new = best
+        points = np.concatenate([points, point[None]])
+        tetrahedra = np.concatenate([np.delete(tetrahedra, around, axis=0), new])
+    return points, tetrahedra
+
+
+def _split(points, tetrahedra, edge):
+    """(least gamma of the new cells, point, numbers of the cells around the edge, new cells) of the best place."""
+    around = np.flatnonzero((tetrahedra == edge[0]).any(axis=1) & (tetrahedra == edge[1]).any(axis=1))
+    cells = tetrahedra[around]
+    new = np.concatenate([np.where(cells == end, len(points), cells) for end in edge])
+    middle, others = points[edge].mean(axis=0), points[np.setdiff1d(cells, edge)]
+    tried = []
+    for share in INWARDS:
+        for towards in (others.mean(axis=0), *others):
+            point = (1 - share) * middle + share * towards
+            tried.append((float(gamma(np.concatenate([points, point[None]])[new]).min()), point, around, new))
+    return max(tried, key=lambda one: one[0])
