@@ -1,1 +1,1 @@
-"""CT angiogram of a known lumen, and the lumen found in it again."""
+"""CT angiogram of a known lumen, and how well the lumen found in it agrees."""
