@@ -3,6 +3,7 @@
 #include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Polygon_mesh_processing/compute_normal.h>
 #include <CGAL/Polygon_mesh_processing/measure.h>
+#include <CGAL/Side_of_triangle_mesh.h>
 #include <CGAL/Triangulation_cell_base_with_info_3.h>
 #include <CGAL/Triangulation_vertex_base_with_info_3.h>
 #include <algorithm>
@@ -16,6 +17,8 @@ using CellBase = CGAL::Triangulation_cell_base_with_info_3<int, Kernel>;
 using Delaunay = CGAL::Delaunay_triangulation_3<Kernel, CGAL::Triangulation_data_structure_3<VertexBase, CellBase>>;
 
 constexpr double beside_end = 1.1; // radii: what is farther from an end's axis belongs to a vessel that runs past it
+
+constexpr double on_one_side = 0.2; // radii between the points that a ball touches: they are one patch of the wall
 
 bool beyond_an_end(const Vec3& p, const std::vector<End>& ends) {
   return std::any_of(ends.begin(), ends.end(), [&](const End& end) {
@@ -33,10 +36,39 @@ bool crosses_an_end(const Vec3& a, const Vec3& b, const std::vector<End>& ends) 
   });
 }
 
+// Whether the circumcentre (or what rounding makes of it) is in the lumen. Four points of a flat patch, as of a cap,
+// have theirs anywhere, and their normals do not tell on which side it is.
+class Inside {
+public:
+  explicit Inside(const Mesh& mesh) : mesh_(mesh), box_(PMP::bbox(mesh)) {}
+  bool operator()(const Delaunay::Cell_handle& cell, const Vec3& c, double radius) {
+    if (c.x() < box_.xmin() || c.x() > box_.xmax() || c.y() < box_.ymin() || c.y() > box_.ymax() ||
+        c.z() < box_.zmin() || c.z() > box_.zmax())
+      return false;
+    double longest = 0;
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < i; ++j)
+        longest = std::max(longest, (vec(cell->vertex(i)->point()) - vec(cell->vertex(j)->point())).norm());
+    if (longest > on_one_side * radius)
+      return true;
+    if (!side_)
+      side_ = std::make_unique<CGAL::Side_of_triangle_mesh<Mesh, Kernel>>(mesh_);
+    return (*side_)(point(c)) == CGAL::ON_BOUNDED_SIDE;
+  }
+
+private:
+  const Mesh& mesh_;
+  CGAL::Bbox_3 box_;
+  std::unique_ptr<CGAL::Side_of_triangle_mesh<Mesh, Kernel>> side_;
+};
+
 // Vertices of the wall with their outward normals (of wall faces only, so that a rim's is radial).
-void wall_points(const Mesh& mesh, std::vector<std::pair<Point, std::size_t>>& points, std::vector<Vec3>& normals) {
+void wall_points(const Mesh& mesh, std::size_t every, std::vector<std::pair<Point, std::size_t>>& points,
+                 std::vector<Vec3>& normals) {
   const RegionMap region = region_map(mesh);
   for (Vertex v : mesh.vertices()) {
+    if (v.idx() % every != 0)
+      continue;
     Vec3 normal = Vec3::Zero();
     for (Face f : mesh.faces_around_target(mesh.halfedge(v)))
       if (f != Mesh::null_face() && region[f] == 0) {
@@ -50,14 +82,33 @@ void wall_points(const Mesh& mesh, std::vector<std::pair<Point, std::size_t>>& p
   }
 }
 
+// Whether the ball hangs together with one that is farther than a radius from the end. The points of a flat, round rim
+// lie on one circle: tetrahedra of them alone have no circumsphere but by rounding, anywhere on its axis, and their
+// neighbours are none of its.
+bool leads_inwards(const Balls& balls, std::size_t from, const End& end, std::vector<bool>& seen) {
+  std::vector<std::size_t> front{from};
+  while (!front.empty()) {
+    const std::size_t i = front.back();
+    front.pop_back();
+    if (seen[i])
+      continue;
+    seen[i] = true;
+    if ((balls.centre[i] - end.centre).norm() > end.radius())
+      return true;
+    front.insert(front.end(), balls.neighbours[i].begin(), balls.neighbours[i].end());
+  }
+  return false;
+}
+
 } // namespace
 
-Balls inner_balls(const Mesh& mesh, const std::vector<End>& ends) {
+Balls inner_balls(const Mesh& mesh, const std::vector<End>& ends, std::size_t every) {
   std::vector<std::pair<Point, std::size_t>> points;
   std::vector<Vec3> normals;
-  wall_points(mesh, points, normals);
+  wall_points(mesh, every, points, normals);
   Delaunay delaunay(points.begin(), points.end());
   Balls balls;
+  Inside in_lumen(mesh);
   for (auto cell : delaunay.finite_cell_handles()) {
     cell->info() = -1;
     const Vec3 c = vec(CGAL::circumcenter(delaunay.tetrahedron(cell)));
@@ -66,7 +117,7 @@ Balls inner_balls(const Mesh& mesh, const std::vector<End>& ends) {
       const Vec3 p = vec(cell->vertex(k)->point());
       inside = (c - p).dot(normals[cell->vertex(k)->info()]) < 0;
     }
-    if (!inside || beyond_an_end(c, ends))
+    if (!inside || beyond_an_end(c, ends) || !in_lumen(cell, c, (c - vec(cell->vertex(0)->point())).norm()))
       continue;
     cell->info() = static_cast<int>(balls.centre.size());
     balls.centre.push_back(c);
@@ -87,21 +138,22 @@ Balls inner_balls(const Mesh& mesh, const std::vector<End>& ends) {
 }
 
 std::size_t ball_at(const Balls& balls, const End& end) {
-  std::size_t best = balls.centre.size();
-  double nearest = 2 * end.radius();
-  for (std::size_t i = 0; i < balls.centre.size(); ++i) {
-    const double d = (balls.centre[i] - end.centre).norm();
-    if (balls.radius[i] > 0.5 * end.radius() && d < nearest) {
-      nearest = d;
-      best = i;
-    }
-  }
-  if (best == balls.centre.size())
-    throw common::ComputationError("no axis found at an end", place(end.centre),
-                                   "no inscribed ball there; radius of the end " + std::to_string(end.radius()) + " mm",
-                                   "if a vessel ends there, give a finer surface; if it is a hole or a scrap of a rim, "
-                                   "fill it or smooth the surface");
-  return best;
+  const auto distance = [&](std::size_t i) { return (balls.centre[i] - end.centre).norm(); };
+  std::vector<std::size_t> filling;
+  for (std::size_t i = 0; i < balls.centre.size(); ++i)
+    if (balls.radius[i] > 0.5 * end.radius() && distance(i) < 2 * end.radius())
+      filling.push_back(i);
+  std::sort(filling.begin(), filling.end(), [&](std::size_t a, std::size_t b) { return distance(a) < distance(b); });
+  // the balls seen so far lead nowhere
+  std::vector<bool> seen(balls.centre.size(), false);
+  for (std::size_t i : filling)
+    if (leads_inwards(balls, i, end, seen))
+      return i;
+  throw common::ComputationError(
+      "no axis found at an end", place(end.centre),
+      "no inscribed ball there; radius of the end " + std::to_string(end.radius()) + " mm",
+      "if a vessel ends there, export a finer surface; if it is a hole or a face of the wall, fill or "
+      "smooth it, or name the ends by --inlet and --outlet");
 }
 
 Ways cheapest_ways(const Balls& balls, std::size_t from) {

@@ -14,14 +14,14 @@ struct Balls {
 };
 
 /// Balls on the inner side of the wall; the caps' inner vertices are left out, so that the diagram runs straight
-/// through the ends.
-Balls inner_balls(const Mesh& mesh, const std::vector<End>& ends);
+/// through the ends. every: of so many vertices one is taken; the balls of fewer vertices are larger, none is smaller.
+Balls inner_balls(const Mesh& mesh, const std::vector<End>& ends, std::size_t every = 1);
 
 /// The cheapest ways (integral of ds/R) from ball `from` to all others.
 Ways cheapest_ways(const Balls& balls, std::size_t from);
 
-/// The ball nearest to the end's centre among those that fill at least half of the end. Throws ComputationError if
-/// there is none.
+/// The ball nearest to the end's centre among those that fill at least half of the end and from which a way leads
+/// farther inwards than the end's radius. Throws ComputationError if there is none.
 std::size_t ball_at(const Balls& balls, const End& end);
 
 } // namespace anatomy

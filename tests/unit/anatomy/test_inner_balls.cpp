@@ -1,0 +1,67 @@
+#include "centreline/inner_balls.hpp"
+#include "centreline/voronoi.hpp"
+#include "common/error.hpp"
+#include "tube_mesh.hpp"
+#include <gtest/gtest.h>
+#include <random>
+
+using namespace anatomy;
+
+namespace {
+
+// Balls along x, each linked to the next, of which the first fills the end at the origin.
+Balls in_a_row(int n) {
+  Balls balls;
+  for (int i = 0; i < n; ++i) {
+    balls.centre.emplace_back(0.1 + 0.5 * i, 0, 0);
+    balls.radius.push_back(1);
+    balls.neighbours.emplace_back();
+    if (i > 0) {
+      balls.neighbours[static_cast<std::size_t>(i)].push_back(static_cast<std::size_t>(i) - 1);
+      balls.neighbours[static_cast<std::size_t>(i) - 1].push_back(static_cast<std::size_t>(i));
+    }
+  }
+  return balls;
+}
+
+End end_at_origin() {
+  End end;
+  end.normal = Vec3(-1, 0, 0);
+  end.area = M_PI;
+  return end;
+}
+
+TEST(InnerBalls, ABallBesideACapThatLeadsNowhereIsNotItsBall) {
+  Balls balls = in_a_row(8);
+  for (const Vec3& alone : {Vec3(0.01, 0, 0), Vec3(0.02, 0, 0)}) {
+    balls.centre.push_back(alone);
+    balls.radius.push_back(1);
+    balls.neighbours.emplace_back();
+  }
+  balls.neighbours[8].push_back(9); // the two know each other, and nothing else
+  balls.neighbours[9].push_back(8);
+  EXPECT_EQ(ball_at(balls, end_at_origin()), 0u);
+}
+
+TEST(InnerBalls, AnEndWithNothingButSuchBallsHasNoAxis) {
+  EXPECT_THROW(ball_at(in_a_row(2), end_at_origin()), common::ComputationError);
+}
+
+// The points of a rim lie on one circle, and which tetrahedra they make is up to rounding.
+TEST(InnerBalls, EveryTurnOfATubeHasAWayThroughIt) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  const Mesh tube = shapes::mesh_of(shapes::straight(1, 8));
+  for (int k = 0; k < 100; ++k) {
+    const Eigen::Quaterniond turn =
+        Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random)).normalized();
+    Mesh mesh = tube;
+    for (Vertex v : mesh.vertices())
+      mesh.point(v) = point(turn * vec(mesh.point(v)));
+    const std::vector<End> ends = measured_ends(mesh);
+    ASSERT_EQ(ends.size(), 2u);
+    EXPECT_NO_THROW(voronoi_paths(mesh, ends, 0)) << k;
+  }
+}
+
+} // namespace
