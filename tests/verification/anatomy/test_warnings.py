@@ -73,7 +73,7 @@ def test_a_dilatation_is_no_reference(lumen, tmp_path):
     surface = surfaces.write(tmp_path / "s.vtp", *surfaces.tube(surfaces.straight, radius, 40, 0.3))
     done = lumen(surface, tmp_path / "out")
     assert done.returncode == 0, done.stderr
-    assert "warning: dilatation left out of the reference: main" in done.stderr
+    assert "warning: ectasia left out of the reference: main" in done.stderr
     lesions = json.loads((tmp_path / "out" / "anatomy.json").read_text())["lesions"]
     assert len(lesions) == 1
     assert lesions[0]["reference_diameter_mm"] == pytest.approx(3.0, rel=0.01)
