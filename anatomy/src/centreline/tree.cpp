@@ -8,6 +8,7 @@ namespace {
 
 constexpr double bin = 0.25;       // mm; averaging of the Voronoi path
 constexpr double end_trim = 0.5;   // inscribed radii left out next to a cap, where few balls are left to average
+constexpr double least_stub = 0.3; // of its radius that a side branch stands out by; a flat facet of the wall has none
 constexpr double look_ahead = 1.5; // parent radii over which a side branch's direction at its exit is taken
 
 double arc_length(const std::vector<Vec3>& points) {
@@ -106,6 +107,22 @@ std::size_t take_off(const Branch& parent, const Vec3& exit, const Vec3& directi
   return best;
 }
 
+// A cap that lies in the wall of another vessel ends no branch.
+void check_stands_out(const Branch& trunk, const End& end) {
+  const std::size_t i = nearest_sample(trunk, end.centre);
+  const double out = (trunk.x[i] - end.centre).norm() - trunk.radius[i];
+  if (out >= least_stub * end.radius())
+    return;
+  char value[160];
+  std::snprintf(value, sizeof value, "radius %.2f mm, centre %.2f mm outside the vessel's inscribed radius of %.2f mm",
+                end.radius(), out, trunk.radius[i]);
+  throw common::InputError(
+      "an end lies in the wall of another vessel: no branch leads to it", place(end.centre), value,
+      "where it is a flat facet of the wall, name the ends by --inlet and --outlet; where a branch "
+      "leaves, leave a stub at least " +
+          std::to_string(static_cast<int>(100 * least_stub)) + " % of its radius long");
+}
+
 struct Builder {
   const std::vector<Path>& paths;
   const std::vector<End>& ends;
@@ -139,20 +156,22 @@ struct Builder {
         parent = b;
       }
     }
-    const std::vector<Vec3> outside = between(path, exit, nullptr, ends[end]);
-    if (outside.size() < 4)
-      throw common::ComputationError("a side branch is too short for an axis", place(ends[end].centre),
-                                     std::to_string(outside.size()) + " points of axis",
-                                     "cut the branch further out, or fill it");
     const Branch& trunk = branches[parent];
+    check_stands_out(trunk, ends[end]);
+    std::vector<Vec3> outside = between(path, exit, nullptr, ends[end]);
+    if (outside.empty()) // a stub shorter than what is left out next to its cap: straight
+      outside.push_back(exit < path.points.size() ? path.points[exit] : path.points.back());
     std::size_t ahead = 0;
     const double reach = look_ahead * trunk.radius[nearest_sample(trunk, outside.front())];
     while (ahead + 1 < outside.size() && (outside[ahead] - outside.front()).norm() < reach)
       ++ahead;
-    const std::size_t root = take_off(trunk, outside.front(), (outside[ahead] - outside.front()).normalized());
+    const Vec3 towards = ahead > 0 ? outside[ahead] : ends[end].centre;
+    const std::size_t root = take_off(trunk, outside.front(), (towards - outside.front()).normalized());
     std::vector<Vec3> points = binned(outside);
     points.insert(points.begin(), trunk.x[root]);
     points.push_back(ends[end].centre);
+    if (points.size() < 3) // what a spline needs
+      points.insert(points.begin() + 1, 0.5 * (points.front() + points.back()));
     Branch side;
     side.end = end;
     side.parent = static_cast<int>(parent);

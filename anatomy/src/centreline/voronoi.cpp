@@ -44,7 +44,9 @@ std::vector<Path> voronoi_paths(const Mesh& mesh, const std::vector<End>& ends, 
       throw common::ComputationError(
           "no way through the lumen from the inlet to an end", "near " + place(narrowest_gap(balls, ways, at)),
           std::to_string(balls.centre.size()) + " inscribed balls, none on the way to " + place(ends[e].centre),
-          "the lumen is too narrow there, or closed: widen or cut it");
+          "the lumen is closed there, or too narrow to follow: open it in the segmentation, or leave what lies behind "
+          "it "
+          "away by --cut x,y,z before that place");
     for (; at != from; at = ways.before[at]) {
       paths[e].points.push_back(balls.centre[at]);
       paths[e].radius.push_back(balls.radius[at]);
