@@ -9,9 +9,8 @@ from . import search
 from .tree import Line, Tree
 
 LEAST_SHARE = 0.6  # of both lumens' axes on each other: right pairs with a third cut off have 0.8, other vessels 0.55
-LARGEST_RESIDUAL = (
-    0.5  # calibres: right pairs have 0.01 to 0.05 with noise or a stent, a vessel's own motion perhaps 0.2
-)
+LARGEST_RESIDUAL = 0.3  # calibres: right pairs have 0.01 to 0.05 with noise or a stent; of another vessel 0.48 was seen
+WITH_LANDMARKS = 0.6  # calibres, where the user says what belongs together
 LARGEST_MISS = 1.0  # calibres that landmarks may be off
 LANDMARKS = "give `registration: landmarks`, places that are seen in both lumens"
 
@@ -46,11 +45,13 @@ def check_fit(where, target, tree, found, match, landmarks):
             f"{100 * share:.0f} % of {of} lie on the other's, {100 * LEAST_SHARE:.0f} % are wanted (within {calibre})",
             "is it the same vessel, with the right units and inlet? Cut what only one of them has, or " + LANDMARKS,
         )
-    if match.trimmed_mm > LARGEST_RESIDUAL * match.calibre_mm:
+    largest = WITH_LANDMARKS if marked else LARGEST_RESIDUAL
+    if match.trimmed_mm > largest * match.calibre_mm:
+        value = f"residual {match.trimmed_mm:.2f} mm (without the worst fifth), at most {largest:g} of {calibre}"
         raise InputError(
             "the lumen after the procedure does not fit on the one before",
             where,
-            f"residual {match.trimmed_mm:.2f} mm (the fifth that fits worst left out), at most half of {calibre}",
+            value,
             "is it the same vessel, with the right units and inlet? Or " + LANDMARKS,
         )
     if found.rival is not None and found.rival_cost < found.cost + search.ALIKE:

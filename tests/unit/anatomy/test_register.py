@@ -198,3 +198,18 @@ def test_the_wrong_inlet_is_named():
 def test_like_is_json():
     found, match, _ = registered(vessel(), moved(vessel()))
     assert json.loads(json.dumps(like(vessel().summary, found.placement, match)))["schema"] == "vci-anatomy-1"
+
+
+@pytest.mark.parametrize("bow_mm, fits", [(1.0, True), (2.5, False)])
+def test_how_much_a_vessel_may_have_changed_its_course(bow_mm, fits):
+    """A vessel without branches, bowed as a whole: by 1 mm it passes, by 2.5 mm it may as well be another."""
+    line = vessel().branches["main"].points
+    s = np.linspace(0, 2 * np.pi, len(line))
+    bowed = line + bow_mm * np.sin(1.5 * s)[:, None] * np.array([0.0, 0.0, 1.0])
+    pre, post = tree_of({"main": line}, {}), tree_of({"main": TURN.apply(bowed) + SHIFT}, {})
+    if fits:
+        _, match, _ = registered(pre, post)
+        assert match.trimmed_mm > 0.15 * match.calibre_mm, "a hard case"
+    else:
+        with pytest.raises(InputError, match="at most 0.3 of 1.[0-9]* mm"):
+            registered(pre, post)
