@@ -151,7 +151,7 @@ TEST(LumenCheck, ComparesTheWallWithItsRadiusAndTheAxis) {
   for (Vec3& p : aside.points)
     p[0] += 1;
   expect(refusal(aside), {"does not fit its radius_mm", "lumen.vtp: point"});
-  spike.points[200][0] += 8;
+  spike.points[200][0] += 12;
   expect(refusal(spike), {"does not fit its radius_mm", "point 200 at", "1 of 784"});
   slid.points[200][2] += 8;
   expect(refusal(slid), {"far longer than the lumen is wide", "200"});

@@ -16,7 +16,7 @@ namespace {
 // axis that suits it best: cohort, benchmarks, lumens of the anatomy's tests, the flattest three times as wide as high;
 // in the shoulder of a generated tube at 0.49 (measured.md), in the slit of a real ostium, 4.7 x 1.1 mm, at 4.6.
 // Another unit would be at 10. Small radii: a centreline's error counts (`astray`).
-constexpr double nearest_share = 0.4, farthest_share = 6.0, astray = 0.2; // -, -, mm
+constexpr double nearest_share = 0.4, farthest_share = 5.0, astray = 0.2; // -, -, mm
 // Edges of the same lumens are up to 1.5 times the radius.
 constexpr double longest_share = 3.0, longest_beyond = 1.0; // -, mm
 constexpr double end_tolerance = 0.5;                       // mm: caps are not quite where their branches end
