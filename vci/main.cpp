@@ -3,7 +3,7 @@
 #include "common/error.hpp"
 #include "vci/bench/bench.hpp"
 #include "vci/bench/crush.hpp"
-#include "vci/procedure/notices.hpp"
+#include "vci/procedure/diagnostics.hpp"
 #include "vci/procedure/radius_correction.hpp"
 #include "vci/results/frames.hpp"
 #include "vci/results/output.hpp"

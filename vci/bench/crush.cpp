@@ -1,6 +1,6 @@
 #include "vci/bench/crush.hpp"
 #include "common/error.hpp"
-#include "vci/bench/iris.hpp"
+#include "vci/bench/crimper.hpp"
 #include "vci/devices/balloon/balloon.hpp"
 #include "vci/devices/stent/stent.hpp"
 
@@ -14,8 +14,8 @@ namespace {
 
 constexpr double opening_share = 0.75;     // of the balloon's pressure: a crimped stent opens only beyond its yield
 constexpr double least_pressure = 0.01;    // of the radial strength: balance is measured against an applied force
-constexpr double increment = 0.005;        // of the free radius, by which the iris closes
-constexpr double iris_stiffness = 60.0;    // MPa/mm
+constexpr double increment = 0.005;        // of the free radius, by which the crimper closes
+constexpr double crimper_stiffness = 60.0; // MPa/mm
 constexpr double hold = 1e-5;              // N/mm per vertex: keeps the free stent from drifting off
 constexpr double clearance = 0.03;         // mm between the crimped stent and its balloon
 constexpr double losses[] = {1, 2, 5, 10}; // %
@@ -87,7 +87,7 @@ CrushTest crush(const StentSpec& spec, const BalloonSpec& balloon, const Numeric
   std::vector<int> all(system.vertices());
   std::iota(all.begin(), all.end(), 0);
   const double area = pi * spec.nominal_diameter * spec.length / system.vertices();
-  Iris& iris = system.add_force(stent.body, std::make_unique<Iris>(std::move(all), iris_stiffness * area));
+  Crimper& crimper = system.add_force(stent.body, std::make_unique<Crimper>(std::move(all), crimper_stiffness * area));
 
   CrushTest test{};
   test.residual = open_by_balloon(system, stent, spec, balloon, numerics);
@@ -102,11 +102,11 @@ CrushTest crush(const StentSpec& spec, const BalloonSpec& balloon, const Numeric
   double loss = 0, pressure = 0;
   for (int k = 1; loss < losses[3]; ++k) {
     const double before = loss, pressure_before = pressure;
-    iris.close(0.5 * test.free_diameter * (1 - k * increment));
+    crimper.close(0.5 * test.free_diameter * (1 - k * increment));
     test.residual = std::max(test.residual, settle(system, none, numerics, "crushing"));
     const double diameter = mean_diameter(system, stent);
-    pressure =
-        iris.total(system.x) / (pi * test.free_diameter * chain_length(ring_centres(system, stent.body, stent.grid)));
+    pressure = crimper.total(system.x) /
+               (pi * test.free_diameter * chain_length(ring_centres(system, stent.body, stent.grid)));
     loss = 100 * (1 - diameter / test.free_diameter);
     for (double wanted : losses)
       if (before < wanted && loss >= wanted)

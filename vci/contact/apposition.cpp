@@ -1,6 +1,6 @@
 #include "vci/contact/apposition.hpp"
 #include "vci/contact/contact.hpp"
-#include "vci/contact/foot.hpp"
+#include "vci/contact/surface_projection.hpp"
 #include "vci/geometry/broad_phase.hpp"
 #include "vci/geometry/surface.hpp"
 
@@ -12,29 +12,29 @@ namespace vci {
 namespace {
 
 constexpr double reach = 2.0; // mm: a stent further from the wall faces something else
-constexpr double slack = 0.1; // mm beyond the nearest triangle in which the foot along the normals may lie
+constexpr double slack = 0.1; // mm beyond the nearest triangle in which the projection along the normals may lie
 constexpr double nothing = 1e300;
 
 /// Gap (mm) from a wall vertex to the smooth surface of a stent, as contact measures it, 0 in contact; none where the
-/// foot lies on the stent's end or the two do not face one way.
+/// projection lies on the stent's end or the two do not face one way.
 std::optional<double> gap_to(const System& system, const Body& stent, const Vectors& units, int vertex,
                              const std::vector<int>& candidates) {
   double closest = 0;
   const Vec3& p = system.x[vertex];
-  const Foot foot = foot_of(p, candidates, system, units, stent, closest);
-  if (foot.triangle < 0)
+  const SurfaceProjection projection = project_onto(p, candidates, system, units, stent, closest);
+  if (projection.triangle < 0)
     return std::nullopt;
-  const Triangle& t = stent.triangles[foot.triangle];
+  const Triangle& t = stent.triangles[projection.triangle];
   double inside = 0;
   Vec3 q = Vec3::Zero();
   for (int k = 0; k < 3; ++k) {
-    inside += stent.boundary[t[k] - stent.first] ? 0 : foot.weights[k];
-    q += foot.weights[k] * system.x[t[k]];
+    inside += stent.boundary[t[k] - stent.first] ? 0 : projection.weights[k];
+    q += projection.weights[k] * system.x[t[k]];
   }
-  const Vec3 n = interpolated_normal(t, foot.weights, units);
+  const Vec3 n = interpolated_normal(t, projection.weights, units);
   if (inside <= 1e-9 || n.dot(units[vertex]) <= 0)
     return std::nullopt;
-  return std::max(0.0, n.dot(p - q) - sagitta(t, foot.weights, system.x, units));
+  return std::max(0.0, n.dot(p - q) - sagitta(t, projection.weights, system.x, units));
 }
 
 } // namespace

@@ -1,5 +1,5 @@
 #include "vci/contact/contact.hpp"
-#include "vci/contact/foot.hpp"
+#include "vci/contact/surface_projection.hpp"
 #include "vci/geometry/surface.hpp"
 
 #include <algorithm>
@@ -11,20 +11,21 @@ namespace {
 
 constexpr double search_reach = 0.5; // mm: a vertex deeper than this beyond a surface is not found any more
 
-// Vertices that bear far more than others (calcium's edge, a window's rim) meet a second, stiffer ramp: in ramps, over
-// the stiffness. Where it begins, ordinary contact does not get to: all of it that stiff makes areas hang on the steps.
+// A few vertices carry far more load than the others, at the edge of calcium or at the rim of a window. A second,
+// stiffer response stops them. It begins deeper than ordinary contact goes: where all contact is that stiff, the areas
+// depend on the length of the steps. Start and width are in widths of the ordinary ramp, the stiffness over its own.
 constexpr double deep_from = 1.5, deep_ramp = 2, deep_stiffness = 40;
-// Before a window's rim it fades only where this share of the surface is left: vertices would bear their load with a
-// small share of their area there and sink in. The first ramp fades over the whole row, so that contact comes and goes
-// softly.
-constexpr double deep_fades = 0.1;
+// Before the rim of a window, the stiffer response fades only where this share of the surface is left. If it faded
+// earlier, the vertices there would carry their load with a small share of their area and sink in. The ordinary
+// response fades over the whole row of triangles, so that contact comes and goes gradually.
+constexpr double deep_fade_share = 0.1;
 
-// A contact that slides meets no more friction along its way, but sticks again where it turns back: all of the
-// stiffness taken away there does not settle, none of it makes it creep.
-constexpr double relieved = 0.7;
+// A sliding contact meets no further friction along its slip, but sticks again when it turns back. With the whole
+// stiffness removed along the slip the steps do not converge; with none removed the contact creeps.
+constexpr double slip_tangent_reduction = 0.7;
 
 /// Quadratic over the width w, then linear; nothing below a = 0.
-RampLaw ramp(double a, double stiffness, double w) {
+PenaltyResponse ramp(double a, double stiffness, double w) {
   if (a <= 0)
     return {0, 0, 0};
   if (a < w)
@@ -34,47 +35,47 @@ RampLaw ramp(double a, double stiffness, double w) {
 
 } // namespace
 
-RampLaw contact_ramp(double gap, const ContactSettings& s, const ShareSeen& seen) {
-  const RampLaw law = ramp(s.distance - gap, seen.first_ramp * s.stiffness, s.ramp);
-  const RampLaw deep =
-      ramp(s.distance - gap - deep_from * s.ramp, seen.deep_ramp * deep_stiffness * s.stiffness, deep_ramp * s.ramp);
+PenaltyResponse penalty_response(double gap, const ContactSettings& s, const ContactFade& fade) {
+  const PenaltyResponse law = ramp(s.distance - gap, fade.ordinary * s.stiffness, s.ramp);
+  const PenaltyResponse deep =
+      ramp(s.distance - gap - deep_from * s.ramp, fade.deep * deep_stiffness * s.stiffness, deep_ramp * s.ramp);
   return {law.energy + deep.energy, law.pressure + deep.pressure, law.stiffness + deep.stiffness};
 }
 
-RampLaw averaged_ramp(double from, double to, const ContactSettings& s, const ShareSeen& seen) {
-  const RampLaw here = contact_ramp(from, s, seen);
+PenaltyResponse averaged_response(double from, double to, const ContactSettings& s, const ContactFade& fade) {
+  const PenaltyResponse here = penalty_response(from, s, fade);
   if (std::abs(to - from) < 1e-9)
     return here;
-  const RampLaw there = contact_ramp(to, s, seen);
+  const PenaltyResponse there = penalty_response(to, s, fade);
   return {here.energy, (here.energy - there.energy) / (to - from), (here.pressure - there.pressure) / (to - from)};
 }
 
-bool SurfaceContact::blind(const System& system, int body, int vertex) const {
-  const std::vector<char>& flags = body == inner_ ? sides_.inner_blind : sides_.outer_blind;
+bool SurfaceContact::excluded(const System& system, int body, int vertex) const {
+  const std::vector<char>& flags = body == inner_ ? sides_.inner_excluded : sides_.outer_excluded;
   return !flags.empty() && flags[vertex - system.body(body).first];
 }
 
-ShareSeen SurfaceContact::share_seen(const System& system, int body, const Triangle& t, const Vec3& weights) const {
+ContactFade SurfaceContact::fade_at(const System& system, int body, const Triangle& t, const Vec3& weights) const {
   const Body& target = system.body(body);
   double before_rims = 1, before_ends = 1, before_windows = 1;
   for (int k = 0; k < 3; ++k) {
-    const bool end = target.boundary[t[k] - target.first], window = blind(system, body, t[k]);
+    const bool end = target.boundary[t[k] - target.first], window = excluded(system, body, t[k]);
     before_ends -= end ? weights[k] : 0;
     before_windows -= window ? weights[k] : 0;
     before_rims -= end || window ? weights[k] : 0;
   }
-  return {before_rims, std::min(before_ends, before_windows / deep_fades)};
+  return {before_rims, std::min(before_ends, before_windows / deep_fade_share)};
 }
 
 void add_friction(ContactPoint& point, const ContactSettings& s) {
   const double stiffness = point.area * s.friction_stiffness, trial = stiffness * point.slip->norm();
   const double limit = s.friction * point.force;
   const double share = trial > limit ? limit / trial : 1.0;
-  point.link.sliding =
-      share < 1 ? Vec3(std::sqrt(relieved * share * stiffness) * point.slip->normalized()) : Vec3::Zero();
+  point.stencil.sliding =
+      share < 1 ? Vec3(std::sqrt(slip_tangent_reduction * share * stiffness) * point.slip->normalized()) : Vec3::Zero();
   *point.slip *= share;
-  point.drag = -stiffness * *point.slip;
-  point.link.tangential_stiffness = share * stiffness;
+  point.friction = -stiffness * *point.slip;
+  point.stencil.tangential_stiffness = share * stiffness;
 }
 
 Normals::Normals(Vectors areas) : area(std::move(areas)) {
@@ -96,17 +97,18 @@ void SurfaceContact::face(const System& system, const Vectors& units, int v, con
                           const std::vector<NearTriangle>& found, double travel, Facing& facing) const {
   const Vec3& p = system.x[v];
   facing.triangles.clear();
-  facing.foot = -1;
+  facing.last_triangle = -1;
   facing.search = {p, travel, search_reach - settings_.distance};
   if (found.empty())
     return;
-  const NearTriangle& foot = *std::min_element(found.begin(), found.end(),
-                                               [](const auto& a, const auto& b) { return a.distance < b.distance; });
-  facing.foot = foot.triangle;
-  const Triangle& t = target.triangles[foot.triangle];
-  const Vec3 q = foot.weights[0] * system.x[t[0]] + foot.weights[1] * system.x[t[1]] + foot.weights[2] * system.x[t[2]];
-  const double side_of = (vertex_inside ? 1 : -1) * interpolated_normal(t, foot.weights, units).dot(q - p);
-  facing.search.length = foot.distance - settings_.distance - largest_sagitta(t, system.x, units);
+  const NearTriangle& projection = *std::min_element(
+      found.begin(), found.end(), [](const auto& a, const auto& b) { return a.distance < b.distance; });
+  facing.last_triangle = projection.triangle;
+  const Triangle& t = target.triangles[projection.triangle];
+  const Vec3 q = projection.weights[0] * system.x[t[0]] + projection.weights[1] * system.x[t[1]] +
+                 projection.weights[2] * system.x[t[2]];
+  const double side_of = (vertex_inside ? 1 : -1) * interpolated_normal(t, projection.weights, units).dot(q - p);
+  facing.search.length = projection.distance - settings_.distance - largest_sagitta(t, system.x, units);
   if (side_of > 0 && facing.search.length > settings_.skin)
     return;
   facing.search.length = settings_.skin;
@@ -116,11 +118,11 @@ void SurfaceContact::face(const System& system, const Vectors& units, int v, con
 }
 
 /// A vertex that still meets the triangle it met need not be searched for at every turn.
-bool SurfaceContact::keeps_foot(const System& system, const Vectors& units, const Vec3& p, const Body& target,
-                                double travel, const Facing& facing) const {
-  Foot foot;
-  return !facing.triangles.empty() && !facing.search.used_up(p, travel - 2 * settings_.skin) &&
-         follow_foot(p, facing.foot, system, units, target, foot);
+bool SurfaceContact::keeps_projection(const System& system, const Vectors& units, const Vec3& p, const Body& target,
+                                      double travel, const Facing& facing) const {
+  SurfaceProjection projection;
+  return !facing.triangles.empty() && !facing.search.exceeded(p, travel - 2 * settings_.skin) &&
+         follow_projection(p, facing.last_triangle, system, units, target, projection);
 }
 
 void SurfaceContact::search(const System& system, const Vectors& units, int from, int onto, bool vertex_inside,
@@ -132,14 +134,14 @@ void SurfaceContact::search(const System& system, const Vectors& units, int from
   for (int k = 0; k < source.count; ++k) {
     Facing& facing = side.facing[k];
     const Vec3& p = system.x[source.first + k];
-    if (blind(system, from, source.first + k))
+    if (excluded(system, from, source.first + k))
       continue;
-    if (!facing.search.used_up(p, side.travel) || keeps_foot(system, units, p, target, side.travel, facing))
+    if (!facing.search.exceeded(p, side.travel) || keeps_projection(system, units, p, target, side.travel, facing))
       continue;
     if (!boxes)
       boxes = &trees_->at(system, onto);
     // a triangle may become the nearest while both sides move by the skin
-    boxes->near(p, target.triangles, system.x, search_reach, 2 * settings_.skin, facing.foot, found);
+    boxes->near(p, target.triangles, system.x, search_reach, 2 * settings_.skin, facing.last_triangle, found);
     face(system, units, source.first + k, target, vertex_inside, found, side.travel, facing);
   }
 }
@@ -151,37 +153,39 @@ void SurfaceContact::measure(const System& system, const Normals& normals, int f
   Vectors slip(system.body(from).count, Vec3::Zero());
   side.slip.resize(slip.size(), Vec3::Zero());
   slip.swap(side.slip);                           // a vertex without contact starts anew
-  const double sign = vertex_inside ? 1.0 : -1.0; // gap = sign (foot - vertex) . n
+  const double sign = vertex_inside ? 1.0 : -1.0; // gap = sign (projection - vertex) . n
   const int first = system.body(from).first;
   for (std::size_t place = 0; place < side.facing.size(); ++place) {
     Facing& c = side.facing[place];
     const int vertex = first + static_cast<int>(place);
     const Vec3& p = system.x[vertex];
-    if (c.triangles.empty() || !c.measure.used_up(p, side.travel))
+    if (c.triangles.empty() || !c.measure.exceeded(p, side.travel))
       continue;
-    Foot foot;
+    SurfaceProjection projection;
     double clear = 0;
-    if (!follow_foot(p, c.foot, system, units, target, foot))
-      foot = foot_of(p, c.triangles, system, units, target, clear);
-    if (foot.triangle < 0)
+    if (!follow_projection(p, c.last_triangle, system, units, target, projection))
+      projection = project_onto(p, c.triangles, system, units, target, clear);
+    if (projection.triangle < 0)
       continue; // positions are no longer finite; the integrator reports it
-    c.foot = foot.triangle;
+    c.last_triangle = projection.triangle;
     c.measure = {p, side.travel, -1};
-    const Triangle& t = target.triangles[foot.triangle];
-    const ShareSeen seen = share_seen(system, onto, t, foot.weights);
-    if (seen.first_ramp <= 1e-9)
+    const Triangle& t = target.triangles[projection.triangle];
+    const ContactFade fade = fade_at(system, onto, t, projection.weights);
+    if (fade.ordinary <= 1e-9)
       continue;
-    const Vec3 n = interpolated_normal(t, foot.weights, units);
+    const Vec3 n = interpolated_normal(t, projection.weights, units);
     if ((n.dot(units[vertex]) > 0) != sides_.nested)
       continue; // the surfaces do not face each other here
-    const Vec3 q =
-        foot.weights[0] * system.x[t[0]] + foot.weights[1] * system.x[t[1]] + foot.weights[2] * system.x[t[2]];
-    const double gap = sign * (n.dot(q - p) + (settings_.smooth ? sagitta(t, foot.weights, system.x, units) : 0.0));
-    RampLaw law = contact_ramp(gap, settings_, seen);
+    const Vec3 q = projection.weights[0] * system.x[t[0]] + projection.weights[1] * system.x[t[1]] +
+                   projection.weights[2] * system.x[t[2]];
+    const double gap =
+        sign * (n.dot(q - p) + (settings_.smooth ? sagitta(t, projection.weights, system.x, units) : 0.0));
+    PenaltyResponse law = penalty_response(gap, settings_, fade);
     if (settings_.time_averaged && ahead > 0) {
-      const Vec3 closing = system.velocity[vertex] - foot.weights[0] * system.velocity[t[0]] -
-                           foot.weights[1] * system.velocity[t[1]] - foot.weights[2] * system.velocity[t[2]];
-      law = averaged_ramp(gap, gap - sign * n.dot(closing) * ahead, settings_, seen);
+      const Vec3 closing = system.velocity[vertex] - projection.weights[0] * system.velocity[t[0]] -
+                           projection.weights[1] * system.velocity[t[1]] -
+                           projection.weights[2] * system.velocity[t[2]];
+      law = averaged_response(gap, gap - sign * n.dot(closing) * ahead, settings_, fade);
     }
     if (law.pressure <= 0) {
       c.measure.length =
@@ -189,14 +193,15 @@ void SurfaceContact::measure(const System& system, const Normals& normals, int f
       continue;
     }
     const double area = normals.area[vertex].norm();
-    const PointLink link{{vertex, t[0], t[1], t[2]},
-                         {-sign, sign * foot.weights[0], sign * foot.weights[1], sign * foot.weights[2]},
-                         n,
-                         area * law.stiffness,
-                         0.0};
+    const StencilStiffness stencil{
+        {vertex, t[0], t[1], t[2]},
+        {-sign, sign * projection.weights[0], sign * projection.weights[1], sign * projection.weights[2]},
+        n,
+        area * law.stiffness,
+        0.0};
     Vec3& kept = side.slip[place];
     kept = slip[place] - n.dot(slip[place]) * n;
-    ContactPoint point{link, seen.first_ramp * area, gap, area * law.pressure, Vec3::Zero(), &kept};
+    ContactPoint point{stencil, fade.ordinary * area, gap, area * law.pressure, Vec3::Zero(), &kept};
     add_friction(point, settings_);
     points.push_back(point);
   }
@@ -227,10 +232,10 @@ void SurfaceContact::detect(const System& system, const Normals& normals, std::v
 }
 
 Tie tie_of(const ContactPoint& point, const Vectors& x, double stiffness_mpa_per_mm) {
-  Tie tie{point.link, Vec3::Zero(), point.force};
+  Tie tie{point.stencil, Vec3::Zero(), point.force};
   for (int k = 0; k < 4; ++k)
-    tie.offset += point.link.weight[k] * x[point.link.vertex[k]];
-  tie.link.normal_stiffness = tie.link.tangential_stiffness = point.area * stiffness_mpa_per_mm;
+    tie.offset += point.stencil.weight[k] * x[point.stencil.vertex[k]];
+  tie.stencil.normal_stiffness = tie.stencil.tangential_stiffness = point.area * stiffness_mpa_per_mm;
   return tie;
 }
 
@@ -238,23 +243,23 @@ void add_tie_forces(const std::vector<Tie>& ties, const Vectors& x, Vectors& for
   for (const Tie& tie : ties) {
     Vec3 r = -tie.offset;
     for (int k = 0; k < 4; ++k)
-      r += tie.link.weight[k] * x[tie.link.vertex[k]];
-    const Vec3 f = tie.force * tie.link.normal - tie.link.normal_stiffness * r;
+      r += tie.stencil.weight[k] * x[tie.stencil.vertex[k]];
+    const Vec3 f = tie.force * tie.stencil.normal - tie.stencil.normal_stiffness * r;
     for (int k = 0; k < 4; ++k)
-      force[tie.link.vertex[k]] += tie.link.weight[k] * f;
+      force[tie.stencil.vertex[k]] += tie.stencil.weight[k] * f;
   }
 }
 
 void add_contact_forces(const std::vector<ContactPoint>& points, Vectors& force) {
   for (const ContactPoint& point : points)
     for (int k = 0; k < 4; ++k)
-      force[point.link.vertex[k]] += point.link.weight[k] * (point.force * point.link.normal + point.drag);
+      force[point.stencil.vertex[k]] += point.stencil.weight[k] * (point.force * point.stencil.normal + point.friction);
 }
 
 void add_slip(const std::vector<ContactPoint>& points, const Vectors& displacement) {
   for (const ContactPoint& point : points)
     for (int k = 0; k < 4; ++k)
-      *point.slip += point.link.weight[k] * displacement[point.link.vertex[k]];
+      *point.slip += point.stencil.weight[k] * displacement[point.stencil.vertex[k]];
 }
 
 Vectors area_vectors(const System& system) {

@@ -19,46 +19,48 @@ struct ContactSettings {
   bool time_averaged = false; ///< eq 18: the law's mean over the gaps of a step, where the velocity is followed
 };
 
-/// How much of a surface is there for each ramp: 1 inside, falling to 0 over the last row of triangles before an open
-/// edge, for the deep ramp before a window's rim only at its end. Beyond the edge nothing touches, and a contact that
-/// ended abruptly there would flip for ever.
-struct ShareSeen {
-  double first_ramp = 1, deep_ramp = 1;
+/// Contact fades out before a surface's edge: the share of each stiffness that is left, 1 inside and 0 at the edge.
+/// A contact that ended abruptly would switch on and off for ever. The ordinary stiffness fades over the last row of
+/// triangles. Before the rim of a window, the deep stiffness fades only at the very end of that row.
+struct ContactFade {
+  double ordinary = 1, deep = 1;
 };
 
-/// The ramp: with a = delta - gap, pressure kappa a^2 / (2 w) for a below w, kappa (a - w / 2) above; and a second one
-/// of 40 kappa and 2 w, from a = 1.5 w on.
-struct RampLaw {
+/// The penalty law at a gap. With the overlap a = delta - gap, the pressure is kappa a^2 / (2 w) below a = w and
+/// kappa (a - w / 2) above. A second response with 40 kappa and 2 w is added from a = 1.5 w on.
+struct PenaltyResponse {
   double energy, pressure, stiffness; ///< per area: N/mm, MPa, MPa/mm
 };
-RampLaw contact_ramp(double gap, const ContactSettings& settings, const ShareSeen& seen = {});
-/// Its mean while the gap goes evenly from one value to another (eq 18; eq 19's law with the signed gap: by the
-/// unsigned distance a surface that is through pulls itself further).
-RampLaw averaged_ramp(double from, double to, const ContactSettings& settings, const ShareSeen& seen = {});
+PenaltyResponse penalty_response(double gap, const ContactSettings& settings, const ContactFade& fade = {});
+/// Its mean while the gap goes evenly from one value to another (eq 18). Equation 19's law is taken with the signed
+/// gap: with the unsigned distance, a surface that has passed through another would be pulled further through.
+PenaltyResponse averaged_response(double from, double to, const ContactSettings& settings,
+                                  const ContactFade& fade = {});
 
-/// A vertex against a triangle. The gap is n . sum(w_k x_k), n the triangle's interpolated normal: it turns negative
-/// when the surfaces cross, so that nothing can tunnel. Normal and weights are held within a step.
+/// A vertex in contact with a triangle. The gap is n . sum(w_k x_k), with n the triangle's interpolated normal. The gap
+/// turns negative when the surfaces cross, so that no vertex can tunnel. Normal and weights are constant within a step.
 struct ContactPoint {
-  PointLink link;
-  double area;  ///< of the vertex, mm^2
-  double gap;   ///< mm
-  double force; ///< N along the normal
-  Vec3 drag;    ///< friction force, N: opposes the slip, at most mu times the normal force
-  Vec3* slip;   ///< elastic part of the tangential displacement since first touch, mm; kept by the contact
+  StencilStiffness stencil;
+  double area;   ///< of the vertex, mm^2
+  double gap;    ///< mm
+  double force;  ///< N along the normal
+  Vec3 friction; ///< friction force, N: opposes the slip, at most mu times the normal force
+  Vec3* slip;    ///< elastic part of the tangential displacement since first touch, mm; kept by the contact
 };
 
-/// Regularised Coulomb friction: elastic slip, mapped back where it passes the limit. Sets slip, drag and the link's
-/// tangential stiffness (secant of the trial state, never negative; where it slides, less along its way).
+/// Regularised Coulomb friction with an elastic slip, which is mapped back where it passes the limit. Sets the slip,
+/// the friction force and the stencil's tangential stiffness. That is the secant of the trial state and never negative;
+/// for a sliding point it is reduced along the slip.
 void add_friction(ContactPoint& point, const ContactSettings& settings);
 
-/// How two surfaces lie, and which of their vertices do not see the other one (flags; empty: all see it). A foot among
-/// blind vertices does not count, as beyond an open edge.
+/// How two surfaces lie, and which of their vertices are excluded from their contact (flags; empty: none). A projection
+/// onto a triangle of excluded vertices does not count, like one beyond an open edge.
 struct ContactSides {
   bool nested = true; ///< false: side by side, the outward normals face each other
-  std::vector<char> inner_blind, outer_blind;
+  std::vector<char> inner_excluded, outer_excluded;
 };
 
-/// Area vectors of all vertices (mm^2) and their directions.
+/// Area vectors of all vertices (mm^2), and the unit vectors along them.
 struct Normals {
   Vectors area, unit;
   Normals(Vectors areas); // NOLINT(google-explicit-constructor) ; area vectors are all there is to say
@@ -75,9 +77,9 @@ private:
   std::map<int, BroadPhase> trees_;
 };
 
-/// Both directions: inner vertices against outer triangles, outer vertices against inner triangles. Normals of both
-/// surfaces point outwards. Candidates come from the broad phase. A vertex is searched for again, and its gap measured
-/// again, only once it and the other surface may have moved far enough to matter.
+/// Contact of inner vertices with outer triangles, and of outer vertices with inner triangles. The normals of both
+/// surfaces point outwards. Candidates come from the broad phase. A vertex is searched for again, or its gap measured
+/// again, only once it and the other surface may have moved far enough to change the answer.
 class SurfaceContact {
 public:
   /// @param trees shared with other contacts, all of them of one system; none: its own
@@ -92,16 +94,16 @@ public:
   void detect(const System& system, const Normals& normals, std::vector<ContactPoint>& points, double ahead = 0);
 
 private:
-  /// How far a vertex and the surface it faces may move, taken together, before a finding no longer holds.
-  struct Leeway {
+  /// How far a vertex and the surface that it faces may move together before an earlier answer must be checked.
+  struct MotionBound {
     Vec3 place;
     double travel, length; ///< of the surface when found; mm
-    bool used_up(const Vec3& p, double travelled) const { return (p - place).norm() + travelled - travel > length; }
+    bool exceeded(const Vec3& p, double travelled) const { return (p - place).norm() + travelled - travel > length; }
   };
   struct Facing {
-    Leeway search{Vec3::Zero(), 0, -1}, measure = search; ///< -1: at once
+    MotionBound search{Vec3::Zero(), 0, -1}, measure = search; ///< -1: at once
     std::vector<int> triangles;
-    int foot = -1; ///< the triangle that the vertex met last, or that the search found nearest; -1: none
+    int last_triangle = -1; ///< the triangle that the vertex met last, or that the search found nearest; -1: none
   };
   struct Direction {
     std::vector<Facing> facing; ///< per vertex of the source body
@@ -111,13 +113,13 @@ private:
   void search(const System& system, const Vectors& units, int from, int onto, bool vertex_inside, Direction& side);
   void face(const System& system, const Vectors& units, int v, const Body& target, bool vertex_inside,
             const std::vector<NearTriangle>& found, double travel, Facing& facing) const;
-  bool keeps_foot(const System& system, const Vectors& units, const Vec3& p, const Body& target, double travel,
-                  const Facing& facing) const;
+  bool keeps_projection(const System& system, const Vectors& units, const Vec3& p, const Body& target, double travel,
+                        const Facing& facing) const;
   void measure(const System& system, const Normals& normals, int from, int onto, bool vertex_inside, double ahead,
                Direction& side, std::vector<ContactPoint>& points) const;
   double largest_move(const System& system, int body) const;
-  bool blind(const System& system, int body, int vertex) const;
-  ShareSeen share_seen(const System& system, int body, const Triangle& t, const Vec3& weights) const;
+  bool excluded(const System& system, int body, int vertex) const;
+  ContactFade fade_at(const System& system, int body, const Triangle& t, const Vec3& weights) const;
 
   int inner_, outer_;
   ContactSettings settings_;
@@ -127,9 +129,9 @@ private:
   Direction inner_on_outer_, outer_on_inner_;
 };
 
-/// A contact point kept as it is: force f0 n at the offset r0, with stiffness both ways along n and across it.
+/// A contact point made permanent: force f0 n at the offset r0, with a stiffness along n in both senses and across it.
 struct Tie {
-  PointLink link;
+  StencilStiffness stencil;
   Vec3 offset;  ///< r0, mm
   double force; ///< f0, N
 };

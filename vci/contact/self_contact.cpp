@@ -1,5 +1,5 @@
 #include "vci/contact/self_contact.hpp"
-#include "vci/contact/foot.hpp"
+#include "vci/contact/surface_projection.hpp"
 #include "vci/geometry/closest_point.hpp"
 #include "vci/geometry/surface.hpp"
 

@@ -4,10 +4,10 @@
 
 namespace vci {
 
-/// Each vertex may meet one layer on its outer side (outer face against outer face) and one on its inner side (inner
-/// against inner); both face it with opposing normals. The side is decided when a layer comes within reach, and kept
-/// while the foot follows the surface: a vertex that is through is pushed back, and takes no other layer meanwhile.
-/// What is within an edge of a vertex along the surface is its own layer. No friction: balloons are coated.
+/// Each vertex may touch one layer on its outer side and one on its inner side. Both face it with opposing normals. The
+/// side is decided when a layer comes within reach, and kept while the projection follows the surface. A vertex that
+/// has passed through is therefore pushed back, and faces no other layer meanwhile. Triangles within an edge of the
+/// vertex along the surface are its own layer. There is no friction, since balloons are coated.
 class SelfContact {
 public:
   /// @param stiffness of contact between two surfaces, MPa/mm, shared by the two layers
@@ -22,7 +22,7 @@ public:
 private:
   struct Layer {
     int triangle = -1;        ///< that the vertex faces; -1: none
-    Vec3 slip = Vec3::Zero(); ///< of no use without friction, but every contact point has one
+    Vec3 slip = Vec3::Zero(); ///< stays 0 without friction; every contact point needs one
     Vec3 weights = Vec3::Zero();
     double distance = 0, gap = 0; ///< mm; the gap is negative once the vertex is through
   };

@@ -119,15 +119,15 @@ std::vector<double> ring_sections(const System& system, int body, const RingGrid
   return sections;
 }
 
-std::vector<double> girth_diameters(const System& system, int body, const RingGrid& grid) {
+std::vector<double> perimeter_diameters(const System& system, int body, const RingGrid& grid) {
   const int first = system.body(body).first;
   std::vector<double> diameters;
   for (int r = 0; r < grid.rings(); ++r) {
-    double girth = 0;
+    double perimeter = 0;
     for (int k = 0; k < grid.around; ++k)
-      girth +=
+      perimeter +=
           (system.x[first + r * grid.around + (k + 1) % grid.around] - system.x[first + r * grid.around + k]).norm();
-    diameters.push_back(girth / (grid.around * std::sin(pi / grid.around)));
+    diameters.push_back(perimeter / (grid.around * std::sin(pi / grid.around)));
   }
   return diameters;
 }

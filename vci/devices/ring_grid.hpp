@@ -34,7 +34,7 @@ std::vector<double> ring_widths(const RingGrid& grid);
 /// Mean radius (mm) of each ring about its own centre, from the area its polygon encloses.
 std::vector<double> ring_radii(const System& system, int body, const RingGrid& grid);
 /// Diameter (mm) of the circle as long as each ring.
-std::vector<double> girth_diameters(const System& system, int body, const RingGrid& grid);
+std::vector<double> perimeter_diameters(const System& system, int body, const RingGrid& grid);
 /// Area (mm^2) that each ring encloses, seen along the line through the rings' centres: the tube's section, however
 /// aslant the ring lies in it.
 std::vector<double> ring_sections(const System& system, int body, const RingGrid& grid);

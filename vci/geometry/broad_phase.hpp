@@ -19,12 +19,12 @@ public:
   BroadPhase(BroadPhase&&) noexcept;
   BroadPhase& operator=(BroadPhase&&) noexcept;
 
-  /// Takes note of new positions; the boxes are fitted to them only once a vertex has moved far. Until then the search
-  /// allows for the largest displacement, which never changes what is found.
+  /// Takes new positions. The boxes are refitted only once a vertex has moved far. Until then the search reaches
+  /// further by the largest displacement, so that it finds the same triangles.
   void update(const Triangles& triangles, const Vectors& x);
   /// Triangles no further than `reach` from p, and no further than the nearest of them plus `slack`; by index.
   /// @param triangles, x as given to the last update
-  /// @param guess a triangle that may be near, or -1: a good one shortens the search and never changes what is found
+  /// @param guess a triangle that may be near, or -1; a good guess shortens the search and does not change its result
   void near(const Vec3& p, const Triangles& triangles, const Vectors& x, double reach, double slack, int guess,
             std::vector<NearTriangle>& found) const;
 

@@ -37,8 +37,8 @@ private:
 
 } // namespace
 
-CoarseSpace::CoarseSpace(const BlockMatrix& matrix, const std::vector<PointLink>& links, const std::vector<char>& fixed,
-                         int patch_size) {
+CoarseSpace::CoarseSpace(const BlockMatrix& matrix, const std::vector<StencilStiffness>& stencils,
+                         const std::vector<char>& fixed, int patch_size) {
   assign(matrix, fixed, patch_size);
   BlockSum sum(patches_);
   for (int i = 0; i < matrix.rows(); ++i)
@@ -49,13 +49,13 @@ CoarseSpace::CoarseSpace(const BlockMatrix& matrix, const std::vector<PointLink>
         if (j > i)
           sum.add(q, p, block.transpose());
       }
-  for (const PointLink& link : links) {
-    const Mat3 stiffness = link.stiffness();
+  for (const StencilStiffness& stencil : stencils) {
+    const Mat3 stiffness = stencil.stiffness();
     for (int a = 0; a < 4; ++a)
       for (int b = 0; b < 4; ++b)
-        if (link.vertex[a] >= 0 && link.vertex[b] >= 0)
-          if (const int p = patch_[link.vertex[a]], q = patch_[link.vertex[b]]; p >= 0 && q >= 0 && q <= p)
-            sum.add(p, q, link.weight[a] * link.weight[b] * stiffness);
+        if (stencil.vertex[a] >= 0 && stencil.vertex[b] >= 0)
+          if (const int p = patch_[stencil.vertex[a]], q = patch_[stencil.vertex[b]]; p >= 0 && q >= 0 && q <= p)
+            sum.add(p, q, stencil.weight[a] * stencil.weight[b] * stiffness);
   }
   for (const RankOne& term : matrix.rank_ones()) {
     std::vector<std::pair<int, Vec3>> gradient; // by patch

@@ -5,12 +5,12 @@
 
 namespace vci {
 
-/// The matrix seen by rigid shifts of patches (aggregation without smoothing, Vanek et al. 1996): what single vertices
-/// pass on slowly, long waves along the vessel and shifts of whole devices, is solved at once.
+/// The matrix restricted to rigid shifts of patches (aggregation without smoothing, Vanek et al. 1996). It solves long
+/// waves along the vessel and shifts of whole devices at once, which block Jacobi passes on from vertex to vertex.
 class CoarseSpace {
 public:
   /// @param patch_size vertices to a patch at most
-  CoarseSpace(const BlockMatrix& matrix, const std::vector<PointLink>& links, const std::vector<char>& fixed,
+  CoarseSpace(const BlockMatrix& matrix, const std::vector<StencilStiffness>& stencils, const std::vector<char>& fixed,
               int patch_size);
   int patches() const { return patches_; }
   int vertices() const { return static_cast<int>(patch_.size()); }

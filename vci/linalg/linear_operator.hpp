@@ -1,19 +1,19 @@
-// The step's matrix in the form that conjugate gradients read fastest: four numbers to a vector, single or double.
+// The matrix of a step in the layout that conjugate gradients read fastest: four numbers a vector, single or double.
 #pragma once
 #include "vci/linalg/block_matrix.hpp"
 #include <algorithm>
 
 namespace vci {
 
-/// A stiffness k n n^T + k_t (I - n n^T) - s s^T on a weighted sum of up to four vertices: contacts and ties, kept out
-/// of the sparse pattern because they come and go.
-struct PointLink {
+/// A stiffness k n n^T + k_t (I - n n^T) - s s^T on a weighted sum of up to four vertices. Contacts and ties are such
+/// stencils. They come and go, and are therefore no part of the sparse pattern.
+struct StencilStiffness {
   std::array<int, 4> vertex; ///< -1 marks an unused place
   std::array<double, 4> weight;
   Vec3 normal;
   double normal_stiffness;     ///< N/mm
   double tangential_stiffness; ///< N/mm
-  Vec3 sliding = Vec3::Zero(); ///< s, tangential: what a contact that slides lacks along its way, (N/mm)^(1/2)
+  Vec3 sliding = Vec3::Zero(); ///< s, along the slip of a sliding contact, (N/mm)^(1/2)
   Mat3 stiffness() const {
     Mat3 k = (normal_stiffness - tangential_stiffness) * normal * normal.transpose();
     k.diagonal().array() += tangential_stiffness;
@@ -21,14 +21,16 @@ struct PointLink {
   }
 };
 
-/// Block matrix, rank-one terms and links with fixed vertices left out. Vectors hold four numbers a vertex, the last 0.
+/// Block matrix, rank-one terms and stencils with fixed vertices left out. Vectors hold four numbers a vertex, the last
+/// 0.
 template <class Real> class LinearOperator {
 public:
   using Four = Eigen::Array<Real, 4, 1>;
   using Block = Eigen::Array<Real, 4, 3>;
   using Field = std::vector<Four>;
 
-  LinearOperator(const BlockMatrix& matrix, const std::vector<PointLink>& links, const std::vector<char>& fixed)
+  LinearOperator(const BlockMatrix& matrix, const std::vector<StencilStiffness>& stencils,
+                 const std::vector<char>& fixed)
       : matrix_(matrix), fixed_(fixed) {
     values_.resize(9 * static_cast<std::size_t>(matrix.entries()) + 1); // the last column is read with one number more
     for (int i = 0; i < matrix.rows(); ++i)
@@ -43,13 +45,13 @@ public:
           for (int e = 0; e < 9; ++e)
             own[e] = static_cast<Real>(a[e]);
       }
-    for (const PointLink& link : links) {
-      Link own{link.vertex, {}, padded(link.stiffness())};
+    for (const StencilStiffness& stencil : stencils) {
+      Stencil own{stencil.vertex, {}, padded(stencil.stiffness())};
       for (int k = 0; k < 4; ++k) {
-        own.weight[k] = link.vertex[k] < 0 || fixed[link.vertex[k]] ? Real(0) : Real(link.weight[k]);
-        own.vertex[k] = std::max(link.vertex[k], 0);
+        own.weight[k] = stencil.vertex[k] < 0 || fixed[stencil.vertex[k]] ? Real(0) : Real(stencil.weight[k]);
+        own.vertex[k] = std::max(stencil.vertex[k], 0);
       }
-      links_.push_back(own);
+      stencils_.push_back(own);
     }
     for (const RankOne& term : matrix.rank_ones()) {
       Ring ring{{}, {}, Real(term.stiffness)};
@@ -91,18 +93,18 @@ public:
       for (std::size_t k = 0; k < ring.vertex.size(); ++k)
         y[ring.vertex[k]] += along * ring.gradient[k];
     }
-    for (const Link& link : links_) {
+    for (const Stencil& stencil : stencils_) {
       Four r = Four::Zero();
       for (int k = 0; k < 4; ++k)
-        r += link.weight[k] * x[link.vertex[k]];
-      const Four f = product(link.stiffness, r);
+        r += stencil.weight[k] * x[stencil.vertex[k]];
+      const Four f = product(stencil.stiffness, r);
       for (int k = 0; k < 4; ++k)
-        y[link.vertex[k]] += link.weight[k] * f;
+        y[stencil.vertex[k]] += stencil.weight[k] * f;
     }
   }
 
 private:
-  struct Link {
+  struct Stencil {
     std::array<int, 4> vertex;
     std::array<Real, 4> weight;
     Block stiffness;
@@ -116,7 +118,7 @@ private:
   const BlockMatrix& matrix_;
   const std::vector<char>& fixed_;
   std::vector<Real> values_; ///< nine to a block, column by column
-  std::vector<Link> links_;
+  std::vector<Stencil> stencils_;
   std::vector<Ring> rings_;
 };
 

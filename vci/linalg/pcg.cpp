@@ -9,7 +9,7 @@ namespace vci {
 namespace {
 
 /// Inverse diagonal blocks, 0 at fixed vertices.
-std::vector<Mat3> inverse_diagonal(const BlockMatrix& matrix, const std::vector<PointLink>& links,
+std::vector<Mat3> inverse_diagonal(const BlockMatrix& matrix, const std::vector<StencilStiffness>& stencils,
                                    const std::vector<char>& fixed) {
   std::vector<Mat3> diagonal(matrix.rows());
   for (int i = 0; i < matrix.rows(); ++i)
@@ -17,11 +17,11 @@ std::vector<Mat3> inverse_diagonal(const BlockMatrix& matrix, const std::vector<
   for (const RankOne& term : matrix.rank_ones())
     for (std::size_t k = 0; k < term.vertex.size(); ++k)
       diagonal[term.vertex[k]] += term.stiffness * term.gradient[k] * term.gradient[k].transpose();
-  for (const PointLink& link : links) {
-    const Mat3 stiffness = link.stiffness();
+  for (const StencilStiffness& stencil : stencils) {
+    const Mat3 stiffness = stencil.stiffness();
     for (int k = 0; k < 4; ++k)
-      if (link.vertex[k] >= 0)
-        diagonal[link.vertex[k]] += link.weight[k] * link.weight[k] * stiffness;
+      if (stencil.vertex[k] >= 0)
+        diagonal[stencil.vertex[k]] += stencil.weight[k] * stencil.weight[k] * stiffness;
   }
   for (int i = 0; i < matrix.rows(); ++i)
     diagonal[i] = fixed[i] ? Mat3::Zero() : Mat3(diagonal[i].inverse());
@@ -34,10 +34,10 @@ public:
   using Field = typename Operator::Field;
   using Four = typename Operator::Four;
 
-  Solver(const BlockMatrix& matrix, const std::vector<PointLink>& links, const std::vector<char>& fixed,
+  Solver(const BlockMatrix& matrix, const std::vector<StencilStiffness>& stencils, const std::vector<char>& fixed,
          const PcgSettings& settings, std::shared_ptr<const CoarseSpace> coarse)
-      : settings_(settings), operator_(matrix, links, fixed), coarse_(std::move(coarse)) {
-    for (const Mat3& m : inverse_diagonal(matrix, links, fixed))
+      : settings_(settings), operator_(matrix, stencils, fixed), coarse_(std::move(coarse)) {
+    for (const Mat3& m : inverse_diagonal(matrix, stencils, fixed))
       inverse_.push_back(Operator::padded(settings.plain ? Mat3(Mat3::Identity()) : m));
   }
 
@@ -106,13 +106,14 @@ private:
 };
 
 /// The second level: that of an earlier matrix while it is young and still serves as well as at first.
-std::shared_ptr<const CoarseSpace> coarse_space(const BlockMatrix& matrix, const std::vector<PointLink>& links,
+std::shared_ptr<const CoarseSpace> coarse_space(const BlockMatrix& matrix,
+                                                const std::vector<StencilStiffness>& stencils,
                                                 const std::vector<char>& fixed, int patch_size, PcgMemory& memory) {
   constexpr int oldest = 5;
   if (patch_size == 0)
     return {};
   if (!memory.coarse || memory.age >= oldest || memory.coarse->vertices() != matrix.rows()) {
-    const auto made = std::make_shared<CoarseSpace>(matrix, links, fixed, patch_size);
+    const auto made = std::make_shared<CoarseSpace>(matrix, stencils, fixed, patch_size);
     memory = {made->usable() ? made : nullptr, 0, 0};
   }
   return memory.coarse;
@@ -128,11 +129,12 @@ void remember(int iterations, PcgMemory& memory) {
 }
 
 template <class Real>
-SolveResult solve_in(const BlockMatrix& matrix, const std::vector<PointLink>& links, const std::vector<char>& fixed,
-                     const Vectors& right_hand_side, Vectors& x, const PcgSettings& settings, PcgMemory& memory) {
+SolveResult solve_in(const BlockMatrix& matrix, const std::vector<StencilStiffness>& stencils,
+                     const std::vector<char>& fixed, const Vectors& right_hand_side, Vectors& x,
+                     const PcgSettings& settings, PcgMemory& memory) {
   using Operator = LinearOperator<Real>;
-  const Solver<Real> solver(matrix, links, fixed, settings,
-                            coarse_space(matrix, links, fixed, settings.patch_size, memory));
+  const Solver<Real> solver(matrix, stencils, fixed, settings,
+                            coarse_space(matrix, stencils, fixed, settings.patch_size, memory));
   typename Operator::Field b, solution;
   b.reserve(right_hand_side.size());
   for (std::size_t i = 0; i < right_hand_side.size(); ++i)
@@ -147,12 +149,13 @@ SolveResult solve_in(const BlockMatrix& matrix, const std::vector<PointLink>& li
 
 } // namespace
 
-SolveResult solve_pcg(const BlockMatrix& matrix, const std::vector<PointLink>& links, const std::vector<char>& fixed,
-                      const Vectors& right_hand_side, Vectors& x, const PcgSettings& settings, PcgMemory* memory) {
+SolveResult solve_pcg(const BlockMatrix& matrix, const std::vector<StencilStiffness>& stencils,
+                      const std::vector<char>& fixed, const Vectors& right_hand_side, Vectors& x,
+                      const PcgSettings& settings, PcgMemory* memory) {
   PcgMemory own;
   PcgMemory& used = memory ? *memory : own;
-  return settings.single_precision ? solve_in<float>(matrix, links, fixed, right_hand_side, x, settings, used)
-                                   : solve_in<double>(matrix, links, fixed, right_hand_side, x, settings, used);
+  return settings.single_precision ? solve_in<float>(matrix, stencils, fixed, right_hand_side, x, settings, used)
+                                   : solve_in<double>(matrix, stencils, fixed, right_hand_side, x, settings, used);
 }
 
 } // namespace vci

@@ -2,11 +2,11 @@
 #include "common/error.hpp"
 #include "vci/contact/apposition.hpp"
 #include "vci/procedure/device_setup.hpp"
-#include "vci/procedure/notices.hpp"
+#include "vci/procedure/diagnostics.hpp"
 #include "vci/procedure/procedure.hpp"
-#include "vci/procedure/standing.hpp"
+#include "vci/procedure/state_checks.hpp"
 #include "vci/procedure/unfolding.hpp"
-#include "vci/solver/refusal.hpp"
+#include "vci/solver/convergence_error.hpp"
 #include "vci/solver/textbook.hpp"
 
 #include <chrono>
@@ -107,7 +107,7 @@ public:
     for (const auto& [name, path] : state.paths)
       r.paths[name] = follow_wall(path, state.lumen, r.points);
     // only now: a stent that hangs free on the way may yet be dilated
-    check_borne(state.system, state.interactions, state.stents, r.points, state.lumen.triangles, r.paths);
+    check_supported(state.system, state.interactions, state.stents, r.points, state.lumen.triangles, r.paths);
     r.stages = stages;
     r.stents = state.stents;
     r.devices = balloons_;

@@ -58,18 +58,18 @@ ContactSides leaving_through(const System& system, const Stent& stent, const Cou
   const Vectors inflated = place_grid(device.grid, device.frames, reach);
   for (const Vec3& p : inflated) {
     const OnAxis a = nearest_on_axis(p, axis, radii);
-    sides.inner_blind.push_back(!a.beyond &&
-                                (p - a.point).norm() > std::max(a.radius, device.inflated_radius) + tolerance);
+    sides.inner_excluded.push_back(!a.beyond &&
+                                   (p - a.point).norm() > std::max(a.radius, device.inflated_radius) + tolerance);
   }
   const Body& body = system.body(stent.body);
-  sides.outer_blind.assign(body.count, 0);
+  sides.outer_excluded.assign(body.count, 0);
   for (int v = 0; v < body.count; ++v) {
     const Vec3& p = system.x[body.first + v];
     const OnAxis a = nearest_on_axis(p, axis, radii);
     for (std::size_t r = 0; r < course.size(); ++r)
       if (offset[r] > departing && (p - course[r]).norm() < device.inflated_radius + tolerance &&
           (p - a.point).dot(course[r] - a.point) > 0)
-        sides.outer_blind[v] = 1;
+        sides.outer_excluded[v] = 1;
   }
   return sides;
 }
@@ -83,11 +83,11 @@ std::vector<double> start_radii(const System& system, const Course& device, doub
     double nearest = near * near;
     for (int b = 0; b < system.bodies(); ++b) {
       const Body& body = system.body(b);
-      const bool whole = b >= static_cast<int>(sides.size()) || sides[b].outer_blind.empty();
+      const bool whole = b >= static_cast<int>(sides.size()) || sides[b].outer_excluded.empty();
       for (const Triangle& t : body.triangles) {
         if ((system.x[t[0]] - p).squaredNorm() > near * near)
           continue;
-        if (!whole && std::any_of(t.begin(), t.end(), [&](int v) { return sides[b].outer_blind[v - body.first]; }))
+        if (!whole && std::any_of(t.begin(), t.end(), [&](int v) { return sides[b].outer_excluded[v - body.first]; }))
           continue;
         nearest =
             std::min(nearest, closest_on_triangle(p, system.x[t[0]], system.x[t[1]], system.x[t[2]]).distance_squared);

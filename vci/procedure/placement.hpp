@@ -1,4 +1,4 @@
-// Where devices start: small enough to fit, apart from one another, and what they do not see of stents they leave.
+// Where devices start: small enough to fit, apart from one another, and excluded from contact with stents they leave.
 #pragma once
 #include "vci/contact/contact.hpp"
 #include "vci/devices/stent/stent.hpp"
@@ -15,7 +15,7 @@ struct Course {
 constexpr double start_clearance = 0.03; ///< mm between a device and what surrounds it at the start
 
 /// Where a device leaves a standing stent through its side (a side branch's device through the main branch's stent, and
-/// the other way round), its struts are pushed aside: the stent's vertices in that window are blind, and so are the
+/// the other way round), its struts are pushed aside: the stent's vertices in that window are excluded, and so are the
 /// device's vertices that will come to lie outside. Inside, the two touch as nested tubes. Empty flags where the device
 /// stays within the stent.
 ContactSides leaving_through(const System& system, const Stent& stent, const Course& device);

@@ -16,8 +16,8 @@ std::vector<char> filled_rings(const Stent& stent, const Body& body, const std::
   std::vector<char> bears(body.count, 0);
   for (const ContactPoint& p : contacts)
     for (int k = 0; k < 4; ++k) {
-      const int v = p.link.vertex[k] - body.first;
-      if (v >= 0 && v < body.count && p.force * std::abs(p.link.weight[k]) > 0)
+      const int v = p.stencil.vertex[k] - body.first;
+      if (v >= 0 && v < body.count && p.force * std::abs(p.stencil.weight[k]) > 0)
         bears[v] = 1;
     }
   std::vector<char> filled;

@@ -10,13 +10,13 @@ namespace vci {
 namespace {
 
 constexpr double smallest_step = 0.03; // ms
-constexpr int held_steps = 8;          // with all of friction's stiffness, after a step that turned back
+constexpr int sticking_steps = 8;      // with all of friction's stiffness, after a step that turned back
 constexpr double quasi_static = 0.5;   // ms: longer steps drop the velocity
-// Steps that do not come nearer balance for this share of `stalled_steps` are taken with care from then on: vertices
-// that jump to and fro are calmed, and solves must reach this in the preconditioner's norm, too.
+// Steps that do not come nearer to balance for this share of `stalled_steps` are damped from then on: oscillating
+// vertices are held back, and linear solves must reach this tolerance in the preconditioner's norm, too.
 constexpr int careful_share = 3;
 constexpr double careful_tolerance = 0.1;
-constexpr double rounding = 1e-9; // N: a wall that is back in its first state is balanced by nothing
+constexpr double rounding = 1e-9; // N: a wall back in its first state has no applied force to compare with
 
 struct Forces {
   Vectors elastic, foundation, pressure, contact, total;
@@ -116,7 +116,7 @@ void read_contact(const Forces& f, RelaxResult& result) {
     const double depth = std::max(0.0, -p.gap);
     if (depth > result.maximal_penetration) {
       result.maximal_penetration = depth;
-      result.deepest = {p.link.vertex[0], p.link.vertex[1]};
+      result.deepest = {p.stencil.vertex[0], p.stencil.vertex[1]};
     }
     result.mean_penetration += depth / static_cast<double>(f.points.size());
   }
@@ -143,7 +143,7 @@ RelaxResult relax(System& system, Interactions& interactions, const IntegratorSe
   RelaxResult result;
   Forces f;
   Vectors dx, last_dx, load;
-  std::vector<PointLink> links;
+  std::vector<StencilStiffness> stencils;
   PcgMemory memory;
   Inertia inertia(system, s);
   PcgSettings pcg = s.pcg;
@@ -170,33 +170,33 @@ RelaxResult relax(System& system, Interactions& interactions, const IntegratorSe
       best_residual = f.residual;
       best_step = result.steps;
     }
-    const int in_vain = result.steps - best_step;
-    if (!careful && in_vain >= std::max(1, s.stalled_steps / careful_share)) {
+    const int without_progress = result.steps - best_step;
+    if (!careful && without_progress >= std::max(1, s.stalled_steps / careful_share)) {
       careful.emplace();
       pcg.preconditioned_tolerance = careful_tolerance;
       result.careful_from = best_step = result.steps;
     }
-    result.stalled = in_vain >= s.stalled_steps;
+    result.stalled = without_progress >= s.stalled_steps;
     if (result.stalled || result.steps == s.maximal_steps) {
       result.imbalance = largest_imbalance(f.total, system.fixed);
       return result;
     }
-    // Near the end, with small displacements, the residual rules the step: contacts that flip make it jump and are
-    // calmed by shorter steps. A slow rise is a shape that gives way (a balloon that slides or bends): go on.
+    // Near the end displacements are small, and the residual steers the step. Contacts that switch on and off make it
+    // jump; shorter steps settle them. A slow rise is a balloon that slides or bends, and needs no shorter steps.
     if (settling) {
       h *= f.residual > 1.4 * previous_residual ? 0.5 : 1.8;
       h = std::clamp(h, 10 * smallest_step, s.maximal_step);
     }
     previous_residual = f.residual;
 
-    links.clear();
+    stencils.clear();
     for (const ContactPoint& p : f.points) {
-      links.push_back(p.link);
-      if (held > 0) // what slid may stick again
-        links.back().sliding.setZero();
+      stencils.push_back(p.stencil);
+      if (held > 0) // a sliding contact may stick again
+        stencils.back().sliding.setZero();
     }
     for (const Tie& tie : interactions.ties)
-      links.push_back(tie.link);
+      stencils.push_back(tie.stencil);
     const double limit = 1.5 * s.displacement_per_step;
     double typical = 0;
     for (bool anew = true;; anew = false) {
@@ -204,17 +204,17 @@ RelaxResult relax(System& system, Interactions& interactions, const IntegratorSe
       load.resize(f.total.size());
       for (int i = 0; i < system.vertices(); ++i)
         load[i] = (f.total[i] + system.mass[i] / h * system.velocity[i]) / inertia.factor(h);
-      result.cg_iterations += solve_pcg(system.matrix(), links, system.fixed, load, dx, pcg, &memory).iterations;
+      result.cg_iterations += solve_pcg(system.matrix(), stencils, system.fixed, load, dx, pcg, &memory).iterations;
       ++result.steps;
       typical = large_displacement(dx);
       if (typical <= limit || h <= smallest_step || result.steps == s.maximal_steps)
-        break; // a longer one is not taken: plastic set that it leaves would stay
+        break; // a step that is too long is repeated: its plastic strain would stay
       h = std::max(smallest_step, h * std::clamp(s.displacement_per_step / typical, 0.1, 0.5));
     }
     const bool inertial = h <= quasi_static;
     if (careful && !inertial)
-      careful->calm(dx, last_dx, typical);
-    // A vertex that overshoots is held back alone: the others' step is good.
+      careful->damp(dx, last_dx, typical);
+    // A vertex that overshoots is clipped by itself: the step is good for the others.
     for (int i = 0; i < system.vertices(); ++i) {
       const double length = dx[i].norm();
       if (length > limit)
@@ -224,12 +224,12 @@ RelaxResult relax(System& system, Interactions& interactions, const IntegratorSe
     }
     add_slip(f.points, dx);
     system.commit();
-    held = turns_back(dx, last_dx) ? held_steps : held - 1;
+    held = turns_back(dx, last_dx) ? sticking_steps : held - 1;
     last_dx = dx;
-    const double wish = typical > 0 ? s.displacement_per_step / typical : 2.0;
-    settling = f.residual < 0.1 && wish > 4.0;
+    const double step_scale = typical > 0 ? s.displacement_per_step / typical : 2.0;
+    settling = f.residual < 0.1 && step_scale > 4.0;
     if (!settling)
-      h = std::clamp(h * std::clamp(wish, 0.4, 2.0), smallest_step, s.maximal_step);
+      h = std::clamp(h * std::clamp(step_scale, 0.4, 2.0), smallest_step, s.maximal_step);
   }
 }
 

@@ -13,7 +13,7 @@ constexpr double least_share = 0.125; // so that a vertex is not stopped on its 
 
 } // namespace
 
-void StepRelaxation::calm(Vectors& displacement, const Vectors& last, double typical) {
+void StepRelaxation::damp(Vectors& displacement, const Vectors& last, double typical) {
   if (last.size() != displacement.size())
     return;
   share_.resize(displacement.size(), 1.0);

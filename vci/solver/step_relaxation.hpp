@@ -1,4 +1,4 @@
-// What is taken of a step's solution where vertices jump to and fro.
+// Shortens the displacements of single vertices that oscillate from step to step.
 #pragma once
 #include "vci/linalg/types.hpp"
 
@@ -9,15 +9,15 @@ namespace vci {
 /// Steps of one stage towards balance. All displacements in mm, per vertex.
 class StepRelaxation {
 public:
-  /// Halves the displacements of single vertices that go back and forth. The step's length follows what one vertex in a
-  /// hundred exceeds; some that exceed it by far may jump to and fro for ever (a balloon's tip that buckles, a vertex
-  /// at an edge of calcium), and their forces are all that conjugate gradients then look at. Others
-  /// are halved once they have turned back several times running: solved to a fifth, many turn back a little without
-  /// harm.
+  /// Halves the displacements of single vertices that go back and forth. The length of a step follows the displacement
+  /// that one vertex in a hundred exceeds. A vertex that exceeds it by far may oscillate for ever, such as one of a
+  /// buckling balloon tip or at an edge of calcium, and its force then dominates the linear solve. Other vertices are
+  /// halved once they have turned back in several steps running. A single turn does no harm: linear solves are only
+  /// solved to a fifth, and many vertices turn back a little.
   /// @param displacement of the step as solved, is shortened
-  /// @param last the displacement taken in the step before; of another size, or none: nothing is changed
+  /// @param last the displacement taken in the step before; nothing is changed where its size differs
   /// @param typical the displacement that one vertex in a hundred exceeds
-  void calm(Vectors& displacement, const Vectors& last, double typical);
+  void damp(Vectors& displacement, const Vectors& last, double typical);
 
 private:
   std::vector<double> share_; ///< of its displacement that each vertex takes

@@ -28,11 +28,11 @@ int step(System& system, Interactions& interactions, const IntegratorSettings& s
   interactions.detect(system, normals, points, h);
   add_contact_forces(points, force);
   add_tie_forces(interactions.ties, system.x, force);
-  std::vector<PointLink> links;
+  std::vector<StencilStiffness> stencils;
   for (const ContactPoint& p : points)
-    links.push_back(p.link);
+    stencils.push_back(p.stencil);
   for (const Tie& tie : interactions.ties)
-    links.push_back(tie.link);
+    stencils.push_back(tie.stencil);
   system.add_damping(1 / h);
   BlockMatrix& matrix = system.matrix();
   for (int i = 0; i < system.vertices(); ++i) {
@@ -42,7 +42,7 @@ int step(System& system, Interactions& interactions, const IntegratorSettings& s
   PcgSettings plain = s.pcg;
   plain.plain = true;
   plain.patch_size = 0;
-  const int iterations = solve_pcg(matrix, links, system.fixed, force, dx, plain).iterations;
+  const int iterations = solve_pcg(matrix, stencils, system.fixed, force, dx, plain).iterations;
   for (int i = 0; i < system.vertices(); ++i) {
     system.x[i] += dx[i];
     system.velocity[i] = s.velocity_kept / h * dx[i];

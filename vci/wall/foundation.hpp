@@ -22,10 +22,10 @@ struct RingLaw {
   std::array<double, 2> pressure(double u) const;
 };
 
-/// The pressure follows the surface's normal where its triangles are given, as a ring's hoop tension does: with a fixed
-/// direction, against contact that turns with the surface, the wall would wring itself about the vessel's axis once
-/// p > tangential_stiffness a. Also holds each vertex by tangential_stiffness against sliding: a bare membrane is
-/// singular on an irregular mesh.
+/// The pressure follows the surface's normal where its triangles are given, as the hoop tension of a ring does. Contact
+/// forces turn with the surface. Against a pressure of fixed direction they would twist the wall about the vessel's
+/// axis once p > tangential_stiffness a. Each vertex is also held against sliding by tangential_stiffness, since a bare
+/// membrane is singular on an irregular mesh.
 class RingFoundation : public VertexForce {
 public:
   struct Element {

@@ -28,9 +28,9 @@ inline void add_sheet(System& system, int n, double edge, const Vec3& corner, bo
 }
 
 /// Minus the contact matrix times a displacement.
-inline Vectors answer(const std::vector<PointLink>& links, const Vectors& dx) {
+inline Vectors answer(const std::vector<StencilStiffness>& links, const Vectors& dx) {
   Vectors f(dx.size(), Vec3::Zero());
-  for (const PointLink& link : links) {
+  for (const StencilStiffness& link : links) {
     Vec3 r = Vec3::Zero();
     for (int k = 0; k < 4; ++k)
       r += link.weight[k] * dx[link.vertex[k]];
@@ -40,10 +40,10 @@ inline Vectors answer(const std::vector<PointLink>& links, const Vectors& dx) {
   return f;
 }
 
-inline std::vector<PointLink> links_of(const std::vector<ContactPoint>& points) {
-  std::vector<PointLink> links;
+inline std::vector<StencilStiffness> links_of(const std::vector<ContactPoint>& points) {
+  std::vector<StencilStiffness> links;
   for (const ContactPoint& p : points)
-    links.push_back(p.link);
+    links.push_back(p.stencil);
   return links;
 }
 

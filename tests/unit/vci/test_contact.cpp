@@ -11,7 +11,7 @@ using namespace vci;
 
 TEST(ClosestPoint, FindsFaceEdgesAndCorners) {
   const Vec3 a(0, 0, 0), b(1, 0, 0), c(0, 1, 0);
-  const auto foot = [&](const Vec3& p) {
+  const auto projection = [&](const Vec3& p) {
     const ClosestPoint q = closest_on_triangle(p, a, b, c);
     return Vec3(q.weights[0] * a + q.weights[1] * b + q.weights[2] * c);
   };
@@ -69,18 +69,19 @@ TEST(BroadPhase, FindsWhatASearchOverAllTrianglesFinds) {
 
 TEST(ContactRamp, IsSmoothOneSidedAndDerivesFromItsEnergy) {
   const ContactSettings s;
-  EXPECT_EQ(contact_ramp(s.distance + 1e-9, s).pressure, 0);
+  EXPECT_EQ(penalty_response(s.distance + 1e-9, s).pressure, 0);
   const double h = 1e-7;
   for (double gap : {0.005, -0.005, -0.05, -0.3}) {
-    const RampLaw law = contact_ramp(gap, s);
+    const PenaltyResponse law = penalty_response(gap, s);
     EXPECT_GT(law.pressure, 0);
-    EXPECT_NEAR(law.pressure, -(contact_ramp(gap + h, s).energy - contact_ramp(gap - h, s).energy) / (2 * h), 1e-5);
-    EXPECT_NEAR(law.stiffness, -(contact_ramp(gap + h, s).pressure - contact_ramp(gap - h, s).pressure) / (2 * h),
-                1e-4);
+    EXPECT_NEAR(law.pressure, -(penalty_response(gap + h, s).energy - penalty_response(gap - h, s).energy) / (2 * h),
+                1e-5);
+    EXPECT_NEAR(law.stiffness,
+                -(penalty_response(gap + h, s).pressure - penalty_response(gap - h, s).pressure) / (2 * h), 1e-4);
   }
-  EXPECT_LT(contact_ramp(s.distance - 0.9 * s.ramp, s).stiffness, s.stiffness);
-  EXPECT_EQ(contact_ramp(s.distance - 1.1 * s.ramp, s).stiffness, s.stiffness);
-  EXPECT_NEAR(contact_ramp(s.distance - 3.6 * s.ramp, s).stiffness, 41 * s.stiffness, 1e-9) << "both ramps' lines";
+  EXPECT_LT(penalty_response(s.distance - 0.9 * s.ramp, s).stiffness, s.stiffness);
+  EXPECT_EQ(penalty_response(s.distance - 1.1 * s.ramp, s).stiffness, s.stiffness);
+  EXPECT_NEAR(penalty_response(s.distance - 3.6 * s.ramp, s).stiffness, 41 * s.stiffness, 1e-9) << "both ramps' lines";
 }
 
 TEST(AveragedRamp, IsTheMeanOverTheWay) {
@@ -89,23 +90,23 @@ TEST(AveragedRamp, IsTheMeanOverTheWay) {
   double sum = 0;
   constexpr int parts = 20000;
   for (int k = 0; k < parts; ++k)
-    sum += contact_ramp(from + (to - from) * (k + 0.5) / parts, s).pressure / parts;
-  EXPECT_NEAR(averaged_ramp(from, to, s).pressure, sum, 1e-6);
-  EXPECT_GT(averaged_ramp(from, to, s).stiffness, 0);
-  EXPECT_NEAR(averaged_ramp(to, to, s).pressure, contact_ramp(to, s).pressure, 1e-12);
+    sum += penalty_response(from + (to - from) * (k + 0.5) / parts, s).pressure / parts;
+  EXPECT_NEAR(averaged_response(from, to, s).pressure, sum, 1e-6);
+  EXPECT_GT(averaged_response(from, to, s).stiffness, 0);
+  EXPECT_NEAR(averaged_response(to, to, s).pressure, penalty_response(to, s).pressure, 1e-12);
 }
 
 TEST(ContactRamp, ItsPartsFadeEachWithItsShareAndBelongTogether) {
   const ContactSettings s;
   for (const double share : {1.0, 0.4, 0.0}) // where ordinary contact gets to, the deep ramp's share is nothing to it
     for (const double deep : {1.0, 0.0})
-      EXPECT_NEAR(contact_ramp(0, s, {share, deep}).pressure, share * contact_ramp(0, s).pressure, 1e-12);
-  EXPECT_GT(contact_ramp(-0.06, s, {0.1, 1}).pressure, 0.7 * contact_ramp(-0.06, s).pressure);
-  EXPECT_LT(contact_ramp(-0.06, s, {0.1, 0.1}).pressure, 0.11 * contact_ramp(-0.06, s).pressure);
+      EXPECT_NEAR(penalty_response(0, s, {share, deep}).pressure, share * penalty_response(0, s).pressure, 1e-12);
+  EXPECT_GT(penalty_response(-0.06, s, {0.1, 1}).pressure, 0.7 * penalty_response(-0.06, s).pressure);
+  EXPECT_LT(penalty_response(-0.06, s, {0.1, 0.1}).pressure, 0.11 * penalty_response(-0.06, s).pressure);
   for (const double gap : {0.0, -0.03, -0.06}) { // force, stiffness and energy
     constexpr double h = 1e-6;
-    const auto law = [&](double g) { return contact_ramp(g, s, {0.1, 0.6}); };
-    const RampLaw here = law(gap), less = law(gap - h), more = law(gap + h);
+    const auto law = [&](double g) { return penalty_response(g, s, {0.1, 0.6}); };
+    const PenaltyResponse here = law(gap), less = law(gap - h), more = law(gap + h);
     EXPECT_NEAR((less.energy - more.energy) / (2 * h), here.pressure, 1e-6 * here.pressure + 1e-9);
     EXPECT_NEAR((less.pressure - more.pressure) / (2 * h), here.stiffness, 1e-4 * here.stiffness);
   }
@@ -143,7 +144,7 @@ TEST(SurfaceContact, PushesApartOnBothSidesOfTheSurfaceAndBalances) {
       sum += f;
     EXPECT_LT(sum.norm(), 1e-12);
     ASSERT_FALSE(points.empty());
-    EXPECT_EQ(points[0].link.vertex[0], 9);
+    EXPECT_EQ(points[0].stencil.vertex[0], 9);
     EXPECT_NEAR(points[0].gap, -height, 1e-9);
     EXPECT_LT(force[9][2], 0);
   }
@@ -172,7 +173,7 @@ TEST(SurfaceContact, BlindVerticesNeitherTouchNorAreTouched) {
   Vectors force;
   EXPECT_TRUE(facing_sheets(0, {false, {1, 1, 1, 1, 1}, {1, 1, 1, 1, 1}}, force).empty());
   for (const ContactPoint& p : facing_sheets(0, {false, {0, 0, 0, 0, 1}, {}}, force))
-    EXPECT_NE(p.link.vertex[0], 9);
+    EXPECT_NE(p.stencil.vertex[0], 9);
 }
 
 TEST(Friction, SticksElasticallyThenSlidesAtTheLimitAndRemembersTheAnchor) {
@@ -185,18 +186,18 @@ TEST(Friction, SticksElasticallyThenSlidesAtTheLimitAndRemembersTheAnchor) {
     add_friction(p, s);
   };
   slide(0.4 * limit / stiffness);
-  EXPECT_NEAR(p.drag[0], -0.4 * limit, 1e-12);
-  EXPECT_NEAR(p.link.tangential_stiffness, stiffness, 1e-12);
+  EXPECT_NEAR(p.friction[0], -0.4 * limit, 1e-12);
+  EXPECT_NEAR(p.stencil.tangential_stiffness, stiffness, 1e-12);
   slide(10);
-  EXPECT_NEAR(p.drag[0], -limit, 1e-12);
-  EXPECT_LT(p.link.tangential_stiffness, 0.1 * stiffness);
+  EXPECT_NEAR(p.friction[0], -limit, 1e-12);
+  EXPECT_LT(p.stencil.tangential_stiffness, 0.1 * stiffness);
   const Mat3 sliding =
-      p.link.stiffness(); // along its way the drag no longer grows, but for what keeps it from turning back
+      p.stencil.stiffness(); // along its way the drag no longer grows, but for what keeps it from turning back
   EXPECT_NEAR(sliding(0, 0), 0.3 * sliding(1, 1), 1e-12);
   EXPECT_NEAR(sliding(2, 2), 6, 1e-12);
   slide(-limit / stiffness); // back by the elastic slip: the anchor has moved along
-  EXPECT_NEAR(p.drag[0], 0, 1e-9);
-  EXPECT_NEAR(p.link.stiffness()(0, 0), stiffness, 1e-12) << "it sticks again";
+  EXPECT_NEAR(p.friction[0], 0, 1e-9);
+  EXPECT_NEAR(p.stencil.stiffness()(0, 0), stiffness, 1e-12) << "it sticks again";
   Vectors f(2, Vec3::Zero());
   slide(-10);
   p.force = 0;

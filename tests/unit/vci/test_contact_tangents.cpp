@@ -20,9 +20,9 @@ struct Pair {
     add_sheet(system, 8, 0.5, {0, 0, 0}, true);
     add_sheet(system, 9, 0.41, {-0.85, 0.133, 0}, nested);
     sides.nested = nested;
-    sides.outer_blind.assign(64, 0);
+    sides.outer_excluded.assign(64, 0);
     for (int v : {4 * 8 + 3, 4 * 8 + 4, 4 * 8 + 5, 2 * 8 + 6, 6 * 8 + 2})
-      sides.outer_blind[v] = 1;
+      sides.outer_excluded[v] = 1;
     lift.assign(system.x.size(), Vec3::Zero());
     for (int v = 64; v < system.vertices(); ++v)
       lift[v][2] = nested ? -1 : 1;
@@ -39,14 +39,14 @@ struct Pair {
     add_contact_forces(at(gap, contact), f);
     return f;
   }
-  /// How much of the surface a point's foot lies on is there, told anew from the flags.
-  ShareSeen seen(const ContactPoint& p) const {
-    const Body& target = system.body(p.link.vertex[0] < 64 ? 1 : 0);
+  /// How much of the surface a point's projection lies on is there, told anew from the flags.
+  ContactFade seen(const ContactPoint& p) const {
+    const Body& target = system.body(p.stencil.vertex[0] < 64 ? 1 : 0);
     double ends = 1, windows = 1, both = 1;
     for (int k = 1; k < 4; ++k) {
-      const int v = p.link.vertex[k];
-      const double w = std::abs(p.link.weight[k]);
-      const bool end = target.boundary[v - target.first], window = v < 64 && sides.outer_blind[v];
+      const int v = p.stencil.vertex[k];
+      const double w = std::abs(p.stencil.weight[k]);
+      const bool end = target.boundary[v - target.first], window = v < 64 && sides.outer_excluded[v];
       ends -= end ? w : 0;
       windows -= window ? w : 0;
       both -= end || window ? w : 0;
@@ -76,8 +76,8 @@ TEST(SurfaceContact, ApproachMatchesFiniteDifferencesOnEveryBranch) {
             double sum = 0;
             area = 0;
             for (const ContactPoint& p : pair.at(g, c)) {
-              const ShareSeen seen = pair.seen(p);
-              sum += p.area / seen.first_ramp * contact_ramp(p.gap, pair.settings, seen).energy;
+              const ContactFade seen = pair.seen(p);
+              sum += p.area / seen.ordinary * penalty_response(p.gap, pair.settings, seen).energy;
               area += p.area;
             }
             return sum;
@@ -100,11 +100,11 @@ TEST(SurfaceContact, ApproachMatchesFiniteDifferencesOnEveryBranch) {
           const double depth = pair.settings.distance - gap, ramps = depth / pair.settings.ramp;
           EXPECT_EQ(name, ramps < 1 ? "rise" : ramps < 1.5 ? "line" : ramps < 3.5 ? "deep rise" : "deep line");
           for (const ContactPoint& p : points) {
-            const ShareSeen seen = pair.seen(p);
-            ++fired[name + (p.link.vertex[0] < 64 ? ", wall's vertex" : ", device's vertex")];
-            fired["fades at an end"] += seen.first_ramp < 1 && seen.first_ramp == seen.deep_ramp;
-            fired["fades at a window"] += seen.first_ramp < 1 && seen.deep_ramp >= 1;
-            fired["fades at a window, deep"] += seen.deep_ramp < 1 && seen.deep_ramp > seen.first_ramp + 1e-9;
+            const ContactFade seen = pair.seen(p);
+            ++fired[name + (p.stencil.vertex[0] < 64 ? ", wall's vertex" : ", device's vertex")];
+            fired["fades at an end"] += seen.ordinary < 1 && seen.ordinary == seen.deep;
+            fired["fades at a window"] += seen.ordinary < 1 && seen.deep >= 1;
+            fired["fades at a window, deep"] += seen.deep < 1 && seen.deep > seen.ordinary + 1e-9;
             EXPECT_NEAR(p.gap, gap, 1e-9);
           }
         }
@@ -137,14 +137,15 @@ TEST(SurfaceContact, FrictionsMatrixIsExactButAlongASlideAndForThePressuresPart)
     add_slip(points, dx);
     pair.system.x = combined(start, 1, dx);
     contact.detect(pair.system, area_vectors(pair.system), then);
-    // where the surface fades, a foot that moves changes its share: held, too
-    std::erase_if(then, [&](const ContactPoint& p) { return p.link.vertex[0] < 64 || pair.seen(p).first_ramp < 1; });
-    std::map<int, std::pair<Vec3, PointLink>> by_vertex; // on the vertex itself
+    // where the surface fades, a projection that moves changes its share: held, too
+    std::erase_if(then, [&](const ContactPoint& p) { return p.stencil.vertex[0] < 64 || pair.seen(p).ordinary < 1; });
+    std::map<int, std::pair<Vec3, StencilStiffness>> by_vertex; // on the vertex itself
     for (const ContactPoint& p : then)
-      by_vertex[p.link.vertex[0]] = {p.link.weight[0] * (p.force * p.link.normal + p.drag), p.link};
+      by_vertex[p.stencil.vertex[0]] = {p.stencil.weight[0] * (p.force * p.stencil.normal + p.friction), p.stencil};
     return by_vertex;
   };
-  const double pressure = contact_ramp(-0.005, s).pressure, limit = s.friction * pressure / s.friction_stiffness; // mm
+  const double pressure = penalty_response(-0.005, s).pressure,
+               limit = s.friction * pressure / s.friction_stiffness; // mm
   const double h = 1e-7;
   int sticks = 0, slides = 0;
   for (double way : {0.5 * limit, 3 * limit}) {
@@ -202,7 +203,7 @@ double unforeseen(double overlap, const ContactSettings& settings, int& touching
   add_tube(system, 18, 1.5 - overlap, 0, 1);
   add_tube(system, 16, 1.5, 0.1, 2);
   const Vectors start = system.x;
-  const auto force = [&](const Vectors& dx, std::vector<PointLink>* links) {
+  const auto force = [&](const Vectors& dx, std::vector<StencilStiffness>* links) {
     SurfaceContact contact(1, 0, settings);
     system.x = start;
     std::vector<ContactPoint> points, then;
@@ -220,7 +221,7 @@ double unforeseen(double overlap, const ContactSettings& settings, int& touching
   const Vectors none(start.size(), Vec3::Zero());
   for (unsigned seed = 3; seed < 9; ++seed) {
     const Vectors d = force_checks::perturbed(none, 1, seed);
-    std::vector<PointLink> links;
+    std::vector<StencilStiffness> links;
     force(none, &links);
     touching = static_cast<int>(links.size());
     const double h = 1e-6;
@@ -248,10 +249,10 @@ TEST(Tie, MatchesFiniteDifferencesInEveryDirection) {
   Pair pair(true);
   SurfaceContact contact(1, 0, pair.settings, pair.sides);
   std::vector<Tie> ties;
-  std::vector<PointLink> links;
+  std::vector<StencilStiffness> links;
   for (const ContactPoint& p : pair.at(-0.01, contact)) {
     ties.push_back(tie_of(p, pair.system.x, 60));
-    links.push_back(ties.back().link);
+    links.push_back(ties.back().stencil);
   }
   ASSERT_GT(ties.size(), 40u);
   const auto energy = [&](const Vectors& x) {
@@ -259,8 +260,8 @@ TEST(Tie, MatchesFiniteDifferencesInEveryDirection) {
     for (const Tie& tie : ties) {
       Vec3 r = -tie.offset;
       for (int k = 0; k < 4; ++k)
-        r += tie.link.weight[k] * x[tie.link.vertex[k]];
-      sum += 0.5 * tie.link.normal_stiffness * r.squaredNorm() - tie.force * tie.link.normal.dot(r);
+        r += tie.stencil.weight[k] * x[tie.stencil.vertex[k]];
+      sum += 0.5 * tie.stencil.normal_stiffness * r.squaredNorm() - tie.force * tie.stencil.normal.dot(r);
     }
     return sum;
   };

@@ -184,7 +184,7 @@ TEST_P(Sides, LayersRepelAndRememberTheirSide) {
     EXPECT_GT(upper, 0.001);
     EXPECT_LT(lower, -0.001);
     for (const ContactPoint& p : points) {
-      if (strip.system.x[p.link.vertex[0]][0] < 0.5)
+      if (strip.system.x[p.stencil.vertex[0]][0] < 0.5)
         continue; // near the fold
       EXPECT_NEAR(p.gap, gap, 1e-3);
     }

@@ -1,6 +1,6 @@
 // Where a force's matrix leaves something out, that is what it says it leaves out, and no more than a figure.
 #include "force_checks.hpp"
-#include "vci/bench/iris.hpp"
+#include "vci/bench/crimper.hpp"
 #include "vci/devices/stent/cell_shear.hpp"
 #include "vci/devices/stent/ring_hoop.hpp"
 #include "vci/mechanics/fibre.hpp"
@@ -210,8 +210,8 @@ TEST(RingFoundation, MatrixIsNeverNegativeWhereThePrestressIs) {
   EXPECT_NEAR(positive(1, 1), exact(1, 1), 1e-15);
 }
 
-TEST(Iris, PressesOutsideItsRadiusOnlyAndMatchesFiniteDifferences) {
-  Iris force({0, 1}, 7.0);
+TEST(Crimper, PressesOutsideItsRadiusOnlyAndMatchesFiniteDifferences) {
+  Crimper force({0, 1}, 7.0);
   const Vectors x{{0.9, 0.7, 0.3}, {0.2, -0.5, 1}};
   const auto total = [&] { return force.total(x); };
   EXPECT_EQ(total(), 0) << "open";

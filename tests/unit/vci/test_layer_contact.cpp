@@ -70,8 +70,8 @@ TEST(SelfContact, ApproachMatchesFiniteDifferencesOnEveryBranch) {
       EXPECT_NEAR(along, -(energy(gap + h) - energy(gap - h)) / (2 * h), 1e-5 * along);
       EXPECT_NEAR(sum, 0, 1e-12);
       for (const ContactPoint& p : points) {
-        EXPECT_NEAR(p.link.normal_stiffness, law * Layers::stiffness * p.area, 1e-9);
-        EXPECT_EQ(p.link.weight[0], outer_faces ? 1 : -1);
+        EXPECT_NEAR(p.stencil.normal_stiffness, law * Layers::stiffness * p.area, 1e-9);
+        EXPECT_EQ(p.stencil.weight[0], outer_faces ? 1 : -1);
         through += p.gap < 0;
       }
       EXPECT_GT(points.size(), 60u);

@@ -144,8 +144,8 @@ TEST(Momentum, ContactSumsToNothingAndTurnsByItsFrictionOverTheGapAlone) {
     add_contact_forces(points, f);
     EXPECT_GT(points.size(), 1000u);
     EXPECT_LT(left_over(f, system.x)[0], 1e-14);
-    // each point's force goes through vertex and foot, which lie along the normal but for what feet are found to; its
-    // drag, at either side of the gap, makes a couple of at most the coefficient times force and gap
+    // each point's force goes through vertex and projection, which lie along the normal but for how exactly projections
+    // are found; its drag, at either side of the gap, makes a couple of at most the coefficient times force and gap
     Vec3 moment = Vec3::Zero(), couples = Vec3::Zero();
     double arms = 0, drags = 0;
     for (std::size_t i = 0; i < f.size(); ++i) {
@@ -155,10 +155,10 @@ TEST(Momentum, ContactSumsToNothingAndTurnsByItsFrictionOverTheGapAlone) {
     for (const ContactPoint& p : points) {
       Vec3 between = Vec3::Zero();
       for (int k = 0; k < 4; ++k)
-        between += p.link.weight[k] * system.x[p.link.vertex[k]];
-      couples += between.cross(p.drag);
-      drags += p.drag.norm();
-      EXPECT_LE(p.drag.norm(), 0.1 * p.force + 1e-12);
+        between += p.stencil.weight[k] * system.x[p.stencil.vertex[k]];
+      couples += between.cross(p.friction);
+      drags += p.friction.norm();
+      EXPECT_LE(p.friction.norm(), 0.1 * p.force + 1e-12);
     }
     EXPECT_LT((moment - couples).norm(), 1e-9 * arms);
     EXPECT_EQ(couples.norm() > 1e-6 * arms, slid);

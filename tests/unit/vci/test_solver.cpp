@@ -28,7 +28,7 @@ TEST(Pcg, MatchesADirectSolveWithLinksAndFixedVertices) {
         matrix.block(matrix.slot(i + p, i + q)) += a.block<3, 3>(3 * p, 3 * q);
     dense.block<6, 6>(3 * i, 3 * i) += a;
   }
-  const PointLink link{{0, 5, 7, 9}, {-1, 0.2, 0.3, 0.5}, Vec3(1, 2, 2) / 3, 7.0, 0.5};
+  const StencilStiffness link{{0, 5, 7, 9}, {-1, 0.2, 0.3, 0.5}, Vec3(1, 2, 2) / 3, 7.0, 0.5};
   Eigen::MatrixXd w = Eigen::MatrixXd::Zero(3, 3 * n);
   for (int k = 0; k < 4; ++k)
     w.block<3, 3>(0, 3 * link.vertex[k]) = link.weight[k] * Mat3::Identity();

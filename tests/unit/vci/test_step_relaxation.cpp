@@ -24,7 +24,7 @@ Vectors relaxed(int steps, double rate_of_one, double rate_of_others, bool calms
   for (int step = 0; step < steps; ++step) {
     Vectors dx = steps_of(x, rate);
     if (calms)
-      relaxation.calm(dx, last, dx[0].norm());
+      relaxation.damp(dx, last, dx[0].norm());
     for (std::size_t i = 0; i < x.size(); ++i)
       x[i] += dx[i];
     last = dx;
@@ -49,13 +49,13 @@ TEST(StepRelaxation, VerticesThatTurnBackOnceOrGoOnAreLeftAlone) {
   StepRelaxation relaxation;
   for (const Vectors& step : {there, back, there}) {
     Vectors dx = step;
-    relaxation.calm(dx, last, step[0].norm());
+    relaxation.damp(dx, last, step[0].norm());
     EXPECT_EQ(dx, step);
   }
   Vectors first = back;
   first[3] *= 100;
   const Vectors as_solved = first;
-  StepRelaxation().calm(first, {}, 0.0005);
+  StepRelaxation().damp(first, {}, 0.0005);
   EXPECT_EQ(first, as_solved) << "no step before";
 }
 

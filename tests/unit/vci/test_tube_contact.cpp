@@ -1,4 +1,4 @@
-// Contact of tubes within one another: fading before open ends and windows, feet followed, malapposition.
+// Contact of tubes within one another: fading before open ends and windows, projections followed, malapposition.
 #include "vci/contact/apposition.hpp"
 #include "vci/contact/contact.hpp"
 #include "vci/devices/balloon/balloon.hpp"
@@ -39,7 +39,7 @@ TEST(SurfaceContact, NestedTubesOfFewSidesMeetAsCirclesDo) {
     double error = 0;
     int amid = 0; // away from the open ends, whose normals lean
     for (const ContactPoint& p : found)
-      if (const double z = system.x[p.link.vertex[0]][2]; z > 1.5 && z < 6) {
+      if (const double z = system.x[p.stencil.vertex[0]][2]; z > 1.5 && z < 6) {
         error = std::max(error, std::abs(p.gap - between));
         ++amid;
       }
@@ -71,7 +71,7 @@ TEST(SurfaceContact, FindsOnTheWayWhatItWouldFindAnew) {
     SurfaceContact(1, 0, settings).detect(system, area_vectors(system), anew);
     ASSERT_EQ(found.size(), anew.size()) << "gap " << gap;
     for (std::size_t k = 0; k < found.size(); ++k)
-      EXPECT_NEAR(found[k].gap, anew[k].gap, 1e-7); // mm: to which feet are followed
+      EXPECT_NEAR(found[k].gap, anew[k].gap, 1e-7); // mm: to which projections are followed
     most = std::max(most, found.size());
   }
   EXPECT_GT(most, 100u);
@@ -97,12 +97,12 @@ struct Windowed {
   std::array<double, 2> left(const ContactPoint& p) const {
     std::array<double, 2> left{1, 1};
     for (int k = 1; k < 4; ++k) {
-      left[0] -= system.body(0).boundary[p.link.vertex[k]] ? p.link.weight[k] : 0;
-      left[1] -= window[p.link.vertex[k]] ? p.link.weight[k] : 0;
+      left[0] -= system.body(0).boundary[p.stencil.vertex[k]] ? p.stencil.weight[k] : 0;
+      left[1] -= window[p.stencil.vertex[k]] ? p.stencil.weight[k] : 0;
     }
     return left;
   }
-  bool of_the_second(const ContactPoint& p) const { return p.link.vertex[0] >= system.body(1).first; }
+  bool of_the_second(const ContactPoint& p) const { return p.stencil.vertex[0] >= system.body(1).first; }
 };
 
 TEST(SurfaceContact, HoldsDeepVerticesNearlyToAWindowsRimButNotToAnEnd) {
@@ -113,9 +113,9 @@ TEST(SurfaceContact, HoldsDeepVerticesNearlyToAWindowsRimButNotToAnEnd) {
       continue;
     const auto [end, rim] = tubes.left(p);
     const double share = end < 1 ? end : rim, deep = end < 1 ? end : std::min(1.0, 10 * rim);
-    const double area = tubes.normals[p.link.vertex[0]].norm();
+    const double area = tubes.normals[p.stencil.vertex[0]].norm();
     EXPECT_NEAR(p.area, share * area, 1e-12);
-    EXPECT_NEAR(p.force, area * contact_ramp(p.gap, {}, {share, deep}).pressure, 1e-9);
+    EXPECT_NEAR(p.force, area * penalty_response(p.gap, {}, {share, deep}).pressure, 1e-9);
     EXPECT_LT(p.gap, -0.04) << "what is deep beside a window is counted as deep";
     at_window += rim < 0.9;
     at_end += end < 0.9;

@@ -66,7 +66,7 @@ def test_a_stent_that_a_later_balloon_brings_to_the_wall_is_none_of_them(deploy)
 
 
 def test_kissing_beyond_a_stents_maximal_diameter_is_warned_of(deploy):
-    """Each balloon alone is within the limit; side by side they open an oval, whose girth counts."""
+    """Each balloon alone is within the limit; side by side they open an oval, whose perimeter counts."""
 
     def change(document):
         document["devices"]["stent"]["maximal_diameter_mm"] = 3.3

@@ -1,4 +1,4 @@
-// What a stage that found no balance says.
+// The error of a stage that did not reach force balance.
 #pragma once
 #include "common/error.hpp"
 #include "vci/solver/integrator.hpp"

@@ -1,4 +1,4 @@
-#include "vci/contact/foot.hpp"
+#include "vci/contact/surface_projection.hpp"
 #include "vci/geometry/closest_point.hpp"
 
 #include <Eigen/Geometry>
@@ -44,8 +44,8 @@ bool project_along_normals(const Vec3& p, const Triangle& t, const System& syste
 
 } // namespace
 
-bool follow_foot(const Vec3& p, int triangle, const System& system, const Vectors& units, const Body& target,
-                 Foot& foot) {
+bool follow_projection(const Vec3& p, int triangle, const System& system, const Vectors& units, const Body& target,
+                       SurfaceProjection& projection) {
   constexpr double near = 0.1; // mm
   const Triangle& t = target.triangles[triangle];
   Vec3 weights = Vec3::Constant(1.0 / 3);
@@ -53,39 +53,39 @@ bool follow_foot(const Vec3& p, int triangle, const System& system, const Vector
     return false;
   const double d2 =
       (p - weights[0] * system.x[t[0]] - weights[1] * system.x[t[1]] - weights[2] * system.x[t[2]]).squaredNorm();
-  foot = {triangle, weights, d2};
+  projection = {triangle, weights, d2};
   return d2 < near * near;
 }
 
-Foot foot_of(const Vec3& p, const std::vector<int>& candidates, const System& system, const Vectors& units,
-             const Body& target, double& distance) {
+SurfaceProjection project_onto(const Vec3& p, const std::vector<int>& candidates, const System& system,
+                               const Vectors& units, const Body& target, double& distance) {
   constexpr double near = 0.05; // mm beyond the closest triangle
-  std::array<Foot, 16> feet;
+  std::array<SurfaceProjection, 16> projections;
   std::size_t count = 0;
-  Foot closest;
+  SurfaceProjection closest;
   for (int k : candidates) {
     const Triangle& t = target.triangles[k];
     const ClosestPoint q = closest_on_triangle(p, system.x[t[0]], system.x[t[1]], system.x[t[2]]);
-    const Foot foot{k, q.weights, q.distance_squared};
-    if (foot.distance_squared < closest.distance_squared)
-      closest = foot;
-    if (count < feet.size())
-      feet[count++] = foot;
+    const SurfaceProjection projection{k, q.weights, q.distance_squared};
+    if (projection.distance_squared < closest.distance_squared)
+      closest = projection;
+    if (count < projections.size())
+      projections[count++] = projection;
   }
   distance = std::sqrt(closest.distance_squared);
   const double reach = distance + near;
-  Foot best;
+  SurfaceProjection best;
   for (std::size_t k = 0; k < count; ++k) {
-    if (feet[k].distance_squared > reach * reach)
+    if (projections[k].distance_squared > reach * reach)
       continue;
-    const Triangle& t = target.triangles[feet[k].triangle];
-    Vec3 weights = feet[k].weights;
+    const Triangle& t = target.triangles[projections[k].triangle];
+    Vec3 weights = projections[k].weights;
     if (!project_along_normals(p, t, system, units, weights))
       continue;
     const double d2 =
         (p - weights[0] * system.x[t[0]] - weights[1] * system.x[t[1]] - weights[2] * system.x[t[2]]).squaredNorm();
     if (d2 < best.distance_squared)
-      best = {feet[k].triangle, weights, d2};
+      best = {projections[k].triangle, weights, d2};
   }
   return best.triangle >= 0 ? best : closest;
 }

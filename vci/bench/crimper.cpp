@@ -1,4 +1,4 @@
-#include "vci/bench/iris.hpp"
+#include "vci/bench/crimper.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -6,18 +6,18 @@
 
 namespace vci {
 
-double Iris::depth(const Vec3& p) const {
+double Crimper::depth(const Vec3& p) const {
   return std::max(0.0, std::hypot(p[0], p[1]) - radius_);
 }
 
-double Iris::energy(const Vectors& x) const {
+double Crimper::energy(const Vectors& x) const {
   double sum = 0;
   for (int v : vertices_)
     sum += 0.5 * stiffness_ * depth(x[v]) * depth(x[v]);
   return sum;
 }
 
-void Iris::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool) const {
+void Crimper::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool) const {
   for (std::size_t k = 0; k < vertices_.size(); ++k) {
     const Vec3& p = x[vertices_[k]];
     const double d = depth(p);
@@ -31,7 +31,7 @@ void Iris::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bo
   }
 }
 
-double Iris::total(const Vectors& x) const {
+double Crimper::total(const Vectors& x) const {
   double sum = 0;
   for (int v : vertices_)
     sum += stiffness_ * depth(x[v]);

@@ -1,7 +1,8 @@
-// What a procedure leaves standing: devices within the wall, stents that bear on something, their sections and girths.
+// What a procedure leaves standing: devices within the wall, stents that something supports, their sections and
+// perimeters.
 #include "common/error.hpp"
-#include "vci/procedure/notices.hpp"
-#include "vci/procedure/standing.hpp"
+#include "vci/procedure/diagnostics.hpp"
+#include "vci/procedure/state_checks.hpp"
 #include <gtest/gtest.h>
 
 namespace {
@@ -64,8 +65,8 @@ TEST(Standing, ADeviceThatPassesTheWallsOpenEndIsNotOutside) {
 
 ContactPoint contact(int inner, int outer, double force) {
   ContactPoint p{};
-  p.link.vertex = {inner, outer, outer + 1, outer + 2};
-  p.link.weight = {-1, 0.3, 0.3, 0.4};
+  p.stencil.vertex = {inner, outer, outer + 1, outer + 2};
+  p.stencil.weight = {-1, 0.3, 0.3, 0.4};
   p.force = force;
   return p;
 }
@@ -81,14 +82,14 @@ TEST(Standing, AStentIsBorneByTheWallOrByAStentThatIs) {
     at.push_back(system.body(stents.back().stent.body).first);
   }
   using Flags = std::vector<char>;
-  EXPECT_EQ(borne(system, {}, {}, stents), (Flags{0, 0, 0}));
-  EXPECT_EQ(borne(system, {contact(at[1], at[0], 1)}, {}, stents), (Flags{0, 0, 0})) << "both hang free together";
-  EXPECT_EQ(borne(system, {contact(at[1], at[0], 1), contact(at[0], 5, 1)}, {}, stents), (Flags{1, 1, 0}));
-  EXPECT_EQ(borne(system, {contact(at[0], 5, 1), contact(at[2], at[1], 1), contact(at[1], at[0], 1)}, {}, stents),
+  EXPECT_EQ(supported(system, {}, {}, stents), (Flags{0, 0, 0}));
+  EXPECT_EQ(supported(system, {contact(at[1], at[0], 1)}, {}, stents), (Flags{0, 0, 0})) << "both hang free together";
+  EXPECT_EQ(supported(system, {contact(at[1], at[0], 1), contact(at[0], 5, 1)}, {}, stents), (Flags{1, 1, 0}));
+  EXPECT_EQ(supported(system, {contact(at[0], 5, 1), contact(at[2], at[1], 1), contact(at[1], at[0], 1)}, {}, stents),
             (Flags{1, 1, 1}));
-  EXPECT_EQ(borne(system, {contact(at[0], 5, 0)}, {}, stents), (Flags{0, 0, 0})) << "near, without a force";
-  const Tie tie{contact(at[2], 5, 1).link, Vec3::Zero(), 0.1};
-  EXPECT_EQ(borne(system, {}, {tie}, stents), (Flags{0, 0, 1}));
+  EXPECT_EQ(supported(system, {contact(at[0], 5, 0)}, {}, stents), (Flags{0, 0, 0})) << "near, without a force";
+  const Tie tie{contact(at[2], 5, 1).stencil, Vec3::Zero(), 0.1};
+  EXPECT_EQ(supported(system, {}, {tie}, stents), (Flags{0, 0, 1}));
 }
 
 TEST(Rings, SectionsAreTheTubesHoweverAslantItsRingsLie) {
@@ -107,16 +108,16 @@ TEST(Rings, AnOvalsGirthIsMoreThanItsAreaSays) {
   System system;
   const RingGrid grid = grid_of(10, 1.5);
   const int body = add_tube(system, "stent", grid, 1.5);
-  for (const double d : girth_diameters(system, body, grid))
+  for (const double d : perimeter_diameters(system, body, grid))
     EXPECT_NEAR(d, 3, 1e-9);
   for (Vec3& p : system.x)
     p = {1.3 * p[0], p[1] / 1.3, p[2]};
   // Ramanujan's circumference of an ellipse; the polygon's is a little off the arcs'
   const double a = 1.5 * 1.3, b = 1.5 / 1.3, h = std::pow((a - b) / (a + b), 2);
-  const double girth = (a + b) * (1 + 3 * h / (10 + std::sqrt(4 - 3 * h)));
-  EXPECT_GT(girth, 3.09);
-  for (const double d : girth_diameters(system, body, grid))
-    EXPECT_NEAR(d, girth, 0.002 * girth);
+  const double perimeter = (a + b) * (1 + 3 * h / (10 + std::sqrt(4 - 3 * h)));
+  EXPECT_GT(perimeter, 3.09);
+  for (const double d : perimeter_diameters(system, body, grid))
+    EXPECT_NEAR(d, perimeter, 0.002 * perimeter);
   StentSpec spec{};
   spec.maximal_diameter = 3.05; // a round stent of that area passes
   const auto warning = overexpansion(system, stent_of(body, grid, "des"), spec, "kissing");

@@ -1,6 +1,6 @@
-#include "vci/procedure/standing.hpp"
+#include "vci/procedure/state_checks.hpp"
 #include "common/error.hpp"
-#include "vci/contact/foot.hpp"
+#include "vci/contact/surface_projection.hpp"
 #include "vci/geometry/sections.hpp"
 #include "vci/geometry/surface.hpp"
 
@@ -14,9 +14,9 @@ namespace vci {
 namespace {
 
 constexpr double reach = 2.0;      // mm: from a vertex to the wall
-constexpr double slack = 0.1;      // mm beyond the nearest triangle in which the foot along the normals may lie
+constexpr double slack = 0.1;      // mm beyond the nearest triangle in which the projection along the normals may lie
 constexpr double tolerated = 0.1;  // mm outside the wall: several times what balanced stages show
-constexpr double on_an_end = 1e-9; // weight of a foot's inner corners: below it, it lies on an open edge
+constexpr double on_an_end = 1e-9; // weight of a projection's inner corners: below it, it lies on an open edge
 
 int body_with(const System& system, int vertex) {
   int body = 0;
@@ -29,19 +29,19 @@ int body_with(const System& system, int vertex) {
 double beyond(const Vec3& p, const System& system, const Vectors& units, const std::vector<int>& candidates) {
   const Body& wall = system.body(0);
   double closest = 0;
-  const Foot foot = foot_of(p, candidates, system, units, wall, closest);
-  if (foot.triangle < 0)
+  const SurfaceProjection projection = project_onto(p, candidates, system, units, wall, closest);
+  if (projection.triangle < 0)
     return -1;
-  const Triangle& t = wall.triangles[foot.triangle];
+  const Triangle& t = wall.triangles[projection.triangle];
   double inner = 0;
   Vec3 q = Vec3::Zero();
   for (int k = 0; k < 3; ++k) {
-    inner += wall.boundary[t[k] - wall.first] ? 0 : foot.weights[k];
-    q += foot.weights[k] * system.x[t[k]];
+    inner += wall.boundary[t[k] - wall.first] ? 0 : projection.weights[k];
+    q += projection.weights[k] * system.x[t[k]];
   }
   if (inner <= on_an_end)
     return -1;
-  return interpolated_normal(t, foot.weights, units).dot(p - q) - sagitta(t, foot.weights, system.x, units);
+  return interpolated_normal(t, projection.weights, units).dot(p - q) - sagitta(t, projection.weights, system.x, units);
 }
 
 } // namespace
@@ -79,16 +79,16 @@ void check_inside(const System& system, SurfaceTrees& trees, const std::string& 
                                  "refine the lumen or the devices, or predilate first; no lumen is written");
 }
 
-std::vector<char> borne(const System& system, const std::vector<ContactPoint>& contacts, const std::vector<Tie>& ties,
-                        const std::vector<StentHistory>& stents) {
+std::vector<char> supported(const System& system, const std::vector<ContactPoint>& contacts,
+                            const std::vector<Tie>& ties, const std::vector<StentHistory>& stents) {
   std::vector<int> group(system.bodies());
   std::iota(group.begin(), group.end(), 0);
-  const auto join = [&](const PointLink& link) {
+  const auto join = [&](const StencilStiffness& stencil) {
     int first = -1;
     for (int k = 0; k < 4; ++k) {
-      if (link.vertex[k] < 0 || link.weight[k] == 0)
+      if (stencil.vertex[k] < 0 || stencil.weight[k] == 0)
         continue;
-      const int body = group[body_with(system, link.vertex[k])];
+      const int body = group[body_with(system, stencil.vertex[k])];
       if (first >= 0)
         std::replace(group.begin(), group.end(), std::max(first, body), std::min(first, body));
       first = first < 0 ? body : std::min(first, body);
@@ -96,22 +96,22 @@ std::vector<char> borne(const System& system, const std::vector<ContactPoint>& c
   };
   for (const ContactPoint& p : contacts)
     if (p.force > 0)
-      join(p.link);
+      join(p.stencil);
   for (const Tie& tie : ties)
-    join(tie.link);
+    join(tie.stencil);
   std::vector<char> result;
   for (const StentHistory& h : stents)
     result.push_back(group[h.stent.body] == group[0]);
   return result;
 }
 
-void check_borne(const System& system, Interactions& interactions, const std::vector<StentHistory>& stents,
-                 const Vectors& points, const Triangles& triangles, const std::map<std::string, Path>& paths) {
+void check_supported(const System& system, Interactions& interactions, const std::vector<StentHistory>& stents,
+                     const Vectors& points, const Triangles& triangles, const std::map<std::string, Path>& paths) {
   if (stents.empty())
     return;
   std::vector<ContactPoint> contacts;
   interactions.detect(system, area_vectors(system), contacts);
-  const std::vector<char> held = borne(system, contacts, interactions.ties, stents);
+  const std::vector<char> held = supported(system, contacts, interactions.ties, stents);
   for (std::size_t k = 0; k < stents.size(); ++k) {
     if (held[k])
       continue;

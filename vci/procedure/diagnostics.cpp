@@ -1,4 +1,4 @@
-#include "vci/procedure/notices.hpp"
+#include "vci/procedure/diagnostics.hpp"
 #include "vci/procedure/unfolding.hpp"
 
 #include <algorithm>
@@ -35,14 +35,15 @@ std::vector<std::string> warnings_of_plan(const Scene& scene) {
 
 std::optional<std::string> overexpansion(const System& system, const StentHistory& h, const StentSpec& spec,
                                          const std::string& step) {
-  const std::vector<double> girths = girth_diameters(system, h.stent.body, h.stent.grid);
-  const auto beyond = std::count_if(girths.begin(), girths.end(), [&](double d) { return d > spec.maximal_diameter; });
+  const std::vector<double> perimeters = perimeter_diameters(system, h.stent.body, h.stent.grid);
+  const auto beyond =
+      std::count_if(perimeters.begin(), perimeters.end(), [&](double d) { return d > spec.maximal_diameter; });
   if (beyond == 0)
     return std::nullopt;
   std::ostringstream text;
-  text << step << ": " << h.device << " is opened to " << *std::max_element(girths.begin(), girths.end())
-       << " mm by its girth, beyond its maximal diameter of " << spec.maximal_diameter << " mm (" << beyond << " of "
-       << girths.size() << " rings)";
+  text << step << ": " << h.device << " is opened to " << *std::max_element(perimeters.begin(), perimeters.end())
+       << " mm by its perimeter, beyond its maximal diameter of " << spec.maximal_diameter << " mm (" << beyond
+       << " of " << perimeters.size() << " rings)";
   return text.str();
 }
 

@@ -1,13 +1,13 @@
-// The head of a radial strength bench: an iris that closes round a stent.
+// The head of a radial strength bench (an iris of segments), which closes round a stent.
 #pragma once
 #include "vci/mechanics/vertex_force.hpp"
 
 namespace vci {
 
 /// A radial penalty on vertices further than a radius from the z axis: E = k / 2 max(0, sqrt(x^2 + y^2) - R)^2.
-class Iris : public VertexForce {
+class Crimper : public VertexForce {
 public:
-  Iris(std::vector<int> vertices, double stiffness_n_per_mm)
+  Crimper(std::vector<int> vertices, double stiffness_n_per_mm)
       : VertexForce(std::move(vertices)), stiffness_(stiffness_n_per_mm) {}
   void close(double radius) { radius_ = radius; }
   ForceKind kind() const override { return ForceKind::foundation; }

@@ -1,4 +1,4 @@
-#include "vci/solver/refusal.hpp"
+#include "vci/solver/convergence_error.hpp"
 
 #include <sstream>
 

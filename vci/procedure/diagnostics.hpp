@@ -1,4 +1,4 @@
-// What a run says beside its results: what it leaves out, and what it warns of.
+// What a run reports beside its results: the parts of the model that it leaves out, and warnings.
 #pragma once
 #include "vci/procedure/stent_history.hpp"
 #include "vci/scene/scene.hpp"
@@ -13,8 +13,8 @@ std::vector<std::string> left_out(const Scene& scene, std::size_t held, std::siz
 /// Inflations above a balloon's rated burst pressure.
 std::vector<std::string> warnings_of_plan(const Scene& scene);
 
-/// A stent with a ring opened beyond its maximal diameter. Struts run out of length by the ring's girth, whatever its
-/// shape: its diameter here is that of the circle as long as the ring.
+/// A stent with a ring opened beyond its maximal diameter. Struts run out of length by the ring's perimeter, whatever
+/// its shape: its diameter here is that of the circle as long as the ring.
 std::optional<std::string> overexpansion(const System& system, const StentHistory& history, const StentSpec& spec,
                                          const std::string& step);
 

@@ -1,0 +1,32 @@
+// What must hold after a stage (devices are inside the lumen) and after a procedure (stents are supported).
+#pragma once
+#include "vci/procedure/stent_history.hpp"
+#include "vci/solver/integrator.hpp"
+
+namespace vci {
+
+/// The device vertex that lies furthest outside the wall.
+struct Outside {
+  double distance = 0; ///< mm beyond the smooth surface through the wall's vertices; 0: none is outside
+  int vertex = -1;
+};
+
+/// Over all bodies but the wall (body 0). Vertices further than 2 mm from the wall count as inside: a device that far
+/// out would have other vertices on the way. Beside the wall's open ends nothing counts as outside.
+/// @param trees the boxes kept round the bodies
+Outside furthest_outside(const System& system, SurfaceTrees& trees);
+
+/// Throws common::ComputationError where a device vertex lies further than 0.1 mm outside the wall.
+/// @param where step and stage
+void check_inside(const System& system, SurfaceTrees& trees, const std::string& where);
+
+/// Of each stent: whether the wall (body 0) supports it by contact or tie, directly or through other stents.
+std::vector<char> supported(const System& system, const std::vector<ContactPoint>& contacts,
+                            const std::vector<Tie>& ties, const std::vector<StentHistory>& stents);
+
+/// Throws common::ComputationError where a stent is not supported.
+/// @param points, triangles of the lumen as it stands @param paths its axes
+void check_supported(const System& system, Interactions& interactions, const std::vector<StentHistory>& stents,
+                     const Vectors& points, const Triangles& triangles, const std::map<std::string, Path>& paths);
+
+} // namespace vci
