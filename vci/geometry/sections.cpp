@@ -88,4 +88,19 @@ double section_area(const Vectors& points, const Triangles& triangles, const Vec
   return best;
 }
 
+double smallest_section(const Vectors& points, const Triangles& triangles, const Path& path, double s_start,
+                        double s_end) {
+  constexpr double spacing = 0.5; // mm
+  const Vectors units = section_normals(points, triangles);
+  const int n = std::max(1, static_cast<int>(std::lround((s_end - s_start) / spacing)));
+  double smallest = 0;
+  for (int k = 0; k <= n; ++k) {
+    const double s = s_start + (s_end - s_start) * k / n;
+    const double area = section_area(points, triangles, units, path.at(s), path.tangent(s));
+    if (area > 0 && (smallest == 0 || area < smallest))
+      smallest = area;
+  }
+  return smallest;
+}
+
 } // namespace vci

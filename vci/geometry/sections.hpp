@@ -1,6 +1,6 @@
 // Cross-sections of the lumen.
 #pragma once
-#include "vci/linalg/types.hpp"
+#include "vci/geometry/centreline.hpp"
 
 namespace vci {
 
@@ -13,5 +13,10 @@ Vectors section_normals(const Vectors& points, const Triangles& triangles);
 /// @param units section_normals() of the surface
 double section_area(const Vectors& points, const Triangles& triangles, const Vectors& units, const Vec3& origin,
                     const Vec3& normal);
+
+/// The smallest of the areas (mm^2) every half millimetre along a part of a path, of those that have a closed outline;
+/// 0 where none has.
+double smallest_section(const Vectors& points, const Triangles& triangles, const Path& path, double s_start,
+                        double s_end);
 
 } // namespace vci

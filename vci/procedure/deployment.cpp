@@ -94,10 +94,15 @@ public:
   Run(const Run&) = delete;
   Run& operator=(const Run&) = delete;
 
-  void step(const Step& step) {
+  void step() {
+    if (failed_ || steps_done == state.scene.procedure.size())
+      throw std::logic_error(failed_ ? "a step of this procedure has failed" : "all steps of the procedure are done");
+    const Step& step = state.scene.procedure[steps_done];
+    failed_ = true; // until the step is through
     place_devices(state, step);
     for (const Stage& stage : stages_of(step, state.scene.numerics))
       relax_stage(step, stage);
+    failed_ = false;
     ++steps_done;
   }
 
@@ -179,6 +184,7 @@ private:
   Observer observer_;
   std::vector<std::string> switched_off_, warnings_;
   std::vector<DeviceShape> balloons_; ///< inflated, of the steps done
+  bool failed_ = false;
 };
 
 Deployment::Deployment(Scene scene, Lumen lumen, std::map<std::string, Path> paths, Observer observer)
@@ -196,9 +202,7 @@ std::size_t Deployment::steps_done() const {
 }
 
 void Deployment::step() {
-  if (steps_done() == steps())
-    throw std::logic_error("all steps of the procedure are done");
-  run_->step(run_->state.scene.procedure[steps_done()]);
+  run_->step();
 }
 
 Vectors Deployment::lumen() const {

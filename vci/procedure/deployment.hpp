@@ -49,7 +49,7 @@ public:
   std::size_t steps_done() const;
   /// Runs the next step: its devices are placed, inflated and, but for stents, taken out again.
   /// Throws common::ComputationError naming step, stage, residual and remedy where a stage does not reach force
-  /// balance, std::logic_error where no step is left.
+  /// balance, std::logic_error where no step is left, or an earlier one failed.
   void step();
   /// Lumen points as they are now, mm, in the order of the lumen's.
   Vectors lumen() const;

@@ -34,7 +34,7 @@ struct Segment {
 struct Scene {
   std::filesystem::path file, lumen, centreline; ///< of the scene itself, and of what it names
   std::string case_name;
-  double map_pa;
+  double map_pa = 12400; ///< mean blood pressure, Pa
   std::optional<Segment> segment;
   WallSpec wall;
   std::map<std::string, BalloonSpec> balloons;

@@ -53,7 +53,7 @@ Stent add_stent(System& system, const StentSpec& spec, const std::string& device
   std::vector<RingHoops::Ring> hoops;
   std::vector<RingEvenness::Ring> even;
   for (int r = 0; r < grid.rings(); ++r) {
-    RingHoops::Ring hoop{{}, spec.hoop_stiffness * width[r], first_yield, hoop_hardening};
+    RingHoops::Ring hoop{{}, spec.hoop_stiffness() * width[r], first_yield, hoop_hardening};
     for (int k = 0; k < grid.around; ++k) {
       hoop.vertices.push_back(first + r * grid.around + k);
       hoop.rest_length += (points[r * grid.around + (k + 1) % grid.around] - points[r * grid.around + k]).norm();
@@ -68,7 +68,7 @@ Stent add_stent(System& system, const StentSpec& spec, const std::string& device
   for (int r = 0; r + 1 < grid.rings(); ++r)
     for (int k = 0; k < grid.around; ++k) {
       const int a = first + r * grid.around + k, b = first + r * grid.around + (k + 1) % grid.around;
-      const double tension = spec.yield_strain * spec.hoop_stiffness * width[r];
+      const double tension = spec.yield_strain * spec.hoop_stiffness() * width[r];
       cells.push_back({{a, b, b + grid.around, a + grid.around},
                        cell_shear * tension / (2 * pi * spec.nominal_diameter / grid.around)});
     }

@@ -1,5 +1,6 @@
 // A stent as its maker describes it.
 #pragma once
+#include <optional>
 #include <string>
 
 namespace vci {
@@ -7,13 +8,18 @@ namespace vci {
 struct StentSpec {
   double nominal_diameter, length, crimped_diameter, maximal_diameter, strut_thickness; ///< mm
   int crowns, links;
-  std::string balloon;               ///< name of the balloon that it is delivered on
-  double hoop_stiffness = 0;         ///< N/mm
-  double yield_strain = 0.03;        ///< of the hoop
-  double axial_stiffness = 0.5;      ///< N/mm
-  double bending_stiffness = 5.5;    ///< N mm^2
+  std::string balloon;                                        ///< name of the balloon that it is delivered on
+  std::optional<double> stated_hoop_stiffness = std::nullopt; ///< N/mm; none: from the radial strength
+  double yield_strain = 0.03;                                 ///< of the hoop
+  double axial_stiffness = 0.5;                               ///< N/mm
+  double bending_stiffness = 5.5;                             ///< N mm^2
   double radial_strength_mpa = 0.22; ///< the maker's; gives the hoop stiffness where none is stated
   double recoil_percent = 4;         ///< the maker's
+
+  /// N/mm. By Laplace's law, the expanded ring yields under just the outside pressure that its maker states.
+  double hoop_stiffness() const {
+    return stated_hoop_stiffness.value_or(0.5 * radial_strength_mpa * nominal_diameter / yield_strain);
+  }
 };
 
 } // namespace vci

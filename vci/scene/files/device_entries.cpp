@@ -119,14 +119,10 @@ StentSpec read_stent(const json& entry, const std::string& where) {
                              "give connectors between two neighbouring rings, at most one for each crown");
   s.yield_strain = o.number("yield_strain", 1e-3, 0.3, s.yield_strain);
   s.radial_strength_mpa = o.number("radial_strength_mpa", 0.01, 2, s.radial_strength_mpa);
-  // by Laplace: the expanded ring yields under just the outside pressure that its maker states
-  const double by_strength = 0.5 * s.radial_strength_mpa * s.nominal_diameter / s.yield_strain;
   if (entry.contains("hoop_stiffness_n_per_mm") && entry["hoop_stiffness_n_per_mm"].is_null())
     o.ignore("hoop_stiffness_n_per_mm");
-  else
-    s.hoop_stiffness = o.number("hoop_stiffness_n_per_mm", 0.1, 1e3, by_strength);
-  if (s.hoop_stiffness == 0)
-    s.hoop_stiffness = by_strength;
+  else if (o.has("hoop_stiffness_n_per_mm"))
+    s.stated_hoop_stiffness = o.number("hoop_stiffness_n_per_mm", 0.1, 1e3);
   s.axial_stiffness = o.number("axial_stiffness_n_per_mm", 1e-3, 1e3, s.axial_stiffness);
   s.bending_stiffness = o.number("bending_stiffness_n_mm2", 1e-3, 1e4, s.bending_stiffness);
   s.recoil_percent = o.number("recoil_percent", 0, 20, s.recoil_percent);

@@ -1,0 +1,24 @@
+// N x 3 arrays, as other libraries hold points and triangles, to and from the engine's vectors.
+#pragma once
+#include "vci/geometry/lumen.hpp"
+
+namespace vci {
+
+using PointRows = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>; ///< a point a row, mm
+using TriangleRows = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>; ///< a triangle a row: indices of points
+
+Vectors vectors_of(const Eigen::Ref<const PointRows>& points);
+PointRows rows_of(const Vectors& points);
+
+/// A lumen without caps from arrays.
+/// @param triangles outward, as seen from outside counterclockwise
+/// @param radius local radius of the lumen at each point, mm
+/// @param plaque thickness at each point, mm; empty: none
+/// @param plaque_type at each point: 0 none, 1 fibrous, 2 lipid, 3 calcified; empty: none
+/// Throws common::InputError where lengths differ, a triangle names a point that is not there, a value is not finite,
+/// or a type is unknown.
+Lumen lumen_from(const Eigen::Ref<const PointRows>& points, const Eigen::Ref<const TriangleRows>& triangles,
+                 const std::vector<double>& radius, const std::vector<double>& plaque = {},
+                 const std::vector<int>& plaque_type = {});
+
+} // namespace vci
