@@ -139,98 +139,154 @@ void Interactions::detect(const System& system, const Vectors& normals, std::vec
     contact.detect(system, normals, points);
 }
 
-RelaxResult relax(System& system, Interactions& interactions, const IntegratorSettings& s, Balance* balance) {
-  RelaxResult result;
-  Forces f;
-  Vectors dx, last_dx, load;
-  std::vector<StencilStiffness> stencils;
-  PcgMemory memory;
-  Inertia inertia(system, s);
-  PcgSettings pcg = s.pcg;
-  std::optional<StepRelaxation> careful;
-  double h = s.initial_step, previous_residual = 0, best_residual = 1e300;
-  int best_step = 0, held = 0;
-  bool settling = false;
-  system.velocity.assign(system.x.size(), Vec3::Zero());
-  while (true) {
-    assemble(system, interactions, f);
-    result.residual = f.residual;
-    read_contact(f, result);
-    if (!std::isfinite(f.residual))
-      return result;
-    if (interactions.after_step && result.steps > 0)
-      interactions.after_step(result.steps, balance_of(f, system.fixed));
-    if (f.residual <= s.residual_tolerance) {
-      result.converged = true;
-      if (balance)
-        *balance = balance_of(f, system.fixed);
-      return result;
-    }
-    if (f.residual < 0.9 * best_residual) {
-      best_residual = f.residual;
-      best_step = result.steps;
-    }
-    const int without_progress = result.steps - best_step;
-    if (!careful && without_progress >= std::max(1, s.stalled_steps / careful_share)) {
-      careful.emplace();
-      pcg.preconditioned_tolerance = careful_tolerance;
-      result.careful_from = best_step = result.steps;
-    }
-    result.stalled = without_progress >= s.stalled_steps;
-    if (result.stalled || result.steps == s.maximal_steps) {
-      result.imbalance = largest_imbalance(f.total, system.fixed);
-      return result;
-    }
-    // Near the end displacements are small, and the residual steers the step. Contacts that switch on and off make it
-    // jump; shorter steps settle them. A slow rise is a balloon that slides or bends, and needs no shorter steps.
-    if (settling) {
-      h *= f.residual > 1.4 * previous_residual ? 0.5 : 1.8;
-      h = std::clamp(h, 10 * smallest_step, s.maximal_step);
-    }
-    previous_residual = f.residual;
+namespace {
 
-    stencils.clear();
-    for (const ContactPoint& p : f.points) {
-      stencils.push_back(p.stencil);
-      if (held > 0) // a sliding contact may stick again
-        stencils.back().sliding.setZero();
-    }
-    for (const Tie& tie : interactions.ties)
-      stencils.push_back(tie.stencil);
-    const double limit = 1.5 * s.displacement_per_step;
-    double typical = 0;
-    for (bool anew = true;; anew = false) {
-      inertia.put(h, anew, system.matrix());
-      load.resize(f.total.size());
-      for (int i = 0; i < system.vertices(); ++i)
-        load[i] = (f.total[i] + system.mass[i] / h * system.velocity[i]) / inertia.factor(h);
-      result.cg_iterations += solve_pcg(system.matrix(), stencils, system.fixed, load, dx, pcg, &memory).iterations;
-      ++result.steps;
-      typical = large_displacement(dx);
-      if (typical <= limit || h <= smallest_step || result.steps == s.maximal_steps)
-        break; // a step that is too long is repeated: its plastic strain would stay
-      h = std::max(smallest_step, h * std::clamp(s.displacement_per_step / typical, 0.1, 0.5));
-    }
-    const bool inertial = h <= quasi_static;
-    if (careful && !inertial)
-      careful->damp(dx, last_dx, typical);
-    // A vertex that overshoots is clipped by itself: the step is good for the others.
-    for (int i = 0; i < system.vertices(); ++i) {
-      const double length = dx[i].norm();
-      if (length > limit)
-        dx[i] *= limit / length;
-      system.x[i] += dx[i];
-      system.velocity[i] = inertial ? Vec3(dx[i] / h) : Vec3(Vec3::Zero());
-    }
-    add_slip(f.points, dx);
-    system.commit();
-    held = turns_back(dx, last_dx) ? sticking_steps : held - 1;
-    last_dx = dx;
-    const double step_scale = typical > 0 ? s.displacement_per_step / typical : 2.0;
-    settling = f.residual < 0.1 && step_scale > 4.0;
-    if (!settling)
-      h = std::clamp(h * std::clamp(step_scale, 0.4, 2.0), smallest_step, s.maximal_step);
+/// Steps of one stage towards force balance.
+class Relaxation {
+public:
+  Relaxation(System& system, Interactions& interactions, const IntegratorSettings& settings)
+      : system_(system), interactions_(interactions), s_(settings), inertia_(system, settings), pcg_(settings.pcg),
+        h_(settings.initial_step) {
+    system_.velocity.assign(system_.x.size(), Vec3::Zero());
   }
+
+  RelaxResult run(Balance* balance) {
+    while (!ended(balance)) {
+      if (settling_)
+        follow_residual();
+      previous_residual_ = forces_.residual;
+      gather_stencils();
+      const double typical = solve();
+      take(typical);
+      next_step_length(typical);
+    }
+    return result_;
+  }
+
+private:
+  /// Evaluates the forces of the state; true where the stage ends with it, in balance or without.
+  bool ended(Balance* balance) {
+    assemble(system_, interactions_, forces_);
+    result_.residual = forces_.residual;
+    read_contact(forces_, result_);
+    if (!std::isfinite(forces_.residual))
+      return true;
+    if (interactions_.after_step && result_.steps > 0)
+      interactions_.after_step(result_.steps, balance_of(forces_, system_.fixed));
+    if (forces_.residual <= s_.residual_tolerance) {
+      result_.converged = true;
+      if (balance)
+        *balance = balance_of(forces_, system_.fixed);
+      return true;
+    }
+    return gave_up();
+  }
+
+  /// Counts the steps without progress. Damps the steps after some of them, and gives up after more.
+  bool gave_up() {
+    if (forces_.residual < 0.9 * best_residual_) {
+      best_residual_ = forces_.residual;
+      best_step_ = result_.steps;
+    }
+    const int without_progress = result_.steps - best_step_;
+    if (!damping_ && without_progress >= std::max(1, s_.stalled_steps / careful_share)) {
+      damping_.emplace();
+      pcg_.preconditioned_tolerance = careful_tolerance;
+      result_.careful_from = best_step_ = result_.steps;
+    }
+    result_.stalled = without_progress >= s_.stalled_steps;
+    if (!result_.stalled && result_.steps != s_.maximal_steps)
+      return false;
+    result_.imbalance = largest_imbalance(forces_.total, system_.fixed);
+    return true;
+  }
+
+  /// Near the end displacements are small, and the residual steers the step. Contacts that switch on and off make it
+  /// jump; shorter steps settle them. A slow rise is a balloon that slides or bends, and needs no shorter steps.
+  void follow_residual() {
+    h_ *= forces_.residual > 1.4 * previous_residual_ ? 0.5 : 1.8;
+    h_ = std::clamp(h_, 10 * smallest_step, s_.maximal_step);
+  }
+
+  void gather_stencils() {
+    stencils_.clear();
+    for (const ContactPoint& p : forces_.points) {
+      stencils_.push_back(p.stencil);
+      if (sticking_ > 0) // a sliding contact may stick again
+        stencils_.back().sliding.setZero();
+    }
+    for (const Tie& tie : interactions_.ties)
+      stencils_.push_back(tie.stencil);
+  }
+
+  double limit() const { return 1.5 * s_.displacement_per_step; }
+
+  /// Solves for the displacements, with shorter steps until they are within the limit. A step that is too long is not
+  /// taken, because its plastic strain would stay. Returns the displacement that one vertex in a hundred exceeds, mm.
+  double solve() {
+    for (bool anew = true;; anew = false) {
+      inertia_.put(h_, anew, system_.matrix());
+      load_.resize(forces_.total.size());
+      for (int i = 0; i < system_.vertices(); ++i)
+        load_[i] = (forces_.total[i] + system_.mass[i] / h_ * system_.velocity[i]) / inertia_.factor(h_);
+      result_.cg_iterations +=
+          solve_pcg(system_.matrix(), stencils_, system_.fixed, load_, dx_, pcg_, &memory_).iterations;
+      ++result_.steps;
+      const double typical = large_displacement(dx_);
+      if (typical <= limit() || h_ <= smallest_step || result_.steps == s_.maximal_steps)
+        return typical;
+      h_ = std::max(smallest_step, h_ * std::clamp(s_.displacement_per_step / typical, 0.1, 0.5));
+    }
+  }
+
+  /// Moves the vertices and commits slip and plastic strain.
+  void take(double typical) {
+    const bool inertial = h_ <= quasi_static;
+    if (damping_ && !inertial)
+      damping_->damp(dx_, last_dx_, typical);
+    // A vertex that overshoots is clipped by itself: the step is good for the others.
+    for (int i = 0; i < system_.vertices(); ++i) {
+      const double length = dx_[i].norm();
+      if (length > limit())
+        dx_[i] *= limit() / length;
+      system_.x[i] += dx_[i];
+      system_.velocity[i] = inertial ? Vec3(dx_[i] / h_) : Vec3(Vec3::Zero());
+    }
+    add_slip(forces_.points, dx_);
+    system_.commit();
+    sticking_ = turns_back(dx_, last_dx_) ? sticking_steps : sticking_ - 1;
+    last_dx_ = dx_;
+  }
+
+  void next_step_length(double typical) {
+    const double step_scale = typical > 0 ? s_.displacement_per_step / typical : 2.0;
+    settling_ = forces_.residual < 0.1 && step_scale > 4.0;
+    if (!settling_)
+      h_ = std::clamp(h_ * std::clamp(step_scale, 0.4, 2.0), smallest_step, s_.maximal_step);
+  }
+
+  System& system_;
+  Interactions& interactions_;
+  const IntegratorSettings& s_;
+  RelaxResult result_;
+  Forces forces_;
+  Vectors dx_, last_dx_, load_;
+  std::vector<StencilStiffness> stencils_;
+  PcgMemory memory_;
+  Inertia inertia_;
+  PcgSettings pcg_;
+  std::optional<StepRelaxation> damping_; ///< once steps without progress are damped
+  double h_;                              ///< length of the step, ms
+  double previous_residual_ = 0, best_residual_ = 1e300;
+  int best_step_ = 0;
+  int sticking_ = 0;      ///< steps left in which sliding contacts keep all of their stiffness
+  bool settling_ = false; ///< the residual steers the step, no longer the displacements
+};
+
+} // namespace
+
+RelaxResult relax(System& system, Interactions& interactions, const IntegratorSettings& settings, Balance* balance) {
+  return Relaxation(system, interactions, settings).run(balance);
 }
 
 } // namespace vci

@@ -2,6 +2,7 @@
 #include "common/error.hpp"
 #include "vci/scene/files/reading.hpp"
 
+#include <algorithm>
 #include <set>
 #include <sstream>
 #include <vtkAbstractArray.h>
@@ -56,32 +57,39 @@ void refuse_reversed_sides(const Vectors& main, const std::vector<std::pair<std:
   }
 }
 
-std::map<std::string, Path> paths_of(const std::filesystem::path& file) {
+/// The points of a line, without neighbours that coincide.
+Vectors points_of_line(vtkPolyData* data, vtkIdType line, const std::filesystem::path& file) {
+  vtkIdType size;
+  const vtkIdType* ids;
+  data->GetLines()->GetCellAtId(line, size, ids);
+  if (std::any_of(ids, ids + size, [&](vtkIdType id) { return id < 0 || id >= data->GetNumberOfPoints(); }))
+    throw common::InputError("a cell that names a point which is not there", file.string(),
+                             "cell " + std::to_string(line), "the file is damaged: write it anew");
+  Vectors points;
+  for (vtkIdType k = 0; k < size; ++k) {
+    Vec3 p;
+    data->GetPoint(ids[k], p.data());
+    if (!p.allFinite() || p.norm() > 1e6)
+      throw common::InputError("a point of the centreline is not plausible", file.string(),
+                               "point " + std::to_string(ids[k]), "coordinates are in mm");
+    if (points.empty() || (p - points.back()).norm() > 1e-9)
+      points.push_back(p);
+  }
+  return points;
+}
+
+using NamedLines = std::vector<std::pair<std::string, Vectors>>;
+
+NamedLines named_lines(const std::filesystem::path& file) {
   const vtkSmartPointer<vtkPolyData> data = read_polydata(file, "centreline");
   auto* names = vtkStringArray::SafeDownCast(data->GetCellData()->GetAbstractArray("branch_name"));
   if (!names || data->GetNumberOfLines() == 0 || data->GetNumberOfLines() != data->GetNumberOfCells())
     throw common::InputError("the centreline has no named lines", file.string(), "branch_name",
                              "make the centreline with the anatomy step");
-  std::map<std::string, Path> paths;
-  std::vector<std::pair<std::string, Vectors>> sides;
+  NamedLines lines;
   std::set<std::string> taken;
   for (vtkIdType c = 0; c < data->GetNumberOfLines(); ++c) {
-    vtkIdType size;
-    const vtkIdType* ids;
-    data->GetLines()->GetCellAtId(c, size, ids);
-    if (std::any_of(ids, ids + size, [&](vtkIdType id) { return id < 0 || id >= data->GetNumberOfPoints(); }))
-      throw common::InputError("a cell that names a point which is not there", file.string(),
-                               "cell " + std::to_string(c), "the file is damaged: write it anew");
-    Vectors points;
-    for (vtkIdType k = 0; k < size; ++k) {
-      Vec3 p;
-      data->GetPoint(ids[k], p.data());
-      if (!p.allFinite() || p.norm() > 1e6)
-        throw common::InputError("a point of the centreline is not plausible", file.string(),
-                                 "point " + std::to_string(ids[k]), "coordinates are in mm");
-      if (points.empty() || (p - points.back()).norm() > 1e-9)
-        points.push_back(p);
-    }
+    const Vectors points = points_of_line(data, c, file);
     const std::string name = names->GetValue(c);
     if (points.size() < 2)
       throw common::InputError("a centreline branch has fewer than two points", file.string(), name,
@@ -90,36 +98,46 @@ std::map<std::string, Path> paths_of(const std::filesystem::path& file) {
       throw common::InputError("two branches of the centreline have one name", file.string(), name,
                                "name each branch otherwise: devices are placed by it");
     refuse_turning_back(points, name, file);
-    if (name == "main")
-      paths["main"] = Path(points, 0);
-    else
-      sides.emplace_back(name, points);
+    lines.emplace_back(name, points);
   }
-  if (!paths.contains("main"))
+  return lines;
+}
+
+/// A side branch from the inlet on. Its parent is the branch whose axis comes closest to its first point, and leads to
+/// it.
+Path joined_to_parent(const Vectors& points, const std::map<std::string, Path>& paths) {
+  constexpr double joint = 0.2; // mm before the first point in which the parent's points are left out
+  const Path* parent = nullptr;
+  std::size_t leave = 0;
+  double nearest = 1e300;
+  for (const auto& [other, path] : paths)
+    for (std::size_t k = 0; k < path.points().size(); ++k)
+      if (const double d = (path.points()[k] - points.front()).squaredNorm(); d < nearest) {
+        nearest = d;
+        parent = &path;
+        leave = k;
+      }
+  Vectors joined(parent->points().begin(), parent->points().begin() + static_cast<std::ptrdiff_t>(leave));
+  while (joined.size() > 1 && (joined.back() - points.front()).norm() < joint)
+    joined.pop_back();
+  joined.insert(joined.end(), points.begin(), points.end());
+  const std::size_t before = joined.size() - points.size();
+  double upstream = 0;
+  for (std::size_t k = 1; k <= before; ++k)
+    upstream += (joined[k] - joined[k - 1]).norm();
+  return Path(joined, -upstream);
+}
+
+std::map<std::string, Path> paths_of(const std::filesystem::path& file) {
+  NamedLines lines = named_lines(file);
+  const auto main = std::find_if(lines.begin(), lines.end(), [](const auto& line) { return line.first == "main"; });
+  if (main == lines.end())
     throw common::InputError("the centreline lacks its main branch", file.string(), "main", "check the anatomy step");
-  refuse_reversed_sides(paths.at("main").points(), sides, file);
-  for (const auto& [name, points] : sides) {
-    // the parent is the branch whose axis comes closest to the first point; its part upstream leads to the branch
-    const Path* parent = nullptr;
-    std::size_t leave = 0;
-    double nearest = 1e300;
-    for (const auto& [other, path] : paths)
-      for (std::size_t k = 0; k < path.points().size(); ++k)
-        if (const double d = (path.points()[k] - points.front()).squaredNorm(); d < nearest) {
-          nearest = d;
-          parent = &path;
-          leave = k;
-        }
-    Vectors joined(parent->points().begin(), parent->points().begin() + static_cast<std::ptrdiff_t>(leave));
-    while (joined.size() > 1 && (joined.back() - points.front()).norm() < 0.2)
-      joined.pop_back();
-    joined.insert(joined.end(), points.begin(), points.end());
-    const std::size_t before = joined.size() - points.size();
-    double upstream = 0;
-    for (std::size_t k = 1; k <= before; ++k)
-      upstream += (joined[k] - joined[k - 1]).norm();
-    paths[name] = Path(joined, -upstream);
-  }
+  std::map<std::string, Path> paths{{"main", Path(main->second, 0)}};
+  lines.erase(main);
+  refuse_reversed_sides(paths.at("main").points(), lines, file);
+  for (const auto& [name, points] : lines)
+    paths[name] = joined_to_parent(points, paths);
   return paths;
 }
 

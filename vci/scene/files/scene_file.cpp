@@ -124,41 +124,34 @@ json parsed(std::istream& stream, const std::string& where) {
   }
 }
 
-Scene scene_of(const std::filesystem::path& file) {
+json document_of(const std::filesystem::path& file, const std::string& where) {
   std::ifstream stream(file);
   if (!stream)
     throw common::InputError("the scene cannot be opened", file.string(), "no readable file", "check the path");
-  const std::string where = file.string() + ": scene";
-  json document;
   try {
-    document = parsed(stream, where);
+    return parsed(stream, where);
   } catch (const json::parse_error& e) {
     throw common::InputError("the scene is not JSON", file.string(), e.what(), "correct the text at that byte");
   }
-  CheckedObject o(document, where);
-  const std::string schema = o.text("schema");
-  if (schema != "vci-scene-1")
-    throw common::InputError("not a scene of this version", o.path("schema"), schema, "write \"vci-scene-1\"");
-  Scene scene;
-  scene.file = file;
-  scene.case_name = o.text("case", "");
-  scene.lumen = file.parent_path() / o.text("lumen");
-  scene.centreline = file.parent_path() / o.text("centreline");
-  CheckedObject patient(o.child("patient", true), o.path("patient"));
-  scene.map_pa = patient.number("map_pa", 1000, 40000);
-  patient.finish();
-  if (o.has("segment")) {
-    CheckedObject s(o.child("segment", true), o.path("segment"));
-    scene.segment = Segment{s.text("branch", "main"), s.number("s_start_mm", 0, 1e4), s.number("s_end_mm", 0, 1e4)};
-    s.finish();
-    if (scene.segment->s_end <= scene.segment->s_start)
-      throw common::InputError("the segment ends before it starts", o.path("segment"), o.child("segment", true).dump(),
-                               "give s_start_mm < s_end_mm");
-  }
+}
+
+Segment read_segment(const json& entry, const std::string& where) {
+  CheckedObject o(entry, where);
+  const Segment segment{o.text("branch", "main"), o.number("s_start_mm", 0, 1e4), o.number("s_end_mm", 0, 1e4)};
+  o.finish();
+  if (segment.s_end <= segment.s_start)
+    throw common::InputError("the segment ends before it starts", where, entry.dump(), "give s_start_mm < s_end_mm");
+  return segment;
+}
+
+void read_settings(CheckedObject& o, Scene& scene) {
   CheckedObject wall(o.child("wall", false), o.path("wall")), numerics(o.child("numerics", false), o.path("numerics"));
   scene.wall = read_wall(wall);
   scene.numerics = read_numerics(numerics);
   scene.settings = {{"wall", wall.used}, {"numerics", numerics.used}, {"map_pa", scene.map_pa}};
+}
+
+void read_devices(CheckedObject& o, Scene& scene) {
   const json devices = o.child("devices", true);
   CheckedObject(devices, o.path("devices"));
   for (const auto& [name, entry] : devices.items()) {
@@ -178,6 +171,9 @@ Scene scene_of(const std::filesystem::path& file) {
                                "add that balloon under devices");
     check_mounted(stent, scene.balloons.at(stent.balloon), at);
   }
+}
+
+void read_procedure(CheckedObject& o, Scene& scene) {
   const json steps = o.list("procedure");
   std::set<std::string> names;
   for (std::size_t k = 0; k < steps.size(); ++k) {
@@ -187,6 +183,27 @@ Scene scene_of(const std::filesystem::path& file) {
       throw common::InputError("two steps of one name", at + ".name", scene.procedure.back().name,
                                "name each step otherwise: files are named by it");
   }
+}
+
+Scene scene_of(const std::filesystem::path& file) {
+  const std::string where = file.string() + ": scene";
+  CheckedObject o(document_of(file, where), where);
+  const std::string schema = o.text("schema");
+  if (schema != "vci-scene-1")
+    throw common::InputError("not a scene of this version", o.path("schema"), schema, "write \"vci-scene-1\"");
+  Scene scene;
+  scene.file = file;
+  scene.case_name = o.text("case", "");
+  scene.lumen = file.parent_path() / o.text("lumen");
+  scene.centreline = file.parent_path() / o.text("centreline");
+  CheckedObject patient(o.child("patient", true), o.path("patient"));
+  scene.map_pa = patient.number("map_pa", 1000, 40000);
+  patient.finish();
+  if (o.has("segment"))
+    scene.segment = read_segment(o.child("segment", true), o.path("segment"));
+  read_settings(o, scene);
+  read_devices(o, scene);
+  read_procedure(o, scene);
   o.finish();
   return scene;
 }
