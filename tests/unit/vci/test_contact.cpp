@@ -15,13 +15,13 @@ TEST(ClosestPoint, FindsFaceEdgesAndCorners) {
     const ClosestPoint q = closest_on_triangle(p, a, b, c);
     return Vec3(q.weights[0] * a + q.weights[1] * b + q.weights[2] * c);
   };
-  EXPECT_LT((foot({0.2, 0.3, 5}) - Vec3(0.2, 0.3, 0)).norm(), 1e-12);
-  EXPECT_LT((foot({0.5, -1, 1}) - Vec3(0.5, 0, 0)).norm(), 1e-12);
-  EXPECT_LT((foot({-1, 0.4, 1}) - Vec3(0, 0.4, 0)).norm(), 1e-12);
-  EXPECT_LT((foot({1, 1, 1}) - Vec3(0.5, 0.5, 0)).norm(), 1e-12);
-  EXPECT_LT((foot({-1, -1, 0}) - a).norm(), 1e-12);
-  EXPECT_LT((foot({3, -1, 0}) - b).norm(), 1e-12);
-  EXPECT_LT((foot({-1, 3, 0}) - c).norm(), 1e-12);
+  EXPECT_LT((projection({0.2, 0.3, 5}) - Vec3(0.2, 0.3, 0)).norm(), 1e-12);
+  EXPECT_LT((projection({0.5, -1, 1}) - Vec3(0.5, 0, 0)).norm(), 1e-12);
+  EXPECT_LT((projection({-1, 0.4, 1}) - Vec3(0, 0.4, 0)).norm(), 1e-12);
+  EXPECT_LT((projection({1, 1, 1}) - Vec3(0.5, 0.5, 0)).norm(), 1e-12);
+  EXPECT_LT((projection({-1, -1, 0}) - a).norm(), 1e-12);
+  EXPECT_LT((projection({3, -1, 0}) - b).norm(), 1e-12);
+  EXPECT_LT((projection({-1, 3, 0}) - c).norm(), 1e-12);
 }
 
 TEST(BroadPhase, FindsWhatASearchOverAllTrianglesFinds) {
