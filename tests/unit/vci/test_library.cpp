@@ -38,7 +38,9 @@ TEST(Arrays, GiveTheLumenTheyCameFrom) {
 
 TEST(Deployment, TakenStepByStepEndsWhereAllAtOnceDoes) {
   const tests::Vessel vessel;
-  const Lumen lumen = vessel.lumen();
+  Lumen lumen = vessel.lumen();
+  lumen.plaque.assign(lumen.points.size(), 0.6); // fibrous plaque yields: a bare wall would go back
+  lumen.plaque_type.assign(lumen.points.size(), 1);
   const std::map<std::string, Path> paths{{"main", vessel.axis()}};
   const Scene scene = two_balloons();
   std::vector<std::string> lines;
