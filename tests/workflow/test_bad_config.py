@@ -35,7 +35,7 @@ def test_unknown_cohort(fresh):
 
 
 def test_missing_surface_says_where_to_put_it(fresh, tmp_path):
-    text = refusal(fresh, cohort="real", environment={"VCI_DATA_DIR": str(tmp_path)}.items())
+    text = refusal(fresh, cases="real_artery", environment={"VCI_DATA_DIR": str(tmp_path)}.items())
     assert f"{tmp_path}/dfemtoolz_case4_artery.stl" in text
     assert "VCI_DATA_DIR" in text and "config/cases/real_artery.yaml" in text
 

@@ -83,9 +83,9 @@ def test_files_that_would_not_be_found(folder, name):
 
 def test_surface_is_looked_for_in_the_data_folder(folder, tmp_path):
     with pytest.raises(InputError, match="VCI_DATA_DIR"):
-        Configuration(folder, tmp_path).selected("real")
+        Configuration(folder, tmp_path).selected("real", "real_artery")
     (tmp_path / "dfemtoolz_case4_artery.stl").write_text("solid")
-    assert Configuration(folder, tmp_path).selected("real") == ["real_artery", "ivus_plaque"]
+    assert Configuration(folder, tmp_path).selected("real", "real_artery") == ["real_artery"]
     assert Configuration(folder, tmp_path).lumen_file("real_artery") == str(tmp_path / "dfemtoolz_case4_artery.stl")
 
 
