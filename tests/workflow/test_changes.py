@@ -53,7 +53,7 @@ def test_nothing_to_do(finished):
 def test_a_touched_file_without_new_content_runs_nothing(finished):
     time.sleep(0.01)
     os.utime(finished.folder / "config" / "devices" / "des.yaml")
-    os.utime(finished.folder / "flow" / "boundary.py")
+    os.utime(finished.folder / "flow" / "inputs" / "boundary.py")
     assert finished.planned() == set()
 
 

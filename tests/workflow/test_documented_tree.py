@@ -26,11 +26,13 @@ def expand(path):
 
 
 def test_results_page_matches_the_rules(fresh, repo_root):
+    """Synthetic cases have a reference and CT, the real pair has contours and the lumen after its procedure."""
     made = set()
-    for job in fresh.jobs():
+    for job in [*fresh.jobs(), *fresh.jobs(cohort="real")]:
         for name in job["output"]:
             state, section = job["wildcards"].get("state"), job["wildcards"].get("section")
-            name = name.replace("quick_focal", "<case>").replace("quick_branch", "<case>")
+            for case in ("quick_focal", "quick_branch", "ivus_plaque", "ivus_stent"):
+                name = name.replace(case, "<case>")
             name = name.replace(f"/{state}/", "/<state>/") if state else name
             made.add(name.replace(f"/{section}.json", "/<section>.json") if section else name)
     assert made == documented(repo_root)

@@ -21,6 +21,7 @@ TABLES = {
     "flow_against_openfoam": (
         "benchmark.csv",
         {
+            "solver": "solver",
             "resolution": "mesh",
             "cells": "cells",
             "volume_mm3": "volume, mm3",
