@@ -21,13 +21,21 @@ def tracked(*patterns):
 
 
 def declared_folders(text, part):
-    """{folder: folders that it depends on} of the source_folder() lines of a part's CMakeLists.txt, in their order."""
+    """{folder: folders that it depends on} as a part's CMakeLists.txt declares them, in their order.
+
+    Anatomy names its folders by anatomy_folder() and what they build on by LINKS; their headers' names start below src.
+    """
     folders = {}
     for call in re.findall(rf"^source_folder\({part} ([^)]*)\)", text, re.MULTILINE):
         folder, *words = call.split()
         depends = words[words.index("DEPENDS") + 1 :] if "DEPENDS" in words else []
         ends = depends.index("LIBRARIES") if "LIBRARIES" in depends else len(depends)
         folders[f"{part}/{folder}"] = [f"{part}/{name}" for name in depends[:ends]]
+    for call in re.findall(rf"^{part}_folder\(([^)]*)\)", text, re.MULTILINE):
+        folder, *words = call.split()
+        links = words[words.index("LINKS") + 1 :] if "LINKS" in words else []
+        own = [word.removeprefix(f"{part}_") for word in links if word.startswith(f"{part}_")]
+        folders[f"{part}/src/{folder}"] = [f"{part}/src/{name}" for name in own]
     return folders
 
 
@@ -43,13 +51,21 @@ def reachable(folders):
 
 def foreign_includes(name, text, part, allowed):
     """Lines of a source that include a header of its part from a folder that is not allowed."""
-    included = re.finditer(rf'^#include "({part}/[^"]+)"', text, re.MULTILINE)
-    return [f"{name}: {i[0]}" for i in included if str(pathlib.PurePath(i[1]).parent) not in allowed]
+    below = str(name).startswith(f"{part}/src/")  # headers are named from there, without the part
+    wrong = []
+    for line in re.finditer(r'^#include "([^"]+)"', text, re.MULTILINE):
+        if line[1].startswith("common/") or not (below or line[1].startswith(f"{part}/")):
+            continue
+        folder = pathlib.PurePath(part, "src", line[1]).parent if below else pathlib.PurePath(line[1]).parent
+        if str(folder) not in allowed:
+            wrong.append(f"{name}: {line[0]}")
+    return wrong
 
 
 def cpp_parts():
     """Parts whose CMakeLists.txt declares folders."""
-    return sorted(f.parent.name for f in ROOT.glob("*/CMakeLists.txt") if "\nsource_folder(" in f.read_text())
+    files = ROOT.glob("*/CMakeLists.txt")
+    return sorted(f.parent.name for f in files if declared_folders(f.read_text(), f.parent.name))
 
 
 @pytest.mark.parametrize("part", cpp_parts())
@@ -80,6 +96,11 @@ def test_an_include_against_the_order_is_found():
     folders = reachable(declared_folders(text, "vci"))
     assert foreign_includes("x", '#include "vci/high/a.hpp"\n', "vci", folders["vci/low"])
     assert not foreign_includes("x", '#include "vci/low/a.hpp"\n', "vci", folders["vci/high"])
+    text = "anatomy_folder(low\n  SOURCES a.cpp)\nanatomy_folder(high\n  SOURCES b.cpp\n  LINKS anatomy_low ${VTK})\n"
+    folders = reachable(declared_folders(text, "anatomy"))
+    below, above = "anatomy/src/low/a.cpp", "anatomy/src/high/b.cpp"
+    assert foreign_includes(below, '#include "high/b.hpp"\n', "anatomy", folders["anatomy/src/low"])
+    assert not foreign_includes(above, '#include "low/a.hpp"\n', "anatomy", folders["anatomy/src/high"])
     with pytest.raises(AssertionError, match="not declared before"):
         reachable({"vci/high": ["vci/low"], "vci/low": []})
 
