@@ -1,4 +1,4 @@
-"""Command line: python3 -m anatomy plan|plan-picture|picture|register|contours|ct|thin-contours."""
+"""Command line: python3 -m anatomy plan|plan-picture|picture|ends|register|contours|ct|thin-contours."""
 
 import argparse
 import pathlib
@@ -44,6 +44,10 @@ def _parser():
     register.add_argument(
         "--out", type=pathlib.Path, required=True, help="folder for lumen.vtp, like.json and registration.json"
     )
+    ends = commands.add_parser("ends", help="a surface with what `lumen check` took for ends and for wall")
+    ends.add_argument("--surface", type=pathlib.Path, required=True, help="as `lumen check --repaired` wrote it")
+    ends.add_argument("--ends", type=pathlib.Path, help="file of `lumen check --ends`; without it the surface alone")
+    ends.add_argument("--out", type=pathlib.Path, required=True, help="picture to write: .png or .svg")
     return parser
 
 
@@ -157,6 +161,10 @@ def main(arguments=None):
         from .register import run
 
         run.run(options.case, options.pre, options.post, options.out)
+    elif options.command == "ends":
+        from . import ends_picture
+
+        ends_picture.run(options.surface, options.ends, options.out)
     else:
         from . import picture
 

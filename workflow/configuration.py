@@ -73,6 +73,14 @@ class Configuration:
         """The surface file of a case's `lumen` or `post`; InputError with where to put it if it is not there."""
         return self._data_file(name, "lumen surface", f"{key}.path", self.cases[name][key]["path"])
 
+    def cap_files(self, name, key="lumen"):
+        """The files of the ends' caps, the inlet's first; none where the case gives none. Raises as `lumen_file`."""
+        caps = self.cases[name].get(key, {}).get("caps")
+        if not caps:
+            return []
+        found = [self._data_file(name, "cap", f"{key}.caps.inlet", caps["inlet"])]
+        return found + [self._data_file(name, "cap", f"{key}.caps.outlets", path) for path in caps["outlets"]]
+
     def ct_files(self, name, door="lumen"):
         """{volume, centreline: path} of the CT that a case gives as `lumen` or `post`; or {}."""
         given = self.cases[name].get(door, {}).get("ct", {})
@@ -118,6 +126,7 @@ class Configuration:
             for key in ("lumen", "post"):
                 if key in self.cases[name] and not self.contour_files(name, key) and not self.ct_files(name, key):
                     self.lumen_file(name, key)
+                self.cap_files(name, key)
         return list(dict.fromkeys(names))
 
     def _check_cohorts(self):

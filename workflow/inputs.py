@@ -62,6 +62,10 @@ class Inputs:
         folder = "source" if key == "lumen" else "post/source"
         return f"{self.results}/cases/{wildcards.case}/{folder}/lumen.vtp"
 
+    def caps(self, wildcards, key="lumen"):
+        """The files of the caps that close the user's surface, the inlet's first; empty where none are given."""
+        return self.configuration.cap_files(wildcards.case, key)
+
     def lumen_options(self, wildcards, key="lumen"):
         """Command-line options of `lumen process` for the surface: its units and, where given, its ends and label."""
         given = self.configuration.cases[wildcards.case].get(key, {})
@@ -73,6 +77,10 @@ class Inputs:
                 options += f" --{option} " + ",".join(map(str, point))
         for point in given.get("outlet_points_mm", ()):
             options += " --outlet " + ",".join(map(str, point))
+        for file in self.caps(wildcards, key):
+            options += f" --cap {shlex.quote(file)}"
+        if given.get("close_others"):
+            options += " --close-others"
         for point in given.get("cut_points_mm", ()):
             options += " --cut " + ",".join(map(str, point))
         for key in ("label", "extend_inlet_radii", "extend_outlets_radii"):

@@ -7,6 +7,7 @@ BENCHMARKS = {
     "deployment_sensitivity": "sensitivity.csv",
     "flow_hard_cases": "hard_cases.csv",
     "anatomy_speed": "benchmark.csv",
+    "anatomy_campaign": "campaign.csv",
     "reference_against_solid": "benchmark.csv",
     "reference_sensitivity": "sensitivity.csv",
 }
@@ -201,6 +202,29 @@ rule anatomy_speed:
     threads: workflow.cores
     shell:
         "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {output}"
+
+
+rule anatomy_campaign:
+    message:
+        "benchmark: drawn patients, reconstructed in many ways, through the anatomy"
+    input:
+        programs=[LUMEN],
+        script="tests/verification/anatomy/campaign.py",
+        shared=["tests/verification/anatomy/lofts.py", "tests/verification/anatomy/surfaces.py"],
+        code=code("data_synthetic", "data_synthetic.draw", "data_synthetic.generate"),
+        picture=code("anatomy", "anatomy.ends_picture"),
+    output:
+        "results/benchmarks/anatomy_campaign/campaign.csv",
+    log:
+        "results/benchmarks/logs/anatomy_campaign.log",
+    benchmark:
+        "results/benchmarks/logs/anatomy_campaign.tsv"
+    threads: workflow.cores
+    params:
+        build=programs_folder,
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 {input.script} --build {params.build} --patients 200 --out {params.out}"
 
 
 rule reference_against_solid:

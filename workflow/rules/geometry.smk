@@ -87,6 +87,7 @@ rule anatomy:
         "{wildcards.case}: lumen, centreline, sections, lesions"
     input:
         lumen=INPUTS.lumen,
+        caps=INPUTS.caps,
         binary=LUMEN,
     output:
         lumen="results/cases/{case}/anatomy/lumen.vtp",
@@ -181,6 +182,7 @@ rule post_anatomy:
         "{wildcards.case}: lumen, centreline, sections after the real procedure, in their own frame"
     input:
         lumen=INPUTS.of_post(INPUTS.lumen),
+        caps=INPUTS.of_post(INPUTS.caps),
         binary=LUMEN,
     output:
         lumen="results/cases/{case}/post/own/lumen.vtp",

@@ -42,6 +42,7 @@ void add_input(CLI::App& command, Options& options, GivenPoints& given) {
   command.add_option(
       "--cap", options.caps,
       "file with the triangles of one end; repeat for each: the inlet's, then the outlets', main's first");
+  command.add_flag("--close-others", options.close_others, "close openings that no --inlet, --outlet or --cap names");
   command.add_option("--inlet", given.inlet, "a point near the inlet, x,y,z in mm; default: the largest end")
       ->delimiter(',')
       ->expected(3);
@@ -59,13 +60,14 @@ void print_summary(const Anatomy& anatomy, const StepTimer& timer) {
               static_cast<std::size_t>(anatomy.mesh.number_of_faces()), anatomy.quality.min_angle_deg);
 }
 
-void check(const Options& options, const std::string& repaired) {
+void check(const Options& options, const std::string& repaired, const std::string& ends) {
   StepTimer timer;
   const Prepared prepared = prepare(options, timer);
   for (const Repair& repair : prepared.repairs)
     std::cout << "repair: " << repair.what << " (" << repair.count << ") " << repair.detail << '\n';
-  for (const End& end : prepared.ends)
-    std::cout << "end: radius " << end.radius() << " mm at " << place(end.centre) << '\n';
+  std::cout << table_of(prepared.candidates);
+  if (!ends.empty())
+    write_text(ends, document_of(prepared.candidates).dump(1) + "\n");
   if (!repaired.empty())
     write_surface(prepared.given, repaired);
 }
@@ -96,6 +98,9 @@ int main(int argc, char** argv) {
   std::string repaired;
   check_command->add_option("--repaired", repaired, "repaired, capped surface to write: .vtp or .stl; default: none");
 
+  std::string ends;
+  check_command->add_option("--ends", ends, "what was taken for ends and why, as JSON for `anatomy ends`");
+
   auto* remesh_command = app.add_subcommand("remesh", "repaired, capped, uniform surface with region_id");
   add_input(*remesh_command, options, given);
   remesh_command->add_option("--edge", options.edge, "edge length, mm")->capture_default_str();
@@ -110,7 +115,7 @@ int main(int argc, char** argv) {
     options.outlets = points_of(given.outlets, "--outlet");
     options.cuts = points_of(given.cuts, "--cut");
     if (check_command->parsed()) {
-      check(options, repaired);
+      check(options, repaired, ends);
     } else if (remesh_command->parsed()) {
       StepTimer timer;
       const Prepared prepared = prepare(options, timer);

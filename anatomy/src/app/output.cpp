@@ -12,13 +12,6 @@ nlohmann::ordered_json triple(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
-void write_text(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  if (!file.flush())
-    throw common::InputError("the file cannot be written", path.string(), "", "check the folder and the free space");
-}
-
 std::string sections_csv(const Anatomy& anatomy) {
   std::string text = "branch,branch_id,s_mm,x_mm,y_mm,z_mm,tx,ty,tz,area_mm2,equivalent_diameter_mm,min_diameter_mm,"
                      "max_diameter_mm,inscribed_radius_mm,reference_diameter_mm,curvature_per_mm,torsion_per_mm,flag\n";
@@ -79,6 +72,13 @@ nlohmann::ordered_json lesion_entry(const Anatomy& anatomy, const Lesion& lesion
 }
 
 } // namespace
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  if (!file.flush())
+    throw common::InputError("the file cannot be written", path.string(), "", "check the folder and the free space");
+}
 
 nlohmann::ordered_json summary(const Anatomy& anatomy, const StepTimer& timer) {
   nlohmann::ordered_json out;

@@ -3,6 +3,7 @@
 #include "app/arrays.hpp"
 #include "core/step_timer.hpp"
 #include "remesh/remesh.hpp"
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 namespace anatomy {
@@ -27,5 +28,8 @@ void write_anatomy(const Anatomy& anatomy, const StepTimer& timer, const std::st
 
 /// The document of anatomy.json.
 nlohmann::ordered_json summary(const Anatomy& anatomy, const StepTimer& timer);
+
+/// Throws InputError if the file cannot be written.
+void write_text(const std::filesystem::path& path, const std::string& text);
 
 } // namespace anatomy

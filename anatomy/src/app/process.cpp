@@ -5,7 +5,7 @@
 #include "ends/cut_ends.hpp"
 #include "ends/ends.hpp"
 #include "ends/extend.hpp"
-#include "ends/flat_caps.hpp"
+#include "ends/find_ends.hpp"
 #include "ends/given_caps.hpp"
 #include "ends/naming.hpp"
 #include "ends/ragged_ends.hpp"
@@ -16,7 +16,6 @@
 #include "remesh/refine.hpp"
 #include "repair/handles.hpp"
 #include "repair/repair.hpp"
-#include "repair/spikes.hpp"
 #include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/repair.h>
 #include <filesystem>
@@ -87,18 +86,27 @@ void retag(Mesh& mesh, const std::vector<End>& ends, const std::vector<End>& bef
       }
 }
 
-// Cuts what the user asks for and the ends that are rounded, and caps the openings.
-void cut_flat(Prepared& out, const Options& options) {
-  std::vector<Vec3> wanted = options.outlets;
-  if (options.inlet)
-    wanted.push_back(*options.inlet);
-  cut_across(out.mesh, out.ends, options.cuts, out.repairs);
-  cap_open_ends(out.mesh, out.repairs);
-  out.ends = measured_ends(out.mesh);
-  if (!cut_tips(out.mesh, out.ends, wanted, out.repairs))
-    return;
-  cap_open_ends(out.mesh, out.repairs);
-  out.ends = measured_ends(out.mesh);
+// The ends that the user names, by points or by cap files.
+NamedEnds named_ends(const Options& options, const std::vector<GivenCap>& caps) {
+  NamedEnds named;
+  named.inlet = options.inlet;
+  named.outlets = options.outlets;
+  named.close_others = options.close_others;
+  named.cuts = options.cuts;
+  if (!caps.empty())
+    named.inlet = caps.front().centre;
+  for (std::size_t k = 1; k < caps.size(); ++k)
+    named.outlets.push_back(caps[k].centre);
+  return named;
+}
+
+// Tags of the surface that its own array does not have: those of what was open.
+std::set<int> tags_of_openings(const Mesh& mesh, const Soup& soup) {
+  std::set<int> tags;
+  for (const auto& [tag, faces] : tagged_faces(mesh))
+    if (std::find(soup.region.begin(), soup.region.end(), tag) == soup.region.end())
+      tags.insert(tag);
+  return tags;
 }
 
 // The end where the file's own tags have the inlet; a cut may have moved it along the vessel.
@@ -117,12 +125,8 @@ Naming named(std::vector<End>& ends, const Options& options, const std::optional
              vtkPolyData* input) {
   if (like)
     return naming_like(ends, *like);
-  if (options.caps.empty())
-    return naming_given(ends, options.inlet ? options.inlet : inlet_by_tag(ends, input), options.outlets);
-  std::vector<Vec3> centres;
-  for (const GivenCap& cap : read_caps(options.caps, options.units))
-    centres.push_back(cap.centre);
-  return naming_given(ends, centres.front(), {centres.begin() + 1, centres.end()});
+  const NamedEnds given = named_ends(options, read_caps(options.caps, options.units));
+  return naming_given(ends, given.inlet ? given.inlet : inlet_by_tag(ends, input), given.outlets);
 }
 
 // Whether the wanted edge may already be there: tagged, closed and of about as many triangles, as an earlier state is.
@@ -207,13 +211,12 @@ Prepared prepare(const Options& options, StepTimer& timer) {
   drop_scraps_of_caps(out.mesh, tags_of(open), out.repairs);
   cut_ragged(out.mesh, open, out.repairs);
   timer.start("caps");
-  if (!caps.empty())
-    tag_given_caps(out.mesh, caps);
-  else if (soup.region.empty())
-    tag_flat_caps(out.mesh, smallest_cap * voxel_edge(out.input));
-  flatten_spikes(out.mesh, out.repairs);
+  NamedEnds named = named_ends(options, caps);
+  named.openings = tags_of_openings(out.mesh, soup);
+  named.tagged = !caps.empty() || !soup.region.empty();
+  tag_given_caps(out.mesh, caps);
+  out.candidates = find_ends(out.mesh, named, smallest_cap * voxel_edge(out.input), out.repairs);
   out.ends = measured_ends(out.mesh);
-  cut_flat(out, options);
   check_no_handle(out.mesh);
   report_move(out.repairs, flatten_caps(out.mesh), out.ends.size());
   check_mean_radius(2 * PMP::volume(out.mesh) / PMP::area(out.mesh), options.units, options.input);

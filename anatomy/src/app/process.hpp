@@ -1,6 +1,7 @@
 // The steps of `lumen process`, and the shorter ones of `check` and `remesh`.
 #pragma once
 #include "app/output.hpp"
+#include "ends/find_ends.hpp"
 #include <optional>
 
 namespace anatomy {
@@ -14,6 +15,7 @@ struct Options {
   std::vector<Vec3> outlets;     ///< in the order of their names, or empty
   std::vector<Vec3> cuts;        ///< points where the vessel is cut across
   std::vector<std::string> caps; ///< files: the inlet's, then the outlets' in the order of their names; or empty
+  bool close_others = false;     ///< openings without a point or cap are closed
   double extend_inlet = 0, extend_outlets = 0; ///< radii of straight extension
   std::string like;                            ///< anatomy.json of an earlier state, or empty
 };
@@ -24,6 +26,7 @@ struct Prepared {
   Mesh mesh;  ///< refined where it is coarse
   Mesh given; ///< before refining
   std::vector<End> ends;
+  std::vector<Candidate> candidates; ///< for ends, and what was decided
   std::vector<Repair> repairs;
 };
 

@@ -1,7 +1,7 @@
 #include "ends/cut_ends.hpp"
 #include "centreline/inner_balls.hpp"
 #include "common/error.hpp"
-#include "ends/plane_cut.hpp"
+#include "core/slices.hpp"
 #include "repair/tips.hpp"
 #include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/repair.h>
@@ -14,8 +14,12 @@ namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
 
 constexpr double least_prominence = 2;   // mean radii that a vessel must stand out by to have an end of its own
+constexpr double least_own = 3;          // of its own radii: a sac is as wide as it is long
 constexpr double behind_last_ball = 0.5; // radii from its centre to the cut: the plane may tilt by 26 degrees
-constexpr double still_widening = 1.15;  // growth of the radius over one radius of a tip that tapers
+constexpr double next_plane = 0.25;      // radii between planes that are tried
+constexpr double still_widening = 1.15;  // growth of the balls' radius over one radius of a tip that tapers
+constexpr double like_section = 1.25;    // ratio of areas, of a vessel that tapers by 6 degrees on each side
+constexpr double covers = 1.15;          // of the section's reach from its centre
 constexpr double band = 0.6;             // radii before and behind a cut in which the wall shows the axis
 constexpr double cos_agree = 0.87;       // 30 degrees
 constexpr double beside_end = 0.4;       // radii from an end's rim to a tip that is the rim's
@@ -114,14 +118,6 @@ std::size_t ball_of(const Mesh& mesh, const Balls& balls, const std::vector<EndR
   return end ? ball_at(balls, *end) : last_ball(mesh, balls, tip);
 }
 
-double cut_place(const Way& way) {
-  for (std::size_t i = 0; i < way.s.size(); ++i)
-    if (way.s[i] >= behind_last_ball * way.radius.front() &&
-        way.radius[way.at(way.s[i] + way.radius[i])] < still_widening * way.radius[i])
-      return way.s[i];
-  return 0.5 * way.length();
-}
-
 // Across the direction to which the wall's normals about the cut are most nearly perpendicular: the balls scatter too
 // much to show it within a degree. Where these disagree with the way (a side branch beside the cut), the way decides.
 Plane plane_across(const Mesh& mesh, const Way& way, double where) {
@@ -145,74 +141,95 @@ Plane plane_across(const Mesh& mesh, const Way& way, double where) {
   return {centre, normal.dot(along) > cos_agree ? normal : along, r};
 }
 
+// Area within the plane's section and how far it reaches from the centre; no area where no loop is round the centre.
+struct Outline {
+  double area = 0, reach = 0;
+};
+
+Outline outline(const Slices& slices, const Plane& plane) {
+  const PlaneFrame frame(plane.centre, plane.normal);
+  Outline out;
+  std::vector<Vec2> loop;
+  for (const Vec3& p : slices.loop_around(frame)) {
+    loop.push_back(frame.plane(p));
+    out.reach = std::max(out.reach, loop.back().norm());
+  }
+  out.area = std::abs(signed_area(loop));
+  return out;
+}
+
+// The first plane across the vessel, half a radius or more behind its last ball, where the section half a radius
+// further in is like it. Its square covers the section.
+Plane cut_plane(const Mesh& mesh, const Slices& slices, const Way& way) {
+  Plane plane = plane_across(mesh, way, 0.5 * way.length());
+  for (double where = behind_last_ball * way.radius.front(); where < 0.5 * way.length();
+       where += next_plane * way.radius[way.at(where)]) {
+    const double ball = way.radius[way.at(where)];
+    if (way.radius[way.at(where + ball)] > still_widening * ball)
+      continue;
+    plane = plane_across(mesh, way, where);
+    const Outline here = outline(slices, plane);
+    Plane further = plane;
+    further.centre += behind_last_ball * std::sqrt(here.area / M_PI) * plane.normal;
+    const double area = outline(slices, further).area;
+    if (here.area > 0 && area > here.area / like_section && area < here.area * like_section) {
+      plane.radius = std::max(plane.radius, covers * here.reach / half_width);
+      return plane;
+    }
+  }
+  return plane;
+}
+
 double mean_radius(const Mesh& mesh) {
   return 2 * std::abs(PMP::volume(mesh)) / PMP::area(mesh);
 }
 
-void report_short(std::vector<Repair>& repairs, const Vec3& tip, const Way& way) {
-  char detail[192];
-  std::snprintf(detail, sizeof detail,
-                "at %s, radius %.3f mm: its axis is %.3f mm long, less than its radius; taken as wall",
-                place(tip).c_str(), way.radius.front(), way.length());
-  repairs.push_back({"short tip left closed", 1, detail, true});
-}
-
 } // namespace
 
-bool cut_tips(Mesh& mesh, const std::vector<End>& ends, const std::vector<Vec3>& wanted, std::vector<Repair>& repairs) {
-  PMP::remove_isolated_vertices(mesh);
-  mesh.collect_garbage(); // indices count on from zero
-  const std::vector<Tip> tips = tips_of(mesh, least_prominence * mean_radius(mesh));
+std::vector<RoundedEnd> rounded_ends(const Mesh& mesh, const std::vector<End>& ends, double prominence) {
+  const double mean = mean_radius(mesh);
+  const std::vector<Tip> tips = tips_of(mesh, prominence * mean);
   const std::vector<EndReach> reaches = reaches_of(mesh, ends);
-  std::vector<Vertex> rounded;
-  for (const Tip& tip : tips)
-    if (!end_at(vec(mesh.point(tip.vertex)), reaches))
-      rounded.push_back(tip.vertex);
-  if (rounded.empty() || tips.size() < 2)
-    return false;
+  const auto is_rounded = [&](const Tip& tip) { return !end_at(vec(mesh.point(tip.vertex)), reaches); };
+  if (tips.size() < 2 || std::none_of(tips.begin(), tips.end(), is_rounded))
+    return {};
   const Balls balls = inner_balls(mesh, ends);
-  std::vector<std::pair<Vertex, Plane>> cuts;
-  for (Vertex tip : rounded) {
-    const std::size_t ball = last_ball(mesh, balls, tip);
-    const Vec3 p = vec(mesh.point(tip));
-    const bool asked = std::any_of(wanted.begin(), wanted.end(), [&](const Vec3& w) {
-      return (w - p).norm() < (1 + reach) * balls.radius[ball] && !end_at(w, reaches);
-    });
-    if (ends.size() >= 2 && !asked) {
-      repairs.push_back(
-          {"rounded end left closed", 1,
-           "at " + place(p) + ": taken as wall since two flat ends are known; name it by --outlet to have it cut",
-           true});
+  const Slices slices(mesh);
+  std::vector<RoundedEnd> rounded;
+  for (const Tip& tip : tips) {
+    if (!is_rounded(tip))
       continue;
-    }
-    const auto from = tip == tips[0].vertex ? tips[1].vertex : tips[0].vertex;
-    const Way way = way_from(balls, cheapest_ways(balls, ball_of(mesh, balls, reaches, from)), ball);
-    if (way.length() < way.radius.front()) { // a ball has tips but no vessel between them
-      report_short(repairs, p, way);
-      continue;
-    }
-    cuts.emplace_back(tip, plane_across(mesh, way, cut_place(way)));
+    const Vertex from = tip.vertex == tips[0].vertex ? tips[1].vertex : tips[0].vertex;
+    const Way way =
+        way_from(balls, cheapest_ways(balls, ball_of(mesh, balls, reaches, from)), last_ball(mesh, balls, tip.vertex));
+    RoundedEnd end{
+        tip.vertex, vec(mesh.point(tip.vertex)), cut_plane(mesh, slices, way), way.radius.front(), tip.prominence, ""};
+    char why[160] = "";
+    if (way.length() < way.radius.front()) // a ball has tips but no vessel between them
+      std::snprintf(why, sizeof why, "its axis is %.2f mm long, less than its radius", way.length());
+    else if (tip.prominence < std::max(least_prominence * mean, least_own * way.radius.front()))
+      std::snprintf(why, sizeof why, "it stands out by %.2f mm only: a stub", tip.prominence);
+    end.why_short = why;
+    rounded.push_back(end);
   }
-  for (const auto& [tip, plane] : cuts)
-    report_cut(repairs, "rounded end cut flat", plane, cut(mesh, plane, tip, "cut the end flat, or leave it open"));
-  mesh.collect_garbage();
-  return !cuts.empty();
+  return rounded;
 }
 
-void cut_across(Mesh& mesh, const std::vector<End>& ends, const std::vector<Vec3>& points,
+void cut_rounded(Mesh& mesh, const RoundedEnd& end, std::vector<Repair>& repairs) {
+  report_cut(repairs, "rounded end cut flat", end.plane,
+             cut(mesh, end.plane, end.tip, "cut the end flat, or leave it open"));
+}
+
+void cut_across(Mesh& mesh, const Mesh& tagged, const std::vector<End>& ends, const std::vector<Vec3>& points,
                 std::vector<Repair>& repairs) {
-  if (points.empty())
-    return;
-  PMP::remove_isolated_vertices(mesh);
-  mesh.collect_garbage();
-  const std::vector<Tip> tips = tips_of(mesh, least_prominence * mean_radius(mesh));
-  const Balls balls = inner_balls(mesh, ends);
-  const std::vector<EndReach> reaches = reaches_of(mesh, ends);
+  const std::vector<Tip> tips = tips_of(tagged, least_prominence * mean_radius(tagged));
+  const Balls balls = inner_balls(tagged, ends);
+  const std::vector<EndReach> reaches = reaches_of(tagged, ends);
   std::vector<Way> ways;
   if (tips.size() >= 2) {
-    const Ways from_tip = cheapest_ways(balls, ball_of(mesh, balls, reaches, tips[0].vertex));
+    const Ways from_tip = cheapest_ways(balls, ball_of(tagged, balls, reaches, tips[0].vertex));
     for (std::size_t t = 1; t < tips.size(); ++t)
-      ways.push_back(way_from(balls, from_tip, ball_of(mesh, balls, reaches, tips[t].vertex)));
+      ways.push_back(way_from(balls, from_tip, ball_of(tagged, balls, reaches, tips[t].vertex)));
   }
   for (const Vec3& p : points) {
     const Way* nearest = nullptr;
@@ -227,7 +244,7 @@ void cut_across(Mesh& mesh, const std::vector<End>& ends, const std::vector<Vec3
         }
     if (!nearest || least > reach * nearest->radius[at])
       throw InputError("no vessel near the point to cut at", "--cut", place(p), "give a point on the vessel's axis");
-    const Plane plane = plane_across(mesh, *nearest, nearest->s[at]);
+    const Plane plane = plane_across(tagged, *nearest, nearest->s[at]);
     report_cut(repairs, "vessel cut across", plane,
                cut(mesh, plane, Mesh::null_vertex(), "give a point where the vessel is round and alone"));
   }

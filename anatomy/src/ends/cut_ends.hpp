@@ -1,20 +1,31 @@
-// Rounded and ragged ends of a closed surface cut flat, and vessels cut across where the user asks.
+// Rounded ends of a closed surface, and vessels cut across where the user asks.
 #pragma once
-#include "core/types.hpp"
+#include "ends/plane_cut.hpp"
 
 namespace anatomy {
 
-/// Cuts off the tips of vessels that end in no cap of `ends`, by a plane across the vessel's axis: half a radius inside
-/// the last inscribed ball, or further in where the radius still grows. All such tips are cut where fewer than two ends
-/// are known; else only those within three radii of one of `wanted` (mm), and the others are noted in `repairs` as left
-/// closed. The openings are left for cap_open_ends. Returns whether it cut. Throws InputError where a plane does not
-/// separate a tip.
-bool cut_tips(Mesh& mesh, const std::vector<End>& ends, const std::vector<Vec3>& wanted, std::vector<Repair>& repairs);
+/// The tip of a vessel that ends in no cap, and where to cut it flat.
+struct RoundedEnd {
+  Vertex tip;
+  Vec3 at;               ///< of the tip, mm
+  Plane plane;           ///< across the axis behind the last ball, where the next section is like it
+  double radius = 0;     ///< mm, of the last inscribed ball
+  double prominence = 0; ///< mm along the surface
+  std::string why_short; ///< why it is too short for a vessel of its own; empty where it is long enough
+};
+
+/// The tips that stand out by `prominence` mean radii and are not at one of `ends`, the most prominent first. The mesh
+/// must be closed, one component and without removed elements. Throws InputError where a tip has no inscribed ball.
+std::vector<RoundedEnd> rounded_ends(const Mesh& mesh, const std::vector<End>& ends, double prominence);
+
+/// Cuts one off; the opening is left for cap_open_ends, and the mesh holds garbage. Throws InputError where the plane
+/// does not separate the tip.
+void cut_rounded(Mesh& mesh, const RoundedEnd& end, std::vector<Repair>& repairs);
 
 /// Cuts the vessel across its axis at the point of the axis nearest to each of `points` (mm) and drops the smaller
-/// side. Throws InputError if a point is farther from the axis than three radii, or the plane does not separate the
-/// vessel.
-void cut_across(Mesh& mesh, const std::vector<End>& ends, const std::vector<Vec3>& points,
+/// side. `tagged` is the same mesh with its `ends` tagged; both are as for rounded_ends. Throws InputError if a point
+/// is farther from the axis than three radii, or the plane does not separate the vessel.
+void cut_across(Mesh& mesh, const Mesh& tagged, const std::vector<End>& ends, const std::vector<Vec3>& points,
                 std::vector<Repair>& repairs);
 
 } // namespace anatomy

@@ -1,6 +1,7 @@
 #include "ends/ends.hpp"
 #include "core/faces.hpp"
 #include "core/tags.hpp"
+#include "ends/planar_patches.hpp"
 #include "repair/loops.hpp"
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
@@ -13,15 +14,6 @@ namespace anatomy {
 namespace {
 
 namespace PMP = CGAL::Polygon_mesh_processing;
-
-std::map<int, std::vector<Face>> faces_by_region(const Mesh& mesh) {
-  std::map<int, std::vector<Face>> faces;
-  const RegionMap region = region_map(mesh);
-  for (Face f : mesh.faces())
-    if (region[f] != 0)
-      faces[region[f]].push_back(f);
-  return faces;
-}
 
 std::set<Vertex> vertices_of(const Mesh& mesh, const std::vector<Face>& faces) {
   std::set<Vertex> vertices;
@@ -96,7 +88,7 @@ void drop_scraps_of_caps(Mesh& mesh, const std::set<int>& single, std::vector<Re
 
 Move flatten_caps(Mesh& mesh) {
   Move largest;
-  for (const auto& [id, faces] : faces_by_region(mesh)) {
+  for (const auto& [id, faces] : tagged_faces(mesh)) {
     const End end = measured(mesh, faces);
     for (Vertex v : vertices_of(mesh, faces)) {
       const Vec3 p = vec(mesh.point(v));

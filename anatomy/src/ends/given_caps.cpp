@@ -1,7 +1,7 @@
 #include "ends/given_caps.hpp"
 #include "common/error.hpp"
 #include "core/faces.hpp"
-#include "ends/ends.hpp"
+#include "ends/planar_patches.hpp"
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
 #include <CGAL/AABB_triangle_primitive.h>
@@ -21,12 +21,16 @@ constexpr double least_covered = 0.5; // of the cap's area, by the faces that li
 
 void tag_given_caps(Mesh& mesh, const std::vector<GivenCap>& caps) {
   RegionMap region = region_map(mesh);
-  const std::vector<End> known = measured_ends(mesh);
-  int next = static_cast<int>(known.size());
+  std::vector<Vec3> known;
+  int next = 0;
+  for (const auto& [tag, faces] : tagged_faces(mesh)) {
+    known.push_back(plane_of(mesh, faces).centre);
+    next = std::max(next, tag);
+  }
   for (const GivenCap& cap : caps) {
     const double radius = std::sqrt(cap.area / M_PI);
     if (std::any_of(known.begin(), known.end(),
-                    [&](const End& end) { return (end.centre - cap.centre).norm() < 0.5 * radius; }))
+                    [&](const Vec3& centre) { return (centre - cap.centre).norm() < 0.5 * radius; }))
       continue;
     std::vector<Kernel::Triangle_3> triangles;
     for (const Triangle& t : cap.triangles.triangles)

@@ -1,41 +1,10 @@
 #include "measure/sections.hpp"
 #include "common/error.hpp"
-#include <CGAL/AABB_halfedge_graph_segment_primitive.h>
-#include <CGAL/Polygon_mesh_slicer.h>
+#include "core/slices.hpp"
 #include <algorithm>
 
 namespace anatomy {
 namespace {
-
-using EdgePrimitive = CGAL::AABB_halfedge_graph_segment_primitive<Mesh>;
-using EdgeTree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, EdgePrimitive>>;
-using Slicer = CGAL::Polygon_mesh_slicer<Mesh, Kernel>;
-using Vec2 = Eigen::Vector2d;
-
-struct Frame {
-  Vec3 origin, u, v;
-  Frame(const Vec3& o, const Vec3& normal) : origin(o), u(normal.unitOrthogonal()), v(normal.cross(u)) {}
-  Vec2 plane(const Vec3& p) const { return {(p - origin).dot(u), (p - origin).dot(v)}; }
-};
-
-double signed_area(const std::vector<Vec2>& loop) {
-  double area = 0;
-  for (std::size_t i = 0; i < loop.size(); ++i) {
-    const Vec2 &a = loop[i], &b = loop[(i + 1) % loop.size()];
-    area += 0.5 * (a.x() * b.y() - a.y() * b.x());
-  }
-  return area;
-}
-
-bool contains_origin(const std::vector<Vec2>& loop) {
-  bool inside = false;
-  for (std::size_t i = 0; i < loop.size(); ++i) {
-    const Vec2 &a = loop[i], &b = loop[(i + 1) % loop.size()];
-    if ((a.y() > 0) != (b.y() > 0) && a.x() - a.y() * (b.x() - a.x()) / (b.y() - a.y()) > 0)
-      inside = !inside;
-  }
-  return inside;
-}
 
 Vec2 centroid(const std::vector<Vec2>& loop) {
   Vec2 sum = Vec2::Zero();
@@ -81,31 +50,6 @@ bool on_a_cap(const Vec3& p, const std::vector<End>& ends) {
   });
 }
 
-// The innermost loop around the axis, as points in space; empty if there is none.
-std::vector<Vec3> loop_around(const Slicer& slicer, const Frame& frame, const Vec3& normal) {
-  std::vector<std::vector<Point>> polylines;
-  slicer(Kernel::Plane_3(point(frame.origin), Vector(normal.x(), normal.y(), normal.z())),
-         std::back_inserter(polylines));
-  std::vector<Vec3> best;
-  double smallest = 1e300;
-  for (const auto& polyline : polylines) {
-    if (polyline.size() < 4 || polyline.front() != polyline.back())
-      continue;
-    std::vector<Vec3> loop;
-    std::vector<Vec2> flat;
-    for (std::size_t i = 0; i + 1 < polyline.size(); ++i) {
-      loop.push_back(vec(polyline[i]));
-      flat.push_back(frame.plane(loop.back()));
-    }
-    const double area = std::abs(signed_area(flat));
-    if (contains_origin(flat) && area < smallest) {
-      smallest = area;
-      best = loop;
-    }
-  }
-  return best;
-}
-
 } // namespace
 
 bool near_an_end(const Branch& branch, const std::vector<End>& ends, double s) {
@@ -117,17 +61,15 @@ bool near_an_end(const Branch& branch, const std::vector<End>& ends, double s) {
 
 std::vector<Section> cut_sections(const Mesh& surface, const std::vector<Branch>& branches,
                                   const std::vector<End>& ends) {
-  EdgeTree tree(surface.edges().begin(), surface.edges().end(), surface);
-  const Slicer slicer(surface, tree);
+  const Slices slices(surface);
   std::vector<Section> sections;
   for (std::size_t b = 0; b < branches.size(); ++b) {
     const Branch& branch = branches[b];
     for (std::size_t i = 1; i + 1 < branch.s.size(); ++i) {
       if (branch.s[i] <= branch.s_outside && branch.parent >= 0)
         continue;
-      const Vec3 normal = branch.axis.tangent(branch.s[i]);
-      const Frame frame(branch.x[i], normal);
-      const std::vector<Vec3> loop = loop_around(slicer, frame, normal);
+      const PlaneFrame frame(branch.x[i], branch.axis.tangent(branch.s[i]));
+      const std::vector<Vec3> loop = slices.loop_around(frame);
       const bool end = near_an_end(branch, ends, branch.s[i]);
       if (loop.empty()) {
         if (end)

@@ -1,12 +1,11 @@
 #include "common/error.hpp"
 #include "ends/cap_open_ends.hpp"
 #include "ends/ends.hpp"
-#include "ends/flat_caps.hpp"
 #include "ends/naming.hpp"
 #include "ends/ragged_ends.hpp"
 #include "remesh/remesh.hpp"
 #include "repair/repair.hpp"
-#include "tube.hpp"
+#include "tube_mesh.hpp"
 #include <CGAL/boost/graph/helpers.h>
 #include <gtest/gtest.h>
 
@@ -48,7 +47,7 @@ TEST(Ends, OpenEndsAreCapped) {
 
 TEST(Ends, FlatCapsAreFoundByShape) {
   Mesh mesh = cone(true);
-  tag_flat_caps(mesh);
+  shapes::tag_ends(mesh);
   expect_the_cones_ends(measured_ends(mesh));
 }
 
@@ -96,7 +95,7 @@ TEST(Ends, AToothedRimIsCutBehindItsTeeth) {
 
 TEST(Ends, RemeshingKeepsTagsFlatnessAndQuality) {
   Mesh mesh = cone(true);
-  tag_flat_caps(mesh);
+  shapes::tag_ends(mesh);
   measured_ends(mesh);
   for (double edge : {0.5, 0.25}) {
     Mesh fine = remeshed(mesh, edge, mesh);
@@ -131,6 +130,70 @@ std::vector<End> three_ends() {
   return ends;
 }
 
+// A prism of this many corners along x, with flat caps.
+Mesh prism(int corners, double radius, double length, double spacing) {
+  shapes::Tube tube = shapes::straight(radius, length);
+  Soup soup;
+  const int rings = static_cast<int>(std::lround(length / spacing));
+  for (int i = 0; i <= rings; ++i)
+    for (int k = 0; k < corners; ++k) {
+      const double angle = 2 * M_PI * k / corners;
+      soup.points.emplace_back(length * i / rings, radius * std::cos(angle), radius * std::sin(angle));
+    }
+  const auto id = [&](int i, int k) { return static_cast<std::size_t>(i * corners + k % corners); };
+  for (int i = 0; i < rings; ++i)
+    for (int k = 0; k < corners; ++k) {
+      soup.triangles.push_back({id(i, k), id(i, k + 1), id(i + 1, k)});
+      soup.triangles.push_back({id(i + 1, k), id(i, k + 1), id(i + 1, k + 1)});
+    }
+  for (int i : {0, rings})
+    for (int k = 1; k + 1 < corners; ++k)
+      soup.triangles.push_back({id(i, 0), id(i, k), id(i, k + 1)});
+  std::vector<Repair> repairs;
+  Mesh mesh = repaired(soup, repairs);
+  orient_outward(mesh, repairs);
+  region_map(mesh);
+  return mesh;
+}
+
+TEST(FindEnds, FacetsOfALoftAreWall) {
+  for (int corners : {4, 6, 8, 16})
+    for (double spacing : {0.5, 3.0}) {
+      Mesh mesh = prism(corners, 2, 20, spacing);
+      shapes::tag_ends(mesh);
+      const std::vector<End> ends = measured_ends(mesh);
+      ASSERT_EQ(ends.size(), 2u) << corners << " corners, rings every " << spacing << " mm";
+      for (const End& end : ends)
+        EXPECT_NEAR(std::abs(end.normal.x()), 1, 1e-9);
+    }
+}
+
+TEST(FindEnds, AVesselThatWidensBehindItsEndHasOne) {
+  for (double slope : {0.3, -0.3}) { // of the radius: 17 degrees
+    shapes::Tube tube = shapes::straight(1, 12);
+    tube.radius = [=](double s) { return 1 + slope * std::min(s, 2.0); };
+    tube.edge = 0.2;
+    std::vector<Repair> repairs;
+    Mesh mesh = repaired(shapes::soup_of(tube), repairs);
+    region_map(mesh);
+    shapes::tag_ends(mesh);
+    EXPECT_EQ(measured_ends(mesh).size(), 2u) << slope;
+  }
+}
+
+TEST(FindEnds, WhatThePointsNameDecides) {
+  Mesh closed = cone(true);
+  NamedEnds named;
+  named.outlets = {Vec3(12, 0, 0)};
+  shapes::tag_ends(closed, named); // the inlet is the larger one that is left
+  expect_the_cones_ends(measured_ends(closed));
+  named.outlets = {Vec3(12, 0, 0), Vec3(12.5, 0, 0)};
+  Mesh twice = cone(true), away = cone(true);
+  EXPECT_THROW(shapes::tag_ends(twice, named), common::InputError);
+  named.outlets = {Vec3(12, 0, 0), Vec3(6, 9, 0)};
+  EXPECT_THROW(shapes::tag_ends(away, named), common::InputError);
+}
+
 TEST(Naming, TheLargestEndIsTheInletUnlessGiven) {
   EXPECT_EQ(inlet_of(three_ends(), std::nullopt), 2u);
   EXPECT_EQ(inlet_of(three_ends(), Vec3(0.5, 0, 0)), 0u);
@@ -162,7 +225,7 @@ TEST(Naming, LikeAnEarlierState) {
 
 TEST(Ends, AScrapBesideACapIsWallAgain) {
   Mesh mesh = cone(true, 0.2);
-  tag_flat_caps(mesh);
+  shapes::tag_ends(mesh);
   RegionMap region = region_map(mesh);
   const int tag = *std::max_element(region.begin(), region.end());
   const auto middle = [&](Face f) { return std::abs(mesh.point(mesh.target(mesh.halfedge(f))).x() - 6) < 0.5; };

@@ -1,10 +1,9 @@
 #include "ends/ends.hpp"
-#include "ends/flat_caps.hpp"
 #include "ends/naming.hpp"
 #include "measure/lesions.hpp"
 #include "remesh/remesh.hpp"
 #include "repair/repair.hpp"
-#include "tube.hpp"
+#include "tube_mesh.hpp"
 #include <gtest/gtest.h>
 
 using namespace anatomy;
@@ -22,7 +21,7 @@ Measured measured(const shapes::Tube& tube) {
   std::vector<Repair> repairs;
   Measured out;
   out.mesh = repaired(shapes::soup_of(tube), repairs);
-  tag_flat_caps(out.mesh);
+  shapes::tag_ends(out.mesh);
   out.ends = measured_ends(out.mesh);
   const std::size_t inlet = inlet_of(out.ends, tube.axis(0));
   const WallTree wall(out.mesh);

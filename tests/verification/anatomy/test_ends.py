@@ -3,6 +3,7 @@
 import csv
 import subprocess
 
+import lofts
 import numpy as np
 import pytest
 import surfaces
@@ -61,15 +62,49 @@ def stub_tree():
     return [(p, t[(p[t].mean(axis=1)[:, 1] > 4) == above]) for (p, t), above in ((a, False), (b, True))]
 
 
-def test_a_closed_stub_beside_flat_ends_is_wall_unless_named(summary_of, tmp_path):
+def test_a_vessel_that_ends_rounded_beside_flat_ends_is_an_outlet_unless_the_points_leave_it_out(summary_of, tmp_path):
     (p, t), (q, u) = stub_tree()
     surface = surfaces.write(tmp_path / "stub.vtp", np.vstack([p, q]), np.vstack([t, u + len(p)]))
     summary = summary_of(surface)
-    assert len(summary["ends"]) == 2 and reported(summary, "rounded end left closed") == 1
-    tip = TREE[1][1]
-    summary = summary_of(surface, "--outlet", "30,0,0", "--outlet", ",".join(map(str, tip)))
     assert len(summary["ends"]) == 3 and reported(summary, "rounded end cut flat") == 1
     assert summary["ends"][2]["branch"] == "side1"
+    summary = summary_of(surface, "--outlet", "30,0,0")
+    assert len(summary["ends"]) == 2 and reported(summary, "end without a point left closed") == 1
+    summary = summary_of(surface, "--outlet", "30,0,0", "--outlet", ",".join(map(str, TREE[1][1])))
+    assert len(summary["ends"]) == 3 and reported(summary, "rounded end cut flat") == 1
+
+
+def test_an_opening_that_no_point_names_is_refused_unless_the_user_closes_it(lumen, summary_of, tmp_path):
+    surface = surfaces.write(tmp_path / "tree.vtp", *surfaces.tree(TREE))
+    done = lumen(surface, tmp_path / "out", "--inlet", "0,0,0", "--outlet", "30,0,0")
+    assert done.returncode == 2 and "not named" in done.stderr and "--close-others" in done.stderr
+    assert "(17.59, 7.05" in done.stderr  # the opening that was left out, and those that were named
+    assert done.stderr.count("open, diameter") == 3
+    summary = summary_of(surface, "--inlet", "0,0,0", "--outlet", "30,0,0", "--close-others")
+    assert len(summary["ends"]) == 2 and len(summary["branches"]) == 1
+
+
+LOFTS = [(corners, spacing, bend) for corners in (8, 12, 16, 24) for spacing in (0.3, 0.8, 2.0) for bend in (0, 0.05)]
+
+
+@pytest.mark.parametrize("corners, spacing, bend", LOFTS)
+def test_the_facets_of_a_loft_are_wall(summary_of, tmp_path, corners, spacing, bend):
+    axis = surfaces.arc(bend) if bend else surfaces.straight
+    points, triangles = lofts.loft(axis, lofts.narrowed(2.0, 70, 15, 8), 30, corners, spacing)
+    summary = summary_of(surfaces.write(tmp_path / "loft.stl", points, triangles))
+    centres = [end["centre_mm"] for end in summary["ends"]]
+    assert len(centres) == 2 and len(summary["branches"]) == 1
+    for middle in points[-2:]:
+        assert np.linalg.norm(np.subtract(centres, middle), axis=1).min() < 0.01
+
+
+@pytest.mark.parametrize("slant", [15, 40])
+def test_slanted_ends_stay_as_they_are(summary_of, tmp_path, slant):
+    points, triangles = lofts.loft(surfaces.straight, lambda s: 1.5 + 0 * s, 25, 24, 0.4, slant=slant)
+    summary = summary_of(surfaces.write(tmp_path / "loft.stl", points, triangles))
+    assert len(summary["ends"]) == 2 and reported(summary, "rounded end cut flat") == 0
+    for end in summary["ends"]:
+        assert np.degrees(np.arccos(abs(end["normal"][0]))) == pytest.approx(slant, abs=1)
 
 
 def test_flat_ends_with_chamfered_rims(summary_of, tmp_path):

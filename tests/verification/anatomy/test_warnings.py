@@ -39,13 +39,13 @@ def test_oval_ends_are_not_taken_for_rounded_ones(said, capped):
     assert "rounded end" not in errors and "short tip" not in errors
 
 
-def test_a_rounded_end_left_closed_is_warned_of_with_its_place(said):
+def test_a_rounded_end_that_the_points_leave_out_is_warned_of_with_its_place(said):
     tree = [((0, 0, 0), (20, 0, 0), 1.5, 1.5), ((10, 0, 0), (10, 7, 0), 1.0, 1.0)]
     (p, t), (q, u) = surfaces.tree(tree), surfaces.tree(tree, rounded=True)
     t, u = t[p[t].mean(axis=1)[:, 1] < 4], u[q[u].mean(axis=1)[:, 1] > 4]
-    errors, _ = said(np.vstack([p, q]), np.vstack([t, u + len(p)]))
-    line = next(line for line in errors.splitlines() if "warning: rounded end left closed" in line)
-    assert abs(np.linalg.norm(place_in(line, "left closed") - [10, 7, 0]) - 1) < 0.1  # on the half ball
+    errors, _ = said(np.vstack([p, q]), np.vstack([t, u + len(p)]), "--outlet", "20,0,0")
+    assert "warning: end without a point left closed" in errors
+    assert abs(np.linalg.norm(place_in(errors, "left closed") - [10, 7, 0]) - 1) < 0.1  # on the half ball
     errors, _ = said(p, surfaces.tree(tree)[1])
     assert "left closed" not in errors
 

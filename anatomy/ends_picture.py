@@ -1,0 +1,70 @@
+"""A picture of a surface with the places that `lumen check` took for ends, and those that it took for wall."""
+
+import json
+
+import matplotlib
+import numpy as np
+
+from common import vtp
+from common.errors import InputError
+from common.files import replacing
+
+matplotlib.use("Agg")
+from matplotlib import pyplot as plt  # noqa: E402  (the backend comes first)
+from matplotlib.collections import PolyCollection  # noqa: E402
+
+COLOURS = {True: "tab:green", False: "tab:red"}
+SIZE = (13, 8)  # inches
+MOST_TRIANGLES = 60_000  # drawn; of more every n-th
+
+
+def run(surface, candidates, out):
+    """Writes a .png or .svg of a surface (.vtp) with the candidates of `lumen check --ends` (path or None)."""
+    if out.suffix not in (".png", ".svg"):
+        raise InputError("unknown picture format", out, out.suffix, "name a .png or .svg file")
+    points, triangles = vtp.arrays(vtp.read_triangles(surface, "give the surface of `lumen check --repaired`"))
+    corners, found = points[triangles], _candidates(candidates)
+    figure, views = plt.subplots(1, 2, figsize=SIZE, layout="constrained")
+    for axes, turn in zip(views, (0, 90)):
+        _draw(axes, corners, found, turn)
+    figure.suptitle("\n".join(_line(k, one) for k, one in enumerate(found, 1)), x=0.01, ha="left", fontsize=7)
+    with replacing(out) as partial:
+        figure.savefig(partial, dpi=110, metadata={"Software": None} if out.suffix == ".png" else {"Date": None})
+    plt.close(figure)
+
+
+def _candidates(path):
+    if path is None:
+        return []
+    try:
+        return json.loads(path.read_text())["candidates"]
+    except (OSError, ValueError, KeyError, TypeError):
+        raise InputError("not a list of ends", path, "unreadable", "give the file of `lumen check --ends`") from None
+
+
+def _draw(axes, corners, found, turn):
+    """One view: across the two largest principal axes, turned by `turn` degrees about the first."""
+    middle = corners.reshape(-1, 3).mean(axis=0)
+    first, second, third = np.linalg.svd(corners[:, 0][:: max(1, len(corners) // 5000)] - middle)[2]
+    if turn:
+        second, third = third, -second
+    drawn = corners[:: 1 + len(corners) // MOST_TRIANGLES]
+    normal = np.cross(drawn[:, 1] - drawn[:, 0], drawn[:, 2] - drawn[:, 0])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-12)[:, None]
+    order = np.argsort((drawn.mean(axis=1) - middle) @ third)
+    light = 0.45 + 0.5 * np.abs(normal @ (third + 0.5 * first) / np.hypot(1, 0.5))
+    flat = np.stack([(drawn - middle) @ first, (drawn - middle) @ second], axis=-1)
+    axes.add_collection(PolyCollection(flat[order], facecolors=[str(g) for g in light[order]], edgecolors="none"))
+    for number, one in enumerate(found, 1):
+        x = np.array(one["centre_mm"]) - middle
+        colour = COLOURS[one["is_end"]]
+        axes.plot(x @ first, x @ second, "o", mfc="none", mec=colour, ms=12, mew=2)
+        axes.annotate(str(number), (x @ first, x @ second), xytext=(8, 6), textcoords="offset points", color=colour)
+    axes.set(aspect="equal", xlabel="mm", ylabel="mm")
+    axes.autoscale_view()
+
+
+def _line(number, one):
+    verdict = "end" if one["is_end"] else "wall"
+    where = ", ".join(f"{x:.1f}" for x in one["centre_mm"])
+    return f"{number}  {verdict}: {one['kind']} at ({where}), diameter {one['diameter_mm']:.2f} mm: {one['why']}"

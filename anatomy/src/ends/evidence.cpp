@@ -1,0 +1,103 @@
+#include "ends/evidence.hpp"
+#include "core/faces.hpp"
+#include <CGAL/AABB_face_graph_triangle_primitive.h>
+#include <algorithm>
+#include <set>
+
+namespace anatomy {
+namespace {
+
+using FacePrimitive = CGAL::AABB_face_graph_triangle_primitive<Mesh>;
+using FaceTree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, FacePrimitive>>;
+
+// Of the ball's diameter. A vessel that widens by 20 degrees behind its end has .70 and a wide chamfer .8; of lofts a
+// facet has .67 (six corners), .48 (eight) or less.
+constexpr double least_width = 0.6;
+constexpr double largest_growth = 2;  // of the area over half a radius: 40 degrees on each side
+constexpr double off_plane = 0.07;    // of its diameter
+constexpr double cos_tilt = 0.5;      // 60 degrees
+constexpr double section_depth = 0.5; // radii: an outlet that was cut off close to its parent is no longer than that
+constexpr double behind_rim = 0.25;   // radii: a rounded rim is neither cap nor wall
+constexpr double largest_ball = 20;   // mm: wider than any aorta
+constexpr int most_steps = 40;
+
+} // namespace
+
+struct Tubes::Trees {
+  FaceTree faces;
+  Slices slices;
+  explicit Trees(const Mesh& mesh) : faces(mesh.faces().begin(), mesh.faces().end(), mesh), slices(mesh) {}
+};
+
+Tubes::Tubes(const Mesh& mesh) : mesh_(mesh), trees_(std::make_shared<Trees>(mesh)) {}
+
+std::string no_end_since(const PatchPlane& plane, const Evidence& evidence) {
+  if (plane.width < least_width * 2 * evidence.ball)
+    return "a facet of the wall: narrower than the vessel behind it";
+  if (plane.highest - plane.lowest > 2 * off_plane * std::sqrt(plane.area / M_PI))
+    return "not flat";
+  if (evidence.section <= 0)
+    return "no vessel behind it";
+  if (evidence.section > largest_growth * plane.area || plane.area > largest_growth * evidence.section)
+    return "the vessel half a radius behind it is of another size";
+  if (evidence.tilt > std::acos(cos_tilt) * 180 / M_PI)
+    return "along the vessel, not across it";
+  return "";
+}
+
+// The ball that touches a plane at `from` is shrunk until no other part of the surface reaches into it.
+double Tubes::ball(const Vec3& from, const Vec3& inward) const {
+  double radius = largest_ball;
+  for (int step = 0; step < most_steps; ++step) {
+    const Vec3 centre = from + radius * inward;
+    const Vec3 reach = vec(trees_->faces.closest_point(point(centre))) - from;
+    const double height = reach.dot(inward);
+    if ((reach + from - centre).norm() > radius * (1 - 1e-4) || height <= 0)
+      break;
+    radius = reach.squaredNorm() / (2 * height);
+  }
+  return radius;
+}
+
+double Tubes::tilt(const std::vector<Face>& patch, const PatchPlane& plane) const {
+  const double radius = std::sqrt(plane.area / M_PI);
+  std::set<Face> seen(patch.begin(), patch.end());
+  std::vector<Face> wall;
+  const auto add_beside = [&](Face f, bool at_rim) {
+    for (Face g : mesh_.faces_around_face(mesh_.halfedge(f))) {
+      const Vec3 d = centroid(mesh_, g) - plane.centre;
+      const bool near = d.dot(plane.normal) > -radius && d.norm() < 2 * radius;
+      if ((at_rim || near) && seen.insert(g).second)
+        wall.push_back(g);
+    }
+  };
+  for (Face f : patch)
+    add_beside(f, true);
+  for (std::size_t i = 0; i < wall.size(); ++i)
+    add_beside(wall[i], false);
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (Face f : wall)
+    if (const Vec3 area = area_vector(mesh_, f);
+        area.norm() > 0 && (centroid(mesh_, f) - plane.centre).dot(plane.normal) < -behind_rim * radius)
+      spread += area * area.transpose() / area.norm();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
+  return std::acos(std::min(1.0, std::abs(axes.eigenvectors().col(0).dot(plane.normal)))) * 180 / M_PI;
+}
+
+Evidence Tubes::evidence(const std::vector<Face>& patch, const PatchPlane& plane) const {
+  Evidence out;
+  // from its innermost vertex: its own noise does not reach into the ball then
+  out.ball = ball(plane.centre + plane.lowest * plane.normal, -plane.normal);
+  if (plane.width < least_width * 2 * out.ball)
+    return out;
+  const double depth = section_depth * std::sqrt(plane.area / M_PI);
+  const PlaneFrame frame(plane.centre - depth * plane.normal, plane.normal);
+  std::vector<Vec2> loop;
+  for (const Vec3& p : trees_->slices.loop_around(frame))
+    loop.push_back(frame.plane(p));
+  out.section = std::abs(signed_area(loop));
+  out.tilt = tilt(patch, plane);
+  return out;
+}
+
+} // namespace anatomy

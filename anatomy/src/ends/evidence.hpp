@@ -1,0 +1,36 @@
+// What the vessel behind a flat part of a surface says of it: does it close the tube, or is it a facet of the wall?
+#pragma once
+#include "core/slices.hpp"
+#include "ends/planar_patches.hpp"
+#include <memory>
+
+namespace anatomy {
+
+/// Measured at a flat part. An end is about as wide as the largest ball that fits behind it, the section half a radius
+/// behind it is like itself, and the wall round it runs along its normal.
+struct Evidence {
+  double ball = 0;    ///< mm, radius of the largest ball inside the lumen that touches it at its centre
+  double section = 0; ///< mm2, of the lumen half a radius behind it; 0 where there is none
+  double tilt = 90;   ///< degrees between its normal and the axis of the wall within a radius behind it
+};
+
+/// Why a part of this shape and evidence is no end; empty where it is one.
+std::string no_end_since(const PatchPlane& plane, const Evidence& evidence);
+
+/// A closed mesh that outlives it, without removed elements.
+class Tubes {
+public:
+  explicit Tubes(const Mesh& mesh);
+  /// Section and tilt are measured only where the width does not decide.
+  Evidence evidence(const std::vector<Face>& patch, const PatchPlane& plane) const;
+
+private:
+  double ball(const Vec3& from, const Vec3& inward) const;
+  double tilt(const std::vector<Face>& patch, const PatchPlane& plane) const;
+
+  const Mesh& mesh_;
+  struct Trees;
+  std::shared_ptr<const Trees> trees_;
+};
+
+} // namespace anatomy

@@ -1,0 +1,259 @@
+#include "ends/find_ends.hpp"
+#include "common/error.hpp"
+#include "ends/cap_open_ends.hpp"
+#include "ends/cut_ends.hpp"
+#include "ends/ends.hpp"
+#include "repair/spikes.hpp"
+#include <CGAL/Polygon_mesh_processing/measure.h>
+#include <CGAL/Polygon_mesh_processing/repair.h>
+#include <algorithm>
+
+namespace anatomy {
+namespace {
+
+namespace PMP = CGAL::Polygon_mesh_processing;
+using common::InputError;
+
+constexpr double smallest_radius = 0.25; // mean radii: bumps of a few triangles are no vessels
+constexpr double off_plane = 0.03;       // mean radii
+constexpr double off_plane_of_noise = 0.1;
+constexpr double noise_reach = 3;   // standard deviations of the wall's roughness
+constexpr double reach_of_flat = 3; // radii: so near a point names an end
+constexpr double reach_of_tip = 4;  // radii from the tip, which lies a radius beyond its vessel's last ball
+constexpr int most_walls_shown = 12;
+constexpr double stands_out = 2;       // mean radii, of a tip that may be an end without being named
+constexpr double stands_out_named = 1; // of one that is named
+
+// A candidate and what is needed to make it an end or wall.
+struct Place {
+  Candidate shown;
+  std::vector<Face> faces; // of a flat or open one
+  RoundedEnd rounded;
+  bool named = false;
+
+  bool is_rounded() const { return faces.empty(); }
+  // From a point, relative to the distance at which it still names this place.
+  double distance(const Vec3& p) const {
+    return is_rounded() ? (p - rounded.at).norm() / (reach_of_tip * rounded.radius)
+                        : (p - shown.centre).norm() / (reach_of_flat * 0.5 * shown.diameter);
+  }
+};
+
+Place flat_place(const Mesh& mesh, const Tubes& tubes, const std::vector<Face>& faces, const std::string& kind) {
+  const PatchPlane plane = plane_of(mesh, faces);
+  Place out;
+  out.faces = faces;
+  out.shown.kind = kind;
+  out.shown.centre = plane.centre;
+  out.shown.diameter = 2 * std::sqrt(plane.area / M_PI);
+  out.shown.off_plane = plane.highest - plane.lowest;
+  out.shown.width = plane.width;
+  out.shown.is_end = true;
+  if (kind == "given") {
+    out.shown.why = "given as an end";
+    return out;
+  }
+  out.shown.evidence = tubes.evidence(faces, plane);
+  const std::string why = no_end_since(plane, out.shown.evidence);
+  out.shown.is_end = kind == "open" || why.empty();
+  out.shown.why = kind == "open" ? "an opening" : why.empty() ? "closes the vessel" : why;
+  return out;
+}
+
+Place rounded_place(const RoundedEnd& end, bool is_end) {
+  Place out;
+  out.rounded = end;
+  out.shown.kind = "rounded";
+  out.shown.width = 2 * end.radius;
+  out.shown.centre = end.at;
+  out.shown.diameter = 2 * end.radius;
+  out.shown.is_end = is_end;
+  out.shown.why = end.why_short.empty() ? "the tip of a vessel" : end.why_short;
+  return out;
+}
+
+void tag(Mesh& mesh, const std::vector<Face>& faces, int value) {
+  RegionMap region = region_map(mesh);
+  for (Face f : faces)
+    region[f] = value;
+}
+
+// What is tagged, and the flat parts of the wall where that is not all there is.
+std::vector<Place> flat_places(const Mesh& mesh, const NamedEnds& named, double least_radius) {
+  const Tubes tubes(mesh);
+  std::vector<Place> places;
+  for (const auto& [value, faces] : tagged_faces(mesh))
+    places.push_back(flat_place(mesh, tubes, faces, named.openings.contains(value) ? "open" : "given"));
+  if (named.tagged)
+    return places;
+  const double mean = 2 * std::abs(PMP::volume(mesh)) / PMP::area(mesh);
+  const double radius = std::max(least_radius, smallest_radius * mean);
+  const double flat = std::clamp(noise_reach * roughness_of(mesh).rms, off_plane * mean, off_plane_of_noise * mean);
+  for (const auto& faces : planar_patches(mesh, flat, M_PI * radius * radius))
+    places.push_back(flat_place(mesh, tubes, faces, "flat"));
+  return places;
+}
+
+std::string line_of(const Candidate& one) {
+  char text[160];
+  std::snprintf(text, sizeof text, "%s, %s, diameter %.2f mm", place(one.centre).c_str(), one.kind.c_str(),
+                one.diameter);
+  return text;
+}
+
+// The places that are ends and are named or not, as an error lists them.
+std::string list_of(const std::vector<Place>& places, bool named) {
+  std::string text;
+  for (const Place& one : places)
+    if (one.shown.is_end && one.named == named)
+      text += (text.empty() ? "" : "; ") + line_of(one.shown);
+  return text.empty() ? "none" : text;
+}
+
+void name_nearest(const Vec3& p, const std::string& option, std::vector<Place>& places) {
+  Place* best = nullptr;
+  for (Place& one : places)
+    if ((one.shown.is_end || one.is_rounded()) && one.distance(p) < 1 && (!best || one.distance(p) < best->distance(p)))
+      best = &one;
+  if (!best)
+    throw InputError("no end of the vessel near the given point", option, place(p),
+                     "give a point near an end, or cut the vessel there by --cut; ends found: " +
+                         list_of(places, true) + "; " + list_of(places, false));
+  if (best->named)
+    throw InputError("two points name the same end", option, place(p) + " and another: " + line_of(best->shown),
+                     "give one point near each end; ends not named: " + list_of(places, false));
+  best->named = true;
+}
+
+// Leaves as ends what the points name; of an inlet that is not named the largest of the rest.
+void keep_named(std::vector<Place>& places, const NamedEnds& named, std::vector<Repair>& repairs) {
+  for (const Vec3& p : named.outlets)
+    name_nearest(p, "--outlet", places);
+  if (named.inlet)
+    name_nearest(*named.inlet, "--inlet", places);
+  else if (const auto largest = std::max_element(places.begin(), places.end(),
+                                                 [](const Place& a, const Place& b) {
+                                                   const auto size = [](const Place& one) {
+                                                     return one.shown.is_end && !one.named ? one.shown.diameter : 0.0;
+                                                   };
+                                                   return size(a) < size(b);
+                                                 });
+           largest != places.end() && largest->shown.is_end && !largest->named)
+    largest->named = true;
+  std::string open;
+  for (const Place& one : places)
+    if (!one.named && one.shown.kind == "open")
+      open += (open.empty() ? "" : "; ") + line_of(one.shown);
+  if (!open.empty() && !named.close_others)
+    throw InputError("openings of the vessel that no point names", "--inlet, --outlet",
+                     "named: " + list_of(places, true) + "; not named: " + open,
+                     "give a point near each, or close them by --close-others");
+  for (Place& one : places) {
+    if (one.named) {
+      one.shown.why += one.shown.is_end ? ", named" : ", but named";
+    } else if (one.shown.is_end) {
+      repairs.push_back({"end without a point left closed", 1, line_of(one.shown), true});
+      one.shown.why += ", but not named";
+    }
+    one.shown.is_end = one.named;
+  }
+}
+
+std::vector<End> tagged_ends(Mesh& mesh, const std::vector<Place>& places) {
+  int next = 0;
+  for (const Place& one : places)
+    tag(mesh, one.faces, one.shown.is_end ? ++next : 0);
+  return measured_ends(mesh);
+}
+
+// Cuts where the user asks; what that opens is an opening.
+void cut_asked(Mesh& mesh, NamedEnds& named, double least_radius, std::vector<Repair>& repairs) {
+  Mesh tagged = mesh;
+  const std::vector<End> ends = tagged_ends(tagged, flat_places(mesh, named, least_radius));
+  std::set<int> known;
+  for (const auto& [value, faces] : tagged_faces(mesh))
+    known.insert(value);
+  cut_across(mesh, tagged, ends, named.cuts, repairs);
+  cap_open_ends(mesh, repairs);
+  PMP::remove_isolated_vertices(mesh);
+  mesh.collect_garbage();
+  for (const auto& [value, faces] : tagged_faces(mesh))
+    if (!known.contains(value))
+      named.openings.insert(value);
+}
+
+} // namespace
+
+std::vector<Candidate> find_ends(Mesh& mesh, NamedEnds named, double least_radius, std::vector<Repair>& repairs) {
+  PMP::remove_isolated_vertices(mesh);
+  mesh.collect_garbage(); // faces count on from zero
+  region_map(mesh);       // a mesh without tags is all wall
+  if (!named.cuts.empty())
+    cut_asked(mesh, named, least_radius, repairs);
+  std::vector<Place> places = flat_places(mesh, named, least_radius);
+  const std::vector<End> ends = tagged_ends(mesh, places);
+  flatten_spikes(mesh, repairs); // caps are left alone, once they are known
+  const bool all_named = !named.outlets.empty();
+  for (const RoundedEnd& end : rounded_ends(mesh, ends, all_named ? stands_out_named : stands_out)) {
+    places.push_back(rounded_place(end, end.why_short.empty() && !named.tagged));
+    if (!end.why_short.empty() || named.tagged)
+      repairs.push_back(
+          {"rounded end left closed", 1,
+           "at " + place(end.at) + ": " + (named.tagged ? "the surface's caps are its ends" : end.why_short), true});
+  }
+  if (all_named)
+    keep_named(places, named, repairs);
+  tagged_ends(mesh, places);
+  for (const Place& one : places)
+    if (one.is_rounded() && one.shown.is_end)
+      cut_rounded(mesh, one.rounded, repairs);
+  mesh.collect_garbage();
+  cap_open_ends(mesh, repairs);
+  std::vector<Candidate> shown;
+  for (const Place& one : places)
+    shown.push_back(one.shown);
+  std::stable_sort(shown.begin(), shown.end(), [](const Candidate& a, const Candidate& b) {
+    return a.is_end != b.is_end ? a.is_end : a.width > b.width;
+  });
+  const auto walls = std::find_if(shown.begin(), shown.end(), [](const Candidate& one) { return !one.is_end; });
+  if (shown.end() - walls > most_walls_shown)
+    shown.erase(walls + most_walls_shown, shown.end());
+  return shown;
+}
+
+std::string table_of(const std::vector<Candidate>& candidates) {
+  std::string text =
+      "       x        y        z  kind     diameter  off plane  ball diameter  section mm2  tilt  verdict\n";
+  for (const Candidate& one : candidates) {
+    char line[320];
+    std::snprintf(line, sizeof line, "%8.2f %8.2f %8.2f  %-8s %8.2f %10.3f", one.centre.x(), one.centre.y(),
+                  one.centre.z(), one.kind.c_str(), one.diameter, one.off_plane);
+    text += line;
+    if (one.kind == "rounded")
+      std::snprintf(line, sizeof line, "%15s %12s %5s", "-", "-", "-");
+    else if (one.evidence.section > 0)
+      std::snprintf(line, sizeof line, "%15.2f %12.2f %5.0f", 2 * one.evidence.ball, one.evidence.section,
+                    one.evidence.tilt);
+    else
+      std::snprintf(line, sizeof line, "%15.2f %12s %5s", 2 * one.evidence.ball, "-", "-");
+    text += line;
+    text += std::string("  ") + (one.is_end ? "end: " : "wall: ") + one.why + "\n";
+  }
+  return text;
+}
+
+nlohmann::ordered_json document_of(const std::vector<Candidate>& candidates) {
+  nlohmann::ordered_json document{{"schema", "vci-ends-1"}, {"candidates", nlohmann::ordered_json::array()}};
+  for (const Candidate& one : candidates)
+    document["candidates"].push_back({{"kind", one.kind},
+                                      {"centre_mm", {one.centre.x(), one.centre.y(), one.centre.z()}},
+                                      {"diameter_mm", one.diameter},
+                                      {"off_plane_mm", one.off_plane},
+                                      {"ball_diameter_mm", 2 * one.evidence.ball},
+                                      {"section_mm2", one.evidence.section},
+                                      {"is_end", one.is_end},
+                                      {"why", one.why}});
+  return document;
+}
+
+} // namespace anatomy

@@ -1,0 +1,255 @@
+"""How many drawn patients, reconstructed in many ways, go through `lumen process`.
+
+Run: /usr/bin/python3 tests/verification/anatomy/campaign.py --patients 20 --seed 1 --out FOLDER [--build build]
+[--styles "loft 16" ...]: campaign.csv has a row for each surface with outcome, seconds and reason; a surface that was
+refused or came out wrong stays in FOLDER/kept with a picture. Right is: every end within 1 mm of the truth
+and no other, as many branches, and the worst lesion within 1 mm and 3 % of diameter.
+"""
+
+import argparse
+import csv
+import json
+import pathlib
+import resource
+import shutil
+import subprocess
+import sys
+
+import lofts
+import numpy as np
+import surfaces
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+COLUMNS = ["patient", "style", "outcome", "step", "cpu_s", "ends", "ends_expected", "lesion_mm", "lesion_percent"]
+COLUMNS.append("reason")
+NEAR_MM, STENOSIS_PERCENT = 1.0, 3.0
+LEAST_LESION = 30.0  # per cent by diameter: milder ones are not looked for
+STUB_MM = 2.0
+
+
+class Patient:
+    """A drawn patient's truth: axes, radii and worst lesion; and its exact surface."""
+
+    def __init__(self, folder):
+        self.truth = json.loads((folder / "truth.json").read_text())
+        self.points, self.triangles = surfaces.arrays(surfaces.read(folder / "lumen.vtp"))
+        self.branches = [
+            {key: np.array(branch[key]) for key in ("s_mm", "points_mm", "radius_mm", "healthy_radius_mm")}
+            for branch in self.truth["branches"]
+        ]
+
+    def ends(self):
+        """[(centre (3,), outward direction (3,), radius)] of the inlet and the outlets, mm."""
+        found = []
+        for number, branch in enumerate(self.branches):
+            for at, beside in ((0, 1), (-1, -2)) if number == 0 else ((-1, -2),):
+                outward = branch["points_mm"][at] - branch["points_mm"][beside]
+                outward /= np.linalg.norm(outward)
+                found.append((branch["points_mm"][at], outward, branch["radius_mm"][at]))
+        return found
+
+    def lesion(self):
+        """(place (3,) mm, diameter stenosis in per cent) of the worst lesion, or None."""
+        every = [(lesion, k) for k, branch in enumerate(self.truth["branches"]) for lesion in branch["lesions"]]
+        if not every:
+            return None
+        worst, k = max(every, key=lambda one: one[0]["true_diameter_stenosis_percent"])
+        branch = self.branches[k]
+        at = np.argmin(np.abs(branch["s_mm"] - worst["true_s_mla_mm"]))
+        return branch["points_mm"][at], worst["true_diameter_stenosis_percent"]
+
+    def pieces(self, corners, spacing, caps="fan", slant=0.0, stub=None):
+        """A loft of each branch; a side branch begins inside its parent and with `stub` ends that many mm outside."""
+        made = []
+        for number, branch in enumerate(self.branches):
+            s, x, r = branch["s_mm"], branch["points_mm"], branch["radius_mm"]
+            length = s[-1]
+            if stub is not None and number:
+                length = min(length, self.outside(number) + stub)
+            axis = _extended(s, x)
+            radius = lambda at, s=s, r=r: np.interp(at, s, r)  # noqa: E731
+            made.append(lofts.loft(axis, radius, length, corners, spacing, caps, slant))
+        return made
+
+    def outside(self, number):
+        """Arc length (mm) at which a side branch leaves its parent's wall."""
+        branch = self.branches[number]
+        names = [one["name"] for one in self.truth["branches"]]
+        parent = self.branches[names.index(self.truth["branches"][number]["parent"])]
+        away = np.linalg.norm(branch["points_mm"][:, None] - parent["points_mm"][None], axis=2)
+        clear = (away - parent["radius_mm"][None]).min(axis=1) - branch["radius_mm"]
+        return float(branch["s_mm"][np.argmax(clear > 0)])
+
+
+def _extended(s, x):
+    """The axis as a function of arc length, straight beyond its ends."""
+
+    def axis(at):
+        at = np.asarray(at, float)
+        inside = np.column_stack([np.interp(at, s, x[:, k]) for k in range(3)])
+        first, last = (x[1] - x[0]) / (s[1] - s[0]), (x[-1] - x[-2]) / (s[-1] - s[-2])
+        return inside + np.minimum(at - s[0], 0)[:, None] * first + np.maximum(at - s[-1], 0)[:, None] * last
+
+    return axis
+
+
+def _opened(patient):
+    points, triangles = patient.points, patient.triangles
+    middle = points[triangles].mean(axis=1)
+    cap = np.zeros(len(triangles), bool)
+    for centre, outward, radius in patient.ends():
+        on = np.abs((middle - centre) @ outward) < 1e-3
+        cap |= on & (np.linalg.norm(middle - centre, axis=1) < 1.2 * radius)
+    return points, triangles[~cap]
+
+
+STYLES = {
+    "as it is": lambda p: (p.points, p.triangles),
+    "open": _opened,
+    "loft 8": lambda p: lofts.fused(p.pieces(8, 0.8)),
+    "loft 12": lambda p: lofts.fused(p.pieces(12, 0.6)),
+    "loft 16": lambda p: lofts.fused(p.pieces(16, 0.5)),
+    "loft 24": lambda p: lofts.fused(p.pieces(24, 1.0)),
+    "loft 16 polygon caps": lambda p: lofts.fused(p.pieces(16, 0.7, "polygon")),
+    "slanted": lambda p: lofts.fused(p.pieces(24, 0.5, slant=30)),
+    "rounded": lambda p: lofts.fused(p.pieces(24, 0.5, "round")),
+    "stubs": lambda p: lofts.fused(p.pieces(24, 0.5, stub=STUB_MM)),
+    "mask .35": lambda p: lofts.contoured(p.points, p.triangles, 0.35),
+    "decimated": lambda p: lofts.decimated(p.points, p.triangles, 0.1),
+    "noise .02": lambda p: (lofts.noised(p.points, 0.02, 1), p.triangles),
+    "noise .05": lambda p: (lofts.noised(p.points, 0.05, 1), p.triangles),
+}
+
+
+def compare(patient, style, folder):
+    """(what is wrong, or empty; ends found; distance of the lesion in mm; its error in points of per cent)."""
+    found = json.loads((folder / "anatomy.json").read_text())
+    expected = patient.ends()
+    wrong, off_mm, off_percent = [], "", ""
+    if len(found["ends"]) != len(expected):
+        wrong.append(f"{len(found['ends'])} ends, not {len(expected)}")
+    elif style != "stubs":
+        centres = np.array([end["centre_mm"] for end in found["ends"]])
+        for centre, outward, radius in expected:
+            lost = radius * (style in ("mask .35", "rounded", "noise .05", "noise .02"))  # the caps are not kept there
+            if np.linalg.norm(centres - centre, axis=1).min() > NEAR_MM + lost:
+                wrong.append(f"no end near {np.round(centre, 1).tolist()}")
+    if len(found["branches"]) != len(patient.branches):
+        wrong.append(f"{len(found['branches'])} branches, not {len(patient.branches)}")
+    lesion = patient.lesion()
+    if lesion and lesion[1] > LEAST_LESION:
+        if not found["lesions"]:
+            wrong.append("no lesion")
+        else:
+            best = min(found["lesions"], key=lambda one: np.linalg.norm(_place(one, folder) - lesion[0]))
+            off_mm = round(float(np.linalg.norm(_place(best, folder) - lesion[0])), 2)
+            off_percent = round(best["diameter_stenosis_percent"] - lesion[1], 1)
+            if off_mm > NEAR_MM or abs(off_percent) > STENOSIS_PERCENT:
+                wrong.append(f"lesion {off_mm} mm and {off_percent} % off")
+    return "; ".join(wrong), len(found["ends"]), off_mm, off_percent
+
+
+def _place(lesion, folder):
+    with (folder / "sections.csv").open() as file:
+        rows = [row for row in csv.DictReader(file) if row["branch"] == lesion["branch"]]
+    best = min(rows, key=lambda row: abs(float(row["s_mm"]) - lesion["s_mla_mm"]))
+    return np.array([float(best[key]) for key in ("x_mm", "y_mm", "z_mm")])
+
+
+def run(command, seconds=600):
+    """(exit code, last lines of standard error, CPU seconds) of a command in the repository."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    try:
+        done = subprocess.run([str(c) for c in command], cwd=ROOT, text=True, capture_output=True, timeout=seconds)
+        code, text = done.returncode, done.stderr
+    except subprocess.TimeoutExpired:
+        code, text = -1, f"longer than {seconds} s"
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    errors = [k for k, line in enumerate(lines) if "error:" in line]
+    return code, " ".join(lines[errors[-1] :] if errors else lines[-1:]), round(cpu, 1)
+
+
+def draw(count, seed, folder):
+    """The drawn patients' names, their sources made in `folder`."""
+    code, reason, _ = run(
+        [sys.executable, "-m", "data_synthetic", "draw", "--count", count, "--seed", seed, "--out", folder / "cases"]
+    )
+    assert code == 0, reason
+    names = []
+    for case in sorted((folder / "cases").glob("*.yaml"))[:count]:
+        source = folder / "source" / case.stem
+        if not (source / "truth.json").exists():
+            code, reason, _ = run([sys.executable, "-m", "data_synthetic", "generate", case, "--out", source])
+            if code:
+                print(f"{case.stem}: not generated: {reason}", file=sys.stderr)
+                continue
+        names.append(case.stem)
+    return names
+
+
+def picture(lumen, surface, folder):
+    """Draws what was taken for ends of a surface that failed, where it got as far as that."""
+    shape = surfaces.write(folder / "surface.vtp", *surfaces.arrays(_read_stl(surface)))
+    found = folder / "ends.json"
+    run([lumen, "check", surface, "--ends", found, "--repaired", folder / "repaired.vtp"])
+    shape = folder / "repaired.vtp" if (folder / "repaired.vtp").exists() else shape
+    command = [sys.executable, "-m", "anatomy", "ends", "--surface", shape, "--out", folder / "ends.png"]
+    run(command + (["--ends", found] if found.exists() else []))
+
+
+def _read_stl(path):
+    reader = surfaces.vtk.vtkSTLReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    return reader.GetOutput()
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--patients", type=int, default=20)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--styles", nargs="+", default=list(STYLES), choices=list(STYLES))
+    parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build")
+    parser.add_argument("--out", type=pathlib.Path, required=True)
+    options = parser.parse_args()
+    lumen = options.build.resolve() / "lumen"
+    options.out.mkdir(parents=True, exist_ok=True)
+    out = options.out.resolve()
+    rows = []
+    for name in draw(options.patients, options.seed, out):
+        patient = Patient(out / "source" / name)
+        for style in options.styles:
+            row = dict.fromkeys(COLUMNS, "")
+            row.update(patient=name, style=style, ends_expected=len(patient.ends()), step="anatomy")
+            folder = out / "work"
+            shutil.rmtree(folder, ignore_errors=True)
+            folder.mkdir()
+            surface = surfaces.write(folder / "surface.stl", *STYLES[style](patient))
+            code, reason, row["cpu_s"] = run([lumen, "process", surface, "--out", folder / "anatomy"])
+            row["reason"] = reason if code else ""
+            row["outcome"] = {0: "right", 2: "refused", 3: "failed"}.get(code, "broken")
+            if code == 0:
+                wrong, row["ends"], row["lesion_mm"], row["lesion_percent"] = compare(
+                    patient, style, folder / "anatomy"
+                )
+                if wrong:
+                    row.update(outcome="wrong", reason=wrong)
+            if row["outcome"] != "right":
+                kept = out / "kept" / f"{name} {style}".replace(" ", "_")
+                shutil.rmtree(kept, ignore_errors=True)
+                shutil.copytree(folder, kept)
+                picture(lumen, surface, kept)
+            rows.append(row)
+            print(*(row[key] for key in COLUMNS), sep="  ", flush=True)
+            with (out / "campaign.csv").open("w", newline="") as file:
+                writer = csv.DictWriter(file, COLUMNS)
+                writer.writeheader()
+                writer.writerows(rows)
+    right = sum(row["outcome"] == "right" for row in rows)
+    print(f"{right} of {len(rows)} right")
+
+
+if __name__ == "__main__":
+    main()
