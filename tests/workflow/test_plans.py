@@ -61,7 +61,14 @@ def test_a_target_that_cannot_be_made_is_named(fresh, shared_data, target, words
 def test_benchmarks_stand_apart_and_feed_the_report(finished):
     """The study plans none of them; what they leave makes the report again, and nothing else."""
     names = {"deployment_speed", "deployment_baseline", "deployment_hard_cases", "deployment_sensitivity"}
-    names |= {"flow_hard_cases", "anatomy_speed", "reference_against_solid", "reference_sensitivity", "benchmarks"}
+    names |= {
+        "flow_hard_cases",
+        "anatomy_speed",
+        "anatomy_campaign",
+        "reference_against_solid",
+        "reference_sensitivity",
+        "benchmarks",
+    }
     assert finished.planned() == set()
     assert finished.planned("benchmarks") == names
     by_name = ("flow_against_openfoam", "flow_growth", "flow_tolerance", "flow_wall_shear")
@@ -88,11 +95,11 @@ def test_single_case(fresh):
     assert "lad01: virtual deployment" in text and "rca01" not in text
 
 
-def test_a_surface_case_has_no_reference(fresh, shared_data):
-    run = fresh.snakemake("--dry-run", cohort="real", environment={"VCI_DATA_DIR": str(shared_data)}.items())
+def test_a_surface_case_has_no_reference(fresh):
+    run = fresh.snakemake("--dry-run", cases="ivus_plaque")
     text = run.stdout + run.stderr
     assert run.returncode == 0, text
-    assert "real_artery: flow of vci" in text
+    assert "ivus_plaque: flow of vci" in text
     assert "reference" not in text
 
 
