@@ -21,7 +21,7 @@ constexpr double rounding = 1e-9; // N: a wall back in its first state has no ap
 struct Forces {
   Vectors elastic, foundation, pressure, contact, total;
   std::vector<ContactPoint> points;
-  double residual;
+  double residual = 0;
 };
 
 void assemble(System& system, Interactions& interactions, Forces& f) {

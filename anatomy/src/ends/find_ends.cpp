@@ -28,7 +28,7 @@ constexpr double stands_out_named = 1; // of one that is named
 struct Place {
   Candidate shown;
   std::vector<Face> faces; // of a flat or open one
-  RoundedEnd rounded;
+  RoundedEnd rounded{};
   bool named = false;
 
   bool is_rounded() const { return faces.empty(); }
