@@ -221,8 +221,10 @@ Prepared prepare(const Options& options, StepTimer& timer) {
   report_move(out.repairs, flatten_caps(out.mesh), out.ends.size());
   check_mean_radius(2 * PMP::volume(out.mesh) / PMP::area(out.mesh), options.units, options.input);
   out.given = out.mesh;
-  if (is_coarse(out.mesh))
+  if (is_coarse(out.mesh)) {
     out.mesh = curved_refined(out.mesh);
+    out.splits = 2;
+  }
   say_warnings(out.repairs, 0);
   return out;
 }
@@ -256,7 +258,7 @@ Anatomy process(const Options& options, StepTimer& timer) {
   out.branches = build_tree(start.paths, out.ends, naming.inlet, wall, options.spacing, naming.branch);
   retag(start.mesh, out.ends, before);
   timer.start("sections");
-  out.sections = cut_sections(prepared.mesh, out.branches, out.ends);
+  out.sections = cut_sections(prepared.mesh, out.branches, out.ends, prepared.splits);
   smooth_noisy_areas(out.branches, out.sections, out.repairs);
   std::size_t said = out.repairs.size();
   warn_of_few_voxels(out.branches, out.sections, voxel_edge(prepared.input), out.repairs);

@@ -23,8 +23,9 @@ struct Options {
 /// The repaired, closed, outward surface with tagged flat caps, and its ends by falling area.
 struct Prepared {
   vtkSmartPointer<vtkPolyData> input;
-  Mesh mesh;  ///< refined where it is coarse
-  Mesh given; ///< before refining
+  Mesh mesh;      ///< refined where it is coarse
+  Mesh given;     ///< before refining
+  int splits = 1; ///< of an edge of `given` in `mesh`
   std::vector<End> ends;
   std::vector<Candidate> candidates; ///< for ends, and what was decided
   std::vector<Repair> repairs;

@@ -5,14 +5,14 @@
 namespace anatomy {
 namespace {
 
-constexpr std::array<double, 7> difference{1, -6, 15, -20, 15, -6, 1}; // squares: 924
 constexpr double stride_mm = 0.5; // nearer sections of a rough wall share vertices; farther ones differ by their shape
 constexpr double usual_radius = 1.5;
-constexpr std::size_t fewest = 5;        // differences for an estimate
+constexpr std::size_t fewest = 5;        // sections for an estimate
 constexpr Eigen::Index shortest_run = 8; // sections for a profile
-constexpr double median_of_normal = 0.6745;
 constexpr double caution = 1.4; // times C_p's price of a degree of freedom, against chance fits (Kim & Gu 2004)
-constexpr int width = 3;        // bands of the penalty beside the diagonal
+constexpr double bends_twice =
+    5;                   // degrees of freedom, by which few sections raise it as AIC is corrected (Hurvich & Tsai 1989)
+constexpr int width = 3; // bands of the penalty beside the diagonal
 
 using Sparse = Eigen::SparseMatrix<double>;
 
@@ -93,6 +93,8 @@ Eigen::VectorXd smoothed(const Profile& profile, Eigen::Index stride, double sig
   Eigen::VectorXd w = profile.weight;
   for (Eigen::Index i = 0; i < w.size(); ++i)
     w(i) = i % stride == 0 ? static_cast<double>(stride) * w(i) : 0;
+  const auto sections = static_cast<double>((w.array() > 0).count());
+  const double price = std::max(caution, sections / std::max(sections - bends_twice - 1, 1.0));
   const Sparse d = third_differences(y.size()), penalty = d.transpose() * d;
   const auto system = [&](const Eigen::VectorXd& weight, double lambda) {
     Sparse diagonal(y.size(), y.size());
@@ -101,7 +103,7 @@ Eigen::VectorXd smoothed(const Profile& profile, Eigen::Index stride, double sig
     return Sparse(diagonal + lambda * penalty);
   };
   const auto score_of = [&](const Eigen::VectorXd& z, double freedom) {
-    return w.dot((z - y).cwiseAbs2()) / static_cast<double>(stride) + 2 * caution * sigma * sigma * freedom;
+    return w.dot((z - y).cwiseAbs2()) / static_cast<double>(stride) + 2 * price * sigma * sigma * freedom;
   };
   Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::NaturalOrdering<int>> solver;
   double best = 0, least = 1e300;
@@ -125,32 +127,21 @@ Eigen::VectorXd smoothed(const Profile& profile, Eigen::Index stride, double sig
 
 } // namespace
 
-double area_noise(const std::vector<Branch>& branches, const std::vector<Section>& sections) {
-  std::vector<Section> copy = sections;
+double area_noise(const std::vector<Section>& sections) {
   std::vector<double> found;
-  for (std::size_t b = 0; b < branches.size(); ++b) {
-    const Profile profile = profile_of(copy, b);
-    const Eigen::Index stride = stride_of(branches[b]);
-    for (Eigen::Index i = 0; i + 6 * stride < profile.radius.size(); ++i) {
-      double sum = 0, healthy = 1;
-      for (Eigen::Index k = 0; k < 7; ++k) {
-        sum += difference[static_cast<std::size_t>(k)] * profile.radius(i + k * stride);
-        healthy *= profile.weight(i + k * stride);
-      }
-      if (healthy > 0)
-        found.push_back(std::abs(sum) / std::sqrt(924.0) * std::sqrt(profile.weight(i + 3 * stride)));
-    }
-  }
+  for (const Section& section : sections)
+    if (section.flag == "ok" && section.scatter >= 0)
+      found.push_back(section.scatter * std::sqrt(section.equivalent_diameter() / 2 / usual_radius));
   if (found.size() < fewest)
     return 0;
   const auto middle = found.begin() + static_cast<long>(found.size() / 2);
   std::nth_element(found.begin(), middle, found.end());
-  return 2 * *middle / median_of_normal / usual_radius;
+  return 2 * *middle / usual_radius;
 }
 
 void smooth_noisy_areas(const std::vector<Branch>& branches, std::vector<Section>& sections,
                         std::vector<Repair>& notes) {
-  const double noise = area_noise(branches, sections);
+  const double noise = area_noise(sections);
   if (noise < least_area_noise)
     return;
   std::size_t changed = 0;

@@ -4,10 +4,11 @@
 
 namespace anatomy {
 
-/// Scatter of the areas that is noise: relative standard deviation at a section of radius 1.5 mm, by the median sixth
-/// difference of the equivalent radii of sections half a millimetre apart (zero for polynomials of degree five); it is
-/// taken to grow as R^-1.5 towards thin branches. 0 where there are too few sections to tell.
-double area_noise(const std::vector<Branch>& branches, const std::vector<Section>& sections);
+/// Scatter of the areas that is noise: relative standard deviation at a section of radius 1.5 mm, by the median of what
+/// the outlines' own roughness gives to their mean radii (`Section::scatter`); it grows as R^-1.5 towards thin
+/// branches. Changes from one section to the next do not count: they may be the lumen's. 0 where there are too few
+/// sections to tell.
+double area_noise(const std::vector<Section>& sections);
 
 /// Replaces the areas of the sections flagged ok by those of a smooth profile of the radius along each branch
 /// (a straight line, or a discrete spline with third differences as its penalty, as Mallows' C_p says for that noise),
@@ -16,6 +17,6 @@ double area_noise(const std::vector<Branch>& branches, const std::vector<Section
 void smooth_noisy_areas(const std::vector<Branch>& branches, std::vector<Section>& sections,
                         std::vector<Repair>& notes);
 
-constexpr double least_area_noise = 0.005; ///< computed and deformed surfaces have up to 0.002
+constexpr double least_area_noise = 0.005; ///< computed, deformed and intravascular ones have up to 0.002
 
 } // namespace anatomy

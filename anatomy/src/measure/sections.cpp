@@ -1,6 +1,7 @@
 #include "measure/sections.hpp"
 #include "common/error.hpp"
 #include "core/slices.hpp"
+#include "measure/outline_noise.hpp"
 #include <algorithm>
 
 namespace anatomy {
@@ -60,7 +61,7 @@ bool near_an_end(const Branch& branch, const std::vector<End>& ends, double s) {
 }
 
 std::vector<Section> cut_sections(const Mesh& surface, const std::vector<Branch>& branches,
-                                  const std::vector<End>& ends) {
+                                  const std::vector<End>& ends, int splits) {
   const Slices slices(surface);
   std::vector<Section> sections;
   for (std::size_t b = 0; b < branches.size(); ++b) {
@@ -96,6 +97,8 @@ std::vector<Section> cut_sections(const Mesh& surface, const std::vector<Branch>
       }
       section.area = std::abs(signed_area(flat));
       set_diameters(section, flat);
+      if (section.flag == "ok")
+        section.scatter = mean_radius_scatter(flat, splits * edge_by_crossings(flat));
       sections.push_back(section);
     }
   }

@@ -1,0 +1,106 @@
+#include "measure/outline_noise.hpp"
+#include <complex>
+
+namespace anatomy {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double shortest_wave = 0.6;    // mm: segmented walls have noise of that length, lumens hardly any shape
+constexpr double edges_per_wave = 3;     // shorter ones are lost between the points
+constexpr int first_mode = 4;            // size, place, ellipse and triangle are shape
+constexpr int fewest_modes = 3;          // for a mean
+constexpr double random_crossings = 2.2; // edges of equilateral triangles that a line crosses in an edge's length
+
+double length_of(const std::vector<Vec2>& outline) {
+  double length = 0;
+  for (std::size_t i = 0; i < outline.size(); ++i)
+    length += (outline[(i + 1) % outline.size()] - outline[i]).norm();
+  return length;
+}
+
+// n points evenly along the outline.
+std::vector<Complex> evenly(const std::vector<Vec2>& outline, std::size_t n, double length) {
+  std::vector<Complex> points;
+  double begin = 0;
+  for (std::size_t i = 0; i < outline.size() && points.size() < n; ++i) {
+    const Vec2 &a = outline[i], &b = outline[(i + 1) % outline.size()];
+    const double step = (b - a).norm();
+    for (double at = 0; points.size() < n;
+         points.emplace_back((1 - at) * a.x() + at * b.x(), (1 - at) * a.y() + at * b.y())) {
+      at = step > 0 ? (static_cast<double>(points.size()) * length / static_cast<double>(n) - begin) / step : 2;
+      if (at > 1)
+        break;
+    }
+    begin += step;
+  }
+  while (points.size() < n)
+    points.emplace_back(outline.front().x(), outline.front().y());
+  return points;
+}
+
+// Waves round a closed row of values: of m turns, (1/n) sum of value_k exp(-2 pi i m k / n).
+class Waves {
+public:
+  explicit Waves(std::size_t n) {
+    for (std::size_t k = 0; k < n; ++k)
+      turn_.push_back(std::polar(1.0, 2 * M_PI * static_cast<double>(k) / static_cast<double>(n)));
+  }
+  Complex turn(int m, std::size_t k) const {
+    const auto n = static_cast<std::ptrdiff_t>(turn_.size());
+    const std::ptrdiff_t at = m * static_cast<std::ptrdiff_t>(k) % n;
+    return turn_[static_cast<std::size_t>(at < 0 ? at + n : at)];
+  }
+  Complex of(const std::vector<Complex>& values, int m) const {
+    Complex sum = 0;
+    for (std::size_t k = 0; k < values.size(); ++k)
+      sum += values[k] * std::conj(turn(m, k));
+    return sum / static_cast<double>(values.size());
+  }
+
+private:
+  std::vector<Complex> turn_;
+};
+
+// Distance of each point from the smooth outline of the waves of fewer than `modes` turns, along its normal.
+std::vector<Complex> off_smooth(const std::vector<Complex>& points, const Waves& waves, int modes) {
+  std::vector<Complex> smooth(points.size()), tangent(points.size()), off;
+  for (int m = 1 - modes; m < modes; ++m) {
+    const Complex wave = waves.of(points, m);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      smooth[k] += wave * waves.turn(m, k);
+      tangent[k] += Complex(0, m) * wave * waves.turn(m, k);
+    }
+  }
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const double length = std::abs(tangent[k]);
+    off.emplace_back(length > 0 ? ((points[k] - smooth[k]) * std::conj(Complex(0, -1) * tangent[k])).real() / length
+                                : 0);
+  }
+  return off;
+}
+
+} // namespace
+
+double edge_by_crossings(const std::vector<Vec2>& outline) {
+  return random_crossings * length_of(outline) / static_cast<double>(outline.size());
+}
+
+double mean_radius_scatter(const std::vector<Vec2>& outline, double edge) {
+  const double length = length_of(outline), wave = std::max(shortest_wave, edges_per_wave * edge);
+  const int last = static_cast<int>(length / wave);
+  const int first = std::max(first_mode, static_cast<int>(std::ceil(length / (2 * wave))));
+  if (last - first + 1 < fewest_modes)
+    return -1;
+  const Waves waves(static_cast<std::size_t>(std::max(128, 5 * last)));
+  const std::vector<Complex> off =
+      off_smooth(evenly(outline, static_cast<std::size_t>(std::max(128, 5 * last)), length), waves, first);
+  double power = 0;
+  for (int m = first; m <= last; ++m) {
+    // points between which the wall is straight pass a wave by sinc^2
+    const double x = M_PI * m * edge / length, passed = std::pow(std::sin(x) / x, 2);
+    power += std::norm(waves.of(off, m)) / (passed * passed);
+  }
+  return std::sqrt(power / (last - first + 1));
+}
+
+} // namespace anatomy
