@@ -63,6 +63,11 @@ def lesion_summary(files):
     return {key: entry(lesions[0], key, path) for key in LESION} if lesions else None
 
 
+def reference_summary(files):
+    """What a proposed plan took the vessel's size from, and the lesions by it; None of a plan that was given."""
+    return read_json(files.scene, "anatomy plan").get("reference")
+
+
 def procedure_summary(files):
     """The scene's steps: name, action, and for each device its size, place and pressure."""
     scene = read_json(files.scene, "anatomy plan")

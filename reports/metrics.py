@@ -1,11 +1,14 @@
 """Metrics of one case: area, curvature and FFR of every state over the stented segment, and their differences."""
 
+import sys
+
 import numpy as np
 
 from common.errors import ComputationError, InputError
 from reports.case_files import IMAGED, STATES
 from reports.curvature import mean_over_length
-from reports.device_readouts import case_kind, deployment_summary, lesion_summary, patient_summary, procedure_summary
+from reports.device_readouts import case_kind, deployment_summary, lesion_summary, patient_summary
+from reports.device_readouts import procedure_summary, reference_summary
 from reports.measured import MEASURED, at_the_wire, measured_summary
 from reports.polyline import read_centreline
 from reports.profiles import error_of, state_profiles
@@ -58,6 +61,8 @@ def case_metrics(files, margin_mm=DEFAULT_MARGIN_MM, stations=DEFAULT_STATIONS, 
     relative = np.linspace(0.0, 1.0, stations)
     profiles = {state: state_profiles(files, state, segment, lines[state], pre_sections, relative) for state in states}
     used = common_stations(profiles, files.folder)
+    if "post" in states:
+        say_if_partly_covered(profiles["post"], segment)
     return {
         "schema": "vci-metrics-1",
         "case": files.case,
@@ -65,6 +70,7 @@ def case_metrics(files, margin_mm=DEFAULT_MARGIN_MM, stations=DEFAULT_STATIONS, 
         "patient": patient_summary(files, config),
         "lesion": lesion_summary(files),
         "procedure": procedure_summary(files),
+        "plan_reference": reference_summary(files),
         "deployment": deployment_summary(files) if "vci" in states else None,
         "segment": {
             "branch": segment.branch,
@@ -82,7 +88,7 @@ def case_metrics(files, margin_mm=DEFAULT_MARGIN_MM, stations=DEFAULT_STATIONS, 
             if a in states and b in states
         },
         "measured": measured_summary(files, config),
-        "registration": registration_summary(files) if "post" in states else None,
+        "registration": registration_summary(files, profiles["post"], segment) if "post" in states else None,
         "imaging": imaging_summary(files, states),
     }
 
@@ -111,10 +117,33 @@ def imaging_summary(files, states):
 REGISTERED = ("method", "compare", "rotation_deg", "residual_mm", "usual_radius_mm", "share_of_both", "missing", "new")
 
 
-def registration_summary(files):
-    """How the lumen after the real procedure was brought to the one before: REGISTERED of registration.json."""
+def registration_summary(files, profile, segment):
+    """How the lumen after the real procedure was brought to the one before: REGISTERED of registration.json.
+
+    And how much of the segment it covers, by the profile of the state `post`: `covered_mm` of `segment_mm`.
+    """
     document = read_json(files.registration, "anatomy register")
-    return {key: entry(document, key, files.registration) for key in REGISTERED}
+    covered, length = covered_mm(profile, segment)
+    return {key: entry(document, key, files.registration) for key in REGISTERED} | {
+        "covered_mm": covered,
+        "segment_mm": length,
+    }
+
+
+def covered_mm(profile, segment):
+    """(length of the segment whose stations a state has sections around, the segment's length), before PCI, in mm."""
+    length = segment.s_end_mm - segment.s_start_mm
+    return float(profile.inside.mean() * length), float(length)
+
+
+def say_if_partly_covered(profile, segment):
+    """Warns on standard error where the lumen after the real procedure ends within the segment."""
+    covered, length = covered_mm(profile, segment)
+    if profile.segment.ends_within:
+        said = (
+            f"the lumen after the procedure covers {covered:.1f} of the {length:.1f} mm of the stented segment and its"
+        )
+        print(f"{said} margins: every state is compared over that part only", file=sys.stderr, flush=True)
 
 
 def common_stations(profiles, where):
@@ -124,7 +153,11 @@ def common_stations(profiles, where):
     """
     used = np.logical_and.reduce([profile.inside for profile in profiles.values()])
     if used.mean() < LEAST_COVERAGE:
-        remedy = "the segment lies too close to an end of the model: lengthen the vessel, or place the stent further in"
+        short = min(profiles, key=lambda state: profiles[state].inside.sum())
+        remedy = (
+            f"{short} has the fewest, {int(profiles[short].inside.sum())}; at least half are wanted. The segment lies"
+        )
+        remedy += " too near an end of the model, or beyond it: lengthen the vessel, or place the stent further in"
         raise ComputationError("too few stations can be compared", where, f"{int(used.sum())} of {len(used)}", remedy)
     return used
 
@@ -165,7 +198,7 @@ def ffr_document(profile, used):
     solution = profile.solution
     return {
         "distal": float(solution["ffr"]),
-        "past_segment": float(profile.ffr[-1]),
+        "past_segment": None if profile.segment.ends_within else float(profile.ffr[-1]),
         "at_wire": at_the_wire(solution),
         "profile": profile.ffr[used].tolist(),
         "model": solution.get("model"),

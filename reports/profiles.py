@@ -12,6 +12,7 @@ from reports.reading import number, read_json, read_table
 from reports.segment import carry, diameters_at, read_sections
 
 PULLBACK_NUMBERS = ("s_mm", "x_mm", "y_mm", "z_mm", "pressure_pa", "ffr", "flow_m3_per_s")
+POST = "post"  # the lumen found after the real procedure: another image, with ends of its own
 ERROR = "ffr_error_estimate"  # a column of newer pull-backs
 # what `flow solve` says of an FFR: of a steady flow, of one that keeps an eddy viscosity, of a mean over time
 ANSWERED = ("converged", "converged with eddy viscosity", "unsteady")
@@ -94,14 +95,16 @@ def state_profiles(files, state, segment, line, pre_sections, relative):
     Raises InputError or ComputationError (see carry).
     """
     size = diameters_at(pre_sections, [segment.s_start_mm, segment.s_end_mm])
-    carried = carry(segment, line, size)
+    carried = carry(segment, line, size, of_its_own_extent=state == POST)
     s_mm = carried.stations(relative)
     sections = read_sections(files.anatomy(state) / "sections.csv", segment.branch)
     s_sections = sections["s_mm"].to_numpy()
     ffr = solution = None
     if files.has_flow(state):
         flow_line, of_flow = read_pullback(files.flow(state) / "pullback.csv", segment.branch)
-        flow_ends = [flow_line.project(line.at(s))[0] for s in (carried.s_start_mm, carried.s_end_mm)]
+        ends = np.array([carried.s_start_mm, carried.s_end_mm])
+        on_line = np.clip(ends, line.s_mm[0], line.s_mm[-1])
+        flow_ends = [flow_line.project(line.at(s))[0] for s in on_line] + (ends - on_line)
         ffr = np.interp(flow_ends[0] + relative * (flow_ends[1] - flow_ends[0]), flow_line.s_mm, of_flow)
         solution = read_solution(files.flow(state) / "ffr.json")
     return StateProfiles(
@@ -109,7 +112,7 @@ def state_profiles(files, state, segment, line, pre_sections, relative):
         s_mm=s_mm,
         inside=(s_mm >= s_sections[0]) & (s_mm <= s_sections[-1]),
         area_mm2=np.interp(s_mm, s_sections, sections["area_mm2"]),
-        curvature_per_mm=line_curvature(line, s_mm),
+        curvature_per_mm=line_curvature(line, np.clip(s_mm, line.s_mm[0], line.s_mm[-1])),
         ffr=ffr,
         sections=sections,
         surveyed_curvature=mean_over_length(np.interp(s_mm, line.s_mm, line.surveyed_per_mm), s_mm),

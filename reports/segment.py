@@ -15,8 +15,9 @@ FLAGS = (*USED_FLAGS, "end")
 
 @dataclasses.dataclass(frozen=True)
 class StentedSegment:
-    """Branch, arc lengths (mm, margins included) and the two end points (3,) on the pre-PCI centreline."""
+    """Branch, arc lengths (mm, margins included) and the two end points (3,) on the pre-PCI centreline, `line`."""
 
+    line: Polyline
     branch: str
     s_start_mm: float
     s_end_mm: float
@@ -26,7 +27,10 @@ class StentedSegment:
 
 @dataclasses.dataclass(frozen=True)
 class StateSegment:
-    """The segment on one state's centreline: its ends by arc length, and how far they lay from the pre-PCI ones."""
+    """The segment on one state's centreline: its ends by arc length, and how far they lay from the pre-PCI ones.
+
+    An end may lie before 0 or beyond the line's length, where a lumen of its own extent covers a part of it only.
+    """
 
     line: Polyline
     s_start_mm: float
@@ -37,6 +41,11 @@ class StateSegment:
     @property
     def length_mm(self):
         return self.s_end_mm - self.s_start_mm
+
+    @property
+    def ends_within(self):
+        """Whether the state's line ends before the segment does, at either end."""
+        return self.s_start_mm < self.line.s_mm[0] or self.s_end_mm > self.line.s_mm[-1]
 
     def stations(self, relative):
         """Arc lengths (mm) at relative positions 0 (proximal end) to 1 (distal end)."""
@@ -57,18 +66,25 @@ def stented_segment(scene_path, pre_line_path, margin_mm):
         remedy = f"give a segment within {low:.2f} to {high:.2f} mm of branch {branch}"
         raise InputError("the stented segment is not on its branch", scene_path, f"{start} to {end} mm", remedy)
     start, end = max(low, start - margin_mm), min(high, end + margin_mm)
-    return StentedSegment(branch, float(start), float(end), line.at(start), line.at(end))
+    return StentedSegment(line, branch, float(start), float(end), line.at(start), line.at(end))
 
 
-def carry(segment, line, diameter_mm):
+def carry(segment, line, diameter_mm, of_its_own_extent=False):
     """`segment` on a state's centreline: each end goes to the nearest point of `line`.
 
     diameter_mm: the vessel's diameter at the two ends before the procedure. An end that lands further away than that
     has left the vessel, and a length that changes by more than a half is no longer the same piece of it: both raise
-    ComputationError.
+    ComputationError. of_its_own_extent: the line may end within the segment, as that of another image of the vessel
+    does; its arc length then goes on by as much as the pre-PCI axis has from there to the segment's end.
     """
     start, start_shift = line.project(segment.proximal_mm)
     end, end_shift = line.project(segment.distal_mm)
+    if of_its_own_extent and start <= line.s_mm[0]:
+        beside, start_shift = segment.line.project(line.points[0])
+        start -= max(beside - segment.s_start_mm, 0.0)
+    if of_its_own_extent and end >= line.s_mm[-1]:
+        beside, end_shift = segment.line.project(line.points[-1])
+        end += max(segment.s_end_mm - beside, 0.0)
     for name, shift, limit in zip(("proximal", "distal"), (start_shift, end_shift), diameter_mm):
         if shift > limit:
             remedy = (

@@ -11,6 +11,7 @@ from ..measured import branch_named, lesion_number, read_sections, read_summary
 from . import catalogue, outer_wall, proposal, remarks
 
 PASCAL_PER_MMHG = 133.322387415
+OUTER_WALL, HEALTHY_PROFILE = "outer wall", "healthy profile"  # what the vessel's healthy size is taken from
 
 
 def run(case_file, anatomy_folder, devices_folder, out):
@@ -18,15 +19,18 @@ def run(case_file, anatomy_folder, devices_folder, out):
     case = config.load_case(case_file)
     families = config.load_devices(devices_folder)
     summary = read_summary(anatomy_folder)
-    steps, treat = case["plan"], proposal.wanted(case["plan"])
+    steps, treat, reference = case["plan"], proposal.wanted(case["plan"]), {}
     if treat:
         sections = read_sections(anatomy_folder)
         if outer_wall.known(case):
             sections = outer_wall.referenced(sections, anatomy_folder / "lumen.vtp")
         proposed = proposal.propose(summary, sections, families, str(case_file), treat)
         steps = proposed.steps
+        reference = {"reference": sized_by(summary, proposed, outer_wall.known(case))}
         for remark in remarks.of_proposal(summary, proposed):
             print(f"warning: {case_file}: plan: auto: {remark}", file=sys.stderr)
+        for said in remarks.of_reference(reference["reference"]):
+            print(f"{case_file}: plan: auto: {said}", file=sys.stderr)
     relative = os.path.relpath(anatomy_folder.resolve(), out.resolve().parent)
     document = {
         "schema": "vci-scene-1",
@@ -34,9 +38,28 @@ def run(case_file, anatomy_folder, devices_folder, out):
         "lumen": f"{relative}/lumen.vtp",
         "centreline": f"{relative}/centreline.vtp",
         "patient": {"map_pa": mean_arterial_pressure_pa(case["patient"])},
+        **reference,
         **procedure(steps, families, summary, str(case_file)),
     }
     write_json(out, document)
+
+
+def sized_by(summary, proposed, by_outer_wall):
+    """The plan's `reference`: what the vessel's healthy size is taken from, and the treated lesions by it.
+
+    `anatomy_percent`: the same lesion by the healthy profile through the lumen, as anatomy.json has it.
+    """
+    lesions = [
+        {
+            "name": lesion["name"],
+            "branch": lesion["branch"],
+            "diameter_stenosis_percent": float(one.target.profile.stenosis_at(lesion["s_mla_mm"])),
+            "anatomy_percent": lesion["diameter_stenosis_percent"],
+        }
+        for one in proposed.treated
+        for lesion in one.target.lesions
+    ]
+    return {"by": OUTER_WALL if by_outer_wall else HEALTHY_PROFILE, "lesions": lesions}
 
 
 def mean_arterial_pressure_pa(patient):

@@ -9,6 +9,8 @@ from common.errors import InputError
 from common.files import replacing
 
 from ..measured import read_sections, read_summary
+from . import outer_wall
+from .plan import HEALTHY_PROFILE, OUTER_WALL
 from .profile import Profile
 
 matplotlib.use("Agg")
@@ -22,13 +24,16 @@ def run(anatomy_folder, plan_file, out):
     if out.suffix not in (".png", ".svg"):
         raise InputError("unknown picture format", out, out.suffix, "name a .png or .svg file")
     summary, sections, plan = read_summary(anatomy_folder), read_sections(anatomy_folder), _read(plan_file)
+    by = plan.get("reference", {}).get("by", HEALTHY_PROFILE)
+    if by == OUTER_WALL:
+        sections = outer_wall.referenced(sections, anatomy_folder / "lumen.vtp")
     placed = _by_branch(plan)
     heights = [HEIGHT + LANE * len(devices) for devices in placed.values()]
     figure, axes = plt.subplots(
         len(placed), 1, figsize=(WIDTH, sum(heights)), height_ratios=heights, squeeze=False, layout="constrained"
     )
     for one, (branch, devices) in zip(axes[:, 0], placed.items()):
-        _draw(one, summary, sections, branch, devices)
+        _draw(one, summary, sections, branch, devices, by)
     axes[0, 0].set_title(plan.get("case", ""), loc="left")
     with replacing(out) as partial:
         figure.savefig(partial, dpi=110, metadata={"Software": None} if out.suffix == ".png" else {"Date": None})
@@ -58,12 +63,12 @@ def _by_branch(plan):
     return found
 
 
-def _draw(axes, summary, sections, branch, devices):
+def _draw(axes, summary, sections, branch, devices, by):
     profile = Profile(summary, sections, branch)
     axes.plot(profile.s, profile.diameter, color="k", lw=1.6, label="lumen (diameter of equal area)")
     low, high = np.array([[row["min_diameter_mm"], row["max_diameter_mm"]] for row in sections[branch]]).T
     axes.fill_between(profile.s, low, high, color="0.85", lw=0, label="smallest to largest chord")
-    axes.plot(profile.s, profile.reference, "--", color="seagreen", lw=1.2, label="reference")
+    axes.plot(profile.s, profile.reference, "--", color="seagreen", lw=1.2, label=f"reference ({by})")
     axes.plot(profile.s, 0.7 * profile.reference, ":", color="crimson", lw=1.0, label="30 % narrower")
     for name, (start, end) in profile.mouths.items():
         axes.axvspan(start, end, color="gold", alpha=0.2, lw=0)
@@ -71,7 +76,7 @@ def _draw(axes, summary, sections, branch, devices):
     top = max(float(high.max()), max(device[3] for device in devices)) * 1.05
     for lesion in (lesion for lesion in summary["lesions"] if lesion["branch"] == branch):
         axes.axvspan(lesion["s_start_mm"], lesion["s_end_mm"], color="crimson", alpha=0.06, lw=0)
-        text = f"{lesion['name']} {lesion['diameter_stenosis_percent']:.0f} %"
+        text = f"{lesion['name']} {profile.stenosis_at(lesion['s_mla_mm']):.0f} %"
         axes.annotate(text, (lesion["s_mla_mm"], lesion["mld_mm"]), (0, -12), textcoords="offset points",
                       ha="center", fontsize=8, color="crimson")  # fmt: skip
     for lane, (label, start, end, wide, kind) in enumerate(devices):

@@ -18,6 +18,17 @@ def of_proposal(summary, proposal):
     return said
 
 
+def of_reference(reference):
+    """Sentences on a plan's `reference` (plan.sized_by) where it is another than the anatomy's."""
+    for lesion in reference["lesions"]:
+        here, there = lesion["diameter_stenosis_percent"], lesion["anatomy_percent"]
+        if round(here) != round(there):
+            yield (
+                f"{lesion['name']} narrows the vessel by {here:.0f} % of the diameter that the {reference['by']} gives,"
+                f" and by {there:.0f} % of the healthy profile through the lumen (anatomy.json)"
+            )
+
+
 def _severity(proposal):
     for one in proposal.treated:
         if one.target.percent < targets.SIGNIFICANT_PERCENT:

@@ -6,7 +6,7 @@ import vtk
 from narrowed_vessels import drawn, plateau
 from vtk.util.numpy_support import numpy_to_vtk
 
-from anatomy.planning import outer_wall, proposal
+from anatomy.planning import outer_wall, plan, proposal, remarks
 from common import vtp
 
 
@@ -66,3 +66,18 @@ def test_stents_are_sized_by_the_vessel(diseased, families):
 def test_known_where_contours_have_it(lumen, known):
     assert outer_wall.known({"lumen": lumen}) == known
     assert not outer_wall.known({"vessel": {}})
+
+
+def test_the_plan_says_which_reference_it_used(diseased, families):
+    """By the outer wall 47 %; by the profile through a lumen that is narrow all along, less: both are said."""
+    summary, sections, file = diseased
+    done = proposal.propose(summary, outer_wall.referenced(sections, file), families, "case")
+    reference = plan.sized_by(summary, done, by_outer_wall=True)
+    assert reference["by"] == "outer wall"
+    lesion = reference["lesions"][0]
+    assert lesion["diameter_stenosis_percent"] == pytest.approx(47, abs=2)
+    assert lesion["anatomy_percent"] == summary["lesions"][0]["diameter_stenosis_percent"]
+    (said,) = remarks.of_reference(reference)
+    assert "outer wall" in said and f"{lesion['anatomy_percent']:.0f} %" in said
+    lesion["anatomy_percent"] = lesion["diameter_stenosis_percent"]
+    assert not list(remarks.of_reference(reference))

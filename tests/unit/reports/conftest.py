@@ -7,11 +7,13 @@ import json
 import pathlib
 
 import numpy as np
+import pandas as pd
 import pytest
 import vtk
 from vtk.util.numpy_support import numpy_to_vtk
 
 from common import vtp
+from reports.polyline import read_centreline
 
 LENGTH_MM, CURVATURE_PER_MM, SPACING_MM = 40.0, 0.1, 0.25
 SEGMENT = (12.0, 30.0)
@@ -280,6 +282,37 @@ def build_case(
     row = "1.5000\t0:00:01\t120.50\t300.00\t100.00\t110.00\t0.00\t0.00\t90.00\t1.40"
     (folder / "benchmarks" / "deploy.tsv").write_text(f"{columns}\n{row}\n")
     return folder
+
+
+def shortened(folder, first_mm, last_mm, state="post"):
+    """Leaves of a state's axis, sections and pull-back what lies between two arc lengths, counted from 0 again."""
+    anatomy, flow = folder / state / "anatomy", folder / "flow" / state
+    line = read_centreline(anatomy / "centreline.vtp", "main")
+    kept = (line.s_mm >= first_mm) & (line.s_mm <= last_mm)
+    poly = polydata_from(line.points[kept], lines=[range(int(kept.sum()))])
+    add_array(poly.GetPointData(), "s_mm", line.s_mm[kept] - first_mm)
+    add_array(poly.GetPointData(), "curvature_per_mm", line.surveyed_per_mm[kept])
+    names = vtk.vtkStringArray()
+    names.SetName("branch_name")
+    names.InsertNextValue("main")
+    poly.GetCellData().AddArray(names)
+    write_vtp(anatomy / "centreline.vtp", poly)
+    for path, within in ((anatomy / "sections.csv", 2.4), (flow / "pullback.csv", 0.0)):
+        if not path.exists():
+            continue
+        table = pd.read_csv(path)
+        table = table[(table["s_mm"] >= first_mm) & (table["s_mm"] <= last_mm)]
+        table["s_mm"] -= first_mm
+        if within:
+            rim = (table["s_mm"] < within) | (table["s_mm"] > last_mm - first_mm - within)
+            table["flag"] = np.where(rim, "end", "ok")
+        table.to_csv(path, index=False)
+
+
+@pytest.fixture
+def ended():
+    """ended(folder, first_mm, last_mm, state="post"): see shortened."""
+    return shortened
 
 
 @pytest.fixture

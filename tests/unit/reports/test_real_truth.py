@@ -1,8 +1,9 @@
 """What is known of a real patient (lumen after the procedure, pressure wire): metrics, agreement, figures, page."""
 
+import numpy as np
 import pytest
 
-from common.errors import InputError
+from common.errors import ComputationError, InputError
 from reports.agreement import agreement_table
 from reports.case_files import CaseFiles
 from reports.cohort import cohort_table
@@ -74,6 +75,41 @@ def test_a_wire_that_the_flow_does_not_know_of_is_refused(make_case):
     boundary = folder / "flow" / "boundary.json"
     boundary.write_text(boundary.read_text().replace('"measured"', '"distal"'))
     with pytest.raises(InputError, match="no probe at the wire(.|\n)*flow boundary"):
+        metrics_of(folder)
+
+
+@pytest.mark.parametrize("first, last, covered", [(0.0, 27.0, 14.6), (14.0, 40.0, 15.6), (0.0, 40.0, 22.0)])
+def test_a_lumen_that_ends_within_the_stent_is_compared_where_it_is(make_case, ended, capsys, first, last, covered):
+    """The segment is 10 to 32 mm with its margins; sections within 2.4 mm of an end are flagged `end`."""
+    folder = make_case(states=STATES, wire=WIRE_MM)
+    whole = metrics_of(folder)
+    capsys.readouterr()
+    ended(folder, first, last)
+    document = metrics_of(folder)
+    assert document["registration"]["covered_mm"] == pytest.approx(covered, abs=0.25)
+    assert document["registration"]["segment_mm"] == pytest.approx(22.0)
+    said = capsys.readouterr().err
+    assert ("of the 22.0 mm" in said) == (covered < 22.0)
+    used, at = document["stations"]["relative_position"], whole["stations"]["relative_position"]
+    for state, entry in document["states"].items():
+        # the same places of the vessel as in the whole, to the areas' interpolation between sections
+        for key, values in (("profile_mm2", entry["area"]), ("profile", entry["ffr"])):
+            before = whole["states"][state]["area" if key == "profile_mm2" else "ffr"][key]
+            assert values[key] == pytest.approx(np.interp(used, at, before), rel=2e-3)
+    assert (document["states"]["post"]["ffr"]["past_segment"] is None) == (last < 32.0 or first > 10.0)
+
+
+def test_a_lumen_that_covers_less_than_half_of_the_stent_is_refused(make_case, ended):
+    folder = make_case(states=STATES)
+    ended(folder, 0.0, 22.0)
+    with pytest.raises(ComputationError, match="too few stations(.|\n)*post has the fewest"):
+        metrics_of(folder)
+
+
+def test_another_state_may_not_end_within_the_stent(make_case, ended):
+    folder = make_case(states=STATES)
+    ended(folder, 0.0, 27.0, state="vci")
+    with pytest.raises(ComputationError, match="off the axis"):
         metrics_of(folder)
 
 

@@ -78,6 +78,9 @@ TEST(Scene, FillsInDefaults) {
   EXPECT_TRUE(std::isinf(scene.wall.plaque[3].yield_strain));
   EXPECT_EQ(scene.settings["numerics"]["region_margin_mm"], 6);
   EXPECT_FALSE(scene.balloons.at("b").folding.has_value()) << "off unless it is asked for";
+  json proposed = good_scene();
+  proposed["reference"] = {{"by", "outer wall"}, {"lesions", json::array()}};
+  EXPECT_EQ(read(proposed).procedure.size(), scene.procedure.size()) << "what a plan was sized by is passed over";
   json folded = good_scene();
   folded["devices"]["b"]["folding"] = {{"wrap", "clockwise"}};
   const auto folding = read(folded).balloons.at("b").folding;

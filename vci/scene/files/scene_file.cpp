@@ -201,6 +201,8 @@ Scene scene_of(const std::filesystem::path& file) {
   patient.finish();
   if (o.has("segment"))
     scene.segment = read_segment(o.child("segment", true), o.path("segment"));
+  if (o.has("reference")) // what a proposed plan was sized by: for the page
+    o.child("reference", true);
   read_settings(o, scene);
   read_devices(o, scene);
   read_procedure(o, scene);
