@@ -82,24 +82,6 @@ void wall_points(const Mesh& mesh, std::size_t every, std::vector<std::pair<Poin
   }
 }
 
-// Whether the ball hangs together with one that is farther than a radius from the end. The points of a flat, round rim
-// lie on one circle: tetrahedra of them alone have no circumsphere but by rounding, anywhere on its axis, and their
-// neighbours are none of its.
-bool leads_inwards(const Balls& balls, std::size_t from, const End& end, std::vector<bool>& seen) {
-  std::vector<std::size_t> front{from};
-  while (!front.empty()) {
-    const std::size_t i = front.back();
-    front.pop_back();
-    if (seen[i])
-      continue;
-    seen[i] = true;
-    if ((balls.centre[i] - end.centre).norm() > end.radius())
-      return true;
-    front.insert(front.end(), balls.neighbours[i].begin(), balls.neighbours[i].end());
-  }
-  return false;
-}
-
 } // namespace
 
 Balls inner_balls(const Mesh& mesh, const std::vector<End>& ends, std::size_t every) {
@@ -137,6 +119,21 @@ Balls inner_balls(const Mesh& mesh, const std::vector<End>& ends, std::size_t ev
   return balls;
 }
 
+bool leads_away(const Balls& balls, std::size_t from, const Vec3& p, double reach, std::vector<bool>& seen) {
+  std::vector<std::size_t> front{from};
+  while (!front.empty()) {
+    const std::size_t i = front.back();
+    front.pop_back();
+    if (seen[i])
+      continue;
+    seen[i] = true;
+    if ((balls.centre[i] - p).norm() > reach)
+      return true;
+    front.insert(front.end(), balls.neighbours[i].begin(), balls.neighbours[i].end());
+  }
+  return false;
+}
+
 std::size_t ball_at(const Balls& balls, const End& end) {
   const auto distance = [&](std::size_t i) { return (balls.centre[i] - end.centre).norm(); };
   std::vector<std::size_t> filling;
@@ -147,7 +144,7 @@ std::size_t ball_at(const Balls& balls, const End& end) {
   // the balls seen so far lead nowhere
   std::vector<bool> seen(balls.centre.size(), false);
   for (std::size_t i : filling)
-    if (leads_inwards(balls, i, end, seen))
+    if (leads_away(balls, i, end.centre, end.radius(), seen))
       return i;
   throw common::ComputationError(
       "no axis found at an end", place(end.centre),

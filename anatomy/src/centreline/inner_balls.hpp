@@ -20,6 +20,12 @@ Balls inner_balls(const Mesh& mesh, const std::vector<End>& ends, std::size_t ev
 /// The cheapest ways (integral of ds/R) from ball `from` to all others.
 Ways cheapest_ways(const Balls& balls, std::size_t from);
 
+/// Whether the ball hangs together with one that is farther than `reach` (mm) from p. Points of the wall on one circle
+/// or one sphere, as of a flat rim or a round end, have tetrahedra of themselves alone, whose circumsphere is what
+/// rounding makes of it; their neighbours are none of its. `seen`: balls that led nowhere, and those that are looked
+/// at.
+bool leads_away(const Balls& balls, std::size_t from, const Vec3& p, double reach, std::vector<bool>& seen);
+
 /// The ball nearest to the end's centre among those that fill at least half of the end and from which a way leads
 /// farther inwards than the end's radius. Throws ComputationError if there is none.
 std::size_t ball_at(const Balls& balls, const End& end);

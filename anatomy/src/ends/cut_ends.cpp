@@ -4,6 +4,7 @@
 #include "core/slices.hpp"
 #include "repair/tips.hpp"
 #include <CGAL/Polygon_mesh_processing/measure.h>
+#include <CGAL/Polygon_mesh_processing/remesh.h>
 #include <CGAL/Polygon_mesh_processing/repair.h>
 #include <algorithm>
 
@@ -24,7 +25,10 @@ constexpr double band = 0.6;             // radii before and behind a cut in whi
 constexpr double cos_agree = 0.87;       // 30 degrees
 constexpr double beside_end = 0.4;       // radii from an end's rim to a tip that is the rim's
 constexpr double beside_rough = 0.1;     // radii; where noise has left a vertex without a ball of its own
-constexpr double reach = 3;              // radii within which a point names a tip or a place on the axis
+constexpr double longest_edge = 0.3;     // mean radii, for balls that hang together; else the half of it, ...
+constexpr double finest_edge = 0.075;
+constexpr double beyond_tip = 2; // radii of its ball from a tip, where a ball's vessel has gone on from it
+constexpr double reach = 3;      // radii within which a point names a tip or a place on the axis
 
 // A way through the balls, from a tip inwards, by arc length.
 struct Way {
@@ -90,14 +94,20 @@ const End* end_at(const Vec3& p, const std::vector<EndReach>& reaches) {
   return nullptr;
 }
 
-// The largest of the balls whose surface is within `near` radii of p; their number if there is none.
+// The largest of the balls whose surface is within `near` radii of p, of those that lead on into a vessel where there
+// is one; their number if there is none.
 std::size_t largest_ball_at(const Vec3& p, const Balls& balls, double near) {
-  std::size_t best = balls.centre.size();
+  std::vector<std::size_t> touching;
   for (std::size_t i = 0; i < balls.centre.size(); ++i)
-    if (std::abs((balls.centre[i] - p).norm() - balls.radius[i]) < near * balls.radius[i] &&
-        (best == balls.centre.size() || balls.radius[i] > balls.radius[best]))
-      best = i;
-  return best;
+    if (std::abs((balls.centre[i] - p).norm() - balls.radius[i]) < near * balls.radius[i])
+      touching.push_back(i);
+  std::stable_sort(touching.begin(), touching.end(),
+                   [&](std::size_t a, std::size_t b) { return balls.radius[a] > balls.radius[b]; });
+  std::vector<bool> seen(balls.centre.size(), false);
+  for (std::size_t i : touching)
+    if (leads_away(balls, i, p, beyond_tip * balls.radius[i], seen))
+      return i;
+  return touching.empty() ? balls.centre.size() : touching.front();
 }
 
 // The largest inner ball that touches the vertex, or comes near it where the vertex stands out of a rough wall.
@@ -180,8 +190,46 @@ Plane cut_plane(const Mesh& mesh, const Slices& slices, const Way& way) {
   return plane;
 }
 
+// The same surface with no wall edge longer than this. At the seams of a coarse surface a vertex has the normal of no
+// vessel that meets there, and the balls of such vertices alone do not hang together. The mesh's vertices keep their
+// numbers.
+Mesh sampled(const Mesh& mesh, double longest) {
+  Mesh out = mesh;
+  const RegionMap region = region_map(out);
+  std::vector<Edge> wall;
+  for (Edge e : out.edges())
+    if (region[out.face(out.halfedge(e, 0))] == 0 && region[out.face(out.halfedge(e, 1))] == 0)
+      wall.push_back(e);
+  PMP::split_long_edges(wall, longest, out);
+  return out;
+}
+
 double mean_radius(const Mesh& mesh) {
   return 2 * std::abs(PMP::volume(mesh)) / PMP::area(mesh);
+}
+
+// Balls of the surface and the ball of each tip.
+struct TipBalls {
+  Balls balls;
+  std::vector<std::size_t> at;
+};
+
+// Whether one network of balls reaches every tip.
+bool hang_together(const TipBalls& tips) {
+  const Ways ways = cheapest_ways(tips.balls, tips.at.front());
+  return std::all_of(tips.at.begin(), tips.at.end(), [&](std::size_t ball) { return ways.cost[ball] < unreached; });
+}
+
+// Of the surface sampled finely enough for its balls to hang together, if any sampling is.
+TipBalls balls_of_tips(const Mesh& mesh, const std::vector<End>& ends, const std::vector<EndReach>& reaches,
+                       const std::vector<Tip>& tips) {
+  for (double longest = longest_edge;; longest /= 2) {
+    TipBalls found{inner_balls(sampled(mesh, longest * mean_radius(mesh)), ends), {}};
+    for (const Tip& tip : tips)
+      found.at.push_back(ball_of(mesh, found.balls, reaches, tip.vertex));
+    if (longest < 2 * finest_edge || hang_together(found))
+      return found;
+  }
 }
 
 } // namespace
@@ -193,17 +241,21 @@ std::vector<RoundedEnd> rounded_ends(const Mesh& mesh, const std::vector<End>& e
   const auto is_rounded = [&](const Tip& tip) { return !end_at(vec(mesh.point(tip.vertex)), reaches); };
   if (tips.size() < 2 || std::none_of(tips.begin(), tips.end(), is_rounded))
     return {};
-  const Balls balls = inner_balls(mesh, ends);
+  const TipBalls found = balls_of_tips(mesh, ends, reaches, tips);
   const Slices slices(mesh);
   std::vector<RoundedEnd> rounded;
-  for (const Tip& tip : tips) {
+  for (std::size_t t = 0; t < tips.size(); ++t) {
+    const Tip& tip = tips[t];
     if (!is_rounded(tip))
       continue;
-    const Vertex from = tip.vertex == tips[0].vertex ? tips[1].vertex : tips[0].vertex;
-    const Way way =
-        way_from(balls, cheapest_ways(balls, ball_of(mesh, balls, reaches, from)), last_ball(mesh, balls, tip.vertex));
-    RoundedEnd end{
-        tip.vertex, vec(mesh.point(tip.vertex)), cut_plane(mesh, slices, way), way.radius.front(), tip.prominence, ""};
+    const Way way = way_from(found.balls, cheapest_ways(found.balls, found.at[t == 0 ? 1 : 0]), found.at[t]);
+    RoundedEnd end{tip.vertex,
+                   vec(mesh.point(tip.vertex)),
+                   cut_plane(mesh, slices, way),
+                   way.radius.front(),
+                   tip.prominence,
+                   way.points.size() > 1,
+                   ""};
     char why[160] = "";
     if (way.length() < way.radius.front()) // a ball has tips but no vessel between them
       std::snprintf(why, sizeof why, "its axis is %.2f mm long, less than its radius", way.length());

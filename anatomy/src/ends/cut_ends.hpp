@@ -11,6 +11,7 @@ struct RoundedEnd {
   Plane plane;           ///< across the axis behind the last ball, where the next section is like it
   double radius = 0;     ///< mm, of the last inscribed ball
   double prominence = 0; ///< mm along the surface
+  bool reached = true;   ///< whether inscribed balls lead to it from the other tips
   std::string why_short; ///< why it is too short for a vessel of its own; empty where it is long enough
 };
 

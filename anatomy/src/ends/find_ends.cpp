@@ -195,6 +195,10 @@ std::vector<Candidate> find_ends(Mesh& mesh, NamedEnds named, double least_radiu
   flatten_spikes(mesh, repairs); // caps are left alone, once they are known
   const bool all_named = !named.outlets.empty();
   for (const RoundedEnd& end : rounded_ends(mesh, ends, all_named ? stands_out_named : stands_out)) {
+    if (!end.reached && !named.tagged && !all_named)
+      throw InputError("no way through the lumen to a rounded end", place(end.at),
+                       "it stands out by " + std::to_string(end.prominence) + " mm",
+                       "cut that end flat or leave it open, name every end by points, or export a finer surface");
     places.push_back(rounded_place(end, end.why_short.empty() && !named.tagged));
     if (!end.why_short.empty() || named.tagged)
       repairs.push_back(

@@ -27,6 +27,21 @@ def rounded(tmp_path_factory):
     return surfaces.write(folder / "tree.vtp", *surfaces.tree(TREE, rounded=True))
 
 
+@pytest.mark.parametrize("corners, spacing", [(24, 0.5), (12, 0.8)])
+def test_coarse_lofts_with_rounded_ends(summary_of, tmp_path, corners, spacing):
+    """At the seams of coarse lofts the balls of the vertices alone do not hang together."""
+    pieces = []
+    for a, b, r0, r1 in ((TREE[0]), ((16, 0, 0), (16 + 14 * np.cos(0.9), 14 * np.sin(0.9), 0.3), 0.8, 0.7)):
+        length = float(np.linalg.norm(np.subtract(b, a)))
+        along = np.subtract(b, a) / length
+        axis = lambda s, a=a, along=along: np.asarray(a, float) + np.asarray(s, float)[:, None] * along  # noqa: E731
+        radius = lambda s, r0=r0, r1=r1, length=length: np.interp(s, [0, length], [r0, r1])  # noqa: E731
+        pieces.append(lofts.loft(axis, radius, length, corners, spacing, "round"))
+    summary = summary_of(surfaces.write(tmp_path / "loft.stl", *lofts.fused(pieces)))
+    assert reported(summary, "rounded end cut flat") == 3 and reported(summary, "rounded end left closed") == 0
+    assert len(summary["branches"]) == 2
+
+
 def reported(summary, what):
     return sum(repair["what"] == what for repair in summary["repairs"])
 
