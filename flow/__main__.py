@@ -44,9 +44,13 @@ def boundary_command(arguments):
     document = boundary.make(anatomy, tree, patient, settings, measured, ranged=real)
     if patient.get("hyperaemic_inflow_ml_per_min") is not None:
         sections = network_model.read_sections(pathlib.Path(arguments.anatomy).with_name("sections.csv"))
-        document = flow_range.with_inflow(
-            document, lambda values: network_model.Network(anatomy, sections, values, settings.expansion_loss)
-        )
+
+        def network_at(values):
+            return network_model.Network(anatomy, sections, values, settings.expansion_loss)
+
+        if real:
+            document["plausible_flows"] = flow_range.around_inflow(document, network_at, settings.split_exponent)
+        document = flow_range.with_inflow(document, network_at)
     write_json(arguments.out, document)
 
 

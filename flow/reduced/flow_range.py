@@ -12,6 +12,18 @@ from scipy.optimize import brentq
 from common.errors import InputError
 
 LEAST_LOSS = 1e-3  # of FFR: below it losses are compared by difference, their ratio says nothing
+PA_PER_MMHG = 133.322
+# What a measured inflow leaves open: (what, flow over the measured one, mmHg added to MAP, exponent of the split). A
+# tenth is about what repeated measurements of a coronary flow differ by, 10 mmHg what a cuff may be off; the exponents
+# are those of the area (2) and of Murray's law (3). Chosen, not fitted.
+VARIED_INFLOW = (
+    ("measured flow -10 %", 0.9, 0.0, None),
+    ("measured flow +10 %", 1.1, 0.0, None),
+    ("pressure -10 mmHg", 1.0, -10.0, None),
+    ("pressure +10 mmHg", 1.0, 10.0, None),
+    ("split by diameter^2", 1.0, 0.0, 2.0),
+    ("split by diameter^3", 1.0, 0.0, 3.0),
+)
 FASTEST = 50.0  # times the planned flow up to which a measured one is looked for
 
 
@@ -25,6 +37,46 @@ def scaled(document, factor):
     return other
 
 
+def varied(document, one):
+    """Boundary values at one of the plausible flows: at `factor` times the planned one, or with its own resistances."""
+    if "resistances_pa_s_per_m3" not in one:
+        return scaled(document, one["factor"])
+    other = copy.deepcopy(document) | {"map_pa": one["map_pa"]}
+    for outlet, resistance in zip(other["outlets"], one["resistances_pa_s_per_m3"]):
+        outlet["resistance_pa_s_per_m3"] = resistance
+    return other
+
+
+def around_inflow(document, network_at, exponent):
+    """The plausible_flows of a measured inflow: [{what, map_pa, resistances_pa_s_per_m3}].
+
+    document: as planned, before with_inflow; network_at: of the vessel before the procedure; exponent: of the split by
+    diameter. What the inflow leaves open is its own error, the pressure behind FFR, and how it parts. The left
+    ventricle's mass does not enter: it would only have told the flow. A flow that does not pass is left out.
+    """
+    found = []
+    for what, factor, pressure, power in VARIED_INFLOW:
+        if power is not None and (len(document["outlets"]) == 1 or power == exponent):
+            continue
+        other = scaled(document, factor)
+        other["map_pa"] += pressure * PA_PER_MMHG
+        driving = (other["map_pa"] - other["venous_pressure_pa"]) / (
+            document["map_pa"] - document["venous_pressure_pa"]
+        )
+        weights = np.array([outlet["diameter_mm"] ** (power or exponent) for outlet in other["outlets"]])
+        for outlet, part in zip(other["outlets"], weights / weights.sum()):
+            before = outlet["flow_m3_per_s"]
+            outlet["flow_m3_per_s"] = float(part * other["q_hyperaemic_m3_per_s"])
+            outlet["resistance_pa_s_per_m3"] *= driving * before / outlet["flow_m3_per_s"]
+        try:
+            other = with_inflow(other, network_at)
+        except InputError:
+            continue
+        resistances = [float(outlet["resistance_pa_s_per_m3"]) for outlet in other["outlets"]]
+        found.append({"what": what, "map_pa": other["map_pa"], "resistances_pa_s_per_m3": resistances})
+    return found
+
+
 def of_answer(answer_ffr, document, network_at, probe):
     """{low, high, at: [{what, factor, ffr}]} of FFR at the probe, or None where boundary values name no other flow.
 
@@ -36,9 +88,10 @@ def of_answer(answer_ffr, document, network_at, probe):
     base = _loss(network_at(document), probe)
     at = []
     for one in flows:
-        loss = _loss(network_at(scaled(document, one["factor"])), probe)
+        loss = _loss(network_at(varied(document, one)), probe)
         lost = (1 - answer_ffr) * loss / base if base > LEAST_LOSS else 1 - answer_ffr + loss - base
-        at.append(one | {"ffr": float(np.clip(1 - lost, 0, 1))})
+        shown = {key: one[key] for key in ("what", "factor") if key in one}
+        at.append(shown | {"ffr": float(np.clip(1 - lost, 0, 1))})
     values = [answer_ffr, *(entry["ffr"] for entry in at)]
     return {"low": float(min(values)), "high": float(max(values)), "at": at}
 

@@ -12,7 +12,7 @@ MAP, VENOUS, FLOW = 12000.0, 600.0, 3e-6
 
 
 def document(factors=(0.8, 1.3)):
-    outlet = {"name": "outlet1", "branch": "main", "region_id": 2, "flow_m3_per_s": FLOW}
+    outlet = {"name": "outlet1", "branch": "main", "region_id": 2, "diameter_mm": 2.5, "flow_m3_per_s": FLOW}
     return {
         "map_pa": MAP,
         "venous_pressure_pa": VENOUS,
@@ -74,3 +74,46 @@ def test_a_measured_inflow_passes_the_narrowed_vessel():
 def test_more_than_the_narrowing_lets_pass_is_refused():
     with pytest.raises(InputError, match="does not let the measured flow pass(.|\n)*at most"):
         flow_range.with_inflow(document(), lambda values: network_at(values, throat=0.35))
+
+
+def test_a_measured_inflow_has_a_range_of_its_own():
+    """FFR at the flow +-10 %, and at a pressure 10 mmHg off with the same flow: the network's own, solved anew."""
+    base = flow_range.with_inflow(document(), network_at)
+    base["plausible_flows"] = flow_range.around_inflow(document(), network_at, 2.55)
+    assert [one["what"] for one in base["plausible_flows"]] == [what for what, *_ in flow_range.VARIED_INFLOW[:4]]
+    own = network_ffr(base)
+    found = {one["what"]: one["ffr"] for one in flow_range.of_answer(own, base, network_at, PROBE)["at"]}
+    faster = flow_range.with_inflow(flow_range.scaled(document(), 1.1), network_at)
+    assert network_at(faster).solve().sum() == pytest.approx(1.1 * FLOW, rel=1e-5)
+    assert found["measured flow +10 %"] == pytest.approx(network_ffr(faster), abs=1e-5)
+    assert found["measured flow +10 %"] < own < found["measured flow -10 %"]
+    lost = (1 - own) * MAP / (MAP + 10 * flow_range.PA_PER_MMHG)  # the same flow loses the same pressure
+    assert 1 - found["pressure +10 mmHg"] == pytest.approx(lost, rel=1e-4)
+
+
+def test_the_split_counts_where_there_are_two_outlets():
+    two = document()
+    first = two["outlets"][0] | {"diameter_mm": 2.0, "flow_m3_per_s": FLOW / 2}
+    first["resistance_pa_s_per_m3"] *= 2
+    two["outlets"] = [first, first | {"name": "outlet2", "region_id": 3, "diameter_mm": 1.0}]
+    found = {one["what"]: one for one in flow_range.around_inflow(two, network_at, 2.0)}
+    assert "split by diameter^2" not in found, "which is the exponent there is"
+    near, far = found["split by diameter^3"]["resistances_pa_s_per_m3"]
+    assert far / near == pytest.approx(8)
+    assert "split by diameter^2" in {one["what"] for one in flow_range.around_inflow(two, network_at, 2.55)}
+
+
+def test_a_flow_that_does_not_pass_is_left_out():
+    def throat(radius):
+        return lambda values: network_at(values, throat=radius)
+
+    radius = 0.55
+    while True:  # the narrowest throat that lets the flow pass
+        try:
+            flow_range.with_inflow(document(), throat(radius - 0.01))
+        except InputError:
+            break
+        radius -= 0.01
+    assert "measured flow +10 %" not in {
+        one["what"] for one in flow_range.around_inflow(document(), throat(radius), 2.55)
+    }
