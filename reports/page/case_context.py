@@ -62,6 +62,7 @@ def case_context(files, figures_dir):
         "modified": [state for state, row in flow.items() if not _steady(row["solution"])],
         "reference": optional_json(files.folder / "reference" / "reference.json"),
         "still": image_uri(figures_dir / f"{files.case}_lumen.png"),
+        "plan_picture": image_uri(plan) if (plan := files.folder / "vci" / "plan.png").exists() else None,
         "curves": [{"uri": image_uri(figures_dir / f"{files.case}_{name}.svg"), "alt": text} for name, text in CURVES],
         "wire": wire_rows(metrics),
         "viewer": viewer_data(files, metrics),

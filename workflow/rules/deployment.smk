@@ -29,6 +29,27 @@ rule plan:
         " --devices {params.devices} --out {output}"
 
 
+rule plan_picture:
+    message:
+        "{wildcards.case}: picture of the plan"
+    input:
+        plan="results/cases/{case}/vci/plan.json",
+        lumen="results/cases/{case}/anatomy/lumen.vtp",
+        sections="results/cases/{case}/anatomy/sections.csv",
+        anatomy="results/cases/{case}/anatomy/anatomy.json",
+        code=code("anatomy", "anatomy.planning.plan_picture"),
+    output:
+        "results/cases/{case}/vci/plan.png",
+    log:
+        "results/cases/{case}/logs/plan_picture.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/plan_picture.tsv"
+    params:
+        anatomy=anatomy_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m anatomy plan-picture {input.plan} --anatomy {params.anatomy} --out {output}"
+
+
 rule scene:
     message:
         "{wildcards.case}: scene for the virtual deployment"

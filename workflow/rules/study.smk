@@ -155,7 +155,7 @@ rule report:
             "results/figures/{case}_{name}.{format}", case=CASES, name=CASE_FIGURES, format=["svg", "png"]
         ),
         study_figures=expand("results/figures/{name}.{format}", name=STUDY_FIGURES, format=["svg", "png"]),
-        pictures=expand("results/cases/{case}/anatomy/tree.png", case=CASES),
+        pictures=expand("results/cases/{case}/{picture}.png", case=CASES, picture=["anatomy/tree", "vci/plan"]),
         tables=expand("results/study/{table}.csv", table=["agreement", "timings", "cohort"]),
         software="results/study/software.json",
         code=code("reports", "reports.page.build"),

@@ -120,6 +120,7 @@ def test_figures_and_page(make_case, tmp_path, compare):
     files = CaseFiles("patient", folder)
     write_json(files.metrics, document)
     figures, study = tmp_path / "figures", tmp_path / "study"
+    (folder / "vci" / "plan.png").write_bytes(b"\x89PNG as far as the page looks")
     case_figures(files, figures)
     study_figures([document], figures)
     pullback = (figures / "patient_pullback.svg").read_text()
@@ -134,6 +135,7 @@ def test_figures_and_page(make_case, tmp_path, compare):
         "0.12 mm are left between the axes",
         "Computed minus measured",
         "After the real PCI",
+        "where each device lies",
     ):
         assert words in page, words
     assert ("No flow is computed in it" in page) == (compare == "areas")
