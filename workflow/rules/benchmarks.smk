@@ -208,9 +208,10 @@ rule anatomy_campaign:
     message:
         "benchmark: drawn patients, reconstructed in many ways, through the anatomy"
     input:
-        programs=[LUMEN],
+        programs=[LUMEN, VCI],
         script="tests/verification/anatomy/campaign.py",
-        shared=["tests/verification/anatomy/lofts.py", "tests/verification/anatomy/surfaces.py"],
+        shared=[f"tests/verification/anatomy/{name}.py" for name in ("campaign_steps", "lofts", "surfaces")],
+        settings=["config/study.yaml", "config/cases/real_artery.yaml"],
         code=code("data_synthetic", "data_synthetic.draw", "data_synthetic.generate"),
         picture=code("anatomy", "anatomy.ends_picture"),
     output:

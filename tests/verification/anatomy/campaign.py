@@ -1,9 +1,11 @@
 """How many drawn patients, reconstructed in many ways, go through `lumen process`.
 
 Run: /usr/bin/python3 tests/verification/anatomy/campaign.py --patients 20 --seed 1 --out FOLDER [--build build]
-[--styles "loft 16" ...]: campaign.csv has a row for each surface with outcome, seconds and reason; a surface that was
-refused or came out wrong stays in FOLDER/kept with a picture. Right is: every end within 1 mm of the truth
-and no other, as many branches, and the worst lesion within 1 mm and 3 % of diameter.
+[--styles "loft 16" ...] [--through 2]: campaign.csv has a row for each surface with outcome, seconds and reason,
+outcomes.csv counts them; a surface that was refused or came out wrong stays in FOLDER/kept with a picture. Of the first
+patients (--through) each style goes on through plan, deployment and volume mesh, and so do the real surfaces of the
+shared data. Right is: every end within 1 mm of the truth and no other, as many branches, and the worst lesion within
+1 mm and 3 % of diameter.
 """
 
 import argparse
@@ -20,6 +22,9 @@ import numpy as np
 import surfaces
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
+sys.path.insert(0, str(ROOT))
+import campaign_steps  # noqa: E402  (takes the study's settings from the repository)
+
 COLUMNS = ["patient", "style", "outcome", "step", "cpu_s", "ends", "ends_expected", "lesion_mm", "lesion_percent"]
 COLUMNS.append("reason")
 NEAR_MM, STENOSIS_PERCENT = 1.0, 3.0
@@ -206,19 +211,84 @@ def _read_stl(path):
     return reader.GetOutput()
 
 
+def go_through(row, case, folder, build):
+    """Takes a surface whose anatomy is right through the further steps; the first that fails is the row's outcome."""
+    for step, command in campaign_steps.steps_of(case, folder, build):
+        code, reason, seconds = run(command)
+        row["cpu_s"] = round(row["cpu_s"] + seconds, 1)
+        if code:
+            row.update(step=step, outcome={2: "refused", 3: "failed"}.get(code, "broken"), reason=reason)
+            return
+    row["step"] = "volume mesh"
+
+
+def real_row(surface, ends, out, build):
+    """The row of a real surface, of which only the number of ends is known."""
+    row = dict.fromkeys(COLUMNS, "") | {"patient": surface.stem, "style": "real", "ends_expected": ends}
+    folder = out / "work"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    (folder / "case.yaml").write_text(campaign_steps.CASE.format(name=surface.stem, path=surface))
+    code, reason, row["cpu_s"] = run([build / "lumen", "process", surface, "--out", folder / "anatomy"])
+    row.update(step="anatomy", outcome={0: "right", 2: "refused", 3: "failed"}.get(code, "broken"), reason=reason)
+    if code == 0:
+        row["reason"], row["ends"] = "", len(json.loads((folder / "anatomy" / "anatomy.json").read_text())["ends"])
+        if row["ends"] != ends:
+            row.update(outcome="wrong", reason=f"{row['ends']} ends, not {ends}")
+        else:
+            go_through(row, folder / "case.yaml", folder, build)
+    return row
+
+
+def keep(row, surface, out, lumen):
+    """Leaves the surface of a row that is not right in out/kept, with a picture."""
+    kept = out / "kept" / f"{row['patient']} {row['style']}".replace(" ", "_")
+    shutil.rmtree(kept, ignore_errors=True)
+    shutil.copytree(out / "work", kept)
+    picture(lumen, surface, kept)
+
+
+def write_tables(rows, out):
+    """campaign.csv, and outcomes.csv: how many of each style and outcome, at which step, and their seconds."""
+    with (out / "campaign.csv").open("w", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS)
+        writer.writeheader()
+        writer.writerows(rows)
+    counts = {}
+    for row in rows:
+        entry = counts.setdefault((row["style"], row["outcome"], row["step"]), [0, 0.0])
+        entry[0], entry[1] = entry[0] + 1, entry[1] + row["cpu_s"]
+    with (out / "outcomes.csv").open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["style", "outcome", "step", "count", "mean_cpu_s"])
+        writer.writerows([*key, n, round(seconds / n, 1)] for key, (n, seconds) in sorted(counts.items()))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--patients", type=int, default=20)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--styles", nargs="+", default=list(STYLES), choices=list(STYLES))
+    parser.add_argument("--through", type=int, default=2, help="patients whose surfaces go on to the volume mesh")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build")
     parser.add_argument("--out", type=pathlib.Path, required=True)
     options = parser.parse_args()
-    lumen = options.build.resolve() / "lumen"
+    build = options.build.resolve()
+    lumen = build / "lumen"
     options.out.mkdir(parents=True, exist_ok=True)
     out = options.out.resolve()
     rows = []
-    for name in draw(options.patients, options.seed, out):
+
+    def done(row, surface):
+        if row["outcome"] != "right":
+            keep(row, surface, out, lumen)
+        rows.append(row)
+        print(*(row[key] for key in COLUMNS), sep="  ", flush=True)
+        write_tables(rows, out)
+
+    for surface, ends in campaign_steps.real_surfaces():
+        done(real_row(surface, ends, out, build), surface)
+    for number, name in enumerate(draw(options.patients, options.seed, out)):
         patient = Patient(out / "source" / name)
         for style in options.styles:
             row = dict.fromkeys(COLUMNS, "")
@@ -236,17 +306,9 @@ def main():
                 )
                 if wrong:
                     row.update(outcome="wrong", reason=wrong)
-            if row["outcome"] != "right":
-                kept = out / "kept" / f"{name} {style}".replace(" ", "_")
-                shutil.rmtree(kept, ignore_errors=True)
-                shutil.copytree(folder, kept)
-                picture(lumen, surface, kept)
-            rows.append(row)
-            print(*(row[key] for key in COLUMNS), sep="  ", flush=True)
-            with (out / "campaign.csv").open("w", newline="") as file:
-                writer = csv.DictWriter(file, COLUMNS)
-                writer.writeheader()
-                writer.writerows(rows)
+                elif number < options.through:
+                    go_through(row, out / "cases" / f"{name}.yaml", folder, build)
+            done(row, surface)
     right = sum(row["outcome"] == "right" for row in rows)
     print(f"{right} of {len(rows)} right")
 
