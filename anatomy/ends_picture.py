@@ -15,6 +15,7 @@ from matplotlib.collections import PolyCollection  # noqa: E402
 
 COLOURS = {True: "tab:green", False: "tab:red"}
 SIZE = (13, 8)  # inches
+OSTIUM = "tab:blue"
 MOST_TRIANGLES = 60_000  # drawn; of more every n-th
 
 
@@ -23,26 +24,29 @@ def run(surface, candidates, out):
     if out.suffix not in (".png", ".svg"):
         raise InputError("unknown picture format", out, out.suffix, "name a .png or .svg file")
     points, triangles = vtp.arrays(vtp.read_triangles(surface, "give the surface of `lumen check --repaired`"))
-    corners, found = points[triangles], _candidates(candidates)
+    corners, found, trees = points[triangles], *_listed(candidates)
     figure, views = plt.subplots(1, 2, figsize=SIZE, layout="constrained")
     for axes, turn in zip(views, (0, 90)):
-        _draw(axes, corners, found, turn)
-    figure.suptitle("\n".join(_line(k, one) for k, one in enumerate(found, 1)), x=0.01, ha="left", fontsize=7)
+        _draw(axes, corners, found, trees, turn)
+    lines = [_line(k, one) for k, one in enumerate(found, 1)] + [_tree_line(tree) for tree in trees]
+    figure.suptitle("\n".join(lines), x=0.01, ha="left", fontsize=7)
     with replacing(out) as partial:
         figure.savefig(partial, dpi=110, metadata={"Software": None} if out.suffix == ".png" else {"Date": None})
     plt.close(figure)
 
 
-def _candidates(path):
+def _listed(path):
+    """The candidates for ends, and the coronary trees of a model with an aorta."""
     if path is None:
-        return []
+        return [], []
     try:
-        return json.loads(path.read_text())["candidates"]
+        document = json.loads(path.read_text())
+        return document["candidates"], document.get("trees", [])
     except (OSError, ValueError, KeyError, TypeError):
         raise InputError("not a list of ends", path, "unreadable", "give the file of `lumen check --ends`") from None
 
 
-def _draw(axes, corners, found, turn):
+def _draw(axes, corners, found, trees, turn):
     """One view: across the two largest principal axes, turned by `turn` degrees about the first."""
     middle = corners.reshape(-1, 3).mean(axis=0)
     first, second, third = np.linalg.svd(corners[:, 0][:: max(1, len(corners) // 5000)] - middle)[2]
@@ -60,6 +64,10 @@ def _draw(axes, corners, found, turn):
         colour = COLOURS[one["is_end"]]
         axes.plot(x @ first, x @ second, "o", mfc="none", mec=colour, ms=12, mew=2)
         axes.annotate(str(number), (x @ first, x @ second), xytext=(8, 6), textcoords="offset points", color=colour)
+    for tree in trees:
+        x = np.array(tree["ostium_mm"]) - middle
+        axes.plot(x @ first, x @ second, "D", mfc="none", mec=OSTIUM, ms=12, mew=2)
+        axes.annotate(tree["name"], (x @ first, x @ second), xytext=(8, -14), textcoords="offset points", color=OSTIUM)
     axes.set(aspect="equal", xlabel="mm", ylabel="mm")
     axes.autoscale_view()
 
@@ -68,3 +76,9 @@ def _line(number, one):
     verdict = "end" if one["is_end"] else "wall"
     where = ", ".join(f"{x:.1f}" for x in one["centre_mm"])
     return f"{number}  {verdict}: {one['kind']} at ({where}), diameter {one['diameter_mm']:.2f} mm: {one['why']}"
+
+
+def _tree_line(tree):
+    where = ", ".join(f"{x:.1f}" for x in tree["ostium_mm"])
+    size = f"diameter {tree['diameter_mm']:.2f} mm, {tree['length_mm']:.0f} mm long, {tree['outlets']} outlets"
+    return f"{tree['name']}  coronary tree: ostium at ({where}), {size}"

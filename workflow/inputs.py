@@ -79,6 +79,10 @@ class Inputs:
             options += " --outlet " + ",".join(map(str, point))
         for file in self.caps(wildcards, key):
             options += f" --cap {shlex.quote(file)}"
+        if "tree" in given:
+            options += f" --tree {given['tree']}"
+        if "ostium_point_mm" in given:
+            options += " --ostium " + ",".join(map(str, given["ostium_point_mm"]))
         if given.get("close_others"):
             options += " --close-others"
         for point in given.get("cut_points_mm", ()):

@@ -1,5 +1,6 @@
 #include "app/checks.hpp"
 #include "common/error.hpp"
+#include "ends/cut_ends.hpp"
 #include "repair/spikes.hpp"
 #include "repair/tips.hpp"
 #include <CGAL/Polygon_mesh_processing/repair.h>
@@ -14,11 +15,13 @@ constexpr double least_move = 1e-3;       // mm
 constexpr double most_off_surface = 1e-2; // mm from the given surface, more is warned of
 constexpr double smallest_angle = 30;     // degrees
 constexpr double rough = 0.15;            // edges, rms: flat ends are found to 12 degrees
-constexpr long few_rings = 4;             // more are not vessels that touch
+constexpr double least_stub = 0.4;        // mean radii that a stub stands out by, measured as its tip's prominence
+constexpr double tube = 1.5;              // of its radius that it stands out by: a sac is as wide as it is long
+constexpr double narrowest_stub = 0.3;    // mm, radius
 
 } // namespace
 
-void check_no_handle(Mesh& mesh) {
+void check_no_handle(Mesh& mesh, long most) {
   PMP::remove_isolated_vertices(mesh);
   mesh.collect_garbage();
   const auto places = places_on_handles(mesh);
@@ -30,11 +33,28 @@ void check_no_handle(Mesh& mesh) {
     throw InputError("the surface falls into pieces", "near " + place(vec(mesh.point(places[0]))),
                      "Euler number " + std::to_string(euler), "smooth or re-segment the surface there");
   const long rings = 1 - euler / 2;
+  if (rings <= most)
+    return;
   throw InputError(rings > 1 ? "the lumen forms " + std::to_string(rings) + " rings, as no coronary tree does"
                              : "the lumen forms a ring, as no coronary tree does",
                    "near " + place(vec(mesh.point(places[0]))), "Euler number " + std::to_string(euler),
                    rings > few_rings ? "smooth or re-segment the surface: so many are noise as large as its triangles"
                                      : "separate the vessels that touch there, or fill the hole through the lumen");
+}
+
+void check_no_stub(const Mesh& mesh, const std::vector<End>& ends, bool named, std::vector<Repair>& repairs) {
+  for (const RoundedEnd& end : rounded_ends(mesh, ends, least_stub)) {
+    if (end.radius < narrowest_stub || end.prominence < end.radius)
+      continue;
+    char value[160];
+    std::snprintf(value, sizeof value, "diameter %.2f mm, closed, stands out by %.2f mm", 2 * end.radius,
+                  end.prominence);
+    if (!named && end.prominence > tube * end.radius)
+      throw InputError("a branch of the coronary tree without an end", "at " + place(end.at), value,
+                       "cut it flat or open it, or cut across it by --cut x,y,z; to leave it closed name every outlet "
+                       "by --outlet");
+    repairs.push_back({"branch left closed", 1, "at " + place(end.at) + ", " + value, true});
+  }
 }
 
 void report_move(std::vector<Repair>& repairs, const Move& move, std::size_t ends) {

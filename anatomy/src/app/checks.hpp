@@ -6,12 +6,20 @@
 namespace anatomy {
 
 /// Throws InputError with the place where a closed mesh has a handle: vessels that fuse beside each other, as hairpins
-/// do in a segmentation, leave one. Removes isolated vertices and garbage.
-void check_no_handle(Mesh& mesh);
+/// do in a segmentation, leave one. most: handles that are let pass. Removes isolated vertices and garbage.
+void check_no_handle(Mesh& mesh, long most = 0);
+
+/// Handles of a few vessels that touch; more are noise.
+constexpr long few_rings = 4;
 
 /// Throws InputError with the wall's roughness and its roughest place where fewer than two ends were found because of
 /// it: on a wall as rough as its triangles no patch is flat.
 void check_ends_seen(const Mesh& mesh, const std::vector<End>& ends);
+
+/// Throws InputError with the place of a tube, longer than wide, that is closed and has no end: an outlet of a coronary
+/// tree that would be lost. One as short as wide, or any where the user has named all ends (`named`), is warned
+/// of.
+void check_no_stub(const Mesh& mesh, const std::vector<End>& ends, bool named, std::vector<Repair>& repairs);
 
 /// Notes by how much `ends` caps were moved onto their planes; above 10 um it is a warning, since the wall's rim went
 /// with them.

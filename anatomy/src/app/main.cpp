@@ -3,9 +3,11 @@
 #include "app/vtk_output.hpp"
 #include "common/command_line.hpp"
 #include "files/surface_file.hpp"
+#include "trees/table.hpp"
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <regex>
 #include <vtkObject.h>
 
 namespace {
@@ -14,7 +16,7 @@ using namespace anatomy;
 
 // Coordinates as the command line gives them.
 struct GivenPoints {
-  std::vector<double> inlet, outlets, cuts;
+  std::vector<double> inlet, outlets, cuts, ostium;
 };
 
 std::vector<Vec3> points_of(const std::vector<double>& coordinates, const std::string& option) {
@@ -42,6 +44,16 @@ void add_input(CLI::App& command, Options& options, GivenPoints& given) {
   command.add_option(
       "--cap", options.caps,
       "file with the triangles of one end; repeat for each: the inlet's, then the outlets', main's first");
+  command
+      .add_option("--tree", options.tree,
+                  "the coronary tree of a model with an aorta: left, right, tree1, ...; whole: take it as it is")
+      ->check([](const std::string& name) {
+        static const std::regex known("left|right|whole|tree[1-9][0-9]*");
+        return std::string(std::regex_match(name, known) ? "" : "give left, right, tree1, tree2, ... or whole");
+      });
+  command.add_option("--ostium", given.ostium, "where that tree leaves the aorta, x,y,z in mm")
+      ->delimiter(',')
+      ->expected(3);
   command.add_flag("--close-others", options.close_others, "close openings that no --inlet, --outlet or --cap names");
   command.add_option("--inlet", given.inlet, "a point near the inlet, x,y,z in mm; default: the largest end")
       ->delimiter(',')
@@ -60,16 +72,49 @@ void print_summary(const Anatomy& anatomy, const StepTimer& timer) {
               static_cast<std::size_t>(anatomy.mesh.number_of_faces()), anatomy.quality.min_angle_deg);
 }
 
+// The trees of which `lumen check` shows the ends: the chosen one, else all; a null one where there is no aorta.
+std::vector<const CoronaryTree*> to_check(const Closed& closed, const Options& options) {
+  if (!closed.aorta)
+    return {nullptr};
+  const TreeChoice choice = choice_of(options);
+  if (choice.is_given() || !choice.outlets.empty())
+    return {&chosen(*closed.aorta, choice)};
+  std::vector<const CoronaryTree*> trees;
+  for (const CoronaryTree& tree : closed.aorta->trees)
+    trees.push_back(&tree);
+  return trees;
+}
+
 void check(const Options& options, const std::string& repaired, const std::string& ends) {
   StepTimer timer;
-  const Prepared prepared = prepare(options, timer);
-  for (const Repair& repair : prepared.repairs)
-    std::cout << "repair: " << repair.what << " (" << repair.count << ") " << repair.detail << '\n';
-  std::cout << table_of(prepared.candidates);
+  const Closed closed = closed_surface(options, timer);
+  const std::vector<const CoronaryTree*> trees = to_check(closed, options);
+  std::vector<Candidate> candidates;
+  std::vector<TreeShown> shown;
+  std::set<std::string> said;
+  Mesh mesh = closed.mesh;
+  for (const CoronaryTree* tree : trees) {
+    const Prepared prepared = with_ends(closed, tree, options, timer);
+    say_warnings(prepared.repairs, 0);
+    for (const Repair& repair : prepared.repairs) {
+      const std::string line = "repair: " + repair.what + " (" + std::to_string(repair.count) + ") " + repair.detail;
+      if (said.insert(line).second)
+        std::cout << line << '\n';
+    }
+    std::copy_if(prepared.candidates.begin(), prepared.candidates.end(), std::back_inserter(candidates),
+                 [&](const Candidate& one) { return one.is_end || trees.size() == 1; });
+    if (tree)
+      shown.push_back({*tree, prepared.ends.size() - 1});
+    if (trees.size() == 1)
+      mesh = prepared.given;
+  }
+  std::cout << table_of(candidates) << table_of(shown, closed.aorta);
+  nlohmann::ordered_json document = document_of(candidates);
+  document["trees"] = document_of(shown);
   if (!ends.empty())
-    write_text(ends, document_of(prepared.candidates).dump(1) + "\n");
+    write_text(ends, document.dump(1) + "\n");
   if (!repaired.empty())
-    write_surface(prepared.given, repaired);
+    write_surface(mesh, repaired);
 }
 
 } // namespace
@@ -112,6 +157,8 @@ int main(int argc, char** argv) {
   return common::guarded([&] {
     if (!given.inlet.empty())
       options.inlet = points_of(given.inlet, "--inlet").front();
+    if (!given.ostium.empty())
+      options.ostium = points_of(given.ostium, "--ostium").front();
     options.outlets = points_of(given.outlets, "--outlet");
     options.cuts = points_of(given.cuts, "--cut");
     if (check_command->parsed()) {

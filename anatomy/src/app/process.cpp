@@ -1,21 +1,13 @@
 #include "app/process.hpp"
 #include "app/checks.hpp"
 #include "common/error.hpp"
-#include "ends/cap_open_ends.hpp"
-#include "ends/cut_ends.hpp"
 #include "ends/ends.hpp"
 #include "ends/extend.hpp"
-#include "ends/find_ends.hpp"
-#include "ends/given_caps.hpp"
 #include "ends/naming.hpp"
-#include "ends/ragged_ends.hpp"
 #include "files/surface_file.hpp"
 #include "measure/coarse_mask.hpp"
 #include "measure/section_noise.hpp"
 #include "remesh/local_edge.hpp"
-#include "remesh/refine.hpp"
-#include "repair/handles.hpp"
-#include "repair/repair.hpp"
 #include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/repair.h>
 #include <filesystem>
@@ -31,7 +23,6 @@ using common::InputError;
 
 constexpr double finest_start = 0.05;     // mm
 constexpr double most_triangles = 250000; // of a mesh to start from: some 20 s
-constexpr double smallest_cap = 1.5;      // voxels: a thin lumen of voxels has facets as large as one on its wall
 
 // Whether a mesh of this edge (mm) may be tried where a coarser one fails.
 bool may_start_from(double edge, const Mesh& surface) {
@@ -48,33 +39,6 @@ nlohmann::json read_like(const std::string& path) {
   return like;
 }
 
-void check_options(const Options& options) {
-  if (!(options.edge >= 0.05 && options.edge <= 2))
-    throw InputError("edge length out of range", "--edge", std::to_string(options.edge) + " mm", "choose 0.05 to 2 mm");
-  if (!(options.spacing >= 0.05 && options.spacing <= 2))
-    throw InputError("section spacing out of range", "--spacing", std::to_string(options.spacing) + " mm",
-                     "choose 0.05 to 2 mm");
-  for (double radii : {options.extend_inlet, options.extend_outlets})
-    if (!(radii == 0 || (radii >= 0.5 && radii <= 20)))
-      throw InputError("flow extension out of range", "--extend-inlet, --extend-outlets",
-                       std::to_string(radii) + " radii", "choose 0.5 to 20 radii, or 0 for none");
-  if (!options.caps.empty() && (options.inlet || !options.outlets.empty()))
-    throw InputError("ends given twice", "--cap", "with --inlet or --outlet", "give caps or points, not both");
-}
-
-void say_warnings(const std::vector<Repair>& repairs, std::size_t from) {
-  for (std::size_t i = from; i < repairs.size(); ++i)
-    if (repairs[i].warning)
-      std::cerr << "lumen: warning: " << repairs[i].what << ": " << repairs[i].detail << '\n';
-}
-
-std::set<int> tags_of(const std::vector<OpenEnd>& open) {
-  std::set<int> tags;
-  for (const OpenEnd& end : open)
-    tags.insert(end.tag);
-  return tags;
-}
-
 // Tags as numbered by the tree, instead of by area.
 void retag(Mesh& mesh, const std::vector<End>& ends, const std::vector<End>& before) {
   RegionMap region = region_map(mesh);
@@ -84,29 +48,6 @@ void retag(Mesh& mesh, const std::vector<End>& ends, const std::vector<End>& bef
         region[f] = ends[e].region;
         break;
       }
-}
-
-// The ends that the user names, by points or by cap files.
-NamedEnds named_ends(const Options& options, const std::vector<GivenCap>& caps) {
-  NamedEnds named;
-  named.inlet = options.inlet;
-  named.outlets = options.outlets;
-  named.close_others = options.close_others;
-  named.cuts = options.cuts;
-  if (!caps.empty())
-    named.inlet = caps.front().centre;
-  for (std::size_t k = 1; k < caps.size(); ++k)
-    named.outlets.push_back(caps[k].centre);
-  return named;
-}
-
-// Tags of the surface that its own array does not have: those of what was open.
-std::set<int> tags_of_openings(const Mesh& mesh, const Soup& soup) {
-  std::set<int> tags;
-  for (const auto& [tag, faces] : tagged_faces(mesh))
-    if (std::find(soup.region.begin(), soup.region.end(), tag) == soup.region.end())
-      tags.insert(tag);
-  return tags;
 }
 
 // The end where the file's own tags have the inlet; a cut may have moved it along the vessel.
@@ -121,11 +62,10 @@ std::optional<Vec3> inlet_by_tag(const std::vector<End>& ends, vtkPolyData* inpu
 }
 
 // Which end is which: as in the earlier state, by the given caps, by the given points, by the file's tags, or by size.
-Naming named(std::vector<End>& ends, const Options& options, const std::optional<nlohmann::json>& like,
+Naming named(std::vector<End>& ends, const NamedEnds& given, const std::optional<nlohmann::json>& like,
              vtkPolyData* input) {
   if (like)
     return naming_like(ends, *like);
-  const NamedEnds given = named_ends(options, read_caps(options.caps, options.units));
   return naming_given(ends, given.inlet ? given.inlet : inlet_by_tag(ends, input), given.outlets);
 }
 
@@ -188,47 +128,6 @@ Mesh graded_mesh(const Start& start, bool kept, const Mesh& surface, const EdgeF
 
 } // namespace
 
-Prepared prepare(const Options& options, StepTimer& timer) {
-  check_options(options);
-  Prepared out;
-  timer.start("read");
-  const std::vector<GivenCap> caps = read_caps(options.caps, options.units);
-  out.input = read_surface(options.input, options.units, options.label, out.repairs);
-  const Soup soup = soup_of(out.input);
-  timer.start("repair");
-  out.mesh = repaired(soup, out.repairs);
-  region_map(out.mesh);
-  if (!soup.region.empty())
-    tag_from_soup(out.mesh, soup);
-  timer.start("ends");
-  const std::vector<OpenEnd> open = cap_open_ends(out.mesh, out.repairs);
-  orient_outward(out.mesh, out.repairs);
-  remove_small_handles(out.mesh, out.repairs);
-  check_no_handle(out.mesh); // what follows keeps those there are, and takes long where there are many
-  timer.start("self-intersections");
-  remove_self_intersections(out.mesh, out.repairs);
-  check_no_handle(out.mesh);
-  drop_scraps_of_caps(out.mesh, tags_of(open), out.repairs);
-  cut_ragged(out.mesh, open, out.repairs);
-  timer.start("caps");
-  NamedEnds named = named_ends(options, caps);
-  named.openings = tags_of_openings(out.mesh, soup);
-  named.tagged = !caps.empty() || !soup.region.empty();
-  tag_given_caps(out.mesh, caps);
-  out.candidates = find_ends(out.mesh, named, smallest_cap * voxel_edge(out.input), out.repairs);
-  out.ends = measured_ends(out.mesh);
-  check_no_handle(out.mesh);
-  report_move(out.repairs, flatten_caps(out.mesh), out.ends.size());
-  check_mean_radius(2 * PMP::volume(out.mesh) / PMP::area(out.mesh), options.units, options.input);
-  out.given = out.mesh;
-  if (is_coarse(out.mesh)) {
-    out.mesh = curved_refined(out.mesh);
-    out.splits = 2;
-  }
-  say_warnings(out.repairs, 0);
-  return out;
-}
-
 Anatomy process(const Options& options, StepTimer& timer) {
   std::optional<nlohmann::json> like;
   if (!options.like.empty())
@@ -242,7 +141,7 @@ Anatomy process(const Options& options, StepTimer& timer) {
   out.repairs = prepared.repairs;
   out.ends = prepared.ends;
   check_ends_seen(prepared.mesh, prepared.ends);
-  const Naming naming = named(out.ends, options, like, prepared.input);
+  const Naming naming = named(out.ends, prepared.named, like, prepared.input);
   timer.start("extend");
   prepared.mesh = extended(prepared.mesh, out.ends, extensions(options, out.ends.size(), naming.inlet));
   const bool extends = options.extend_inlet > 0 || options.extend_outlets > 0;

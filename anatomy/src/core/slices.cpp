@@ -50,4 +50,15 @@ std::vector<Vec3> Slices::loop_around(const PlaneFrame& frame) const {
   return best;
 }
 
+Outline Slices::outline(const PlaneFrame& frame) const {
+  Outline out;
+  std::vector<Vec2> loop;
+  for (const Vec3& p : loop_around(frame)) {
+    loop.push_back(frame.plane(p));
+    out.reach = std::max(out.reach, loop.back().norm());
+  }
+  out.area = std::abs(signed_area(loop));
+  return out;
+}
+
 } // namespace anatomy

@@ -20,12 +20,19 @@ struct PlaneFrame {
 /// Area (mm2) within a closed loop; positive where it runs anticlockwise.
 double signed_area(const std::vector<Vec2>& loop);
 
+/// Area (mm2) of a section and how far it reaches from the frame's origin (mm); no area where no loop is round it.
+struct Outline {
+  double area = 0, reach = 0;
+};
+
 /// Sections of a mesh that outlives it.
 class Slices {
 public:
   explicit Slices(const Mesh& mesh);
   /// The innermost closed loop round the frame's origin, as points in space; empty if there is none.
   std::vector<Vec3> loop_around(const PlaneFrame& frame) const;
+  /// Of that loop.
+  Outline outline(const PlaneFrame& frame) const;
 
 private:
   using EdgePrimitive = CGAL::AABB_halfedge_graph_segment_primitive<Mesh>;

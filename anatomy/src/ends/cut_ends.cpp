@@ -1,5 +1,5 @@
 #include "ends/cut_ends.hpp"
-#include "centreline/inner_balls.hpp"
+#include "centreline/ball_way.hpp"
 #include "common/error.hpp"
 #include "core/slices.hpp"
 #include "repair/tips.hpp"
@@ -21,49 +21,12 @@ constexpr double next_plane = 0.25;      // radii between planes that are tried
 constexpr double still_widening = 1.15;  // growth of the balls' radius over one radius of a tip that tapers
 constexpr double like_section = 1.25;    // ratio of areas, of a vessel that tapers by 6 degrees on each side
 constexpr double covers = 1.15;          // of the section's reach from its centre
-constexpr double band = 0.6;             // radii before and behind a cut in which the wall shows the axis
-constexpr double cos_agree = 0.87;       // 30 degrees
 constexpr double beside_end = 0.4;       // radii from an end's rim to a tip that is the rim's
 constexpr double beside_rough = 0.1;     // radii; where noise has left a vertex without a ball of its own
 constexpr double longest_edge = 0.3;     // mean radii, for balls that hang together; else the half of it, ...
 constexpr double finest_edge = 0.075;
 constexpr double beyond_tip = 2; // radii of its ball from a tip, where a ball's vessel has gone on from it
 constexpr double reach = 3;      // radii within which a point names a tip or a place on the axis
-
-// A way through the balls, from a tip inwards, by arc length.
-struct Way {
-  std::vector<Vec3> points;
-  std::vector<double> radius, s;
-
-  double length() const { return s.back(); }
-  std::size_t at(double where) const {
-    const auto above = std::lower_bound(s.begin(), s.end(), where);
-    return std::min(static_cast<std::size_t>(above - s.begin()), s.size() - 1);
-  }
-  // Mean of the balls' centres within a quarter of a radius, since single ones scatter about the axis.
-  Vec3 centre(double where) const {
-    const double width = 0.25 * radius[at(where)];
-    Vec3 sum = Vec3::Zero();
-    int n = 0;
-    for (std::size_t i = 0; i < s.size(); ++i)
-      if (std::abs(s[i] - where) <= width) {
-        sum += points[i];
-        ++n;
-      }
-    return n > 0 ? Vec3(sum / n) : points[at(where)];
-  }
-};
-
-Way way_from(const Balls& balls, const Ways& ways, std::size_t ball) {
-  Way way;
-  for (std::size_t at = ball, last = balls.centre.size(); at != last; at = ways.before[at]) {
-    last = at;
-    way.s.push_back(way.points.empty() ? 0 : way.s.back() + (balls.centre[at] - way.points.back()).norm());
-    way.points.push_back(balls.centre[at]);
-    way.radius.push_back(balls.radius[at]);
-  }
-  return way;
-}
 
 // Places round which what stands out of the wall is an end's rim: each end's centre, and how far it reaches from there.
 struct EndReach {
@@ -128,49 +91,13 @@ std::size_t ball_of(const Mesh& mesh, const Balls& balls, const std::vector<EndR
   return end ? ball_at(balls, *end) : last_ball(mesh, balls, tip);
 }
 
-// Across the direction to which the wall's normals about the cut are most nearly perpendicular: the balls scatter too
-// much to show it within a degree. Where these disagree with the way (a side branch beside the cut), the way decides.
-Plane plane_across(const Mesh& mesh, const Way& way, double where) {
-  const double r = way.radius[way.at(where)];
-  const Vec3 centre = way.centre(where);
-  const Vec3 along =
-      (way.centre(std::min(where + r, way.length())) - way.centre(std::max(where - 0.5 * r, 0.0))).normalized();
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (Face f : mesh.faces()) {
-    const Halfedge h = mesh.halfedge(f);
-    const Vec3 a = vec(mesh.point(mesh.source(h))), b = vec(mesh.point(mesh.target(h))),
-               c = vec(mesh.point(mesh.target(mesh.next(h))));
-    const Vec3 p = (a + b + c) / 3 - centre, area = (b - a).cross(Vec3(c - a));
-    if (std::abs(p.dot(along)) < band * r && p.norm() < half_width * r && area.norm() > 0)
-      spread += area * area.transpose() / area.norm();
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
-  Vec3 normal = axes.eigenvectors().col(0);
-  if (normal.dot(along) < 0)
-    normal = -normal;
-  return {centre, normal.dot(along) > cos_agree ? normal : along, r};
-}
-
-// Area within the plane's section and how far it reaches from the centre; no area where no loop is round the centre.
-struct Outline {
-  double area = 0, reach = 0;
-};
-
-Outline outline(const Slices& slices, const Plane& plane) {
-  const PlaneFrame frame(plane.centre, plane.normal);
-  Outline out;
-  std::vector<Vec2> loop;
-  for (const Vec3& p : slices.loop_around(frame)) {
-    loop.push_back(frame.plane(p));
-    out.reach = std::max(out.reach, loop.back().norm());
-  }
-  out.area = std::abs(signed_area(loop));
-  return out;
+Plane plane_across(const Mesh& mesh, const BallWay& way, double where) {
+  return {way.centre(where), direction_of(mesh, way, where), way.radius[way.at(where)]};
 }
 
 // The first plane across the vessel, half a radius or more behind its last ball, where the section half a radius
 // further in is like it. Its square covers the section.
-Plane cut_plane(const Mesh& mesh, const Slices& slices, const Way& way) {
+Plane cut_plane(const Mesh& mesh, const Slices& slices, const BallWay& way) {
   Plane plane = plane_across(mesh, way, 0.5 * way.length());
   for (double where = behind_last_ball * way.radius.front(); where < 0.5 * way.length();
        where += next_plane * way.radius[way.at(where)]) {
@@ -178,10 +105,10 @@ Plane cut_plane(const Mesh& mesh, const Slices& slices, const Way& way) {
     if (way.radius[way.at(where + ball)] > still_widening * ball)
       continue;
     plane = plane_across(mesh, way, where);
-    const Outline here = outline(slices, plane);
+    const Outline here = slices.outline({plane.centre, plane.normal});
     Plane further = plane;
     further.centre += behind_last_ball * std::sqrt(here.area / M_PI) * plane.normal;
-    const double area = outline(slices, further).area;
+    const double area = slices.outline({further.centre, further.normal}).area;
     if (here.area > 0 && area > here.area / like_section && area < here.area * like_section) {
       plane.radius = std::max(plane.radius, covers * here.reach / half_width);
       return plane;
@@ -248,7 +175,7 @@ std::vector<RoundedEnd> rounded_ends(const Mesh& mesh, const std::vector<End>& e
     const Tip& tip = tips[t];
     if (!is_rounded(tip))
       continue;
-    const Way way = way_from(found.balls, cheapest_ways(found.balls, found.at[t == 0 ? 1 : 0]), found.at[t]);
+    const BallWay way(found.balls, cheapest_ways(found.balls, found.at[t == 0 ? 1 : 0]), found.at[t]);
     RoundedEnd end{tip.vertex,
                    vec(mesh.point(tip.vertex)),
                    cut_plane(mesh, slices, way),
@@ -277,17 +204,17 @@ void cut_across(Mesh& mesh, const Mesh& tagged, const std::vector<End>& ends, co
   const std::vector<Tip> tips = tips_of(tagged, least_prominence * mean_radius(tagged));
   const Balls balls = inner_balls(tagged, ends);
   const std::vector<EndReach> reaches = reaches_of(tagged, ends);
-  std::vector<Way> ways;
+  std::vector<BallWay> ways;
   if (tips.size() >= 2) {
     const Ways from_tip = cheapest_ways(balls, ball_of(tagged, balls, reaches, tips[0].vertex));
     for (std::size_t t = 1; t < tips.size(); ++t)
-      ways.push_back(way_from(balls, from_tip, ball_of(tagged, balls, reaches, tips[t].vertex)));
+      ways.emplace_back(balls, from_tip, ball_of(tagged, balls, reaches, tips[t].vertex));
   }
   for (const Vec3& p : points) {
-    const Way* nearest = nullptr;
+    const BallWay* nearest = nullptr;
     std::size_t at = 0;
     double least = 1e300;
-    for (const Way& way : ways)
+    for (const BallWay& way : ways)
       for (std::size_t i = 0; i < way.points.size(); ++i)
         if ((way.points[i] - p).norm() < least) {
           least = (way.points[i] - p).norm();

@@ -225,6 +225,14 @@ std::vector<Candidate> find_ends(Mesh& mesh, NamedEnds named, double least_radiu
   return shown;
 }
 
+std::vector<std::vector<Face>> flat_ends(const Mesh& mesh, double least_radius) {
+  std::vector<std::vector<Face>> ends;
+  for (const Place& one : flat_places(mesh, {}, least_radius))
+    if (one.shown.kind == "flat" && one.shown.is_end)
+      ends.push_back(one.faces);
+  return ends;
+}
+
 std::string table_of(const std::vector<Candidate>& candidates) {
   std::string text =
       "       x        y        z  kind     diameter  off plane  ball diameter  section mm2  tilt  verdict\n";

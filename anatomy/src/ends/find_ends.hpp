@@ -36,6 +36,9 @@ struct Candidate {
 /// where nothing ends near a point, where two points name the same end, or where an opening has no point.
 std::vector<Candidate> find_ends(Mesh& mesh, NamedEnds named, double least_radius, std::vector<Repair>& repairs);
 
+/// The untagged flat parts of a closed mesh that close a tube of this radius (mm) or a wider one.
+std::vector<std::vector<Face>> flat_ends(const Mesh& mesh, double least_radius);
+
 /// The candidates as a table for people, and as a document for the picture.
 std::string table_of(const std::vector<Candidate>& candidates);
 nlohmann::ordered_json document_of(const std::vector<Candidate>& candidates);

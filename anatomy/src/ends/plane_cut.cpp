@@ -42,9 +42,13 @@ template <class Marked> std::vector<Face> side_of(const Mesh& mesh, const Marked
   return faces;
 }
 
-} // namespace
+[[noreturn]] void refuse(const Plane& plane, const std::string& remedy) {
+  throw InputError("a plane across the vessel does not separate its end", place(plane.centre),
+                   "radius " + std::to_string(plane.radius) + " mm", remedy);
+}
 
-double cut(Mesh& mesh, const Plane& plane, Vertex tip, const std::string& remedy) {
+// The faces on both sides of the loop that the plane cuts nearest to its centre.
+std::pair<std::vector<Face>, std::vector<Face>> sides(Mesh& mesh, const Plane& plane, const std::string& remedy) {
   Mesh square;
   const Vec3 u = half_width * plane.radius * plane.normal.unitOrthogonal(), v = plane.normal.cross(u);
   std::array<Vertex, 4> corner;
@@ -66,32 +70,55 @@ double cut(Mesh& mesh, const Plane& plane, Vertex tip, const std::string& remedy
       least = d;
       nearest = e;
     }
-  const auto refuse = [&] {
-    throw InputError("a plane across the vessel does not separate its end", place(plane.centre),
-                     "radius " + std::to_string(plane.radius) + " mm", remedy);
-  };
   if (least > 1e299)
-    refuse();
-  std::vector<Face> drop = side_of(mesh, marked, mesh.face(mesh.halfedge(nearest)));
-  std::vector<Face> other = side_of(mesh, marked, mesh.face(mesh.opposite(mesh.halfedge(nearest))));
-  const auto holds = [&](const std::vector<Face>& faces) {
-    return std::any_of(faces.begin(), faces.end(), [&](Face f) {
-      const auto corners = mesh.vertices_around_face(mesh.halfedge(f));
-      return std::find(corners.begin(), corners.end(), tip) != corners.end();
-    });
-  };
-  if (tip == Mesh::null_vertex() ? PMP::area(other, mesh) < PMP::area(drop, mesh) : holds(other))
-    std::swap(drop, other);
-  if (tip != Mesh::null_vertex() && (!holds(drop) || holds(other)))
-    refuse();
-  const double lost = PMP::area(drop, mesh);
-  if (lost > 0.5 * PMP::area(mesh)) // both sides hang together somewhere else
-    refuse();
-  for (Face f : drop)
-    CGAL::Euler::remove_face(mesh.halfedge(f), mesh);
-  PMP::keep_largest_connected_components(mesh, 1); // bumps of a rough wall that the plane cuts off stand alone now
+    refuse(plane, remedy);
+  auto both = std::make_pair(side_of(mesh, marked, mesh.face(mesh.halfedge(nearest))),
+                             side_of(mesh, marked, mesh.face(mesh.opposite(mesh.halfedge(nearest)))));
   mesh.remove_property_map(marked);
+  return both;
+}
+
+bool holds(const Mesh& mesh, const std::vector<Face>& faces, Vertex vertex) {
+  return std::any_of(faces.begin(), faces.end(), [&](Face f) {
+    const auto corners = mesh.vertices_around_face(mesh.halfedge(f));
+    return std::find(corners.begin(), corners.end(), vertex) != corners.end();
+  });
+}
+
+double dropped(Mesh& mesh, const std::vector<Face>& faces) {
+  const double lost = PMP::area(faces, mesh);
+  for (Face f : faces)
+    CGAL::Euler::remove_face(mesh.halfedge(f), mesh);
   return lost;
+}
+
+} // namespace
+
+double cut(Mesh& mesh, const Plane& plane, Vertex tip, const std::string& remedy) {
+  auto [drop, other] = sides(mesh, plane, remedy);
+  if (tip == Mesh::null_vertex() ? PMP::area(other, mesh) < PMP::area(drop, mesh) : holds(mesh, other, tip))
+    std::swap(drop, other);
+  if (tip != Mesh::null_vertex() && (!holds(mesh, drop, tip) || holds(mesh, other, tip)))
+    refuse(plane, remedy);
+  if (PMP::area(drop, mesh) > 0.5 * PMP::area(mesh)) // both sides hang together somewhere else
+    refuse(plane, remedy);
+  const double lost = dropped(mesh, drop);
+  PMP::keep_largest_connected_components(mesh, 1); // bumps of a rough wall that the plane cuts off stand alone now
+  return lost;
+}
+
+double keep_beyond(Mesh& mesh, const Plane& plane, Vertex vertex, const std::string& remedy) {
+  auto [drop, kept] = sides(mesh, plane, remedy);
+  if (holds(mesh, drop, vertex))
+    std::swap(drop, kept);
+  if (!holds(mesh, kept, vertex) || holds(mesh, drop, vertex))
+    refuse(plane, remedy);
+  std::vector<bool> keep(mesh.num_faces(), false);
+  for (Face f : kept)
+    keep[f] = true;
+  std::vector<Face> rest;
+  std::copy_if(mesh.faces().begin(), mesh.faces().end(), std::back_inserter(rest), [&](Face f) { return !keep[f]; });
+  return dropped(mesh, rest);
 }
 
 void report_cut(std::vector<Repair>& repairs, const std::string& what, const Plane& plane, double lost) {

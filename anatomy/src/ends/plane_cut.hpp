@@ -16,6 +16,9 @@ constexpr double half_width = 2; ///< of the cutting square, in radii: wide enou
 /// garbage. Throws InputError, which gives `remedy`, where the plane does not separate the two sides.
 double cut(Mesh& mesh, const Plane& plane, Vertex tip, const std::string& remedy);
 
+/// Cuts the mesh across and keeps the side that holds `vertex` alone, whatever its size; else as cut.
+double keep_beyond(Mesh& mesh, const Plane& plane, Vertex vertex, const std::string& remedy);
+
 /// Notes a cut in `repairs`: its radius, place and the wall lost (mm2).
 void report_cut(std::vector<Repair>& repairs, const std::string& what, const Plane& plane, double lost);
 

@@ -138,6 +138,22 @@ lumen:
     assert inputs.lumen_options(wildcards) == "--units mm --extend-outlets 4"
 
 
+def test_the_tree_of_an_aorta_reaches_the_command(folder, tmp_path):
+    case = """
+kind: surface
+description: an aorta
+patient: {lvm_g: 150, sbp_mmhg: 120, dbp_mmhg: 80}
+lumen: {path: data/aorta.stl, units: cm, tree: left, ostium_point_mm: [-1, 2, 3.5]}
+"""
+    (tmp_path / "aorta.stl").write_text("solid")
+    (folder / "cases/own.yaml").write_text(case)
+    inputs = Inputs(Configuration(folder, tmp_path))
+    assert inputs.lumen_options(SimpleNamespace(case="own")) == "--units cm --tree left --ostium -1,2,3.5"
+    edit(folder / "cases/own.yaml", "tree: left", "tree: lft")
+    with pytest.raises(InputError, match="lumen.tree"):
+        Configuration(folder, tmp_path)
+
+
 def test_a_ct_reaches_the_command_with_its_ends(folder, tmp_path):
     case = """
 kind: surface

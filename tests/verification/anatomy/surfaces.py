@@ -184,8 +184,9 @@ def tree_field(segments, spacing=0.2, rounded=False):
     start, too.
     """
     starts, ends = (np.array([s[k] for s in segments], dtype=float) for k in (0, 1))
-    low = np.minimum(starts, ends).min(axis=0) - 4
-    counts = np.ceil((np.maximum(starts, ends).max(axis=0) + 4 - low) / spacing).astype(int) + 1
+    margin = max(4, 1.6 * max(max(s[2:]) for s in segments))
+    low = np.minimum(starts, ends).min(axis=0) - margin
+    counts = np.ceil((np.maximum(starts, ends).max(axis=0) + margin - low) / spacing).astype(int) + 1
     grid = np.stack(np.meshgrid(*[low[k] + spacing * np.arange(counts[k]) for k in range(3)], indexing="ij"), axis=-1)
     field = np.full(counts, np.inf)
     for number, (a, b, r0, r1) in enumerate(segments):

@@ -1,0 +1,173 @@
+#include "app/prepare.hpp"
+#include "app/checks.hpp"
+#include "common/error.hpp"
+#include "ends/cap_open_ends.hpp"
+#include "ends/ends.hpp"
+#include "ends/given_caps.hpp"
+#include "ends/ragged_ends.hpp"
+#include "files/surface_file.hpp"
+#include "remesh/refine.hpp"
+#include "repair/handles.hpp"
+#include "repair/repair.hpp"
+#include <CGAL/Polygon_mesh_processing/measure.h>
+#include <iostream>
+
+namespace anatomy {
+namespace {
+
+namespace PMP = CGAL::Polygon_mesh_processing;
+using common::InputError;
+
+constexpr double smallest_cap = 1.5; // voxels: a thin lumen of voxels has facets as large as one on its wall
+
+void check_options(const Options& options) {
+  if (!(options.edge >= 0.05 && options.edge <= 2))
+    throw InputError("edge length out of range", "--edge", std::to_string(options.edge) + " mm", "choose 0.05 to 2 mm");
+  if (!(options.spacing >= 0.05 && options.spacing <= 2))
+    throw InputError("section spacing out of range", "--spacing", std::to_string(options.spacing) + " mm",
+                     "choose 0.05 to 2 mm");
+  for (double radii : {options.extend_inlet, options.extend_outlets})
+    if (!(radii == 0 || (radii >= 0.5 && radii <= 20)))
+      throw InputError("flow extension out of range", "--extend-inlet, --extend-outlets",
+                       std::to_string(radii) + " radii", "choose 0.5 to 20 radii, or 0 for none");
+  if (!options.caps.empty() && (options.inlet || !options.outlets.empty()))
+    throw InputError("ends given twice", "--cap", "with --inlet or --outlet", "give caps or points, not both");
+}
+
+std::set<int> tags_of(const std::vector<OpenEnd>& open) {
+  std::set<int> tags;
+  for (const OpenEnd& end : open)
+    tags.insert(end.tag);
+  return tags;
+}
+
+// The ends that the user names, by points or by cap files.
+NamedEnds named_ends(const Options& options, const std::vector<GivenCap>& caps) {
+  NamedEnds named;
+  named.inlet = options.inlet;
+  named.outlets = options.outlets;
+  named.close_others = options.close_others;
+  named.cuts = options.cuts;
+  if (!caps.empty())
+    named.inlet = caps.front().centre;
+  for (std::size_t k = 1; k < caps.size(); ++k)
+    named.outlets.push_back(caps[k].centre);
+  return named;
+}
+
+// Tags of the surface that its own array does not have: those of what was open.
+std::set<int> tags_of_openings(const Mesh& mesh, const Soup& soup) {
+  std::set<int> tags;
+  for (const auto& [tag, faces] : tagged_faces(mesh))
+    if (std::find(soup.region.begin(), soup.region.end(), tag) == soup.region.end())
+      tags.insert(tag);
+  return tags;
+}
+
+// Of the caps' outlets those that are still there; the tree's ostium is its inlet.
+void keep_ends_of_tree(const Mesh& tree, bool caps, NamedEnds& named) {
+  if (caps) {
+    Mesh copy = tree;
+    const std::vector<End> ends = measured_ends(copy);
+    std::erase_if(named.outlets, [&](const Vec3& p) {
+      return std::none_of(ends.begin(), ends.end(),
+                          [&](const End& end) { return (end.centre - p).norm() < end.radius(); });
+    });
+  }
+}
+
+} // namespace
+
+void say_warnings(const std::vector<Repair>& repairs, std::size_t from) {
+  for (std::size_t i = from; i < repairs.size(); ++i)
+    if (repairs[i].warning)
+      std::cerr << "lumen: warning: " << repairs[i].what << ": " << repairs[i].detail << '\n';
+}
+
+TreeChoice choice_of(const Options& options) {
+  return {options.tree, options.ostium, options.outlets};
+}
+
+Closed closed_surface(const Options& options, StepTimer& timer) {
+  check_options(options);
+  Closed out;
+  timer.start("read");
+  const std::vector<GivenCap> caps = read_caps(options.caps, options.units);
+  out.input = read_surface(options.input, options.units, options.label, out.repairs);
+  const Soup soup = soup_of(out.input);
+  timer.start("repair");
+  out.mesh = repaired(soup, out.repairs);
+  region_map(out.mesh);
+  if (!soup.region.empty())
+    tag_from_soup(out.mesh, soup);
+  timer.start("ends");
+  const std::vector<OpenEnd> open = cap_open_ends(out.mesh, out.repairs);
+  orient_outward(out.mesh, out.repairs);
+  remove_small_handles(out.mesh, out.repairs);
+  // what follows keeps those there are, and takes long where there are many; a few may go with an aorta
+  check_no_handle(out.mesh, few_rings);
+  timer.start("self-intersections");
+  remove_self_intersections(out.mesh, out.repairs);
+  check_no_handle(out.mesh, few_rings);
+  drop_scraps_of_caps(out.mesh, tags_of(open), out.repairs);
+  cut_ragged(out.mesh, open, out.repairs);
+  timer.start("aorta");
+  out.named = named_ends(options, caps);
+  out.named.openings = tags_of_openings(out.mesh, soup);
+  out.named.tagged = !caps.empty() || !soup.region.empty();
+  tag_given_caps(out.mesh, caps);
+  if (options.like.empty()) // an earlier state has its aorta cut off
+    out.aorta = aorta_of(out.mesh, choice_of(options), options.units, out.repairs);
+  if (!out.aorta)
+    check_no_handle(out.mesh);
+  return out;
+}
+
+Prepared with_ends(Closed closed, const CoronaryTree* tree, const Options& options, StepTimer& timer) {
+  Prepared out;
+  out.input = closed.input;
+  out.mesh = std::move(closed.mesh);
+  out.named = std::move(closed.named);
+  out.repairs = std::move(closed.repairs);
+  if (tree) {
+    const Plane plane = cut_of(out.mesh, *tree, choice_of(options));
+    cut_off(out.mesh, *tree, plane, out.repairs);
+    keep_ends_of_tree(out.mesh, !options.caps.empty(), out.named);
+    std::set<int> known;
+    for (const auto& [tag, faces] : tagged_faces(out.mesh))
+      known.insert(tag);
+    cap_open_ends(out.mesh, out.repairs);
+    check_no_handle(out.mesh);
+    for (const auto& [tag, faces] : tagged_faces(out.mesh))
+      if (!known.contains(tag))
+        out.named.openings.insert(tag);
+    if (!options.inlet)
+      out.named.inlet = plane.centre;
+  }
+  timer.start("caps");
+  out.candidates = find_ends(out.mesh, out.named, smallest_cap * voxel_edge(out.input), out.repairs);
+  out.ends = measured_ends(out.mesh);
+  if (tree)
+    check_no_stub(out.mesh, out.ends, !out.named.outlets.empty() || out.named.tagged, out.repairs);
+  check_no_handle(out.mesh);
+  report_move(out.repairs, flatten_caps(out.mesh), out.ends.size());
+  check_mean_radius(2 * PMP::volume(out.mesh) / PMP::area(out.mesh), options.units, options.input);
+  out.given = out.mesh;
+  if (is_coarse(out.mesh)) {
+    out.mesh = curved_refined(out.mesh);
+    out.splits = 2;
+  }
+  return out;
+}
+
+Prepared prepare(const Options& options, StepTimer& timer) {
+  Closed closed = closed_surface(options, timer);
+  std::optional<CoronaryTree> tree;
+  if (closed.aorta)
+    tree = chosen(*closed.aorta, choice_of(options));
+  Prepared out = with_ends(std::move(closed), tree ? &*tree : nullptr, options, timer);
+  say_warnings(out.repairs, 0);
+  return out;
+}
+
+} // namespace anatomy

@@ -1,0 +1,207 @@
+#include "trees/aorta.hpp"
+#include "core/slices.hpp"
+#include "core/wall_tree.hpp"
+#include "ends/ends.hpp"
+#include "ends/find_ends.hpp"
+#include "repair/tips.hpp"
+#include <algorithm>
+
+namespace anatomy {
+namespace {
+
+constexpr double trunk_radius = 4.5;   // mm: wider than 9 mm
+constexpr double least_length = 4.5;   // mm out of the trunk: corners of its ends and bulges of its sinuses are shorter
+constexpr double widest_coronary = 12; // mm, of ectasias that are not one sac
+constexpr double aorta_with_one_end = 18; // mm: one closed at its valve; narrower are sacs of coronary arteries, too
+constexpr double most_at_ostium = 9;      // mm
+constexpr double least_at_ostium = 0.8;   // mm
+constexpr std::size_t enough_vertices = 60000, few_vertices = 3000;
+constexpr double next_plane = 0.25;      // radii between planes that are tried
+constexpr double still_narrowing = 1.15; // ratio of the balls' radii over one radius of the funnel behind an ostium
+constexpr double like_section = 1.25;    // ratio of areas half a radius apart
+constexpr double own_section = 2.5;      // ball's areas: larger ones run out into the aorta
+constexpr double covers = 1.15;          // of the section's reach from its centre
+constexpr double longest_funnel = 20;    // mm
+constexpr double ascending = 15;         // mm of the trunk that show where the arch is
+constexpr double beside_tree = 2;        // radii from a tree's balls: one of its own ends
+constexpr double beside_tip = 4;    // radii from a tree's balls: the corner of a cap is one and a half from the last
+constexpr double lost_vessel = 10;  // mm along the surface that a vessel stands out by
+constexpr double nearer_root = 1.3; // ratio of the ways to the trunk's two ends
+constexpr double least_angle = 60, most_angle = 165; // degrees between the ostia round the aorta
+
+std::size_t every_for(const Mesh& mesh, std::size_t vertices) {
+  return mesh.number_of_vertices() / vertices + 1;
+}
+
+// Whether a ball of this radius may fit: balls through a part of the vertices only are never smaller.
+bool may_hold(const Mesh& mesh, double radius) {
+  const Balls balls = inner_balls(mesh, {}, every_for(mesh, few_vertices));
+  return std::any_of(balls.radius.begin(), balls.radius.end(), [&](double r) { return r > radius; });
+}
+
+// The plane across an offshoot where the funnel of its ostium has ended; area 0 where there is none.
+void find_ostium(const Mesh& mesh, const Slices& slices, double scale, CoronaryTree& tree) {
+  const BallWay& way = tree.offshoot.way;
+  const double from = tree.offshoot.from, until = std::max(0.0, from - longest_funnel * scale);
+  for (double where = from; where > until; where -= next_plane * way.radius[way.at(where)]) {
+    const double ball = way.radius[way.at(where)];
+    tree.ostium = {way.centre(where), -direction_of(mesh, way, where), ball};
+    if (where > ball && ball > still_narrowing * way.radius[way.at(where - ball)])
+      continue;
+    const Outline here = slices.outline({tree.ostium.centre, tree.ostium.normal});
+    if (here.area <= 0 || here.area > own_section * M_PI * ball * ball)
+      continue;
+    const Vec3 further = tree.ostium.centre + 0.5 * std::sqrt(here.area / M_PI) * tree.ostium.normal;
+    const double area = slices.outline({further, tree.ostium.normal}).area;
+    if (area > here.area / like_section && area < here.area * like_section) {
+      tree.ostium.radius = std::max(ball, covers * here.reach / half_width);
+      tree.diameter = 2 * std::sqrt(here.area / M_PI);
+      return;
+    }
+  }
+}
+
+// Ends of the trunk's own: openings and flat parts as wide as a trunk.
+std::vector<End> tagged_trunk_ends(Mesh& mesh, double radius) {
+  RegionMap region = region_map(mesh);
+  int next = 0;
+  for (const auto& [tag, faces] : tagged_faces(mesh))
+    next = std::max(next, tag);
+  for (const auto& faces : flat_ends(mesh, radius)) {
+    ++next;
+    for (Face f : faces)
+      region[f] = next;
+  }
+  return measured_ends(mesh);
+}
+
+// Unit direction along the aorta at its coronary ostia, to the arch: where its own end is farther from them.
+std::optional<Vec3> to_the_arch(const Trunk& trunk, const std::vector<End>& ends, const Vec3& ostia, double scale) {
+  std::optional<Vec3> up;
+  double longest = 0, shortest = 1e300;
+  for (const End& end : ends) {
+    const double d = (end.centre - ostia).norm();
+    shortest = std::min(shortest, d);
+    if (d < longest)
+      continue;
+    longest = d;
+    Vec3 from = ostia, to = end.centre;
+    double nearest = 1e300;
+    const std::vector<Vec3> way = trunk.way_to(end.centre);
+    for (const Vec3& p : way)
+      if ((p - ostia).norm() < nearest) {
+        nearest = (p - ostia).norm();
+        from = p;
+      }
+    for (auto p = way.rbegin(); p != way.rend() && (*p - from).norm() > ascending * scale; ++p)
+      to = *p;
+    up = (to - from).normalized();
+  }
+  if (ends.size() > 1 && longest < nearer_root * shortest)
+    return std::nullopt;
+  return up;
+}
+
+// Names two trees by their order round the aorta; why that is not certain, or nothing.
+std::string named_by_order(const Trunk& trunk, const std::vector<End>& ends, double scale,
+                           std::vector<CoronaryTree>& trees) {
+  if (trees.size() != 2)
+    return "left and right are told of two trees only";
+  const Vec3 ostia = 0.5 * (trees[0].ostium.centre + trees[1].ostium.centre);
+  const std::optional<Vec3> up = to_the_arch(trunk, ends, ostia, scale);
+  if (!up)
+    return "the ostia are about as far from the one end of the aorta as from the other";
+  const auto aside = [&](const Vec3& p) {
+    const Vec3 d = p - trunk.middle_near(ostia);
+    return Vec3((d - d.dot(*up) * *up).normalized());
+  };
+  const Vec3 a = aside(trees[0].ostium.centre), b = aside(trees[1].ostium.centre);
+  const double angle = std::acos(std::clamp(a.dot(b), -1.0, 1.0)) * 180 / M_PI;
+  if (angle < least_angle || angle > most_angle) {
+    char text[120];
+    std::snprintf(text, sizeof text, "the ostia are %.0f degrees apart round the aorta", angle);
+    return text;
+  }
+  const bool first_is_right = up->dot(a.cross(b)) > 0;
+  trees[0].name = first_is_right ? "right" : "left";
+  trees[1].name = first_is_right ? "left" : "right";
+  if (first_is_right)
+    std::swap(trees[0], trees[1]);
+  return "";
+}
+
+} // namespace
+
+bool Aorta::is_evident(double scale) const {
+  return !trees.empty() &&
+         ((ends >= 2 && diameter > widest_coronary * scale) || (ends == 1 && diameter > aorta_with_one_end * scale));
+}
+
+std::optional<Aorta> find_aorta(const Mesh& given, double scale) {
+  const double radius = trunk_radius * scale;
+  if (!may_hold(given, radius))
+    return std::nullopt;
+  Mesh mesh = given;
+  const std::vector<End> all_ends = tagged_trunk_ends(mesh, radius);
+  const std::optional<Trunk> trunk =
+      Trunk::of(inner_balls(mesh, all_ends, every_for(mesh, enough_vertices)), WallTree(mesh), radius);
+  if (!trunk)
+    return std::nullopt;
+  std::vector<End> ends;
+  for (const End& end : all_ends)
+    if (end.radius() > radius && trunk->holds(end.centre - 0.5 * radius * end.normal))
+      ends.push_back(end);
+  Aorta aorta;
+  aorta.diameter = 2 * trunk->radius();
+  aorta.centre = trunk->centre();
+  aorta.ends = ends.size();
+  const Slices slices(given);
+  for (Offshoot& offshoot : trunk->offshoots(least_length * scale)) {
+    CoronaryTree tree;
+    tree.length = offshoot.from;
+    tree.offshoot = std::move(offshoot);
+    find_ostium(given, slices, scale, tree);
+    if (tree.diameter == 0 || (tree.diameter > least_at_ostium * scale && tree.diameter < most_at_ostium * scale))
+      aorta.trees.push_back(std::move(tree));
+  }
+  for (const End& end : all_ends)
+    if (end.radius() <= radius && std::none_of(aorta.trees.begin(), aorta.trees.end(), [&](const CoronaryTree& tree) {
+          return radii_from(tree, end.centre) < beside_tree;
+        }))
+      aorta.stray.push_back(end);
+  for (const Tip& tip : tips_of(given, lost_vessel * scale)) {
+    const Vec3 p = vec(given.point(tip.vertex));
+    if (trunk->outside(p) > radius && std::none_of(aorta.trees.begin(), aorta.trees.end(),
+                                                   [&](const auto& tree) { return radii_from(tree, p) < beside_tip; }))
+      aorta.lost.push_back(p);
+  }
+  for (std::size_t t = 0; t < aorta.trees.size(); ++t)
+    aorta.trees[t].name = "tree" + std::to_string(t + 1);
+  aorta.unnamed_since = named_by_order(*trunk, ends, scale, aorta.trees);
+  return aorta;
+}
+
+double radii_from(const CoronaryTree& tree, const Vec3& p) {
+  double least = 1e300;
+  for (const auto& [centre, radius] : tree.offshoot.balls)
+    least = std::min(least, (centre - p).norm() / radius);
+  return least;
+}
+
+std::optional<Plane> plane_at(const Mesh& mesh, const CoronaryTree& tree, const Vec3& p) {
+  const BallWay& way = tree.offshoot.way;
+  const auto nearest = std::min_element(way.points.begin(), way.points.end(),
+                                        [&](const Vec3& a, const Vec3& b) { return (a - p).norm() < (b - p).norm(); });
+  const double where = way.s[static_cast<std::size_t>(nearest - way.points.begin())];
+  if (where >= tree.offshoot.from)
+    return std::nullopt;
+  const Slices slices(mesh);
+  Plane plane{way.centre(where), -direction_of(mesh, way, where), way.radius[way.at(where)]};
+  const Outline here = slices.outline({plane.centre, plane.normal});
+  if (here.area <= 0)
+    return std::nullopt;
+  plane.radius = std::max(plane.radius, covers * here.reach / half_width);
+  return plane;
+}
+
+} // namespace anatomy

@@ -1,0 +1,19 @@
+// The coronary trees of a model with an aorta, for the user to see.
+#pragma once
+#include "trees/aorta.hpp"
+#include <nlohmann/json.hpp>
+
+namespace anatomy {
+
+struct TreeShown {
+  CoronaryTree tree;
+  std::size_t outlets = 0;
+};
+
+/// A table for people, with the aorta's width and how to choose a tree; empty without an aorta.
+std::string table_of(const std::vector<TreeShown>& trees, const std::optional<Aorta>& aorta);
+
+/// The trees as a list for the picture: name, ostium_mm, diameter_mm, length_mm, outlets.
+nlohmann::ordered_json document_of(const std::vector<TreeShown>& trees);
+
+} // namespace anatomy

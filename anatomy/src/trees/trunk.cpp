@@ -1,0 +1,123 @@
+#include "trees/trunk.hpp"
+#include <algorithm>
+#include <numeric>
+
+namespace anatomy {
+namespace {
+
+constexpr double inscribed = 0.9; // of its radius that a ball keeps off the wall
+constexpr double cell = 0.2;      // least radii: of the balls whose centres are in one cell the largest speaks for all
+
+} // namespace
+
+std::optional<Trunk> Trunk::of(const Balls& balls, const WallTree& wall, double least_radius) {
+  std::vector<std::size_t> wide;
+  for (std::size_t i = 0; i < balls.centre.size(); ++i)
+    if (balls.radius[i] > least_radius)
+      wide.push_back(i);
+  std::stable_sort(wide.begin(), wide.end(),
+                   [&](std::size_t a, std::size_t b) { return balls.radius[a] > balls.radius[b]; });
+  for (std::size_t i : wide)
+    if (wall.distance(balls.centre[i]) > inscribed * balls.radius[i])
+      return Trunk(balls, wall, i, least_radius);
+  return std::nullopt;
+}
+
+Trunk::Trunk(const Balls& balls, const WallTree& wall, std::size_t largest, double least_radius)
+    : balls_(balls), largest_(largest), ways_(cheapest_ways(balls, largest)) {
+  std::vector<bool> seen(balls_.centre.size(), false);
+  std::vector<std::size_t> front{largest_};
+  std::map<std::array<long, 3>, std::size_t> in_cell;
+  seen[largest_] = true;
+  while (!front.empty()) {
+    const std::size_t i = front.back();
+    front.pop_back();
+    std::array<long, 3> at;
+    for (int k = 0; k < 3; ++k)
+      at[static_cast<std::size_t>(k)] = std::lround(balls_.centre[i][k] / (cell * least_radius));
+    const auto [place, first] = in_cell.emplace(at, i);
+    if (!first && balls_.radius[i] > balls_.radius[place->second])
+      place->second = i;
+    for (std::size_t j : balls_.neighbours[i])
+      if (!seen[j] && balls_.radius[j] > least_radius) {
+        seen[j] = true;
+        front.push_back(j);
+      }
+  }
+  for (const auto& [at, i] : in_cell) {
+    balls_.radius[i] = std::min(balls_.radius[i], wall.distance(balls_.centre[i]));
+    filling_.push_back(i);
+  }
+}
+
+double Trunk::outside(const Vec3& p) const {
+  double least = unreached;
+  for (std::size_t i : filling_)
+    least = std::min(least, (p - balls_.centre[i]).norm() - balls_.radius[i]);
+  return least;
+}
+
+Vec3 Trunk::middle_near(const Vec3& p) const {
+  std::size_t best = largest_;
+  double radius = 0;
+  for (std::size_t i : filling_)
+    if ((p - balls_.centre[i]).norm() < balls_.radius[i] && balls_.radius[i] > radius) {
+      best = i;
+      radius = balls_.radius[i];
+    }
+  return balls_.centre[best];
+}
+
+std::vector<Vec3> Trunk::way_to(const Vec3& p) const {
+  const auto nearest = std::min_element(filling_.begin(), filling_.end(), [&](std::size_t a, std::size_t b) {
+    return (balls_.centre[a] - p).squaredNorm() < (balls_.centre[b] - p).squaredNorm();
+  });
+  const BallWay way(balls_, ways_, *nearest);
+  return {way.points.rbegin(), way.points.rend()};
+}
+
+std::vector<Offshoot> Trunk::offshoots(double least_length) const {
+  const std::size_t n = balls_.centre.size();
+  std::vector<bool> inside(n);
+  for (std::size_t i = 0; i < n; ++i)
+    inside[i] = ways_.cost[i] >= unreached || holds(balls_.centre[i]);
+  // how far each ball is from where its way leaves the trunk
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return ways_.cost[a] < ways_.cost[b]; });
+  std::vector<double> out(n, 0);
+  for (std::size_t i : order)
+    if (!inside[i]) {
+      const std::size_t before = ways_.before[i];
+      out[i] =
+          inside[before] ? outside(balls_.centre[i]) : out[before] + (balls_.centre[i] - balls_.centre[before]).norm();
+    }
+  std::vector<Offshoot> offshoots;
+  std::vector<bool> seen = inside;
+  for (std::size_t start = 0; start < n; ++start) {
+    if (seen[start])
+      continue;
+    std::vector<std::size_t> members{start};
+    seen[start] = true;
+    for (std::size_t k = 0; k < members.size(); ++k)
+      for (std::size_t j : balls_.neighbours[members[k]])
+        if (!seen[j]) {
+          seen[j] = true;
+          members.push_back(j);
+        }
+    const std::size_t tip = *std::max_element(members.begin(), members.end(),
+                                              [&](std::size_t a, std::size_t b) { return out[a] < out[b]; });
+    if (out[tip] < least_length)
+      continue;
+    BallWay way(balls_, ways_, tip);
+    offshoots.push_back({std::move(way), out[tip], {}});
+    for (std::size_t i : members)
+      offshoots.back().balls.emplace_back(balls_.centre[i], balls_.radius[i]);
+  }
+  std::stable_sort(offshoots.begin(), offshoots.end(),
+                   [](const Offshoot& a, const Offshoot& b) { return a.from > b.from; });
+  return offshoots;
+}
+
+} // namespace anatomy

@@ -1,0 +1,45 @@
+// The part of a lumen in which a ball of an aorta's size fits, and what hangs on it.
+#pragma once
+#include "centreline/ball_way.hpp"
+#include "core/wall_tree.hpp"
+#include <optional>
+
+namespace anatomy {
+
+/// What hangs on the trunk: connected lumen outside of it.
+struct Offshoot {
+  BallWay way;                                ///< from its farthest ball to the middle of the trunk
+  double from = 0;                            ///< mm on that way where it enters the trunk: its length out of it
+  std::vector<std::pair<Vec3, double>> balls; ///< centre and radius (mm) of all of it
+};
+
+/// The lumen's opening by a ball (mathematical morphology): all that balls larger than a given one fill, as far as it
+/// hangs together with the largest of them.
+class Trunk {
+public:
+  /// None where no ball is larger than `least_radius` (mm). Balls that reach through the wall are not believed: four
+  /// points of one round rim have no circumsphere but by rounding.
+  static std::optional<Trunk> of(const Balls& balls, const WallTree& wall, double least_radius);
+
+  double radius() const { return balls_.radius[largest_]; } ///< mm, of its largest ball
+  Vec3 centre() const { return balls_.centre[largest_]; }
+  bool holds(const Vec3& p) const { return outside(p) < 0; }
+  /// mm from the nearest of its balls' surfaces; negative within.
+  double outside(const Vec3& p) const;
+  /// Centre of the largest of its balls that hold p; of its largest ball where none does.
+  Vec3 middle_near(const Vec3& p) const;
+  /// The centres of its balls on the cheapest way from its largest ball to the ball nearest to p.
+  std::vector<Vec3> way_to(const Vec3& p) const;
+  /// Those that reach at least `least_length` (mm) out of the trunk, the longest first.
+  std::vector<Offshoot> offshoots(double least_length) const;
+
+private:
+  Trunk(const Balls& balls, const WallTree& wall, std::size_t largest, double least_radius);
+
+  Balls balls_;
+  std::size_t largest_;
+  Ways ways_; // from the largest ball
+  std::vector<std::size_t> filling_;
+};
+
+} // namespace anatomy
