@@ -25,8 +25,9 @@ GivenCap measured(const std::string& path, const Soup& soup) {
   cap.normal = total / cap.area;
   cap.flatness = cap.area / weight;
   if (!(cap.area > 0))
-    throw InputError("a cap without area", path, std::to_string(soup.triangles.size()) + " triangles",
-                     "give the triangles that close one end");
+    throw InputError("the cap has no area", path, std::to_string(soup.triangles.size()) + " triangles",
+                     "export the face that closes this end as triangles, or name the end by a point (inlet_point_mm, "
+                     "outlet_points_mm in a case file)");
   return cap;
 }
 

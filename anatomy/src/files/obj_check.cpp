@@ -19,7 +19,8 @@ using Kinds = std::array<Kind, 3>;
 [[noreturn]] void refuse(const std::string& path, std::size_t line, const Kind& kind, long long index) {
   throw common::InputError("a face names a " + std::string(kind.name) + " that the file does not have",
                            path + ", line " + std::to_string(line),
-                           std::to_string(index) + " of " + std::to_string(kind.count), "export the surface again");
+                           "number " + std::to_string(index) + "; the file has " + std::to_string(kind.count),
+                           "export the surface again, or as STL");
 }
 
 // One corner of a face, for example 3/1/2; what is no number is left to the reader.

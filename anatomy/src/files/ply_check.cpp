@@ -13,9 +13,9 @@ namespace {
 
 using common::InputError;
 
-constexpr std::size_t longest_line = 4000; // VTK reads lines into 4096 bytes
-constexpr double most_corners = 255;       // of a polygon
-constexpr int most_header_lines = 1000;
+constexpr std::size_t longest_line = 4000;             // VTK reads lines into 4096 bytes
+constexpr double most_corners = 255;                   // of a polygon: VTK counts them in one byte
+constexpr std::uintmax_t most_records = 2'000'000'000; // of an element: VTK counts them in an int
 
 const std::map<std::string, std::size_t> bytes_of{{"char", 1},  {"uchar", 1},  {"short", 2},   {"ushort", 2},
                                                   {"int", 4},   {"uint", 4},   {"float", 4},   {"double", 8},
@@ -42,6 +42,12 @@ struct Header {
   throw InputError("not a sound PLY file", path + ", " + where, value, "export the surface again, as PLY or as STL");
 }
 
+[[noreturn]] void refuse_long_list(const std::string& path, const std::string& where, double items) {
+  throw InputError("a polygon or list of the PLY file is too long", path + ", " + where,
+                   std::to_string(static_cast<long long>(items)) + " numbers in one list, 255 at most",
+                   "triangulate the polygons before the export (caps are often one polygon), or export as STL");
+}
+
 bool is_float(const std::string& type) {
   return type[0] == 'f' || type[0] == 'd';
 }
@@ -52,7 +58,7 @@ Element element_of(const std::vector<std::string>& words, const std::string& pat
   if (three)
     element.name = words[1];
   const char* end = three ? words[2].data() + words[2].size() : nullptr;
-  if (!three || std::from_chars(words[2].data(), end, element.count).ptr != end || element.count > 2000000000)
+  if (!three || std::from_chars(words[2].data(), end, element.count).ptr != end || element.count > most_records)
     refuse(path, "header", line);
   return element;
 }
@@ -70,7 +76,7 @@ Property property_of(const std::vector<std::string>& words, const std::string& p
 Header header_of(std::ifstream& file, const std::string& path) {
   Header header;
   std::string line;
-  for (int n = 0; n < most_header_lines && std::getline(file, line) && line.size() < longest_line; ++n) {
+  for (int n = 0; std::getline(file, line) && line.size() < longest_line; ++n) {
     if (n == 0 && line != "ply")
       refuse(path, "line 1", "no \"ply\" followed by a line feed");
     std::istringstream stream(line);
@@ -94,7 +100,7 @@ Header header_of(std::ifstream& file, const std::string& path) {
     else
       refuse(path, "header, line " + std::to_string(n + 1), line.substr(0, 80));
   }
-  refuse(path, "header", "no end_header");
+  refuse(path, "header", line.size() < longest_line ? "no end_header" : "a line of more than 4000 characters");
 }
 
 bool has(const Element& element, const std::string& name, bool list) {
@@ -154,7 +160,9 @@ void check_text(std::ifstream& file, const Element& element, const std::string& 
     };
     for (const Property& property : element.properties) {
       const double items = property.count_type.empty() ? 1 : next();
-      if (!(items >= 0 && items <= most_corners && items == static_cast<int>(items)))
+      if (items > most_corners)
+        refuse_long_list(path, record(element, i), items);
+      if (!(items >= 0 && items == static_cast<int>(items)))
         refuse(path, record(element, i), line.substr(0, 80));
       for (int k = 0; k < static_cast<int>(items); ++k)
         if (const double value = next();
@@ -188,7 +196,9 @@ void check_binary(std::ifstream& file, const Element& element, const std::string
         take(width, i);
         items =
             integer(reinterpret_cast<const unsigned char*>(block.data()), width, property.count_type[0] != 'u', big);
-        if (items < 0 || items > static_cast<std::int64_t>(most_corners))
+        if (items > static_cast<std::int64_t>(most_corners))
+          refuse_long_list(path, record(element, i), static_cast<double>(items));
+        if (items < 0)
           refuse(path, record(element, i), "a list of " + std::to_string(items));
       }
       const std::size_t size = bytes_of.at(property.type);

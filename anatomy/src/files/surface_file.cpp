@@ -34,7 +34,8 @@ template <class Reader> vtkSmartPointer<vtkPolyData> read_with(const std::string
   reader->SetFileName(path.c_str());
   reader->Update();
   if (reader->GetErrorCode() != 0)
-    throw InputError("the surface cannot be read", path, "incomplete or not of its format", "export the surface again");
+    throw InputError("the surface cannot be read", path, "incomplete or not of its format",
+                     "export the surface again, or as STL");
   return reader->GetOutput();
 }
 
@@ -79,7 +80,7 @@ vtkSmartPointer<vtkPolyData> read_by_suffix(const std::string& path, int label, 
     return surface_of_label(read_mask(path), label, path, repairs);
   if (label != any_label)
     throw InputError("only masks have labels", "--label", std::to_string(label) + " for " + path,
-                     "leave the option out, or give a mask");
+                     "leave the label out (--label, label in a case file), or give a mask");
   std::string suffix = std::filesystem::path(path).extension().string();
   std::transform(suffix.begin(), suffix.end(), suffix.begin(), [](unsigned char c) { return std::tolower(c); });
   if (suffix == ".stl") {
@@ -125,8 +126,9 @@ void check_range(double size, double lowest, double highest, const std::string& 
   throw InputError("implausible scale for a coronary lumen", path,
                    what + " " + figure(size) + " mm with units " + units + ", expected " + figure(lowest) + " to " +
                        figure(highest) + " mm",
-                   likely.empty() ? "check that the file is a coronary lumen surface"
-                                  : "the file is likely in " + likely + ": declare units " + likely);
+                   (likely.empty() ? "check the units (--units, units in a case file)"
+                                   : "if the file is in " + likely + ", declare units " + likely) +
+                       "; if it is not, cut away what is no coronary artery");
 }
 
 // VTK's readers hand on the indices of a file as they are.
@@ -134,15 +136,20 @@ void check_indices(vtkPolyData* data, const std::string& path) {
   for (vtkCellArray* cells : {data->GetPolys(), data->GetStrips()}) {
     vtkIdType n = 0;
     const vtkIdType* ids = nullptr;
-    bool sound = cells->IsValid();
-    auto cell = vtk::TakeSmartPointer(cells->NewIterator());
-    for (cell->GoToFirstCell(); sound && !cell->IsDoneWithTraversal(); cell->GoToNextCell()) {
-      cell->GetCurrentCell(n, ids);
-      sound = std::all_of(ids, ids + n, [&](vtkIdType id) { return id >= 0 && id < data->GetNumberOfPoints(); });
-    }
-    if (!sound)
+    const auto refuse = [&](const std::string& value) {
       throw InputError("a triangle names a point that the file does not have", path,
-                       std::to_string(data->GetNumberOfPoints()) + " points", "export the surface again");
+                       value + "; the file has " + std::to_string(data->GetNumberOfPoints()) + " points",
+                       "export the surface again, or as STL");
+    };
+    if (!cells->IsValid())
+      refuse("the list of triangles contradicts itself");
+    auto cell = vtk::TakeSmartPointer(cells->NewIterator());
+    for (cell->GoToFirstCell(); !cell->IsDoneWithTraversal(); cell->GoToNextCell()) {
+      cell->GetCurrentCell(n, ids);
+      for (const vtkIdType* id = ids; id != ids + n; ++id)
+        if (*id < 0 || *id >= data->GetNumberOfPoints())
+          refuse("point " + std::to_string(*id) + " in triangle " + std::to_string(cell->GetCurrentCellId()));
+    }
   }
 }
 
@@ -150,12 +157,14 @@ vtkSmartPointer<vtkPolyData> in_millimetres(const std::string& path, const std::
                                             vtkIdType fewest, std::vector<Repair>& repairs) {
   const double scale = millimetres_per(units);
   if (!std::filesystem::is_regular_file(path))
-    throw InputError("no such surface file", path, "missing", "check the path");
+    throw InputError("no such surface file", path, "missing",
+                     "check the path; a case file's is relative to the repository, after data/ to VCI_DATA_DIR");
   vtkSmartPointer<vtkPolyData> read;
   try {
     read = read_by_suffix(path, label, repairs);
   } catch (const std::bad_alloc&) {
-    throw InputError("the file claims more than there is memory for", path, "",
+    throw InputError("the file claims more than there is memory for", path,
+                     std::to_string(std::filesystem::file_size(path)) + " bytes",
                      "export it again; of a mask, crop the volume to the lumen");
   }
   check_indices(read, path);
@@ -167,7 +176,8 @@ vtkSmartPointer<vtkPolyData> in_millimetres(const std::string& path, const std::
   vtkSmartPointer<vtkPolyData> data = triangulate->GetOutput();
   if (data->GetNumberOfCells() < fewest)
     throw InputError("no surface in the file", path, std::to_string(data->GetNumberOfCells()) + " triangles",
-                     "check that the file is complete and holds a triangulated surface");
+                     "export the lumen's wall as triangles (a centreline or a cloud of points is none); check that the "
+                     "file is complete and holds a triangulated surface");
   auto points = vtkSmartPointer<vtkPoints>::New();
   points->SetDataTypeToDouble();
   points->SetNumberOfPoints(data->GetNumberOfPoints());
@@ -175,8 +185,10 @@ vtkSmartPointer<vtkPolyData> in_millimetres(const std::string& path, const std::
     double x[3];
     data->GetPoint(i, x);
     if (!std::isfinite(x[0]) || !std::isfinite(x[1]) || !std::isfinite(x[2]))
-      throw InputError("a coordinate is not a finite number", path, "point " + std::to_string(i),
-                       "export the surface again");
+      throw InputError("a coordinate is not a finite number", path,
+                       "point " + std::to_string(i) + " (the first is 0) at " + figure(x[0]) + ", " + figure(x[1]) +
+                           ", " + figure(x[2]),
+                       "remove the point where the surface was made, and export it again");
     points->SetPoint(i, x[0] * scale, x[1] * scale, x[2] * scale);
   }
   data->SetPoints(points);
@@ -201,14 +213,16 @@ double millimetres_per(const std::string& units) {
     return 10;
   if (units == "m")
     return 1000;
-  throw InputError("unknown length unit", "units", units, "declare mm, cm or m");
+  throw InputError("unknown length unit", "units", units, "declare mm, cm or m (--units, units in a case file)");
 }
 
 void check_diagonal(double diagonal_mm, const std::string& units, const std::string& path) {
+  // Half the shortest stent; a heart with its aorta. A vessel in another unit may still lie between: its radius tells.
   check_range(diagonal_mm, 4, 500, "bounding diagonal", units, path);
 }
 
 void check_mean_radius(double radius_mm, const std::string& units, const std::string& path) {
+  // Mean radii of coronary arteries, ectatic ones too, are 0.6 to 3 mm; in a unit ten times off none lies between.
   check_range(radius_mm, 0.3, 6, "mean radius", units, path);
 }
 
@@ -271,7 +285,8 @@ std::string sha256_of_file(const std::string& path) {
   std::array<unsigned char, EVP_MAX_MD_SIZE> bytes;
   unsigned int length = 0;
   if (!ok || !EVP_DigestFinal_ex(digest.get(), bytes.data(), &length))
-    throw InputError("the file cannot be read", path, "", "check its permissions");
+    throw InputError("the file cannot be read", path, "it cannot be opened, or reading stopped",
+                     "check its permissions and its disk");
   std::string hex;
   for (unsigned int i = 0; i < length; ++i) {
     char text[3];

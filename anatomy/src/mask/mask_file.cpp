@@ -28,7 +28,8 @@ using common::InputError;
 constexpr double smoothing = 0.85; // voxels
 constexpr double kernel_reach = 4; // standard deviations
 constexpr int padding = 8;         // voxels: beyond the wider kernel
-constexpr double fragment = 0.01;  // of the largest piece's triangles
+constexpr double fragment = 0.01;  // of the largest piece's triangles: what a spur of a voxel or two leaves behind
+constexpr double flattest = 1e-6;  // volume of a voxel over the product of its edges: skewed ones are far above
 
 std::string suffix_of(const std::string& path) {
   std::string lower = path;
@@ -75,6 +76,18 @@ vtkSmartPointer<vtkImageData> indicator_of(vtkImageData* labels, int label) {
   box->GetPointData()->GetScalars()->Fill(0);
   visit([&](int i, int j, int k) { *static_cast<float*>(box->GetScalarPointer(i, j, k)) = 1; });
   return box;
+}
+
+// A place in the coordinates of the file, whatever its unit.
+std::string place_in_file(const Mask& mask, const Eigen::Vector4d& voxel) {
+  const Eigen::Vector4d p = mask.to_file * voxel;
+  char text[96];
+  std::snprintf(text, sizeof text, "(%.5g, %.5g, %.5g) in the file's own unit", p.x(), p.y(), p.z());
+  return text;
+}
+
+double longest_edge(const Mask& mask) {
+  return mask.to_file.topLeftCorner<3, 3>().colwise().norm().maxCoeff();
 }
 
 void keep_largest_island(vtkImageData* indicator, std::vector<Repair>& repairs) {
@@ -131,20 +144,19 @@ void report_border(const Mask& mask, int label, std::vector<Repair>& repairs) {
   const int* size = mask.labels->GetDimensions();
   const auto* values = static_cast<const int*>(mask.labels->GetScalarPointer());
   std::size_t n = 0, touching = 0;
-  Eigen::Vector4d first;
+  Eigen::Vector4d first = Eigen::Vector4d::Zero();
   for (int k = 0; k < size[2]; ++k)
     for (int j = 0; j < size[1]; ++j)
       for (int i = 0; i < size[0]; ++i) {
         const bool border = i == 0 || j == 0 || k == 0 || i == size[0] - 1 || j == size[1] - 1 || k == size[2] - 1;
         if (values[n++] == label && border && touching++ == 0)
-          first = mask.to_file * Eigen::Vector4d(i, j, k, 1);
+          first = Eigen::Vector4d(i, j, k, 1);
       }
   if (touching > 0)
-    repairs.push_back({"lumen cut by the image's border", touching,
-                       "voxels, first at " + place(first.head<3>()) + " (in the file's unit)"});
+    repairs.push_back({"lumen cut by the image's border", touching, "voxels, first at " + place_in_file(mask, first)});
 }
 
-void check_one_piece(vtkPolyData* surface, const Eigen::Matrix4d& to_file, const std::string& path) {
+void check_one_piece(vtkPolyData* surface, const Mask& mask, const std::string& path) {
   vtkNew<vtkPolyDataConnectivityFilter> pieces;
   pieces->SetInputData(surface);
   pieces->SetExtractionModeToAllRegions();
@@ -161,9 +173,9 @@ void check_one_piece(vtkPolyData* surface, const Eigen::Matrix4d& to_file, const
     const auto region = vtk::DataArrayValueRange<1>(pieces->GetOutput()->GetPointData()->GetScalars());
     const auto first = static_cast<vtkIdType>(std::find(region.begin(), region.end(), r) - region.begin());
     const double* x = pieces->GetOutput()->GetPoint(first);
-    const Eigen::Vector4d p = to_file * Eigen::Vector4d(x[0], x[1], x[2], 1);
     throw InputError("a narrowing of the mask is lost between its voxels", path,
-                     "a piece of the lumen stands alone near " + place(p.head<3>()) + " (in the file's unit)",
+                     "a piece of the lumen stands alone near " +
+                         place_in_file(mask, Eigen::Vector4d(x[0], x[1], x[2], 1)),
                      "resample the image to smaller voxels before segmenting, or give a surface");
   }
 }
@@ -216,9 +228,11 @@ Mask read_mask(const std::string& path) {
     vtkNew<vtkMetaImageReader> reader;
     read(*reader);
   }
-  if (!(std::abs(mask.to_file.determinant()) > 1e-12))
-    throw InputError("the mask's header gives its voxels no volume", path, "determinant of the affine 0 or undefined",
-                     "export the mask again");
+  const double box = mask.to_file.topLeftCorner<3, 3>().colwise().norm().prod();
+  if (!(std::abs(mask.to_file.determinant()) > flattest * box))
+    throw InputError("the mask's header gives its voxels no volume", path,
+                     "voxels of " + std::to_string(mask.to_file.determinant()) + " in the cube of the file's unit",
+                     "export the mask again, with its voxels' edges and directions");
   check_labels(image, path);
   vtkNew<vtkImageCast> cast;
   cast->SetInputData(image);
@@ -239,9 +253,10 @@ vtkSmartPointer<vtkPolyData> surface_of_label(const Mask& mask, int label, const
   report_border(mask, chosen, repairs);
   vtkSmartPointer<vtkPolyData> surface = level_surface(indicator);
   if (surface->GetNumberOfPolys() == 0)
-    throw InputError("the lumen is too thin for the mask's voxels", path, "nowhere two voxels wide",
+    throw InputError("the lumen is too thin for the mask's voxels", path,
+                     "nowhere two voxels of " + std::to_string(longest_edge(mask)) + " wide, in the file's own unit",
                      "resample the image to smaller voxels before segmenting, or give a surface");
-  check_one_piece(surface, mask.to_file, path);
+  check_one_piece(surface, mask, path);
   vtkNew<vtkPoints> points;
   points->SetDataTypeToDouble();
   for (vtkIdType i = 0; i < surface->GetNumberOfPoints(); ++i) {
@@ -252,7 +267,7 @@ vtkSmartPointer<vtkPolyData> surface_of_label(const Mask& mask, int label, const
   surface->SetPoints(points);
   vtkNew<vtkDoubleArray> edge;
   edge->SetName(voxel_edge_array);
-  edge->InsertNextValue(mask.to_file.topLeftCorner<3, 3>().colwise().norm().maxCoeff());
+  edge->InsertNextValue(longest_edge(mask));
   surface->GetFieldData()->AddArray(edge);
   if (mask.to_file.determinant() < 0) // a frame of the other hand turns the triangles inward
     for (vtkIdType i = 0; i < surface->GetNumberOfCells(); ++i)

@@ -15,19 +15,21 @@ namespace {
 
 using common::InputError;
 using Fields = std::map<std::string, std::string>;
-constexpr std::size_t longest_line = 4096;
-constexpr int most_lines = 500;
-constexpr std::uintmax_t best_packing = 1100; // of deflate
+constexpr std::uintmax_t best_packing = 1100; // of deflate, whose own limit is 1032
+
+bool is_text(const std::string& line) {
+  return std::none_of(line.begin(), line.end(),
+                      [](unsigned char c) { return std::iscntrl(c) && c != '\t' && c != '\r'; });
+}
 
 // VTK's reader waits for ever for the empty line that ends a NRRD header, and at what is no text before it.
 void check_header_ends(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string line;
-  for (int n = 0; n < most_lines && std::getline(file, line) && line.size() < longest_line; ++n)
+  for (int n = 0; std::getline(file, line); ++n)
     if (line.empty() || line == "\r")
       return;
-    else if (std::any_of(line.begin(), line.end(),
-                         [](unsigned char c) { return std::iscntrl(c) && c != '\t' && c != '\r'; }))
+    else if (!is_text(line))
       throw InputError("the header of the mask cannot be read", path + ", line " + std::to_string(n + 1),
                        "a control character", "export the mask again");
   throw InputError("the header of the mask is incomplete", path, "no empty line ends it", "export the mask again");
@@ -38,7 +40,7 @@ Fields header_of(const std::string& path, char separator, const std::string& las
   std::ifstream file(path, std::ios::binary);
   Fields fields;
   std::string line;
-  for (int n = 0; n < most_lines && std::getline(file, line) && line.size() < longest_line; ++n) {
+  while (std::getline(file, line) && is_text(line)) {
     line.erase(std::remove(line.begin(), line.end(), '\r'), line.end());
     if (line.empty())
       break;
@@ -100,10 +102,9 @@ void check_length(const std::filesystem::path& header, const std::string& data, 
     throw InputError("the mask is incomplete", file.string(),
                      (error ? "no such file" : std::to_string(size) + " bytes") + ", the header promises " +
                          std::to_string(bytes),
-                     "export the mask again");
+                     error ? "keep the file of the voxels beside its header, or export both as one file (.nrrd, .mha)"
+                           : "copy or export the mask again");
 }
-
-constexpr double largest = 8192; // voxels along an axis
 
 // VTK's reader takes what a header lacks or has in a form of its own from memory, or waits for it.
 void check_nrrd_fields(const std::string& path, const Fields& fields) {
@@ -157,13 +158,14 @@ void check_nrrd_fields(const std::string& path, const Fields& fields) {
     check("endian", {"little", "big"});
   check("encoding", {"raw", "txt", "text", "ascii", "gz", "gzip"});
   for (const double n : numbers(field(fields, {"sizes"}), 3, "sizes", path))
-    if (!(n >= 1 && n <= largest && n == std::floor(n)))
+    if (!(n >= 1 && n <= largest_axis && n == std::floor(n)))
       throw InputError("the header of the mask cannot be read", path + ": sizes", field(fields, {"sizes"}),
-                       "give a three-dimensional image");
+                       "give a three-dimensional image of whole numbers of voxels, " + std::to_string(largest_axis) +
+                           " along an axis at most");
   const std::string data = trimmed(field(fields, {"data file", "datafile"}));
   if (data.empty() && path.ends_with(".nhdr"))
     throw InputError("the header of the mask cannot be read", path + ": data file", "missing",
-                     "name the file with the voxels");
+                     "name the file with the voxels there, or export the mask as one file (.nrrd)");
 }
 
 const std::vector<double> identity{1, 0, 0, 0, 1, 0, 0, 0, 1}, ones{1, 1, 1}, zeros{0, 0, 0};
@@ -173,10 +175,11 @@ const std::vector<double> identity{1, 0, 0, 0, 1, 0, 0, 0, 1}, ones{1, 1, 1}, ze
 Eigen::Matrix4d nrrd_affine(const std::string& path) {
   check_header_ends(path);
   const Fields fields = header_of(path, ':', "");
-  check_nrrd_fields(path, fields);
   if (numbers(field(fields, {"dimension"}), 1, "dimension", path)[0] != 3)
     throw InputError("the mask is not three-dimensional", path, "dimension" + field(fields, {"dimension"}),
-                     "give one scalar label for each voxel");
+                     "give one label for each voxel: in 3D Slicer export the segmentation to a labelmap volume and "
+                     "save that");
+  check_nrrd_fields(path, fields);
   const std::string directions = field(fields, {"space directions"}), origin = field(fields, {"space origin"}),
                     spacings = field(fields, {"spacings"});
   const auto at = origin.empty() ? zeros : numbers(origin, 3, "space origin", path);

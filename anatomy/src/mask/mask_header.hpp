@@ -6,6 +6,9 @@
 
 namespace anatomy {
 
+/// Most voxels along an axis: far above any scanner's, and the bytes of such a volume still hold in 64 bits.
+constexpr std::int64_t largest_axis = 65535;
+
 /// Voxel index to the file's frame of a NRRD header (space directions and origin, or spacings). Throws InputError where
 /// it is not three-dimensional, a line cannot be read, or a field is missing without which VTK's reader goes astray.
 Eigen::Matrix4d nrrd_affine(const std::string& path);

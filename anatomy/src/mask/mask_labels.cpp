@@ -12,6 +12,8 @@ namespace {
 using common::InputError;
 
 constexpr std::size_t most_named = 10; // labels in a message
+constexpr double largest_label = 2e9;  // labels are counted as int
+constexpr double fullest_image = 0.9;  // a vessel cropped as closely as can be leaves more: it fills pi / 4
 
 std::string known_labels(const std::map<int, vtkIdType>& counts) {
   std::string known;
@@ -24,12 +26,11 @@ std::string known_labels(const std::map<int, vtkIdType>& counts) {
   return known;
 }
 
-// A vessel leaves most of an image free, however closely it is cropped: pi / 4 of it at the most.
 void check_not_the_background(vtkIdType voxels, vtkIdType all, const std::string& path) {
-  if (voxels > 0.9 * static_cast<double>(all))
+  if (voxels > fullest_image * static_cast<double>(all))
     throw InputError("the label fills the image, as no vessel does", path,
                      std::to_string(voxels) + " of " + std::to_string(all) + " voxels",
-                     "give the lumen's label, with 0 outside it");
+                     "name the lumen's label (--label, label in a case file), with 0 outside it");
 }
 
 } // namespace
@@ -41,10 +42,16 @@ void check_labels(vtkImageData* image, const std::string& path) {
                      std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " + std::to_string(size[2]) +
                          " voxels of " + std::to_string(image->GetNumberOfScalarComponents()) + " components",
                      "give one scalar label for each voxel of a volume");
-  for (const double value : vtk::DataArrayValueRange<1>(image->GetPointData()->GetScalars()))
-    if (value != std::round(value) || std::abs(value) > 2e9)
-      throw InputError("the image is not a labelled mask", path, "a voxel of value " + std::to_string(value),
-                       "give whole numbers, 0 outside the lumen");
+  vtkIdType n = 0;
+  for (const double value : vtk::DataArrayValueRange<1>(image->GetPointData()->GetScalars())) {
+    if (value != std::round(value) || std::abs(value) > largest_label)
+      throw InputError("the image is not a labelled mask", path,
+                       "value " + std::to_string(value) + " at voxel " + std::to_string(n % size[0]) + ", " +
+                           std::to_string(n / size[0] % size[1]) + ", " + std::to_string(n / size[0] / size[1]) +
+                           " (the first is 0, 0, 0)",
+                       "save the segmentation as a labelmap: whole numbers, 0 outside the lumen");
+    ++n;
+  }
 }
 
 int chosen_label(vtkIntArray* labels, int label, const std::string& path) {
@@ -58,10 +65,11 @@ int chosen_label(vtkIntArray* labels, int label, const std::string& path) {
     return chosen;
   }
   if (counts.empty())
-    throw InputError("the mask is empty", path, "no voxel other than 0", "check the segmentation");
-  throw InputError(label == any_label ? "the mask has several labels" : "no such label in the mask", path,
-                   known_labels(counts),
-                   "name the lumen's by --label; of an image of the CT itself segment the lumen first");
+    throw InputError("the mask is empty", path, "no voxel other than 0",
+                     "save the segmentation with the lumen's voxels other than 0");
+  throw InputError(
+      label == any_label ? "the mask has several labels" : "no such label in the mask", path, known_labels(counts),
+      "name the lumen's (--label, label in a case file); an image of the CT itself goes in as lumen: {ct: ...}");
 }
 
 } // namespace anatomy

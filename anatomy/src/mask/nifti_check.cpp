@@ -1,5 +1,6 @@
 #include "mask/nifti_check.hpp"
 #include "common/error.hpp"
+#include "mask/mask_header.hpp"
 #include <array>
 #include <memory>
 #include <set>
@@ -10,7 +11,6 @@ namespace {
 
 using common::InputError;
 
-constexpr std::int64_t largest = 8192; // voxels along an axis
 const std::set<std::pair<std::int64_t, std::int64_t>> types{{2, 8},   {4, 16},   {8, 32},   {16, 32},   {64, 64},
                                                             {256, 8}, {512, 16}, {768, 32}, {1024, 64}, {1280, 64}};
 
@@ -49,7 +49,7 @@ void check_nifti_header(const std::string& path) {
     refuse("dim[0]", std::to_string(dimensions));
   for (std::int64_t k = 1; k <= 7; ++k) {
     const std::int64_t n = header.at(dim + static_cast<std::size_t>(k) * width, width);
-    if (k <= dimensions ? n < 1 || n > largest || (k > 3 && n != 1) : n > 1)
+    if (k <= dimensions ? n < 1 || n > largest_axis || (k > 3 && n != 1) : n > 1)
       refuse("dim[" + std::to_string(k) + "]", std::to_string(n));
   }
   const std::int64_t type = header.at(second ? 12 : 70, 2), bits = header.at(second ? 14 : 72, 2);

@@ -52,6 +52,18 @@ TEST_F(SurfaceFile, RefusesAnImplausibleScaleWithTheLikelyUnit) {
   EXPECT_NO_THROW(check_mean_radius(1.5, "mm", "file"));
 }
 
+// A stent's short tube and a heart with its aorta, a distal branch and an ectatic artery are just inside.
+TEST_F(SurfaceFile, KeepsWhatLiesJustInsideTheScale) {
+  EXPECT_EQ(message(octahedron(1.2), "mm"), ""); // diagonal 2 sqrt(3) R = 4.16 mm
+  EXPECT_NE(message(octahedron(1.1), "mm").find("expected 4 to 500 mm"), std::string::npos);
+  EXPECT_EQ(message(octahedron(144), "mm"), ""); // 498.8 mm
+  EXPECT_NE(message(octahedron(145), "mm").find("cut away what is no coronary artery"), std::string::npos);
+  EXPECT_NO_THROW(check_mean_radius(0.31, "mm", "file"));
+  EXPECT_THROW(check_mean_radius(0.29, "mm", "file"), common::InputError);
+  EXPECT_NO_THROW(check_mean_radius(5.9, "mm", "file"));
+  EXPECT_THROW(check_mean_radius(6.1, "mm", "file"), common::InputError);
+}
+
 TEST_F(SurfaceFile, RefusesWhatIsNotASurface) {
   EXPECT_NE(message(folder / "absent.stl", "mm").find("no such surface file"), std::string::npos);
   EXPECT_NE(message(octahedron(20, "o.xyz"), "mm").find(".xyz"), std::string::npos);
