@@ -9,6 +9,7 @@ from common.errors import InputError
 from .tables import MILLIMETRES
 
 SPACING_MM = 0.05
+FEWEST_POINTS = 4  # of a cubic curve
 KNOTS_MM = 3.0  # apart: a coronary bends over more than this, the jitter of a line through voxels over less
 
 
@@ -58,17 +59,21 @@ def read(path, units, number=None):
     poly = vtp.read(path, "a centreline in a .vtp file: lines that begin at the proximal end")
     found = vtp.lines(poly)
     if not found:
-        raise InputError("no lines in the centreline's file", path, "no line cells", "a polyline along the vessel")
+        remedy = "export the centreline as a line along the vessel (VMTK's centrelines are), not as points alone"
+        raise InputError("no lines in the centreline's file", path, "no line cells", remedy)
+    which = f"say which by line: 1 to {len(found)} (--line)"
     if number is None and len(found) > 1:
-        raise InputError(
-            "several lines to lay the pull-back on", path, f"{len(found)} lines", "say which: line: 1, 2, ..."
-        )
-    if number is not None and number > len(found):
-        raise InputError("no such line", path, number, f"1 to {len(found)}")
+        raise InputError("several lines to lay the pull-back on", path, f"{len(found)} lines", which)
+    if number is not None and not 1 <= number <= len(found):
+        raise InputError("no such line", path, f"line {number} of {len(found)}", which)
     points = vtp.points(poly)[found[(number or 1) - 1]] * MILLIMETRES[units]
+    if not np.isfinite(points).all():
+        value = f"point {int((~np.isfinite(points)).any(axis=1).argmax()) + 1} of line {number or 1}"
+        raise InputError("a point of the centreline is not finite", path, value, "remove it and export the line again")
     points = points[np.concatenate([[True], np.linalg.norm(np.diff(points, axis=0), axis=1) > 1e-6])]
-    if len(points) < 4 or not np.isfinite(points).all():
-        raise InputError("too few points on the centreline", path, len(points), "at least 4, finite")
+    if len(points) < FEWEST_POINTS:
+        remedy = f"at least {FEWEST_POINTS} points at different places, along the whole vessel"
+        raise InputError("too few points on the centreline", path, f"{len(points)} in line {number or 1}", remedy)
     return Line(points)
 
 

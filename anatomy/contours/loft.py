@@ -62,8 +62,9 @@ def _check_advance(rings_mm, names_mm):
     behind = np.einsum("ijk,ik->ij", step, normals).min(axis=1)
     if (behind <= 0).any():
         z = names_mm[int(behind.argmin())]
-        remedy = "a smoother centreline, or check its units and that the lumen's are the same"
-        raise InputError("the frames run into each other", f"z {z:.1f} mm", "the axis bends within the lumen", remedy)
+        value = f"the wall goes back by {-behind.min():.2g} mm: the centreline bends within the lumen"
+        remedy = "give a smoother centreline; check its units (centreline: units) and the tables' (units)"
+        raise InputError("the frames run into each other", f"z {z:.1f} mm", value, remedy)
 
 
 def _normal(ring):
@@ -108,4 +109,5 @@ def _check_closed(triangles):
     _, times = np.unique(edges, axis=0, return_counts=True)
     if (times != 2).any():
         value = f"{int((times != 2).sum())} loose edges"
-        raise ComputationError("the lofted lumen is not closed", "ends of the pull-back", value, "drop the end frames")
+        remedy = "leave out the first or the last frame, whose outline is doubtful: drop_frames or z_range_mm"
+        raise ComputationError("the lofted lumen is not closed", "ends of the pull-back", value, remedy)

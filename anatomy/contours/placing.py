@@ -10,6 +10,7 @@ from . import rings
 from .tables import centroid
 
 FARTHEST_MM = 3.0  # by which landmarks may disagree along the line: a frame is picked to within two or three
+NEAREST_MM = 0.2  # of a landmark to the axis: nearer, half a voxel of the CT in its place turns it by a right angle
 LARGEST_TURN_DEG = 45.0  # by which they may disagree about it: beyond, the tables are mirrored or the points mixed up
 
 
@@ -74,9 +75,8 @@ def on_line(pullback, line, landmark_points_mm=(), proximal_s_mm=None, rotation_
     first, last = shift - z[-1], shift - z[0]
     if first < -1e-6 or last > line.length_mm + 1e-6:
         value = f"frames from {first:.1f} to {last:.1f} mm along a line of {line.length_mm:.1f} mm"
-        raise InputError(
-            "the pull-back reaches beyond its centreline", "centreline", value, "z_range_mm, or a longer line"
-        )
+        remedy = "use fewer frames (z_range_mm), lay them elsewhere (proximal_s_mm, landmarks), or give a longer line"
+        raise InputError("the pull-back reaches beyond its centreline", "centreline", value, remedy)
 
     def lay(z_mm, points):
         across = (points - centre(z_mm)[:, None]) * flip
@@ -99,25 +99,29 @@ def _by_landmarks(pullback, line, points, centre, flip):
     """(s + z of the line, turn, report) from the landmarks of table and space."""
     if len(points) != len(pullback.landmarks):
         value = f"{len(points)} points for {len(pullback.landmarks)} landmarks"
-        raise InputError("landmarks without a partner", "landmark_points_mm", value, "a point for each, in their order")
+        raise InputError(
+            "landmarks without a partner", "landmark_points_mm", value, "a point for each of the table, in its order"
+        )
     z = np.array([mark[0] for mark in pullback.landmarks])
     low, high = pullback.z_mm[[0, -1]]
-    if (z < low - 1e-6).any() or (z > high + 1e-6).any():
-        value = f"z {z.min():.2f} to {z.max():.2f} mm, frames {low:.2f} to {high:.2f} mm"
-        raise InputError(
-            "a landmark outside the frames", "landmarks", value, "landmarks within the frames that are used"
-        )
+    outside = np.flatnonzero((z < low - 1e-6) | (z > high + 1e-6))
+    if outside.size:
+        first, last = sorted(pullback.sign * np.array([low, high]))
+        at = pullback.sign * z[outside[0]]
+        value = f"landmark {outside[0] + 1} at z {at:.2f} mm, frames {first:.2f} to {last:.2f} mm"
+        remedy = "widen z_range_mm, or leave the landmark and its point out"
+        raise InputError("a landmark outside the frames", "landmarks", value, remedy)
     sums = np.array([line.nearest(point) for point in points]) + z
     shift = float(sums.mean())
     across = (np.array([mark[1] for mark in pullback.landmarks]) - centre(z)) * flip
     place, tangent, one, two = line.place(np.clip(shift - z, 0, line.length_mm))
     away = points - place
     u, v = (away * one).sum(axis=1), (away * two).sum(axis=1)
-    if np.hypot(u, v).min() < 0.2 or np.linalg.norm(across, axis=1).min() < 0.2:
-        value = f"{min(np.hypot(u, v).min(), np.linalg.norm(across, axis=1).min()):.2f} mm from it"
-        raise InputError(
-            "a landmark on the axis tells no rotation", "landmarks", value, "a place on the wall or a branch"
-        )
+    for where, distance in (("landmark_points_mm", np.hypot(u, v)), ("landmarks", np.linalg.norm(across, axis=1))):
+        if distance.min() < NEAREST_MM:
+            value = f"landmark {distance.argmin() + 1}, {distance.min():.2f} mm from it"
+            remedy = f"a place on the wall or in a branch's mouth, {NEAREST_MM} mm or more from the lumen's centre"
+            raise InputError("a landmark on the axis tells no rotation", where, value, remedy)
     # x cos(turn) one - ...: an image angle a lies at -a - turn in the plane of (one, two), seen along the tangent
     angles = -np.arctan2(v, u) - np.arctan2(across[:, 1], across[:, 0])
     turn = float(np.angle(np.exp(1j * angles).mean()))
@@ -125,8 +129,11 @@ def _by_landmarks(pullback, line, points, centre, flip):
     along = np.abs(sums - shift)
     report = {"landmarks_differ_mm": float(along.max()), "landmarks_differ_deg": float(off.max())}
     if along.max() > FARTHEST_MM or off.max() > LARGEST_TURN_DEG:
-        value = f"{along.max():.1f} mm along the line, {off.max():.0f} degrees about it"
+        value = (
+            f"landmark {along.argmax() + 1} lies {along.max():.1f} mm off along the line,"
+            f" landmark {off.argmax() + 1} {off.max():.0f} degrees about it"
+        )
         limits = f"at most {FARTHEST_MM:g} mm and {LARGEST_TURN_DEG:g} degrees"
-        remedy = f"{limits}: the points' order, mirrored: true, or the line"
+        remedy = f"{limits}: check the points' order, mirrored (true where images are mirrored), and which line it is"
         raise InputError("landmarks contradict each other", "landmark_points_mm", value, remedy)
     return shift, turn, report

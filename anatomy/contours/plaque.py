@@ -37,7 +37,8 @@ def thickness(frames, ring_list, path, warnings):
         row[:] = thickness_of_frame(ring, frame.outer_wall)
         if row.min() < -CROSSING_MM:
             value = f"{-row.min():.2f} mm outside it"
-            remedy = "the outline of the outer wall (EEM) round that of the lumen, in the same coordinates"
+            remedy = "trace the outer wall (EEM) round the lumen, in the same coordinates, or leave the frame out"
+            remedy += f" (drop_frames: [{frame.name}])"
             raise InputError("the lumen runs outside the outer wall", f"{path}: frame {frame.name}", value, remedy)
     missing = [frame for frame in frames if frame.outer_wall is None]
     if missing:

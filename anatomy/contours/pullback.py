@@ -8,8 +8,9 @@ from common.errors import InputError
 
 from . import tables
 
-SAME_Z_MM = 0.01  # of one frame in two tables
-FEWEST_FRAMES = 3
+SAME_Z_MM = 0.01  # of one frame in two tables: they may be rounded to two decimals
+SAME_PLACE_MM = 0.005  # of two frames; drawn back at 0.5 mm/s, those of 60 frames a second are 0.008 mm apart
+FEWEST_FRAMES = 3  # two ends and what lies between them
 USUAL_GAP_MM = 2.0  # farther apart, the lumen between two frames is mostly interpolated
 
 
@@ -80,13 +81,15 @@ def read(files, units="mm", z_from="distal", z_range_mm=None, drop_frames=()):
 
 def _check_frames(lumen, path, warnings):
     if len(lumen) < FEWEST_FRAMES:
-        raise InputError("too few frames", path, len(lumen), f"at least {FEWEST_FRAMES} frames of the lumen")
+        remedy = f"at least {FEWEST_FRAMES} frames of the lumen within z_range_mm and not in drop_frames"
+        raise InputError("too few frames", path, f"{len(lumen)} are left to use", remedy)
     order = sorted(lumen, key=lambda name: lumen[name][0])
     for one, other in zip(order, order[1:]):
         gap = lumen[other][0] - lumen[one][0]
-        if gap < SAME_Z_MM:
+        if gap < SAME_PLACE_MM:
             value = f"frames {one} and {other} at z {lumen[one][0]:g} mm"
-            raise InputError("two frames at one place", path, value, "one phase of the heart, each frame once")
+            remedy = "one phase of the heart, each frame once; leave one out by drop_frames"
+            raise InputError("two frames at one place", path, value, remedy)
         if gap > USUAL_GAP_MM:
             warnings.append(
                 f"no frame between z {lumen[one][0]:.2f} and {lumen[other][0]:.2f} mm ({gap:.1f} mm): "
@@ -103,9 +106,8 @@ def _matched(files, what, units, frames, wanted, warnings):
             without.append(name)
         elif abs(z - frames[name].z_mm) > SAME_Z_MM:
             value = f"z {z:g} mm, in the lumen's table {frames[name].z_mm:g} mm"
-            raise InputError(
-                "one frame at two places", f"{path}: {what}, frame {name}", value, "tables of one pull-back"
-            )
+            remedy = "both tables from one pull-back, a frame's z the same in them"
+            raise InputError("one frame at two places", f"{path}: {what}, frame {name}", value, remedy)
         else:
             yield name, outline
     if without:

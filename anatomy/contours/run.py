@@ -79,24 +79,23 @@ def _plaque(pull, files, healthy_wall_mm, lumen):
     kinds = np.array([plaque.types_of_frame(frame, ring) for frame, ring in zip(frames, of_frames)])
     if not files.get("outer_wall"):
         if any(frame.regions for frame in frames):
-            raise InputError(
-                "calcium or lipid without an outer wall",
-                "outer_wall",
-                "missing",
-                "the outer wall (EEM) gives their depth",
-            )
-        pull.warnings.append("no outer wall: the plaque behind the lumen is estimated from its narrowing alone")
+            remedy = "give the outer wall's table (EEM), which tells their depth, or leave calcium and lipid out"
+            raise InputError("calcium or lipid without an outer wall", "outer_wall", "missing", remedy)
+        pull.warnings.append(
+            "no outer wall (outer_wall): the plaque behind the lumen is estimated from its narrowing alone"
+        )
         return {}, {"kinds": kinds}
     distance = plaque.thickness(frames, of_frames, files["outer_wall"], pull.warnings)
     traced = ~np.isnan(distance).any(axis=1)
     if not traced.any():
-        remedy = "frames named as in the lumen's table, at the same z"
-        raise InputError("no frame of the outer wall is one of the lumen", files["outer_wall"], "none", remedy)
+        remedy = "the first column names a frame alike in both tables; check z_range_mm and drop_frames"
+        value = f"frames of the lumen: {', '.join(str(frame.name) for frame in frames[:5])}, ..."
+        raise InputError("no frame of the outer wall is one of the lumen", files["outer_wall"], value, remedy)
     healthy = plaque.healthy_wall_mm(distance, healthy_wall_mm)
     if healthy_wall_mm == "auto" and distance[traced].mean(axis=1).min() > healthy:
         pull.warnings.append(
             f"no healthy frame: the thinnest wall has {distance[traced].mean(axis=1).min():.2f} mm; "
-            f"{healthy:.2f} mm of it are taken for the healthy wall"
+            f"{healthy:.2f} mm of it are taken for the healthy wall (healthy_wall_mm says otherwise)"
         )
     z = lumen["z_mm"]
     thickness = np.maximum(rings.between(pull.z_mm[traced], distance[traced])(z) - healthy, 0)

@@ -11,7 +11,7 @@ from common.files import replacing
 
 MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 0.001}
 FEWEST_POINTS = 8  # of an outline: fewer do not tell a round lumen from a square one
-PLANE_MM = 0.001  # scatter of z within a frame
+PLANE_MM = 0.01  # scatter of z within a frame: coordinates may be rounded to two decimals, or turned to and fro
 WIDEST_MM = 15.0  # coronary arteries with ectasia stay below; image pixels do not
 LEAST_AREA_MM2 = 0.03  # a tenth of a millimetre in radius: below what the catheter itself takes up
 
@@ -94,13 +94,13 @@ def _name(frame):
 def _outline(rows, where):
     if np.ptp(rows[:, 3]) > PLANE_MM:
         value = f"z from {rows[:, 3].min():g} to {rows[:, 3].max():g} mm"
-        raise InputError("a frame's points do not lie in one plane", where, value, "one z for each frame, points once")
+        remedy = "one z for each frame, its way in the pull-back; contours that lie in space go in as a surface"
+        raise InputError("a frame's points do not lie in one plane", where, value, remedy)
     points = rows[:, 1:3]
     points = points[np.linalg.norm(points - np.roll(points, 1, axis=0), axis=1) > 1e-6]
     if len(points) < FEWEST_POINTS:
-        raise InputError(
-            "too few points for an outline", where, len(points), f"at least {FEWEST_POINTS} different ones"
-        )
+        remedy = f"at least {FEWEST_POINTS} different ones, or leave the frame out (drop_frames)"
+        raise InputError("too few points for an outline", where, len(points), remedy)
     size = np.ptp(points, axis=0).max()
     if size > WIDEST_MM:
         remedy = f"at most {WIDEST_MM:g} mm: image pixels must be multiplied by their size, and units declared"
@@ -108,7 +108,9 @@ def _outline(rows, where):
     crossing = _crossing(points)
     if crossing is not None:
         place = np.round(crossing, 3).tolist()
-        raise InputError("the outline crosses itself", where, f"at x, y = {place} mm", "trace the frame again")
+        raise InputError(
+            "the outline crosses itself", where, f"at x, y = {place} mm", "trace the frame again, or drop_frames"
+        )
     area = area_mm2(points)
     if abs(area) < LEAST_AREA_MM2:
         remedy = f"at least {LEAST_AREA_MM2} mm2: check units, or leave out what is no outline"

@@ -71,13 +71,14 @@ def test_refuses_what_is_no_table_of_outlines(table, tmp_path):
         "cross": ({**good, 13: (1.0, figure_of_eight)}, "crosses itself"),
         "few": ({**good, 13: (1.0, circle(1.5, 7))}, "too few points"),
         "pixels": ({name: (z, 30 * outline) for name, (z, outline) in good.items()}, "too wide"),
+        "wider than any": ({**good, 13: (1.0, circle(7.6))}, "15.2 mm"),
         "speck": ({**good, 13: (1.0, circle(0.09))}, "hardly any area"),
     }
     for frames, what in broken.values():
         with pytest.raises(InputError, match=what):
             tables.read_outlines(table(frames), "mm", "lumen")
-    # just inside: eight points, an ectatic artery of 14 mm, a lumen of 0.2 mm
-    inside = {1: (0.0, eight), 2: (1.0, circle(7.0)), 3: (2.0, circle(0.1))}
+    # just inside: eight points, an aneurysm of 14.8 mm, a lumen of 0.2 mm
+    inside = {1: (0.0, eight), 2: (1.0, circle(7.4)), 3: (2.0, circle(0.1))}
     assert len(tables.read_outlines(table(inside), "mm", "lumen")) == 3
     path = tmp_path / "words.csv"
     path.write_text("1,2,3,4\n1,2,3\n")
@@ -101,6 +102,36 @@ def test_frames_that_cannot_be_one_pull_back_are_refused(table):
     moved = {name: (z + 0.5, outline) for name, (z, outline) in tube([1.8] * 3).items()}
     with pytest.raises(InputError, match="one frame at two places"):
         pullback.read({"lumen": table(tube([1.5] * 3)), "outer_wall": table(moved, "wall.csv")})
+
+
+def test_frames_of_a_fast_catheter_and_rounded_tables_are_one_pull_back(table):
+    """60 frames a second drawn back at 0.5 mm/s; z rounded to two decimals in one table and within a frame."""
+    fast = {k: (k / 120, circle(1.5)) for k in range(3)}
+    assert len(pullback.read({"lumen": table(fast)}).frames) == 3
+    close = {k: (0.004 * k, circle(1.5)) for k in range(3)}
+    with pytest.raises(InputError, match="(?s)two frames at one place.*drop_frames"):
+        pullback.read({"lumen": table(close)})
+    for shift, same in ((0.009, True), (0.011, False)):
+        walls = {name: (z + shift, outline) for name, (z, outline) in tube([1.8] * 3).items()}
+        files = {"lumen": table(tube([1.5] * 3)), "outer_wall": table(walls, "wall.csv")}
+        if same:
+            assert all(frame.outer_wall is not None for frame in pullback.read(files).frames)
+        else:
+            with pytest.raises(InputError, match="one frame at two places"):
+                pullback.read(files)
+
+
+def test_a_frame_lies_in_one_plane_but_for_rounding(table):
+    path = table(tube([1.5, 1.4, 1.5]))
+    lines = path.read_text().splitlines()
+    for off, plane in ((0.009, True), (0.011, False)):
+        frame, x, y, z = lines[70].split(",")
+        path.write_text("\n".join([*lines[:70], f"{frame},{x},{y},{float(z) + off}", *lines[71:]]))
+        if plane:
+            assert len(tables.read_outlines(path, "mm", "lumen")) == 3
+        else:
+            with pytest.raises(InputError, match="(?s)do not lie in one plane.*frame 13.*1 to 1.011 mm"):
+                tables.read_outlines(path, "mm", "lumen")
 
 
 def test_frames_are_ordered_from_distal_to_proximal(table):
@@ -174,11 +205,11 @@ def test_outer_wall_that_is_missing_in_a_frame_is_interpolated(table, tmp_path):
 
 
 def test_a_lumen_outside_its_outer_wall_is_refused(table, tmp_path):
-    files = {"lumen": table(tube([1.5] * 3)), "outer_wall": table(tube([1.7, 1.35, 1.7]), "wall.csv")}
+    files = {"lumen": table(tube([1.5] * 3)), "outer_wall": table(tube([1.7, 1.39, 1.7]), "wall.csv")}
     with pytest.raises(InputError, match="outside the outer wall"):
         run.run(files, tmp_path / "out")
     assert not (tmp_path / "out" / "lumen.vtp").exists()
-    files["outer_wall"] = table(tube([1.7, 1.45, 1.7]), "wall.csv")  # hand-drawn lines that cross by 0.05 mm
+    files["outer_wall"] = table(tube([1.7, 1.41, 1.7]), "wall.csv")  # hand-drawn lines that cross by 0.09 mm
     run.run(files, tmp_path / "out")
 
 
