@@ -1,16 +1,47 @@
 #include "vci/procedure/region.hpp"
+#include "vci/geometry/axis_search.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace vci {
 
+namespace {
+
+/// The branch whose axis is nearest to each point, and the place there. Flat lumens are many times as wide as the
+/// sphere within them: their far walls belong to their branch all the same.
+std::vector<std::pair<std::string, double>> places(const Vectors& points, const std::map<std::string, Path>& paths) {
+  std::map<std::string, AxisSearch> axes;
+  for (const auto& [name, path] : paths)
+    axes.emplace(name, AxisSearch(path));
+  std::vector<std::pair<std::string, double>> found;
+  for (const Vec3& p : points) {
+    double distance = 1e300;
+    found.emplace_back();
+    for (auto& [name, axis] : axes) {
+      const AxisPlace place = axis.nearest(p);
+      if (const double d = (p - place.point).norm(); d < distance) {
+        distance = d;
+        found.back() = {name, place.s};
+      }
+    }
+  }
+  return found;
+}
+
+} // namespace
+
 std::vector<char> region_of_interest(const Lumen& lumen, const Scene& scene, const std::map<std::string, Path>& paths) {
   std::vector<char> free(lumen.points.size(), 0);
+  const auto on = places(lumen.points, paths);
   for (const Step& step : scene.procedure)
     for (const Placement& p : step.devices) {
       const double half =
           0.5 * scene.opened_length(p.device) + scene.balloon(p.device).shoulder + scene.numerics.region_margin;
       const Path& path = paths.at(p.branch);
+      for (std::size_t v = 0; v < lumen.points.size(); ++v)
+        if (on[v].first == p.branch && std::abs(on[v].second - p.centre_s) < half)
+          free[v] = 1;
       for (double s = p.centre_s - half; s <= p.centre_s + half; s += 0.5) {
         const Vec3 centre = path.at(s);
         for (std::size_t v = 0; v < lumen.points.size(); ++v) {
