@@ -15,6 +15,7 @@ from common.implicit.curves import Curve
 SEED_RADIUS_MM = 0.6
 # Shares of the blood's CT number: above the first a voxel may be crossed, above the second it counts as lumen.
 PASSABLE, LUMEN = 0.2, 0.5
+OUTSIDE = "give the end points in mm, in the volume's own coordinates"
 BRIGHT = 1.15  # calcium and metal are brighter than this share
 SMOOTHING_MM = 0.15
 
@@ -34,7 +35,7 @@ def blood_hu(image, inlet_mm):
     index, inside = image.index(inlet_mm)
     if not inside:
         place = np.round(inlet_mm, 2).tolist()
-        raise InputError("the end point lies outside the image", "inlet", place, "same frame, mm")
+        raise InputError("the end point lies outside the image", "inlet", f"{place} mm", OUTSIDE)
     box = tuple(slice(max(i - r, 0), i + r + 1) for i, r in zip(index, reach))
     centres = np.stack(np.meshgrid(*[image.centres(k)[box[k]] for k in range(3)], indexing="ij"), axis=-1)
     ball = np.linalg.norm(centres - inlet_mm, axis=-1) <= SEED_RADIUS_MM
@@ -78,12 +79,12 @@ def find(image, ends):
     parts, _ = label(np.isfinite(cost), np.ones((3, 3, 3)))
     for (name, _), seed in zip(ends, seeds):
         if parts[seed] != parts[seeds[0]]:
-            raise ComputationError(
-                "no way through the contrast from the inlet",
-                name,
-                "occluded, or another vessel",
-                "check the end points",
+            value = f"nowhere more than {PASSABLE:g} of the blood's {blood:.0f} HU all the way"
+            remedy = (
+                "check that the point lies in the inlet's vessel; end an occluded one before its occlusion, or give"
             )
+            remedy += " a centreline (ct: centreline, --centreline)"
+            raise ComputationError("no way through the contrast from the inlet", name, value, remedy)
     cost[parts != parts[seeds[0]]] = np.inf
     graph, cells = _graph(cost, image.spacing_mm)
     place = {cell: number for number, cell in enumerate(cells)}
@@ -103,13 +104,14 @@ def _seed(image, smooth, name, centre, blood):
     index, inside = image.index(np.asarray(centre, float))
     if not inside:
         place = np.round(centre, 2).tolist()
-        raise InputError("the end point lies outside the image", name, place, "same frame, mm")
+        raise InputError("the end point lies outside the image", name, f"{place} mm", OUTSIDE)
     box = tuple(slice(max(i - 1, 0), i + 2) for i in index)
     best = np.unravel_index(np.argmax(smooth[box]), smooth[box].shape)
     seed = tuple(int(s.start + b) for s, b in zip(box, best))
     if smooth[seed] < LUMEN * blood:
         value = f"{smooth[seed]:.0f} HU where blood is {blood:.0f}"
-        raise InputError("the end point is not in a contrast-filled vessel", name, value, "put it on the vessel's axis")
+        remedy = f"put it on the vessel's axis, where at least {LUMEN:g} of the blood's HU are; the inlet's too"
+        raise InputError("the end point is not in a contrast-filled vessel", name, value, remedy)
     return seed
 
 

@@ -18,7 +18,9 @@ from .tubes import LevelField, Tube, TubeField
 SCHEMA = "vci-segmentation-1"
 CENTRINGS = 3
 USUAL_FWHM_MM = 0.7
-CLOSEST_MM = 1.0  # two end points
+CLOSEST_MM = 1.0  # two end points: no vessel is that short, nearer ones are one end given twice
+FARTHEST_MM = 2.0  # a line's end from its end point: about a vessel's radius, both being picked by hand
+FEWEST_OUTSIDE = 5  # sections of a branch outside its parent, through which its radii are fitted
 MARGIN_MM = 30.0  # of the part of the volume that is looked at round the end points: vessels bow out between them
 
 
@@ -26,7 +28,7 @@ def load_ends(path):
     """[(name, centre (3,))] of a JSON file with `ends [{name, centre_mm}]`, the inlet first. Raises InputError."""
     path = pathlib.Path(path)
     if not path.is_file():
-        raise InputError("no such file", path, "missing", "give the vessels' end points as JSON")
+        raise InputError("no such file", path, "missing", "give the vessels' end points as JSON (--ends)")
     try:
         document = json.loads(path.read_text())
     except ValueError as error:
@@ -43,7 +45,8 @@ def checked_ends(given, where):
     """[(name, centre (3,))] of pairs of name and point. Raises InputError for what is no point, or names one twice."""
     found = []
     if len(given) < 2:
-        raise InputError("too few end points", f"{where}: ends", len(given), "the inlet first, then each outlet")
+        remedy = "at least two: the inlet first, then an outlet for each branch"
+        raise InputError("too few end points", f"{where}: ends", len(given), remedy)
     for number, (name, centre) in enumerate(given, start=1):
         key = f"{where}: ends[{number}]"
         good = isinstance(centre, list) and len(centre) == 3 and all(type(x) in (int, float) for x in centre)
@@ -70,6 +73,7 @@ def run(image_path, ends, out, settings_path=None, centreline_path=None, series=
     settings = config.load_section(settings_path, "ct")["segmentation"]
     volume = volumes.read(image_path, series)
     given = vtp.read_named_lines(centreline_path, "the anatomy's centreline.vtp") if centreline_path else None
+    _check_inside(volume, ends)
     inside = [(name, volume.to_image(centre)) for name, centre in ends]
     given = {name: volume.to_image(points) for name, points in given.items()} if given else None
     image = volume.image.cropped(np.array([centre for _, centre in inside]), MARGIN_MM)
@@ -88,14 +92,32 @@ def run(image_path, ends, out, settings_path=None, centreline_path=None, series=
     return document
 
 
+def _check_inside(volume, ends):
+    """Raises InputError for an end point outside the volume, in the user's own coordinates."""
+    corners = volume.image.origin_mm + volume.image.spacing_mm * [
+        np.array(corner) * (np.array(volume.image.values.shape) - 1) for corner in np.ndindex(2, 2, 2)
+    ]
+    corners = volume.to_patient(corners)
+    low, high = (np.round(bound(corners, axis=0), 1).tolist() for bound in (np.min, np.max))
+    for name, centre in ends:
+        if not volume.image.index(volume.to_image(centre))[1]:
+            value = f"{np.round(centre, 2).tolist()} mm, the volume reaches from {low} to {high}"
+            remedy = f"{paths.OUTSIDE} ({volumes.FRAMES})"
+            raise InputError("the end point lies outside the image", name, value, remedy)
+
+
 def _given_lines(given, ends):
-    """Lines of the user's centreline; every end point must lie within 2 mm of a line's end."""
+    """Lines of the user's centreline; every line must end within FARTHEST_MM of an outlet's point."""
     lines, axes = [], {name: paths.smoothed(points, 0.01) for name, points in given.items()}
     names = list(axes)
     for rank, (name, axis) in enumerate(axes.items()):
         miss = [np.linalg.norm(axis.points_mm[-1] - centre) for _, centre in ends[1:]]
-        if min(miss) > 2:
-            raise InputError("the centreline ends away from every end point", name, f"{min(miss):.1f} mm", "same frame")
+        if min(miss) > FARTHEST_MM:
+            remedy = (
+                f"each line from the inlet on to within {FARTHEST_MM:g} mm of an outlet's point, in the volume's own"
+            )
+            remedy += f" coordinates ({volumes.FRAMES})"
+            raise InputError("the centreline ends away from every end point", name, f"{min(miss):.1f} mm", remedy)
         start = axis.points_mm[0]
         away = [np.linalg.norm(axes[other].point(axes[other].nearest(start[None])) - start) for other in names[:rank]]
         lines.append(paths.Line(axis, int(np.argmin(away)) if rank else -1, int(np.argmin(miss)) + 1))
@@ -166,13 +188,11 @@ def _tube(at, line, parent, method, blood, sigma_mm, spacing_mm, rays):
     radii, bad = edges.find(profiles, method, blood, sigma_mm)
     if parent is not None:
         inside = _within_parent(line.axis, profiles.s_mm, parent)
-        if inside >= len(radii) - 4:
-            raise ComputationError(
-                "a branch hardly leaves its parent",
-                "end point",
-                np.round(line.axis.points_mm[-1], 1).tolist(),
-                "move it away from the parent",
-            )
+        if len(radii) - inside < FEWEST_OUTSIDE:
+            step = profiles.s_mm[1]
+            value = f"{step * (len(radii) - inside):.1f} mm of it outside, {step * FEWEST_OUTSIDE:.1f} mm are needed"
+            remedy = "move its end point along the branch, away from the parent, or leave the branch out"
+            raise ComputationError("a branch hardly leaves its parent", f"end point {line.end + 1}", value, remedy)
         # Read again from outside the parent, so that no filter mixes in what lies within it.
         outside = edges.Profiles(
             profiles.s_mm[inside:],
@@ -189,12 +209,13 @@ def _tube(at, line, parent, method, blood, sigma_mm, spacing_mm, rays):
 
 
 def _within_parent(axis, s_mm, parent):
-    """Number of leading sections whose rays would run into the parent."""
+    """Number of leading sections whose rays would run into the parent: all where the branch never leaves it."""
     points = axis.point(s_mm)
     on_parent = parent.axis.nearest(points)
     away = np.linalg.norm(points - parent.axis.point(on_parent), axis=1)
     # A section is clear of the parent when its own disc is, at a usual branching angle and radius.
-    return int(np.argmax(away > 1.35 * parent.radius(on_parent) + 0.3))
+    clear = away > 1.35 * parent.radius(on_parent) + 0.3
+    return int(np.argmax(clear)) if clear.any() else len(s_mm)
 
 
 def _centred(tube, parent):

@@ -10,10 +10,12 @@ import pydicom
 from common.errors import InputError
 from common.volume import Image
 
-SKEW = 1e-3  # cosine between two voxel axes: a tilted gantry's are far above it
-UNEVEN = 0.02  # of the slices' distance
+SKEW = 1e-3  # cosine between two voxel axes: 0.2 mm over a heart; a tilted gantry's are far above it
+UNEVEN = 0.25  # of the slices' distance, by which one may lie off its even place: positions rounded to 0.1 mm do less
+SAME_PLACE_MM, ALIKE = 1e-3, 1e-3  # of two images; of directions, mm and pixels: what rounding in a header makes
 FEWEST_SLICES = 10  # of a series that can hold a vessel: scouts and dose reports have fewer
 AIR_AND_FAT_HU = 0.0  # a hundredth of the voxels round any heart are below water
+FRAMES = "right-anterior-superior for NIfTI, left-posterior-superior for DICOM: x and y change sign between them"
 LENGTHS = {"meter": 1000.0, "mm": 1.0, "micron": 0.001, "unknown": 1.0}
 
 
@@ -50,13 +52,14 @@ def read(path, series=None):
     else:
         raise InputError("no such CT volume", path, "missing", "a NIfTI file, or a folder with a DICOM series")
     if not np.isfinite(values).all():
-        raise InputError(
-            "a CT number is not finite", path, f"{int((~np.isfinite(values)).sum())} voxels", "export it again"
-        )
+        count = int((~np.isfinite(values)).sum())
+        raise InputError("a CT number is not finite", path, f"{count} voxels", "export the volume again, as integers")
     lowest = float(np.percentile(values[::2, ::2, ::2], 1))
     if lowest > AIR_AND_FAT_HU:
-        remedy = "CT numbers in HU: the rescale intercept (often -1024) is missing, or it is no CT"
-        raise InputError("no CT numbers", path, f"a hundredth of the voxels below {lowest:.0f} only", remedy)
+        remedy = "give CT numbers in HU: the rescale intercept (often -1024) is missing, or it is no CT;"
+        remedy += " a volume cropped to blood and muscle alone needs some fat or lung round it"
+        value = f"only a hundredth of the voxels lie below {lowest:.0f} HU: no fat, no air"
+        raise InputError("no CT numbers", path, value, remedy)
     return _along_axes(values, affine, path)
 
 
@@ -65,11 +68,14 @@ def _along_axes(values, affine, path):
     as near to the patient's as they can be, which moves no voxel."""
     spacing = np.linalg.norm(affine[:3, :3], axis=0)
     if not (spacing > 0).all() or not np.isfinite(affine).all():
-        raise InputError("the volume has no place in space", path, affine[:3].tolist(), "export it with one")
+        remedy = "export it with the position and direction of its voxels"
+        raise InputError("the volume has no place in space", path, affine[:3].tolist(), remedy)
     axes = affine[:3, :3] / spacing
-    if np.abs(axes.T @ axes - np.eye(3)).max() > SKEW:
-        remedy = "resample it to a rectangular grid: the gantry was tilted"
-        raise InputError("the voxel axes are not at right angles", path, np.round(axes, 4).tolist(), remedy)
+    skew = np.abs(axes.T @ axes - np.eye(3)).max()
+    if skew > SKEW:
+        value = f"{np.degrees(np.arcsin(min(skew, 1))):.2f} degrees off"
+        remedy = "resample it to a rectangular grid (dcm2niix and 3D Slicer do): the gantry was tilted"
+        raise InputError("the voxel axes are not at right angles", path, value, remedy)
     order = nibabel.orientations.io_orientation(affine)
     turned = nibabel.orientations.apply_orientation(values, order)
     affine = affine @ nibabel.orientations.inv_ornt_aff(order, values.shape)
@@ -97,12 +103,13 @@ def _nifti(path):
         raise InputError("the volume is cut off or damaged", path, error, "copy or export it again") from error
     values = values[..., 0] if values.ndim == 4 and values.shape[3] == 1 else values
     if values.ndim != 3 or min(values.shape) < 2:
-        raise InputError(
-            "not a volume of one CT number a voxel", path, list(values.shape), "one phase, three dimensions"
-        )
+        remedy = "export one phase alone, as a volume of three dimensions"
+        raise InputError("not a volume of one CT number a voxel", path, f"voxels {list(values.shape)}", remedy)
     header = found.header
     if header["sform_code"] == 0 and header["qform_code"] == 0:
-        raise InputError("the volume has no place in space", f"{path}: qform, sform", "absent", "export it with one")
+        raise InputError(
+            "the volume has no place in space", f"{path}: qform, sform", "absent", "export it with one of them"
+        )
     scale = np.diag([LENGTHS[header.get_xyzt_units()[0]]] * 3 + [1.0])
     return values, scale @ found.affine
 
@@ -125,7 +132,7 @@ def _dicom(folder, wanted):
         found = {uid: slices for uid, slices in found.items() if uid == wanted}
     if len(found) != 1:
         names = [f"{uid} ({s[0][1].get('SeriesDescription', '')}, {len(s)} images)" for uid, s in by_series.items()]
-        remedy = f"a folder with one series of {FEWEST_SLICES} images or more, or its UID as series"
+        remedy = f"a folder with one series of {FEWEST_SLICES} images or more, or name its UID (ct: series, --series)"
         what = (
             "several series in the folder" if found else "no such series" if wanted else "no DICOM series in the folder"
         )
@@ -137,21 +144,28 @@ def _stacked(slices, folder):
     heads = [head for _, head in slices]
     if heads[0].get("Modality") != "CT":
         raise InputError("not a CT series", folder, heads[0].get("Modality"), "a CT angiogram")
+    names = [*["ImageOrientationPatient"] * 6, *["PixelSpacing"] * 2, "Rows", "Columns"]
     geometry = [(*map(float, h.ImageOrientationPatient), *map(float, h.PixelSpacing), h.Rows, h.Columns) for h in heads]
-    if np.ptp(np.array(geometry, float), axis=0).max() > 1e-3:
-        raise InputError("the images of the series differ in size or direction", folder, "", "one reconstruction")
+    lowest, highest = np.min(geometry, axis=0), np.max(geometry, axis=0)
+    if (highest - lowest).max() > ALIKE:
+        k = int((highest - lowest).argmax())
+        value, remedy = f"{names[k]} from {lowest[k]:g} to {highest[k]:g}", "a folder with one reconstruction alone"
+        raise InputError("the images of the series differ in size or direction", folder, value, remedy)
     along_row, along_column = np.array(geometry[0][:3]), np.array(geometry[0][3:6])
     normal = np.cross(along_row, along_column)
     place = np.array([[float(x) for x in h.ImagePositionPatient] for h in heads])
     order = np.argsort(place @ normal)
     place, steps = place[order], np.diff((place @ normal)[order])
-    if steps.min() < 1e-3:
-        value = f"{int((steps < 1e-3).sum()) + 1} images at one place"
-        raise InputError("several images of one slice", folder, value, "a folder with one phase of the heart")
-    if np.ptp(steps) > UNEVEN * np.median(steps):
+    if steps.min() < SAME_PLACE_MM:
+        at = np.round(place[int(steps.argmin())], 2).tolist()
+        value = f"{int((steps < SAME_PLACE_MM).sum())} images lie where another does, the first at {at} mm"
+        raise InputError("several images of one slice", folder, value, "a folder with one phase of the heart alone")
+    off = np.concatenate([[0], np.cumsum(steps - steps.mean())])
+    if np.abs(off).max() > UNEVEN * np.median(steps):
         at = int(np.abs(steps - np.median(steps)).argmax())
-        value = f"{steps[at]:.3f} mm after image {at + 1}, else {np.median(steps):.3f} mm"
-        raise InputError("the slices are not evenly apart", folder, value, "the whole series: an image is missing")
+        value = f"{steps[at]:.3f} mm after image {at + 1} along the series, else {np.median(steps):.3f} mm"
+        remedy = "the whole series, evenly reconstructed: an image is missing, or there are two slice distances"
+        raise InputError("the slices are not evenly apart", folder, value, remedy)
     values = np.stack([_pixels(slices[k][0]).T for k in order], axis=2)
     affine = np.eye(4)
     rows_apart, columns_apart = geometry[0][6:8]

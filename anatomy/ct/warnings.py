@@ -23,7 +23,7 @@ def find(lines, tubes, profiles, ends, blood_hu, settings, point_spread_assumed)
                     profile.s_mm[[a, b - 1]],
                     least,
                     f"contrast on the axis falls to {least:.2f} of the blood's (limit"
-                    f" {settings['occluded_below']}): too narrow a throat for this image; its radius is a guess",
+                    f" {settings['occluded_below']}): the throat is too narrow for this image, its radius a guess",
                 )
             )
         reach = tube.radii_mm[..., None] + NEAR_MM
@@ -43,12 +43,12 @@ def find(lines, tubes, profiles, ends, blood_hu, settings, point_spread_assumed)
             )
         miss = float(np.linalg.norm(tube.axis.points_mm[-1] - ends[line.end][1]))
         if miss > 0.5:
-            message = f"the axis ends {miss:.2f} mm from the end point {ends[line.end][0]}"
+            message = f"the axis ends {miss:.2f} mm from the end point {ends[line.end][0]}: does it lie on the axis?"
             found.append(_entry("end_off_axis", tube, [tube.axis.length_mm] * 2, miss, message))
     found += _widening(tubes[0])
     found += _close_pairs(lines, tubes)
     if point_spread_assumed and settings["psf_fwhm_mm"] == "auto" and settings["method"] == "psf_edge":
-        message = "no section wide enough to measure the point spread; 0.7 mm is assumed"
+        message = "no section wide enough to measure the point spread; 0.7 mm is assumed (psf_fwhm_mm gives it)"
         found.append(_entry("point_spread_assumed", tubes[0], [0.0, tubes[0].axis.length_mm], 0.7, message))
     return found
 
@@ -99,7 +99,7 @@ def _close_pairs(lines, tubes):
             if near:
                 at = first.s_mm[[near[0][0], near[-1][0]]]
                 least = float(min(gap for _, gap in near))
-                message = f"within {max(least, 0):.2f} mm of {second.name}: the image may have merged them"
+                message = f"within {max(least, 0):.2f} mm of {second.name}: the image may have merged them, look there"
                 found.append(_entry("close_vessels", first, at, least, message))
     return found
 

@@ -158,6 +158,70 @@ def test_incomplete_or_unfit_series_are_refused(volume, tmp_path):
         volumes.read(tmp_path / "empty")
 
 
+def test_positions_rounded_to_a_tenth_of_a_millimetre_are_even(volume, tmp_path):
+    """Slices 0.45 mm apart, written 0.4 and 0.5 apart; those that alternate by more are no even series."""
+    affine = oblique()
+    affine[2, 2] = 0.45
+    for extra, even in ((0.0, True), (0.3, False)):
+        folder = tmp_path / f"series{extra}"
+        write_series(folder, volume.values, affine, names=[f"{k:02d}" for k in range(16)])
+        for k in range(16):
+            image_of = pydicom.dcmread(folder / f"{k:02d}")
+            x, y, z = image_of.ImagePositionPatient
+            image_of.ImagePositionPatient = [x, y, f"{np.floor(10 * float(z) + 0.5) / 10 + extra * (k > 8):.1f}"]
+            image_of.save_as(folder / f"{k:02d}")
+        if even:
+            assert volumes.read(folder).image.spacing_mm[2] == pytest.approx(0.45, abs=0.01)
+        else:
+            with pytest.raises(InputError, match="(?s)not evenly apart.*after image 9"):
+                volumes.read(folder)
+
+
+def test_ten_images_are_a_series(volume, tmp_path):
+    write_series(tmp_path / "ten", volume.values[..., :10], oblique())
+    assert volumes.read(tmp_path / "ten").image.values.shape[2] == 10
+    write_series(tmp_path / "nine", volume.values[..., :9], oblique())
+    with pytest.raises(InputError, match="(?s)no DICOM series.*9 images.*10 images or more"):
+        volumes.read(tmp_path / "nine")
+
+
+def test_images_of_two_reconstructions_are_told_apart_by_what_differs(volume, tmp_path):
+    uid = write_series(tmp_path / "mixed", volume.values, oblique(), names=[f"{k:02d}" for k in range(16)])
+    for spacing, alike in (("0.4005", True), ("0.42", False)):
+        one = pydicom.dcmread(tmp_path / "mixed" / "03")
+        one.PixelSpacing = [spacing, "0.35"]
+        one.save_as(tmp_path / "mixed" / "03")
+        if alike:
+            assert volumes.read(tmp_path / "mixed", uid).image.values.shape[2] == 16
+        else:
+            with pytest.raises(InputError, match="PixelSpacing from 0.4 to 0.42"):
+                volumes.read(tmp_path / "mixed")
+
+
+@pytest.mark.parametrize("tilt, straight", [(0.0009, True), (0.0012, False)])
+def test_axes_may_be_off_by_what_moves_no_vessel(volume, tmp_path, tilt, straight):
+    affine = np.diag([*SPACING, 1.0])
+    affine[0, 2] = tilt * SPACING[2]
+    nibabel.save(nibabel.Nifti1Image(volume.values, affine), tmp_path / "ct.nii")
+    if straight:
+        assert volumes.read(tmp_path / "ct.nii").image.spacing_mm == pytest.approx(SPACING, rel=1e-4)
+    else:
+        with pytest.raises(InputError, match="(?s)right angles.*0.07 degrees off.*dcm2niix"):
+            volumes.read(tmp_path / "ct.nii")
+
+
+@pytest.mark.parametrize("fat, enough", [(0.02, True), (0.005, False)])
+def test_a_closely_cropped_heart_has_a_hundredth_of_fat(volume, tmp_path, fat, enough):
+    values = np.full((20, 20, 25), 60, np.float32)
+    values.flat[np.random.default_rng(1).permutation(values.size)[: int(fat * values.size)]] = -80
+    nibabel.save(nibabel.Nifti1Image(values, np.diag([*SPACING, 1.0])), tmp_path / "ct.nii")
+    if enough:
+        volumes.read(tmp_path / "ct.nii")
+    else:
+        with pytest.raises(InputError, match="(?s)no CT numbers.*below 60 HU.*cropped"):
+            volumes.read(tmp_path / "ct.nii")
+
+
 def test_what_is_no_volume_is_refused(volume, tmp_path):
     with pytest.raises(InputError, match="no such CT volume"):
         volumes.read(tmp_path / "none.nii")

@@ -1,0 +1,104 @@
+"""End points of a CT's vessels: what may stand beside what is refused, and what the user is told."""
+
+import nibabel
+import numpy as np
+import pytest
+
+from anatomy.ct import paths, segment, volumes
+from common import volume as image
+from common.errors import ComputationError, InputError
+
+BLOOD = 400.0
+
+
+def pair(distance):
+    return [("inlet", [0.0, 0.0, 0.0]), ("outlet1", [0.0, 0.0, distance])]
+
+
+def test_end_points_of_a_short_vessel():
+    assert len(segment.checked_ends(pair(1.01), "case")) == 2
+    with pytest.raises(InputError, match="(?s)at one place.*1.0 mm from inlet"):
+        segment.checked_ends(pair(0.99), "case")
+    with pytest.raises(InputError, match="(?s)too few end points.*an outlet for each branch"):
+        segment.checked_ends(pair(5.0)[:1], "case")
+
+
+@pytest.mark.parametrize("miss, near", [(1.95, True), (2.05, False)])
+def test_a_line_may_end_a_radius_away_from_its_point(miss, near):
+    ends = [("inlet", np.zeros(3)), ("outlet1", np.array([0.0, miss, 20.0]))]
+    line = {"main": np.column_stack([np.zeros(60), np.zeros(60), np.linspace(0, 20, 60)])}
+    if near:
+        assert segment._given_lines(line, ends)[0].end == 1
+    else:
+        with pytest.raises(InputError, match="(?s)away from every end point.*within 2 mm.*left-posterior-superior"):
+            segment._given_lines(line, ends)
+
+
+@pytest.mark.parametrize("share, filled", [(0.52, True), (0.48, False)])
+def test_an_end_point_in_half_the_contrast_is_in_the_vessel(share, filled):
+    """The throat of a thin branch, blurred: half the blood's number is left on its axis."""
+    values = np.full((20, 20, 20), BLOOD * share, np.float32)
+    block = image.Image(values, np.zeros(3), np.full(3, 0.5))
+    if filled:
+        paths._seed(block, values, "outlet1", [5.0, 5.0, 5.0], BLOOD)
+    else:
+        with pytest.raises(InputError, match="(?s)outlet1.*192 HU where blood is 400.*the inlet's too"):
+            paths._seed(block, values, "outlet1", [5.0, 5.0, 5.0], BLOOD)
+
+
+@pytest.mark.parametrize("share, passable", [(0.22, True), (0.18, False)])
+def test_a_fifth_of_the_contrast_is_a_way(share, passable):
+    """A vessel with a gap of 1.5 mm that holds a share of the blood's number."""
+    x, y, z = np.meshgrid(*3 * [np.arange(60) * 0.4], indexing="ij")
+    values = np.where(np.hypot(x - 12, y - 12) < 1.6, BLOOD, 0).astype(np.float32)
+    values[np.where((np.abs(z - 12) < 2.5) & (np.hypot(x - 12, y - 12) < 2.4))] = share * BLOOD
+    block = image.Image(values, np.zeros(3), np.full(3, 0.4))
+    ends = [("inlet", np.array([12.0, 12, 2])), ("outlet1", np.array([12.0, 12, 22]))]
+    if passable:
+        assert len(paths.find(block, ends)) == 1
+    else:
+        with pytest.raises(ComputationError, match="(?s)no way.*outlet1.*0.2 of the blood's 400 HU.*--centreline"):
+            paths.find(block, ends)
+
+
+def fork(length):
+    """(at, lines): a vessel of 1.5 mm along z and a branch of 1 mm across it, `length` long from the axis on."""
+
+    def at(points):
+        x, y, z = np.moveaxis(np.asarray(points), -1, 0)
+        main = np.hypot(x, y) < 1.5
+        side = (np.hypot(y, z - 10) < 1.0) & (x > 0)
+        return np.where(main | side, BLOOD, 0.0)
+
+    main = np.column_stack([np.zeros(80), np.zeros(80), np.linspace(0, 20, 80)])
+    side = np.column_stack([np.linspace(0, length, 60), np.zeros(60), np.full(60, 10.0)])
+    axes = [paths.smoothed(points, 0.01) for points in (main, side)]
+    return at, [paths.Line(axes[0], -1, 1), paths.Line(axes[1], 0, 2)]
+
+
+@pytest.mark.parametrize("length, leaves", [(3.7, True), (3.2, False), (1.6, False)])
+def test_a_branch_needs_five_sections_outside_its_parent(length, leaves):
+    """Rays clear the parent 2.3 mm from its axis; a branch that never does is no branch of the whole length."""
+    at, lines = fork(length)
+    main = segment._tube(at, lines[0], None, "half_maximum", BLOOD, None, 0.25, 24)[0]
+    if leaves:
+        tube = segment._tube(at, lines[1], main, "half_maximum", BLOOD, None, 0.25, 24)[0]
+        assert tube.radius(tube.s_mm[-1]) == pytest.approx(1.0, abs=0.1)
+    else:
+        with pytest.raises(ComputationError, match="(?s)hardly leaves its parent.*end point 3.*mm of it outside"):
+            segment._tube(at, lines[1], main, "half_maximum", BLOOD, None, 0.25, 24)
+
+
+def test_an_end_point_outside_is_told_in_the_users_coordinates(tmp_path):
+    """x and y of the other convention: the point and the volume's extent are those of the file."""
+    values = np.random.default_rng(1).normal(0, 200, (40, 40, 40)).astype(np.float32)
+    affine = np.diag([0.5, 0.5, 0.5, 1.0])
+    affine[:3, 3] = (10, -200, 1700)
+    nibabel.save(nibabel.Nifti1Image(values, affine), tmp_path / "ct.nii")
+    volume = volumes.read(tmp_path / "ct.nii")
+    inside = [("inlet", np.array([10.0, -200, 1700])), ("outlet1", np.array([29.5, -180.5, 1719.5]))]
+    segment._check_inside(volume, inside)
+    other = [inside[0], ("outlet1", np.array([-15.0, 190, 1710]))]
+    said = r"(?s)outlet1.*\[-15.0, 190.0, 1710.0\].*\[10.0, -200.0, 1700.0\] to \[29.5, -180.5, 1719.5\].*change sign"
+    with pytest.raises(InputError, match=said):
+        segment._check_inside(volume, other)
