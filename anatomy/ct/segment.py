@@ -72,7 +72,10 @@ def run(image_path, ends, out, settings_path=None, centreline_path=None, series=
     """
     settings = config.load_section(settings_path, "ct")["segmentation"]
     volume = volumes.read(image_path, series)
-    given = vtp.read_named_lines(centreline_path, "the anatomy's centreline.vtp") if centreline_path else None
+    lines = (
+        "a .vtp of lines from the inlet on, each with its name in the cells' text array branch_name: main, side1, ..."
+    )
+    given = vtp.read_named_lines(centreline_path, lines) if centreline_path else None
     _check_inside(volume, ends)
     inside = [(name, volume.to_image(centre)) for name, centre in ends]
     given = {name: volume.to_image(points) for name, points in given.items()} if given else None

@@ -25,11 +25,14 @@ def key(family, diameter_mm, length_mm):
 def entries(families, family, diameter_mm, length_mm, where):
     """{key: entry} of a sized device, its delivery balloon included; InputError if the catalogue lacks it."""
     if family not in families:
-        raise InputError("no such device family", where, family, f"known families: {', '.join(families)}")
+        raise InputError(
+            "no such device family", where, family, f"known: {', '.join(families)}; others by a file in config/devices"
+        )
     values = families[family]
     for name, size in (("diameters_mm", diameter_mm), ("lengths_mm", length_mm)):
         if size not in values[name]:
-            raise InputError(f"size not in the catalogue of {family}", where, size, f"{name}: {values[name]}")
+            remedy = f"one of {values[name]}, or add it to {name} in config/devices/{family}.yaml if it is made"
+            raise InputError(f"size not in the catalogue of {family}", where, f"{size:g} mm", remedy)
     if values["kind"] == "balloon":
         return {key(family, diameter_mm, length_mm): _balloon(values, diameter_mm, length_mm)}
     delivery = values["delivery_balloon"]

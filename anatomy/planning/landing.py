@@ -18,10 +18,10 @@ from common.errors import InputError
 MARGIN_MM = 2.0  # least length of stent beyond the stretch
 WITHIN_MM = 5.0  # from the stretch, in which the landing zone is looked for
 ALIKE_PERCENT = 5  # of the diameter by which a landing zone may differ from the most normal lumen
-EDGE_MM = 1.5  # least distance of a device from the ends of its branch
+EDGE_MM = 1.5  # least distance of a device from the ends of its branch: nearer, sections meet the cap
 OVERLAP_MM = 2.5  # of two stents in a row, so that no gap is left between them
 STEP_MM = 0.5
-MOST_STENTS = 3
+MOST_STENTS = 3  # of 38 mm they cover 109 mm, a whole anterior descending artery: more is the operator's decision
 
 
 @dataclasses.dataclass
@@ -56,8 +56,12 @@ def spans(target, lengths, where, least=1):
     shortest = lengths[0] * least - OVERLAP_MM * (least - 1)
     room = target.profile.length_mm - 2 * EDGE_MM
     if room < max(shortest, target.end - target.start):
-        value, remedy = f"{shortest:g} mm and {EDGE_MM} mm to each end, in {target.profile.length_mm:.1f} mm", "shorter"
-        raise InputError("the stent is longer than the branch has room for", where, value, f"bring {remedy} stents")
+        value = f"{target.name} of {target.end - target.start:.1f} mm, stents from {shortest:g} mm on, {EDGE_MM} mm to"
+        value += f" each end, on {target.profile.branch} of {target.profile.length_mm:.1f} mm"
+        remedy = (
+            "give more of the vessel, write the plan's steps (balloons alone), or add a shorter stent to the catalogue"
+        )
+        raise InputError("the stent is longer than the branch has room for", where, value, remedy)
     raise InputError(
         "no stents of the catalogue are long enough",
         where,
@@ -73,8 +77,8 @@ def _window(target, where):
         raise InputError(
             "the lesion's narrowest place is too near an end of its branch for a stent",
             where,
-            f"{target.name} at {target.s_mla:.1f} mm of {target.profile.length_mm:.1f} mm",
-            "bring more of the vessel, or write the plan's steps",
+            f"{target.name} at {target.s_mla:.1f} mm of {target.profile.length_mm:.1f} mm, {EDGE_MM} mm to each end",
+            "give more of the vessel, or write the plan's steps",
         )
     starts = max(target.start - MARGIN_MM, lowest), max(target.start - WITHIN_MM, lowest)
     ends = min(target.end + MARGIN_MM, highest), min(target.end + WITHIN_MM, highest)

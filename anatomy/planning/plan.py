@@ -93,7 +93,10 @@ def procedure(steps, families, summary, where):
 def _check_step(action, kind, where):
     if (action == "stent") != (kind == "stent"):
         raise InputError(
-            "device of the wrong kind for the step", where, f"{kind} in {action}", "a stent step takes one stent family"
+            "device of the wrong kind for the step",
+            where,
+            f"{kind} in {action}",
+            "stents in the action stent, balloons in any other",
         )
 
 
@@ -109,8 +112,9 @@ def _placed(wish, summary, where):
         raise InputError(
             "the device reaches beyond its branch",
             where,
-            f"{centre - half:.1f} to {centre + half:.1f} mm on {name}, {branch['length_mm']:.1f} mm long",
-            "move its centre or choose a shorter one",
+            f"{centre - half:.1f} to {centre + half:.1f} mm on {name}, which has {-before:.1f} to"
+            f" {branch['length_mm']:.1f} mm",
+            "move it (centre_s_mm) or choose a shorter one (length_mm)",
         )
     return {
         "device": catalogue.key(wish["device"], wish["diameter_mm"], wish["length_mm"]),
@@ -132,7 +136,7 @@ def _check_pressure(wish, sized, families, where):
             "pressure above the balloon's rated burst pressure",
             where,
             f"{wish['pressure_bar']} bar",
-            f"at most {rated} bar, or a larger balloon",
+            f"pressure_bar of at most {rated}, or a larger balloon",
         )
 
 
@@ -147,8 +151,9 @@ def _check_overexpansion(device, wish, sized, families, stents, where):
             raise InputError(
                 "the balloon would over-expand the stent",
                 where,
-                f"{diameter:.2f} mm",
-                f"at most {stent['maximal_diameter_mm']} mm: lower the pressure, or choose a larger stent design",
+                f"{diameter:.2f} mm at {wish['pressure_bar']} bar; the stent of {stent['nominal_diameter_mm']} mm opens"
+                f" to {stent['maximal_diameter_mm']} mm",
+                "lower pressure_bar, or choose a smaller balloon or a stent of a larger design",
             )
 
 

@@ -55,7 +55,9 @@ def propose(summary, sections, families, where, treat=CULPRIT):
         )
     for family in (sizing.PREDILATATION, sizing.STENT, sizing.POSTDILATATION):
         if family not in families:
-            raise InputError("plan: auto needs a device family", where, family, f"add {family}.yaml to the devices")
+            raise InputError(
+                "plan: auto needs a device family", where, family, f"add {family}.yaml to config/devices (--devices)"
+            )
     treated, left_out = [], []
     for target in targets.found(summary, sections):
         try:

@@ -72,8 +72,8 @@ def stent_diameter(families, distal, proximal, where):
     raise TooTapered(
         "no stent that fits the distal reference can be expanded to the proximal one",
         where,
-        f"{distal:.2f} and {proximal:.2f} mm",
-        "write the plan's steps with two overlapping stents",
+        f"distal reference {distal:.2f} mm, proximal {proximal:.2f} mm",
+        "write the plan's steps: two overlapping stents of different diameters, or a landing in less tapered lumen",
     )
 
 
@@ -117,4 +117,5 @@ def _at_most(sizes, wanted, what, where):
     for size in reversed(sizes):
         if size <= wanted + 1e-9:
             return size
-    raise InputError(f"no {what} small enough in the catalogue", where, f"{wanted:.2f} mm", f"smallest {sizes[0]} mm")
+    remedy = f"the smallest is {sizes[0]} mm: add a smaller one in config/devices, or write the plan's steps"
+    raise InputError(f"no {what} small enough in the catalogue", where, f"{wanted:.2f} mm wanted at most", remedy)

@@ -60,18 +60,22 @@ def test_at_least_two_if_asked_for():
 
 
 def test_too_long_for_the_catalogue():
+    assert len(spans(plateau(8, 112, 70), length=130.0)[1]) == 3
     with pytest.raises(InputError, match="(?s)no stents of the catalogue are long enough.*3 of 38 mm"):
-        spans(plateau(8, 121, 70), length=130.0)
+        spans(plateau(8, 115, 70), length=130.0)
 
 
 def test_near_an_end_the_margin_is_what_the_branch_has():
     """Stretch from 2 mm on: the stent begins 1.5 mm behind the inlet, less than the margin before it."""
     target, (span,) = spans(plateau(1.5, 8, 70))
     assert span.start == landing.EDGE_MM and target.start - span.start < landing.MARGIN_MM
-    with pytest.raises(InputError, match="too near an end of its branch"):
-        spans(focal(0.5, 4, 70))
+    assert spans(focal(1.75, 4, 70))[0].s_mla > landing.EDGE_MM
+    for near in (0.5, 1.25, 48.75):
+        with pytest.raises(InputError, match="(?s)too near an end of its branch.*1.5 mm to each end"):
+            spans(focal(near, 4, 70))
 
 
 def test_a_branch_too_short_for_any_stent():
     with pytest.raises(InputError, match="longer than the branch has room for"):
-        spans(focal(5, 4, 70), length=10.5)
+        spans(focal(5, 4, 70), length=10.9)
+    assert spans(focal(5, 4, 70), length=11.1)[1][0].length == 8

@@ -65,6 +65,21 @@ def test_refusals(families, summary, steps, what):
         plan.procedure(steps, families, summary, "case")
 
 
+@pytest.mark.parametrize(
+    "steps",
+    [
+        stent_step(pressure=16),
+        stent_step(centre_s_mm=7.5),
+        stent_step(centre_s_mm=42.5),
+        stent_step(branch="side1", centre_s_mm=1.5),
+        stent_step(branch="side1", centre_s_mm=-12.5),
+        stent_step(diameter=2.25) + [{"action": "postdilatation", "devices": [wish("non_compliant", 3.25, 12, 18)]}],
+    ],
+)
+def test_what_lies_just_inside_is_planned(families, summary, steps):
+    assert plan.procedure(steps, families, summary, "case")["procedure"]
+
+
 def test_balloon_away_from_the_stent_may_be_larger(families, summary):
     away = {"action": "postdilatation", "devices": [wish("non_compliant", 3.5, 12, 20, centre_s_mm=40)]}
     steps = stent_step(diameter=2.25, centre_s_mm=15) + [away]

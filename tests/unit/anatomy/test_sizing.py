@@ -22,6 +22,9 @@ def planned(families, proximal, distal):
         (4.4, 4.1, 4.5),
         (5.0, 4.9, 4.5),  # the largest; its design opens to 5.7 mm
         (2.0, 1.8, 2.25),
+        (2.0, 1.76, 2.25),
+        (5.69, 5.69, 4.5),
+        (4.39, 2.8, 3.0),  # as far as its design opens
     ],
 )
 def test_stent_by_the_distal_lumen(families, proximal, distal, size):
@@ -31,7 +34,12 @@ def test_stent_by_the_distal_lumen(families, proximal, distal, size):
 
 @pytest.mark.parametrize(
     "proximal, distal, what",
-    [(2.0, 1.7, "no stent diameter"), (6.0, 5.8, "no stent diameter"), (4.6, 2.3, "two overlapping stents")],
+    [
+        (2.0, 1.74, "no stent diameter"),
+        (6.0, 5.72, "no stent diameter"),
+        (4.42, 2.7, "two overlapping stents"),
+        (4.6, 2.3, "two overlapping stents"),
+    ],
 )
 def test_what_the_catalogue_cannot_hold(families, proximal, distal, what):
     with pytest.raises(InputError, match=f"(?s){what}"):
