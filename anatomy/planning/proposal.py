@@ -5,6 +5,7 @@ import dataclasses
 from common.errors import InputError
 
 from . import landing, sizing, targets
+from .profile import Profile
 
 CULPRIT, ALL = "culprit", "all"
 GAP_MM = 3.0  # of lumen between two stents below which they are planned as one row
@@ -47,11 +48,14 @@ def propose(summary, sections, families, where, treat=CULPRIT):
     InputError if there is no lesion, or if the catalogue or the branch does not fit any.
     """
     if not summary["lesions"]:
+        wish = "auto" if treat == CULPRIT else f"{{treat: {treat}}}"
         raise InputError(
             "no lesion to plan for",
             where,
-            "plan: auto",
-            "write the plan's steps with centre_s_mm; a vessel narrowed all along its length has no healthy reference",
+            f"plan: {wish}: {_narrowest(summary, sections)}",
+            "to treat it all the same, list the plan's steps: each with its action and its devices, placed by branch"
+            " and centre_s_mm (docs/design.md); a vessel narrowed all along its length has no healthy reference in the"
+            " lumen: where its outer wall is known, give that (lumen: contours)",
         )
     for family in (sizing.PREDILATATION, sizing.STENT, sizing.POSTDILATATION):
         if family not in families:
@@ -71,6 +75,20 @@ def propose(summary, sections, families, where, treat=CULPRIT):
         raise left_out[0][1]
     treated = _without_short_gaps(treated, families, where)
     return Proposal([step for one in _in_order(treated) for step in _steps(one, families, where)], treated, left_out)
+
+
+def _narrowest(summary, sections):
+    """The place that narrows the lumen most, in words."""
+    worst = None
+    for branch in sections:
+        profile = Profile(summary, sections, branch)
+        for s, percent in zip(profile.s[profile.measured], profile.stenosis_at(profile.s[profile.measured])):
+            if worst is None or percent > worst[0]:
+                worst = (percent, s, branch)
+    if worst is None:
+        return "no section of it is measured"
+    percent, s, branch = worst
+    return f"the narrowest place, at {s:.1f} mm of {branch}, is {percent:.1f} % below the healthy profile by diameter"
 
 
 def _stented(target, families, where):

@@ -62,9 +62,10 @@ def _covered(one):
     sides = (("proximal", one.target.start - start), ("distal", end - one.target.end))
     for side, margin in sides:
         if margin < landing.MARGIN_MM - TOLERANCE_MM:
+            reaches = "past" if margin >= 0 else "short of"
             yield (
-                f"the stent reaches {margin:.1f} mm past {one.target.name} at its {side} end,"
-                f" {landing.MARGIN_MM} mm are wanted: the branch ends there"
+                f"the stent reaches {abs(margin):.1f} mm {reaches} {one.target.name} at its {side} end,"
+                f" {landing.MARGIN_MM} mm past it are wanted: the branch ends there"
             )
 
 
@@ -75,6 +76,12 @@ def _row(one):
             f" {one.ends[1] - one.ends[0]:.1f} mm in all"
         )
     for stent in one.stents:
+        if stent.tapers and stent.short:
+            yield (
+                f"the {stent.span.length:g} mm stent at {one.target.name} is too short for a balloon in its proximal"
+                f" half alone: it is post-dilated whole, to at most {stent.borne:.2f} mm for its distal end's sake;"
+                f" the vessel is {stent.proximal:.2f} mm wide at its proximal end"
+            )
         if stent.distal > stent.diameter:
             yield (
                 f"the vessel at {one.target.name} is {stent.distal:.2f} mm wide, the largest stent"

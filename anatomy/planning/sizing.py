@@ -3,7 +3,8 @@
 As in the EAPCI consensus on intracoronary imaging (Raeber et al., Eur Heart J 2018;39:3281-3300): the stent by the
 distal reference lumen, rounded up to the catalogue; post-dilatation with a non-compliant balloon at the proximal
 reference, but not more than half a millimetre above the distal one; in a vessel that tapers by more than that only in
-the stent's proximal part.
+the stent's proximal part. A stent too short for a balloon in that part is dilated whole, by no more than the distal
+reference bears.
 """
 
 import dataclasses
@@ -19,12 +20,26 @@ PREDILATATION, STENT, POSTDILATATION = "semi_compliant", "des", "non_compliant"
 
 @dataclasses.dataclass
 class Stent:
-    """A stent as planned: its span (landing.Span), nominal diameter, and the reference lumens at its ends, mm."""
+    """A stent as planned: its span (landing.Span), nominal diameter, and the reference lumens at its ends, mm.
+
+    short: the catalogue's shortest post-dilatation balloon is longer than the stent's proximal half.
+    """
 
     span: object
     diameter: float
     proximal: float
     distal: float
+    short: bool
+
+    @property
+    def borne(self):
+        """The widest diameter (mm) that a balloon over the whole stent may reach."""
+        return max(self.distal + TAPER_MM, self.diameter)
+
+    @property
+    def tapers(self):
+        """Whether the proximal reference is too wide for a balloon that dilates the distal one, too."""
+        return max(self.proximal, self.diameter) - self.distal > TAPER_MM
 
 
 class TooTapered(InputError):
@@ -41,7 +56,9 @@ def sized(profile, spans, families, where):
         distal = _between(profile, span, spans[k - 1]) if k else profile.lumen_beyond(span.end, 1)
         last = k == len(spans) - 1
         proximal = profile.lumen_beyond(span.start, -1) if last else _between(profile, spans[k + 1], span)
-        found.append(Stent(span, stent_diameter(families, distal, proximal, where), proximal, distal))
+        diameter = stent_diameter(families, distal, proximal, where)
+        short = families[POSTDILATATION]["lengths_mm"][0] > span.length / 2
+        found.append(Stent(span, diameter, proximal, distal, short))
     return found
 
 
@@ -92,16 +109,16 @@ def predilatation(families, stent, stretch, where):
 
 def postdilatation(families, stent, where):
     """(diameter, length, centre, wanted diameter) of the balloon after a stent, mm."""
-    wanted = max(stent.proximal, stent.diameter)
-    tapers = wanted - stent.distal > TAPER_MM
     family = families[POSTDILATATION]
-    sizes = family["diameters_mm"]
-    if not tapers:  # dilates the distal reference, too
+    wanted, sizes = max(stent.proximal, stent.diameter), family["diameters_mm"]
+    proximal_part = stent.tapers and not stent.short
+    if not proximal_part:  # dilates the distal reference, too
+        wanted = min(wanted, stent.borne)
         sizes = [size for size in sizes if size <= stent.distal + TAPER_MM + 1e-9] or sizes[:1]
     diameter = min(sizes, key=lambda size: abs(size - wanted))
-    covered = stent.span.length / 2 if tapers else stent.span.length
+    covered = stent.span.length / 2 if proximal_part else stent.span.length
     length = _at_most(family["lengths_mm"], covered, "post-dilatation length", where)
-    return diameter, length, round(stent.span.start + length / 2, 3) if tapers else stent.span.centre, wanted
+    return diameter, length, round(stent.span.start + length / 2, 3) if proximal_part else stent.span.centre, wanted
 
 
 def step(families, action, family, diameter, length, branch, centre, wanted, where):

@@ -92,7 +92,9 @@ def test_the_culprit_is_the_worst_lesion_that_a_stent_fits(families):
 
 def test_nothing_to_propose(families):
     summary, sections = drawn()
-    with pytest.raises(InputError, match="no lesion.*(?s:.*)no healthy reference"):
+    with pytest.raises(
+        InputError, match=r"no lesion(?s:.*)at 21.0 mm of main, is 64.0 % below(?s:.*)no healthy reference"
+    ):
         proposal.propose({**summary, "lesions": []}, sections, families, "case")
 
 

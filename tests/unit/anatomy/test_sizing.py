@@ -7,10 +7,12 @@ from anatomy.planning import landing, sizing, targets
 from common.errors import InputError
 
 
-def planned(families, proximal, distal):
+def planned(families, proximal, distal, length=15):
     """The one stent for a focal lesion between two lumens, mm."""
-    (target,) = targets.found(*drawn(focal(21, 8, 80), healthy=lambda s: proximal + (distal - proximal) * (s > 21)))
-    return sizing.sized(target.profile, landing.spans(target, [15], "case"), families, "case")[0]
+    (target,) = targets.found(
+        *drawn(focal(21, 8 if length > 12 else 3, 80), healthy=lambda s: proximal + (distal - proximal) * (s > 21))
+    )
+    return sizing.sized(target.profile, landing.spans(target, [length], "case"), families, "case")[0]
 
 
 @pytest.mark.parametrize(
@@ -62,6 +64,13 @@ def test_tapered_vessel_is_postdilated_in_its_proximal_part(families):
     stent = planned(families, 3.9, 2.9)
     diameter, length, centre, _ = sizing.postdilatation(families, stent, "case")
     assert diameter == 4.0 and length <= 7.5 and centre - length / 2 == pytest.approx(stent.span.start)
+
+
+def test_a_short_stent_in_a_tapered_vessel_is_dilated_whole_by_what_its_distal_end_bears(families):
+    """As in a real intramural course: half of an 8 mm stent is shorter than the shortest balloon, 6 mm."""
+    stent = planned(families, 3.9, 2.9, length=8)
+    diameter, length, centre, wanted = sizing.postdilatation(families, stent, "case")
+    assert (diameter, length, centre) == (3.25, 8, stent.span.centre) and wanted == pytest.approx(3.4)
 
 
 def test_post_dilatation_does_not_overstretch_the_distal_reference(families):

@@ -10,7 +10,8 @@ import pytest
 
 from common import vtp
 
-BY_HAND = "[{action: stent, devices: [{device: des, diameter_mm: 3.0, length_mm: 8, branch: main, centre_s_mm: 4.5, pressure_bar: 11}]}]"
+BY_HAND = "[{action: stent, devices: [{device: des, diameter_mm: 3.0, length_mm: 8, branch: main, "
+BY_HAND += "centre_s_mm: 4.5, pressure_bar: 11}]}]"
 
 
 def deployed(run, surface, folder, binary, plan):
