@@ -5,6 +5,7 @@ import pathlib
 
 from common.errors import InputError, guarded
 
+THICKEST_WALL_MM = 1.0  # as in config/schemas: three times the normal intima; nothing that thick is healthy
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 
@@ -121,7 +122,10 @@ def _contours(options):
         try:
             healthy = float(healthy)
         except ValueError:
-            raise InputError("no thickness", "--healthy-wall", healthy, "a number of mm, or auto") from None
+            healthy = float("nan")
+        if not 0 <= healthy <= THICKEST_WALL_MM:
+            remedy = f"a number of mm from 0 to {THICKEST_WALL_MM:g}, or auto"
+            raise InputError("no thickness of a healthy wall", "--healthy-wall", options.healthy_wall, remedy)
     laying = None
     if options.centreline:
         laying = {

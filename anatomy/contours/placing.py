@@ -75,7 +75,10 @@ def on_line(pullback, line, landmark_points_mm=(), proximal_s_mm=None, rotation_
     first, last = shift - z[-1], shift - z[0]
     if first < -1e-6 or last > line.length_mm + 1e-6:
         value = f"frames from {first:.1f} to {last:.1f} mm along a line of {line.length_mm:.1f} mm"
-        remedy = "use fewer frames (z_range_mm), lay them elsewhere (proximal_s_mm, landmarks), or give a longer line"
+        remedy = (
+            "check the units of both; use fewer frames (z_range_mm), lay them elsewhere (proximal_s_mm, landmarks),"
+        )
+        remedy += " or give a longer line"
         raise InputError("the pull-back reaches beyond its centreline", "centreline", value, remedy)
 
     def lay(z_mm, points):

@@ -231,6 +231,16 @@ def test_calcium_counts_round_the_lumen_whatever_its_depth(table, tmp_path, firs
     assert shadow == (last - first > 93) or last - first == 90
 
 
+@pytest.mark.parametrize("given, good", [("1", True), ("0", True), ("1.1", False), ("-0.1", False), ("thin", False)])
+def test_a_healthy_wall_is_a_thickness(table, tmp_path, run_module, given, good):
+    lumen, wall = table(tube([1.5] * 3)), table(tube([1.8] * 3), "wall.csv")
+    done = run_module(
+        "anatomy", "contours", lumen, "--outer-wall", wall, f"--healthy-wall={given}", "--out", tmp_path / "out"
+    )
+    assert done.returncode == (0 if good else 2), done.stderr
+    assert good or ("0 to 1, or auto" in done.stderr and given in done.stderr)
+
+
 def test_calcium_without_an_outer_wall_is_refused(table, tmp_path):
     files = {"lumen": table(tube([1.5] * 5)), "calcium": table({23: (2.0, sector(1.6, 1.9, 0, 90))}, "calcium.csv")}
     with pytest.raises(InputError, match="without an outer wall"):

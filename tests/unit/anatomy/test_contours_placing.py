@@ -4,6 +4,7 @@ import functools
 
 import numpy as np
 import pytest
+import vtk
 from scipy.spatial import cKDTree
 
 from anatomy.contours import line, loft, placing, pullback, run, tables
@@ -242,17 +243,18 @@ def test_a_line_that_bends_within_the_lumen_is_refused(pull_back):
         run.loft_of(pull, placing.on_line(pull, monkey))
 
 
-def test_which_of_several_lines_must_be_said(tmp_path):
-    import vtk
-
-    points, cells = vtk.vtkPoints(), vtk.vtkCellArray()
-    for offset in (0.0, 30.0):
-        ids = [points.InsertNextPoint(*(p + [offset, 0, 0])) for p in centred_line()]
+def write_lines(path, *lines):
+    points, cells, poly = vtk.vtkPoints(), vtk.vtkCellArray(), vtk.vtkPolyData()
+    for line_points in lines:
+        ids = [points.InsertNextPoint(*p) for p in line_points]
         cells.InsertNextCell(len(ids), ids)
-    poly = vtk.vtkPolyData()
     poly.SetPoints(points)
     poly.SetLines(cells)
-    vtp.write(tmp_path / "lines.vtp", poly)
+    vtp.write(path, poly)
+
+
+def test_which_of_several_lines_must_be_said(tmp_path):
+    write_lines(tmp_path / "lines.vtp", *(centred_line() + [offset, 0, 0] for offset in (0.0, 30.0)))
     with pytest.raises(InputError, match="several lines"):
         line.read(tmp_path / "lines.vtp", "mm")
     with pytest.raises(InputError, match="no such line"):
@@ -267,22 +269,26 @@ def test_which_of_several_lines_must_be_said(tmp_path):
 
 @pytest.mark.parametrize("count, what", [(4, None), (3, "too few points"), (0, "not finite.*point 2 of line 1")])
 def test_a_line_needs_four_points_with_places(tmp_path, count, what):
-    import vtk
-
     places = centred_line()[:: len(centred_line()) // 3][: count or 4].copy()
     if count == 0:
         places[1, 2] = np.nan
-    points, cells, poly = vtk.vtkPoints(), vtk.vtkCellArray(), vtk.vtkPolyData()
-    ids = [points.InsertNextPoint(*p) for p in places]
-    cells.InsertNextCell(len(ids), ids)
-    poly.SetPoints(points)
-    poly.SetLines(cells)
-    vtp.write(tmp_path / "line.vtp", poly)
+    write_lines(tmp_path / "line.vtp", places)
     if what is None:
         assert line.read(tmp_path / "line.vtp", "mm").length_mm > 35
     else:
         with pytest.raises(InputError, match=f"(?s){what}"):
             line.read(tmp_path / "line.vtp", "mm")
+
+
+@pytest.mark.parametrize("scale, units", [(1e-3, "mm"), (0.028, "mm"), (1e-3, "m")])
+def test_a_line_in_metres_is_told_by_its_length(tmp_path, scale, units):
+    """40 mm in metres; a line of 1.1 mm is read, and is too short for its pull-back later."""
+    write_lines(tmp_path / "line.vtp", scale * centred_line())
+    if (scale, units) == (1e-3, "mm"):
+        with pytest.raises(InputError, match="(?s)shorter than any vessel.*0.0396 mm as mm.*centreline: units"):
+            line.read(tmp_path / "line.vtp", units)
+    else:
+        assert line.read(tmp_path / "line.vtp", units).length_mm > 1.05
 
 
 def test_frames_carried_along_a_line_do_not_turn_about_it():
