@@ -160,7 +160,7 @@ TEST(LumenCheck, ComparesTheWallWithItsRadiusAndTheAxis) {
 }
 
 TEST(LumenCheck, AFlatLumenMayBeManyTimesAsWideAsItsSphere) {
-  for (double flat : {4.6, 5.8, 9.0}) { // the slits of real compressed arteries: 4.7 x 1.1 and 6.1 x 1.1 mm
+  for (double flat : {4.6, 5.8, 9.0}) { // the slits of real compressed arteries: 4.7 x 1.1 and 5.0 x 1.2 mm
     Lumen slit = Vessel().lumen();
     for (Vec3& p : slit.points)
       p[0] /= flat;

@@ -1,4 +1,4 @@
-"""A compressed artery by intravascular ultrasound, 1.1 x 6.1 mm at its ostium: from the file to the deployed lumen."""
+"""A compressed artery by intravascular ultrasound, 1.2 x 5.0 mm at its ostium: from the file to the deployed lumen."""
 
 import json
 import subprocess
