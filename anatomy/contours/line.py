@@ -11,6 +11,7 @@ from .tables import MILLIMETRES
 SPACING_MM = 0.05
 FEWEST_POINTS = 4  # of a cubic curve
 SHORTEST_MM = 1.0  # shorter than any pull-back: a vessel of 20 to 150 mm in metres that are taken for millimetres
+LONGEST_MM = 500.0  # longer than a coronary artery and the aorta before it; millimetres taken for metres
 KNOTS_MM = 3.0  # apart: a coronary bends over more than this, the jitter of a line through voxels over less
 
 
@@ -75,9 +76,10 @@ def read(path, units, number=None):
     if len(points) < FEWEST_POINTS:
         remedy = f"at least {FEWEST_POINTS} points at different places, along the whole vessel"
         raise InputError("too few points on the centreline", path, f"{len(points)} in line {number or 1}", remedy)
-    if (length := _lengths(points)[-1]) < SHORTEST_MM:
+    if not SHORTEST_MM <= (length := _lengths(points)[-1]) <= LONGEST_MM:
         remedy = "declare the units of the centreline's file (centreline: units, --centreline-units)"
-        raise InputError("the centreline is shorter than any vessel", path, f"{length:.3g} mm as {units}", remedy)
+        which = "shorter" if length < SHORTEST_MM else "longer"
+        raise InputError(f"the centreline is {which} than any vessel", path, f"{length:.3g} mm as {units}", remedy)
     return Line(points)
 
 
