@@ -30,7 +30,13 @@ def ct_of(case, states=("pre", "reference")):
 def after_plan(case):
     """Everything that follows a new scene."""
     after = ("vci", "rc", "reference")
-    deformed = {f"scene {case}", f"deploy {case}", f"radius_correct {case}", f"reference {case}"}
+    deformed = {
+        f"plan_picture {case}",
+        f"scene {case}",
+        f"deploy {case}",
+        f"radius_correct {case}",
+        f"reference {case}",
+    }
     return (
         deformed
         | {f"state_anatomy {case} {state}" for state in after}
