@@ -1,5 +1,7 @@
 # Speed against error and hard cases of each part: not part of the study, minutes to hours; the report shows those that
-# were run. One at a time (`threads` takes every core), since they measure seconds.
+# were run. One at a time, since they measure seconds: `threads` takes every core of this machine; a cluster, for which
+# Snakemake knows no number of cores, gives a node to each (`sbatch_options`).
+ALONE = workflow.global_resources["_cores"] or 1
 BENCHMARKS = {
     "deployment_speed": "benchmark.csv",
     "deployment_baseline": "baseline.csv",
@@ -35,7 +37,9 @@ rule deployment_speed:
         "results/benchmarks/logs/deployment_speed.log",
     benchmark:
         "results/benchmarks/logs/deployment_speed.tsv"
-    threads: workflow.cores
+    threads: ALONE
+    resources:
+        sbatch_options="--exclusive",
     params:
         build=programs_folder,
         out=output_folder,
@@ -57,7 +61,9 @@ rule deployment_baseline:
         "results/benchmarks/logs/deployment_baseline.log",
     benchmark:
         "results/benchmarks/logs/deployment_baseline.tsv"
-    threads: workflow.cores
+    threads: ALONE
+    resources:
+        sbatch_options="--exclusive",
     params:
         build=programs_folder,
         out=output_folder,
@@ -78,7 +84,9 @@ rule deployment_hard_cases:
         "results/benchmarks/logs/deployment_hard_cases.log",
     benchmark:
         "results/benchmarks/logs/deployment_hard_cases.tsv"
-    threads: workflow.cores
+    threads: ALONE
+    resources:
+        sbatch_options="--exclusive",
     params:
         build=programs_folder,
         out=output_folder,
@@ -98,7 +106,9 @@ rule deployment_sensitivity:
         "results/benchmarks/logs/deployment_sensitivity.log",
     benchmark:
         "results/benchmarks/logs/deployment_sensitivity.tsv"
-    threads: workflow.cores
+    threads: ALONE
+    resources:
+        sbatch_options="--exclusive",
     params:
         build=programs_folder,
         out=output_folder,
@@ -120,7 +130,9 @@ rule flow_hard_cases:
         "results/benchmarks/logs/flow_hard_cases.log",
     benchmark:
         "results/benchmarks/logs/flow_hard_cases.tsv"
-    threads: workflow.cores
+    threads: ALONE
+    resources:
+        sbatch_options="--exclusive",
     params:
         out=output_folder,
     shell:
@@ -141,7 +153,9 @@ rule flow_growth:
         "results/benchmarks/logs/flow_growth.log",
     benchmark:
         "results/benchmarks/logs/flow_growth.tsv"
-    threads: workflow.cores
+    threads: ALONE
+    resources:
+        sbatch_options="--exclusive",
     params:
         out=output_folder,
     shell:
@@ -160,7 +174,9 @@ rule flow_tolerance:
         "results/benchmarks/logs/flow_tolerance.log",
     benchmark:
         "results/benchmarks/logs/flow_tolerance.tsv"
-    threads: workflow.cores
+    threads: ALONE
+    resources:
+        sbatch_options="--exclusive",
     params:
         out=output_folder,
         cases=" ".join(f"{case}:{tolerance}" for case in STRAIGHT_TUBES for tolerance in (0.005, 0.002)),
@@ -180,7 +196,9 @@ rule flow_wall_shear:
         "results/benchmarks/logs/flow_wall_shear.log",
     benchmark:
         "results/benchmarks/logs/flow_wall_shear.tsv"
-    threads: workflow.cores
+    threads: ALONE
+    resources:
+        sbatch_options="--exclusive",
     params:
         out=output_folder,
     shell:
@@ -199,7 +217,9 @@ rule anatomy_speed:
         "results/benchmarks/logs/anatomy_speed.log",
     benchmark:
         "results/benchmarks/logs/anatomy_speed.tsv"
-    threads: workflow.cores
+    threads: ALONE
+    resources:
+        sbatch_options="--exclusive",
     shell:
         "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {output}"
 
@@ -220,7 +240,9 @@ rule anatomy_campaign:
         "results/benchmarks/logs/anatomy_campaign.log",
     benchmark:
         "results/benchmarks/logs/anatomy_campaign.tsv"
-    threads: workflow.cores
+    threads: ALONE
+    resources:
+        sbatch_options="--exclusive",
     params:
         build=programs_folder,
         out=output_folder,
@@ -243,7 +265,9 @@ rule reference_against_solid:
         "results/benchmarks/logs/reference_against_solid.log",
     benchmark:
         "results/benchmarks/logs/reference_against_solid.tsv"
-    threads: workflow.cores
+    threads: ALONE
+    resources:
+        sbatch_options="--exclusive",
     params:
         out=output_folder,
     shell:
@@ -265,7 +289,9 @@ rule reference_sensitivity:
         "results/benchmarks/logs/reference_sensitivity.log",
     benchmark:
         "results/benchmarks/logs/reference_sensitivity.tsv"
-    threads: workflow.cores
+    threads: ALONE
+    resources:
+        sbatch_options="--exclusive",
     params:
         out=output_folder,
     shell:
@@ -293,7 +319,9 @@ rule reference_against_calculix:
         "results/benchmarks/logs/reference_against_calculix.log",
     benchmark:
         "results/benchmarks/logs/reference_against_calculix.tsv"
-    threads: workflow.cores
+    threads: ALONE
+    resources:
+        sbatch_options="--exclusive",
     params:
         out=output_folder,
     shell:
@@ -313,7 +341,9 @@ rule flow_against_openfoam:
         "results/benchmarks/logs/flow_against_openfoam.log",
     benchmark:
         "results/benchmarks/logs/flow_against_openfoam.tsv"
-    threads: workflow.cores
+    threads: ALONE
+    resources:
+        sbatch_options="--exclusive",
     params:
         out=output_folder,
     shell:

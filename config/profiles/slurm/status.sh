@@ -1,0 +1,20 @@
+#!/usr/bin/env bash
+# status.sh JOB: says success, failed or running, as Snakemake asks for it. Needs no accounting: the controller keeps a job's
+# state for MinJobAge (300 s unless set) after its end; later sacct is asked, where there is accounting.
+set -uo pipefail
+job=${1%%;*} # sbatch --parsable appends the cluster's name on a federation
+
+if answer=$(scontrol show job --oneliner "$job" 2>&1); then
+  state=$(grep -om1 'JobState=[A-Z_]*' <<<"$answer" | cut -d= -f2)
+elif grep -q 'Invalid job id' <<<"$answer"; then
+  state=$(sacct --noheader --parsable2 --allocations --format=State --jobs="$job" 2>/dev/null | head -n1 | cut -d' ' -f1)
+  [ -n "$state" ] || { echo "Slurm no longer knows job $job and keeps no accounts; it is run again" >&2; state=UNKNOWN; }
+else
+  state=RUNNING # the controller does not answer now: that says nothing about the job
+fi
+
+case $state in
+  COMPLETED) echo success ;;
+  BOOT_FAIL | CANCELLED | DEADLINE | FAILED | NODE_FAIL | OUT_OF_MEMORY | PREEMPTED | REVOKED | TIMEOUT | UNKNOWN) echo failed ;;
+  *) echo running ;;
+esac
