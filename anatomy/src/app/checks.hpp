@@ -21,6 +21,9 @@ void check_ends_seen(const Mesh& mesh, const std::vector<End>& ends);
 /// of.
 void check_no_stub(const Mesh& mesh, const std::vector<End>& ends, bool named, std::vector<Repair>& repairs);
 
+/// Warns of each closed stub that is too short for an end of its own: a branch may have been cut off there.
+void warn_of_stubs(const Mesh& mesh, const std::vector<End>& ends, std::vector<Repair>& repairs);
+
 /// Notes by how much `ends` caps were moved onto their planes; above 10 um it is a warning, since the wall's rim went
 /// with them.
 void report_move(std::vector<Repair>& repairs, const Move& move, std::size_t ends);

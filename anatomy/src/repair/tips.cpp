@@ -28,9 +28,11 @@ struct Sweep {
   std::vector<double> height;
   std::vector<std::size_t> order;
 
-  explicit Sweep(const Mesh& mesh) {
+  explicit Sweep(const Mesh& mesh, bool from_far_end = false) {
     const WayGraph graph = edge_graph(mesh);
     root = farthest(graph.from(0).cost);
+    if (from_far_end)
+      root = farthest(graph.from(root).cost);
     height = graph.from(root).cost;
     order.resize(height.size());
     std::iota(order.begin(), order.end(), 0);
@@ -52,8 +54,8 @@ struct Hills {
 
 } // namespace
 
-std::vector<Tip> tips_of(const Mesh& mesh, double least_prominence) {
-  const Sweep sweep(mesh);
+std::vector<Tip> tips_of(const Mesh& mesh, double least_prominence, bool from_far_end) {
+  const Sweep sweep(mesh, from_far_end);
   const std::vector<double>& height = sweep.height;
   Hills hills(height.size());
   std::vector<Tip> tips;

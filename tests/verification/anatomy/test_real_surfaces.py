@@ -90,3 +90,13 @@ def test_bifurcation_with_three_open_ends(process):
     summary, *_ = process("vasp_artery")
     assert [end["name"] for end in summary["ends"]] == ["inlet", "outlet1", "outlet2"]
     assert [branch["name"] for branch in summary["branches"]] == ["main", "side1"]
+
+
+def test_a_closed_stub_is_told(binary, shared_data):
+    """A side branch of 2.7 mm that has no end is left as wall, but not in silence."""
+    surface = shared_data / "multimoda" / "rca_tree_mm.stl"
+    command = [str(binary("lumen")), "check", str(surface), "--units", "mm"]
+    done = subprocess.run(command, text=True, capture_output=True)
+    assert done.returncode == 0, done.stderr
+    told = [line for line in done.stderr.splitlines() if "stub left closed" in line]
+    assert len(told) == 1 and "stands out by 1." in told[0]
