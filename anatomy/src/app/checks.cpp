@@ -19,7 +19,6 @@ constexpr double smallest_angle = 30;     // degrees
 constexpr double rough = 0.15;            // edges, rms: flat ends are found to 12 degrees
 constexpr double least_stub = 0.4;        // mean radii that a stub stands out by, measured as its tip's prominence
 constexpr double tube = 1.5;              // of its radius that it stands out by: a sac is as wide as it is long
-constexpr double own_vessel = 2;          // mean radii: find_ends judges the tips that stand out by more
 constexpr double narrowest_stub = 0.3;    // mm, radius
 
 } // namespace
@@ -60,27 +59,26 @@ void check_no_stub(const Mesh& mesh, const std::vector<End>& ends, bool named, s
   }
 }
 
-void warn_of_stubs(const Mesh& mesh, const std::vector<End>& ends, std::vector<Repair>& repairs) {
+void warn_of_stubs(const Mesh& mesh, const std::vector<End>& ends, const std::vector<Candidate>& candidates,
+                   std::vector<Repair>& repairs) {
   const double mean = 2 * PMP::volume(mesh) / PMP::area(mesh);
-  const auto at_end = [&](const Vec3& p) {
-    return std::any_of(ends.begin(), ends.end(),
-                       [&](const End& end) { return (end.centre - p).norm() < tube * end.radius(); });
-  };
-  std::vector<Vec3> told;
-  for (bool from_far_end : {false, true}) // a stub that leans towards one end stands out as seen from the other
-    for (const Tip& tip : tips_of(mesh, least_stub * mean, from_far_end)) {
-      const Vec3 at = vec(mesh.point(tip.vertex));
-      const bool known = std::any_of(told.begin(), told.end(), [&](const Vec3& p) { return (p - at).norm() < mean; });
-      if (tip.prominence >= own_vessel * mean || at_end(at) || known)
-        continue; // the longer ones are judged where the ends are found
-      told.push_back(at);
-      char detail[240];
-      std::snprintf(detail, sizeof detail,
-                    "at %s: it stands out by %.2f mm only and counts as wall; if it is a branch, cut it flat or open "
-                    "it in the surface",
-                    place(at).c_str(), tip.prominence);
-      repairs.push_back({"stub left closed", 1, detail, true});
-    }
+  std::vector<Vec3> known; // what the search for the ends has told of, or is told here
+  for (const Candidate& one : candidates)
+    if (one.kind == "rounded")
+      known.push_back(one.centre);
+  for (const Tip& tip : tips_beside_ends(mesh, ends, least_stub * mean)) {
+    const Vec3 at = vec(mesh.point(tip.vertex));
+    if (std::any_of(known.begin(), known.end(), [&](const Vec3& p) { return (p - at).norm() < mean; }))
+      continue;
+    known.push_back(at);
+    char detail[240];
+    std::snprintf(
+        detail, sizeof detail,
+        "at %s: it stands out by %.2f mm and counts as wall; if it is a branch, cut it flat or open it in the "
+        "surface",
+        place(at).c_str(), tip.prominence);
+    repairs.push_back({"stub left closed", 1, detail, true});
+  }
 }
 
 void report_move(std::vector<Repair>& repairs, const Move& move, std::size_t ends) {

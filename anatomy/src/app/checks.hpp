@@ -1,6 +1,7 @@
 // What is refused or warned of between the steps from surface to anatomy.
 #pragma once
 #include "ends/ends.hpp"
+#include "ends/find_ends.hpp"
 #include "remesh/remesh.hpp"
 
 namespace anatomy {
@@ -21,8 +22,10 @@ void check_ends_seen(const Mesh& mesh, const std::vector<End>& ends);
 /// of.
 void check_no_stub(const Mesh& mesh, const std::vector<End>& ends, bool named, std::vector<Repair>& repairs);
 
-/// Warns of each closed stub that is too short for an end of its own: a branch may have been cut off there.
-void warn_of_stubs(const Mesh& mesh, const std::vector<End>& ends, std::vector<Repair>& repairs);
+/// Warns of each closed stub that counts as wall, unless the search for the ends (`candidates`) has told of it: a
+/// branch may have been cut off there.
+void warn_of_stubs(const Mesh& mesh, const std::vector<End>& ends, const std::vector<Candidate>& candidates,
+                   std::vector<Repair>& repairs);
 
 /// Notes by how much `ends` caps were moved onto their planes; above 10 um it is a warning, since the wall's rim went
 /// with them.

@@ -150,7 +150,7 @@ Prepared with_ends(Closed closed, const CoronaryTree* tree, const Options& optio
   if (tree)
     check_no_stub(out.mesh, out.ends, !out.named.outlets.empty() || out.named.tagged, out.repairs);
   else if (out.named.outlets.empty() && !out.named.tagged)
-    warn_of_stubs(out.mesh, out.ends, out.repairs);
+    warn_of_stubs(out.mesh, out.ends, out.candidates, out.repairs);
   check_no_handle(out.mesh);
   report_move(out.repairs, flatten_caps(out.mesh), out.ends.size());
   check_mean_radius(2 * PMP::volume(out.mesh) / PMP::area(out.mesh), options.units, options.input);

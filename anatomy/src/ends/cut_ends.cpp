@@ -2,7 +2,6 @@
 #include "centreline/ball_way.hpp"
 #include "common/error.hpp"
 #include "core/slices.hpp"
-#include "repair/tips.hpp"
 #include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/remesh.h>
 #include <CGAL/Polygon_mesh_processing/repair.h>
@@ -192,6 +191,17 @@ std::vector<RoundedEnd> rounded_ends(const Mesh& mesh, const std::vector<End>& e
     rounded.push_back(end);
   }
   return rounded;
+}
+
+std::vector<Tip> tips_beside_ends(const Mesh& mesh, const std::vector<End>& ends, double prominence) {
+  std::vector<Tip> tips = tips_of(mesh, prominence);
+  // what leans towards one extremity stands out by little as seen from there
+  const std::vector<Tip> from_far_end = tips_of(mesh, prominence, true);
+  tips.insert(tips.end(), from_far_end.begin(), from_far_end.end());
+  const std::vector<EndReach> reaches = reaches_of(mesh, ends);
+  std::erase_if(tips, [&](const Tip& tip) { return end_at(vec(mesh.point(tip.vertex)), reaches) != nullptr; });
+  std::stable_sort(tips.begin(), tips.end(), [](const Tip& a, const Tip& b) { return a.prominence > b.prominence; });
+  return tips;
 }
 
 void cut_rounded(Mesh& mesh, const RoundedEnd& end, std::vector<Repair>& repairs) {

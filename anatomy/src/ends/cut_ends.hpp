@@ -1,6 +1,7 @@
 // Rounded ends of a closed surface, and vessels cut across where the user asks.
 #pragma once
 #include "ends/plane_cut.hpp"
+#include "repair/tips.hpp"
 
 namespace anatomy {
 
@@ -18,6 +19,10 @@ struct RoundedEnd {
 /// The tips that stand out by `prominence` mean radii and are not at one of `ends`, the most prominent first. The mesh
 /// must be closed, one component and without removed elements. Throws InputError where a tip has no inscribed ball.
 std::vector<RoundedEnd> rounded_ends(const Mesh& mesh, const std::vector<End>& ends, double prominence);
+
+/// The tips seen from either extremity (repair/tips.hpp) that stand out by `prominence` mm and are not at the rim of
+/// one of `ends`, the most prominent first; one that is seen from both is there twice. The mesh is as for rounded_ends.
+std::vector<Tip> tips_beside_ends(const Mesh& mesh, const std::vector<End>& ends, double prominence);
 
 /// Cuts one off; the opening is left for cap_open_ends, and the mesh holds garbage. Throws InputError where the plane
 /// does not separate the tip.

@@ -1,5 +1,7 @@
 """Side branches cut off close behind their parent's wall: outlets as CT trees have them."""
 
+import json
+
 import pytest
 import surfaces
 
@@ -30,3 +32,22 @@ def test_a_face_of_the_wall_is_no_branch(lumen, tmp_path):
     assert done.returncode == 2
     assert "an end lies in the wall of another vessel" in done.stderr and "name the ends" in done.stderr
     assert not (tmp_path / "out" / "anatomy.json").exists()
+
+
+@pytest.mark.parametrize("out, told", [(2.6, 1), (4.5, 0)], ids=["short", "longer"])
+@pytest.mark.parametrize("lean", [-3, 0, 3])
+def test_a_closed_stub_is_told_or_an_end_whichever_way_it_leans(lumen, tmp_path, lean, out, told):
+    """It stands out by little in distance along the surface from the end that it leans towards."""
+    main, stub = ((0, 0, 0), (24, 0, 0), 1.5, 1.3), ((12, 0, 0), (12 + lean, out, 0), 0.7, 0.7)
+    surface = surfaces.write(tmp_path / "stub.vtp", *surfaces.tree([main, stub], inner=(1,)))
+    done = lumen(surface, tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.count("warning: stub left closed") == told
+    assert len(json.loads((tmp_path / "out" / "anatomy.json").read_text())["ends"]) == 3 - told
+
+
+def test_a_dilatation_is_no_stub(lumen, tmp_path):
+    sac = ((12, 0, 0), (12, 0.7, 0), 1.6, 1.6)
+    surface = surfaces.write(tmp_path / "sac.vtp", *surfaces.tree([((0, 0, 0), (24, 0, 0), 1.5, 1.3), sac], inner=(1,)))
+    done = lumen(surface, tmp_path / "out")
+    assert done.returncode == 0 and "left closed" not in done.stderr
