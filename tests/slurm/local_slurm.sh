@@ -13,7 +13,7 @@ for program in munged slurmctld slurmd sbatch; do
     { echo "$program is missing: apt-get install slurmctld slurmd slurm-client munge" >&2; exit 2; }
 done
 
-folder=$(mktemp -d /tmp/slurm.XXXXXX)
+folder=$(mktemp -d --tmpdir slurm.XXXXXX)
 chmod 755 "$folder"
 export SLURM_CONF=$folder/slurm.conf VCI_SLURM_FOLDER=$folder
 user=$(id -un)

@@ -2,7 +2,7 @@
 # status.sh JOB: says success, failed or running, as Snakemake asks for it. Needs no accounting: the controller keeps a job's
 # state for MinJobAge (300 s unless set) after its end; later sacct is asked, where there is accounting.
 set -uo pipefail
-job=${1%%;*} # sbatch --parsable appends the cluster's name on a federation
+job=${1:?usage: status.sh JOB}; job=${job%%;*} # sbatch --parsable appends the cluster's name on a federation
 
 if answer=$(scontrol show job --oneliner "$job" 2>&1); then
   state=$(grep -om1 'JobState=[A-Z_]*' <<<"$answer" | cut -d= -f2)
