@@ -78,15 +78,15 @@ def main(arguments=None):
         for path in draw.run(options.count, options.seed, options.out):
             print(path)
     elif options.command == "reference-3d":
-        from .reference import against_solid
+        from .reference.checks import against_solid
 
         against_solid.compare(options.scene, options.truth, options.out, options.meshes, options.settings)
     elif options.command == "reference-sensitivity":
-        from .reference import sensitivity
+        from .reference.checks import sensitivity
 
         sensitivity.study(options.scene, options.truth, options.out, options.settings)
     elif options.command == "reference-ccx":
-        from .reference import against_calculix, calculix_case
+        from .reference.checks import against_calculix, calculix_case
 
         if (options.scene is None) != (options.truth is None):
             raise InputError("one of two is missing", "--scene, --truth", "given alone", "give both, or neither")

@@ -6,8 +6,8 @@ import sys
 
 from common.errors import InputError, guarded
 from common.files import write_json
-from reports.case_files import STATES, CaseFiles
-from reports.reading import read_json
+from reports.inputs.case_files import STATES, CaseFiles
+from reports.inputs.reading import read_json
 
 
 def case_list(args):
@@ -29,24 +29,24 @@ def metrics_list(paths):
 
 
 def run_metrics(args):
-    from reports.metrics import case_metrics
+    from reports.measuring.metrics import case_metrics
 
     files = CaseFiles(args.case, args.case_dir)
     write_json(args.out, case_metrics(files, args.margin_mm, args.stations, args.states, args.config))
 
 
 def run_table(args):
-    from reports.agreement import agreement_table
-    from reports.cohort import cohort_table
-    from reports.tables import write_csv
+    from reports.study.agreement import agreement_table
+    from reports.study.cohort import cohort_table
+    from reports.study.tables import write_csv
 
     make = {"agreement": agreement_table, "cohort": cohort_table}[args.command]
     write_csv(args.out, make(metrics_list(args.metrics)))
 
 
 def run_timings(args):
-    from reports.tables import write_csv
-    from reports.timings import timings_table
+    from reports.study.tables import write_csv
+    from reports.study.timings import timings_table
 
     write_csv(args.out, timings_table(case_list(args)))
 
@@ -64,7 +64,7 @@ def run_figures(args):
 
 
 def run_software(args):
-    from reports.software import software_versions
+    from reports.study.software import software_versions
 
     write_json(args.out, software_versions(args.repository))
 
@@ -77,7 +77,7 @@ def run_report(args):
 
 
 def run_check(args):
-    from reports.check import check_report
+    from reports.page.check import check_report
 
     check_report(args.report, args.screenshot, args.window)
     print(f"{args.report}: no console error, no external reference")

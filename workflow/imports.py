@@ -10,8 +10,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 def code(part, *modules):
     """Files behind `python3 -m <part> <command>`, relative to the repository, sorted.
 
-    modules: those that the command loads, e.g. code("reports", "reports.metrics"). The part's __main__ counts with
-    what it imports at its top level; what it imports inside its functions belongs to other commands.
+    modules: those that the command loads, e.g. code("reports", "reports.measuring.metrics"). The part's __main__
+    counts with what it imports at its top level; what it imports inside its functions belongs to other commands.
     """
     main = f"{part}.__main__"
     return _files({main, *_packages(main)}, [*_imported(main, top_level_only=True), *modules])

@@ -13,7 +13,10 @@ from common.implicit.field import LumenField, ends
 
 from .. import truth
 from ..scene import load as load_scene
-from . import deformation, devices, materials, output, own_error, refine, slices, straightening
+from .slices import own_error, slices
+from .solid import materials
+from .surface import deformation, output, refine, straightening
+from .treatment import devices
 
 ON_WALL_MM = 0.05
 LEAST_ON_WALL = 0.8  # of the lumen's points; in those of generate and of the anatomy step 0.94 to 0.98, rest on caps

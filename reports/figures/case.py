@@ -2,7 +2,7 @@
 
 from reports.figures.curves import area_figure, curvature_figure, pullback_figure
 from reports.figures.lumen import lumen_figure
-from reports.reading import read_json
+from reports.inputs.reading import read_json
 
 
 def case_figures(files, folder):

@@ -6,8 +6,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from reports.figures.style import COLOURS, LABELS, SEGMENT_COLOUR, draw_state, save
-from reports.measured import FFR_THRESHOLD
-from reports.profiles import read_pullback, read_pullback_error
+from reports.measuring.measured import FFR_THRESHOLD
+from reports.measuring.profiles import read_pullback, read_pullback_error
 
 SIZE = (6.6, 3.6)  # inches
 WIRE = (("ffr_pre", "before PCI", "none"), ("ffr_post", "after PCI", COLOURS["measured"]))  # marks

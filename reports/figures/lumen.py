@@ -7,9 +7,9 @@ from matplotlib.colors import Normalize
 from scipy.spatial import cKDTree
 
 from reports.figures.style import LABELS, save
-from reports.reading import read_table
-from reports.profiles import PULLBACK_NUMBERS
-from reports.surface import read_device, read_lumen
+from reports.inputs.reading import read_table
+from reports.measuring.profiles import PULLBACK_NUMBERS
+from reports.inputs.surface import read_device, read_lumen
 
 MOST_TRIANGLES = 9000
 LIGHT = np.array([0.35, 0.45, 0.82]) / np.linalg.norm([0.35, 0.45, 0.82])  # over the viewer's shoulder

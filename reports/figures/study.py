@@ -3,11 +3,11 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-from reports.agreement import QUANTITIES, paired_values, published
-from reports.bland_altman import bland_altman
+from reports.study.agreement import QUANTITIES, paired_values, published
+from reports.study.bland_altman import bland_altman
 from reports.figures.style import COLOURS, ERRORS, LABELS, save
-from reports.measured import FFR_THRESHOLD
-from reports.metrics import COMPARISONS
+from reports.measuring.measured import FFR_THRESHOLD
+from reports.measuring.metrics import COMPARISONS
 
 # title, unit, and the least width of the horizontal axis, lest rounding fill it
 TITLES = {

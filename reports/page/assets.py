@@ -4,7 +4,7 @@ import base64
 import pathlib
 
 from common.errors import InputError
-from reports.reading import existing
+from reports.inputs.reading import existing
 
 TEMPLATES = pathlib.Path(__file__).with_name("templates")
 THREE = pathlib.Path("/usr/share/javascript/three")

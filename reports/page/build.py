@@ -7,16 +7,16 @@ import jinja2
 import pandas as pd
 
 from common.files import replacing
-from reports.agreement import published
-from reports.bland_altman import sample_sd
-from reports.case_files import STATES
+from reports.study.agreement import published
+from reports.study.bland_altman import sample_sd
+from reports.inputs.case_files import STATES
 from reports.figures.style import COLOURS, ERRORS, LABELS, SHORT
 from reports.page.assets import TEMPLATES, image_uri, script, three_scripts
 from reports.page.benchmarks import benchmarks
 from reports.page.case_context import case_context
 from reports.page.evidence import evidence_rows, read_results
 from reports.page.geometry import colour_table
-from reports.reading import existing, read_json
+from reports.inputs.reading import existing, read_json
 
 QUANTITY_NAMES = {"ffr": "FFR", "mean_area": "Mean CSA", "mean_curvature": "Mean curvature"}
 QUANTITY_DIGITS = {"ffr": 3, "mean_area": 2, "mean_curvature": 3}

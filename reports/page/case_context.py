@@ -2,12 +2,12 @@
 
 import json
 
-from reports.cohort import describe_device, describe_procedure
-from reports.measured import wire_pair
+from reports.study.cohort import describe_device, describe_procedure
+from reports.measuring.measured import wire_pair
 from reports.page.assets import image_uri
 from reports.page.geometry import viewer_data
-from reports.profiles import error_of
-from reports.reading import read_json
+from reports.measuring.profiles import error_of
+from reports.inputs.reading import read_json
 
 CURVES = (
     ("pullback", "FFR along the stented branch, from the inlet to the outlet, with the band of its estimated error"),

@@ -3,7 +3,7 @@
 import xml.etree.ElementTree as ElementTree
 
 from common.errors import InputError
-from reports.reading import existing
+from reports.inputs.reading import existing
 
 OUTCOMES = ("passed", "failed", "skipped")
 

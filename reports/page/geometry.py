@@ -7,8 +7,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from reports.figures.lumen import nearest_ffr, view_axes
-from reports.reading import read_table
-from reports.surface import read_device, read_lumen
+from reports.inputs.reading import read_table
+from reports.inputs.surface import read_device, read_lumen
 
 MOST_TRIANGLES = 12000
 STEPS = 65535  # of a coordinate or value over its range: 1 um over 65 mm

@@ -150,6 +150,16 @@ def test_imports_go_one_way():
     assert modules and not wrong, "\n".join(wrong)
 
 
+def test_folders_of_python_are_small():
+    """A folder holds a dozen Python modules at most, its command line and package docstring not counted."""
+    modules = {}
+    for module in tracked("*.py"):
+        if module.parts[0] not in ("tests", "setup", "docs") and module.stem not in ("__init__", "__main__"):
+            modules.setdefault(str(module.parent), []).append(module.stem)
+    large = [f"{folder}: {len(names)} modules" for folder, names in modules.items() if len(names) > MODULES_PER_FOLDER]
+    assert modules and not large, "\n".join(large)
+
+
 def test_an_import_against_the_order_is_found():
     """The check sees an import of another part, relative ones too, and lets those of common pass."""
     layers = {"common": [], "flow": ["common"], "flow/core": ["common"], "reports": ["common"]}
@@ -157,4 +167,7 @@ def test_an_import_against_the_order_is_found():
     assert foreign_imports(report, "def f():\n    from flow import core\n", layers)
     assert foreign_imports(core, "from .. import sweep\n", layers)
     assert foreign_imports(core, "import flow.sweep\n", layers)
+    layers["reports/__main__.py"] = ["common", "flow"]  # a file as a layer binds only that file
+    assert foreign_imports(report, "from flow import core\n", layers)
+    assert not foreign_imports(report.with_name("__main__.py"), "from flow import sweep\n", layers)
     assert not foreign_imports(core, "from common.errors import InputError\nfrom . import b\nimport numpy\n", layers)

@@ -80,7 +80,7 @@ def test_vci_program(finished):
 
 
 def test_module_of_the_reference(finished):
-    finished.append("data_synthetic/reference/materials.py", "# changed\n")
+    finished.append("data_synthetic/reference/solid/materials.py", "# changed\n")
     expected = set()
     for case in (CASE, OTHER):
         expected |= {f"reference {case}", f"state_anatomy {case} reference"} | flow_of(case, ["reference"])

@@ -9,7 +9,7 @@ import pathlib
 
 import pytest
 
-from reports.check import check_report
+from reports.page.check import check_report
 
 CASES = ("quick_focal", "quick_branch")
 

@@ -255,7 +255,7 @@ rule reference_against_solid:
         "benchmark: the reference's slices against a solid in three dimensions"
     input:
         program=LUMEN,
-        code=code("data_synthetic", "data_synthetic.generate", "data_synthetic.reference.against_solid"),
+        code=code("data_synthetic", "data_synthetic.generate", "data_synthetic.reference.checks.against_solid"),
         script="tests/verification/data_synthetic/solid_benchmark.py",
         shared="tests/verification/data_synthetic/benchmark_case.py",
         case="config/cases/quick_focal.yaml",
@@ -279,7 +279,7 @@ rule reference_sensitivity:
         "benchmark: how much the reference depends on its constants"
     input:
         program=LUMEN,
-        code=code("data_synthetic", "data_synthetic.generate", "data_synthetic.reference.sensitivity"),
+        code=code("data_synthetic", "data_synthetic.generate", "data_synthetic.reference.checks.sensitivity"),
         script="tests/verification/data_synthetic/sensitivity_benchmark.py",
         shared="tests/verification/data_synthetic/benchmark_case.py",
         case="config/cases/lad01.yaml",
@@ -306,8 +306,8 @@ rule reference_against_calculix:
         code=code(
             "data_synthetic",
             "data_synthetic.generate",
-            "data_synthetic.reference.against_calculix",
-            "data_synthetic.reference.calculix_case",
+            "data_synthetic.reference.checks.against_calculix",
+            "data_synthetic.reference.checks.calculix_case",
         ),
         script="tests/verification/data_synthetic/calculix_benchmark.py",
         shared="tests/verification/data_synthetic/benchmark_case.py",

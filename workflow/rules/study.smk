@@ -21,7 +21,7 @@ rule metrics:
         scene="results/cases/{case}/vci/scene.json",
         deployment="results/cases/{case}/vci/deployment.json",
         boundary="results/cases/{case}/flow/boundary.json",
-        code=code("reports", "reports.metrics"),
+        code=code("reports", "reports.measuring.metrics"),
     output:
         "results/cases/{case}/metrics.json",
     log:
@@ -66,7 +66,7 @@ rule study_figures:
         "figures of the study"
     input:
         metrics=expand("results/cases/{case}/metrics.json", case=CASES),
-        code=code("reports", "reports.figures.study") + ["reports/published.json"],
+        code=code("reports", "reports.figures.study") + ["reports/study/published.json"],
     output:
         expand("results/figures/{name}.{format}", name=STUDY_FIGURES, format=["svg", "png"]),
     log:
@@ -84,7 +84,7 @@ rule agreement:
         "agreement with what is known to be true"
     input:
         metrics=expand("results/cases/{case}/metrics.json", case=CASES),
-        code=code("reports", "reports.agreement", "reports.tables") + ["reports/published.json"],
+        code=code("reports", "reports.study.agreement", "reports.study.tables") + ["reports/study/published.json"],
     output:
         "results/study/agreement.csv",
     log:
@@ -100,7 +100,7 @@ rule cohort:
         "table of the cohort"
     input:
         metrics=expand("results/cases/{case}/metrics.json", case=CASES),
-        code=code("reports", "reports.cohort", "reports.tables"),
+        code=code("reports", "reports.study.cohort", "reports.study.tables"),
     output:
         "results/study/cohort.csv",
     log:
@@ -117,7 +117,7 @@ rule timings:
     input:
         # metrics come last in a case: by then every step has left its benchmark
         metrics=expand("results/cases/{case}/metrics.json", case=CASES),
-        code=code("reports", "reports.timings", "reports.tables"),
+        code=code("reports", "reports.study.timings", "reports.study.tables"),
     output:
         "results/study/timings.csv",
     log:
@@ -135,7 +135,7 @@ rule software:
         "versions of the software"
     input:
         programs=[VCI, LUMEN],
-        code=code("reports", "reports.software"),
+        code=code("reports", "reports.study.software"),
     output:
         "results/study/software.json",
     log:

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from data_synthetic.reference import against_solid, tube_procedure
+from data_synthetic.reference.checks import against_solid
+from data_synthetic.reference.tube import procedure as tube_procedure
 
 
 def test_area_of_a_smooth_closed_curve():

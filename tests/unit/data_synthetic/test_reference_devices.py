@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from common.errors import InputError
-from data_synthetic.reference import devices, run
+from data_synthetic.reference import run
+from data_synthetic.reference.treatment import devices
 
 BALLOON = {
     "kind": "balloon",

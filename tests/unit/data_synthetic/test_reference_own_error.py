@@ -5,7 +5,9 @@ import types
 import numpy as np
 import pytest
 
-from data_synthetic.reference import devices, own_error, run, slices
+from data_synthetic.reference import run
+from data_synthetic.reference.slices import own_error, slices
+from data_synthetic.reference.treatment import devices
 
 STEP, MESH = 0.02, 0.08  # error of the area per mm of load step, and of one element
 SETTINGS = {"radius_step_mm": 0.2, "check_slices": 3, "edge_decay_mm": 0.0}

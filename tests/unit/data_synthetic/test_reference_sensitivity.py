@@ -7,7 +7,10 @@ import numpy as np
 import pytest
 
 from common.errors import InputError
-from data_synthetic.reference import devices, run, sensitivity, slices
+from data_synthetic.reference import run
+from data_synthetic.reference.checks import sensitivity
+from data_synthetic.reference.slices import slices
+from data_synthetic.reference.treatment import devices
 
 
 @pytest.fixture

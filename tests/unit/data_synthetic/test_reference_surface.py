@@ -6,7 +6,10 @@ import pytest
 from common import schema
 from common.errors import ComputationError
 from common.implicit import field, surface
-from data_synthetic.reference import deformation, devices, materials, output, refine, slices, straightening
+from data_synthetic.reference.slices import slices
+from data_synthetic.reference.solid import materials
+from data_synthetic.reference.surface import deformation, output, refine, straightening
+from data_synthetic.reference.treatment import devices
 
 THETA = 2 * np.pi * np.arange(48) / 48
 

@@ -13,7 +13,7 @@ import vtk
 from vtk.util.numpy_support import numpy_to_vtk
 
 from common import vtp
-from reports.polyline import read_centreline
+from reports.inputs.polyline import read_centreline
 
 LENGTH_MM, CURVATURE_PER_MM, SPACING_MM = 40.0, 0.1, 0.25
 SEGMENT = (12.0, 30.0)

@@ -3,7 +3,7 @@
 import pytest
 
 from common.errors import InputError
-from reports.bland_altman import bland_altman
+from reports.study.bland_altman import bland_altman
 
 # differences 1, -1, 3, 1: mean 1, squared deviations 0 + 4 + 4 + 0 = 8, sd = sqrt(8 / 3)
 A, B = [11.0, 9.0, 13.0, 11.0], [10.0, 10.0, 10.0, 10.0]

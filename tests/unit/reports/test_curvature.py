@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from common.errors import InputError
-from reports.curvature import line_curvature, mean_over_length
-from reports.polyline import Polyline
+from reports.measuring.curvature import line_curvature, mean_over_length
+from reports.inputs.polyline import Polyline
 
 
 def helix(radius, pitch, s):

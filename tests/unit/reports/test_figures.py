@@ -9,12 +9,12 @@ from matplotlib.collections import PolyCollection
 
 from common.errors import InputError
 from reports.__main__ import main
-from reports.case_files import CaseFiles
+from reports.inputs.case_files import CaseFiles
 from reports.figures import curves as curves_module
 from reports.figures.curves import SIZE, legend_below
 from reports.figures.lumen import paint_order, panel_grid, view_axes
-from reports.profiles import read_pullback, read_pullback_error
-from reports.surface import Surface, read_device, read_lumen
+from reports.measuring.profiles import read_pullback, read_pullback_error
+from reports.inputs.surface import Surface, read_device, read_lumen
 
 
 @pytest.fixture

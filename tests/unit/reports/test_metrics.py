@@ -7,9 +7,9 @@ import pytest
 
 from common.errors import ComputationError, InputError
 from flow.solvers import solved_mesh
-from reports import profiles
-from reports.case_files import CaseFiles
-from reports.metrics import case_metrics
+from reports.measuring import profiles
+from reports.inputs.case_files import CaseFiles
+from reports.measuring.metrics import case_metrics
 
 
 def metrics_of(folder, **options):

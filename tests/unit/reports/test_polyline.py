@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from common.errors import InputError
-from reports.polyline import Polyline, read_centreline
+from reports.inputs.polyline import Polyline, read_centreline
 
 
 def corner():

@@ -4,16 +4,16 @@ import numpy as np
 import pytest
 
 from common.errors import ComputationError, InputError
-from reports.agreement import agreement_table
-from reports.case_files import CaseFiles
-from reports.cohort import cohort_table
+from reports.study.agreement import agreement_table
+from reports.inputs.case_files import CaseFiles
+from reports.study.cohort import cohort_table
 from reports.figures.case import case_figures
 from reports.figures.study import study_figures
-from reports.measured import same_side
-from reports.metrics import case_metrics
+from reports.measuring.measured import same_side
+from reports.measuring.metrics import case_metrics
 from reports.page.build import build_report
-from reports.tables import write_csv
-from reports.timings import timings_table
+from reports.study.tables import write_csv
+from reports.study.timings import timings_table
 from common.files import write_json
 
 STATES = ("pre", "vci", "rc", "post")

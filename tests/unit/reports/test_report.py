@@ -9,7 +9,7 @@ import pytest
 
 from common.errors import ComputationError, InputError
 from reports.__main__ import main
-from reports.check import TALL, browse, check_report, console_messages, outside_references
+from reports.page.check import TALL, browse, check_report, console_messages, outside_references
 from reports.page.build import fixed, signed
 from reports.page.evidence import evidence_rows, read_results
 from reports.page.geometry import STEPS, pack, quantise

@@ -5,11 +5,11 @@ import pytest
 
 from common.errors import InputError
 from reports.__main__ import main
-from reports.agreement import agreement_table, published
-from reports.case_files import CaseFiles
-from reports.cohort import cohort_table
-from reports.metrics import case_metrics
-from reports.timings import timings_table
+from reports.study.agreement import agreement_table, published
+from reports.inputs.case_files import CaseFiles
+from reports.study.cohort import cohort_table
+from reports.measuring.metrics import case_metrics
+from reports.study.timings import timings_table
 
 
 def documents(make_case, changes):

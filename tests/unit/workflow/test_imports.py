@@ -118,7 +118,7 @@ def _loaded(repo_root, program):
 
 
 @pytest.mark.parametrize(
-    "part_name, module", [("reports", "reports.metrics"), ("data_synthetic", "data_synthetic.generate")]
+    "part_name, module", [("reports", "reports.measuring.metrics"), ("data_synthetic", "data_synthetic.generate")]
 )
 def test_agrees_with_what_python_loads(repo_root, part_name, module):
     """Everything of the repository that importing the modules loads is in the closure."""

@@ -10,7 +10,10 @@ from common import schema
 from common.errors import ComputationError
 from data_synthetic import __main__ as command
 from data_synthetic import tree
-from data_synthetic.reference import against_calculix, calculix, calculix_case, devices, run, solid
+from data_synthetic.reference import run
+from data_synthetic.reference.checks import against_calculix, calculix, calculix_case
+from data_synthetic.reference.solid import laws
+from data_synthetic.reference.treatment import devices
 
 
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed (Debian package calculix-ccx)")
@@ -122,7 +125,7 @@ def test_mean_pressure_is_that_of_a_round_device_on_a_round_lumen():
     law = {"balloon_radius": 1.6, "balloon_stiffness": 6.0, "balloon_cap": 1.0, "balloon_share": 0.5}
     law |= {"stent_radius": 0.0, "stent_stiffness": 1.5, "stent_cap": 0.2, "stent_share": 0.0, "pressure": 0.02}
     lumen = 1.5 * np.stack([np.cos(theta), np.sin(theta)], axis=1)
-    half = 0.5 * solid.device_pressure(1.5, 1.6, 6.0, 1.0, sqrt=np.sqrt)
+    half = 0.5 * laws.device_pressure(1.5, 1.6, 6.0, 1.0, sqrt=np.sqrt)
     assert calculix_case.mean_pressure(lumen, law) == pytest.approx(0.02 + half, rel=1e-3)
     assert calculix_case.mean_pressure(lumen + [0.3, 0.0], law | {"balloon_share": 0.0}) == pytest.approx(
         0.02, rel=1e-9

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from data_synthetic.reference import materials, procedure
-from data_synthetic.reference.slice_model import SliceModel
+from data_synthetic.reference.slices.model import SliceModel
+from data_synthetic.reference.solid import materials
+from data_synthetic.reference.treatment import procedure
 
 INNER, OUTER = 0.56, 2.4
 NO_SUPPORT = 1e-6  # MPa/mm: only against rigid motion

@@ -8,7 +8,8 @@ moment inside being Es (c0 + w'') + Ev w''. By symmetry four constants remain (H
 import numpy as np
 import pytest
 
-from data_synthetic.reference import devices, straightening
+from data_synthetic.reference.surface import straightening
+from data_synthetic.reference.treatment import devices
 
 LENGTH, HALF, CURVATURE = 240.0, 9.0, 0.01
 DEVICE, VESSEL, FOUNDATION = 20.0, 8.0, 0.04

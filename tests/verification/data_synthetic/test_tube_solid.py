@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from common.implicit.curves import Curve
-from data_synthetic.reference.slice_model import SliceModel
-from data_synthetic.reference.tube_mesh import Tube
-from data_synthetic.reference.tube_model import TubeModel
-from data_synthetic.reference.tube_procedure import enclosed_area
+from data_synthetic.reference.slices.model import SliceModel
+from data_synthetic.reference.tube.mesh import Tube
+from data_synthetic.reference.tube.model import TubeModel
+from data_synthetic.reference.tube.procedure import enclosed_area
 
 AROUND, THROUGH = 8, 3
 SETTINGS = {"wall_c10_mpa": 0.05, "wall_c20_mpa": 0.2, "bulk_modulus_mpa": 20.0, "support_mpa_per_mm": 0.01}

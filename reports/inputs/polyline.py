@@ -6,7 +6,7 @@ import numpy as np
 
 from common import vtp
 from common.errors import InputError
-from reports.reading import array_of, read_polydata
+from reports.inputs.reading import array_of, read_polydata
 
 
 @dataclasses.dataclass(frozen=True)

@@ -11,8 +11,9 @@ import numpy as np
 
 from common.files import write_json
 
-from . import calculix, materials
-from .slice_model import SliceModel
+from ..slices.model import SliceModel
+from ..solid import materials
+from . import calculix
 
 AROUND, THROUGH = 16, 4
 INNER_MM, C10_MPA, C20_MPA, BULK_MPA = 0.8, 0.05, 0.2, 20.0

@@ -12,8 +12,9 @@ import numpy as np
 from common.errors import InputError
 from common.files import write_json
 
-from . import run, slices
-from .tube_procedure import TreatedTube, enclosed_area
+from .. import run
+from ..slices import slices
+from ..tube.procedure import TreatedTube, enclosed_area
 
 STEP_MM = 0.1
 EDGE_MM = 1.5  # round each end of the stent: judged apart

@@ -7,10 +7,10 @@ import pathlib
 
 import pandas as pd
 
-from reports.bland_altman import Agreement, bland_altman
-from reports.measured import MEASURED, same_side, wire_pair
-from reports.metrics import COMPARISONS
-from reports.reading import number
+from reports.study.bland_altman import Agreement, bland_altman
+from reports.measuring.measured import MEASURED, same_side, wire_pair
+from reports.measuring.metrics import COMPARISONS
+from reports.inputs.reading import number
 
 PUBLISHED_PATH = pathlib.Path(__file__).with_name("published.json")
 PUBLISHED_COMPARISONS = (("vci", "ct"), ("vci", "post"))  # what the study compared: post-VCI minus CT after PCI
@@ -23,7 +23,7 @@ PUBLISHED_COLUMNS = ["published_n", "published_bias", "published_sd", "published
 
 
 def published():
-    """The published agreement: reports/published.json."""
+    """The published agreement: reports/study/published.json."""
     return json.loads(PUBLISHED_PATH.read_text())
 
 

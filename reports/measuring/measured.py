@@ -2,7 +2,7 @@
 
 from common.config import load_case
 from common.errors import InputError
-from reports.reading import read_json
+from reports.inputs.reading import read_json
 
 MEASURED = "measured"  # name of the probe in boundary.json and ffr.json, and of the wire among the compared
 FFR_THRESHOLD = 0.80  # at or below it a lesion is treated (ESC/EACTS guidelines on myocardial revascularisation)

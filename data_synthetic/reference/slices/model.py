@@ -7,9 +7,9 @@ from dolfinx import fem
 
 from common import fenicsx
 
-from . import solid
-from .slice_mesh import LUMEN, OUTSIDE, Annulus
-from .stepped import SteppedModel
+from ..solid import laws
+from ..solid.stepped import SteppedModel
+from .mesh import LUMEN, OUTSIDE, Annulus
 
 
 class SliceModel(SteppedModel):
@@ -27,26 +27,26 @@ class SliceModel(SteppedModel):
         self._make_loads(mesh)
         c10, c20 = fem.Constant(mesh, float(wall_c10_mpa)), fem.Constant(mesh, float(wall_c20_mpa))
         bulk, support = fem.Constant(mesh, float(bulk_modulus_mpa)), fem.Constant(mesh, float(support_mpa_per_mm))
-        points, _ = basix.make_quadrature(basix.CellType.quadrilateral, solid.DEVIATORIC_DEGREE)
+        points, _ = basix.make_quadrature(basix.CellType.quadrilateral, laws.DEVIATORIC_DEGREE)
         self._points = points
         self._cells = np.arange(mesh.topology.index_map(2).size_local, dtype=np.int32)
         x = ufl.SpatialCoordinate(mesh)
         self._where = fem.Expression(x, points)
 
-        f = solid.deformation_gradient(self.u)
+        f = laws.deformation_gradient(self.u)
         share, shear, yields, hardening = (self._material[i] for i in range(4))
-        stress, plastic, strain = solid.plaque_return(
-            f, solid.plane_tensor(self._plastic), self._strain, shear, yields, hardening
+        stress, plastic, strain = laws.plaque_return(
+            f, laws.plane_tensor(self._plastic), self._strain, shear, yields, hardening
         )
-        deviatoric = share * stress + (1 - share) * solid.wall_stress(f, c10, c20)
+        deviatoric = share * stress + (1 - share) * laws.wall_stress(f, c10, c20)
         self._update = fem.Expression(
             ufl.as_vector([plastic[0, 0], plastic[1, 1], plastic[2, 2], plastic[0, 1], strain]), points
         )
         v = ufl.TestFunction(self._space)
         gv = ufl.grad(v)
         virtual = ufl.as_tensor([[gv[0, 0], gv[0, 1], 0], [gv[1, 0], gv[1, 1], 0], [0, 0, 0]]) * ufl.inv(f)
-        full = ufl.dx(domain=mesh, metadata={"quadrature_degree": solid.DEVIATORIC_DEGREE})
-        reduced = ufl.dx(domain=mesh, metadata={"quadrature_degree": solid.VOLUMETRIC_DEGREE})
+        full = ufl.dx(domain=mesh, metadata={"quadrature_degree": laws.DEVIATORIC_DEGREE})
+        reduced = ufl.dx(domain=mesh, metadata={"quadrature_degree": laws.VOLUMETRIC_DEGREE})
         ds = ufl.Measure("ds", domain=mesh, subdomain_data=self.annulus.facet_tags, metadata={"quadrature_degree": 5})
         g = ufl.grad(self.u)
         cofactor = ufl.as_tensor([[1 + g[1, 1], -g[1, 0]], [-g[0, 1], 1 + g[0, 0]]])
@@ -56,10 +56,10 @@ class SliceModel(SteppedModel):
         load = self._constants["pressure"]
         for device in ("balloon", "stent"):
             c = {name: self._constants[f"{device}_{name}"] for name in ("radius", "stiffness", "cap", "share")}
-            load = load + c["share"] * solid.device_pressure(distance, c["radius"], c["stiffness"], c["cap"])
+            load = load + c["share"] * laws.device_pressure(distance, c["radius"], c["stiffness"], c["cap"])
         residual = (
             ufl.inner(deviatoric, virtual) * full
-            + solid.volumetric_stress(f, bulk) * ufl.tr(virtual) * reduced
+            + laws.volumetric_stress(f, bulk) * ufl.tr(virtual) * reduced
             + load * ufl.inner(area_normal, v) * ds(LUMEN)
             + support * ufl.inner(self.u, v) * ds(OUTSIDE)
         )

@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 
 from common.errors import InputError
-from reports.curvature import line_curvature, mean_over_length
-from reports.polyline import Polyline
-from reports.reading import number, read_json, read_table
-from reports.segment import carry, diameters_at, read_sections
+from reports.measuring.curvature import line_curvature, mean_over_length
+from reports.inputs.polyline import Polyline
+from reports.inputs.reading import number, read_json, read_table
+from reports.measuring.segment import carry, diameters_at, read_sections
 
 PULLBACK_NUMBERS = ("s_mm", "x_mm", "y_mm", "z_mm", "pressure_pa", "ffr", "flow_m3_per_s")
 POST = "post"  # the lumen found after the real procedure: another image, with ends of its own

@@ -5,15 +5,15 @@ import sys
 import numpy as np
 
 from common.errors import ComputationError, InputError
-from reports.case_files import IMAGED, STATES
-from reports.curvature import mean_over_length
-from reports.device_readouts import case_kind, deployment_summary, lesion_summary, patient_summary
-from reports.device_readouts import procedure_summary, reference_summary
-from reports.measured import MEASURED, at_the_wire, measured_summary
-from reports.polyline import read_centreline
-from reports.profiles import error_of, state_profiles
-from reports.reading import entry, read_json
-from reports.segment import read_sections, stented_segment
+from reports.inputs.case_files import IMAGED, STATES
+from reports.measuring.curvature import mean_over_length
+from reports.measuring.device_readouts import case_kind, deployment_summary, lesion_summary, patient_summary
+from reports.measuring.device_readouts import procedure_summary, reference_summary
+from reports.measuring.measured import MEASURED, at_the_wire, measured_summary
+from reports.inputs.polyline import read_centreline
+from reports.measuring.profiles import error_of, state_profiles
+from reports.inputs.reading import entry, read_json
+from reports.measuring.segment import read_sections, stented_segment
 
 DEFAULT_MARGIN_MM = 2.0
 DEFAULT_STATIONS = 101

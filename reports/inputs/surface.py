@@ -6,7 +6,7 @@ import numpy as np
 import vtkmodules.vtkFiltersCore as filters
 
 from common import vtp
-from reports.reading import read_polydata
+from reports.inputs.reading import read_polydata
 
 
 @dataclasses.dataclass(frozen=True)

@@ -4,7 +4,7 @@ import dataclasses
 import pathlib
 
 from common.errors import InputError
-from reports.reading import entry, read_json
+from reports.inputs.reading import entry, read_json
 
 # ct: the reference as it is found in its CT; post: the lumen found after the real procedure
 STATES = ("pre", "vci", "rc", "reference", "ct", "post")

@@ -8,7 +8,7 @@ from petsc4py import PETSc
 from common import fenicsx
 from common.errors import ComputationError
 
-from . import solid
+from . import laws
 
 LOADS = ("balloon_radius", "balloon_stiffness", "balloon_cap", "balloon_share") + (
     "stent_radius",
@@ -61,7 +61,7 @@ class SteppedModel:
         """Function with `size` values at each quadrature point."""
         kind = ufl.VectorElement if size > 1 else ufl.FiniteElement
         extra = {"dim": size} if size > 1 else {}
-        element = kind("Quadrature", mesh.ufl_cell(), solid.DEVIATORIC_DEGREE, quad_scheme="default", **extra)
+        element = kind("Quadrature", mesh.ufl_cell(), laws.DEVIATORIC_DEGREE, quad_scheme="default", **extra)
         return fem.Function(fem.FunctionSpace(mesh, element))
 
     def set_loads(self, loads):

@@ -15,9 +15,12 @@ import numpy as np
 from common.errors import InputError
 from common.files import write_json
 
-from . import calculix, procedure, run, solid, tissue
-from .slice_model import SliceModel
-from .tube_procedure import enclosed_area
+from .. import run
+from ..slices.model import SliceModel
+from ..solid import laws, tissue
+from ..treatment import procedure
+from ..tube.procedure import enclosed_area
+from . import calculix
 
 SETTING_KEYS = ("wall_c10_mpa", "wall_c20_mpa", "bulk_modulus_mpa", "support_mpa_per_mm")
 SIDE_POINTS, SIDE_WEIGHTS = np.polynomial.legendre.leggauss(3)
@@ -52,7 +55,7 @@ def mean_pressure(lumen, loads):
         distance, pressure = np.linalg.norm(at, axis=1), loads["pressure"]
         for device in ("balloon", "stent"):
             law = [loads[f"{device}_{name}"] for name in ("radius", "stiffness", "cap")]
-            pressure = pressure + loads[f"{device}_share"] * solid.device_pressure(distance, *law, sqrt=np.sqrt)
+            pressure = pressure + loads[f"{device}_share"] * laws.device_pressure(distance, *law, sqrt=np.sqrt)
         total, area = total + np.sum(pressure * swept), area + np.sum(swept)
     return float(total / area)
 

@@ -4,8 +4,11 @@ import sys
 
 import numpy as np
 
-from . import deformation, own_error, procedure, tissue
-from .slice_model import SliceModel
+from ..solid import tissue
+from ..surface import deformation
+from ..treatment import procedure
+from . import own_error
+from .model import SliceModel
 
 REFINEMENTS = 3  # rounds in which slices are added
 NEAREST_MM = 0.09  # slices are not added closer than this

@@ -15,7 +15,9 @@ from scipy.interpolate import CubicSpline
 from common.errors import InputError
 from common.files import replacing
 
-from . import run, slices, straightening
+from .. import run
+from ..slices import slices
+from ..surface import straightening
 
 OF_SLICES = ("stent_stiffness_mpa_per_mm", "wall_c10_mpa", "wall_c20_mpa", "bulk_modulus_mpa", "support_mpa_per_mm")
 SLICE_FACTORS, BEAM_FACTORS = (0.5, 2.0), (0.25, 0.5, 2.0, 4.0)

@@ -6,10 +6,11 @@ import numpy as np
 
 from common.errors import InputError
 
-from . import slices, tissue
-from .procedure import hand_over, shrink
-from .tube_mesh import Tube
-from .tube_model import TubeModel
+from ..slices import slices
+from ..solid import tissue
+from ..treatment.procedure import hand_over, shrink
+from .mesh import Tube
+from .model import TubeModel
 
 
 def enclosed_area(a_mm, b_mm):

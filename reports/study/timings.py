@@ -2,8 +2,8 @@
 
 import pandas as pd
 
-from reports.case_files import STATES
-from reports.reading import number, read_json
+from reports.inputs.case_files import STATES
+from reports.inputs.reading import number, read_json
 
 COLUMNS = ["case", "step", "source", "seconds", "cpu_s", "peak_memory_mib"]
 BENCHMARK_NUMBERS = ("s", "max_rss", "cpu_time")

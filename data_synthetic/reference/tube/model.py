@@ -5,9 +5,9 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
-from . import solid
-from .stepped import SteppedModel
-from .tube_mesh import ENDS, LUMEN, OUTSIDE
+from ..solid import laws
+from ..solid.stepped import SteppedModel
+from .mesh import ENDS, LUMEN, OUTSIDE
 
 PLACES = ("balloon_centre", "balloon_half_length", "balloon_shoulder", "stent_start", "stent_end")
 ROLLER_MPA_PER_MM = 1e5  # holds the end faces in their planes
@@ -37,7 +37,7 @@ class TubeModel(SteppedModel):
         self.set_loads({"balloon_shoulder": 1.0})
         self._held = fem.Function(scalar)
         self._plastic, self._strain, self._material = (self._at_points(mesh, n) for n in (6, 1, 4))
-        points, _ = basix.make_quadrature(basix.CellType.hexahedron, solid.DEVIATORIC_DEGREE)
+        points, _ = basix.make_quadrature(basix.CellType.hexahedron, laws.DEVIATORIC_DEGREE)
         self._cells = np.arange(mesh.topology.index_map(3).size_local, dtype=np.int32)
         chart = self._field(tube.chart_mm)
         self._rest(fem.Expression(chart, points), material)
@@ -59,17 +59,17 @@ class TubeModel(SteppedModel):
         mesh, u, v = self.tube.mesh, self.u, ufl.TestFunction(self._space)
         f = ufl.Identity(3) + ufl.grad(u)
         share, shear, yields, hardening = (self._material[i] for i in range(4))
-        plastic = solid.full_tensor(self._plastic)
-        stress, plastic, strain = solid.plaque_return(f, plastic, self._strain, shear, yields, hardening)
+        plastic = laws.full_tensor(self._plastic)
+        stress, plastic, strain = laws.plaque_return(f, plastic, self._strain, shear, yields, hardening)
         c10, c20 = (fem.Constant(mesh, float(settings[f"wall_{name}_mpa"])) for name in ("c10", "c20"))
-        deviatoric = share * stress + (1 - share) * solid.wall_stress(f, c10, c20)
+        deviatoric = share * stress + (1 - share) * laws.wall_stress(f, c10, c20)
         six = [plastic[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
         self._update = fem.Expression(ufl.as_vector([*six, strain]), points)
         bulk = fem.Constant(mesh, float(settings["bulk_modulus_mpa"]))
         support = fem.Constant(mesh, float(settings["support_mpa_per_mm"]))
         virtual = ufl.grad(v) * ufl.inv(f)
-        full = ufl.dx(domain=mesh, metadata={"quadrature_degree": solid.DEVIATORIC_DEGREE})
-        reduced = ufl.dx(domain=mesh, metadata={"quadrature_degree": solid.VOLUMETRIC_DEGREE})
+        full = ufl.dx(domain=mesh, metadata={"quadrature_degree": laws.DEVIATORIC_DEGREE})
+        reduced = ufl.dx(domain=mesh, metadata={"quadrature_degree": laws.VOLUMETRIC_DEGREE})
         ds = ufl.Measure("ds", domain=mesh, subdomain_data=self.tube.facet_tags, metadata={"quadrature_degree": 5})
         centre = self._field(axis.point(self.tube.chart_mm[:, 0]))
         tangent = self._field(axis.frame(self.tube.chart_mm[:, 0])[0])
@@ -85,12 +85,12 @@ class TubeModel(SteppedModel):
         shares = {"balloon": 1.0, "stent": ufl.conditional(covered, 1.0, 0.0)}
         load = c["pressure"]
         for name, radius in radii.items():
-            law = solid.device_pressure(distance, radius, c[f"{name}_stiffness"], c[f"{name}_cap"])
+            law = laws.device_pressure(distance, radius, c[f"{name}_stiffness"], c[f"{name}_cap"])
             load = load + shares[name] * c[f"{name}_share"] * law
         area_normal = ufl.det(f) * ufl.inv(f).T * ufl.FacetNormal(mesh)
         self._prepare(
             ufl.inner(deviatoric, virtual) * full
-            + solid.volumetric_stress(f, bulk) * ufl.tr(virtual) * reduced
+            + laws.volumetric_stress(f, bulk) * ufl.tr(virtual) * reduced
             + load * ufl.inner(area_normal, v) * ds(LUMEN)
             + support * ufl.inner(u, v) * ds(OUTSIDE)
             + ROLLER_MPA_PER_MM * ufl.inner(u, tangent) * ufl.inner(v, tangent) * ds(ENDS)

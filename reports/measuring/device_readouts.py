@@ -2,7 +2,7 @@
 
 from common.config import load_case
 from common.errors import InputError
-from reports.reading import entry, number, read_json
+from reports.inputs.reading import entry, number, read_json
 
 READOUTS = (
     "status",

@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from reports.case_files import STATES
+from reports.inputs.case_files import STATES
 
 PATIENT = ("lvm_g", "sbp_mmhg", "dbp_mmhg", "map_pa", "q_hyperaemic_ml_per_min")
 LESION = ("branch", "diameter_stenosis_percent", "area_stenosis_percent", "mla_mm2", "reference_diameter_mm")

@@ -5,8 +5,8 @@ import dataclasses
 import numpy as np
 
 from common.errors import ComputationError, InputError
-from reports.polyline import Polyline, read_centreline
-from reports.reading import entry, number, read_json, read_table
+from reports.inputs.polyline import Polyline, read_centreline
+from reports.inputs.reading import entry, number, read_json, read_table
 
 SECTION_NUMBERS = ("s_mm", "area_mm2", "equivalent_diameter_mm")
 USED_FLAGS = ("ok", "ostium")  # `end` sections cut the cap's edge: never used; `ostium` areas are already clipped

@@ -5,7 +5,7 @@ import sys
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from . import deformation
+from ..surface import deformation
 
 FEWEST_FOR_SPACING = 5
 

@@ -8,7 +8,7 @@ import tempfile
 
 from common.errors import ComputationError, InputError
 from common.files import replacing
-from reports.reading import existing
+from reports.inputs.reading import existing
 
 BROWSER = "chromium"
 FLAGS = (
