@@ -1,7 +1,8 @@
 """Strict YAML: duplicate keys and non-finite numbers are refused, 1e-3 is a number, and every value knows its line.
 
-PyYAML follows YAML 1.1, where `1e-3` is a string, `no` is a boolean and the last of two equal keys wins silently;
-a configuration that people write by hand needs none of these surprises.
+PyYAML follows YAML 1.1, where `1e-3` is a string, `no` is a boolean, `2:10` is 130, `0130` is 88 and the last of two
+equal keys wins silently; a configuration that people write by hand needs none of these surprises. Here plain values are
+those of YAML 1.2's core schema (https://yaml.org/spec/1.2.2/#103-core-schema). Anchors, aliases and merge keys work.
 """
 
 import math
@@ -13,22 +14,36 @@ import yaml
 from common.errors import InputError
 
 
-class _Loader(yaml.SafeLoader):
-    """SafeLoader with the numbers and booleans of YAML 1.2."""
-
-
-_Loader.yaml_implicit_resolvers = {
-    first: [
-        (tag, pattern) for tag, pattern in resolvers if tag not in ("tag:yaml.org,2002:bool", "tag:yaml.org,2002:float")
-    ]
-    for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
+MOST_VALUES = 100_000  # a study's files hold some hundreds; aliases of aliases can write out billions
+LONGEST_NUMBER = 300  # digits: as a float it is still finite
+TAG = "tag:yaml.org,2002:"
+PLAIN = {
+    "null": (r"^(~|null|Null|NULL|)$", ["~", "n", "N", ""]),
+    "bool": (r"^(true|false)$", list("tf")),
+    "int": (r"^([-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+)$", list("-+0123456789")),
+    "float": (
+        r"^[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?$|^[-+]?\.inf$|^\.nan$",
+        list("-+.0123456789"),
+    ),
+    "merge": (r"^<<$", ["<"]),
 }
-_Loader.add_implicit_resolver("tag:yaml.org,2002:bool", re.compile(r"^(true|false)$"), list("tf"))
-_Loader.add_implicit_resolver(
-    "tag:yaml.org,2002:float",
-    re.compile(r"^[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?$|^[-+]?\.inf$|^\.nan$"),
-    list("-+.0123456789"),
-)
+TAGS = {TAG + name for name in (*PLAIN, "str", "seq", "map")}
+
+
+class _Loader(yaml.SafeLoader):
+    """SafeLoader with the plain values of YAML 1.2."""
+
+    yaml_implicit_resolvers = {}
+
+    def construct_whole(self, node):
+        """int of a scalar: decimal whatever its leading zeros, 0o octal, 0x hexadecimal."""
+        text = self.construct_scalar(node)
+        return int(text, 0) if text[:2] in ("0o", "0x") else int(text)
+
+
+for _name, (_pattern, _first) in PLAIN.items():
+    _Loader.add_implicit_resolver(TAG + _name, re.compile(_pattern), _first)
+_Loader.add_constructor(TAG + "int", _Loader.construct_whole)
 
 
 class Document:
@@ -64,7 +79,8 @@ def key_name(path):
 def read(file):
     """Reads one YAML file into a `Document`.
 
-    Raises InputError when the file is missing, is not YAML, repeats a key or holds a number that is not finite.
+    Raises InputError when the file is missing, is not YAML, repeats a key, holds a number that is not finite, a tag that
+    is not of YAML's core schema, a key that is not text, or more than `MOST_VALUES` values.
     """
     file = pathlib.Path(file)
     try:
@@ -85,8 +101,11 @@ def read(file):
         node = loader.get_single_node()
         lines = {(): 1}
         if node is not None:
-            _check(node, (), file, lines)
+            _check(loader, node, (), file, lines)
         data = loader.construct_document(node) if node is not None else {}
+    except RecursionError:
+        remedy = "write the values out; no alias (*) within its own anchor (&)"
+        raise InputError("nested too deeply, or within itself", file, "too many levels", remedy) from None
     except yaml.MarkedYAMLError as error:
         line = error.problem_mark.line + 1 if error.problem_mark else 1
         remedy = "mend the line; indent with spaces and quote text that holds ': ' or ' #'"
@@ -98,22 +117,53 @@ def read(file):
     return document
 
 
-def _check(node, path, file, lines):
-    """Records the line of every value below `node` and refuses repeated keys."""
-    lines[path] = node.start_mark.line + 1
+def _check(loader, node, path, file, lines):
+    """Records the line of every value below `node`; refuses what the core schema does not have and repeated keys."""
+    line = node.start_mark.line + 1
+    where = f"{file}, line {line}" + (f", key {key_name(path)}" if path else "")
+    lines[path] = line
+    if len(lines) > MOST_VALUES:
+        remedy = "write them out; aliases (*) of lists that hold aliases multiply"
+        raise InputError("too many values", where, f"more than {MOST_VALUES}", remedy)
+    if node.tag not in TAGS:
+        remedy = "leave the tag out: text, numbers, true, false, null, lists and groups of keys need none"
+        raise InputError("tag that a configuration does not have", where, node.tag.replace(TAG, "!!"), remedy)
     if isinstance(node, yaml.SequenceNode):
         for position, child in enumerate(node.value):
-            _check(child, path + (position,), file, lines)
+            _check(loader, child, path + (position,), file, lines)
     elif isinstance(node, yaml.MappingNode):
         for key_node, child in node.value:
+            if key_node.tag not in (TAG + "str", TAG + "merge"):
+                where = f"{file}, line {key_node.start_mark.line + 1}" + (f", in {key_name(path)}" if path else "")
+                value = key_node.value if isinstance(key_node, yaml.ScalarNode) else "a list or a group of keys"
+                remedy = "keys are words; a decimal comma parts two entries: write a point"
+                raise InputError("key that is no word", where, value, remedy)
             key = path + (key_node.value,)
             if key in lines:
                 where = f"{file}, line {key_node.start_mark.line + 1}, key {key_name(key)}"
                 raise InputError(
                     "key given twice", where, key_node.value, f"keep one; the first is on line {lines[key]}"
                 )
-            _check(child, key, file, lines)
+            _check(loader, child, key, file, lines)
             lines[key] = key_node.start_mark.line + 1
+    else:
+        _check_scalar(loader, node, where)
+
+
+def _check_scalar(loader, node, where):
+    """Refuses a scalar that its tag does not fit, a number of more digits than Python reads, and half a character."""
+    plain = loader.resolve(yaml.ScalarNode, node.value, (True, False))
+    if node.tag not in (TAG + "str", plain):
+        value = f"{node.tag.replace(TAG, '!!')} {node.value}"
+        raise InputError("value that its tag does not fit", where, value, "leave the tag out")
+    if node.tag == TAG + "int" and len(node.value) > LONGEST_NUMBER:
+        value = node.value[:20] + "..."
+        raise InputError("number of too many digits", where, value, f"at most {LONGEST_NUMBER} characters")
+    try:
+        node.value.encode()
+    except UnicodeEncodeError as error:
+        value = f"#x{ord(node.value[error.start]):04x}"
+        raise InputError("half a character (a surrogate)", where, value, "write the character itself") from None
 
 
 def _refuse_non_finite(document, value, path):

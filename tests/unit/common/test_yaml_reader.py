@@ -6,6 +6,11 @@ from common import yaml_reader
 from common.errors import InputError
 
 
+LAUGHS = "k0: &k0 [1]\n" + "".join(
+    f"k{i}: &k{i} [" + 9 * f"*k{i - 1}," + "]\n" for i in range(1, 9)
+)  # nine of the last
+
+
 def read(tmp_path, text):
     file = tmp_path / "a.yaml"
     file.write_text(text)
@@ -14,7 +19,21 @@ def read(tmp_path, text):
 
 @pytest.mark.parametrize(
     "text, value",
-    [("1e-3", 1e-3), ("1E5", 1e5), ("-.5", -0.5), ("3", 3), ("3.", 3.0), ("+2.5e+1", 25.0), ("1.5e", "1.5e")],
+    [
+        ("0130", 130),
+        ("0x10", 16),
+        ("0o17", 15),
+        ("2:10", "2:10"),
+        ("1_0", "1_0"),
+        ("2026-01-02", "2026-01-02"),
+        ("1e-3", 1e-3),
+        ("1E5", 1e5),
+        ("-.5", -0.5),
+        ("3", 3),
+        ("3.", 3.0),
+        ("+2.5e+1", 25.0),
+        ("1.5e", "1.5e"),
+    ],
 )
 def test_numbers(tmp_path, text, value):
     found = read(tmp_path, f"a: {text}").data["a"]
@@ -46,8 +65,18 @@ def test_empty_file_is_an_empty_group(tmp_path):
         ("a: b: c\n", ["not valid YAML", "line 1"]),
         ("a: {b: .inf}\n", ["not finite", "a.b"]),
         ("a: [1, .nan]\n", ["not finite", "a[2]"]),
-        ("a: !!python/object:os.system x\n", ["not valid YAML"]),
+        ("a: &x [*x]\n", ["within itself"]),
+        ("a: " + 3000 * "[" + 3000 * "]", ["nested too deeply"]),
+        (LAUGHS, ["too many values", "multiply"]),
+        ("? [a, b]\n: 1\n", ["key that is no word", "line 1"]),
+        ("b: {mass: 130,5}\n", ["key that is no word", "in b", "decimal comma"]),
+        ("a: !!int x\n", ["its tag does not fit", "!!int x"]),
+        ("a: !!set {b, c}\n", ["tag that a configuration does not have", "!!set"]),
+        ("a: 1" + 400 * "0" + "\n", ["too many digits", "key a"]),
+        ('a: "\\ud800"\n', ["half a character", "#xd800"]),
+        ("a: !!python/object:os.system x\n", ["tag that a configuration does not have", "line 1", "key a"]),
     ],
+    ids=lambda value: value[:20] if isinstance(value, str) else value[0],
 )
 def test_refused(tmp_path, text, words):
     with pytest.raises(InputError) as error:
@@ -65,3 +94,12 @@ def test_missing_and_binary_files_are_refused(tmp_path):
     (tmp_path / "c.yaml").write_bytes(b"a: 1\nb: \x00\x01")
     with pytest.raises(InputError, match=r"does not allow\n.*c.yaml, line 2\n.*#x00"):
         yaml_reader.read(tmp_path / "c.yaml")
+
+
+def test_anchors_aliases_and_merge_keys(tmp_path):
+    text = "base: &base {a: 1, b: [2]}\nother: {<<: *base, a: 3}\nsame: *base\n"
+    assert read(tmp_path, text).data == {
+        "base": {"a": 1, "b": [2]},
+        "other": {"a": 3, "b": [2]},
+        "same": {"a": 1, "b": [2]},
+    }
