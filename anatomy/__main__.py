@@ -127,6 +127,12 @@ def _contours(options):
             remedy = f"a number of mm from 0 to {THICKEST_WALL_MM:g}, or auto"
             raise InputError("no thickness of a healthy wall", "--healthy-wall", options.healthy_wall, remedy)
     laying = None
+    for name in ("line", "landmark_point", "proximal_s", "rotation", "mirrored"):
+        if getattr(options, name) and not options.centreline:
+            option = "--" + name.replace("_", "-")
+            raise InputError(
+                "there is no centreline to lie on", option, getattr(options, name), "give --centreline too"
+            )
     if options.centreline:
         laying = {
             "centreline": options.centreline,

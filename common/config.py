@@ -100,6 +100,8 @@ def load_device(path):
 def load_devices(folder):
     """All families in a folder, {name: family}; a stent's delivery balloon must be among them at every size."""
     files = sorted(pathlib.Path(folder).glob("*.yaml"))
+    if not files:
+        raise InputError("no device families", folder, "no file *.yaml", "give a folder like config/devices")
     families = {file.stem: load_device(file) for file in files}
     for file in files:
         family = families[file.stem]

@@ -35,7 +35,7 @@ def read(file, kind):
 
     Raises InputError when the file cannot be read, is not JSON, is no group of keys or has a number that is not finite.
     """
-    file, remedy = pathlib.Path(file), f"it should be a {kind} document"
+    file, remedy = pathlib.Path(file), f"give a file of the kind {kind}"
     try:
         data = json.loads(file.read_text(encoding="utf-8"))
     except OSError as error:

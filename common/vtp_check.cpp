@@ -147,16 +147,18 @@ void check_elements(VtpArrays& file) {
   each_nested(root, [&](vtkXMLDataElement* data) {
     if (is(data, "PolyData"))
       each_nested(data, [&](vtkXMLDataElement* element) {
-        if (is(element, "Piece") && ++pieces == 1)
+        if (is(element, "Piece")) {
+          ++pieces;
           check_piece(file, element);
+        }
         if (is(element, "FieldData"))
           each_nested(element, [&](vtkXMLDataElement* array) {
             read(file, array_of(array), count_of(array, "NumberOfTuples"));
           });
       });
   });
-  if (pieces != 1)
-    throw Damaged(std::to_string(pieces) + " pieces of polydata; one is expected");
+  if (pieces == 0)
+    throw Damaged("no piece of polydata");
 }
 
 } // namespace
@@ -169,7 +171,7 @@ void check_vtp(const std::filesystem::path& file, const std::string& what) {
     check_elements(*arrays);
   } catch (const Damaged& e) {
     throw InputError("the " + what + " cannot be read", file.string(), e.what(),
-                     "it is damaged, or of a form that is not read: write it anew, whole and in one piece");
+                     "it is damaged, or of a form that is not read: write it anew");
   }
 }
 

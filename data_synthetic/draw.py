@@ -19,6 +19,7 @@ SMALLEST_TREATED_MM = 2.6  # healthy diameter at the lesion; smaller vessels are
 LARGEST_TREATED_MM = 4.4  # the same at its distal end; stents of the catalogue end at 4.5 mm
 CLEAR_OF_OSTIA_MM = 3.0
 ATTEMPTS = 200
+MOST = 1_000_000  # each is a file of its own, drawn in some milliseconds
 
 
 def run(count, seed, out):
@@ -26,8 +27,8 @@ def run(count, seed, out):
 
     Patient k of a seed is the same whatever the count. Raises InputError for a count or seed out of range.
     """
-    if count < 1:
-        raise InputError("number of patients out of range", "--count", count, "1 or more")
+    if not 1 <= count <= MOST:
+        raise InputError("number of patients out of range", "--count", count, f"1 to {MOST}; more by several seeds")
     if not 0 <= seed < 2**32:
         raise InputError("seed out of range", "--seed", seed, "0 to 4294967295")
     paths = []

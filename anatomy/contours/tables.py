@@ -44,7 +44,12 @@ def read_rows(path, units):
                 continue
             raise InputError("not a number", f"{path}, line {number}", line, "frame, x, y, z; decimal points") from None
         if len(row) != 4 or not np.isfinite(row).all():
-            raise InputError("not a point of a contour", f"{path}, line {number}", line, "four numbers: frame, x, y, z")
+            raise InputError(
+                "not a point of a contour",
+                f"{path}, line {number}",
+                line,
+                "four numbers: frame, x, y, z; decimal points",
+            )
         rows.append(row)
     if not rows:
         raise InputError("no points in the contour table", path, f"{len(lines)} lines", "lines of frame, x, y, z")

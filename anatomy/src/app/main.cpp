@@ -168,6 +168,7 @@ int main(int argc, char** argv) {
       const Prepared prepared = prepare(options, timer);
       write_surface(remeshed(prepared.given, options.edge, prepared.mesh), out);
     } else {
+      check_folder(out);
       StepTimer timer;
       const Anatomy anatomy = process(options, timer);
       timer.stop();

@@ -23,6 +23,9 @@ struct Anatomy {
   Quality quality;
 };
 
+/// Throws InputError where `folder` cannot be made or written: to be asked before long work.
+void check_folder(const std::string& folder);
+
 /// Writes lumen.vtp, centreline.vtp, sections.csv and anatomy.json to `folder`, made if absent.
 void write_anatomy(const Anatomy& anatomy, const StepTimer& timer, const std::string& folder);
 

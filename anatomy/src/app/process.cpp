@@ -10,9 +10,11 @@
 #include "remesh/local_edge.hpp"
 #include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/repair.h>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <regex>
 #include <vtkCellData.h>
 
 namespace anatomy {
@@ -29,14 +31,28 @@ bool may_start_from(double edge, const Mesh& surface) {
   return edge >= finest_start && PMP::area(surface) / (std::sqrt(3.0) / 4 * edge * edge) < most_triangles;
 }
 
+// The earlier state's summary, with all that is asked of its ends.
 nlohmann::json read_like(const std::string& path) {
   std::ifstream file(path);
   if (!file)
     throw InputError("no such file", path, "missing", "give the anatomy.json of the earlier state");
-  nlohmann::json like = nlohmann::json::parse(file, nullptr, false);
-  if (like.is_discarded() || like.value("schema", "") != "vci-anatomy-1" || !like.contains("ends"))
-    throw InputError("not an anatomy summary", path, "no schema vci-anatomy-1", "give an anatomy.json");
-  return like;
+  try {
+    nlohmann::json like = nlohmann::json::parse(file);
+    if (like.at("schema") != "vci-anatomy-1")
+      throw InputError("not an anatomy summary", path, "no schema vci-anatomy-1", "give an anatomy.json");
+    for (const nlohmann::json& end : like.at("ends")) {
+      static_cast<void>(end.at("centre_mm").get<std::array<double, 3>>());
+      static_cast<void>(end.at("name").get<std::string>());
+      static_cast<void>(end.value("extension_mm", 0.0));
+      static const std::regex known("main|side[1-9][0-9]{0,3}");
+      if (end.at("kind").get<std::string>() != "inlet" && !std::regex_match(end.at("branch").get<std::string>(), known))
+        throw InputError("an end of no known branch", path, end.at("branch").dump(), "main, side1, side2, ...");
+    }
+    return like;
+  } catch (const nlohmann::json::exception& e) {
+    throw InputError("not an anatomy summary", path, e.what(),
+                     "give the anatomy.json of the earlier state, as written");
+  }
 }
 
 // Tags as numbered by the tree, instead of by area.

@@ -1,5 +1,6 @@
 #include "files/surface_file.hpp"
 #include "common/error.hpp"
+#include "common/vtp_check.hpp"
 #include "files/obj_check.hpp"
 #include "files/ply_check.hpp"
 #include "mask/mask_file.hpp"
@@ -37,6 +38,42 @@ template <class Reader> vtkSmartPointer<vtkPolyData> read_with(const std::string
     throw InputError("the surface cannot be read", path, "incomplete or not of its format",
                      "export the surface again, or as STL");
   return reader->GetOutput();
+}
+
+// What is no file, by what lies there instead.
+void check_there(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code ignored; // of links that lead to themselves
+  const fs::file_status found = fs::status(path, ignored);
+  if (fs::is_regular_file(found))
+    return;
+  const bool broken = fs::is_symlink(fs::symlink_status(path, ignored)) && !fs::exists(found);
+  const std::string there = fs::is_directory(found) ? "a folder"
+                            : fs::exists(found)     ? "a pipe or a device"
+                            : broken                ? "a link that leads nowhere"
+                                                    : "missing";
+  throw InputError("no such surface file", path, there,
+                   "check the path; a case file's is relative to the repository, after data/ to VCI_DATA_DIR");
+}
+
+// What is often saved in the place of a file, told by its first bytes.
+void check_kind(const std::string& path) {
+  struct Other {
+    std::string begin, what, remedy;
+  };
+  static const std::array<Other, 5> others{{{"<!doctype html", "a web page", "download the file itself"},
+                                            {"<html", "a web page", "download the file itself"},
+                                            {"version https://git-lfs", "a pointer of Git LFS", "git lfs pull"},
+                                            {"\x1f\x8b", "compressed by gzip", "unpack it with gunzip"},
+                                            {"PK\x03\x04", "a zip archive", "unpack it with unzip"}}};
+  std::string head(32, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  if (head[0] == '<')
+    std::transform(head.begin(), head.end(), head.begin(), [](unsigned char c) { return std::tolower(c); });
+  for (const Other& other : others)
+    if (head.starts_with(other.begin) && !(is_mask_file(path) && other.begin[0] == '\x1f'))
+      throw InputError("another file in the place of a surface", path, other.what, other.remedy);
 }
 
 constexpr std::uintmax_t stl_head = 84, stl_triangle = 50; // bytes
@@ -87,8 +124,10 @@ vtkSmartPointer<vtkPolyData> read_by_suffix(const std::string& path, int label, 
     check_stl_length(path);
     return read_with<vtkSTLReader>(path);
   }
-  if (suffix == ".vtp")
+  if (suffix == ".vtp") {
+    common::check_vtp(path, "surface");
     return read_with<vtkXMLPolyDataReader>(path);
+  }
   if (suffix == ".ply") {
     check_ply(path);
     return read_with<vtkPLYReader>(path);
@@ -156,9 +195,8 @@ void check_indices(vtkPolyData* data, const std::string& path) {
 vtkSmartPointer<vtkPolyData> in_millimetres(const std::string& path, const std::string& units, int label,
                                             vtkIdType fewest, std::vector<Repair>& repairs) {
   const double scale = millimetres_per(units);
-  if (!std::filesystem::is_regular_file(path))
-    throw InputError("no such surface file", path, "missing",
-                     "check the path; a case file's is relative to the repository, after data/ to VCI_DATA_DIR");
+  check_there(path);
+  check_kind(path);
   vtkSmartPointer<vtkPolyData> read;
   try {
     read = read_by_suffix(path, label, repairs);

@@ -90,9 +90,15 @@ TEST(VtpCheck, RefusesWhatMakesTheReaderFollowNullPointers) {
   text.replace(text.find("<PointData>"), 11, "<SomeData >");
   text.replace(text.find("</PointData>"), 12, "</SomeData >");
   expect_refused(text, "fewer data than the element claims: region_id");
+}
+
+TEST(VtpCheck, ChecksEveryPiece) {
   const std::size_t start = triangle.find("<Piece"), end = triangle.find("</PolyData>");
   const std::string piece = triangle.substr(start, end - start);
-  expect_refused(std::string(triangle).insert(end, piece), "2 pieces");
+  std::string damaged = piece;
+  damaged.replace(damaged.find("format=\"ascii\">7<"), 17, "format=\"ascii\"><");
+  expect_refused(std::string(triangle).insert(end, damaged), "fewer data than the element claims");
+  expect_refused(std::string(triangle).erase(start, end - start), "no piece");
 }
 
 TEST(VtpCheck, RefusesTextsBeyondTheirArray) {

@@ -1,0 +1,31 @@
+"""Inputs by name: a function makes each in an empty folder and returns the command that is to judge it."""
+
+import os
+import pathlib
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BUILD = pathlib.Path(os.environ.get("VCI_BUILD_DIR", ROOT / "build"))
+PYTHON = "/usr/bin/python3"
+INPUTS = {}  # name: function(folder) -> command, a list
+
+
+def given(name):
+    """Decorator: the function makes the input of this name; each name is used once."""
+
+    def enter(make):
+        assert name not in INPUTS, name
+        INPUTS[name] = make
+        return make
+
+    return enter
+
+
+def lumen(command, surface, *options):
+    """`lumen check` or `lumen process`, with out beside the surface for what it would write."""
+    out = ["--out", pathlib.Path(surface).parent / "out"] if command == "process" else []
+    return [BUILD / "lumen", command, surface, *options, *out]
+
+
+def module(part, *arguments):
+    """`python3 -m part ...`."""
+    return [PYTHON, "-m", part, *arguments]

@@ -1,0 +1,180 @@
+"""Contour tables of a pull-back: of another program, damaged, doubtful; and unusual ones."""
+
+import gzip
+
+import numpy as np
+
+from given import given, module
+
+
+def rows(frames=12, points=24, radius=1.5, step=0.5, scale=1.0):
+    """[(frame, x, y, z)] of round outlines 0.5 mm apart."""
+    angle = 2 * np.pi * np.arange(points) / points
+    return [
+        (k, scale * (4 + radius * np.cos(a)), scale * (4 + radius * np.sin(a)), scale * step * k)
+        for k in range(frames)
+        for a in angle
+    ]
+
+
+def text(table, divider=",", head="frame,x_mm,y_mm,z_mm\n", ending="\n"):
+    lines = [divider.join(f"{value:.4f}" if i else f"{value}" for i, value in enumerate(row)) for row in table]
+    return head + ending.join(lines) + ending
+
+
+def contours(folder, content, *options, name="lumen.csv"):
+    (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+    return module("anatomy", "contours", folder / name, *options, "--out", folder / "out")
+
+
+@given("a contour table that is not there")
+def _(folder):
+    return module("anatomy", "contours", folder / "lumen.csv", "--out", folder / "out")
+
+
+@given("an empty contour table")
+def _(folder):
+    return contours(folder, "")
+
+
+@given("a contour table of names alone")
+def _(folder):
+    return contours(folder, "frame,x_mm,y_mm,z_mm\n")
+
+
+@given("a spreadsheet in place of a contour table")
+def _(folder):
+    return contours(folder, b"PK\x03\x04" + bytes(range(256)) * 4)
+
+
+@given("a compressed contour table that was cut off")
+def _(folder):
+    return contours(folder, gzip.compress(text(rows()).encode())[:200], name="lumen.csv.gz")
+
+
+@given("contours with decimal commas")
+def _(folder):
+    return contours(folder, text(rows(), ";").replace(".", ","))
+
+
+@given("contours of three columns")
+def _(folder):
+    return contours(folder, text([row[:3] for row in rows()], head="frame,x,y\n"))
+
+
+@given("contours in image pixels")
+def _(folder):
+    return contours(folder, text(rows(radius=80, scale=1)))
+
+
+@given("contours in metres declared as millimetres")
+def _(folder):
+    return contours(folder, "\n".join(",".join(f"{v:.7f}" for v in row) for row in rows(scale=1e-3)))
+
+
+@given("a contour that crosses itself")
+def _(folder):
+    table = rows()
+    table[30], table[40] = (1, *table[40][1:]), (1, *table[30][1:])
+    return contours(folder, text(table))
+
+
+@given("a contour of six points")
+def _(folder):
+    return contours(folder, text(rows(points=6)))
+
+
+@given("two contours alone")
+def _(folder):
+    return contours(folder, text(rows(frames=2)))
+
+
+@given("contours of which two lie at one place")
+def _(folder):
+    return contours(folder, text([row if row[0] != 5 else (*row[:3], 2.0) for row in rows()]))
+
+
+@given("a contour that is not in one plane")
+def _(folder):
+    table = rows()
+    table[60] = (*table[60][:3], table[60][3] + 0.4)
+    return contours(folder, text(table))
+
+
+@given("a contour point that is not a number")
+def _(folder):
+    return contours(folder, text(rows()).replace("4.0000", "nan", 1))
+
+
+@given("a range of z from high to low")
+def _(folder):
+    return contours(folder, text(rows()), "--z-range", "5", "1")
+
+
+@given("a healthy wall in words")
+def _(folder):
+    return contours(folder, text(rows()), "--healthy-wall", "thin")
+
+
+@given("an outer wall of another pull-back")
+def _(folder):
+    (folder / "outer.csv").write_text(text([(f, x, y, z + 0.2) for f, x, y, z in rows(radius=2)]))
+    return contours(folder, text(rows()), "--outer-wall", folder / "outer.csv")
+
+
+@given("an outer wall inside the lumen")
+def _(folder):
+    (folder / "outer.csv").write_text(text(rows(radius=1.0)))
+    return contours(folder, text(rows()), "--outer-wall", folder / "outer.csv")
+
+
+@given("a landmark of a centreline that is not given")
+def _(folder):
+    (folder / "marks.csv").write_text("frame,x,y,z\n3,4,5.5,1.5\n")
+    return contours(folder, text(rows()), "--landmarks", folder / "marks.csv", "--landmark-point", "1", "2", "3")
+
+
+# unusual, but pull-backs
+
+
+@given("contours divided by tabs, with Windows line ends and a byte-order mark")
+def _(folder):
+    return contours(folder, ("\ufeff" + text(rows(), "\t", ending="\r\n")).encode())
+
+
+@given("contours with remarks and empty lines")
+def _(folder):
+    table = text(rows())
+    return contours(folder, "# from our own program\n\n" + table.replace("\n5,", "\n# frame 5\n\n5,", 1))
+
+
+@given("contours whose frames are out of order")
+def _(folder):
+    return contours(folder, text(sorted(rows(), key=lambda row: (row[0] * 7 % 12))))
+
+
+@given("contours that run clockwise")
+def _(folder):
+    return contours(folder, text(sorted(rows(), key=lambda row: -np.arctan2(row[2] - 4, row[1] - 4))))
+
+
+@given("contours whose last point is the first again")
+def _(folder):
+    table = rows()
+    closed = [row for k in range(12) for row in [*table[24 * k : 24 * k + 24], table[24 * k]]]
+    return contours(folder, text(closed))
+
+
+@given("a compressed contour table")
+def _(folder):
+    return contours(folder, gzip.compress(text(rows()).encode()), name="lumen.csv.gz")
+
+
+@given("contours with z below zero that rises from the proximal end")
+def _(folder):
+    return contours(folder, text([(f, x, y, z - 90) for f, x, y, z in rows()]), "--z-from", "proximal")
+
+
+@given("contours in centimetres, so declared")
+def _(folder):
+    return contours(folder, text(rows(scale=0.1)), "--units", "cm")

@@ -1,0 +1,184 @@
+"""What flow, the plan and the generator read: an anatomy's summary, boundary values, patients."""
+
+import json
+
+import tubes
+from given import ROOT, given, module
+
+CASE = ROOT / "config" / "cases" / "quick_focal.yaml"
+PATIENT = ["--lvm-g", "130", "--sbp-mmhg", "120", "--dbp-mmhg", "80"]
+
+
+def anatomy(folder):
+    """The anatomy step's files of a straight tube."""
+    tubes.write_case(folder, tubes.tube(20.0, lambda s: 1.2, 0.8), [tubes.line(20.0, lambda s: 1.2)])
+    return folder / "anatomy.json"
+
+
+def boundary(folder, *more, patient=PATIENT, change=None):
+    """`flow boundary` of the tube, whose summary was changed: change(document)."""
+    path = anatomy(folder / "anatomy")
+    if change:
+        document = json.loads(path.read_text())
+        change(document)
+        path.write_text(json.dumps(document))
+    return module("flow", "boundary", "--anatomy", path, *patient, *more, "--out", folder / "out" / "boundary.json")
+
+
+def plan(folder, case=CASE, devices=ROOT / "config" / "devices"):
+    where = anatomy(folder / "anatomy").parent
+    return module(
+        "anatomy", "plan", case, "--anatomy", where, "--devices", devices, "--out", folder / "out" / "plan.json"
+    )
+
+
+@given("an anatomy.json that is not there")
+def _(folder):
+    return module("flow", "boundary", "--anatomy", folder / "anatomy.json", *PATIENT, "--out", folder / "out.json")
+
+
+@given("an anatomy.json of nothing")
+def _(folder):
+    command = boundary(folder)
+    (folder / "anatomy" / "anatomy.json").write_text("")
+    return command
+
+
+@given("an anatomy.json that is a list")
+def _(folder):
+    command = boundary(folder)
+    (folder / "anatomy" / "anatomy.json").write_text("[]")
+    return command
+
+
+@given("an anatomy.json without ends")
+def _(folder):
+    return boundary(folder, change=lambda document: document.pop("ends"))
+
+
+@given("an anatomy.json with an outlet of no width")
+def _(folder):
+    return boundary(folder, change=lambda document: document["ends"][1].update(diameter_mm=0))
+
+
+@given("an anatomy.json with an outlet of a branch that is not there")
+def _(folder):
+    return boundary(folder, change=lambda document: document["ends"][1].update(branch="side4"))
+
+
+@given("a patient without a mass")
+def _(folder):
+    return boundary(folder, patient=PATIENT[2:])
+
+
+@given("a patient given twice")
+def _(folder):
+    return boundary(folder, "--case", CASE)
+
+
+@given("a systolic pressure below the diastolic")
+def _(folder):
+    return boundary(folder, patient=["--lvm-g", "130", "--sbp-mmhg", "70", "--dbp-mmhg", "80"])
+
+
+@given("a mass of nothing")
+def _(folder):
+    return boundary(folder, patient=["--lvm-g", "0", *PATIENT[2:]])
+
+
+@given("a pressure that is not a number")
+def _(folder):
+    return boundary(folder, patient=[*PATIENT[:3], "nan", *PATIENT[4:]])
+
+
+@given("a centreline that is not there")
+def _(folder):
+    return boundary(folder, "--centreline", folder / "gone.vtp")
+
+
+@given("a surface in place of the centreline")
+def _(folder):
+    return boundary(folder, "--centreline", folder / "anatomy" / "lumen.vtp")
+
+
+def solve(folder, content):
+    """`flow solve` with a boundary.json of this content."""
+    where = anatomy(folder / "anatomy").parent
+    (folder / "boundary.json").write_text(content)
+    (folder / "mesh.msh").write_text("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n")
+    files = ["--boundary", folder / "boundary.json", "--centreline", where / "centreline.vtp", "--out", folder / "out"]
+    return module("flow", "solve", folder / "mesh.msh", *files)
+
+
+@given("a boundary.json that was cut off")
+def _(folder):
+    return solve(folder, '{"schema": "vci-boundary-1", ')
+
+
+@given("a boundary.json of another schema")
+def _(folder):
+    return solve(folder, '{"schema": "vci-anatomy-1"}')
+
+
+@given("a boundary.json of numbers that are not finite")
+def _(folder):
+    return solve(folder, '{"schema": "vci-boundary-1", "inlet_pressure_pa": NaN}')
+
+
+@given("a lumen for the mesh that is not there")
+def _(folder):
+    line = anatomy(folder / "anatomy").parent / "centreline.vtp"
+    return module("flow", "mesh", folder / "gone.vtp", "--centreline", line, "--out", folder / "out" / "mesh.msh")
+
+
+@given("a mesh that would replace its lumen")
+def _(folder):
+    where = anatomy(folder / "anatomy").parent
+    command = module("flow", "mesh", where / "lumen.vtp", "--centreline", where / "centreline.vtp")
+    return [*command, "--out", folder / "out.msh", "--json", where / "lumen.vtp"]
+
+
+@given("a plan for a lesion that the lumen does not have")
+def _(folder):
+    return plan(folder)
+
+
+@given("a plan from a folder without devices")
+def _(folder):
+    (folder / "none").mkdir()
+    return plan(folder, devices=folder / "none")
+
+
+@given("a cohort of fewer than no patients")
+def _(folder):
+    return module("data_synthetic", "draw", "--count", "-3", "--seed", "1", "--out", folder / "out")
+
+
+@given("a cohort of a million million patients")
+def _(folder):
+    return module("data_synthetic", "draw", "--count", "1000000000000", "--seed", "1", "--out", folder / "out")
+
+
+@given("a user's own surface to generate")
+def _(folder):
+    return module("data_synthetic", "generate", ROOT / "config" / "cases" / "real_artery.yaml", "--out", folder / "out")
+
+
+@given("metrics that are another file")
+def _(folder):
+    path = anatomy(folder / "anatomy")
+    return module("reports", "agreement", "--metrics", path, "--out", folder / "out.csv")
+
+
+# unusual, but computed
+
+
+@given("a patient of a light heart and low pressures")
+def _(folder):
+    return boundary(folder, patient=["--lvm-g", "40", "--sbp-mmhg", "75", "--dbp-mmhg", "45"])
+
+
+@given("an anatomy.json in a folder with blanks and an umlaut")
+def _(folder):
+    path = anatomy(folder / "Gefäß 1")
+    return module("flow", "boundary", "--anatomy", path, *PATIENT, "--out", folder / "out" / "boundary 1.json")

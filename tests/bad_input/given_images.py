@@ -1,0 +1,263 @@
+"""Labelled masks and CT volumes: damaged, of another kind, hostile; and unusual ones."""
+
+import gzip
+import json
+
+import masks
+import nibabel
+import numpy as np
+
+from given import given, lumen, module
+
+MATRIX = masks.affine([0.5] * 3)
+
+
+def labels_of_a_tube(shape=(40, 18, 18), ends=((-3, 4.5, 4.5), (30, 4.5, 4.5)), radius=1.7):
+    """1 in a straight vessel along x that runs through the image."""
+    return masks.capsules(masks.voxels(shape, MATRIX), [(*ends, radius, radius)]).astype(int)
+
+
+def mask(path, labels=None, matrix=MATRIX):
+    labels = labels_of_a_tube() if labels is None else labels
+    suffix = ".nii.gz" if path.name.endswith(".nii.gz") else path.suffix
+    return masks.WRITERS[suffix](path, labels, matrix)
+
+
+def changed(path, old, new):
+    """The file with one text replaced; it must be there."""
+    whole = path.read_bytes()
+    assert old in whole
+    path.write_bytes(whole.replace(old, new, 1))
+    return path
+
+
+@given("a mask without a label")
+def _(folder):
+    return lumen("check", mask(folder / "mask.nii", 0 * labels_of_a_tube()))
+
+
+@given("a mask of two structures")
+def _(folder):
+    labels = labels_of_a_tube()
+    labels[:, :3] = 7
+    return lumen("check", mask(folder / "mask.nii", labels))
+
+
+@given("a label that the mask does not have")
+def _(folder):
+    return lumen("check", mask(folder / "mask.nii"), "--label", "4")
+
+
+@given("the CT itself in place of its mask")
+def _(folder):
+    labels = labels_of_a_tube()
+    return lumen("check", mask(folder / "mask.nii", 400 * labels - np.arange(labels.size).reshape(labels.shape) % 90))
+
+
+@given("a mask whose background is the label")
+def _(folder):
+    return lumen("check", mask(folder / "mask.nii", 1 - labels_of_a_tube(radius=0.8)))
+
+
+@given("NIfTI that promises more voxels than it holds")
+def _(folder):
+    whole = mask(folder / "mask.nii").read_bytes()
+    (folder / "mask.nii").write_bytes(whole[:-400])
+    return lumen("check", folder / "mask.nii")
+
+
+@given("NIfTI of 32767 voxels each way in 300 bytes")
+def _(folder):
+    whole = bytearray(mask(folder / "mask.nii").read_bytes()[:400])
+    whole[42:48] = 3 * b"\xff\x7f"
+    (folder / "mask.nii").write_bytes(whole)
+    return lumen("check", folder / "mask.nii")
+
+
+@given("a gzip bomb in place of a mask")
+def _(folder):
+    (folder / "mask.nii.gz").write_bytes(gzip.compress(bytes(300_000_000), 9))
+    return lumen("check", folder / "mask.nii.gz")
+
+
+@given("NIfTI with four dimensions, a film")
+def _(folder):
+    film = np.stack([labels_of_a_tube()] * 2, axis=-1).astype(np.int16)
+    nibabel.save(nibabel.Nifti1Image(film, MATRIX), folder / "mask.nii")
+    return lumen("check", folder / "mask.nii")
+
+
+@given("NRRD whose voxels have no size")
+def _(folder):
+    return lumen("check", changed(mask(folder / "mask.nrrd"), b"(0.5,0,0)", b"(0,0,0)"))
+
+
+@given("NRRD whose voxels have a size that is not a number")
+def _(folder):
+    return lumen("check", changed(mask(folder / "mask.nrrd"), b"(0.5,0,0)", b"(nan,0,0)"))
+
+
+@given("NRRD that takes its voxels from the system's files")
+def _(folder):
+    path = changed(mask(folder / "mask.nrrd"), b"encoding: raw\n", b"encoding: raw\ndata file: /etc/passwd\n")
+    return lumen("check", path)
+
+
+@given("NRRD that takes its voxels from a device without end")
+def _(folder):
+    path = changed(mask(folder / "mask.nrrd"), b"encoding: raw\n", b"encoding: raw\ndata file: /dev/zero\n")
+    return lumen("check", path)
+
+
+@given("MetaImage whose voxels are in a file that is gone")
+def _(folder):
+    head = mask(folder / "mask.mha").read_bytes().split(b"LOCAL\n")[0]
+    (folder / "mask.mhd").write_bytes(head + b"gone.raw\n")
+    return lumen("check", folder / "mask.mhd")
+
+
+@given("MetaImage of two dimensions")
+def _(folder):
+    path = changed(mask(folder / "mask.mha"), b"NDims = 3", b"NDims = 2")
+    return lumen("check", path)
+
+
+@given("a lumen of one voxel")
+def _(folder):
+    labels = np.zeros((40, 18, 18), int)
+    labels[:, 9, 9] = 1
+    return lumen("check", mask(folder / "mask.nii", labels))
+
+
+@given("a mask in metres declared as millimetres")
+def _(folder):
+    return lumen("check", mask(folder / "mask.nrrd", matrix=np.diag([1e-3, 1e-3, 1e-3, 1]) @ MATRIX))
+
+
+def volume(path, blood=400.0, fat=-80.0, noise=8.0, affine=MATRIX, dtype=np.int16):
+    """NIfTI of a vessel along x in fat, in HU."""
+    labels = masks.capsules(masks.voxels((48, 30, 30), MATRIX), [((3, 7, 7), (20, 7, 7), 1.6, 1.6)])
+    values = np.where(labels, blood, fat) + noise * np.random.default_rng(1).standard_normal(labels.shape)
+    nibabel.save(nibabel.Nifti1Image(values.astype(dtype), affine), path)
+    return path
+
+
+def ct(folder, path, inlet=(5, 7, 7), outlets=((18, 7, 7),), more=()):
+    ends = ["--inlet", *inlet]
+    for outlet in outlets:
+        ends += ["--outlet", *outlet]
+    return module("anatomy", "ct", path, *ends, *more, "--out", folder / "out")
+
+
+@given("a CT volume that is not there")
+def _(folder):
+    return ct(folder, folder / "ct.nii")
+
+
+@given("a text file in place of a CT volume")
+def _(folder):
+    (folder / "ct.nii").write_text("not a volume\n" * 60)
+    return ct(folder, folder / "ct.nii")
+
+
+@given("a CT volume that was cut off")
+def _(folder):
+    whole = volume(folder / "ct.nii.gz").read_bytes()
+    (folder / "ct.nii.gz").write_bytes(whole[: len(whole) // 2])
+    return ct(folder, folder / "ct.nii.gz")
+
+
+@given("a folder without DICOM files")
+def _(folder):
+    (folder / "series").mkdir()
+    (folder / "series" / "readme.txt").write_text("the images are elsewhere")
+    return ct(folder, folder / "series")
+
+
+@given("a CT inlet outside the volume")
+def _(folder):
+    return ct(folder, volume(folder / "ct.nii"), inlet=(-5, 7, 7))
+
+
+@given("a CT inlet in the fat")
+def _(folder):
+    return ct(folder, volume(folder / "ct.nii"), inlet=(5, 2, 12))
+
+
+@given("a CT vessel of one end")
+def _(folder):
+    return ct(folder, volume(folder / "ct.nii"), outlets=())
+
+
+@given("a CT vessel whose ends are one point")
+def _(folder):
+    return ct(folder, volume(folder / "ct.nii"), outlets=((5, 7, 7),))
+
+
+@given("a CT without contrast")
+def _(folder):
+    return ct(folder, volume(folder / "ct.nii", blood=-70))
+
+
+@given("a CT whose rescale intercept is lost")
+def _(folder):
+    return ct(folder, volume(folder / "ct.nii", blood=1424, fat=944))
+
+
+@given("a CT of magnetic resonance's kind, floats that are not finite")
+def _(folder):
+    return ct(folder, volume(folder / "ct.nii", blood=np.nan, dtype=np.float32))
+
+
+@given("CT settings with a key of another section")
+def _(folder):
+    (folder / "ct.yaml").write_text("segmentation: {rings: 3}\n")
+    return ct(folder, volume(folder / "ct.nii"), more=["--settings", folder / "ct.yaml"])
+
+
+@given("CT end points that are text")
+def _(folder):
+    (folder / "ends.json").write_text(json.dumps({"ends": [{"centre_mm": "5, 7, 7"}, {"centre_mm": "18, 7, 7"}]}))
+    return module("anatomy", "ct", volume(folder / "ct.nii"), "--ends", folder / "ends.json", "--out", folder / "out")
+
+
+# unusual, but lumens
+
+
+@given("a mask with blanks and an umlaut in its name")
+def _(folder):
+    return lumen("process", mask(folder / "Gefäß 1.nii.gz"))
+
+
+@given("a label of 2000 as segmentation programs number them")
+def _(folder):
+    return lumen("process", mask(folder / "mask.nrrd", 2000 * labels_of_a_tube()))
+
+
+@given("a mask of a left-handed frame")
+def _(folder):
+    return lumen("process", mask(folder / "mask.nii", matrix=np.diag([-1, 1, 1, 1]) @ MATRIX))
+
+
+@given("a mask with an island beside the vessel")
+def _(folder):
+    labels = labels_of_a_tube()
+    labels[20:22, 1:3, 1:3] = 1
+    return lumen("process", mask(folder / "mask.mha", labels))
+
+
+@given("a mask in metres, so declared")
+def _(folder):
+    path = mask(folder / "mask.nrrd", matrix=np.diag([1e-3, 1e-3, 1e-3, 1]) @ MATRIX)
+    return lumen("process", path, "--units", "m")
+
+
+@given("a CT volume of floats")
+def _(folder):
+    return ct(folder, volume(folder / "ct.nii.gz", dtype=np.float32))
+
+
+@given("a CT volume that lies far from the origin")
+def _(folder):
+    matrix = masks.affine([0.5] * 3, origin=(-120.0, 80.0, 900.0))
+    return ct(folder, volume(folder / "ct.nii", affine=matrix), (-115, 87, 907), ((-102, 87, 907),))
