@@ -47,3 +47,32 @@ def test_limits_are_inside(table, repo_root):
     """Every limit of the schema is a limit: none is exclusive, which the engine's numbers are not."""
     schema = (repo_root / "config/schemas/deployment.schema.yaml").read_text()
     assert "exclusive" not in schema
+
+
+def row(path, entry):
+    """The line of vci/settings.md that describes a setting as the schema has it."""
+    default = "null" if entry["default"] is None else f"{entry['default']:g}"
+    return f"| `{'.'.join(path)}` | {default} | {entry['minimum']:g} to {entry['maximum']:g} | {entry['description']} |"
+
+
+def choice_row(path, entry):
+    return f"| `{'.'.join(path)}` | {entry['default']} | {', '.join(entry['enum'])} | {entry['description']} |"
+
+
+def test_the_page_of_settings_has_each_as_the_schema_does(repo_root):
+    """vci/settings.md has one row a setting of wall and numerics, with default and limits, and no other."""
+    schema = yaml.safe_load((repo_root / "config/schemas/deployment.schema.yaml").read_text())
+    entries = flat_entries(described(schema))
+    expected = [choice_row(*item) if "enum" in item[1] else row(*item) for item in entries.items()]
+    page = (repo_root / "vci/settings.md").read_text().splitlines()
+    assert [line for line in page if line.startswith(("| `wall.", "| `numerics."))] == expected
+    assert len(expected) > 40, "all settings are on the page"
+
+
+def flat_entries(entries, path=()):
+    """{path: entry of the schema} of a table nested by sections."""
+    settings = {}
+    for key, entry in entries.items():
+        nested = any(isinstance(value, dict) for value in entry.values())
+        settings |= flat_entries(entry, (*path, key)) if nested else {(*path, key): entry}
+    return settings
