@@ -1,4 +1,4 @@
-"""Draws virtual patients from stated distributions, one case file each. README.md lists the distributions."""
+"""Draws virtual patients from stated distributions, one case file each. patients.md lists the distributions."""
 
 import pathlib
 

@@ -134,7 +134,7 @@ def test_the_lumen_of_another_vessel_is_refused(patient, tmp_path, capsys):
 
 
 def test_slices_are_near_a_coarse_solid_in_three_dimensions(patient):
-    """The command on a mesh of seconds; figures of finer ones are in the README."""
+    """The command on a mesh of seconds; figures of finer ones are in measured.md."""
     arguments = ["reference-3d", "--scene", patient / "scene.json", "--truth", patient / "source/truth.json"]
     arguments += ["--settings", patient / "settings.yaml", "--meshes", "6x2x3", "--out", patient / "solid"]
     command.main([str(a) for a in arguments])
