@@ -44,6 +44,15 @@ def run_table(args):
     write_csv(args.out, make(metrics_list(args.metrics)))
 
 
+def run_differences(args):
+    from reports.study.differences import difference_table, station_table
+    from reports.study.tables import write_csv
+
+    documents = metrics_list(args.metrics)
+    write_csv(args.stations, station_table(documents))
+    write_csv(args.out, difference_table(documents))
+
+
 def run_timings(args):
     from reports.study.tables import write_csv
     from reports.study.timings import timings_table
@@ -108,6 +117,14 @@ def parser():
         command.add_argument("--out", required=True, type=path, help="the CSV file")
         command.set_defaults(run=run_table)
 
+    command = commands.add_parser(
+        "differences", help="Diff^A and Diff^C by station, patient and cohort -> two CSV files"
+    )
+    command.add_argument("--metrics", required=True, nargs="+", type=path, help="metrics.json of each case")
+    command.add_argument("--stations", required=True, type=path, help="the CSV file with a row a station")
+    command.add_argument("--out", required=True, type=path, help="the CSV file with a row a patient, and the cohort's")
+    command.set_defaults(run=run_differences)
+
     command = commands.add_parser("timings", help="seconds and memory of each step -> timings.csv")
     command.add_argument("--case-dir", required=True, nargs="+", type=path, help="results/cases/<case>, of each case")
     command.add_argument("--out", required=True, type=path, help="the CSV file")
@@ -126,7 +143,7 @@ def parser():
 
     command = commands.add_parser("report", help="the whole study in one HTML file")
     command.add_argument("--case-dir", required=True, nargs="+", type=path, help="results/cases/<case>, of each case")
-    command.add_argument("--study-dir", required=True, type=path, help="results/study, with the three CSV files")
+    command.add_argument("--study-dir", required=True, type=path, help="results/study, with its CSV files")
     command.add_argument("--figures-dir", required=True, type=path, help="results/figures")
     command.add_argument("--cohort", default="", help="the cohort's name, for the summary")
     command.add_argument("--junit", nargs="*", type=path, default=[], help="test results (JUnit XML) for the evidence")

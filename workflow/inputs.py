@@ -240,7 +240,11 @@ class Inputs:
     def any_truth(self, cases):
         """Whether any of the cases has something to agree with: a reference, a lumen after PCI, a measured FFR."""
         known = self.configuration.cases
-        return any({"reference", "post"} & set(self.states(case)) or "measured" in known[case] for case in cases)
+        return self.any_lumen_after(cases) or any("measured" in known[case] for case in cases)
+
+    def any_lumen_after(self, cases):
+        """Whether any of the cases has a lumen after PCI that predictions are compared with along the stent."""
+        return any({"reference", "post"} & set(self.states(case)) for case in cases)
 
     def templates(self):
         """The page's parts that are not Python."""

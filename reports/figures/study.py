@@ -1,10 +1,12 @@
-"""Figures of the whole study: Bland-Altman plots and FFR before and after."""
+"""Figures of the whole study: Bland-Altman plots, differences along the stent, FFR before and after."""
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 from reports.study.agreement import QUANTITIES, paired_values, published
 from reports.study.bland_altman import bland_altman
+from reports.study.differences import compared
+from reports.figures.differences import differences_figure
 from reports.figures.style import COLOURS, ERRORS, LABELS, save
 from reports.measuring.measured import FFR_THRESHOLD
 from reports.measuring.metrics import COMPARISONS
@@ -22,9 +24,12 @@ PUBLISHED_COLOUR = "#b9b9b9"
 
 
 def study_figures(documents, folder):
-    """Writes agreement.{svg,png}, where a case has a truth to agree with, and ffr_before_after.{svg,png}."""
+    """Writes agreement.{svg,png}, where a case has a truth to agree with, differences.{svg,png}, where that is a lumen,
+    and ffr_before_after.{svg,png}."""
     if any(document.get("measured") or {"reference", "post"} & set(document["states"]) for document in documents):
         agreement_figure(documents, folder)
+    if compared(documents):
+        differences_figure(documents, folder)
     ffr_figure(documents, folder)
 
 

@@ -9,6 +9,7 @@ import pandas as pd
 from common.files import replacing
 from reports.study.agreement import published
 from reports.study.bland_altman import sample_sd
+from reports.study.differences import COHORT
 from reports.inputs.case_files import STATES
 from reports.figures.style import COLOURS, ERRORS, LABELS, SHORT
 from reports.page.assets import TEMPLATES, image_uri, script, three_scripts
@@ -30,6 +31,7 @@ def build_report(cases, study_dir, figures_dir, out, junit=(), software=None, co
     contexts = [case_context(files, figures_dir) for files in cases]
     agreement = read_csv(study_dir / "agreement.csv")
     timings = read_csv(study_dir / "timings.csv")
+    differences = read_csv(study_dir / "differences.csv")
     for context in contexts:
         context["timings"] = [row for row in timings if row["case"] == context["name"]]
     page = (
@@ -44,6 +46,9 @@ def build_report(cases, study_dir, figures_dir, out, junit=(), software=None, co
             imaging=imaging_warnings(contexts),
             flow_warnings=[{"case": c["name"], "id": c["id"], **row} for c in contexts for row in c["flow_warnings"]],
             agreement_figure=optional_image(figures_dir / "agreement.svg") if agreement else None,
+            differences=differences,
+            differences_figure=optional_image(figures_dir / "differences.svg") if differences else None,
+            cohort_name=COHORT,
             scatter=image_uri(figures_dir / "ffr_before_after.svg"),
             published=published(),
             evidence=evidence_rows(read_results(junit)),
@@ -71,13 +76,14 @@ def environment():
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    env.filters.update(to_digits=to_digits, signed_to=signed_to)
     env.filters.update(fixed=fixed, signed=signed, scientific=scientific, percent=percent)
     return env
 
 
 def read_csv(path):
     """The rows of a study table as dicts, None where a field is empty."""
-    table = pd.read_csv(existing(path, "reports agreement, cohort, timings"))
+    table = pd.read_csv(existing(path, "reports agreement, cohort, differences, timings"))
     return [
         {k: None if isinstance(v, float) and math.isnan(v) else v for k, v in row.items()}
         for row in table.to_dict("records")
@@ -164,6 +170,21 @@ def signed(value, digits=2):
     if float(text) == 0.0:
         return text
     return ("−" if value < 0 else "+") + text
+
+
+def decimals(value, digits):
+    """Decimals that show a number with so many significant digits, none for numbers that need none."""
+    return max(0, digits - 1 - math.floor(math.log10(abs(value)))) if value else digits - 1
+
+
+def to_digits(value, digits=2):
+    """A number with so many significant digits, never as a power of ten; a dash where there is none."""
+    return MISSING if value is None else f"{value:,.{decimals(value, digits)}f}"
+
+
+def signed_to(value, digits=2):
+    """A difference with its sign and so many significant digits; a dash where there is none."""
+    return MISSING if value is None else signed(value, decimals(value, digits))
 
 
 def scientific(value):

@@ -1,6 +1,7 @@
 # What the states of a case and the cases of the study say when they are laid side by side.
 CASE_FIGURES = ["lumen", "pullback", "area", "curvature"]
 STUDY_FIGURES = ["ffr_before_after"] + (["agreement"] if INPUTS.any_truth(CASES) else [])
+STUDY_FIGURES += ["differences"] if INPUTS.any_lumen_after(CASES) else []
 
 
 rule metrics:
@@ -95,6 +96,24 @@ rule agreement:
         "workflow/run.sh {log} /usr/bin/python3 -m reports agreement --metrics {input.metrics} --out {output}"
 
 
+rule differences:
+    message:
+        "Diff^A and Diff^C against the lumen after PCI"
+    input:
+        metrics=expand("results/cases/{case}/metrics.json", case=CASES),
+        code=code("reports", "reports.study.differences", "reports.study.tables"),
+    output:
+        patients="results/study/differences.csv",
+        stations="results/study/differences_stations.csv",
+    log:
+        "results/study/logs/differences.log",
+    benchmark:
+        "results/study/benchmarks/differences.tsv"
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m reports differences --metrics {input.metrics}"
+        " --stations {output.stations} --out {output.patients}"
+
+
 rule cohort:
     message:
         "table of the cohort"
@@ -156,7 +175,7 @@ rule report:
         ),
         study_figures=expand("results/figures/{name}.{format}", name=STUDY_FIGURES, format=["svg", "png"]),
         pictures=expand("results/cases/{case}/{picture}.png", case=CASES, picture=["anatomy/tree", "vci/plan"]),
-        tables=expand("results/study/{table}.csv", table=["agreement", "timings", "cohort"]),
+        tables=expand("results/study/{table}.csv", table=["agreement", "differences", "timings", "cohort"]),
         software="results/study/software.json",
         code=code("reports", "reports.page.build"),
         templates=INPUTS.templates(),

@@ -35,7 +35,15 @@ def test_the_same_bytes_twice_and_no_dates(measured_case, tmp_path):
         arguments = ["--case-dir", str(folder), "--metrics", str(folder / "metrics.json")]
         main(["figures", *arguments, "--out-dir", str(tmp_path / out)])
     names = sorted(path.name for path in (tmp_path / "a").iterdir())
-    stems = ["agreement", "ffr_before_after", "tube_area", "tube_curvature", "tube_lumen", "tube_pullback"]
+    stems = [
+        "agreement",
+        "differences",
+        "ffr_before_after",
+        "tube_area",
+        "tube_curvature",
+        "tube_lumen",
+        "tube_pullback",
+    ]
     assert names == sorted(f"{stem}.{kind}" for stem in stems for kind in ("svg", "png"))
     for name in names:
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes(), name

@@ -12,6 +12,7 @@ from reports.figures.study import study_figures
 from reports.measuring.measured import same_side
 from reports.measuring.metrics import case_metrics
 from reports.page.build import build_report
+from reports.study.differences import difference_table
 from reports.study.tables import write_csv
 from reports.study.timings import timings_table
 from common.files import write_json
@@ -127,6 +128,7 @@ def test_figures_and_page(make_case, tmp_path, compare):
     assert "Pressure wire before PCI: 0.62" in pullback and "Pressure wire after PCI: 0.91" in pullback
     assert ("After the real PCI" in pullback) == (compare == "flow")
     write_csv(study / "agreement.csv", agreement_table([document]))
+    write_csv(study / "differences.csv", difference_table([document]))
     write_csv(study / "timings.csv", timings_table([files]))
     build_report([files], study, figures, tmp_path / "index.html")
     page = (tmp_path / "index.html").read_text()
@@ -134,6 +136,7 @@ def test_figures_and_page(make_case, tmp_path, compare):
         "FFR at the pressure wire",
         "0.12 mm are left between the axes",
         "Computed minus measured",
+        "Virtual PCI (VCI) − after PCI",
         "After the real PCI",
         "where each device lies",
     ):

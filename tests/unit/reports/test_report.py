@@ -10,7 +10,7 @@ import pytest
 from common.errors import ComputationError, InputError
 from reports.__main__ import main
 from reports.page.check import TALL, browse, check_report, console_messages, outside_references
-from reports.page.build import fixed, signed
+from reports.page.build import fixed, signed, signed_to, to_digits
 from reports.page.evidence import evidence_rows, read_results
 from reports.page.geometry import STEPS, pack, quantise
 
@@ -39,6 +39,8 @@ def study(make_case, tmp_path):
         dirs = [str(folder) for folder in folders]
         for name in ("agreement", "cohort"):
             main([name, "--metrics", *metrics, "--out", str(tmp_path / "study" / f"{name}.csv")])
+        tables = ["--stations", str(tmp_path / "stations.csv"), "--out", str(tmp_path / "study" / "differences.csv")]
+        main(["differences", "--metrics", *metrics, *tables])
         main(["timings", "--case-dir", *dirs, "--out", str(tmp_path / "study" / "timings.csv")])
         main(["figures", "--case-dir", *dirs, "--metrics", *metrics, "--out-dir", str(tmp_path / "figures")])
         paths = [tmp_path / "index.html", tmp_path / "again.html"]
@@ -65,6 +67,7 @@ def test_report_of_a_case_with_and_one_without_reference(study, tmp_path):
         "its prediction is untested",
         "elements 0.31 %",
         "slice spacing mm 1.0 instead of 0.75.",
+        "Along the stent: Diff<sup>A</sup> and Diff<sup>C</sup>",
         "Minimal stent area 7.30 mm²; smallest lumen within the stent 7.05 mm²",
         "<li>stent: opened beyond its maximal diameter</li>",
     ):
@@ -111,7 +114,7 @@ def test_warnings_of_the_flow_are_shown_with_case_and_state(study, tmp_path):
 def test_report_without_any_reference_or_tests_says_so(study):
     text = study(("own", {"states": ("pre", "vci")})).read_text()
     assert "No case of this run has a reference" in text
-    assert "carries no evidence of verification" in text
+    assert "carries no evidence of verification" in text and "Diff<sup>A</sup>" not in text
 
 
 @pytest.mark.parametrize("ffr, jet, above, stars", [(0.86, 0.0, 1, 0), (0.72, 0.12, 0, 2)])
@@ -273,5 +276,7 @@ def test_packed_coordinates_come_back():
 
 def test_numbers_as_they_are_shown():
     assert signed(-0.02) == "−0.02" and signed(0.123, 1) == "+0.1" and signed(-0.001) == "0.00"
+    assert signed_to(-0.00012345) == "−0.00012" and signed_to(0.0) == "0.0" and signed_to(12.34) == "+12"
+    assert to_digits(0.0996) == "0.100" and to_digits(1.55) == "1.6" and to_digits(None) == signed_to(None) == "–"
     assert fixed(None) == "–" and fixed(98000, 0) == "98,000"
     assert json.dumps(fixed(1.005, 1)) == '"1.0"'

@@ -1,0 +1,53 @@
+"""Figure of Diff^A and Diff^C along the stented segment, of every patient and of the cohort."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from reports.figures.style import COLOURS, LABELS, SHORT, save
+from reports.study.differences import compared, stations_of
+
+PANELS = (
+    ("diff_area_mm2", "Difference of area, Diff$^A$", "mm²"),
+    ("diff_curvature_per_mm", "Difference of curvature, Diff$^C$", "1/mm"),
+)
+GRID = np.linspace(0.0, 1.0, 101)  # relative positions at which patients are averaged
+FEWEST_FOR_BAND = 3
+ROW_HEIGHT, LEGEND_HEIGHT = 3.0, 0.4  # inches
+
+
+def differences_figure(documents, folder):
+    """Writes differences.{svg,png}: a row for each lumen after PCI that predictions are compared with."""
+    pairs = compared(documents)
+    truths = list(dict.fromkeys(b for _, b, _ in pairs))
+    height = ROW_HEIGHT * len(truths) + LEGEND_HEIGHT
+    figure, grid = plt.subplots(len(truths), 2, figsize=(11.0, height), squeeze=False, sharex=True, sharey="col")
+    for row, truth in zip(grid, truths):
+        for axes, (column, title, unit) in zip(row, PANELS):
+            axes.axhline(0.0, color="#555555", linewidth=0.8)
+            for a in (a for a, b, _ in pairs if b == truth):
+                draw_differences(axes, documents, a, truth, column)
+            axes.set(title=f"{title}, minus {SHORT[truth]}", ylabel=unit, xmargin=0.0)
+    for axes in grid[-1]:
+        axes.set_xlabel("relative position along the segment (0 proximal, 1 distal)")
+    legend = {label: line for row in grid for line, label in zip(*row[0].get_legend_handles_labels())}
+    figure.legend(legend.values(), legend.keys(), loc="lower center", ncol=2)
+    figure.get_layout_engine().set(rect=(0, LEGEND_HEIGHT / height, 1, 1 - LEGEND_HEIGHT / height))
+    save(figure, folder, "differences")
+
+
+def draw_differences(axes, documents, a, b, column):
+    """One line a patient, and their mean (thick), from three patients on with a band of one standard deviation."""
+    curves = []
+    for document in documents:
+        if {a, b} <= set(document["states"]):
+            stations = stations_of(document, a, b)
+            position, values = stations["relative_position"], stations[column]
+            curves.append(np.interp(GRID, position, values, left=np.nan, right=np.nan))
+            axes.plot(position, values, color=COLOURS[a], linewidth=0.8, alpha=0.6)
+    everywhere = np.isfinite(curves).all(axis=0)
+    mean = np.mean(curves, axis=0)[everywhere]
+    label = f"{LABELS[a]}: mean of {len(curves)} patients" if len(curves) > 1 else f"{LABELS[a]}: one patient"
+    axes.plot(GRID[everywhere], mean, color=COLOURS[a], linewidth=2.2, label=label)
+    if len(curves) >= FEWEST_FOR_BAND:
+        sd = np.std(curves, axis=0, ddof=1)[everywhere]
+        axes.fill_between(GRID[everywhere], mean - sd, mean + sd, color=COLOURS[a], alpha=0.15, linewidth=0)

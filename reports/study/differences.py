@@ -1,0 +1,86 @@
+"""Diff^A and Diff^C, equations 24 and 25 of Lyu et al. 2025: by how much area and curvature of a predicted lumen differ
+from those of the lumen after PCI, at each station, in each patient and over the cohort."""
+
+import numpy as np
+import pandas as pd
+
+from reports.measuring.metrics import COMPARISONS
+from reports.study.bland_altman import sample_sd
+
+PREDICTED, AFTER_PCI = ("vci", "rc"), ("reference", "ct", "post")
+# name of the difference -> where a profile is in metrics.json, its key in `differences` there, suffix of the unit
+QUANTITIES = {
+    "diff_area": ("area", "profile_mm2", "area_mm2", "mm2"),
+    "diff_curvature": ("curvature", "profile_per_mm", "curvature_per_mm", "per_mm"),
+}
+COHORT = "all cases"  # in the column `case`: mean and standard deviation over the patients
+
+
+def compared(documents):
+    """(a, b, error) of the comparisons of a prediction with a lumen after PCI that at least one document has."""
+    wanted = [(a, b, error) for a, b, error in COMPARISONS if a in PREDICTED and b in AFTER_PCI]
+    return [one for one in wanted if any({one[0], one[1]} <= set(document["states"]) for document in documents)]
+
+
+def stations_of(document, a, b):
+    """DataFrame of one patient: a row a station, predicted state a minus state b after PCI."""
+    states, table = document["states"], {"relative_position": document["stations"]["relative_position"]}
+    table["s_mm"] = states[b]["s_mm"]
+    for name, (group, profile, _, unit) in QUANTITIES.items():
+        first, second = (np.array(states[state][group][profile]) for state in (a, b))
+        quantity = name.removeprefix("diff_")
+        table[f"{quantity}_a_{unit}"], table[f"{quantity}_b_{unit}"] = first, second
+        table[f"{name}_{unit}"] = first - second
+    return pd.DataFrame(table)
+
+
+def station_table(documents):
+    """DataFrame of differences_stations.csv."""
+    parts = []
+    for a, b, error in compared(documents):
+        for document in documents:
+            if {a, b} <= set(document["states"]):
+                part = stations_of(document, a, b)
+                keys = {"case": document["case"], "error": error, "comparison": f"{a}_minus_{b}"}
+                parts.append(pd.concat([pd.DataFrame(keys, index=part.index), part], axis=1))
+    return pd.concat(parts, ignore_index=True) if parts else pd.DataFrame(columns=["case", "error", "comparison"])
+
+
+def difference_table(documents):
+    """DataFrame of differences.csv: a row a patient and comparison, and one of the cohort after each comparison's."""
+    rows = []
+    for a, b, error in compared(documents):
+        of_cases = [patient_row(document, a, b) for document in documents if {a, b} <= set(document["states"])]
+        keys = {"error": error, "comparison": f"{a}_minus_{b}"}
+        rows += [{"case": row.pop("case"), **keys, **row} for row in [*of_cases, cohort_row(of_cases)]]
+    return pd.DataFrame(rows, columns=None if rows else ["case", "error", "comparison"])
+
+
+def patient_row(document, a, b):
+    """Mean, standard deviation, mean size and largest size over the stations of one patient; the mean also in per cent
+    of the mean after PCI."""
+    stations = stations_of(document, a, b)
+    row = {"case": document["case"], "n": len(stations)}
+    for name, (_, _, key, unit) in QUANTITIES.items():
+        along = document["differences"][f"{a}_minus_{b}"][key]
+        size = stations[f"{name}_{unit}"].abs()
+        after = stations[f"{name.removeprefix('diff_')}_b_{unit}"].mean()
+        row[f"{name}_mean_{unit}"], row[f"{name}_sd_{unit}"] = along["bias"], along["sd"]
+        row[f"{name}_mean_percent"] = 100.0 * along["bias"] / after
+        row[f"{name}_mean_size_{unit}"], row[f"{name}_largest_size_{unit}"] = size.mean(), size.max()
+    return row
+
+
+def cohort_row(of_cases):
+    """Over the patients: mean of each value; `sd` is the standard deviation of the patients' means, `largest` the
+    largest of all stations."""
+    row = {"case": COHORT, "n": len(of_cases)}
+    for key in of_cases[0]:
+        values = [one[key] for one in of_cases]
+        if "_largest_" in key:
+            row[key] = max(values)
+        elif "_sd_" in key:
+            row[key] = sample_sd([one[key.replace("_sd_", "_mean_")] for one in of_cases])
+        elif key not in row:
+            row[key] = float(np.mean(values))
+    return row
