@@ -38,9 +38,10 @@ def run_metrics(args):
 def run_table(args):
     from reports.study.agreement import agreement_table
     from reports.study.cohort import cohort_table
+    from reports.study.nearer import nearer_table
     from reports.study.tables import write_csv
 
-    make = {"agreement": agreement_table, "cohort": cohort_table}[args.command]
+    make = {"agreement": agreement_table, "cohort": cohort_table, "nearer": nearer_table}[args.command]
     write_csv(args.out, make(metrics_list(args.metrics)))
 
 
@@ -110,6 +111,7 @@ def parser():
 
     for name, text in (
         ("agreement", "predictions against the reference, beside the published -> agreement.csv"),
+        ("nearer", "whether VCI or radius correction is nearer to the lumen after PCI -> nearer.csv"),
         ("cohort", "one row a case -> cohort.csv"),
     ):
         command = commands.add_parser(name, help=text)

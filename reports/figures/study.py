@@ -15,6 +15,7 @@ from reports.measuring.metrics import COMPARISONS
 TITLES = {
     "ffr": ("FFR", "", 0.1),
     "mean_area": ("Mean CSA", " (mm²)", 2.0),
+    "minimum_area": ("Smallest CSA", " (mm²)", 2.0),
     "mean_curvature": ("Mean curvature", " (1/mm)", 0.04),
 }
 MARKERS = {"vci": "o", "rc": "^", "reference": "s", "ct": "D", "post": "P"}
@@ -34,7 +35,7 @@ def study_figures(documents, folder):
 
 
 def agreement_figure(documents, folder):
-    """Bland-Altman plots of FFR, mean area and mean curvature, a row for each kind of error that the cases allow.
+    """Bland-Altman plots of FFR, mean and smallest area and mean curvature, a row for each kind of error of the cases.
 
     The published agreement is drawn where the comparison is of its kind (clinical).
     """
@@ -45,7 +46,7 @@ def agreement_figure(documents, folder):
     entries = sum(has_pairs(documents, best(kind), [pair]) for kind in shown for pair in comparisons[kind])
     legend_height = LEGEND_MARGIN + LEGEND_ROW * -(-(entries + ("clinical" in shown)) // 2)
     height = ROW_HEIGHT * len(shown) + legend_height
-    figure, grid = plt.subplots(len(shown), len(QUANTITIES), figsize=(11.0, height), squeeze=False)
+    figure, grid = plt.subplots(len(shown), len(QUANTITIES), figsize=(13.5, height), squeeze=False)
     for row, kind in zip(grid, shown):
         for axes, quantity in zip(row, QUANTITIES):
             if not has_pairs(documents, quantity, comparisons[kind]):
@@ -76,8 +77,8 @@ def has_pairs(documents, quantity, pairs):
 
 def agreement_panel(axes, documents, quantity, pairs, with_published):
     """Differences of one quantity against the mean of both, for the pairs of states (a, b)."""
-    if with_published:
-        source = published()["quantities"][quantity]
+    source = published()["quantities"].get(quantity) if with_published else None
+    if source:
         axes.axhspan(source["loa_lower"], source["loa_upper"], color=PUBLISHED_COLOUR, alpha=0.22, linewidth=0)
         axes.axhline(source["bias"], color=PUBLISHED_COLOUR, linewidth=1.2)
     axes.axhline(0.0, color="#555555", linewidth=0.8)

@@ -10,6 +10,7 @@ from common.files import replacing
 from reports.study.agreement import published
 from reports.study.bland_altman import sample_sd
 from reports.study.differences import COHORT
+from reports.study.nearer import FEWEST, LEVEL
 from reports.inputs.case_files import STATES
 from reports.figures.style import COLOURS, ERRORS, LABELS, SHORT
 from reports.page.assets import TEMPLATES, image_uri, script, three_scripts
@@ -19,8 +20,14 @@ from reports.page.evidence import evidence_rows, read_results
 from reports.page.geometry import colour_table
 from reports.inputs.reading import existing, read_json
 
-QUANTITY_NAMES = {"ffr": "FFR", "mean_area": "Mean CSA", "mean_curvature": "Mean curvature"}
-QUANTITY_DIGITS = {"ffr": 3, "mean_area": 2, "mean_curvature": 3}
+QUANTITY_NAMES = {
+    "ffr": "FFR",
+    "mean_area": "Mean CSA",
+    "minimum_area": "Smallest CSA",
+    "mean_curvature": "Mean curvature",
+}
+QUANTITY_DIGITS = {"ffr": 3, "mean_area": 2, "minimum_area": 2, "mean_curvature": 3}  # at least
+MOST_DIGITS = 6
 UNITS = {"1": "", "mm2": "mm²", "1/mm": "/mm"}
 MISSING = "–"
 OCCLUDED = "occluded_by_voxels"
@@ -46,6 +53,10 @@ def build_report(cases, study_dir, figures_dir, out, junit=(), software=None, co
             imaging=imaging_warnings(contexts),
             flow_warnings=[{"case": c["name"], "id": c["id"], **row} for c in contexts for row in c["flow_warnings"]],
             agreement_figure=optional_image(figures_dir / "agreement.svg") if agreement else None,
+            nearer=nearer_rows(read_csv(study_dir / "nearer.csv")),
+            nearer_level=LEVEL,
+            nearer_fewest=FEWEST,
+            nearer_ffr_error=largest_ffr_error(contexts),
             differences=differences,
             differences_figure=optional_image(figures_dir / "differences.svg") if differences else None,
             cohort_name=COHORT,
@@ -76,14 +87,14 @@ def environment():
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    env.filters.update(to_digits=to_digits, signed_to=signed_to)
+    env.filters.update(lower_first=lower_first, to_digits=to_digits, signed_to=signed_to)
     env.filters.update(fixed=fixed, signed=signed, scientific=scientific, percent=percent)
     return env
 
 
 def read_csv(path):
     """The rows of a study table as dicts, None where a field is empty."""
-    table = pd.read_csv(existing(path, "reports agreement, cohort, differences, timings"))
+    table = pd.read_csv(existing(path, "reports agreement, cohort, differences, nearer, timings"))
     return [
         {k: None if isinstance(v, float) and math.isnan(v) else v for k, v in row.items()}
         for row in table.to_dict("records")
@@ -148,11 +159,38 @@ def agreement_rows(rows):
         {
             **row,
             "name": QUANTITY_NAMES[row["quantity"]],
-            "digits": QUANTITY_DIGITS[row["quantity"]],
-            "unit": UNITS[row["unit"] if isinstance(row["unit"], str) else "1"],
+            "digits": row_digits(row),
+            "unit": unit_name(row),
         }
         for row in rows
     ]
+
+
+def row_digits(row):
+    """Decimals of a row of agreement.csv: the quantity's, or more where bias or sd are too small for two digits."""
+    shown = [decimals(row[key], 2) for key in ("bias", "sd") if row[key]]
+    return max(QUANTITY_DIGITS[row["quantity"]], min(MOST_DIGITS, max(shown, default=0)))
+
+
+def unit_name(row):
+    """A row's unit as the page writes it."""
+    return UNITS[row["unit"] if isinstance(row["unit"], str) else "1"]
+
+
+def nearer_rows(rows):
+    """The rows of nearer.csv with the names and units of the page."""
+    return [{**row, "name": QUANTITY_NAMES[row["quantity"]], "unit": unit_name(row)} for row in rows]
+
+
+def largest_ffr_error(contexts):
+    """The largest error estimate of all FFRs past the lesion; None where none is known."""
+    flows = [entry["ffr"] for c in contexts for entry in c["metrics"]["states"].values() if entry["ffr"]]
+    return max((ffr["error_estimate"] for ffr in flows if ffr["error_estimate"] is not None), default=None)
+
+
+def lower_first(text):
+    """A label within a sentence: the first letter small, unless a name in capitals begins it."""
+    return text if text[:2].isupper() else text[0].lower() + text[1:]
 
 
 def fixed(value, digits=2):

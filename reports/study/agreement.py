@@ -16,7 +16,13 @@ PUBLISHED_PATH = pathlib.Path(__file__).with_name("published.json")
 PUBLISHED_COMPARISONS = (("vci", "ct"), ("vci", "post"))  # what the study compared: post-VCI minus CT after PCI
 
 # name in agreement.csv -> where a state's value is in metrics.json
-QUANTITIES = {"ffr": "ffr.distal", "mean_area": "area.mean_mm2", "mean_curvature": "curvature.mean_per_mm"}
+QUANTITIES = {
+    "ffr": "ffr.distal",
+    "mean_area": "area.mean_mm2",
+    "minimum_area": "area.minimum_mm2",
+    "mean_curvature": "curvature.mean_per_mm",
+}
+UNITS = {"ffr": "1", "mean_area": "mm2", "minimum_area": "mm2", "mean_curvature": "1/mm"}
 COLUMNS = ["quantity", "unit", "error", "comparison"] + [field.name for field in dataclasses.fields(Agreement)]
 COLUMNS.append("same_decision")
 PUBLISHED_COLUMNS = ["published_n", "published_bias", "published_sd", "published_loa_lower", "published_loa_upper"]
@@ -58,13 +64,13 @@ def agreement_table(documents):
             cases, values_a, values_b = paired_values(documents, quantity, a, b)
             if not cases:
                 continue
-            source = paper["quantities"][quantity]
-            row = {"quantity": quantity, "unit": source["unit"], "error": error}
+            source = paper["quantities"].get(quantity)
+            row = {"quantity": quantity, "unit": UNITS[quantity], "error": error}
             row["comparison"] = f"{a}_minus_{b}"
             row.update(dataclasses.asdict(bland_altman(values_a, values_b)))
             if quantity == "ffr":
                 row["same_decision"] = same_side(values_a, values_b)
-            if (a, b) in PUBLISHED_COMPARISONS:
+            if (a, b) in PUBLISHED_COMPARISONS and source:
                 row["published_n"] = paper["n"]
                 row.update({f"published_{key}": source[key] for key in ("bias", "sd", "loa_lower", "loa_upper")})
             rows.append(row)

@@ -96,6 +96,22 @@ rule agreement:
         "workflow/run.sh {log} /usr/bin/python3 -m reports agreement --metrics {input.metrics} --out {output}"
 
 
+rule nearer:
+    message:
+        "VCI or radius correction: which is nearer"
+    input:
+        metrics=expand("results/cases/{case}/metrics.json", case=CASES),
+        code=code("reports", "reports.study.nearer", "reports.study.tables") + ["reports/study/published.json"],
+    output:
+        "results/study/nearer.csv",
+    log:
+        "results/study/logs/nearer.log",
+    benchmark:
+        "results/study/benchmarks/nearer.tsv"
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m reports nearer --metrics {input.metrics} --out {output}"
+
+
 rule differences:
     message:
         "Diff^A and Diff^C against the lumen after PCI"
@@ -175,7 +191,7 @@ rule report:
         ),
         study_figures=expand("results/figures/{name}.{format}", name=STUDY_FIGURES, format=["svg", "png"]),
         pictures=expand("results/cases/{case}/{picture}.png", case=CASES, picture=["anatomy/tree", "vci/plan"]),
-        tables=expand("results/study/{table}.csv", table=["agreement", "differences", "timings", "cohort"]),
+        tables=expand("results/study/{table}.csv", table=["agreement", "nearer", "differences", "timings", "cohort"]),
         software="results/study/software.json",
         code=code("reports", "reports.page.build"),
         templates=INPUTS.templates(),

@@ -13,6 +13,7 @@ from reports.measuring.measured import same_side
 from reports.measuring.metrics import case_metrics
 from reports.page.build import build_report
 from reports.study.differences import difference_table
+from reports.study.nearer import nearer_table
 from reports.study.tables import write_csv
 from reports.study.timings import timings_table
 from common.files import write_json
@@ -129,6 +130,7 @@ def test_figures_and_page(make_case, tmp_path, compare):
     assert ("After the real PCI" in pullback) == (compare == "flow")
     write_csv(study / "agreement.csv", agreement_table([document]))
     write_csv(study / "differences.csv", difference_table([document]))
+    write_csv(study / "nearer.csv", nearer_table([document]))
     write_csv(study / "timings.csv", timings_table([files]))
     build_report([files], study, figures, tmp_path / "index.html")
     page = (tmp_path / "index.html").read_text()

@@ -37,7 +37,7 @@ def study(make_case, tmp_path):
             main(["metrics", "--case", name, "--case-dir", str(folders[-1]), "--out", out])
         metrics = [str(folder / "metrics.json") for folder in folders]
         dirs = [str(folder) for folder in folders]
-        for name in ("agreement", "cohort"):
+        for name in ("agreement", "cohort", "nearer"):
             main([name, "--metrics", *metrics, "--out", str(tmp_path / "study" / f"{name}.csv")])
         tables = ["--stations", str(tmp_path / "stations.csv"), "--out", str(tmp_path / "study" / "differences.csv")]
         main(["differences", "--metrics", *metrics, *tables])

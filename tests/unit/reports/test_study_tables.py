@@ -28,7 +28,8 @@ def test_agreement_of_three_cases(make_case):
     assert row["bias_ci_lower"] < row["bias"] < row["bias_ci_upper"]
     assert table["published_bias"].isna().all(), "the published agreement is not of this kind"
     assert set(table["error"]) == {"method"}
-    assert len(table) == 6
+    assert len(table) == 8
+    assert table.loc[("minimum_area", "vci_minus_reference"), "bias"] == pytest.approx(0.60, abs=0.01)
 
 
 def test_three_errors_are_kept_apart(make_case):
@@ -38,7 +39,7 @@ def test_three_errors_are_kept_apart(make_case):
         for k, change in enumerate([0.0, 0.02, -0.03])
     ]
     table = agreement_table(cases).set_index(["quantity", "comparison"])
-    assert len(table) == 15
+    assert len(table) == 20
     kinds = table["error"].xs("mean_area", level="quantity").to_dict()
     assert kinds == {
         "vci_minus_reference": "method",
@@ -111,7 +112,7 @@ def test_the_commands_write_the_same_bytes_twice(make_case, tmp_path):
             main([name, *arguments])
     for name in ("metrics.json", "agreement.csv", "cohort.csv"):
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
-    assert pd.read_csv(tmp_path / "a" / "agreement.csv")["n"].tolist() == [1] * 6
+    assert pd.read_csv(tmp_path / "a" / "agreement.csv")["n"].tolist() == [1] * 8
 
 
 def test_a_command_ends_with_one_message(make_case, tmp_path, capsys):

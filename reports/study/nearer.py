@@ -1,0 +1,51 @@
+"""nearer.csv: whether VCI or radius correction is nearer to the lumen after PCI, by a paired test over the patients."""
+
+import numpy as np
+import pandas as pd
+from scipy.stats import wilcoxon
+
+from reports.measuring.metrics import COMPARISONS
+from reports.study.agreement import QUANTITIES, UNITS, paired_values
+from reports.study.differences import AFTER_PCI
+
+LEVEL = 0.05  # of each row's test, two-sided
+FEWEST = 6  # the smallest p of n pairs is 2 / 2^n: 0.0625 of five, 0.03125 of six
+NEARER, FARTHER, UNDECIDED = "nearer", "farther", "no difference shown"
+COLUMNS = ["quantity", "unit", "error", "truth", "n", "error_vci", "error_rc", "patients_vci_nearer", "p", "vci_is"]
+
+
+def nearer_table(documents):
+    """DataFrame of nearer.csv: a row for each quantity and lumen after PCI that some patient has for both methods.
+
+    error_vci, error_rc: mean size of the error over the patients.
+    p: of Wilcoxon's signed-rank test of the sizes (scipy.stats.wilcoxon), two-sided; None of fewer than six patients.
+    """
+    kinds = {b: error for a, b, error in COMPARISONS if a == "vci" and b in AFTER_PCI}
+    rows = []
+    for truth, kind in kinds.items():
+        for quantity in QUANTITIES:
+            vci, rc = (errors_by_case(documents, quantity, state, truth) for state in ("vci", "rc"))
+            cases = [case for case in vci if case in rc]
+            if cases:
+                row = {"quantity": quantity, "unit": UNITS[quantity], "error": kind, "truth": truth}
+                rows.append(row | verdict([vci[case] for case in cases], [rc[case] for case in cases]))
+    return pd.DataFrame(rows, columns=COLUMNS)
+
+
+def errors_by_case(documents, quantity, state, truth):
+    """{case: size of the error} of a state's quantity against that after PCI."""
+    cases, values, true = paired_values(documents, quantity, state, truth)
+    return dict(zip(cases, np.abs(np.subtract(values, true))))
+
+
+def verdict(vci, rc):
+    """The columns of nearer.csv from `n` on, of the sizes of errors (n,) of the same patients by both methods."""
+    vci, rc = np.asarray(vci, float), np.asarray(rc, float)
+    result = {"n": len(vci), "error_vci": vci.mean(), "error_rc": rc.mean()}
+    result |= {"patients_vci_nearer": int((vci < rc).sum()), "p": None, "vci_is": UNDECIDED}
+    if len(vci) >= FEWEST:
+        # equal sizes throughout leave nothing to rank
+        result["p"] = float(wilcoxon(vci, rc).pvalue) if (vci != rc).any() else 1.0
+        if result["p"] < LEVEL:
+            result["vci_is"] = NEARER if np.median(vci - rc) < 0.0 else FARTHER
+    return result

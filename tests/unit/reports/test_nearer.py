@@ -1,0 +1,78 @@
+"""Which prediction is nearer: the verdict in words, from paired errors."""
+
+import json
+
+import numpy as np
+import pytest
+
+from reports.page.build import agreement_rows, lower_first, signed
+from reports.study.nearer import nearer_table, verdict
+from reports.study.agreement import agreement_table
+
+NEAR, FAR = 0.01 * np.arange(1, 10), 0.01 * np.arange(1, 10) + 0.002 * np.arange(1, 10)
+
+
+@pytest.mark.parametrize(
+    "vci, rc, word, nearer",
+    [
+        (NEAR, FAR, "nearer", 9),
+        (FAR, NEAR, "farther", 0),
+        (NEAR, NEAR[::-1], "no difference shown", 4),
+        (NEAR, NEAR, "no difference shown", 0),
+    ],
+)
+def test_the_word_of_nine_patients(vci, rc, word, nearer):
+    found = verdict(vci, rc)
+    assert (found["vci_is"], found["patients_vci_nearer"], found["n"]) == (word, nearer, 9)
+    assert found["error_vci"] == pytest.approx(np.mean(vci)) and found["error_rc"] == pytest.approx(np.mean(rc))
+
+
+def test_the_p_of_pairs_that_all_point_one_way():
+    assert verdict(NEAR, FAR)["p"] == pytest.approx(2 / 2**9)
+    assert verdict(NEAR[:6], FAR[:6])["p"] == pytest.approx(2 / 2**6)
+
+
+def test_five_patients_are_too_few():
+    found = verdict(NEAR[:5], FAR[:5])
+    assert found["p"] is None and found["vci_is"] == "no difference shown" and found["patients_vci_nearer"] == 5
+
+
+def patient(case, vci, rc, ct=True):
+    """metrics.json of a patient whose quantities after PCI are 0.9; radius correction's FFR is not computed."""
+
+    def state(value, flow=True):
+        ffr = {"distal": value} if flow else None
+        area, curvature = {"mean_mm2": value, "minimum_mm2": value}, {"mean_per_mm": value}
+        return {"ffr": ffr, "area": area, "curvature": curvature}
+
+    states = {"vci": state(0.9 + vci), "rc": state(0.9 + rc, flow=case != "2"), "reference": state(0.9)}
+    return {"case": case, "states": states | ({"ct": state(0.9)} if ct else {})}
+
+
+def test_a_row_a_quantity_and_truth_over_the_patients_that_have_both():
+    documents = [patient(str(k), 0.01 * k, -0.02 * k, ct=k < 7) for k in range(1, 9)]
+    table = nearer_table(documents).set_index(["quantity", "truth"])
+    assert set(table.index) == {
+        (name, truth)
+        for name in ("ffr", "mean_area", "minimum_area", "mean_curvature")
+        for truth in ("reference", "ct")
+    }
+    assert table["error"].xs("ct", level="truth").eq("clinical").all()
+    assert table.loc[("minimum_area", "reference"), "n"] == 8 and table.loc[("ffr", "reference"), "n"] == 7
+    row = table.loc[("mean_area", "reference")]
+    assert row["vci_is"] == "nearer" and row["error_rc"] == pytest.approx(0.09)
+    assert table.loc[("mean_area", "ct"), "n"] == 6 and table.loc[("ffr", "ct"), "p"] != table.loc[("ffr", "ct"), "p"]
+
+
+def test_small_biases_have_two_digits():
+    documents = [patient(str(k), 0.0001 * k, -0.02 * k) for k in (1, 3)]
+    rows = json.loads(agreement_table(documents).to_json(orient="records"))
+    by_name = {(row["name"], row["comparison"]): row for row in agreement_rows(rows)}
+    row = by_name[("Mean CSA", "vci_minus_reference")]
+    assert signed(row["bias"], row["digits"]) == "+0.00020" and signed(row["sd"], row["digits"]) == "+0.00014"
+    assert by_name[("Mean CSA", "rc_minus_ct")]["digits"] == 3
+
+
+def test_a_label_within_a_sentence():
+    assert lower_first("Reference (finite elements)") == "reference (finite elements)"
+    assert lower_first("CT of the reference") == "CT of the reference"
