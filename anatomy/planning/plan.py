@@ -73,16 +73,16 @@ def procedure(steps, families, summary, where):
     devices, done, stents, used = {}, [], [], {}
     for i, step in enumerate(steps):
         placed = []
-        for j, wish in enumerate(step["devices"]):
+        for j, request in enumerate(step["devices"]):
             at = f"{where}: plan[{i + 1}].devices[{j + 1}]"
-            sized = catalogue.entries(families, wish["device"], wish["diameter_mm"], wish["length_mm"], at)
-            _check_step(step["action"], families[wish["device"]]["kind"], at)
-            device = _placed(wish, summary, at)
-            _check_pressure(wish, sized, families, at)
-            _check_overexpansion(device, wish, sized, families, stents, at)
+            sized = catalogue.entries(families, request["device"], request["diameter_mm"], request["length_mm"], at)
+            _check_step(step["action"], families[request["device"]]["kind"], at)
+            device = _placed(request, summary, at)
+            _check_pressure(request, sized, families, at)
+            _check_overexpansion(device, request, sized, families, stents, at)
             devices.update(sized)
             placed.append(device)
-            if families[wish["device"]]["kind"] == "stent":
+            if families[request["device"]]["kind"] == "stent":
                 stents.append((device, sized[device["device"]]))
         used[step["action"]] = used.get(step["action"], 0) + 1
         number = f"_{used[step['action']]}" if used[step["action"]] > 1 else ""
@@ -100,12 +100,12 @@ def _check_step(action, kind, where):
         )
 
 
-def _placed(wish, summary, where):
-    lesion = lesion_number(summary, wish["lesion"], where) if "lesion" in wish else None
-    name = lesion["branch"] if lesion else wish["branch"]
+def _placed(request, summary, where):
+    lesion = lesion_number(summary, request["lesion"], where) if "lesion" in request else None
+    name = lesion["branch"] if lesion else request["branch"]
     branch = branch_named(summary, name, where)
-    centre = round(0.5 * (lesion["s_start_mm"] + lesion["s_end_mm"]), 3) if lesion else wish["centre_s_mm"]
-    half = wish["length_mm"] / 2
+    centre = round(0.5 * (lesion["s_start_mm"] + lesion["s_end_mm"]), 3) if lesion else request["centre_s_mm"]
+    half = request["length_mm"] / 2
     # a side branch's axis goes on through its parent to the inlet: a device may start in there (culotte, kissing)
     before = branch.get("s_on_parent_mm") or 0
     if centre - half < -before or centre + half > branch["length_mm"]:
@@ -117,42 +117,44 @@ def _placed(wish, summary, where):
             "move it (centre_s_mm) or choose a shorter one (length_mm)",
         )
     return {
-        "device": catalogue.key(wish["device"], wish["diameter_mm"], wish["length_mm"]),
+        "device": catalogue.key(request["device"], request["diameter_mm"], request["length_mm"]),
         "branch": name,
         "centre_s_mm": centre,
-        "pressure_bar": wish["pressure_bar"],
+        "pressure_bar": request["pressure_bar"],
     }
 
 
-def _balloon_of(wish, sized, families):
-    family = catalogue.balloon_family(families, wish["device"])
-    return sized[catalogue.key(family, wish["diameter_mm"], wish["length_mm"])]
+def _balloon_of(request, sized, families):
+    family = catalogue.balloon_family(families, request["device"])
+    return sized[catalogue.key(family, request["diameter_mm"], request["length_mm"])]
 
 
-def _check_pressure(wish, sized, families, where):
-    rated = _balloon_of(wish, sized, families)["rated_burst_pressure_bar"]
-    if wish["pressure_bar"] > rated:
+def _check_pressure(request, sized, families, where):
+    rated = _balloon_of(request, sized, families)["rated_burst_pressure_bar"]
+    if request["pressure_bar"] > rated:
         raise InputError(
             "pressure above the balloon's rated burst pressure",
             where,
-            f"{wish['pressure_bar']} bar",
+            f"{request['pressure_bar']} bar",
             f"pressure_bar of at most {rated}, or a larger balloon",
         )
 
 
-def _check_overexpansion(device, wish, sized, families, stents, where):
-    diameter = catalogue.diameter_at(_balloon_of(wish, sized, families), wish["pressure_bar"])
-    if families[wish["device"]]["kind"] == "stent":
+def _check_overexpansion(device, request, sized, families, stents, where):
+    diameter = catalogue.diameter_at(_balloon_of(request, sized, families), request["pressure_bar"])
+    if families[request["device"]]["kind"] == "stent":
         targets = [sized[device["device"]]]
     else:
-        targets = [stent for placed, stent in stents if _overlap(device, wish["length_mm"], placed, stent["length_mm"])]
+        targets = [
+            stent for placed, stent in stents if _overlap(device, request["length_mm"], placed, stent["length_mm"])
+        ]
     for stent in targets:
         if diameter > stent["maximal_diameter_mm"]:
             raise InputError(
                 "the balloon would over-expand the stent",
                 where,
-                f"{diameter:.2f} mm at {wish['pressure_bar']} bar; the stent of {stent['nominal_diameter_mm']} mm opens"
-                f" to {stent['maximal_diameter_mm']} mm",
+                f"{diameter:.2f} mm at {request['pressure_bar']} bar; the stent of {stent['nominal_diameter_mm']} mm"
+                f" opens to {stent['maximal_diameter_mm']} mm",
                 "lower pressure_bar, or choose a smaller balloon or a stent of a larger design",
             )
 

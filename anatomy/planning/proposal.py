@@ -48,11 +48,11 @@ def propose(summary, sections, families, where, treat=CULPRIT):
     InputError if there is no lesion, or if the catalogue or the branch does not fit any.
     """
     if not summary["lesions"]:
-        wish = "auto" if treat == CULPRIT else f"{{treat: {treat}}}"
+        requested = "auto" if treat == CULPRIT else f"{{treat: {treat}}}"
         raise InputError(
             "no lesion to plan for",
             where,
-            f"plan: {wish}: {_narrowest(summary, sections)}",
+            f"plan: {requested}: {_narrowest(summary, sections)}",
             "to treat it all the same, list the plan's steps: each with its action and its devices, placed by branch"
             " and centre_s_mm (docs/design.md); a vessel narrowed all along its length has no healthy reference in the"
             " lumen: where its outer wall is known, give that (lumen: contours)",

@@ -79,8 +79,8 @@ def _row(one):
         if stent.tapers and stent.short:
             yield (
                 f"the {stent.span.length:g} mm stent at {one.target.name} is too short for a balloon in its proximal"
-                f" half alone: it is post-dilated whole, to at most {stent.borne:.2f} mm for its distal end's sake;"
-                f" the vessel is {stent.proximal:.2f} mm wide at its proximal end"
+                f" half alone: it is post-dilated whole, to at most {stent.widest_balloon:.2f} mm for its distal end's"
+                f" sake; the vessel is {stent.proximal:.2f} mm wide at its proximal end"
             )
         if stent.distal > stent.diameter:
             yield (

@@ -32,7 +32,7 @@ class Stent:
     short: bool
 
     @property
-    def borne(self):
+    def widest_balloon(self):
         """The widest diameter (mm) that a balloon over the whole stent may reach."""
         return max(self.distal + TAPER_MM, self.diameter)
 
@@ -113,7 +113,7 @@ def postdilatation(families, stent, where):
     wanted, sizes = max(stent.proximal, stent.diameter), family["diameters_mm"]
     proximal_part = stent.tapers and not stent.short
     if not proximal_part:  # dilates the distal reference, too
-        wanted = min(wanted, stent.borne)
+        wanted = min(wanted, stent.widest_balloon)
         sizes = [size for size in sizes if size <= stent.distal + TAPER_MM + 1e-9] or sizes[:1]
     diameter = min(sizes, key=lambda size: abs(size - wanted))
     covered = stent.span.length / 2 if proximal_part else stent.span.length

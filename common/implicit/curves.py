@@ -94,7 +94,7 @@ class Curve:
             offset = points_mm[inside] - self._spline(si)
             first = self._first(si)
             slope = np.sum(first * first, axis=1) - np.sum(offset * self._second(si), axis=1)
-            # A point at the centre of curvature has no unique foot; a bounded step keeps it at a local one.
+            # A point at the centre of curvature has no unique nearest place; a bounded step keeps it at a local one.
             step = np.sum(offset * first, axis=1) / np.maximum(slope, 0.1)
             s[inside] = si + np.clip(step, -SAMPLE_MM, SAMPLE_MM)
         return s

@@ -11,7 +11,7 @@ namespace vci {
 
 namespace {
 
-constexpr double reach = 2.0; // mm: a stent further from the wall faces something else
+constexpr double reach = 2.0; // mm: a stent further from this wall lies against another part of it
 constexpr double slack = 0.1; // mm beyond the nearest triangle in which the projection along the normals may lie
 constexpr double nothing = 1e300;
 

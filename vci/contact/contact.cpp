@@ -12,8 +12,9 @@ namespace {
 constexpr double search_reach = 0.5; // mm: a vertex deeper than this beyond a surface is not found any more
 
 // A few vertices carry far more load than the others, at the edge of calcium or at the rim of a window. A second,
-// stiffer response stops them. It begins deeper than ordinary contact goes: where all contact is that stiff, the areas
-// depend on the length of the steps. Start and width are in widths of the ordinary ramp, the stiffness over its own.
+// stiffer response stops them. It begins deeper than ordinary contact reaches, because areas depend on the length of
+// the steps where all contact is that stiff. Start and width are in widths of the ordinary ramp, and the stiffness is
+// relative to the ordinary one.
 constexpr double deep_from = 1.5, deep_ramp = 2, deep_stiffness = 40;
 // Before the rim of a window, the stiffer response fades only where this share of the surface is left. If it faded
 // earlier, the vertices there would carry their load with a small share of their area and sink in. The ordinary
@@ -140,7 +141,7 @@ void SurfaceContact::search(const System& system, const Vectors& units, int from
       continue;
     if (!boxes)
       boxes = &trees_->at(system, onto);
-    // a triangle may become the nearest while both sides move by the skin
+    // twice the skin: another triangle may become the nearest while both sides move by the skin
     boxes->near(p, target.triangles, system.x, search_reach, 2 * settings_.skin, facing.last_triangle, found);
     face(system, units, source.first + k, target, vertex_inside, found, side.travel, facing);
   }

@@ -32,8 +32,8 @@ struct PenaltyResponse {
   double energy, pressure, stiffness; ///< per area: N/mm, MPa, MPa/mm
 };
 PenaltyResponse penalty_response(double gap, const ContactSettings& settings, const ContactFade& fade = {});
-/// Its mean while the gap goes evenly from one value to another (eq 18). Equation 19's law is taken with the signed
-/// gap: with the unsigned distance, a surface that has passed through another would be pulled further through.
+/// The mean response while the gap goes evenly from one value to another (equation 18). The law of equation 19 takes
+/// the signed gap here. The unsigned distance would pull a surface that has passed through another further through.
 PenaltyResponse averaged_response(double from, double to, const ContactSettings& settings,
                                   const ContactFade& fade = {});
 
@@ -78,8 +78,8 @@ private:
 };
 
 /// Contact of inner vertices with outer triangles, and of outer vertices with inner triangles. The normals of both
-/// surfaces point outwards. Candidates come from the broad phase. A vertex is searched for again, or its gap measured
-/// again, only once it and the other surface may have moved far enough to change the answer.
+/// surfaces point outwards. Candidates come from the broad phase. The search and the gap of a vertex are repeated only
+/// once it and the other surface may have moved far enough to change the result.
 class SurfaceContact {
 public:
   /// @param trees shared with other contacts, all of them of one system; none: its own
@@ -94,7 +94,7 @@ public:
   void detect(const System& system, const Normals& normals, std::vector<ContactPoint>& points, double ahead = 0);
 
 private:
-  /// How far a vertex and the surface that it faces may move together before an earlier answer must be checked.
+  /// How far a vertex and the surface that it faces may move together before an earlier result must be computed again.
   struct MotionBound {
     Vec3 place;
     double travel, length; ///< of the surface when found; mm

@@ -11,7 +11,7 @@ namespace vci {
 class SelfContact {
 public:
   /// @param stiffness of contact between two surfaces, MPa/mm, shared by the two layers
-  /// @param thickness of the layer at each vertex, mm: contact begins at most of it; 0: the vertex touches nothing
+  /// @param thickness of the layer at each vertex, mm: contact begins at 0.9 of it; 0: the vertex touches nothing
   SelfContact(const System& system, int body, double stiffness, std::vector<double> thickness);
   int body() const { return body_; }
   /// Appends the active contact points at the system's positions. @param normals area vectors of all vertices

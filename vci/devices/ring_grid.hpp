@@ -11,7 +11,7 @@ struct RingGrid {
   int around = 0;
   std::vector<double> s;       ///< along the straight device, from its centre, mm
   std::vector<double> profile; ///< share of the body's diameter
-  std::vector<double> start;   ///< share of the crimped diameter that it needs at the start
+  std::vector<double> start;   ///< of each ring at the start: share of the crimped diameter
   int rings() const { return static_cast<int>(s.size()); }
   Triangles triangles() const; ///< outward
   /// Arc lengths (mm) of the rings with the device's centre at one.
@@ -35,8 +35,8 @@ std::vector<double> ring_widths(const RingGrid& grid);
 std::vector<double> ring_radii(const System& system, int body, const RingGrid& grid);
 /// Diameter (mm) of the circle as long as each ring.
 std::vector<double> perimeter_diameters(const System& system, int body, const RingGrid& grid);
-/// Area (mm^2) that each ring encloses, seen along the line through the rings' centres: the tube's section, however
-/// aslant the ring lies in it.
+/// Area (mm^2) that each ring encloses, projected along the line through the rings' centres. This is the section of the
+/// tube, even where the ring lies obliquely in it.
 std::vector<double> ring_sections(const System& system, int body, const RingGrid& grid);
 Vectors ring_centres(const System& system, int body, const RingGrid& grid);
 

@@ -38,7 +38,7 @@ struct Search {
   const Triangles& triangles;
   const Vectors& x;
   double slack, reach;
-  double moved; // a triangle may have left its box by so much
+  double moved; // largest displacement since the boxes were fitted: a triangle may lie this far outside its box
   std::vector<NearTriangle>& found;
 
   void visit(const Node* node) {

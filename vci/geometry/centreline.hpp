@@ -18,10 +18,10 @@ public:
   double end() const { return s_.back(); }
   Vec3 at(double s) const;
   Vec3 tangent(double s) const; ///< unit; a chord over 1 mm
-  /// How far the path turns in all from s_start to s_end, rad: the angles between neighbouring pieces of about
-  /// `piece_mm`, two at the least, each with the direction fitted to it. (Angles between short chords add up what the
-  /// points scatter; the angle between the ends misses bends that undo each other.) Half a piece at either end does
-  /// not count.
+  /// Total turn of the path from s_start to s_end, rad. It is the sum of the angles between neighbouring pieces of
+  /// about `piece_mm`, two at least, each with a fitted direction. Angles between short chords would sum up the scatter
+  /// of the points. The angle between the two ends would miss bends that cancel. Half a piece at either end does not
+  /// count.
   double turning(double s_start, double s_end, double piece_mm) const;
   std::vector<Frame> frames(const std::vector<double>& s) const;
   const Vectors& points() const { return points_; }
@@ -33,8 +33,8 @@ private:
   std::vector<double> s_;
 };
 
-/// The path moved by the mean displacement of the wall round it (reference positions within 0.5 mm along the axis
-/// and 1.5 local radii of it); its arc lengths keep the reference's names.
+/// The path moved by the mean displacement of the wall round it: of the points that lay within 0.5 mm along the axis
+/// and within 1.5 local radii of it. Its arc lengths stay those of the reference, as labels.
 Path follow_wall(const Path& path, const Lumen& lumen, const Vectors& moved);
 
 } // namespace vci

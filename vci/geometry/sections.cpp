@@ -14,7 +14,7 @@ struct Crossing {
   Vec3 point, normal; ///< normal: of the surface, interpolated
 };
 
-/// The edge from a to b is met at the share t; the smooth surface's point beside it, moved within the plane.
+/// The plane cuts the edge from a to b at the share t. Returns the point of the smooth surface beside it in the plane.
 Crossing crossing_at(int a, int b, double t, const Vectors& points, const Vectors& units, const Vec3& plane) {
   const Vec3 side = points[b] - points[a], turn = units[b] - units[a];
   const Vec3 normal = units[a] + t * turn;
@@ -50,7 +50,8 @@ double section_area(const Vectors& points, const Triangles& triangles, const Vec
         continue;
       const Edge e{std::min(a, b), std::max(a, b)};
       crossing[e] = crossing_at(a, b, da / (da - db), points, units, normal);
-      (da < 0 ? leave : enter) = e; // along the triangle's outline: up through `leave`, down through `enter`
+      (da < 0 ? leave : enter) =
+          e; // round the triangle, the plane is crossed upwards at `leave` and downwards at `enter`
       ++crossings;
     }
     if (crossings == 2)

@@ -25,9 +25,9 @@ inline Vec3 area_vector(const Triangle& t, const Vectors& x) {
 /// A third of the area vectors of the triangles round each vertex, for vertices [first, first + count).
 Vectors vertex_area_vectors(const Triangles& triangles, const Vectors& x, int first, int count);
 
-/// How far the smooth surface through a triangle's corners lies beyond the triangle, along its normals, at a point of
-/// it: the quadratic w_i w_j (n_j - n_i) . (x_j - x_i) / 2 over its sides, which is l^2 / (8 R) amid a chord of a
-/// circle. Positive where the surface is convex seen from outside; mm.
+/// Distance (mm) from a point of a triangle to the smooth surface through its corners, along the normals. It is the sum
+/// over the sides of w_i w_j (n_j - n_i) . (x_j - x_i) / 2. In the middle of a chord of a circle this is l^2 / (8 R).
+/// Positive where the surface is convex seen from outside.
 /// @param weights barycentric coordinates of the point
 /// @param units unit normals of the vertices
 double sagitta(const Triangle& t, const Vec3& weights, const Vectors& x, const Vectors& units);

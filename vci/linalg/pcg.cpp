@@ -55,7 +55,7 @@ public:
     for (int iteration = 1; iteration <= settings_.maximal_iterations; ++iteration) {
       operator_.multiply(p, q);
       const double curvature = dot(p, q);
-      if (curvature <= 0) { // not positive along p: what was found before it still leads downhill
+      if (curvature <= 0) { // not positive along p: the solution so far still reduces the energy
         if (iteration == 1)
           x = p;
         return {false, iteration, residual};
@@ -105,7 +105,8 @@ private:
   std::shared_ptr<const CoarseSpace> coarse_;
 };
 
-/// The second level: that of an earlier matrix while it is young and still serves as well as at first.
+/// The second level. That of an earlier matrix is used again while it is recent and saves as many iterations as at
+/// first.
 std::shared_ptr<const CoarseSpace> coarse_space(const BlockMatrix& matrix,
                                                 const std::vector<StencilStiffness>& stencils,
                                                 const std::vector<char>& fixed, int patch_size, PcgMemory& memory) {

@@ -14,12 +14,12 @@ struct PcgSettings {
   int patch_size = 0;            ///< vertices to a patch of the second level; 0: block Jacobi alone
   bool single_precision = false; ///< the iterations; good for tolerances of 1e-4 and more
   bool plain = false;            ///< no preconditioner at all
-  /// Of the residual in the preconditioner's norm, which stands for the error's energy: a few vertices deep in contact
-  /// are nearly all of the residual itself. Has to be met as well.
+  /// A second tolerance, for the residual in the norm of the preconditioner, which approximates the energy of the
+  /// error. Both must be met. A few vertices deep in contact dominate the plain residual.
   double preconditioned_tolerance = std::numeric_limits<double>::infinity();
 };
 
-/// The second level of the last solves: good for some more while the matrix changes little.
+/// The second level of earlier solves, which serves further solves while the matrix changes little.
 struct PcgMemory {
   std::shared_ptr<const CoarseSpace> coarse;
   int age = 0;

@@ -6,7 +6,7 @@ namespace vci {
 
 namespace {
 
-constexpr double rounding = 1e-9; // of the yield strain, where a set made permanent leaves the strain
+constexpr double rounding = 1e-9; // of the yield strain: after plastic flow the elastic strain lies this near to it
 
 } // namespace
 
@@ -49,13 +49,14 @@ Vec2 HenckyLaw::flow(const Vec2& lumen_strain) {
   const double w = response_at(square).strain;
   if (w <= yield_strain)
     return Vec2::Zero();
-  // the layer's elastic strain shrinks in proportion to the stress reached; the lumen has moved with the rest
+  // the elastic strain of the layer shrinks to that of the stress reached; the rest is permanent
   const Vec2 elastic = elastic_part(w) / w * layer, lasting = layer - elastic;
   yield_strain = elastic_part(w);
   if (depth == 0)
     return lasting;
-  // Seen from the widened lumen the layer is less deep (a narrowed one keeps its depth). The lumen's elastic strain is
-  // what gives the layer's at the new depth, so that the stress in the wider direction stays as it was.
+  // A layer behind a widened lumen is relatively less deep; behind a narrowed one it keeps its depth. The elastic
+  // strain of the lumen follows from the layer's at the new depth, so that the stress in the wider direction stays the
+  // same.
   const double widened = lasting.maxCoeff() > 0 ? std::exp(2 * lasting.maxCoeff()) * (1 + depth) - depth : 1;
   depth /= widened;
   return lumen_strain - Vec2(0.5 * ((2 * elastic).array().exp() * (1 + depth) - depth).log());

@@ -30,14 +30,15 @@ struct HenckyLaw {
     bool yields;
   };
   /// @param square squared principal stretches of the lumen
-  /// @param flows the last step left a set: at the yield strain, where that leaves it, the tangent is that of yield;
-  /// else it is the elastic one, whatever the rounding
+  /// @param flows the last step made plastic strain permanent, which leaves the elastic strain at yield. There rounding
+  /// does not choose the tangent: it is the plastic one where the layer flows, else the elastic one.
   Response response_at(const Vec2& square, bool flows = false) const;
   Response response(const Vec2& log_strain) const { return response_at((2 * log_strain).array().exp()); }
   bool yields_at(const Vec2& square) const { return strain_squared(at_depth(square)) > yield_strain * yield_strain; }
   /// Elastic part of w that stays after yield: E times it is the stress reached.
   double elastic_part(double w) const { return yield_strain + hardening * (w - yield_strain); }
-  /// What of the lumen's strain stays after yield at that strain; the law then holds for the strain beyond it.
+  /// The permanent part of the lumen's strain after yield at that strain. From then on the law takes the strain beyond
+  /// it.
   Vec2 flow(const Vec2& log_strain);
 
 private:

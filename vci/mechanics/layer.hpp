@@ -1,10 +1,10 @@
-// What the models of a layer, constant-strain triangles or springs, tell alike.
+// The interface of a layer of the wall, which constant-strain triangles and springs share.
 #pragma once
 #include "vci/linalg/types.hpp"
 
 namespace vci {
 
-/// What a layer tells beyond its forces.
+/// What a layer reports besides its forces.
 class Layer {
 public:
   virtual ~Layer() = default;

@@ -156,7 +156,7 @@ void Membrane::declare(BlockPattern& pattern) const {
 void Membrane::link(const BlockMatrix& matrix) {
   for (Element& e : elements_) {
     e.slots = {matrix, e.v};
-    e.flows = false; // bodies have come or gone: whether it goes on is not known
+    e.flows = false; // bodies were added or removed: whether the flow continues is not known
   }
 }
 

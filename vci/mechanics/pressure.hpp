@@ -6,9 +6,9 @@
 namespace vci {
 
 /// Force p times a third of the area vectors of the triangles round each vertex; of a closed surface it derives from
-/// E = -p V. Its stiffness is symmetric away from open edges, and left out at these. It is indefinite: a bent balloon
-/// gains volume where its axial tension would straighten it, and the two all but cancel. Half of it keeps the sum
-/// positive and still lets the balloon bend; the exact one is all of it.
+/// E = -p V. Its stiffness is symmetric away from open edges, and is left out there. It is indefinite: pressure bends a
+/// balloon further, its axial tension straightens it, and the two almost cancel. Half the stiffness keeps the sum
+/// positive and still lets the balloon bend. `exact` takes all of it.
 class Pressure : public Force {
 public:
   /// @param reference positions that the triangles index

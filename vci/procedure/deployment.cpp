@@ -98,7 +98,7 @@ public:
     if (failed_ || steps_done == state.scene.procedure.size())
       throw std::logic_error(failed_ ? "a step of this procedure has failed" : "all steps of the procedure are done");
     const Step& step = state.scene.procedure[steps_done];
-    failed_ = true; // until the step is through
+    failed_ = true; // until the step is finished
     place_devices(state, step);
     for (const Stage& stage : stages_of(step, state.scene.numerics))
       relax_stage(step, stage);
@@ -111,7 +111,7 @@ public:
     r.points = state.lumen_now();
     for (const auto& [name, path] : state.paths)
       r.paths[name] = follow_wall(path, state.lumen, r.points);
-    // only now: a stent that hangs free on the way may yet be dilated
+    // checked at the end only: a stent that touches nothing in between may still be dilated
     check_supported(state.system, state.interactions, state.stents, r.points, state.lumen.triangles, r.paths);
     r.stages = stages;
     r.stents = state.stents;

@@ -35,7 +35,7 @@ struct Observer {
   std::function<void(const std::string&)> log;
 };
 
-/// A procedure under way, which can be taken a step further and asked.
+/// A procedure under way. It runs one step at a time, and can be asked for its state in between.
 class Deployment {
 public:
   /// @param lumen, paths as they are before; distances in mm
@@ -56,7 +56,7 @@ public:
   /// Lumen and devices as they are now, with their forces.
   Snapshot snapshot() const;
   const std::vector<StageReport>& stages() const;
-  /// What came of the steps done. Throws common::ComputationError where a stent touches nothing.
+  /// The result of the steps done. Throws common::ComputationError where a stent touches nothing.
   DeploymentResult result();
 
 private:

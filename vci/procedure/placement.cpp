@@ -8,8 +8,8 @@ namespace vci {
 
 namespace {
 
-constexpr double departed = 0.6;   // of the stent's radius: an axis this far from the stent's leaves through its side
-constexpr double departing = 0.3;  // likewise: from here on the device makes its window
+constexpr double departed = 0.6;  // of the stent's radius: an axis this far from the stent's leaves through its side
+constexpr double departing = 0.3; // of the stent's radius: an axis this far from the stent's opens a window in its side
 constexpr double tolerance = 0.15; // mm by which centre lines of nested devices may differ
 
 /// The place on a chain of ring centres that is nearest to p.

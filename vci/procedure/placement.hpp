@@ -14,14 +14,14 @@ struct Course {
 
 constexpr double start_clearance = 0.03; ///< mm between a device and what surrounds it at the start
 
-/// Where a device leaves a standing stent through its side (a side branch's device through the main branch's stent, and
-/// the other way round), its struts are pushed aside: the stent's vertices in that window are excluded, and so are the
-/// device's vertices that will come to lie outside. Inside, the two touch as nested tubes. Empty flags where the device
-/// stays within the stent.
+/// A device may leave an implanted stent through its side: a device of a side branch through the stent of the main
+/// branch, or the other way round. It pushes the struts aside. So the vertices of the stent in that window are excluded
+/// from contact, and those of the device that will lie outside. Inside, the two touch as nested tubes. The flags are
+/// empty where the device stays within the stent.
 ContactSides leaving_through(const System& system, const Stent& stent, const Course& device);
 
 /// Radii (mm) of a device's rings that keep clear of every surface present, at most the crimped one.
-/// @param sides per body of the system, what of it the device does not see; bodies beyond its end are seen whole
+/// @param sides per body of the system: which of its vertices are excluded; of bodies beyond its end, none
 std::vector<double> start_radii(const System& system, const Course& device, double crimped_diameter,
                                 const std::vector<ContactSides>& sides);
 

@@ -82,8 +82,8 @@ private:
   double step_;
 };
 
-/// Arc length of the section that p lies in. Sections are perpendicular to the axis's direction over a millimetre:
-/// those of the bare polyline jump at its corners, and wall that moves far outwards along them would cross itself.
+/// Arc length of the section that p lies in. Sections are perpendicular to the direction of the axis over a millimetre.
+/// Sections of the bare polyline jump at its corners, and a wall that moves far outwards along them would cross itself.
 double section_of(const Vec3& p, const Path& path, double first, double last) {
   double nearest = 1e300, place = 0;
   for (double s = first; s <= last; s += 0.1)
@@ -99,9 +99,9 @@ double section_of(const Vec3& p, const Path& path, double first, double last) {
   return 0.5 * (low + high);
 }
 
-/// New distance from the axis of a point at distance r. The branch's own wall comes to lie on the target. What lies
-/// beyond it (a side branch's wall, a neighbour) gives way by a share that fades over twice the change of radius: a
-/// monotone map of r, so that no wall passes through another.
+/// New distance from the axis of a point at distance r. The wall of the branch itself moves to the target. Walls beyond
+/// it, of a side branch or a neighbour, move by a share that fades over twice the change of radius. The map is monotone
+/// in r, so that no wall passes through another.
 double new_distance(double r, double radius, double target, bool own_wall) {
   if (own_wall)
     return target;

@@ -8,8 +8,8 @@ namespace vci {
 
 namespace {
 
-/// The branch whose axis is nearest to each point, and the place there. Flat lumens are many times as wide as the
-/// sphere within them: their far walls belong to their branch all the same.
+/// The branch whose axis is nearest to each point, and the place there. No limit of distance applies: the far walls of
+/// a flat lumen lie many radii of its inscribed sphere from the axis, and still belong to its branch.
 std::vector<std::pair<std::string, double>> places(const Vectors& points, const std::map<std::string, Path>& paths) {
   std::map<std::string, AxisSearch> axes;
   for (const auto& [name, path] : paths)

@@ -1,10 +1,10 @@
-// Lumen and devices as they stand, apart from the system that moves them.
+// Copies of the lumen and the devices, independent of the system that moves them.
 #pragma once
 #include "vci/procedure/run_state.hpp"
 
 namespace vci {
 
-/// A device as it stands when it matters: a balloon inflated, a stent at the end.
+/// The shape of a device: a balloon inflated, a stent at the end.
 struct DeviceShape {
   enum class Kind { balloon, stent } kind;
   std::string name; ///< a balloon's by its step, a stent's device

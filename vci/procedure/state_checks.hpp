@@ -11,8 +11,8 @@ struct Outside {
   int vertex = -1;
 };
 
-/// Over all bodies but the wall (body 0). Vertices further than 2 mm from the wall count as inside: a device that far
-/// out would have other vertices on the way. Beside the wall's open ends nothing counts as outside.
+/// Of all bodies but the wall (body 0). Vertices further than 2 mm from the wall count as inside, since a device that
+/// far outside would have other vertices in between. Beside the wall's open ends nothing counts as outside.
 /// @param trees the boxes kept round the bodies
 Outside furthest_outside(const System& system, SurfaceTrees& trees);
 

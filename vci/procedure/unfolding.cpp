@@ -8,8 +8,8 @@ namespace {
 
 constexpr double narrowest_layers = 0.6; // share of the diameter: folds of the necks are finer than their contact
 constexpr double step_over_thickness = 2, folds_pcg_tolerance = 0.05;
-constexpr double folds_maximal_step = 5;    // ms: a kink left in the cones goes to and fro under longer ones
-constexpr double folds_initial_step = 0.03; // ms: a longer one throws layers through one another at once
+constexpr double folds_maximal_step = 5;    // ms: a kink left in the cones oscillates under longer steps
+constexpr double folds_initial_step = 0.03; // ms: a longer one moves layers through one another at once
 
 } // namespace
 

@@ -1,4 +1,4 @@
-// What stages with a folded balloon need beside others.
+// What a stage with a folded balloon needs in addition.
 #pragma once
 #include "vci/devices/balloon/balloon.hpp"
 #include "vci/scene/scene.hpp"
@@ -9,9 +9,9 @@ namespace vci {
 void add_layers(Interactions& interactions, const System& system, const Balloon& balloon, const BalloonSpec& spec,
                 const ContactSettings& settings);
 
-/// Settings of a stage with a balloon, as they are unless it is folded: folds give a sharper linear solve and no end
-/// for want of a better residual, which does not fall before they are out.
-/// @param unfolds the balloon starts folded: steps that do not carry a layer past the next ones
+/// Settings of a stage with a balloon. Only a folded one changes them. Its linear solves are more accurate, and the
+/// stage is not given up while the residual stays, since that does not fall before the folds are out.
+/// @param unfolds the balloon starts folded: shorter steps, which do not carry a layer past its neighbours
 IntegratorSettings with_folds(const IntegratorSettings& settings, const BalloonSpec& spec, bool unfolds);
 
 /// True where a balloon of the scene is folded.

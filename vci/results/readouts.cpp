@@ -45,7 +45,7 @@ double peak_memory_mib() {
   return 0;
 }
 
-/// The smallest, or by another order the first, value under `key` of rows that have one; null where none has.
+/// The smallest value under `key` of the rows that have one, or the first by another order; null where none has.
 template <class Order = std::less<>>
 json smallest_of(const json& rows, const char* key = "area_mm2", Order before = {}) {
   json smallest = nullptr;

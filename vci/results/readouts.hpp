@@ -1,4 +1,4 @@
-// What the clinician asks: areas, expansion, recoil, foreshortening, straightening, apposition.
+// The figures that a clinician asks for: areas, expansion, recoil, foreshortening, straightening, apposition.
 #pragma once
 #include "vci/procedure/deployment.hpp"
 

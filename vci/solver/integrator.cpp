@@ -10,13 +10,14 @@ namespace vci {
 namespace {
 
 constexpr double smallest_step = 0.03; // ms
-constexpr int sticking_steps = 8;      // with all of friction's stiffness, after a step that turned back
+constexpr int sticking_steps = 8;      // that keep the whole friction stiffness after one that turned back
 constexpr double quasi_static = 0.5;   // ms: longer steps drop the velocity
 // Steps that do not come nearer to balance for this share of `stalled_steps` are damped from then on: oscillating
 // vertices are held back, and linear solves must reach this tolerance in the preconditioner's norm, too.
 constexpr int careful_share = 3;
 constexpr double careful_tolerance = 0.1;
-constexpr double rounding = 1e-9; // N: a wall back in its first state has no applied force to compare with
+constexpr double rounding =
+    1e-9; // N: less counts as balance, since an unloaded wall has no applied force to compare with
 
 struct Forces {
   Vectors elastic, foundation, pressure, contact, total;
@@ -45,7 +46,7 @@ void assemble(System& system, Interactions& interactions, Forces& f) {
   f.residual = left <= rounding * rounding ? 0 : std::sqrt(left / applied);
 }
 
-/// The forces of the state reached; what a fixed vertex's support carries is no part of the balance.
+/// The forces of the current state. They are 0 at fixed vertices, whose supports are no part of the balance.
 Balance balance_of(const Forces& f, const std::vector<char>& fixed) {
   Balance balance{f.pressure, f.contact, f.foundation, f.total};
   for (Vectors* part : {&balance.pressure, &balance.contact, &balance.foundation, &balance.residual})
@@ -55,7 +56,7 @@ Balance balance_of(const Forces& f, const std::vector<char>& fixed) {
   return balance;
 }
 
-/// The displacement that one vertex in a hundred exceeds: a single loose vertex does not rule the step.
+/// The displacement that one vertex in a hundred exceeds, so that a single loose vertex does not set the step.
 double large_displacement(const Vectors& dx) {
   std::vector<double> length;
   length.reserve(dx.size());
@@ -72,7 +73,7 @@ public:
   Inertia(const System& system, const IntegratorSettings& s) : system_(system), s_(s) {}
   /// 1 + b / h: the whole step is divided by it.
   double factor(double h) const { return 1 + s_.stiffness_damping / h; }
-  /// Puts the part of a step of h ms in place of that of the step before, or on a matrix made anew.
+  /// Replaces the previous step's part by that of a step of h ms. A matrix assembled `anew` holds no previous part.
   void put(double h, bool anew, BlockMatrix& matrix) {
     if (anew)
       added_.assign(system_.vertices(), 0.0);

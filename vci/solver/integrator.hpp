@@ -22,7 +22,8 @@ struct IntegratorSettings {
   double velocity_stop = 0.01;    ///< mm/ms, root mean square over the free vertices
 };
 
-/// The forces (N) that balance at the end, 0 at fixed vertices; elastic = residual - pressure - contact - foundation.
+/// The forces (N), 0 at fixed vertices. In balance the residual is small. The elastic force is the residual minus the
+/// other three.
 struct Balance {
   Vectors pressure, contact, foundation, residual;
 };

@@ -1,4 +1,4 @@
-// A layer of the wall by the model that the wall asks for.
+// Makes a layer of the wall by the wall's model.
 #pragma once
 #include "vci/mechanics/hencky_law.hpp"
 #include "vci/mechanics/layer.hpp"

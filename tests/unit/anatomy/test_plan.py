@@ -8,13 +8,13 @@ from anatomy.planning import catalogue, plan
 from common.errors import InputError
 
 
-def wish(device="des", diameter=3.0, length=15, pressure=11, **place):
+def request(device="des", diameter=3.0, length=15, pressure=11, **place):
     size = {"diameter_mm": diameter, "length_mm": length, "pressure_bar": pressure}
     return {"device": device, "branch": "main", **size, **(place or {"lesion": 1})}
 
 
 def stent_step(**changes):
-    return [{"action": "stent", "devices": [wish(**changes)]}]
+    return [{"action": "stent", "devices": [request(**changes)]}]
 
 
 def test_stent_comes_with_its_delivery_balloon(families, summary):
@@ -53,9 +53,10 @@ def test_device_of_a_side_branch_may_begin_in_the_parent(families, summary):
         (stent_step(branch="side1", centre_s_mm=2), "beyond its branch"),
         (stent_step(branch="side1", centre_s_mm=-13), "beyond its branch"),
         (stent_step(device="semi_compliant"), "wrong kind"),
-        ([{"action": "predilatation", "devices": [wish()]}], "wrong kind"),
+        ([{"action": "predilatation", "devices": [request()]}], "wrong kind"),
         (
-            stent_step(diameter=2.25) + [{"action": "postdilatation", "devices": [wish("non_compliant", 3.5, 12, 20)]}],
+            stent_step(diameter=2.25)
+            + [{"action": "postdilatation", "devices": [request("non_compliant", 3.5, 12, 20)]}],
             "over-expand",
         ),
     ],
@@ -73,7 +74,7 @@ def test_refusals(families, summary, steps, what):
         stent_step(centre_s_mm=42.5),
         stent_step(branch="side1", centre_s_mm=1.5),
         stent_step(branch="side1", centre_s_mm=-12.5),
-        stent_step(diameter=2.25) + [{"action": "postdilatation", "devices": [wish("non_compliant", 3.25, 12, 18)]}],
+        stent_step(diameter=2.25) + [{"action": "postdilatation", "devices": [request("non_compliant", 3.25, 12, 18)]}],
     ],
 )
 def test_what_lies_just_inside_is_planned(families, summary, steps):
@@ -81,7 +82,7 @@ def test_what_lies_just_inside_is_planned(families, summary, steps):
 
 
 def test_balloon_away_from_the_stent_may_be_larger(families, summary):
-    away = {"action": "postdilatation", "devices": [wish("non_compliant", 3.5, 12, 20, centre_s_mm=40)]}
+    away = {"action": "postdilatation", "devices": [request("non_compliant", 3.5, 12, 20, centre_s_mm=40)]}
     steps = stent_step(diameter=2.25, centre_s_mm=15) + [away]
     assert len(plan.procedure(steps, families, summary, "case")["procedure"]) == 2
 

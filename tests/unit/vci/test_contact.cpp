@@ -169,7 +169,7 @@ TEST(SurfaceContact, SideBySideSurfacesPushOneAnotherAway) {
   EXPECT_TRUE(facing_sheets(-0.1, {}, force).empty()) << "nested tubes do not face each other";
 }
 
-TEST(SurfaceContact, BlindVerticesNeitherTouchNorAreTouched) {
+TEST(SurfaceContact, ExcludedVerticesNeitherTouchNorAreTouched) {
   Vectors force;
   EXPECT_TRUE(facing_sheets(0, {false, {1, 1, 1, 1, 1}, {1, 1, 1, 1, 1}}, force).empty());
   for (const ContactPoint& p : facing_sheets(0, {false, {0, 0, 0, 0, 1}, {}}, force))
@@ -192,7 +192,7 @@ TEST(Friction, SticksElasticallyThenSlidesAtTheLimitAndRemembersTheAnchor) {
   EXPECT_NEAR(p.friction[0], -limit, 1e-12);
   EXPECT_LT(p.stencil.tangential_stiffness, 0.1 * stiffness);
   const Mat3 sliding =
-      p.stencil.stiffness(); // along its way the drag no longer grows, but for what keeps it from turning back
+      p.stencil.stiffness(); // along the slip the friction force no longer grows; a part stays, to resist turning back
   EXPECT_NEAR(sliding(0, 0), 0.3 * sliding(1, 1), 1e-12);
   EXPECT_NEAR(sliding(2, 2), 6, 1e-12);
   slide(-limit / stiffness); // back by the elastic slip: the anchor has moved along

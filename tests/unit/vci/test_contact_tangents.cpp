@@ -164,11 +164,11 @@ TEST(SurfaceContact, FrictionsMatrixIsExactButAlongASlideAndForThePressuresPart)
         ++sticks;
         EXPECT_LT((slope(v, along) + k * along).norm(), 1e-4 * size) << v;
       } else if (point.second.sliding.norm() > 0) {
-        ++slides; // no more drag along the way; the matrix keeps three tenths of the secant's
+        ++slides; // no further friction along the slip; the matrix keeps three tenths of the secant
         EXPECT_LT(slope(v, along).norm(), 1e-4 * size) << v;
         EXPECT_NEAR(along.dot(k * along), 0.3 * size, 1e-9);
       }
-      // deeper: normal force as the matrix says; the drag that follows it, mu times that, is left out
+      // deeper: normal force as the matrix says; the change of friction with it, mu times that, is left out
       const Vec3 left_out = slope(v, Vec3::UnitZ()) + k * Vec3::UnitZ();
       const double coupling = way < limit ? 0 : s.friction * point.second.normal_stiffness;
       EXPECT_NEAR(left_out.norm(), coupling, 1e-4 * point.second.normal_stiffness) << v;

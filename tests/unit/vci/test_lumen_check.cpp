@@ -131,9 +131,9 @@ TEST(LumenCheck, TellsHolesFromEnds) {
   touching.triangles.erase(one);
   expect(refusal(touching), {"meet in one point", "point 323 at"});
   expect(refusal(without(whole, 12, 13, -9)), {"in pieces"});
-  Lumen blind = Vessel().closed();
-  blind.region.assign(blind.region.size(), 0);            // caps as wall
-  expect(refusal(blind), {"does not fit its radius_mm"}); // the middle of a cap is on the axis
+  Lumen uncapped = Vessel().closed();
+  uncapped.region.assign(uncapped.region.size(), 0);         // caps as wall
+  expect(refusal(uncapped), {"does not fit its radius_mm"}); // the middle of a cap is on the axis
 }
 
 TEST(LumenCheck, ComparesTheWallWithItsRadiusAndTheAxis) {

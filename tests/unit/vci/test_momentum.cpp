@@ -145,9 +145,9 @@ TEST(Momentum, ContactSumsToNothingAndTurnsByItsFrictionOverTheGapAlone) {
     EXPECT_GT(points.size(), 1000u);
     EXPECT_LT(left_over(f, system.x)[0], 1e-14);
     // each point's force goes through vertex and projection, which lie along the normal but for how exactly projections
-    // are found; its drag, at either side of the gap, makes a couple of at most the coefficient times force and gap
+    // are found; its friction, at either side of the gap, makes a couple of at most the coefficient times force and gap
     Vec3 moment = Vec3::Zero(), couples = Vec3::Zero();
-    double arms = 0, drags = 0;
+    double arms = 0, friction = 0;
     for (std::size_t i = 0; i < f.size(); ++i) {
       moment += system.x[i].cross(f[i]);
       arms += system.x[i].norm() * f[i].norm();
@@ -157,12 +157,12 @@ TEST(Momentum, ContactSumsToNothingAndTurnsByItsFrictionOverTheGapAlone) {
       for (int k = 0; k < 4; ++k)
         between += p.stencil.weight[k] * system.x[p.stencil.vertex[k]];
       couples += between.cross(p.friction);
-      drags += p.friction.norm();
+      friction += p.friction.norm();
       EXPECT_LE(p.friction.norm(), 0.1 * p.force + 1e-12);
     }
     EXPECT_LT((moment - couples).norm(), 1e-9 * arms);
     EXPECT_EQ(couples.norm() > 1e-6 * arms, slid);
-    EXPECT_EQ(drags > 0, slid);
+    EXPECT_EQ(friction > 0, slid);
   }
 }
 
@@ -185,7 +185,7 @@ std::array<double, 3> after_steps(double h, int steps, bool textbook, double dam
   double largest = 0;
   free.touching.after_step = [&](int, const Balance&) {
     for (int i = 0; i < system.vertices(); ++i) {
-      // drag against the surroundings has taken c A dx from each vertex
+      // damping against the surroundings has taken c A dx from each vertex
       momentum[i] = system.mass[i] * system.velocity[i] + damping * system.area[i] * (system.x[i] - start[i]);
       largest = std::max(largest, (system.x[i] - before[i]).norm());
     }

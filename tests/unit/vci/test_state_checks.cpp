@@ -1,4 +1,4 @@
-// What a procedure leaves standing: devices within the wall, stents that something supports, their sections and
+// The state after a procedure: devices within the wall, stents that something supports, their sections and
 // perimeters.
 #include "common/error.hpp"
 #include "vci/procedure/diagnostics.hpp"
@@ -29,7 +29,7 @@ StentHistory stent_of(int body, const RingGrid& grid, const char* name = "s") {
   return {name, "main", 0, {body, grid, name}};
 }
 
-TEST(Standing, FindsTheVertexThatIsFurthestOutside) {
+TEST(StateChecks, FindsTheVertexThatIsFurthestOutside) {
   System system;
   SurfaceTrees trees;
   const RingGrid wall = grid_of(16, 1.5), device = grid_of(10, 1.3);
@@ -52,7 +52,7 @@ TEST(Standing, FindsTheVertexThatIsFurthestOutside) {
   }
 }
 
-TEST(Standing, ADeviceThatPassesTheWallsOpenEndIsNotOutside) {
+TEST(StateChecks, ADeviceThatPassesTheWallsOpenEndIsNotOutside) {
   System system;
   SurfaceTrees trees;
   add_tube(system, "wall", grid_of(8, 1.5), 1.5);
@@ -71,7 +71,7 @@ ContactPoint contact(int inner, int outer, double force) {
   return p;
 }
 
-TEST(Standing, AStentIsBorneByTheWallOrByAStentThatIs) {
+TEST(StateChecks, AStentIsSupportedByTheWallOrByAStentThatIs) {
   System system;
   const RingGrid wall = grid_of(30, 2), device = grid_of(8, 1);
   add_tube(system, "wall", wall, 2);
@@ -104,7 +104,7 @@ TEST(Rings, SectionsAreTheTubesHoweverAslantItsRingsLie) {
     EXPECT_GT(radius, 1.55) << "its own area is an ellipse's";
 }
 
-TEST(Rings, AnOvalsGirthIsMoreThanItsAreaSays) {
+TEST(Rings, AnOvalsPerimeterIsMoreThanItsAreaSays) {
   System system;
   const RingGrid grid = grid_of(10, 1.5);
   const int body = add_tube(system, "stent", grid, 1.5);

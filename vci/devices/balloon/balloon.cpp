@@ -19,9 +19,9 @@ constexpr double tip_share = 0.35;               // of the nominal diameter, whe
 // (2020) e0234340), and with residual folds. What the choice is worth: measured.md.
 constexpr double balloon_axial_stiffness = 8.0;
 constexpr double balloon_hinge = 0.002; // N mm per edge, keeps the grid from wrinkling
-constexpr double crease_yield = 0.02;   // rad per edge: the folded membrane is limp, its creases set and are ironed out
-constexpr double shaft_anchor = 0.02;   // N/mm per vertex of the end rings
-constexpr double neck_hold = 0.4;       // N/mm per end ring of a folded balloon, whose rings have more vertices
+constexpr double crease_yield = 0.02; // rad per edge: creases of the limp membrane become permanent, and flatten again
+constexpr double shaft_anchor = 0.02; // N/mm per vertex of the end rings
+constexpr double neck_hold = 0.4;     // N/mm per end ring of a folded balloon, whose rings have more vertices
 // A grid of fibres alone has no shear stiffness: a weak film gives it.
 constexpr HenckyLaw balloon_film{0.3, 0.3, 0.0, 0.05, 0.02};
 

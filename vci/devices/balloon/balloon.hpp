@@ -22,8 +22,8 @@ struct Balloon {
 /// @param radius of each ring at the start, mm; at most the crimped one.
 Balloon add_balloon(System& system, const BalloonSpec& spec, RingGrid grid, const std::vector<Frame>& frames,
                     const std::vector<double>& radius);
-/// Pressure and the pull that it puts on the balloon's axial fibres, p pi (D(p)^2 - tip^2) / 4 in all (its open tips
-/// lie on the shaft): the length that the maker states is the inflated one.
+/// Sets the pressure and its axial pull on the fibres, p pi (D(p)^2 - tip^2) / 4 in all, since the open tips lie on the
+/// shaft. With this pull the inflated balloon has the length that the maker states.
 void set_pressure(Balloon& balloon, double pressure_mpa);
 
 } // namespace vci

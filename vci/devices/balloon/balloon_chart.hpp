@@ -4,9 +4,9 @@
 
 namespace vci {
 
-/// Pressure (MPa) that holds a free balloon at a diameter (mm), piecewise linear and increasing: from nothing at the
-/// crimped diameter along a soft unfolding branch (at most half the pressure of the chart's first point), through the
-/// chart, and on with its last slope.
+/// Pressure (MPa) that holds a free balloon at a diameter (mm), piecewise linear and increasing. It begins with 0 at
+/// the crimped diameter. A soft unfolding branch follows, up to at most half the pressure of the chart's first point.
+/// Then comes the chart, which continues with its last slope.
 class BalloonChart {
 public:
   /// @throws std::invalid_argument unless both columns rise strictly, the chart has two points or more and starts above
@@ -14,8 +14,8 @@ public:
   BalloonChart(const std::vector<double>& pressure_mpa, const std::vector<double>& diameter_mm,
                double crimped_diameter_mm);
 
-  /// The chart of a balloon that is unfolded already: continued with its first slope to no pressure. Below that
-  /// diameter the film buckles: a fiftieth of that slope, and the pressure is negative.
+  /// The chart of a balloon that is unfolded already. It continues with its first slope down to pressure 0. Below that
+  /// diameter the film buckles: the slope is a fiftieth, and the pressure is negative.
   static BalloonChart of_unfolded(const std::vector<double>& pressure_mpa, const std::vector<double>& diameter_mm);
 
   double pressure_at(double diameter_mm) const;

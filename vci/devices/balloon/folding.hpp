@@ -17,10 +17,10 @@ struct FoldedSection {
 };
 /// @param edge between neighbouring vertices, mm; @param around vertices, a multiple of twice the wings
 FoldedSection folded_section(const FoldingSpec& folding, int around, double edge);
-/// The same of a balloon as its chart has it without pressure.
+/// The section of a balloon by its chart, at pressure 0.
 FoldedSection folded_section(const BalloonSpec& spec, int around);
 
-/// Diameter (mm) of the balloon unfolded without pressure: the chart, continued to no pressure.
+/// Diameter (mm) of the balloon unfolded at pressure 0, to which the chart is continued.
 double unfolded_diameter(const BalloonSpec& spec);
 
 /// E t^3 / (12 (1 - nu^2)) of the membrane, N mm.
@@ -30,8 +30,9 @@ double bending_rigidity(const FoldingSpec& folding);
 /// the profile, or leaves no wings.
 int vertices_round_folded(const BalloonSpec& spec, double edge_mm);
 
-/// Its vertices on a vessel's axis; the cones taper as the section scaled. @param room radius that each ring may take,
-/// mm. Throws common::ComputationError where a ring does not fit.
+/// The vertices of a folded balloon on a vessel's axis. Along the cones the section is scaled down.
+/// @param room radius that each ring may take, mm
+/// Throws common::ComputationError where a ring does not fit.
 Vectors place_folded(const BalloonSpec& spec, const RingGrid& grid, const std::vector<Frame>& frames,
                      const std::vector<double>& room);
 

@@ -17,8 +17,8 @@ struct Tension {
   double energy, force, tangent; ///< N mm, N, N/mm
 };
 
-/// A set just made permanent leaves |e| at the yield strain but for rounding, which must not choose the tangent: a ring
-/// that is let go would be taken for one that flows, and be thrown far back by its first step.
+/// After plastic flow |e| lies at the yield strain, but for rounding. Rounding must not choose the tangent there. A
+/// ring that is unloaded would otherwise take the plastic tangent, and its first step would throw it far back.
 constexpr double at_yield = 1e-9;
 
 Tension tension(const RingHoops::Ring& r, double length) {
@@ -74,7 +74,7 @@ void RingHoops::declare(BlockPattern& pattern) const {
 void RingHoops::link(const BlockMatrix& matrix) {
   slots_.clear();
   for (Ring& r : rings_) {
-    r.flows = 0; // bodies have come or gone: whether it goes on is not known
+    r.flows = 0; // bodies were added or removed: whether the flow continues is not known
     for (std::size_t k = 0; k < r.vertices.size(); ++k)
       slots_.emplace_back(matrix, std::array<int, 2>{r.vertices[k], r.vertices[(k + 1) % r.vertices.size()]});
   }

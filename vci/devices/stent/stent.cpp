@@ -18,11 +18,11 @@ constexpr double stent_hinge = 0.4, stent_hinge_thickness = 0.08;
 // A grid of fibres alone has no shear stiffness: a weak film gives it, with more hardening than a balloon's.
 constexpr HenckyLaw stent_film{0.3, 0.3, 0.0, 0.05, 0.1};
 constexpr double hoop_hardening = 0.01;
-// Tension that turns one edge e times as long as its neighbour, over the ring's yield tension.
+// Tension that makes one edge e (2.718) times as long as its neighbour, relative to the ring's yield tension.
 constexpr double strut_evenness = 2.0;
 
-// Shear stiffness of a cell over that at which a ring in compression at its yield folds in zigzag, tension over twice
-// the edge: the struts of a cell are far stiffer than the ring is strong.
+// Shear stiffness of a cell. It is relative to the one below which a ring folds in zigzag when compression makes it
+// yield (tension over twice the edge), because the struts of a cell are far stiffer than the ring is strong.
 constexpr double cell_shear = 4.0;
 
 } // namespace

@@ -1,4 +1,4 @@
-// A JSON object whose keys are all asked for: what is missing, out of range or unknown becomes an InputError.
+// A JSON object whose keys are read one by one. Missing, unknown and out-of-range keys become an InputError.
 #pragma once
 #include <nlohmann/json.hpp>
 #include <optional>

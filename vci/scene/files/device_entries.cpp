@@ -39,7 +39,7 @@ std::string text_of(double one, const char* between, double other, const char* u
   return text.str();
 }
 
-/// What no balloon's chart says of it.
+/// Refuses charts that no balloon has: pressures out of range, and diameters far from the nominal one.
 void check_chart(const BalloonSpec& b, const CheckedObject& chart) {
   for (const double p : b.chart_pressure_bar)
     if (!(p >= 0 && p <= highest_pressure))

@@ -1,4 +1,4 @@
-// What a reader makes of a file that breaks the library beneath it.
+// Turns errors of the JSON and VTK libraries over damaged files into errors that name the file.
 #pragma once
 #include "common/error.hpp"
 
