@@ -74,7 +74,10 @@ int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& 
       ++stent;
     }
   }
-  write_json(output.folder() / "deployment.json", readouts(scene, lumen, paths, d));
+  const nlohmann::json found = readouts(scene, lumen, paths, d);
+  for (std::size_t k = d.warnings.size(); k < found["warnings"].size(); ++k) // the others were said on the way
+    observer.log("warning: " + found["warnings"][k].get<std::string>());
+  write_json(output.folder() / "deployment.json", found);
   output.publish();
   return 0;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
+#include <sstream>
 
 namespace vci {
 
@@ -101,6 +102,24 @@ Segment reported_segment(const Scene& scene) {
   return span_of(scene, scene.procedure.front().devices.front());
 }
 
+std::vector<std::string> warnings_of_outcome(const json& stents, double malapposition_mm, const OutcomeLimits& limits) {
+  std::vector<std::string> warnings;
+  for (const json& stent : stents)
+    if (const json& index = stent["expansion_index"]; !index.is_null() && index < limits.least_expansion) {
+      std::ostringstream text;
+      text << stent["device"].get<std::string>() << " is under-expanded: its smallest area is "
+           << 100 * index.get<double>() << " % of the healthy area, less than " << 100 * limits.least_expansion << " %";
+      warnings.push_back(text.str());
+    }
+  if (malapposition_mm > limits.largest_malapposition) {
+    std::ostringstream text;
+    text << "malapposition: a stent stands " << malapposition_mm << " mm off the wall, more than "
+         << limits.largest_malapposition << " mm";
+    warnings.push_back(text.str());
+  }
+  return warnings;
+}
+
 json area_profile(const Vectors& points, const Triangles& triangles, const Path& path, double s_start, double s_end) {
   json profile = json::array();
   const Vectors units = section_normals(points, triangles);
@@ -173,7 +192,10 @@ json readouts(const Scene& scene, const Lumen& lumen, const std::map<std::string
     out[key] = smallest_of(out["stents"], key, std::less<>());
   for (const char* key : {"recoil_percent", "foreshortening_percent"})
     out[key] = smallest_of(out["stents"], key, std::greater<>());
-  out["maximal_malapposition_mm"] = *std::max_element(d.malapposition.begin(), d.malapposition.end());
+  const double gap = *std::max_element(d.malapposition.begin(), d.malapposition.end());
+  out["maximal_malapposition_mm"] = gap;
+  for (const std::string& warning : warnings_of_outcome(out["stents"], gap))
+    out["warnings"].push_back(warning);
   return out;
 }
 

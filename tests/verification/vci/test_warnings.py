@@ -128,3 +128,19 @@ def test_the_stents_own_area_and_the_lumens_within_it(deploy):
     inside = [r["area_mm2"] for r in profile if rings[0, :, 2].mean() + 0.5 < r["s_mm"] < rings[-1, :, 2].mean() - 0.5]
     assert stent["minimal_lumen_area_in_stent_mm2"] == pytest.approx(min(inside), rel=0.01)
     assert 0.98 < stent["minimal_lumen_area_in_stent_mm2"] / stent["minimal_stent_area_mm2"] < 1.06
+
+
+def test_a_stent_that_stands_off_the_wall_is_warned_of(deploy):
+    """1.8 mm in a narrowing of 1.5 mm within a vessel of 3.0 mm: it bears there, and hangs free beside it."""
+    out, result = deploy(scenes.Tube(stenosis=0.5, edge=0.6), small_stent(1))
+    found, words = summary(out, result), "malapposition: a stent stands"
+    assert found["maximal_malapposition_mm"] > 0.4
+    assert [warning.startswith(words) for warning in found["warnings"]] == [True]
+    assert result.stderr.count(f"warning: {words}") == 1
+
+
+def test_a_stent_that_fits_has_no_warning(deploy):
+    out, result = deploy(scenes.Tube(stenosis=0.3, edge=0.6))
+    found = summary(out, result)
+    assert found["maximal_malapposition_mm"] < 0.4 and found["warnings"] == []
+    assert "warning" not in result.stderr

@@ -1,0 +1,32 @@
+// Warnings of stents that stay too small or stand off the wall: just inside and just outside of each limit.
+#include "vci/results/readouts.hpp"
+
+#include <gtest/gtest.h>
+
+namespace {
+
+nlohmann::json stents(double first, nlohmann::json second = nullptr) {
+  return {{{"device", "des_3.00x18"}, {"expansion_index", first}},
+          {{"device", "des_2.50x12"}, {"expansion_index", std::move(second)}}};
+}
+
+} // namespace
+
+TEST(OutcomeWarnings, AnExpansionIndexBelowSixTenths) {
+  EXPECT_TRUE(vci::warnings_of_outcome(stents(0.6), 0).empty());
+  const auto found = vci::warnings_of_outcome(stents(0.599), 0);
+  ASSERT_EQ(found.size(), 1U) << "a stent without a healthy area is passed over";
+  EXPECT_EQ(found[0], "des_3.00x18 is under-expanded: its smallest area is 59.9 % of the healthy area, less than 60 %");
+}
+
+TEST(OutcomeWarnings, EachStentThatIsTooSmall) {
+  EXPECT_EQ(vci::warnings_of_outcome(stents(0.3, 0.59), 0).size(), 2U);
+  EXPECT_EQ(vci::warnings_of_outcome(stents(0.3, 0.61), 0).size(), 1U);
+}
+
+TEST(OutcomeWarnings, AGapToTheWallAboveFourTenthsOfAMillimetre) {
+  EXPECT_TRUE(vci::warnings_of_outcome(stents(0.9), 0.4).empty());
+  const auto found = vci::warnings_of_outcome(stents(0.9), 0.401);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0], "malapposition: a stent stands 0.401 mm off the wall, more than 0.4 mm");
+}
