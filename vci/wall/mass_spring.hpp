@@ -1,4 +1,4 @@
-// The published wall model: springs along the triangles' edges.
+// Springs along the triangles' edges (Delingette's or Van Gelder's); not those of the source, equations 13 to 16.
 #pragma once
 #include "vci/mechanics/fibre.hpp"
 #include "vci/mechanics/hencky_law.hpp"
@@ -15,8 +15,9 @@ std::array<double, 3> spring_stiffness(const std::array<Vec3, 3>& corners, doubl
 /// With e = l / L - 1 (of a layer at depth: from its stretch, see HenckyLaw), energy k L^2 s psi(e), s the lasting
 /// stretch:
 ///   psi' = e (1 + beta e^2);  beyond yield psi' = e_y + H (e - e_y), which moves the rest length.
-/// Each spring is critically damped, c = 2 sqrt(k m) (eq 17), m the mean mass of its two vertices and k the sum along
-/// the edge; only integrations that ask for damping (Force::add_damping) see it.
+/// Each spring is critically damped, c = 2 sqrt(k m), m the mean mass of its two vertices and k the sum along
+/// the edge; only integrations that ask for damping (Force::add_damping) see it. Equation 17 of the source damps its
+/// springs too, but has not the dimension of a damping as it is printed.
 class MassSpring : public EdgeForce, public Layer {
 public:
   MassSpring(const Triangles& triangles, const Vectors& reference, const std::vector<HenckyLaw>& laws,
