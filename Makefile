@@ -26,7 +26,7 @@ build: setup $(BUILD)/build.ninja ## compile the programs into build/
 validate: setup ## check every configuration file
 	@$(PYTHON) -m workflow validate
 
-study: build ## run a cohort (COHORT=full|quick|real) or single cases (CASES="lad01 rca01"); -j by CORES
+study: build ## run a cohort (COHORT=full|quick|nine|hard|real) or single cases (CASES="lad01 rca01"); -j by CORES
 	@$(SNAKEMAKE) --profile config/profiles/local --cores $(CORES) --config cohort=$(COHORT) $(if $(CASES),cases='$(CASES)') || { \
 	  [ -z "$$(ls -A .snakemake/locks 2>/dev/null)" ] || \
 	  echo "the folder is locked: another run works in it, or one was killed; if none runs any more: make unlock" >&2; \

@@ -56,10 +56,12 @@ def load_case(path):
         remedy = "give `post`, the lumen after the procedure"
         _refuse(document, ("registration",), "there is nothing to register", remedy)
     for i, step in enumerate(listed_steps(document.data["plan"])):
-        if step["action"] == "stent" and len(step["devices"]) != 1:
-            _refuse(
-                document, ("plan", i, "devices"), "a stent step places one stent", "give each stent a step of its own"
-            )
+        if step["action"] == "kissing" and len(step["devices"]) != 2:
+            remedy = "name two, or call the step a postdilatation"
+            _refuse(document, ("plan", i, "devices"), "kissing inflates two balloons side by side", remedy)
+        if step["action"] != "kissing" and len(step["devices"]) != 1:
+            remedy = "give each device a step of its own"
+            _refuse(document, ("plan", i, "devices"), "only kissing inflates two devices at once", remedy)
         for j, device in enumerate(step["devices"]):
             if ("centre_s_mm" in device) == ("lesion" in device):
                 remedy = "give either centre_s_mm or lesion"

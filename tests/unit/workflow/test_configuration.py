@@ -1,6 +1,7 @@
 """The whole configuration: every kind of bad value is refused with file, key, value and what is allowed."""
 
 import json
+import re
 import shlex
 import shutil
 from types import SimpleNamespace
@@ -20,6 +21,12 @@ def folder(repo_root, tmp_path):
     """A copy of config/ to spoil."""
     shutil.copytree(repo_root / "config", tmp_path / "config")
     return tmp_path / "config"
+
+
+SECOND = (
+    "\n      - {device: non_compliant, diameter_mm: 2.75, length_mm: 15, branch: main, lesion: 1, pressure_bar: 14}"
+)
+TWO = "pressure_bar: 16}" + SECOND
 
 
 def edit(file, old, new):
@@ -42,6 +49,9 @@ def edit(file, old, new):
         (CASE, "device: des,", "device: dess,", ["plan[2].devices[1].device", "dess", "des"]),
         (CASE, "length_mm: 18", "length_mm: 16", ["plan[2].devices[1].length_mm", "16", "15, 18"]),
         (CASE, "pressure_bar: 16", "pressure_bar: 26", ["plan[3].devices[1].pressure_bar", "26", "at most 20"]),
+        (CASE, "action: postdilatation", "action: kissing", ["plan[3].devices", "kissing inflates two balloons"]),
+        (CASE, "pressure_bar: 16}", TWO, ["plan[3].devices", "only kissing inflates two devices at once"]),
+        (CASE, "pressure_bar: 16}", TWO + SECOND, ["plan[3].devices", "at most 2"]),
         (DEVICE, "nominal_pressure_bar: 8", "nominal_pressure_bar: 7", ["chart", "100 at 7 bar"]),
         (DEVICE, "shoulder_mm: 2.0", "shoulder_mm: .nan", ["shoulder_mm", "not finite"]),
         (DEVICE, "kind: balloon", "kind: ballon", ["kind", "ballon", "one of balloon, stent"]),
@@ -64,6 +74,11 @@ def test_shipped_configuration_is_valid(folder):
     assert found.selected("quick") == ["quick_focal", "quick_branch"]
     assert found.selected("quick", "lad01, rca01") == ["lad01", "rca01"]
     assert found.selected("quick", "rca01 lad01 rca01") == ["rca01", "lad01"], "no case counts twice"
+
+
+def test_make_help_lists_the_shipped_cohorts(folder, repo_root):
+    listed = re.search(r"COHORT=([a-z|]+)\)", (repo_root / "Makefile").read_text()).group(1).split("|")
+    assert sorted(listed) == sorted(Configuration(folder).study["cohorts"])
 
 
 def test_unknown_cohort_and_case(folder):
