@@ -45,7 +45,7 @@ PointRows rows_of(const Vectors& points) {
 
 Lumen lumen_from(const Eigen::Ref<const PointRows>& points, const Eigen::Ref<const TriangleRows>& triangles,
                  const std::vector<double>& radius, const std::vector<double>& plaque,
-                 const std::vector<int>& plaque_type) {
+                 const std::vector<int>& plaque_type, const std::vector<double>& reference_radius) {
   constexpr double widest = 20; // mm, as in files
   Lumen lumen;
   lumen.points = vectors_of(points);
@@ -58,6 +58,8 @@ Lumen lumen_from(const Eigen::Ref<const PointRows>& points, const Eigen::Ref<con
     throw common::InputError("a radius of nothing", "radius", "0", "give the local radius of the lumen in mm");
   lumen.plaque = checked("plaque", plaque, count, widest);
   lumen.plaque_type = checked("plaque_type", plaque_type, count, 3);
+  if (!reference_radius.empty())
+    lumen.reference_radius = checked("reference_radius", reference_radius, count, widest);
   for (Eigen::Index k = 0; k < triangles.rows(); ++k) {
     const Triangle t{triangles(k, 0), triangles(k, 1), triangles(k, 2)};
     if (std::any_of(t.begin(), t.end(), [&](int v) { return v < 0 || static_cast<std::size_t>(v) >= count; }))

@@ -15,10 +15,11 @@ PointRows rows_of(const Vectors& points);
 /// @param radius local radius of the lumen at each point, mm
 /// @param plaque thickness at each point, mm; empty: none
 /// @param plaque_type at each point: 0 none, 1 fibrous, 2 lipid, 3 calcified; empty: none
+/// @param reference_radius without disease at each point, mm; empty: not known
 /// Throws common::InputError where lengths differ, a triangle names a point that is not there, a value is not finite,
 /// or a type is unknown.
 Lumen lumen_from(const Eigen::Ref<const PointRows>& points, const Eigen::Ref<const TriangleRows>& triangles,
                  const std::vector<double>& radius, const std::vector<double>& plaque = {},
-                 const std::vector<int>& plaque_type = {});
+                 const std::vector<int>& plaque_type = {}, const std::vector<double>& reference_radius = {});
 
 } // namespace vci

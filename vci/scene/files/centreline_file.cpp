@@ -15,7 +15,7 @@ namespace vci {
 namespace {
 
 /// A line whose points are out of order doubles back on itself, and its arc lengths say nothing.
-void refuse_turning_back(const Vectors& points, const std::string& name, const std::filesystem::path& file) {
+void refuse_turning_back(const Vectors& points, const std::string& name, const std::string& file) {
   constexpr double sharpest = -0.7, piece = 0.1; // cosine of 135 degrees; mm, below which points may scatter
   for (std::size_t k = 2; k < points.size(); ++k) {
     const Vec3 before = points[k - 1] - points[k - 2], after = points[k] - points[k - 1];
@@ -23,7 +23,7 @@ void refuse_turning_back(const Vectors& points, const std::string& name, const s
     if (std::min(before.norm(), after.norm()) > piece && before.dot(after) < sharpest * lengths) {
       std::ostringstream place;
       place << "at (" << points[k - 1].transpose() << ") mm, its point " << k - 1;
-      throw common::InputError("a branch of the centreline turns back on itself", file.string() + ": branch " + name,
+      throw common::InputError("a branch of the centreline turns back on itself", file + ": branch " + name,
                                place.str(), "give its points in their order along the vessel");
     }
   }
@@ -37,8 +37,7 @@ double distance_to(const Vectors& line, const Vec3& p) {
 }
 
 /// A side branch's line starts on its parent's axis; one that ends there runs the wrong way.
-void refuse_reversed_sides(const Vectors& main, const std::vector<std::pair<std::string, Vectors>>& sides,
-                           const std::filesystem::path& file) {
+void refuse_reversed_sides(const Vectors& main, const NamedLines& sides, const std::string& file) {
   constexpr double apart = 0.5; // mm: a line that starts this near to another starts on it
   for (const auto& [name, points] : sides) {
     double start = distance_to(main, points.front()), end = distance_to(main, points.back());
@@ -51,13 +50,12 @@ void refuse_reversed_sides(const Vectors& main, const std::vector<std::pair<std:
       std::ostringstream value;
       value << "its first point is " << start << " mm from the other branches, its last " << end;
       throw common::InputError("a side branch of the centreline does not start at its parent",
-                               file.string() + ": branch " + name, value.str(),
+                               file + ": branch " + name, value.str(),
                                "turn the branch round: it runs from its parent to its outlet");
     }
   }
 }
 
-/// The points of a line, without neighbours that coincide.
 Vectors points_of_line(vtkPolyData* data, vtkIdType line, const std::filesystem::path& file) {
   vtkIdType size;
   const vtkIdType* ids;
@@ -65,20 +63,11 @@ Vectors points_of_line(vtkPolyData* data, vtkIdType line, const std::filesystem:
   if (std::any_of(ids, ids + size, [&](vtkIdType id) { return id < 0 || id >= data->GetNumberOfPoints(); }))
     throw common::InputError("a cell that names a point which is not there", file.string(),
                              "cell " + std::to_string(line), "the file is damaged: write it anew");
-  Vectors points;
-  for (vtkIdType k = 0; k < size; ++k) {
-    Vec3 p;
-    data->GetPoint(ids[k], p.data());
-    if (!p.allFinite() || p.norm() > 1e6)
-      throw common::InputError("a point of the centreline is not plausible", file.string(),
-                               "point " + std::to_string(ids[k]), "coordinates are in mm");
-    if (points.empty() || (p - points.back()).norm() > 1e-9)
-      points.push_back(p);
-  }
+  Vectors points(size);
+  for (vtkIdType k = 0; k < size; ++k)
+    data->GetPoint(ids[k], points[k].data());
   return points;
 }
-
-using NamedLines = std::vector<std::pair<std::string, Vectors>>;
 
 NamedLines named_lines(const std::filesystem::path& file) {
   const vtkSmartPointer<vtkPolyData> data = read_polydata(file, "centreline");
@@ -87,20 +76,26 @@ NamedLines named_lines(const std::filesystem::path& file) {
     throw common::InputError("the centreline has no named lines", file.string(), "branch_name",
                              "make the centreline with the anatomy step");
   NamedLines lines;
-  std::set<std::string> taken;
-  for (vtkIdType c = 0; c < data->GetNumberOfLines(); ++c) {
-    const Vectors points = points_of_line(data, c, file);
-    const std::string name = names->GetValue(c);
-    if (points.size() < 2)
-      throw common::InputError("a centreline branch has fewer than two points", file.string(), name,
-                               "check the anatomy step");
-    if (!taken.insert(name).second)
-      throw common::InputError("two branches of the centreline have one name", file.string(), name,
-                               "name each branch otherwise: devices are placed by it");
-    refuse_turning_back(points, name, file);
-    lines.emplace_back(name, points);
-  }
+  for (vtkIdType c = 0; c < data->GetNumberOfLines(); ++c)
+    lines.emplace_back(names->GetValue(c), points_of_line(data, c, file));
   return lines;
+}
+
+/// The points of a line, without neighbours that coincide.
+Vectors checked_line(const std::string& name, const Vectors& line, const std::string& file) {
+  Vectors points;
+  for (std::size_t k = 0; k < line.size(); ++k) {
+    const Vec3& p = line[k];
+    if (!p.allFinite() || p.norm() > 1e6)
+      throw common::InputError("a point of the centreline is not plausible", file + ": branch " + name,
+                               "point " + std::to_string(k), "coordinates are in mm");
+    if (points.empty() || (p - points.back()).norm() > 1e-9)
+      points.push_back(p);
+  }
+  if (points.size() < 2)
+    throw common::InputError("a centreline branch has fewer than two points", file, name, "check the anatomy step");
+  refuse_turning_back(points, name, file);
+  return points;
 }
 
 /// A side branch from the inlet on. Its parent is the branch whose axis comes closest to its first point, and leads to
@@ -128,23 +123,29 @@ Path joined_to_parent(const Vectors& points, const std::map<std::string, Path>& 
   return Path(joined, -upstream);
 }
 
-std::map<std::string, Path> paths_of(const std::filesystem::path& file) {
-  NamedLines lines = named_lines(file);
+} // namespace
+
+std::map<std::string, Path> centreline_from(NamedLines lines, const std::string& where) {
+  std::set<std::string> taken;
+  for (auto& [name, points] : lines) {
+    points = checked_line(name, points, where);
+    if (!taken.insert(name).second)
+      throw common::InputError("two branches of the centreline have one name", where, name,
+                               "name each branch otherwise: devices are placed by it");
+  }
   const auto main = std::find_if(lines.begin(), lines.end(), [](const auto& line) { return line.first == "main"; });
   if (main == lines.end())
-    throw common::InputError("the centreline lacks its main branch", file.string(), "main", "check the anatomy step");
+    throw common::InputError("the centreline lacks its main branch", where, "main", "check the anatomy step");
   std::map<std::string, Path> paths{{"main", Path(main->second, 0)}};
   lines.erase(main);
-  refuse_reversed_sides(paths.at("main").points(), lines, file);
+  refuse_reversed_sides(paths.at("main").points(), lines, where);
   for (const auto& [name, points] : lines)
     paths[name] = joined_to_parent(points, paths);
   return paths;
 }
 
-} // namespace
-
 std::map<std::string, Path> read_centreline(const std::filesystem::path& file) {
-  return reading(file, [&] { return paths_of(file); });
+  return reading(file, [&] { return centreline_from(named_lines(file), file.string()); });
 }
 
 } // namespace vci

@@ -185,6 +185,16 @@ void read_procedure(CheckedObject& o, Scene& scene) {
   }
 }
 
+/// Patient, settings, devices and steps.
+void read_intervention(CheckedObject& o, Scene& scene) {
+  CheckedObject patient(o.child("patient", true), o.path("patient"));
+  scene.map_pa = patient.number("map_pa", 1000, 40000);
+  patient.finish();
+  read_settings(o, scene);
+  read_devices(o, scene);
+  read_procedure(o, scene);
+}
+
 Scene scene_of(const std::filesystem::path& file) {
   const std::string where = file.string() + ": scene";
   CheckedObject o(document_of(file, where), where);
@@ -196,21 +206,27 @@ Scene scene_of(const std::filesystem::path& file) {
   scene.case_name = o.text("case", "");
   scene.lumen = file.parent_path() / o.text("lumen");
   scene.centreline = file.parent_path() / o.text("centreline");
-  CheckedObject patient(o.child("patient", true), o.path("patient"));
-  scene.map_pa = patient.number("map_pa", 1000, 40000);
-  patient.finish();
   if (o.has("segment"))
     scene.segment = read_segment(o.child("segment", true), o.path("segment"));
   if (o.has("reference")) // what a proposed plan was sized by: for the page
     o.child("reference", true);
-  read_settings(o, scene);
-  read_devices(o, scene);
-  read_procedure(o, scene);
+  read_intervention(o, scene);
   o.finish();
   return scene;
 }
 
 } // namespace
+
+Scene scene_from(const json& entries, const std::string& name) {
+  return reading(name, [&] {
+    Scene scene;
+    scene.file = scene.lumen = scene.centreline = name;
+    CheckedObject o(entries, name + ": scene");
+    read_intervention(o, scene);
+    o.finish();
+    return scene;
+  });
+}
 
 Scene read_scene(const std::filesystem::path& file) {
   return reading(file, [&] { return scene_of(file); });
