@@ -20,8 +20,8 @@ setup: ## install the Debian packages that are missing
 $(BUILD)/build.ninja: CMakeLists.txt | setup
 	cmake -S . -B $(BUILD) -G Ninja -DCMAKE_BUILD_TYPE=Release
 
-build: setup $(BUILD)/build.ninja ## compile the programs into build/
-	@ninja -C $(BUILD) -j $(CORES) vci lumen
+build: setup $(BUILD)/build.ninja ## compile the programs and the Python module into build/
+	@ninja -C $(BUILD) -j $(CORES) vci lumen vci_python
 
 validate: setup ## check every configuration file
 	@$(PYTHON) -m workflow validate

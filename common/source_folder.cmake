@@ -17,6 +17,7 @@ function(source_folder part folder)
   list(TRANSFORM ARG_DEPENDS PREPEND ${part}_)
   if(sources)
     add_library(${target} STATIC ${sources})
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON) # the Python module is a shared library
     set(scope PUBLIC)
   else()
     add_library(${target} INTERFACE)

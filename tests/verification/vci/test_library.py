@@ -19,11 +19,17 @@ def call(*command, **options):
 
 
 @pytest.fixture(scope="module")
-def program(binary, tmp_path_factory):
-    """The example, built against an installation of the library alone."""
-    folder = tmp_path_factory.mktemp("library")
-    prefix, build = folder / "installed", folder / "build"
-    call("cmake", "--install", binary("vci").parent, "--prefix", prefix)
+def prefix(binary, tmp_path_factory):
+    """The folder of an installation."""
+    folder = tmp_path_factory.mktemp("library") / "installed"
+    call("cmake", "--install", binary("vci").parent, "--prefix", folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def program(prefix):
+    """The example, built against the installation alone."""
+    build = prefix.parent / "build"
     headers = [path.relative_to(prefix) for path in prefix.rglob("*.hpp")]
     assert pathlib.Path("include/vci/vci.hpp") in headers
     call("cmake", "-S", EXAMPLE, "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}", "-DCMAKE_BUILD_TYPE=Release")
@@ -37,6 +43,17 @@ def test_example_opens_the_artery(program, tmp_path):
     before, after = map(float, call(program, tmp_path / "lumen.vtp", tmp_path / "centreline.vtp").split())
     assert before == pytest.approx(3.1416 * 0.75**2, rel=0.05)
     assert 1.3 * before < after < 3.1416 * 1.6**2
+
+
+def test_python_package_is_installed(prefix, tmp_path):
+    """It works away from the clone, with its compiled module beside it."""
+    packages = list(prefix.glob("lib/python3*/site-packages"))
+    if not list(prefix.rglob("_engine*.so")):
+        pytest.skip("the Python module is not built: run make build")
+    script = "import vci; vci.deploy; print(vci.__file__, vci._engine.__file__)"
+    environment = {"PYTHONPATH": str(packages[0]), "PATH": "/usr/bin"}
+    found = call("/usr/bin/python3", "-c", script, cwd=tmp_path, env=environment).split()
+    assert all(pathlib.Path(path).is_relative_to(packages[0]) for path in found)
 
 
 def test_example_is_short():

@@ -1,0 +1,186 @@
+"""The engine from Python: the page that shows it runs as printed, and arrays, errors, threads and logs go both ways."""
+
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import vci
+from common import vtp
+from vci.benchmarks.scenes import Tube, balloon, stent, write_scene
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+PAGE = ROOT / "docs" / "python.md"
+
+pytest.importorskip("vci._engine", reason="the Python module is not built: run make build")
+
+
+def page_blocks():
+    """[(code, what it prints)] of the page."""
+    return re.findall(r"```python\n(.*?)```\n(?:```text\n(.*?)```)?", PAGE.read_text(), re.S)
+
+
+def test_page_prints_what_it_says(capsys):
+    names = {}
+    for code, printed in page_blocks():
+        exec(compile(code, str(PAGE), "exec"), names)
+        assert capsys.readouterr().out == printed
+    assert len(names["result"].devices) == 3
+
+
+@pytest.fixture(scope="module")
+def vessel():
+    """A short narrowed tube, from arrays."""
+    return lumen_of(Tube(length=20, lesion_length=7, edge=0.8))
+
+
+def lumen_of(tube, **changes):
+    points, triangles, radius, plaque, kind = tube.mesh()
+    axis = tube.centre(np.linspace(0, tube.length, int(4 * tube.length) + 1))
+    given = {"points": points, "triangles": triangles, "radius_mm": radius, "centreline": {"main": axis}}
+    given |= {"plaque_thickness_mm": plaque, "plaque_type": kind}
+    return vci.Lumen(**(given | changes))
+
+
+DEVICES = {"b": balloon(2.5, 8), "d": balloon(3.0, 10), "s": stent(3.0, 10, "d")}
+
+
+def step(name="first", device="b", action="predilatation", **changes):
+    return {
+        "name": name,
+        "action": action,
+        "devices": [{"device": device, "centre_s_mm": 10, "pressure_bar": 10} | changes],
+    }
+
+
+STEPS = [step(), step("second", "s", "stent", pressure_bar=11)]
+
+
+def test_same_as_the_program(binary, tmp_path):
+    """A scene of files by the program, and the same arrays by the module, end in the same lumen."""
+    scene = write_scene(tmp_path, Tube(length=20, lesion_length=7, edge=0.8))
+    subprocess.run([binary("vci"), "deploy", scene, "--out", tmp_path / "out"], check=True, capture_output=True)
+    entries = json.loads(scene.read_text())
+    lumen = vci.Lumen.read(tmp_path / "lumen.vtp", str(tmp_path / "centreline.vtp"))
+    settings = {key: entries.get(key, {}) for key in ("wall", "numerics")}
+    result = vci.deploy(
+        lumen, entries["devices"], entries["procedure"], map_pa=entries["patient"]["map_pa"], **settings
+    )
+    program = vtp.points(vtp.read_triangles(tmp_path / "out" / "lumen.vtp", ""))
+    assert np.array_equal(program, result.points)
+    written = json.loads((tmp_path / "out" / "deployment.json").read_text())
+    for key in set(written) - {"seconds", "peak_memory_mib", "stages", "case"}:
+        assert result.readouts[key] == written[key], key
+
+
+def test_steps_one_by_one(vessel):
+    """The state follows the steps, and the end is that of all at once."""
+    deployment = vci.Deployment(vessel, DEVICES, STEPS)
+    assert (deployment.steps, deployment.steps_done) == (2, 0)
+    assert np.array_equal(deployment.points, vessel.points)
+    deployment.step()
+    between = deployment.points
+    assert deployment.steps_done == 1 and not np.array_equal(between, vessel.points)
+    deployment.run()
+    once = vci.deploy(vessel, DEVICES, STEPS)
+    assert np.array_equal(deployment.result().points, once.points)
+    assert np.array_equal(deployment.points, once.points) and not np.array_equal(between, once.points)
+    assert [device.kind for device in once.devices] == ["balloon", "balloon", "stent"]
+    assert once.wall_stretch.shape == once.malapposition_mm.shape == (len(vessel.points),)
+    assert once.forces["residual_n"].shape == vessel.points.shape and once.triangles.shape == vessel.triangles.shape
+    with pytest.raises(RuntimeError):
+        deployment.step()
+
+
+def test_baseline_moves_the_wall(vessel):
+    moved = vci.radius_correct(vessel, DEVICES, STEPS)
+    assert np.linalg.norm(moved - vessel.points, axis=1).max() > 0.5
+
+
+@pytest.mark.parametrize(
+    "steps, words",
+    [
+        (
+            [step(pressure_bar=39)],
+            ["beyond the balloon's rated burst pressure", "procedure[0].devices[0].pressure_bar", "39"],
+        ),
+        ([step(device="none")], ["a device that the scene does not define", "none"]),
+        ([step(centre_s_mm=19)], ["remedy"]),
+        ([step(typo=1)], ["typo"]),
+    ],
+)
+def test_bad_steps_are_refused_with_the_programs_words(vessel, steps, words):
+    with pytest.raises(vci.InputError) as told:
+        vci.deploy(vessel, DEVICES, steps)
+    assert isinstance(told.value, ValueError)
+    assert all(word in str(told.value) for word in words), told.value
+
+
+def test_bad_arrays_are_refused():
+    tube = Tube(length=20, lesion_length=7, edge=0.8)
+    points, triangles, radius, _, _ = tube.mesh()
+    for changes, words in (
+        ({"radius_mm": radius[:-1]}, "radius"),
+        ({"points": points * np.nan}, "not finite"),
+        ({"triangles": triangles + len(points)}, "triangle"),
+        ({"centreline": {"side1": points[:5]}}, "main"),
+        ({"reference_radius_mm": radius - 9}, "reference_radius"),
+    ):
+        with pytest.raises(vci.InputError, match=words):
+            lumen_of(tube, **changes)
+    with pytest.raises(TypeError):
+        lumen_of(tube, points=points[:, :2])
+    with pytest.raises(vci.InputError, match="no such file"):
+        vci.Lumen.read("nowhere.vtp", "nowhere.vtp")
+
+
+def test_a_stage_without_balance_raises(vessel):
+    with pytest.raises(vci.ComputationError, match="did not reach force balance") as told:
+        vci.deploy(vessel, DEVICES, STEPS, numerics={"maximal_steps_per_stage": 2})
+    assert isinstance(told.value, RuntimeError) and "remedy" in str(told.value)
+
+
+def test_log_and_its_errors(vessel):
+    """Lines go to the caller's function, which may look at the state or end the run by an exception."""
+    lines, deployment = [], None
+    deployment = vci.Deployment(
+        vessel, DEVICES, STEPS, log=lambda line: lines.append((line, deployment and deployment.steps_done))
+    )
+    deployment.step()
+    assert lines and all(isinstance(line, str) for line, _ in lines) and lines[-1][1] in (0, 1)
+
+    def stop(line):
+        raise KeyboardInterrupt(line)
+
+    with pytest.raises(KeyboardInterrupt):
+        vci.deploy(vessel, DEVICES, STEPS, log=stop)
+
+
+def test_threads_run_on(vessel):
+    """While a deployment computes, other threads do; two deployments at once give what each gives alone."""
+    found, counted = [], 0
+    workers = [
+        threading.Thread(target=lambda: found.append(vci.deploy(vessel, DEVICES, STEPS).points)) for _ in range(2)
+    ]
+    for worker in workers:
+        worker.start()
+    while any(worker.is_alive() for worker in workers):
+        time.sleep(1e-3)
+        counted += 1
+    assert counted > 20  # had the workers held the interpreter, this thread would have counted once or twice
+    assert np.array_equal(*found)
+
+
+def test_without_the_compiled_module(tmp_path):
+    """The benchmarks run without it; its names say how to get it."""
+    script = "import vci.benchmarks.scenes, vci\ntry: vci.deploy\nexcept ImportError as error: print(error)"
+    told = subprocess.run(
+        [sys.executable, "-c", script], cwd=ROOT, env={"PATH": "/usr/bin"}, capture_output=True, text=True
+    )
+    assert "make build" in told.stdout, told.stderr

@@ -1,0 +1,274 @@
+// The Python module vci._engine: the engine on numpy arrays. The package vci (vci/__init__.py) offers its names.
+#include "vci/files.hpp"
+#include "vci/results/readouts.hpp"
+
+#include <mutex>
+#include <pybind11/eigen.h>
+#include <pybind11/functional.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+namespace py = pybind11;
+using nlohmann::json;
+using namespace vci;
+
+namespace {
+
+template <class Value> using Array = std::optional<py::array_t<Value, py::array::c_style | py::array::forcecast>>;
+using Log = std::function<void(const std::string&)>;
+
+template <class Value> std::vector<Value> values_of(const Array<Value>& array) {
+  return array ? std::vector<Value>(array->data(), array->data() + array->size()) : std::vector<Value>{};
+}
+
+TriangleRows rows_of_triangles(const Triangles& triangles) {
+  TriangleRows rows(static_cast<Eigen::Index>(triangles.size()), 3);
+  for (std::size_t k = 0; k < triangles.size(); ++k)
+    for (int c = 0; c < 3; ++c)
+      rows(static_cast<Eigen::Index>(k), c) = triangles[k][c];
+  return rows;
+}
+
+py::dict arrays_of(const Balance& forces) {
+  return py::dict(py::arg("pressure_n") = rows_of(forces.pressure), py::arg("contact_n") = rows_of(forces.contact),
+                  py::arg("foundation_n") = rows_of(forces.foundation),
+                  py::arg("residual_n") = rows_of(forces.residual));
+}
+
+py::dict arrays_of(const std::map<std::string, Path>& paths) {
+  py::dict arrays;
+  for (const auto& [name, path] : paths)
+    arrays[py::str(name)] = rows_of(path.points());
+  return arrays;
+}
+
+/// Dicts and lists as JSON; numpy's arrays and numbers become lists and numbers.
+json json_of(const py::object& object) {
+  const py::cpp_function plain([](const py::object& value) { return value.attr("tolist")(); });
+  const py::object dumps = py::module_::import("json").attr("dumps");
+  return json::parse(dumps(object, py::arg("default") = plain, py::arg("allow_nan") = false).cast<std::string>());
+}
+
+py::object object_of(const json& value) {
+  return py::module_::import("json").attr("loads")(value.dump());
+}
+
+/// A lumen with the axes of its branches.
+struct Vessel {
+  Lumen lumen;
+  std::map<std::string, Path> paths;
+};
+
+Vessel vessel_from(const Eigen::Ref<const PointRows>& points, const Eigen::Ref<const TriangleRows>& triangles,
+                   const Array<double>& radius, const std::map<std::string, PointRows>& centreline,
+                   const Array<double>& plaque, const Array<int>& plaque_type, const Array<double>& reference) {
+  Vessel vessel{
+      lumen_from(points, triangles, values_of(radius), values_of(plaque), values_of(plaque_type), values_of(reference)),
+      {}};
+  NamedLines lines;
+  for (const auto& [name, line] : centreline)
+    lines.emplace_back(name, vectors_of(line));
+  vessel.paths = centreline_from(lines, "centreline");
+  return vessel;
+}
+
+/// The scene of a call's arguments, checked against the vessel as `vci deploy` checks a file.
+Scene scene_of(const Vessel& vessel, const py::dict& devices, const py::list& steps, double map_pa,
+               const py::dict& wall, const py::dict& numerics) {
+  const json entries{{"patient", {{"map_pa", map_pa}}},
+                     {"devices", json_of(devices)},
+                     {"procedure", json_of(steps)},
+                     {"wall", json_of(wall)},
+                     {"numerics", json_of(numerics)}};
+  const py::gil_scoped_release released;
+  Scene scene = scene_from(entries, "arguments");
+  check_placements(scene, vessel.paths);
+  check_lumen(scene, vessel.lumen, vessel.paths);
+  return scene;
+}
+
+struct Result {
+  DeploymentResult deployment;
+  Triangles triangles;
+  json readouts;
+};
+
+/// A procedure under way. Python's threads may share it: each call waits for the one before.
+class Session {
+  template <class Call> auto alone(Call call) {
+    const py::gil_scoped_release released; // before the lock: its holder may need the interpreter to log
+    const std::lock_guard<std::recursive_mutex> lock(mutex_);
+    return call();
+  }
+
+public:
+  Session(Vessel vessel, Scene scene, const Log& log)
+      : vessel_(std::move(vessel)), scene_(std::move(scene)),
+        deployment_(scene_, vessel_.lumen, vessel_.paths, {.see = {}, .every_steps = 0, .log = log}) {}
+
+  std::size_t steps() {
+    return alone([&] { return deployment_.steps(); });
+  }
+  std::size_t steps_done() {
+    return alone([&] { return deployment_.steps_done(); });
+  }
+  void step() {
+    alone([&] { deployment_.step(); });
+  }
+  void run() {
+    while (steps_done() < steps())
+      step();
+  }
+  PointRows points() {
+    return rows_of(alone([&] { return deployment_.lumen(); }));
+  }
+  std::vector<DeviceShape> devices() {
+    return alone([&] { return deployment_.snapshot().devices; });
+  }
+  Result result() {
+    return alone([&] {
+      DeploymentResult d = deployment_.result();
+      json figures = readouts(scene_, vessel_.lumen, vessel_.paths, d);
+      return Result{std::move(d), vessel_.lumen.triangles, std::move(figures)};
+    });
+  }
+
+private:
+  Vessel vessel_;
+  Scene scene_;
+  Deployment deployment_;
+  std::recursive_mutex mutex_; ///< recursive: a logger may ask for the state
+};
+
+std::unique_ptr<Session> session(const Vessel& vessel, const py::dict& devices, const py::list& steps, double map_pa,
+                                 const py::dict& wall, const py::dict& numerics, const Log& log) {
+  Scene scene = scene_of(vessel, devices, steps, map_pa, wall, numerics);
+  const py::gil_scoped_release released;
+  return std::make_unique<Session>(vessel, std::move(scene), log);
+}
+
+Result deploy_all(const Vessel& vessel, const py::dict& devices, const py::list& steps, double map_pa,
+                  const py::dict& wall, const py::dict& numerics, const Log& log) {
+  const std::unique_ptr<Session> deployment = session(vessel, devices, steps, map_pa, wall, numerics, log);
+  deployment->run();
+  return deployment->result();
+}
+
+PointRows radius_corrected(const Vessel& vessel, const py::dict& devices, const py::list& steps) {
+  const Scene scene = scene_of(vessel, devices, steps, Scene{}.map_pa, {}, {});
+  const py::gil_scoped_release released;
+  return rows_of(correct_radius(scene, vessel.lumen, vessel.paths));
+}
+
+constexpr const char* arguments = R"(
+
+lumen: Lumen before the procedure.
+devices: {name: entry}, as `devices` of scene.json (docs/design.md).
+steps: list of steps, as `procedure` of scene.json.)";
+constexpr const char* options = R"(
+map_pa: mean arterial pressure, Pa.
+wall, numerics: settings off their defaults, as in scene.json (vci/settings.md).
+log: function that takes each line of progress and warnings; None for silence.
+
+Raises InputError before any work, ComputationError where a stage does not reach force balance.)";
+
+} // namespace
+
+PYBIND11_MODULE(_engine, m) {
+  m.doc() = "Balloons and stents in a lumen, on numpy arrays.";
+  py::register_exception<common::InputError>(m, "InputError", PyExc_ValueError).doc() =
+      "Bad input. The message says what, where, the value and a remedy.";
+  py::register_exception<common::ComputationError>(m, "ComputationError", PyExc_RuntimeError).doc() =
+      "A computation that did not converge. The message says what, where, the value and a remedy.";
+
+  py::class_<Vessel>(m, "Lumen", "A lumen's surface with the axes of its branches. Lengths in mm.")
+      .def(py::init(&vessel_from), py::arg("points"), py::arg("triangles"), py::arg("radius_mm"), py::arg("centreline"),
+           py::kw_only(), py::arg("plaque_thickness_mm") = py::none(), py::arg("plaque_type") = py::none(),
+           py::arg("reference_radius_mm") = py::none(), R"(
+points: (n, 3) mm.
+triangles: (m, 3) indices of points, counterclockwise seen from outside; the wall without caps.
+radius_mm: (n,) local radius of the lumen.
+centreline: {branch: (k, 3) mm}. `main` starts at the inlet, a side branch on its parent's axis.
+plaque_thickness_mm: (n,); none without it.
+plaque_type: (n,) int: 0 none, 1 fibrous, 2 lipid, 3 calcified.
+reference_radius_mm: (n,) radius without disease, for the expansion index.
+
+Raises InputError where lengths differ or a value is not possible.)")
+      .def_static(
+          "read",
+          [](const std::filesystem::path& lumen, const std::filesystem::path& centreline) {
+            return Vessel{read_lumen(lumen), read_centreline(centreline)};
+          },
+          py::arg("lumen"), py::arg("centreline"), py::call_guard<py::gil_scoped_release>(),
+          "The lumen of lumen.vtp and centreline.vtp as the anatomy step writes them. Raises InputError.")
+      .def_property_readonly(
+          "points", [](const Vessel& v) { return rows_of(v.lumen.points); }, "(n, 3) mm")
+      .def_property_readonly(
+          "triangles", [](const Vessel& v) { return rows_of_triangles(v.lumen.triangles); }, "(m, 3)")
+      .def_property_readonly(
+          "centreline", [](const Vessel& v) { return arrays_of(v.paths); },
+          "{branch: (k, 3) mm}; side branches from the inlet on");
+
+  py::class_<DeviceShape>(m, "Device", "The shape of a balloon inflated, or of a stent.")
+      .def_readonly("name", &DeviceShape::name, "a balloon's by its step, a stent's device")
+      .def_property_readonly(
+          "kind", [](const DeviceShape& d) { return d.kind == DeviceShape::Kind::stent ? "stent" : "balloon"; },
+          "balloon or stent")
+      .def_property_readonly(
+          "points", [](const DeviceShape& d) { return rows_of(d.points); }, "(n, 3) mm")
+      .def_property_readonly(
+          "triangles", [](const DeviceShape& d) { return rows_of_triangles(d.triangles); }, "(m, 3)")
+      .def_property_readonly(
+          "forces", [](const DeviceShape& d) { return arrays_of(d.forces); },
+          "{pressure_n, contact_n, foundation_n, residual_n: (n, 3)}");
+
+  py::class_<Result>(m, "Result", "The lumen and the devices after the procedure.")
+      .def_property_readonly(
+          "points", [](const Result& r) { return rows_of(r.deployment.points); },
+          "(n, 3) mm, in the order of the lumen's")
+      .def_property_readonly(
+          "triangles", [](const Result& r) { return rows_of_triangles(r.triangles); }, "(m, 3)")
+      .def_property_readonly(
+          "wall_stretch", [](const Result& r) { return py::array(py::cast(r.deployment.wall_stretch)); },
+          "(n,) largest principal stretch")
+      .def_property_readonly(
+          "malapposition_mm", [](const Result& r) { return py::array(py::cast(r.deployment.malapposition)); },
+          "(n,) gap between wall and stent; 0 where no stent faces the wall")
+      .def_property_readonly(
+          "forces", [](const Result& r) { return arrays_of(r.deployment.forces); },
+          "{pressure_n, contact_n, foundation_n, residual_n: (n, 3)}; 0 where the wall is held")
+      .def_property_readonly(
+          "devices", [](const Result& r) { return r.deployment.devices; },
+          "[Device]: balloons inflated, in the order of their steps, then stents")
+      .def_property_readonly(
+          "centreline", [](const Result& r) { return arrays_of(r.deployment.paths); },
+          "{branch: (k, 3) mm} after the procedure")
+      .def_property_readonly(
+          "readouts", [](const Result& r) { return object_of(r.readouts); },
+          "the document deployment.json (docs/design.md): areas, expansion, recoil, stages, warnings");
+
+  py::class_<Session>(m, "Deployment",
+                      (std::string("A procedure that runs one step at a time.") + arguments + options).c_str())
+      .def(py::init(&session), py::arg("lumen"), py::arg("devices"), py::arg("steps"), py::kw_only(),
+           py::arg("map_pa") = Scene{}.map_pa, py::arg("wall") = py::dict(), py::arg("numerics") = py::dict(),
+           py::arg("log") = py::none())
+      .def("step", &Session::step, "Runs the next step. Raises ComputationError, RuntimeError where none is left.")
+      .def("run", &Session::run, "Runs the steps that are left. Raises ComputationError.")
+      .def("result", &Session::result,
+           "The Result of the steps done. Raises ComputationError where a stent touches nothing.")
+      .def_property_readonly("steps", &Session::steps, "number of steps")
+      .def_property_readonly("steps_done", &Session::steps_done, "number of steps that have run")
+      .def_property_readonly("points", &Session::points, "(n, 3) mm: the lumen as it is now")
+      .def_property_readonly("devices", &Session::devices, "[Device] as they are now");
+
+  m.def("deploy", &deploy_all, py::arg("lumen"), py::arg("devices"), py::arg("steps"), py::kw_only(),
+        py::arg("map_pa") = Scene{}.map_pa, py::arg("wall") = py::dict(), py::arg("numerics") = py::dict(),
+        py::arg("log") = py::none(),
+        (std::string("Runs a procedure and returns its Result.") + arguments + options).c_str());
+  m.def("radius_correct", &radius_corrected, py::arg("lumen"), py::arg("devices"), py::arg("steps"),
+        (std::string("The baseline without mechanics: the radius along the stented span becomes the device's.\n"
+                     "Returns points (n, 3) mm.") +
+         arguments)
+            .c_str());
+}
