@@ -1,4 +1,4 @@
-"""The documentation as a site: `make docs` (Sphinx with MyST and furo). Each page stays with the part that it is about."""
+"""The documentation as a site: `make docs` (Sphinx with MyST and furo). Each page stays with its part."""
 
 import pathlib
 import sys
