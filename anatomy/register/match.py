@@ -1,4 +1,4 @@
-"""What of the lumen after the procedure is what before it: branches by place, shared stretches, residuals."""
+"""Which branch of the lumen after the procedure is which one before it: names, shared stretches, residuals."""
 
 import dataclasses
 

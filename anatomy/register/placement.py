@@ -31,7 +31,7 @@ class Placement:
 
 
 class Target:
-    """The axes of a Tree, ready for questions of what is near; `calibre`: its usual radius in mm."""
+    """The axes of a Tree with a search for the nearest sample; `calibre`: its usual radius in mm."""
 
     def __init__(self, tree):
         self.tree, self.calibre = tree, tree.calibre_mm

@@ -1,4 +1,4 @@
-"""Which placement of the lumen after the procedure: all ways and offsets are tried, the best ones refined."""
+"""Searches the placement of the lumen after the procedure: tries all ways and offsets, and refines the best ones."""
 
 import numpy as np
 
