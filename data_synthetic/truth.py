@@ -8,14 +8,14 @@ import numpy as np
 from common.errors import InputError
 from common.implicit.curves import Curve
 
-from . import healthy_radius, disease, tree
+from . import calibre, disease, tree
 
 SCHEMA = "vci-truth-1"
 
 
 def document(vessel, branches, rms_mm, vertices, triangles):
     """The JSON document: per branch its samples (mm), lesions with their true extent and stenosis, the wall."""
-    forks = healthy_radius.bifurcations(vessel)
+    forks = calibre.bifurcations(vessel)
     return {
         "schema": SCHEMA,
         "seed": vessel["seed"],

@@ -1,4 +1,4 @@
-"""Command line: `python3 -m flow boundary | mesh | solve | rank`."""
+"""Command line: `python3 -m flow boundary | mesh | solve | audit | rank`."""
 
 import argparse
 import pathlib
@@ -79,10 +79,9 @@ def mesh_command(arguments):
     mesh.write_all(meshes, report, command_files.mesh_report(arguments))
 
 
-def solve_command(arguments):
-    """Steady flow and FFR on a mesh."""
+def _case(arguments):
+    """reduced.extended.Extended of the files that `flow solve` reads. Raises InputError."""
     settings = settings_module.from_arguments(arguments)
-    from flow import solve
     from flow.geometry import centreline
     from flow.inputs import boundary, lumen_summary
     from flow.meshing import provenance
@@ -107,8 +106,33 @@ def solve_command(arguments):
     case = extended.Extended(extensions, tree, anatomy, sections, document, settings, warnings)
     if arguments.lumen:
         provenance.check(arguments.lumen, tree, given or pathlib.Path(arguments.mesh).with_suffix(".json"))
+    return case
+
+
+def solve_command(arguments):
+    """Steady flow and FFR on a mesh."""
+    from flow import solve
+
+    case = _case(arguments)
     answer = solve.run(arguments.mesh, arguments.coarse, case, arguments.out)
     print(solve.in_words(answer))
+
+
+def audit_command(arguments):
+    """Whether the steady flow is the mean of the flow in time; takes as long as many solves."""
+    from flow import adaptive, audit
+
+    case = _case(arguments)
+    if case.settings.model != "3d":
+        raise InputError("only the 3D flow can be audited", "setting model", case.settings.model, "leave it at 3d")
+    search = adaptive.Search(case.document, case.settings, case.original, case.predictor())
+    solved = search.run([path for path in (arguments.coarse, arguments.mesh) if path])
+    answer, table = audit.of_answer(solved, case)
+    answer["meshes"] = search.meshes
+    with replacing(pathlib.Path(arguments.out).with_suffix(".csv")) as partial:
+        table.to_csv(partial, index=False, float_format="%.6g")
+    write_json(arguments.out, answer)
+    print(audit.in_words(answer))
 
 
 def rank_command(arguments):
@@ -130,6 +154,21 @@ def rank_command(arguments):
     with replacing(pathlib.Path(arguments.out)) as partial:
         table.to_csv(partial, index=False, float_format="%.6g")
     print(table.to_string(index=False))
+
+
+def _add_solved(command):
+    """Adds the files that `_case` and the solve read to the parser of a command."""
+    command.add_argument("mesh", help="mesh.msh")
+    command.add_argument(
+        "--coarse",
+        help="coarse mesh, solved first: the answer where it meets ffr_tolerance, else the start of the fine one",
+    )
+    command.add_argument("--boundary", required=True, help="boundary.json")
+    command.add_argument("--centreline", required=True, help="centreline.vtp of the same lumen")
+    command.add_argument("--anatomy", help="anatomy.json of the same lumen (default: beside the centreline)")
+    command.add_argument("--lumen", help="lumen.vtp: a mesh that was made from another is refused")
+    command.add_argument("--mesh-report", help="report of `flow mesh`, for its extensions (default: beside the mesh)")
+    command.add_argument("--sections", help="sections.csv of the same lumen (default: beside the centreline)")
 
 
 def parser():
@@ -156,19 +195,14 @@ def parser():
     mesh.set_defaults(run=mesh_command)
 
     solve = commands.add_parser("solve", help=solve_command.__doc__)
-    solve.add_argument("mesh", help="mesh.msh")
-    solve.add_argument(
-        "--coarse",
-        help="coarse mesh, solved first: the answer where it meets ffr_tolerance, else the start of the fine one",
-    )
-    solve.add_argument("--boundary", required=True, help="boundary.json")
-    solve.add_argument("--centreline", required=True, help="centreline.vtp of the same lumen")
-    solve.add_argument("--anatomy", help="anatomy.json of the same lumen (default: beside the centreline)")
-    solve.add_argument("--lumen", help="lumen.vtp: a mesh that was made from another is refused")
-    solve.add_argument("--mesh-report", help="report of `flow mesh`, for its extensions (default: beside the mesh)")
-    solve.add_argument("--sections", help="sections.csv of the same lumen (default: beside the centreline)")
+    _add_solved(solve)
     solve.add_argument("--out", required=True, help="folder for solution.vtu, ffr.json, pullback.csv")
     solve.set_defaults(run=solve_command)
+
+    audit = commands.add_parser("audit", help=audit_command.__doc__)
+    _add_solved(audit)
+    audit.add_argument("--out", required=True, help="audit.json; the series in time is written beside it, audit.csv")
+    audit.set_defaults(run=audit_command)
 
     rank = commands.add_parser("rank", help=rank_command.__doc__)
     rank.add_argument("plans", nargs="+", metavar="NAME=FOLDER", help="anatomy step's folder of a plan's lumen")

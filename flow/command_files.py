@@ -9,7 +9,8 @@ from flow.inputs.lumen_summary import OF_A_PLAN
 
 def clear(arguments):
     """Removes what an earlier run of the command of parsed arguments wrote (flow.output.clear). Raises InputError."""
-    written, read = {"boundary": boundary, "mesh": mesh, "solve": solve, "rank": rank}[arguments.command](arguments)
+    of = {"boundary": boundary, "mesh": mesh, "solve": solve, "audit": audit, "rank": rank}
+    written, read = of[arguments.command](arguments)
     output.clear(written, [pathlib.Path(path) for path in (*read, arguments.settings) if path])
 
 
@@ -52,12 +53,24 @@ def there(path, option):
     return path
 
 
-def solve(arguments):
-    """As `boundary`."""
+def _solved(arguments):
+    """Files that a solve reads."""
     read = [arguments.mesh, arguments.coarse, arguments.boundary, arguments.centreline, arguments.mesh_report]
     read += [pathlib.Path(path).with_suffix(".json") for path in (arguments.mesh, arguments.coarse) if path]
-    read += [arguments.lumen, *beside_centreline(arguments)]
-    return [pathlib.Path(arguments.out) / name for name in output.FILES], read
+    return [*read, arguments.lumen, *beside_centreline(arguments)]
+
+
+def solve(arguments):
+    """As `boundary`."""
+    return [pathlib.Path(arguments.out) / name for name in output.FILES], _solved(arguments)
+
+
+def audit(arguments):
+    """As `boundary`. Raises InputError for a name that is no JSON file's."""
+    written = pathlib.Path(arguments.out)
+    if written.suffix != ".json":
+        raise InputError("not the name of a JSON file", "--out", written, "let it end in .json")
+    return [written, written.with_suffix(".csv")], _solved(arguments)
 
 
 def rank(arguments):

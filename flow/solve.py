@@ -114,9 +114,6 @@ def collect(solved, probes, case, reference):
 
     table = ffr.pullback(tree, solved.sampler, reference, flow_at)
     at_ends = ffr.at_ends(names, pressure, case, solved.sampler, reference)
-    if solved.unsteady:
-        for probe, amplitude in zip(probes, solved.unsteady.amplitudes):
-            probe["ffr_amplitude"] = float(amplitude)
     answer = {
         "schema": "vci-ffr-1",
         "status": solved.status,
@@ -130,11 +127,10 @@ def collect(solved, probes, case, reference):
         "inlet_flow_m3_per_s": inflow,
         "mass_imbalance": _conserved(solved.outflows.sum(), inflow),
         "energy": energy.balance(solved.problem),
-        "unsteady": solved.unsteady.document() if solved.unsteady else None,
         "iterations": outcome.iterations,
         "residual_absolute": outcome.residual_absolute,
         "residual_relative": outcome.residual_relative,
-        "jet_mixing": solved.problem.mixing,
+        "artificial_viscosity": solved.artificial,
         "dofs": solved.space.dofs,
         "cells": len(solved.space.nodes()[1]),
     }

@@ -1,4 +1,4 @@
-"""From a CT volume and the vessels' end points to a closed lumen, with warnings."""
+"""From a CT volume and the vessels' end points to a closed lumen, with what was doubtful said."""
 
 import json
 import pathlib

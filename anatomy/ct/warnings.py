@@ -1,4 +1,4 @@
-"""Warnings: which parts of a segmentation are not to be trusted."""
+"""What in a segmentation is not to be trusted, and where."""
 
 import numpy as np
 from scipy.spatial import cKDTree

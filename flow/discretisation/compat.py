@@ -73,11 +73,6 @@ def scalar_element(mesh, degree):
     return ufl.FiniteElement("Lagrange", mesh.ufl_cell(), degree)
 
 
-def cellwise_element(mesh):
-    """Element with one value a cell, numbered as the cells."""
-    return ufl.FiniteElement("DG", mesh.ufl_cell(), 0)
-
-
 def mixed_element(*elements):
     """Product of elements."""
     return ufl.MixedElement(*elements)

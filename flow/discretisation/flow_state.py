@@ -11,9 +11,9 @@ class FlowState:
     (discretisation.forms)."""
 
     @property
-    def mixing(self):
-        """Factor c of the jet's mixing length at the present state."""
-        return float(self.forms.mixing.value)
+    def artificial(self):
+        """Factor eps of the artificial viscosity at the present state."""
+        return float(self.forms.artificial.value)
 
     def move(self, base, base_inflow, update, inflow_update, factor):
         self.inflow = base_inflow + factor * inflow_update

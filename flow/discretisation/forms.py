@@ -1,7 +1,7 @@
 """The compiled forms of physics.navier_stokes on a function space: residual, tangents, what the energy balance needs.
 
-The jet's eddy viscosity has the mixing length l = c l_jet (discretisation.mixing). With c = 0 nothing is computed for
-it; by c > 0 the way to c = 0 is steady (solvers.nonlinear).
+The artificial viscosity eps h |u| is 0 in the answer wherever solvers.continuation can take it away. With eps = 0
+nothing is computed for it.
 """
 
 import ufl
@@ -18,12 +18,11 @@ class NavierStokes:
     """Residual and tangents of a state w = (u, p) on a LumenSpace, SI units, compiled when first asked for.
 
     viscosity is one of physics.viscosity; space has W, mesh, facets (tags) and outlets (their tags), in three or two
-    dimensions, for all but `residual` and `whole_tangent` also W's parts V and Q; mixing is c, jet_length the Function
-    l_jet in m. picard freezes the convecting velocity and the viscosities and adds the inertia of a backward-Euler step
-    with the local time step h / (|u| `rate`), rate = 1 / CFL number.
+    dimensions, for all but `residual` and `whole_tangent` also W's parts V and Q; artificial is eps. picard freezes the
+    convecting velocity and the viscosities.
     """
 
-    def __init__(self, space, state, density, viscosity, grad_div, backflow, jet_length):
+    def __init__(self, space, state, density, viscosity, grad_div, backflow):
         self.density = density
         u, p = ufl.split(state)
         v, q = ufl.TestFunctions(space.W)
@@ -37,18 +36,18 @@ class NavierStokes:
         outlets, caps = ds(tuple(space.outlets)), ds((PHYSICAL_INLET, *space.outlets))
         on = weak.Domain(dx, outlets, caps, ufl.FacetNormal(mesh), width)
         fluid = weak.Fluid(density, viscosity, grad_div, backflow)
-        self.mixing, self.rate = (fem.Constant(mesh, PETSc.ScalarType(0.0)) for _ in range(2))
+        self.artificial = fem.Constant(mesh, PETSc.ScalarType(0.0))
 
-        def jet(u_):
-            return weak.eddies(u, u_, v, self.mixing * jet_length, fluid, coarser)
+        def artificial(u_):
+            return weak.artificial(u, u_, v, self.artificial, fluid, on, coarser)
 
         steady = weak.residual(u, p, v, q, fluid, on)
-        linear = weak.oseen(u, du, dp, v, q, fluid, on) + weak.inertia(u, du, v, self.rate, fluid, on)
-        self._residuals, self._picards = (steady, steady + jet(u)), (linear, linear + jet(du))
+        linear = weak.oseen(u, du, dp, v, q, fluid, on)
+        self._residuals, self._picards = (steady, steady + artificial(u)), (linear, linear + artificial(du))
         self.losses = {
             "friction": weak.friction(u, u, v, fluid, on),
             "grad_div": weak.dilatation(u, v, fluid, on),
-            "eddy": jet(u),
+            "artificial": artificial(u),
             "backflow": weak.backflow(u, u, v, fluid, on),
         }
         self.kinetic = lambda tags: 0.5 * density * ufl.inner(u, u) * ufl.dot(u, on.n) * ds(tags)  # leaves, in W
@@ -58,7 +57,7 @@ class NavierStokes:
 
     def _once(self, name, build):
         """The compiled form that build(index) makes when first asked for; index: of _residuals and _picards."""
-        index = int(self.mixing.value > 0)
+        index = int(self.artificial.value > 0)
         if (name, index) not in self._compiled:
             self._compiled[name, index] = build(index)
         return self._compiled[name, index]
@@ -93,7 +92,7 @@ class NavierStokes:
 
     @property
     def picard(self):
-        """The velocity block of Picard's linearisation with inertia."""
+        """The velocity block of Picard's linearisation."""
         test, trial = self._arguments
 
         def build(index):

@@ -1,4 +1,4 @@
-"""Error estimate of FFR: what the mesh, and a jet viscosity that could not be taken away, may have done to it."""
+"""Error estimate of FFR: what the mesh, and an artificial viscosity that is left, may have done to it."""
 
 import dataclasses
 import sys
@@ -14,7 +14,7 @@ SAFETY = 1.5  # times the dual-weighted residual, which found .5 to .8 of the tr
 # sign (measured.md), so the difference of two meshes is no bound: it says how much FFR still depends on the mesh.
 ORDER = 2.0
 LEAST_RATIO = 1.05  # of the mesh widths: below it two meshes say nothing
-HIDDEN = ("probes", "probes_mesh", "basis")  # of an estimate, not written with it
+HIDDEN = ("probes", "basis")  # of an estimate, not written with it
 
 
 @dataclasses.dataclass
@@ -22,13 +22,12 @@ class Basis:
     """What an estimate was made of: with it errors.pointwise makes it at other places.
 
     field: errors.error_field.Field of the steady flow, or None; pair: ((sampler, outflows) of the finer and of the
-    coarser mesh, share of their difference), or None; jet: whether what is left of c counts; mean: as of `of_mean`.
+    coarser mesh, share of their difference), or None; artificial: whether what is left of eps counts.
     """
 
     field: object = None
     pair: object = None
-    jet: bool = False
-    mean: float = 0.0
+    artificial: bool = False
 
 
 def of(solved, document, tree, at_probes, coarser=None):
@@ -41,7 +40,7 @@ def of(solved, document, tree, at_probes, coarser=None):
     not found two meshes alone estimate the error, if there are two.
     """
     found, methods, parts = [], [], {}
-    basis = Basis(None, _pair(solved, coarser), solved.problem.mixing > 0)
+    basis = Basis(None, _pair(solved, coarser), solved.problem.artificial > 0)
     try:
         along, basis.field = error_field.of(solved, document, tree)
         signed, sizes = along.sum(axis=1), np.abs(along).sum(axis=1)
@@ -57,15 +56,15 @@ def of(solved, document, tree, at_probes, coarser=None):
         parts.update({key: float(values[0]) for key, values in richardson.items()})
     if not found:
         return None
-    total = of_the_mesh = np.max(found, axis=0)
-    if solved.problem.mixing > 0:
+    total = np.max(found, axis=0)
+    if solved.problem.artificial > 0:
         if len(solved.problem.passed) < 2:  # nothing to continue from: what is known of the mesh alone says too little
             return None
-        change = jet_viscosity(solved, at_probes)
-        parts["jet_mixing"] = float(change[0])
-        total = of_the_mesh + change
+        change = artificial_part(solved, at_probes)
+        parts["artificial_viscosity"] = float(change[0])
+        total = total + change
     method = ", ".join(methods)
-    own = {"probes": total.tolist(), "probes_mesh": of_the_mesh.tolist(), "basis": basis}
+    own = {"probes": total.tolist(), "basis": basis}
     return {"ffr": float(total[0]), **parts, **own, "method": method}
 
 
@@ -77,45 +76,6 @@ def of_parts(along):
 def document(estimate):
     """The estimate at the probe `distal` alone, as in ffr.json; None stays."""
     return estimate and {key: value for key, value in estimate.items() if key not in HIDDEN}
-
-
-def of_mesh(parts):
-    """The mesh's part of an estimate."""
-    return max(parts.get("goal", 0.0), parts.get("mesh", 0.0))
-
-
-def of_mean(steady, mixing, difference):
-    """Estimate for the mean of a flow that changes in time: the mesh's part of `steady`, the estimate of the steady
-    flow at c = mixing, and by how much the means of the two halves of its window differ; None where `steady` is None.
-    """
-    if steady is None:
-        return None
-    kept = ("goal", "goal_signed", "goal_sizes", "mesh", "ffr_coarse", "ffr_fine", "probes_mesh")
-    parts = {key: steady[key] for key in kept if key in steady}
-    total = of_mesh(parts) + difference
-    probes = [mesh + difference for mesh in parts["probes_mesh"]]
-    method = f"of the mesh as in the steady flow at jet mixing {mixing:g}, plus the difference of half windows"
-    parts["basis"] = dataclasses.replace(steady["basis"], jet=False, mean=difference)
-    return {"ffr": total, **parts, "probes": probes, "mean": difference, "method": method}
-
-
-def of_two_means(fine, coarse, at_probes):
-    """Estimate for the mean of a flow that changes in time, known on two meshes (solvers.solved_mesh.Solved):
-    Richardson's of the means, and by how much the halves of the windows differ; None where the meshes are too much
-    alike.
-
-    It is of the flow that answers, `of_mean` of a steady one with eddy viscosity on the coarse mesh.
-    """
-    richardson, words = two_meshes(fine, coarse, at_probes)
-    if richardson is None:
-        return None
-    mean = fine.unsteady.difference + coarse.unsteady.difference
-    probes = richardson["mesh"] + mean
-    own = {"probes": probes.tolist(), "probes_mesh": richardson["mesh"].tolist()}
-    own["basis"] = Basis(None, _pair(fine, coarse), False, mean)
-    parts = {key: float(values[0]) for key, values in richardson.items()}
-    method = f"means over time on {words}, plus the differences of half windows"
-    return {"ffr": float(probes[0]), **parts, **own, "mean": mean, "method": method}
 
 
 def two_meshes(fine, coarse, at_probes):
@@ -144,13 +104,13 @@ def _pair(fine, coarse):
     return (fine.sampler, fine.outflows), (coarse.sampler, coarse.outflows), 1.0 / (ratio**ORDER - 1)
 
 
-def jet_viscosity(solved, at_probes):
-    """Change of FFR at the probes over the last c passed, continued in a straight line to c = 0."""
-    return to_no_jet(solved, lambda values: at_probes(locate.FieldSampler(solved.space, values)))
+def artificial_part(solved, at_probes):
+    """Change of FFR at the probes over the last eps passed, continued in a straight line to eps = 0."""
+    return to_none(solved, lambda values: at_probes(locate.FieldSampler(solved.space, values)))
 
 
-def to_no_jet(solved, read):
-    """`jet_viscosity` of what read(values of a state) -> FFR (n,) says."""
+def to_none(solved, read):
+    """`artificial_part` of what read(values of a state) -> FFR (n,) says."""
     (before, values_before, _), (last, values, _) = solved.problem.passed[-2:]
     found = [np.asarray(read(state)) for state in (values_before, values)]
     return np.abs(found[1] - found[0]) * last / (before - last)

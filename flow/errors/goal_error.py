@@ -144,9 +144,8 @@ def residual(problem, richer, document):
         viscosity.of(document),
         settings.grad_div_pa_s,
         settings.backflow_coefficient,
-        problem.jet_length,
     )
-    forms.mixing.value = problem.mixing
+    forms.artificial.value = problem.artificial
     found = compat.petsc_vector(fem.Function(richer.W)).copy()
     forms.assembled(found)
     outflows = boundaries.outflows(problem.state_vector())

@@ -92,12 +92,10 @@ def of(solved, places):
         methods.append("two meshes")
     if not found:
         return np.full(len(places.names) + len(places.points_mm) - len(places.ends), np.nan), ""
-    errors = np.max(found, axis=0) + basis.mean
-    if basis.mean:
-        methods.append("difference of half windows")
-    if basis.jet:
-        errors = errors + error_estimate.to_no_jet(solved, lambda values: places.read(*_flow(solved, values)))
-        methods.append("remaining jet viscosity")
+    errors = np.max(found, axis=0)
+    if basis.artificial:
+        errors = errors + error_estimate.to_none(solved, lambda values: places.read(*_flow(solved, values)))
+        methods.append("remaining artificial viscosity")
     errors[places.exact()] = 0.0
     return errors, ", ".join(methods)
 

@@ -1,9 +1,9 @@
 """Energy balance of a solved flow: the momentum equation tested with the velocity itself.
 
-    P_in Q + kinetic_in = sum over outlets (P_i Q_i + kinetic_i) + friction + grad-div + eddy + backflow
+    P_in Q + kinetic_in = sum over outlets (P_i Q_i + kinetic_i) + friction + grad-div + artificial + backflow
 
-Powers in W. Friction is the fluid's; grad-div, eddy (0 for c = 0) and backflow are what the discretisation and the way
-to the steady flow take. What is left over is due to quadrature in curved cells and the residual.
+Powers in W. Friction is the fluid's; grad-div, artificial viscosity (0 for eps = 0) and backflow are what the
+discretisation takes. What is left over is due to quadrature in curved cells and the residual.
 """
 
 import ufl
@@ -12,7 +12,7 @@ from flow.geometry.tags import PHYSICAL_INLET
 
 
 def balance(problem):
-    """{"inlet_w", "outlets_w", "friction_w", "grad_div_w", "eddy_w", "backflow_w", "imbalance"} of a FlowProblem."""
+    """{"inlet_w", "outlets_w", "friction_w", "grad_div_w", "artificial_w", "backflow_w", "imbalance"} of a flow."""
     forms, boundaries = problem.forms, problem.boundaries
     power = forms.integral
     lost = {f"{name}_w": power(ufl.action(form, problem.state)) for name, form in forms.losses.items()}

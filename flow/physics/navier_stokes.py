@@ -87,15 +87,11 @@ def backflow(w, u, v, fluid, on):
     return -fluid.density * fluid.backflow * inward * ufl.inner(u, v) * on.outlets
 
 
-def eddies(w, u, v, length, fluid, dx):
-    """rho (l^2 |D(w)| grad u, grad v): an eddy viscosity of mixing length l (m); by it the way to l = 0 is steady."""
-    return fluid.density * length**2 * shear_rate(w) * ufl.inner(ufl.grad(u), ufl.grad(v)) * dx
-
-
-def inertia(w, u, v, rate, fluid, on):
-    """Of a backward-Euler step with the local time step h / (|w| rate)."""
+def artificial(w, u, v, eps, fluid, on, dx):
+    """eps rho h (|w| grad u, grad v): a viscosity in proportion to the cell's width; solvers.continuation takes eps
+    to 0."""
     speed = ufl.sqrt(ufl.inner(w, w) + SLOWEST**2)
-    return fluid.density * rate * speed / on.width * ufl.inner(u, v) * on.dx
+    return eps * fluid.density * on.width * speed * ufl.inner(ufl.grad(u), ufl.grad(v)) * dx
 
 
 def shear_rate(u):

@@ -70,21 +70,19 @@ def newton(problem, absolute, relative, limit, most_picard=0, exact=False):
         if most_picard == 0 or problem.left <= 0:
             break
         most_picard -= 1
-        free, inlet, norm = picard(problem, free, inlet, 0.0, "Picard")
+        free, inlet, norm = picard(problem, free, inlet)
     free.destroy()
     return problem.outcome(norm, absolute, relative, problem.solver.factorizations - start)
 
 
-def picard(problem, free, inlet, rate, name):
-    """`problem.residual()` after one step of Picard's method with the inertia of `rate` (discretisation.forms); frees
-    `free`."""
-    problem.forms.rate.value = rate
+def picard(problem, free, inlet):
+    """`problem.residual()` after one step of Picard's method; frees `free`."""
     base, base_inflow = problem.state.x.array.copy(), problem.inflow
     problem.linearise(problem.forms.picard)
     problem.move(base, base_inflow, *problem.correction(free, inlet), 1.0)
     free.destroy()
     reached = problem.residual()
-    problem.report(reached[2], name)
+    problem.report(reached[2], "Picard")
     return reached
 
 
@@ -136,7 +134,7 @@ def _search(problem, residual_at, update, factor, norm_before):
             after = problem.speed(correction)
             if after < before or norm < GOOD_RESIDUAL * norm_before:
                 return Step(before, after, correction, inflow_correction, factor), (free, inlet, norm)
-            bend = problem.speed(correction - (1 - factor) * update)
+            bend = max(problem.speed(correction - (1 - factor) * update), 1e-300)
             factor = min(0.5 * before * factor**2 / bend, 0.5 * factor)
         else:
             factor *= 0.5

@@ -4,7 +4,7 @@ Unknowns: the dofs x that no boundary fixes, the inflow Q (the inlet's velocity 
 P_i (held at P_v + R_i Q_i, so their equations leave no residual). The inflow's equation is the momentum equation
 tested with g: F(w; g) = MAP, in Pa; it enters the norm times the inlet's area, in N as the other residuals.
 
-From rest the flow is raised in steps (solvers.ramp), else a jet viscosity is faded (solvers.fading).
+From rest the flow is raised in steps (solvers.ramp), else an artificial viscosity is taken away (solvers.continuation).
 """
 
 import dataclasses
@@ -16,7 +16,7 @@ from petsc4py import PETSc
 
 from common.errors import ComputationError
 from flow.discretisation import compat, flow_state
-from flow.solvers import fading, linear, predicted_start, ramp, anderson
+from flow.solvers import continuation, linear, predicted_start, ramp, anderson
 from flow.discretisation import tangent
 from flow.physics import viscosity
 from flow.solvers import sensitivity
@@ -40,10 +40,9 @@ class FlowProblem(flow_state.FlowState, sensitivity.Sensitivity):
     spent: factorizations made on other meshes, of those that the settings allow.
     """
 
-    def __init__(self, space, boundaries, document, settings, jet_length, spent=0, log=None):
+    def __init__(self, space, boundaries, document, settings, spent=0, log=None):
         self.spent, self.allowed = spent, settings.max_newton_iterations
         self.space, self.boundaries, self.settings, self.log = space, boundaries, settings, log or sys.stderr
-        self.jet_length = jet_length
         self.state = fem.Function(space.W)
         self.inflow = 0.0
         self.forms = NavierStokes(
@@ -53,7 +52,6 @@ class FlowProblem(flow_state.FlowState, sensitivity.Sensitivity):
             viscosity.of(document),
             settings.grad_div_pa_s,
             settings.backflow_coefficient,
-            jet_length,
         )
         self.free_velocity = np.isin(space.free, space.v_map)
         self.matrix = None  # discretisation.tangent.FreeMatrix
@@ -65,7 +63,11 @@ class FlowProblem(flow_state.FlowState, sensitivity.Sensitivity):
         self.history = []
         self.bordered = None
         self.inertia = None  # solvers.marching.Inertia while the flow is marched in time
-        self.passed = []  # (c, values, inflow) of the flows on the path; the last is the answer's
+        self.passed = []  # (eps, values, inflow) of the flows on the path; the last is the answer's
+
+    def larger_passed(self, least, most=2):
+        """(eps, values, inflow) of the last `most` flows passed with eps of at least `least`, the least eps first."""
+        return [one for one in self.passed if one[0] >= least][: -most - 1 : -1]
 
     @property
     def left(self):
@@ -132,7 +134,7 @@ class FlowProblem(flow_state.FlowState, sensitivity.Sensitivity):
             corner[0, 0] = self.boundaries.map_pa / self.boundaries.inflow
         self.forget()
         self.bordered = linear.Bordered(self.solver, columns, rows, corner)
-        self.linearised_as = (form is self.forms.tangent, self.mixing)
+        self.linearised_as = (form is self.forms.tangent, self.artificial)
 
     def outdate(self):
         """Says that the last linearisation is of a state too far away for `dual`."""
@@ -185,7 +187,7 @@ class FlowProblem(flow_state.FlowState, sensitivity.Sensitivity):
         """Outcome at full flow from the flow that a reduced model predicts, and where this fails from rest.
 
         resistances_at(fraction) -> (n,) outlet resistances; predicted: reduced.coupled.Predictor, of use as
-        solvers.predicted_start says. Raises ComputationError when no flow with c <= fading.LARGEST_MIXING is found.
+        solvers.predicted_start says. Raises ComputationError when no flow with eps <= continuation.LARGEST is found.
         """
         found = predicted_start.try_from(self, predicted) if predicted else None
         if found:
@@ -196,35 +198,28 @@ class FlowProblem(flow_state.FlowState, sensitivity.Sensitivity):
         if found.converged:
             found.iterations = self.solver.factorizations
             return found
-        print("no steady flow without jet mixing", file=self.log, flush=True)
         self.restart()
-        return fading.from_rest(self, resistances_at)
+        return continuation.from_rest(self)
 
     def solve_from_guess(self, coarse, predicted=None, only_known=False):
         """Outcome at full flow from the flow on another mesh of the same lumen (a solved FlowProblem).
 
-        Newton's method starts from that flow at the c that was reached there, and where this fails (unless only_known)
-        at larger ones, from which c fades. Where c is not 0 the reduced models' flow is tried first, as in `solve`: a
-        finer mesh may resolve the jet. Raises ComputationError; the state is then the guess.
+        Where that flow has artificial viscosity the reduced models' flow is tried first, as in `solve`: a finer
+        mesh may resolve the jet. Raises ComputationError.
         """
-        if coarse.mixing > 0 and predicted:
+        if coarse.artificial > 0 and predicted:
             found = predicted_start.try_from(self, predicted)
             if found and found.converged:
                 return found
-        self.boundaries.full()
-        self.set_guess(coarse.space, coarse.state.x.array, coarse.inflow)
-        guess = self.state.x.array.copy()
-        try:
-            return fading.from_guess(self, coarse.mixing, only_known)
-        except ComputationError:
-            self.state.x.array[:], self.inflow = guess, coarse.inflow
-            raise
+        return continuation.from_guess(self, coarse, only_known)
 
     def stalled(self, found):
+        """ComputationError that says where and with which residual (of Outcome `found`, if any) the way ended."""
+        norm = found.residual_absolute if found else self.residual_norm()
         return ComputationError(
             "the flow solver stalled",
-            f"jet mixing {self.mixing:g}, {self.solver.factorizations} factorizations",
-            f"residual {found.residual_absolute:.3e} N, relative {found.residual_relative:.3e}",
+            f"artificial viscosity {self.artificial:.3g}, {self.solver.factorizations} factorizations",
+            f"residual {norm:.3e} N, relative {norm / self.load:.3e}",
             "raise rings, cells_per_radius, outlet_extension_diameters or max_newton_iterations",
         )
 

@@ -19,14 +19,14 @@ def try_from(problem, predicted):
     if not (predicted.whole or predicted.ffr(predicted.alone_pressures) >= MILD):
         return None
     problem.boundaries.full()
-    problem.forms.mixing.value = 0.0
+    problem.forms.artificial.value = 0.0
     points, _ = problem.space.nodes()
     problem.take(*predicted.fields(points), float(np.sum(predicted.flows)))
     print("from the reduced models' flow", file=problem.log, flush=True)
     if not predicted.whole:
         free, inlet, _ = problem.residual()
         for _ in range(min(PICARD_STEPS, max(problem.left, 0))):
-            free, inlet, _ = newton.picard(problem, free, inlet, 0.0, "Picard")
+            free, inlet, _ = newton.picard(problem, free, inlet)
         free.destroy()
     settings = problem.settings
     found = newton.newton(problem, settings.residual_absolute, settings.residual_relative, STEPS)

@@ -29,7 +29,7 @@ class Sensitivity:
     def answers(self, loads, on_inflow, transposed):
         """(values (n, k) over W, 0 in fixed dofs; inflows (k,)) that solve with K, or K^T, for loads (n, k) over W and
         (k,) on the inflow's equation. The last factorization serves, which is of a state near by (solvers.newton)."""
-        if self.bordered is None or self.linearised_as != (True, self.mixing):
+        if self.bordered is None or self.linearised_as != (True, self.artificial):
             self.linearise(self.forms.tangent)
         bordered = self.bordered.transpose() if transposed else self.bordered
         rights = [PETSc.Vec().createWithArray(load[self.space.free], comm=PETSc.COMM_SELF) for load in loads.T]

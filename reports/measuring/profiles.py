@@ -14,8 +14,8 @@ from reports.measuring.segment import carry, diameters_at, read_sections
 PULLBACK_NUMBERS = ("s_mm", "x_mm", "y_mm", "z_mm", "pressure_pa", "ffr", "flow_m3_per_s")
 POST = "post"  # the lumen found after the real procedure: another image, with ends of its own
 ERROR = "ffr_error_estimate"  # a column of newer pull-backs
-# what `flow solve` says of an FFR: of a steady flow, of one that keeps an eddy viscosity, of a mean over time
-ANSWERED = ("converged", "converged with eddy viscosity", "unsteady")
+# what `flow solve` says of an FFR: of a steady flow, of one that keeps some artificial viscosity
+ANSWERED = ("converged", "converged with artificial viscosity")
 
 
 @dataclasses.dataclass(frozen=True)

@@ -24,8 +24,8 @@ TITLES = {
     ),
     "flow_hard_cases": (
         "Blood flow: hard cases",
-        "Each converges, is answered by a mean over time with its amplitude, or is refused with its reason. References "
-        "are axisymmetric solutions that share no code with the solver; eddy is the share of jet viscosity left.",
+        "Each converges, keeps some artificial viscosity, or is refused with its reason. References "
+        "are axisymmetric solutions that share no code with the solver; artificial is what is left of that viscosity.",
     ),
     "flow_against_openfoam": (
         "Blood flow: speed against error beside OpenFOAM",

@@ -4,7 +4,6 @@ import json
 
 from reports.study.cohort import describe_device, describe_procedure
 from reports.measuring.measured import wire_pair
-from reports.inputs.case_files import pictured
 from reports.page.assets import image_uri
 from reports.page.geometry import viewer_data
 from reports.measuring.profiles import error_of
@@ -67,7 +66,6 @@ def case_context(files, figures_dir):
         "curves": [{"uri": image_uri(figures_dir / f"{files.case}_{name}.svg"), "alt": text} for name, text in CURVES],
         "wire": wire_rows(metrics),
         "viewer": viewer_data(files, metrics),
-        "pictured": pictured(metrics["states"]),
     }
 
 
@@ -96,8 +94,8 @@ def flow_warnings(flow):
 
 
 def _steady(solution):
-    """Whether ffr.json is of a steady flow without eddy viscosity."""
-    return not solution.get("jet_mixing") and solution.get("status") == "converged"
+    """Whether ffr.json is of a steady flow without artificial viscosity."""
+    return not solution.get("artificial_viscosity") and solution.get("status") == "converged"
 
 
 def flow_row(files, state):

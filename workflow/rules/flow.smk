@@ -71,3 +71,28 @@ rule flow_solve:
         " --boundary {input.boundary} --centreline {input.centreline} --anatomy {input.anatomy}"
         " --sections {input.sections} --lumen {input.lumen} --mesh-report {input.summary} --settings {input.settings}"
         " --out {params.out}"
+
+
+rule flow_audit:
+    message:
+        "{wildcards.case}: march in time of {wildcards.state}, to audit its steady flow"
+    input:
+        unpack(INPUTS.anatomy_files),
+        mesh="results/cases/{case}/flow/{state}/mesh.msh",
+        coarse="results/cases/{case}/flow/{state}/mesh_coarse.msh",
+        summary="results/cases/{case}/flow/{state}/mesh.json",
+        boundary="results/cases/{case}/flow/boundary.json",
+        settings="results/cases/{case}/settings/flow.json",
+        code=command_code("flow", "audit_command"),
+    output:
+        audit="results/cases/{case}/flow/{state}/audit.json",
+        series="results/cases/{case}/flow/{state}/audit.csv",
+    log:
+        "results/cases/{case}/logs/{state}/flow_audit.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/{state}/flow_audit.tsv"
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m flow audit {input.mesh} --coarse {input.coarse}"
+        " --boundary {input.boundary} --centreline {input.centreline} --anatomy {input.anatomy}"
+        " --sections {input.sections} --lumen {input.lumen} --mesh-report {input.summary} --settings {input.settings}"
+        " --out {output.audit}"

@@ -45,7 +45,7 @@ def test_a_file_without_a_column_is_refused(tmp_path):
 
 
 def _write_state(folder, case, state, **changes):
-    answer = {"dofs": 9, "ffr": 0.71234, "error_estimate": {"ffr": 0.0014}, "jet_mixing": 0, "unsteady": None}
+    answer = {"dofs": 9, "ffr": 0.71234, "error_estimate": {"ffr": 0.0014}, "artificial_viscosity": 0}
     answer |= {"models": {"axisymmetric": {"ffr": 0.7}}, "extensions": {"ends": [{}]}, "warnings": [], "meshes": []}
     answer |= {"cpu_seconds": 119.4, "peak_memory_mib": 1519.2, **changes}
     path = folder / "cases" / case / "flow" / state / "ffr.json"
@@ -60,7 +60,7 @@ def test_the_study_is_a_table_of_its_states_before_the_intervention_first(tmp_pa
     _write_state(tmp_path, "lad01", "pre", meshes=[{"factorizations": 3}, {}, {"factorizations": 4}])
     lines = measured_tables.PAGE.filled(text, tmp_path).splitlines()
     assert lines[2].startswith("| case | state | dofs | FFR |") and len(lines) == 8
-    assert lines[4] == "| lad01 | pre | 9 | 0.7123 | 0.0014 | 0.7000 | 0 |  | 1 | 0 | 7 | 119 | 1519 |"
+    assert lines[4] == "| lad01 | pre | 9 | 0.7123 | 0.0014 | 0.7000 | 0 | 1 | 0 | 7 | 119 | 1519 |"
     assert lines[5].startswith("| lad01 | ct | 9 | 0.7123 | unknown |")
     (tmp_path / "cases" / "lad01" / "flow" / "pre" / "ffr.json").write_text("{}")
     with pytest.raises(InputError, match="not an answer of the flow solver"):

@@ -15,6 +15,7 @@ MODULES = {
     "boundary": ("flow.inputs.boundary",),
     "mesh": ("flow.meshing.mesh",),
     "solve": ("flow.solve", "flow.reduced.extended"),
+    "audit": ("flow.audit", "flow.adaptive", "flow.reduced.extended"),
     "rank": ("flow.reduced.ranking",),
 }
 
@@ -101,9 +102,9 @@ def test_every_setting_acts_somewhere():
         ("solve", ["--venous-pressure-mmhg=15"], "flow boundary"),
         ("solve", ["--inlet-condition", "flow"], "flow boundary"),
         ("solve", ["--rings", "12"], "flow mesh"),
-        ("mesh", ["--ffr-tolerance", "0"], "flow solve"),
-        ("boundary", ["--model", "network"], "flow solve` or `flow rank"),
-        ("rank", ["--march-steps", "2"], "flow solve"),
+        ("mesh", ["--ffr-tolerance", "0"], "flow solve` or `flow audit"),
+        ("boundary", ["--model", "network"], "flow solve` or `flow audit` or `flow rank"),
+        ("rank", ["--march-steps", "20"], "flow audit"),
     ],
 )
 def test_a_setting_of_another_command_is_refused(command, given, owner, capsys):
@@ -143,7 +144,7 @@ def test_a_file_may_hold_the_settings_of_all_commands(folder, tmp_path):
         ("mesh", ["--wall-layers", "2.5"], "a whole number at least 1 at most 4"),
         ("mesh", ["--wall-layers", "abc"], "a whole number at least 1 at most 4"),
         ("mesh", ["--wall-layers", "0"], "a whole number at least 1 at most 4"),
-        ("solve", ["--march-steps", "two"], "a whole number at least 0 at most 100000"),
+        ("audit", ["--march-steps", "two"], "a whole number at least 16 at most 100000"),
         ("solve", ["--ffr-tolerance", "nan"], "a number at least 0 at most 0.1"),
         ("solve", ["--model", "fast"], "one of 3d, axisymmetric, network"),
     ],
@@ -151,6 +152,7 @@ def test_a_file_may_hold_the_settings_of_all_commands(folder, tmp_path):
 def test_a_value_that_is_not_allowed_is_refused_with_what_is(command, given, allowed, capsys):
     required = {
         "solve": ["mesh.msh", "--boundary", "b.json", "--centreline", "c.vtp", "--out", "out"],
+        "audit": ["mesh.msh", "--boundary", "b.json", "--centreline", "c.vtp", "--out", "audit.json"],
         "mesh": ["lumen.vtp", "--centreline", "c.vtp", "--out", "mesh.msh"],
     }
     with pytest.raises(SystemExit) as ended:

@@ -47,7 +47,7 @@ def solve(folder, rings, coarse, reference):
     """Row of the table; reference: FFR."""
     names = [f"r{rings}.msh", "--coarse", f"r{rings}_coarse.msh", "--boundary", "boundary.json"]
     out = f"r{rings}"
-    chosen = ["--ffr-tolerance", 0, "--march-steps", 0]
+    chosen = ["--ffr-tolerance", 0]
     command(folder, "solve", *names, "--centreline", "centreline.vtp", "--out", out, *chosen)
     answer = json.loads((folder / out / "ffr.json").read_text())
     fine = answer["meshes"][-1]

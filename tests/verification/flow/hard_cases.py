@@ -2,9 +2,9 @@
 
 A state of a study's case, as a deployed lumen, is one more: --state results/cases/<case>/<state>.
 
-Writes DIR/hard_cases.csv: case, outcome (converged, converged with eddy viscosity, unsteady, refused), FFR, its
+Writes DIR/hard_cases.csv: case, outcome (converged, converged with artificial viscosity, refused), FFR, its
 reference (axisymmetric.py, which shares no code with the solver; of straight tubes only) and error, the error estimate,
-FFR of the reduced models, residual in N, eddy viscosity left, amplitude of an unsteady FFR, dofs of the mesh that
+FFR of the reduced models, residual in N, artificial viscosity left, dofs of the mesh that
 answered, factorizations on all meshes, CPU seconds of the solve, peak memory. A case is meshed and solved by
 `python3 -m flow` with default settings; rows of cases that are not run again stay.
 """
@@ -31,7 +31,7 @@ MAP, VENOUS, FLOW = 93 * PA_PER_MMHG, 5 * PA_PER_MMHG, 200e-6 / 60  # Pa, Pa, m3
 RADIUS, EDGE = 1.6, 0.4  # mm
 REFERENCE_CELLS = (120, 12)  # along and across, Q3-Q2: within 2e-5 of the published values of the single lesions
 COLUMNS = ("case", "outcome", "ffr", "reference", "error", "estimate", "ffr_axisymmetric", "ffr_1d", "residual_n")
-COLUMNS += ("eddy", "amplitude", "dofs", "factorizations", "cpu_s", "mib")
+COLUMNS += ("artificial", "dofs", "factorizations", "cpu_s", "mib")
 
 
 @dataclasses.dataclass
@@ -198,14 +198,6 @@ def copy(state, folder):
         shutil.copy(file, folder / file.name)
 
 
-def outcome(answer):
-    """What became of a case, in words: answer is the document of ffr.json."""
-    if answer["unsteady"]:
-        begin, end = answer["unsteady"]["window_s"]
-        return f"unsteady: mean over {end - begin:.2f} s"
-    return answer["status"]
-
-
 def run(name, folder):
     """Row of the table for the case whose lumen is in `folder`, meshed and solved there."""
     line, meshes = ["--centreline", "centreline.vtp"], ["mesh.msh", "--coarse", "mesh_coarse.msh"]
@@ -222,7 +214,7 @@ def run(name, folder):
             reason = (folder / f"{command[0]}.log").read_text().strip().splitlines()[-1]
             return {"case": name, "outcome": f"{command[0]} refused, exit {done.returncode}: {reason}"}
     answer = json.loads((folder / "ffr.json").read_text())
-    return {"case": name, "outcome": outcome(answer), **figures(answer), **compared(name, answer)}
+    return {"case": name, "outcome": answer["status"], **figures(answer), **compared(name, answer)}
 
 
 def figures(answer):
@@ -234,8 +226,7 @@ def figures(answer):
         "ffr_axisymmetric": "none" if axisymmetric_ffr is None else f"{axisymmetric_ffr:.4f}",
         "ffr_1d": f"{answer['models']['network']['ffr']:.4f}",
         "residual_n": f"{answer['residual_absolute']:.0e}",
-        "eddy": f"{answer['jet_mixing']:g}",
-        "amplitude": f"{answer['unsteady']['ffr_amplitude']:.4f}" if answer["unsteady"] else "",
+        "artificial": f"{answer['artificial_viscosity']:.2g}",
         "dofs": answer["dofs"],
         "factorizations": sum(mesh.get("factorizations", 0) for mesh in answer["meshes"]),
         "cpu_s": f"{answer['cpu_seconds']:.0f}",

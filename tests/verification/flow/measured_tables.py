@@ -44,8 +44,7 @@ TABLES = {
             "ffr_axisymmetric": "axisymmetric",
             "ffr_1d": "1D",
             "residual_n": "residual, N",
-            "eddy": "c",
-            "amplitude": "amplitude",
+            "artificial": "eps",
             "factorizations": "factorizations",
             "cpu_s": "CPU s",
             "mib": "MiB",
@@ -99,7 +98,7 @@ TABLES = {
 }
 STUDY = "study"
 STATES = ("pre", "vci", "rc", "reference", "ct")  # in the order of the rows; others of a case follow
-STUDY_COLUMNS = ("case", "state", "dofs", "FFR", "estimate", "axisymmetric", "c", "amplitude", "ends extended")
+STUDY_COLUMNS = ("case", "state", "dofs", "FFR", "estimate", "axisymmetric", "eps", "ends extended")
 STUDY_COLUMNS += ("warnings", "factorizations", "CPU s", "MiB")
 DIGITS = {"volume_mm3": ".1f", "error": "+.4f", "mesh_cpu_s": ".1f", "solve_cpu_s": ".1f", "settled_cpu_s": ".1f"}
 
@@ -124,8 +123,7 @@ def state_row(path):
             f"{answer['ffr']:.4f}",
             f"{estimate['ffr']:.4f}" if estimate else "unknown",
             "none" if axisymmetric is None else f"{axisymmetric:.4f}",
-            f"{answer['jet_mixing']:g}",
-            f"{answer['unsteady']['ffr_amplitude']:.4f}" if answer["unsteady"] else "",
+            f"{answer['artificial_viscosity']:.2g}",
             f"{len(answer['extensions']['ends'])}",
             f"{len(answer['warnings'])}",
             f"{sum(mesh.get('factorizations', 0) for mesh in answer['meshes'])}",

@@ -131,8 +131,7 @@ def _conditions(space, free):
 def _solved(space, free=None):
     """The discrete solution over space.W."""
     state = fem.Function(space.W)
-    length = fem.Function(fem.FunctionSpace(space.mesh, ("DG", 0)))
-    weak = forms.NavierStokes(space, state, DENSITY, viscosity.Newtonian(VISCOSITY), GRAD_DIV, BACKFLOW, length)
+    weak = forms.NavierStokes(space, state, DENSITY, viscosity.Newtonian(VISCOSITY), GRAD_DIV, BACKFLOW)
     prescribed.solve(weak, state, _conditions(space, free), _load(space, free))
     return state
 

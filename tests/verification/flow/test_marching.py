@@ -16,7 +16,7 @@ sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[2] / "unit" / "flow
 
 import tubes  # noqa: E402
 from flow import settings  # noqa: E402
-from flow.discretisation import mixing, spaces  # noqa: E402
+from flow.discretisation import spaces  # noqa: E402
 from flow.geometry import centreline, locate  # noqa: E402
 from flow.meshing import mesh  # noqa: E402
 from flow.physics import outlets  # noqa: E402
@@ -49,8 +49,7 @@ def problem(tmp_path_factory):
         "inlet_flow_m3_per_s": MEAN_FLOW * (1 + SWING),
         "outlets": [outlet | {"resistance_pa_s_per_m3": 0.0, "pressure_pa": OUTLET}],
     }
-    length = mixing.mixing_length(space, tree, chosen.jet_spread)
-    made = nonlinear.FlowProblem(space, outlets.Boundaries(space, document), document, chosen, length)
+    made = nonlinear.FlowProblem(space, outlets.Boundaries(space, document), document, chosen)
     assert newton.newton(made, 1e-12, 1.0, 8).converged
     yield made
     made.destroy()

@@ -30,8 +30,7 @@ def _powers(space, speed, coefficient):
     """(kinetic power that leaves by the outlet, power of the backflow term) in W; speed: of y in m, m/s along x."""
     state = fem.Function(space.W)
     state.sub(0).interpolate(lambda x: np.stack([speed(x[1]), 0 * x[0], 0 * x[0]]))
-    length = fem.Function(compat.function_space(space.mesh, compat.cellwise_element(space.mesh)))
-    forms = NavierStokes(space, state, DENSITY, viscosity.Newtonian(0.004), 0.2, coefficient, length)
+    forms = NavierStokes(space, state, DENSITY, viscosity.Newtonian(0.004), 0.2, coefficient)
     leaves = fem.assemble_scalar(compat.form(forms.kinetic(tuple(space.outlets))))
     return leaves, fem.assemble_scalar(compat.form(ufl.action(forms.losses["backflow"], state)))
 

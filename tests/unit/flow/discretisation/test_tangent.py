@@ -12,8 +12,7 @@ from petsc4py import PETSc
 
 import tubes
 from flow import settings
-from flow.discretisation import compat, forms, mixing, spaces, tangent
-from flow.geometry import centreline
+from flow.discretisation import compat, forms, spaces, tangent
 from flow.physics import navier_stokes, outlets, viscosity
 from flow.solvers import marching, nonlinear
 
@@ -31,10 +30,10 @@ def case(tmp_path_factory):
 @pytest.fixture
 def problem(case):
     """FlowProblem at a random state: in- and outflow at the outlet, so that the backflow term acts."""
-    document, tree = json.loads((case / "boundary.json").read_text()), centreline.read(case / "centreline.vtp")
+    document = json.loads((case / "boundary.json").read_text())
     space = spaces.read(case / "mesh.msh")
-    length, bounds = mixing.mixing_length(space, tree, 0.1), outlets.Boundaries(space, document)
-    found = nonlinear.FlowProblem(space, bounds, document, settings.make(), length)
+    bounds = outlets.Boundaries(space, document)
+    found = nonlinear.FlowProblem(space, bounds, document, settings.make())
     found.state.x.array[:] = np.random.default_rng(0).normal(size=space.dofs)
     yield found
     found.destroy()
@@ -62,10 +61,9 @@ def _apart(one, other):
     return scipy.sparse.linalg.norm(one - other) / scipy.sparse.linalg.norm(other)
 
 
-@pytest.mark.parametrize("mixing", [0.0, 0.3])
-def test_it_is_the_whole_tangent_between_the_free_dofs(problem, mixing):
-    problem.forms.mixing.value = mixing
-    problem.jet_length.x.array[:] = 1e-4
+@pytest.mark.parametrize("eps", [0.0, 0.3])
+def test_it_is_the_whole_tangent_between_the_free_dofs(problem, eps):
+    problem.forms.artificial.value = eps
     built, values = tangent.FreeMatrix(problem.space, problem.forms), problem.state.x.array
     for factor in (1.0, -0.5):  # filled again, at another state
         values *= factor
@@ -74,35 +72,33 @@ def test_it_is_the_whole_tangent_between_the_free_dofs(problem, mixing):
     built.destroy()
 
 
-def test_a_jet_changes_it(problem):
-    """What the test above compares with mixing is not the part without."""
-    problem.jet_length.x.array[:] = 1e-4
+def test_the_artificial_viscosity_changes_it(problem):
+    """What the test above compares at eps > 0 is not the part without."""
     plain = _free(problem, problem.forms.whole_tangent)
-    problem.forms.mixing.value = 0.3
+    problem.forms.artificial.value = 0.3
     assert _apart(_free(problem, problem.forms.whole_tangent), plain) > 1e-6
 
 
-@pytest.mark.parametrize("mixing", [0.0, 0.3])
-def test_picards_matrix_convects_by_the_state_alone(problem, mixing):
+@pytest.mark.parametrize("eps", [0.0, 0.3])
+def test_picards_matrix_convects_by_the_state_alone(problem, eps):
     """By a form of its own: rho (w.grad u + div w u / 2, v) of the state w and the rest of the equations."""
-    rate, (u, _) = 0.7, ufl.split(problem.state)
-    problem.forms.rate.value, problem.forms.mixing.value = rate, mixing
-    problem.jet_length.x.array[:] = 1e-4
+    u, _ = ufl.split(problem.state)
+    problem.forms.artificial.value = eps
     W, mesh = problem.space.W, problem.space.mesh
     (du, dp), (v, q) = ufl.TrialFunctions(W), ufl.TestFunctions(W)
     n, dx = ufl.FacetNormal(mesh), ufl.dx(metadata={"quadrature_degree": 5})
     ds = ufl.Measure("ds", domain=mesh, subdomain_data=problem.space.facets, metadata={"quadrature_degree": 6})
     carried = ufl.dot(ufl.grad(du), u) + 0.5 * ufl.div(u) * du
     inward = 0.5 * (ufl.dot(u, n) - abs(ufl.dot(u, n)))
-    speed_per_width = _speed_per_width(u, mesh)
+    width = (6 / 8 * abs(ufl.JacobianDeterminant(mesh)) ** (2 / 3)) ** 0.5  # about half an edge
     given = settings.make()
-    wanted = DENSITY * ufl.inner(carried + rate * speed_per_width * du, v) * dx
+    wanted = DENSITY * ufl.inner(carried, v) * dx
     wanted += 0.004 * ufl.inner(ufl.grad(du), ufl.grad(v)) * dx + given.grad_div_pa_s * ufl.div(du) * ufl.div(v) * dx
     wanted -= (dp * ufl.div(v) + q * ufl.div(du)) * dx
-    shear = ufl.sqrt(2 * ufl.inner(ufl.sym(ufl.grad(u)), ufl.sym(ufl.grad(u))) + navier_stokes.SMALLEST_RATE**2)
+    speed = ufl.sqrt(ufl.inner(u, u) + navier_stokes.SLOWEST**2)
     coarser = ufl.dx(metadata={"quadrature_degree": 3})
-    c = fem.Constant(mesh, PETSc.ScalarType(mixing))
-    wanted += DENSITY * (c * problem.jet_length) ** 2 * shear * ufl.inner(ufl.grad(du), ufl.grad(v)) * coarser
+    factor = fem.Constant(mesh, PETSc.ScalarType(eps))
+    wanted += DENSITY * factor * width * speed * ufl.inner(ufl.grad(du), ufl.grad(v)) * coarser
     wanted -= DENSITY * given.backflow_coefficient * inward * ufl.inner(du, v) * ds(tuple(problem.space.outlets))
     built = tangent.FreeMatrix(problem.space, problem.forms)
     built.assemble(problem.forms.picard)
@@ -111,12 +107,6 @@ def test_picards_matrix_convects_by_the_state_alone(problem, mixing):
     built.assemble(problem.forms.tangent)
     assert _apart(_csr(built.matrix), found) > 1e-3
     built.destroy()
-
-
-def _speed_per_width(u, mesh):
-    """|u| / h, h being about half an edge of a cell."""
-    width = (6 / 8 * abs(ufl.JacobianDeterminant(mesh)) ** (2 / 3)) ** 0.5
-    return ufl.sqrt(ufl.inner(u, u) + navier_stokes.SLOWEST**2) / width
 
 
 def test_inertia_adds_its_mass_to_residual_and_matrix(problem):
@@ -155,12 +145,11 @@ def test_products_with_a_profile_are_those_of_the_whole_matrix(problem):
     built.destroy()
 
 
-def test_without_jets_the_residual_is_that_of_none(problem):
-    """The forms without jets, which are used where c is 0, are those with them at a vanishing c."""
-    problem.jet_length.x.array[:] = 1e-4
+def test_without_artificial_viscosity_the_residual_is_that_of_none(problem):
+    """The forms without it, which are used where eps is 0, are those with it at a vanishing eps."""
     vector, found = problem.full_residual.duplicate(), []
-    for factor in (0.0, 1e-12, 0.3):
-        problem.forms.mixing.value = factor
+    for factor in (0.0, 1e-15, 0.3):
+        problem.forms.artificial.value = factor
         problem.forms.assembled(vector)
         found.append(vector.array.copy())
     size = np.linalg.norm(found[0])
@@ -169,7 +158,7 @@ def test_without_jets_the_residual_is_that_of_none(problem):
 
 def test_the_viscosity_by_shear_rate_is_in_the_matrix(problem):
     thick = viscosity.CarreauYasuda(0.056, 0.0035, 1.902, 1.25, 0.22)
-    weak = forms.NavierStokes(problem.space, problem.state, DENSITY, thick, 0.2, 0.5, problem.jet_length)
+    weak = forms.NavierStokes(problem.space, problem.state, DENSITY, thick, 0.2, 0.5)
     built = tangent.FreeMatrix(problem.space, weak)
     built.assemble(weak.tangent)
     assert _apart(_csr(built.matrix), _free(problem, weak.whole_tangent)) < 1e-14

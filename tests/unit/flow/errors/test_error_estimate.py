@@ -1,4 +1,4 @@
-"""The error estimate: dual-weighted residual, Richardson's on two meshes, the straight line to c = 0."""
+"""The error estimate: dual-weighted residual, Richardson's on two meshes, the straight line to eps = 0."""
 
 import types
 
@@ -13,9 +13,9 @@ from flow.geometry import centreline
 EDGES = [(0, 1), (1, 2), (0, 2), (0, 3), (2, 3), (1, 3)]
 
 
-def _solved(cells, sampler, mixing=0.0, passed=()):
+def _solved(cells, sampler, artificial=0.0, passed=()):
     space = types.SimpleNamespace(nodes=lambda: (np.zeros((1, 3)), np.zeros((cells, 10), int)))
-    problem = types.SimpleNamespace(mixing=mixing, passed=list(passed))
+    problem = types.SimpleNamespace(artificial=artificial, passed=list(passed))
     return types.SimpleNamespace(space=space, problem=problem, sampler=sampler, outflows=None)
 
 
@@ -76,7 +76,7 @@ def test_meshes_of_the_same_size_say_nothing(goal):
     assert _of(_solved(1050, 0.75), _solved(1000, 0.7))["ffr"] == 0.0
 
 
-def test_remaining_jet_viscosity_is_counted(goal, monkeypatch):
+def test_remaining_artificial_viscosity_is_counted(goal, monkeypatch):
     goal(0.001)
     monkeypatch.setattr(error_estimate.locate, "FieldSampler", lambda space, values: values)
     solved = _solved(1000, 0.75, 0.18, [(0.27, 0.76, 1e-6), (0.18, 0.75, 1e-6)])
@@ -85,7 +85,7 @@ def test_remaining_jet_viscosity_is_counted(goal, monkeypatch):
     assert estimate["probes"][1] == pytest.approx(0.02 + 0.002 * error_estimate.SAFETY)
 
 
-def test_a_jet_viscosity_without_a_neighbour_says_too_little(goal):
+def test_an_artificial_viscosity_without_a_neighbour_says_too_little(goal):
     assert _of(_solved(1000, 0.75, 0.18, [(0.18, 0.75, 1e-6)])) is None
 
 

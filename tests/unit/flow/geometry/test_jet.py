@@ -1,4 +1,4 @@
-"""The jet behind a narrowing: its radius, and the mixing length that is zero where there is no jet."""
+"""The jet behind a narrowing: its radius keeps to the throat and widens slowly."""
 
 import numpy as np
 import pytest

@@ -16,7 +16,7 @@ class _Problem:
     def __init__(self, left=100):
         self.taken, self.left, self.log, self.settings = None, left, io.StringIO(), settings.make()
         self.boundaries = types.SimpleNamespace(full=lambda: None)
-        self.forms = types.SimpleNamespace(mixing=types.SimpleNamespace(value=0.4))
+        self.forms = types.SimpleNamespace(artificial=types.SimpleNamespace(value=0.4))
         self.space = types.SimpleNamespace(nodes=lambda: (np.zeros((2, 3)), None))
         self.solver = types.SimpleNamespace(factorizations=0)
 
@@ -42,7 +42,7 @@ def steps(monkeypatch):
     """Names of the methods in the order in which they are called."""
     called = []
 
-    def picard(problem, free, inlet, rate, name):
+    def picard(problem, free, inlet):
         called.append("picard")
         problem.solver.factorizations += 1
         return problem.residual()
@@ -71,7 +71,7 @@ def test_the_start_depends_on_tree_and_loss(steps, whole, value, expected):
     assert steps == expected
     assert (found is None) == (not expected)
     assert problem.taken == (3.0 if expected else None)
-    assert problem.forms.mixing.value == (0.0 if expected else 0.4)
+    assert problem.forms.artificial.value == (0.0 if expected else 0.4)
     if found:
         assert found.iterations == len(expected) - 1 + 3
 

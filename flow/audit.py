@@ -1,0 +1,173 @@
+"""Is the steady flow the mean of the flow in time? An audit of an answer of `flow solve`, no part of it.
+
+The flow is marched in time (solvers.marching) from the steady one, without artificial viscosity. The time unit is D/U
+of the branch of the probe `distal` there. Start-up is cut where the standard error of what follows is least (MSER,
+White 1997, Simulation 69); the rest is cut into BATCHES equal batches, whose means give Student's interval of 95 %
+(batch means; Law and Kelton, Simulation Modeling and Analysis). The audit shows whether the steady FFR lies within the
+tolerance of the mean.
+"""
+
+import sys
+
+import numpy as np
+import pandas
+import scipy.stats
+
+from common.errors import ComputationError
+from flow.geometry import locate
+from flow.physics import ffr
+from flow.solvers import marching
+
+STEP_ERROR = 3e-3  # of one step, over the root mean square of the velocity
+FIRST_STEP, SHORTEST_STEP = 1e-4, 1e-7  # s
+LONGEST_STEP = 0.1  # in D/U
+SMALLEST_CHANGE, LARGEST_CHANGE = 0.4, 1.6  # of the step's length
+WORTH_A_CHANGE = (0.8, 1.25)  # other factors are taken, for which the matrix is factorized anew
+PER_UNIT = 10  # samples of the series in a D/U, evenly spaced
+BATCHES = 8
+CONFIDENCE = 0.95
+
+
+def time_unit(radius_mm, flow_m3_per_s):
+    """D/U in s, U being the mean velocity of a flow through a round vessel."""
+    return np.pi * (2e-3 * radius_mm) ** 3 / (4 * flow_m3_per_s)
+
+
+def march(problem, read, unit_s, units, most_steps):
+    """Series of the march from the problem's state, over `units` D/U or as far as `most_steps` lead: a table with
+    time_s and ffr_0, ffr_1, ... of the probes.
+
+    read(sampler) -> FFR at the probes. Raises ComputationError where a step fails however short.
+    """
+    problem.boundaries.full()
+    problem.forms.artificial.value = 0.0
+    sampler = locate.FieldSampler(problem.space, problem.state.x.array)
+    stepper, rows = marching.Stepper(problem), []
+
+    def note():
+        sampler.take(problem.space, problem.state.x.array)
+        rows.append([stepper.time, *read(sampler)])
+
+    try:
+        note()
+        for dt in _lengths(stepper, LONGEST_STEP * unit_s, most_steps):
+            note()
+            if stepper.steps % 20 == 0:
+                said = f"{stepper.time / unit_s:.2f} of {units:g} D/U in {stepper.steps} steps: FFR {rows[-1][1]:.4f}"
+                print(f"{said}, step {dt:.2g} s", file=sys.stderr, flush=True)
+            if stepper.time >= units * unit_s:
+                break
+    finally:
+        factorizations = problem.solver.factorizations
+        stepper.destroy()
+    table = pandas.DataFrame(rows, columns=["time_s", *(f"ffr_{k}" for k in range(len(rows[0]) - 1))])
+    table.attrs["factorizations"] = factorizations
+    return table
+
+
+def _lengths(stepper, longest, most):
+    """Steps with `stepper` and yields each step's length in s: such that its error is near STEP_ERROR."""
+    dt, problem = min(FIRST_STEP, longest), stepper.problem
+    while stepper.steps < most:
+        try:
+            error = stepper.step(dt)
+        except ComputationError:
+            dt *= SMALLEST_CHANGE
+            if dt < SHORTEST_STEP:
+                raise
+            continue
+        yield dt
+        if error is None:
+            continue
+        speed = float(np.sqrt(3 * np.mean(problem.state.x.array[problem.space.v_map] ** 2)))
+        change = 0.9 * (STEP_ERROR * speed / max(error, 1e-300)) ** (1 / 3)
+        if not WORTH_A_CHANGE[0] < change < WORTH_A_CHANGE[1]:
+            dt = min(dt * np.clip(change, SMALLEST_CHANGE, LARGEST_CHANGE), longest)
+
+
+def start_up(values):
+    """Number of samples (n,) to cut by MSER: where the variance of the rest over its length is least.
+
+    At most half, since near the end of a series the variance of the few that are left is small by chance.
+    """
+    values = values - values.mean()  # else the difference of squares is lost in rounding
+    rest = np.arange(len(values), 0, -1)
+    sums, squares = (np.cumsum(part[::-1])[::-1] for part in (values, values**2))
+    variance = squares / rest - (sums / rest) ** 2
+    return int(np.argmin((variance / rest)[: len(values) // 2 + 1]))
+
+
+def batch_means(values):
+    """(mean, half width of the interval of CONFIDENCE) of a series (n,) by BATCHES batches."""
+    size = len(values) // BATCHES
+    means = values[len(values) - BATCHES * size :].reshape(BATCHES, size).mean(axis=1)
+    half = scipy.stats.t.ppf(0.5 + CONFIDENCE / 2, BATCHES - 1) * means.std(ddof=1) / np.sqrt(BATCHES)
+    return float(means.mean()), float(half)
+
+
+def evaluate(table, unit_s, steady, tolerance):
+    """Document of audit.json from the series of `march`; steady: FFR of the answer at the probes, `distal` first.
+
+    settled: whether the interval of the mean is within the tolerance; in a flow still in its start-up the batches'
+    means are far apart. agrees: whether the steady FFR is within the tolerance of the mean, its interval included;
+    null where the march did not settle.
+    """
+    times = table["time_s"].to_numpy()
+    even = np.linspace(0.0, times[-1], max(int(PER_UNIT * times[-1] / unit_s), 2 * BATCHES) + 1)[1:]
+    series = [np.interp(even, times, table[f"ffr_{k}"]) for k in range(len(steady))]
+    cut = start_up(series[0])
+    found = [batch_means(values[cut:]) for values in series]
+    settled = found[0][1] <= tolerance
+    gap = steady[0] - found[0][0]
+    return {
+        "schema": "vci-audit-1",
+        "ffr_steady": float(steady[0]),
+        "ffr_mean": found[0][0],
+        "ffr_mean_half_width_95": found[0][1],
+        "steady_minus_mean": float(gap),
+        "settled": bool(settled),
+        "agrees": bool(abs(gap) + found[0][1] <= tolerance) if settled else None,
+        "ffr_tolerance": tolerance,
+        "ffr_least": float(series[0][cut:].min()),
+        "ffr_most": float(series[0][cut:].max()),
+        "time_unit_s": unit_s,
+        "time_units": float(times[-1] / unit_s),
+        "start_up_units": float(even[cut - 1] / unit_s) if cut else 0.0,
+        "batches": BATCHES,
+        "steps": len(times) - 1,
+        "factorizations": table.attrs["factorizations"],
+        "probes": [
+            {"ffr_steady": float(value), "ffr_mean": mean, "half_width_95": half}
+            for value, (mean, half) in zip(steady, found)
+        ],
+    }
+
+
+def of_answer(solved, case):
+    """(document of audit.json, series) of a solvers.solved_mesh.Solved, whose state changes; case: Extended."""
+    document, tree = case.document, case.original
+    probe = document["probes"][0]
+
+    def read(sampler):
+        reference = ffr.reference_pa(document, tree, sampler)
+        return [one["ffr"] for one in ffr.at_probes(document["probes"], tree, sampler, reference)]
+
+    flow_of = dict(zip(solved.boundaries.names, solved.outflows))
+    network = case.network
+    s_mm = tree[probe["branch"]].project(np.array(probe["point_mm"]))[0]
+    through = sum(flow_of[network.names[i]] for i in network.downstream(probe["branch"], s_mm))
+    radius_mm = np.interp(s_mm, tree[probe["branch"]].s_mm, tree[probe["branch"]].radius_mm)
+    unit_s, steady = float(time_unit(radius_mm, through)), read(solved.sampler)
+    table = march(solved.problem, read, unit_s, case.settings.audit_units, case.settings.march_steps)
+    answer = evaluate(table, unit_s, steady, case.settings.ffr_tolerance)
+    answer["artificial_viscosity"] = solved.artificial
+    return answer, table
+
+
+def in_words(answer):
+    """The document of audit.json in one line."""
+    mean = f"mean {answer['ffr_mean']:.4f} +- {answer['ffr_mean_half_width_95']:.4f}"
+    over = f"{answer['time_units']:.1f} D/U"
+    if not answer["settled"]:
+        return f"not settled within {over}: {mean}"
+    return f"steady FFR {answer['ffr_steady']:.4f}, {mean} over {over}"

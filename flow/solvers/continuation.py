@@ -1,0 +1,156 @@
+"""From a creeping flow to the steady jet: an artificial viscosity eps h |u| is taken away step by step.
+
+On a mesh that does not resolve a jet's shear layer Newton's method finds no steady flow from rest. With the artificial
+viscosity (physics.navier_stokes) of eps = 1 it does, and the flow changes smoothly as eps falls. So the branch of flows
+is followed in ln eps: the secant through the last two flows predicts the next, Newton's method corrects it with eps
+held. A step that fails is shortened, one that was easy lengthens the next (natural-parameter continuation; Allgower and
+Georg, Introduction to Numerical Continuation Methods, 2003, chapter 6). Where eps is SMALL, eps = 0 is tried. Where no
+flow without artificial viscosity is found the flow of the least eps answers, and errors.error_estimate continues it to
+0 in a straight line.
+"""
+
+import numpy as np
+
+from flow.solvers import newton
+
+ON_THE_WAY = 2e-5  # residual over the load; at 1e-4 the flow of eps = .002 passes for that of 0
+TO_THE_END = 1e-6  # the same at eps = 0
+FIRST = (1.0, 0.4, 0.16)  # eps of the first flows, each from the one before: there is no secant yet
+FIRST_PICARD = 4  # steps of Picard's method that the flow of FIRST[0] may take from rest
+HARD = 6  # factorizations at one eps, after which the step counts as failed
+WEIGHT = 3.0  # of the relative change of the velocities beside that of ln eps, in the length of a step
+FEW, MANY = 2, 3  # factorizations of an easy step and of one that is long enough
+LONGER, SHORTER, FAILED = 1.6, 0.7, 0.4  # change of the step's length then, above MANY, and where it fails
+LONGEST_STEP, SHORTEST_STEP = 1.6, 0.02
+SMALL, LEAST = 0.01, 0.003  # eps at which 0 is tried; between them a step that fails ends the way, and LEAST does
+LARGEST = 0.05  # a flow of larger eps is no answer
+FROM_GUESS = 0.02  # eps of the other mesh's flows from which the way begins anew where its last does not lead to one
+NEIGHBOUR = 1.5  # times the only eps with a flow: where a second is sought, for the secant and the error estimate
+
+
+def from_rest(problem):
+    """Outcome at full flow from rest. Raises ComputationError where no flow with eps <= LARGEST is found."""
+    problem.boundaries.full()
+    for eps in FIRST:
+        first = not problem.passed
+        found = _reached(problem, eps, ON_THE_WAY, FIRST_PICARD if first else 0, 2 * HARD if first else HARD)
+        if not found.converged:
+            raise problem.stalled(found)
+        _pass(problem)
+    follow(problem)
+    return polish(problem)
+
+
+def from_guess(problem, coarse, only_known=False):
+    """Outcome at full flow from the flow on another mesh (a solved FlowProblem).
+
+    Where that has no artificial viscosity Newton's method is tried from it. Otherwise, or where this fails and not
+    only_known, the branch is followed again from the other mesh's flows of larger eps. Raises ComputationError.
+    """
+    problem.boundaries.full()
+    starts = [(0.0, coarse.state.x.array, coarse.inflow)] if coarse.artificial == 0 else []
+    if not only_known:
+        starts += coarse.larger_passed(FROM_GUESS)
+    for eps, values, inflow in starts:
+        problem.set_guess(coarse.space, values, inflow)
+        found = _reached(problem, eps, ON_THE_WAY if eps > 0 else TO_THE_END)
+        if found.converged:
+            break
+    else:
+        raise problem.stalled(found)
+    _pass(problem)
+    if problem.artificial > 0:
+        _neighbour(problem)
+        follow(problem)
+    return polish(problem)
+
+
+def follow(problem):
+    """Goes on along the branch from the last two flows passed, as far as eps = 0 where it leads there.
+
+    The state is the last flow passed.
+    """
+    if len(problem.passed) < 2 or problem.artificial == 0:
+        return
+    step, tries = None, [SMALL, LEAST]
+    while problem.left > HARD:
+        eps, values, last_inflow = problem.passed[-1]
+        if eps <= tries[0]:
+            found = _reached(problem, 0.0, TO_THE_END)
+            if found.converged:
+                _pass(problem)
+                return
+            _back(problem)
+            tries = [one for one in tries if one < eps]
+            if not tries:
+                return
+        direction, inflow, change, length = _secant(problem)
+        step = step or min(length, LONGEST_STEP)
+        problem.state.x.array[:] = values + step * direction
+        problem.inflow = last_inflow + step * inflow
+        found = _reached(problem, max(eps * np.exp(step * change), LEAST), ON_THE_WAY)
+        if found.converged:
+            _pass(problem)
+            step *= LONGER if found.iterations <= FEW else 1.0 if found.iterations <= MANY else SHORTER
+            step = min(step, LONGEST_STEP)
+        else:
+            _back(problem)
+            step *= FAILED
+            if eps <= SMALL or step < SHORTEST_STEP:
+                return
+
+
+def polish(problem):
+    """Outcome of Newton's method from the last flow passed, or from the one before, to the residuals asked for.
+
+    Raises ComputationError where neither leads to a flow, or eps is above LARGEST.
+    """
+    settings, found = problem.settings, None
+    while problem.passed:
+        _back(problem)
+        if problem.artificial > LARGEST:
+            break
+        print(f"artificial viscosity {problem.artificial:.3g}, to the end", file=problem.log, flush=True)
+        found = newton.newton(problem, settings.residual_absolute, settings.residual_relative, 2 * HARD)
+        problem.passed.pop()
+        if found.converged:
+            _pass(problem)
+            found.iterations = problem.solver.factorizations
+            return found
+    raise problem.stalled(found)
+
+
+def _reached(problem, eps, relative, most_picard=0, limit=HARD):
+    """Outcome of Newton's method at eps from the present state, down to `relative` of the load."""
+    problem.forms.artificial.value = eps
+    print(f"artificial viscosity {eps:.3g}", file=problem.log, flush=True)
+    return newton.newton(problem, np.inf, relative, limit, most_picard)
+
+
+def _secant(problem):
+    """Change of values, inflow and ln eps over a unit of length along the last two flows, and their distance."""
+    (eps, values, inflow), (last, last_values, last_inflow) = problem.passed[-2:]
+    change, change_of_log = last_values - values, np.log(last / eps)
+    free = problem.space.free
+    length = WEIGHT * problem.speed(change[free]) / problem.speed(last_values[free])
+    length = float(np.hypot(length, change_of_log))
+    return change / length, (last_inflow - inflow) / length, change_of_log / length, length
+
+
+def _pass(problem):
+    """Notes the present state as a flow on the branch."""
+    problem.passed.append((problem.artificial, problem.state.x.array.copy(), problem.inflow))
+
+
+def _back(problem):
+    """Returns to the last flow on the branch."""
+    problem.forms.artificial.value, problem.state.x.array[:], problem.inflow = problem.passed[-1]
+
+
+def _neighbour(problem):
+    """Puts a flow of a larger eps before the only one, where one is found."""
+    only = problem.passed.pop()
+    if _reached(problem, NEIGHBOUR * only[0], ON_THE_WAY).converged:
+        _pass(problem)
+    problem.passed.append(only)
+    _back(problem)

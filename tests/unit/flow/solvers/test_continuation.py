@@ -1,0 +1,135 @@
+"""The way to eps = 0 on small systems: a smooth branch, one that ends, one that a step must follow closely."""
+
+import io
+import types
+
+import numpy as np
+import pytest
+
+from common.errors import ComputationError
+from flow import settings
+from flow.solvers import continuation
+from flow.solvers.nonlinear import FlowProblem
+from flow_equations import Equations
+
+
+class _Flow(Equations):
+    """Equations that depend on eps, with what continuation asks of solvers.nonlinear.FlowProblem besides."""
+
+    def __init__(self, function, jacobian, start):
+        super().__init__(lambda x: function(x, self.artificial), lambda x: jacobian(x, self.artificial), start)
+        self.forms.artificial = types.SimpleNamespace(value=0.0)
+        self.forms.picard = None  # its step is Newton's, undamped
+        self.boundaries = types.SimpleNamespace(full=lambda: None)
+        self.passed, self.log, self.tried, self.load = [], io.StringIO(), [], 1.0
+        self.settings = settings.make()
+
+    artificial = FlowProblem.artificial
+    larger_passed = FlowProblem.larger_passed
+
+    def small(self, norm, absolute, relative):
+        return norm <= absolute and norm <= relative * self.load
+
+    def set_guess(self, space, values, inflow):
+        self.state.x.array, self.inflow = np.array(values), inflow
+
+    def stalled(self, found):
+        return ComputationError("the flow solver stalled", "eps", self.artificial, "none")
+
+
+def _smooth():
+    """x = 2 - eps."""
+    tangent = lambda x, eps: np.diag(1 + x * (3 * x - 4 + 2 * eps))  # noqa: E731
+    return _Flow(lambda x, eps: (x - 2 + eps) * (1 + x**2), tangent, [1.5])
+
+
+def _ends(least):
+    """x = 2 + sqrt(eps - least): no flow below eps = least."""
+
+    def tangent(x, eps):
+        return np.diag(2 * (x - 2) + 1e-9)  # not singular at the end itself
+
+    return _Flow(lambda x, eps: (x - 2) ** 2 + least - eps, tangent, [4.0])
+
+
+def _steep(width):
+    """x turns from 1 to 3 within `width` of ln eps around eps = .03, where Newton's method needs a near guess."""
+
+    def function(x, eps):
+        return np.sinh(4 * (x - 2 + np.tanh(np.log(max(eps, 1e-12) / 0.03) / width)))
+
+    def tangent(x, eps):
+        return np.diag(4 * np.hypot(1, function(x, eps)))
+
+    return _Flow(function, tangent, [1.0])
+
+
+def test_a_smooth_branch_is_followed_to_none():
+    problem = _smooth()
+    found = continuation.from_rest(problem)
+    assert found.converged and problem.artificial == 0.0
+    assert problem.state.x.array == pytest.approx([2.0], abs=1e-8)
+    assert found.iterations == problem.solver.factorizations
+
+
+def test_where_the_branch_ends_its_least_flow_answers():
+    problem = _ends(0.02)
+    found = continuation.from_rest(problem)
+    assert found.converged and 0.02 <= problem.artificial < 0.03
+    assert problem.state.x.array[0] == pytest.approx(2 + np.sqrt(problem.artificial - 0.02), abs=1e-4)
+    assert [one[0] for one in problem.passed] == sorted((one[0] for one in problem.passed), reverse=True)
+    assert len(problem.passed) >= 2, "the error estimate continues the line through two of them"
+
+
+def test_a_branch_that_ends_early_is_refused():
+    with pytest.raises(ComputationError, match="stalled"):
+        continuation.from_rest(_ends(0.08))
+
+
+def test_a_flow_that_is_not_found_at_the_first_eps_is_refused():
+    with pytest.raises(ComputationError, match="stalled"):
+        continuation.from_rest(_ends(3.0))
+
+
+def test_steps_are_shortened_where_the_flow_changes_fast():
+    far, near = _steep(3.0), _steep(0.2)
+    for problem in (far, near):
+        continuation.from_rest(problem)
+        assert problem.artificial == 0.0 and problem.state.x.array == pytest.approx([3.0], abs=1e-6)
+    assert len(near.passed) > len(far.passed)
+
+
+def test_the_factorizations_allowed_bound_the_way():
+    problem = _steep(0.2)
+    problem.allowed = 14
+    try:
+        continuation.from_rest(problem)
+    except ComputationError:
+        pass
+    assert problem.solver.factorizations <= 14
+
+
+def test_a_flow_of_another_mesh_without_any_is_the_start():
+    coarse, fine = _smooth(), _smooth()
+    continuation.from_rest(coarse)
+    coarse.space = fine.space
+    found = continuation.from_guess(fine, coarse)
+    assert found.converged and fine.artificial == 0.0 and [one[0] for one in fine.passed] == [0.0]
+
+
+def test_another_meshs_flows_of_larger_eps_are_where_the_branch_begins_anew():
+    coarse, fine = _ends(0.015), _ends(0.0)
+    continuation.from_rest(coarse)
+    assert coarse.artificial > 0
+    found = continuation.from_guess(fine, coarse)
+    assert found.converged and fine.artificial <= continuation.SMALL < coarse.artificial
+    assert fine.passed[0][0] == pytest.approx(continuation.NEIGHBOUR * fine.passed[1][0])
+
+
+def test_only_the_flow_near_by_is_wanted_of_an_answer():
+    coarse = _smooth()
+    continuation.from_rest(coarse)
+    nowhere = _ends(0.5)
+    with pytest.raises(ComputationError, match="stalled"):
+        continuation.from_guess(nowhere, coarse, only_known=True)
+    assert nowhere.solver.factorizations <= continuation.HARD
