@@ -16,6 +16,7 @@ using namespace vci;
 namespace {
 
 template <class Value> using Array = std::optional<py::array_t<Value, py::array::c_style | py::array::forcecast>>;
+constexpr int steps_between_looks = 10; // at pending signals: a fraction of a second
 using Log = std::function<void(const std::string&)>;
 
 template <class Value> std::vector<Value> values_of(const Array<Value>& array) {
@@ -43,11 +44,54 @@ py::dict arrays_of(const std::map<std::string, Path>& paths) {
   return arrays;
 }
 
+/// The values of an array of whole numbers; numpy would cut off fractions and wrap large numbers in silence.
+std::vector<int> whole_numbers(const py::array& array, const std::string& name) {
+  if (array.dtype().kind() != 'i' && array.dtype().kind() != 'u')
+    throw common::InputError("an array that is not of whole numbers", name, py::str(py::object(array.dtype())),
+                             "give integers");
+  const py::array_t<std::int64_t, py::array::c_style | py::array::forcecast> wide(array);
+  std::vector<int> numbers;
+  for (py::ssize_t k = 0; k < wide.size(); ++k) {
+    numbers.push_back(static_cast<int>(wide.data()[k]));
+    if (numbers.back() != wide.data()[k])
+      throw common::InputError("a number out of its range", name, std::to_string(wide.data()[k]),
+                               "give 32-bit integers");
+  }
+  return numbers;
+}
+
+py::array array_of(const py::object& object, const std::string& name) {
+  py::array array = py::array::ensure(object);
+  if (!array)
+    throw py::type_error(name + ": neither an array nor a list of numbers");
+  return array;
+}
+
+TriangleRows triangles_of(const py::object& object) {
+  const py::array array = array_of(object, "triangles");
+  if (array.ndim() != 2 || array.shape(1) != 3)
+    throw common::InputError("triangles of another shape", "triangles", py::str(py::object(array.attr("shape"))),
+                             "give (m, 3) indices of points");
+  const std::vector<int> numbers = whole_numbers(array, "triangles");
+  return Eigen::Map<const TriangleRows>(numbers.data(), array.shape(0), 3);
+}
+
 /// Dicts and lists as JSON; numpy's arrays and numbers become lists and numbers.
-json json_of(const py::object& object) {
-  const py::cpp_function plain([](const py::object& value) { return value.attr("tolist")(); });
+json json_of(const py::object& object, const std::string& name) {
+  const py::cpp_function plain([](const py::object& value) -> py::object {
+    if (!py::hasattr(value, "tolist"))
+      throw py::type_error("neither a number, text, list nor dict: " + std::string(py::repr(value)));
+    return value.attr("tolist")();
+  });
   const py::object dumps = py::module_::import("json").attr("dumps");
-  return json::parse(dumps(object, py::arg("default") = plain, py::arg("allow_nan") = false).cast<std::string>());
+  try {
+    return json::parse(dumps(object, py::arg("default") = plain, py::arg("allow_nan") = false).cast<std::string>());
+  } catch (const py::error_already_set& error) {
+    if (!error.matches(PyExc_ValueError))
+      throw;
+    throw common::InputError("a value that is not finite, or that holds itself", name, error.what(),
+                             "give finite numbers");
+  }
 }
 
 py::object object_of(const json& value) {
@@ -60,12 +104,14 @@ struct Vessel {
   std::map<std::string, Path> paths;
 };
 
-Vessel vessel_from(const Eigen::Ref<const PointRows>& points, const Eigen::Ref<const TriangleRows>& triangles,
-                   const Array<double>& radius, const std::map<std::string, PointRows>& centreline,
-                   const Array<double>& plaque, const Array<int>& plaque_type, const Array<double>& reference) {
-  Vessel vessel{
-      lumen_from(points, triangles, values_of(radius), values_of(plaque), values_of(plaque_type), values_of(reference)),
-      {}};
+Vessel vessel_from(const Eigen::Ref<const PointRows>& points, const py::object& triangles, const Array<double>& radius,
+                   const std::map<std::string, PointRows>& centreline, const Array<double>& plaque,
+                   const py::object& plaque_type, const Array<double>& reference) {
+  const std::vector<int> types =
+      plaque_type.is_none() ? std::vector<int>{} : whole_numbers(array_of(plaque_type, "plaque_type"), "plaque_type");
+  Vessel vessel;
+  vessel.lumen =
+      lumen_from(points, triangles_of(triangles), values_of(radius), values_of(plaque), types, values_of(reference));
   NamedLines lines;
   for (const auto& [name, line] : centreline)
     lines.emplace_back(name, vectors_of(line));
@@ -74,13 +120,13 @@ Vessel vessel_from(const Eigen::Ref<const PointRows>& points, const Eigen::Ref<c
 }
 
 /// The scene of a call's arguments, checked against the vessel as `vci deploy` checks a file.
-Scene scene_of(const Vessel& vessel, const py::dict& devices, const py::list& steps, double map_pa,
+Scene scene_of(const Vessel& vessel, const py::dict& devices, const py::sequence& steps, double map_pa,
                const py::dict& wall, const py::dict& numerics) {
   const json entries{{"patient", {{"map_pa", map_pa}}},
-                     {"devices", json_of(devices)},
-                     {"procedure", json_of(steps)},
-                     {"wall", json_of(wall)},
-                     {"numerics", json_of(numerics)}};
+                     {"devices", json_of(devices, "devices")},
+                     {"procedure", json_of(steps, "steps")},
+                     {"wall", json_of(wall, "wall")},
+                     {"numerics", json_of(numerics, "numerics")}};
   const py::gil_scoped_release released;
   Scene scene = scene_from(entries, "arguments");
   check_placements(scene, vessel.paths);
@@ -96,6 +142,13 @@ struct Result {
 
 /// A procedure under way. Python's threads may share it: each call waits for the one before.
 class Session {
+  /// Ends a computation on Ctrl-C.
+  static void stop_where_interrupted(const Snapshot&) {
+    const py::gil_scoped_acquire held;
+    if (PyErr_CheckSignals() != 0)
+      throw py::error_already_set();
+  }
+
   template <class Call> auto alone(Call call) {
     const py::gil_scoped_release released; // before the lock: its holder may need the interpreter to log
     const std::lock_guard<std::recursive_mutex> lock(mutex_);
@@ -105,7 +158,8 @@ class Session {
 public:
   Session(Vessel vessel, Scene scene, const Log& log)
       : vessel_(std::move(vessel)), scene_(std::move(scene)),
-        deployment_(scene_, vessel_.lumen, vessel_.paths, {.see = {}, .every_steps = 0, .log = log}) {}
+        deployment_(scene_, vessel_.lumen, vessel_.paths,
+                    {.see = stop_where_interrupted, .every_steps = steps_between_looks, .log = log}) {}
 
   std::size_t steps() {
     return alone([&] { return deployment_.steps(); });
@@ -141,21 +195,21 @@ private:
   std::recursive_mutex mutex_; ///< recursive: a logger may ask for the state
 };
 
-std::unique_ptr<Session> session(const Vessel& vessel, const py::dict& devices, const py::list& steps, double map_pa,
-                                 const py::dict& wall, const py::dict& numerics, const Log& log) {
+std::unique_ptr<Session> session(const Vessel& vessel, const py::dict& devices, const py::sequence& steps,
+                                 double map_pa, const py::dict& wall, const py::dict& numerics, const Log& log) {
   Scene scene = scene_of(vessel, devices, steps, map_pa, wall, numerics);
   const py::gil_scoped_release released;
   return std::make_unique<Session>(vessel, std::move(scene), log);
 }
 
-Result deploy_all(const Vessel& vessel, const py::dict& devices, const py::list& steps, double map_pa,
+Result deploy_all(const Vessel& vessel, const py::dict& devices, const py::sequence& steps, double map_pa,
                   const py::dict& wall, const py::dict& numerics, const Log& log) {
   const std::unique_ptr<Session> deployment = session(vessel, devices, steps, map_pa, wall, numerics, log);
   deployment->run();
   return deployment->result();
 }
 
-PointRows radius_corrected(const Vessel& vessel, const py::dict& devices, const py::list& steps) {
+PointRows radius_corrected(const Vessel& vessel, const py::dict& devices, const py::sequence& steps) {
   const Scene scene = scene_of(vessel, devices, steps, Scene{}.map_pa, {}, {});
   const py::gil_scoped_release released;
   return rows_of(correct_radius(scene, vessel.lumen, vessel.paths));

@@ -3,6 +3,7 @@
 import json
 import pathlib
 import re
+import signal
 import subprocess
 import sys
 import threading
@@ -113,6 +114,7 @@ def test_baseline_moves_the_wall(vessel):
         ([step(device="none")], ["a device that the scene does not define", "none"]),
         ([step(centre_s_mm=19)], ["remedy"]),
         ([step(typo=1)], ["typo"]),
+        ([step(pressure_bar=float("nan"))], ["not finite", "steps"]),
     ],
 )
 def test_bad_steps_are_refused_with_the_programs_words(vessel, steps, words):
@@ -129,6 +131,10 @@ def test_bad_arrays_are_refused():
         ({"radius_mm": radius[:-1]}, "radius"),
         ({"points": points * np.nan}, "not finite"),
         ({"triangles": triangles + len(points)}, "triangle"),
+        ({"triangles": triangles + 0.5}, "whole numbers"),
+        ({"triangles": triangles.astype(np.int64) + 2**33}, "out of its range"),
+        ({"triangles": triangles[:, :2]}, r"\(m, 3\)"),
+        ({"plaque_type": radius}, "whole numbers"),
         ({"centreline": {"side1": points[:5]}}, "main"),
         ({"reference_radius_mm": radius - 9}, "reference_radius"),
     ):
@@ -136,6 +142,7 @@ def test_bad_arrays_are_refused():
             lumen_of(tube, **changes)
     with pytest.raises(TypeError):
         lumen_of(tube, points=points[:, :2])
+    assert np.array_equal(lumen_of(tube, triangles=triangles.tolist()).triangles, triangles)
     with pytest.raises(vci.InputError, match="no such file"):
         vci.Lumen.read("nowhere.vtp", "nowhere.vtp")
 
@@ -175,6 +182,29 @@ def test_threads_run_on(vessel):
         counted += 1
     assert counted > 20  # had the workers held the interpreter, this thread would have counted once or twice
     assert np.array_equal(*found)
+
+
+def test_interrupt_ends_a_computation():
+    """Ctrl-C is heard within a run, not only at its end."""
+    fine = lumen_of(Tube(length=20, lesion_length=7, edge=0.3))
+    began = time.monotonic()
+    vci.deploy(fine, DEVICES, STEPS)
+    whole = time.monotonic() - began
+    timer = threading.Timer(0.2 * whole, signal.raise_signal, [signal.SIGINT])
+    began = time.monotonic()
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        vci.deploy(fine, DEVICES, STEPS)
+    assert time.monotonic() - began < 0.7 * whole
+
+
+def test_arguments_of_other_kinds(vessel):
+    """Tuples and numpy's numbers are taken as lists and numbers; objects that are neither are refused."""
+    once = vci.deploy(vessel, DEVICES, STEPS[:1])
+    numbers = {"b": dict(balloon(2.5, 8), length_mm=np.int64(8), nominal_diameter_mm=np.float64(2.5))}
+    assert np.array_equal(vci.deploy(vessel, numbers, tuple(STEPS[:1])).points, once.points)
+    with pytest.raises(TypeError, match="neither a number"):
+        vci.deploy(vessel, {"b": object()}, STEPS[:1])
 
 
 def test_without_the_compiled_module(tmp_path):
