@@ -9,7 +9,7 @@ SNAKEMAKE := /usr/bin/snakemake
 REPORT := results/report/index.html
 
 .DEFAULT_GOAL := study
-.PHONY: setup build validate study unlock test test-cpp test-python sanitize fuzz lint format clean help
+.PHONY: setup build validate study unlock test test-cpp test-python sanitize fuzz lint format docs clean help
 
 help: ## show this list
 	@grep -E '^[a-z-]+:.*##' Makefile | sed 's/:.*##/ -/'
@@ -66,6 +66,11 @@ lint: setup ## check formatting and run the linters
 format: setup ## format C++ and Python sources
 	git ls-files '*.cpp' '*.hpp' | xargs -r clang-format -i
 	black -q .
+
+docs: ## write the documentation as a site, build/site/index.html; installs Sphinx, MyST and furo if they are missing
+	@setup/install.sh packages-docs.txt
+	@sphinx-build -q -W --keep-going -c docs -b html . $(BUILD)/site
+	@echo "documentation: $(BUILD)/site/index.html"
 
 clean: ## remove what was built and computed
 	rm -rf $(BUILD) build-sanitize build-fuzz results .snakemake

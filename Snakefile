@@ -43,7 +43,7 @@ LUMEN = os.path.join(config.get("build", "build"), "lumen")
 
 wildcard_constraints:
     case="|".join(STUDY.cases),
-    state="pre|vci|rc|reference|ct|post",
+    state="pre|vci|rc|reference|ct|ct_pre|ct_vci|ct_rc|post",
     section="anatomy|deployment|flow|reference|ct|metrics",
 
 

@@ -1,4 +1,4 @@
-"""Command line: python3 -m anatomy plan|plan-picture|picture|ends|register|contours|ct|thin-contours."""
+"""Command line: python3 -m anatomy plan|carry-plan|plan-picture|picture|ends|register|contours|ct|thin-contours."""
 
 import argparse
 import pathlib
@@ -23,6 +23,13 @@ def _parser():
         "--devices", type=pathlib.Path, default=ROOT / "config" / "devices", help="folder of device families"
     )
     plan.add_argument("--out", type=pathlib.Path, required=True, help="plan.json to write")
+    carry = commands.add_parser(
+        "carry-plan", help="a plan for another reading of the same lumen: same devices and places"
+    )
+    carry.add_argument("plan", type=pathlib.Path, help="plan.json made by `anatomy plan`")
+    carry.add_argument("--from", dest="before", type=pathlib.Path, required=True, help="anatomy that it was made in")
+    carry.add_argument("--to", dest="after", type=pathlib.Path, required=True, help="anatomy of the other reading")
+    carry.add_argument("--out", type=pathlib.Path, required=True, help="plan.json to write")
     drawn = commands.add_parser("plan-picture", help="a plan's devices over the lumen along the branches they treat")
     drawn.add_argument("plan", type=pathlib.Path, help="plan.json made by `anatomy plan`")
     drawn.add_argument("--anatomy", type=pathlib.Path, required=True, help="folder made by `lumen process`")
@@ -155,6 +162,10 @@ def main(arguments=None):
         from .planning import plan
 
         plan.run(options.case, options.anatomy, options.devices, options.out)
+    elif options.command == "carry-plan":
+        from .planning import carry
+
+        carry.run(options.plan, options.before, options.after, options.out)
     elif options.command == "contours":
         _contours(options)
     elif options.command == "ct":

@@ -9,7 +9,7 @@ from common.yaml_reader import key_name
 
 
 class Document:
-    """Content (`data`) of a JSON file, or of one to be; values are addressed as in common.yaml_reader.Document."""
+    """Content (`data`) of a JSON file, or of one not yet written; addressed as common.yaml_reader.Document is."""
 
     def __init__(self, file, data):
         self.file, self.data = file, data

@@ -1,1 +1,1 @@
-"""Virtual patients with a known truth, and the post-PCI lumen that the method did not make."""
+"""Virtual patients with a known truth, and their lumen after PCI by an independent method."""

@@ -7,7 +7,7 @@ CHUNK = 200_000  # pairs tested at once; bounds the memory
 
 
 def crossing_pairs(points, triangles):
-    """Pairs (k, 2) of triangles that share no vertex and cross, sorted; empty for a surface free of itself.
+    """Pairs (k, 2) of triangles that share no vertex and cross, sorted; empty for a surface that does not cross itself.
 
     points (n, 3), triangles (m, 3). Two triangles cross when an edge of one pierces the other; coplanar overlap (of
     triangles of one flat cap) is not looked for. Neighbours that share a vertex and fold over it cross their further
@@ -17,7 +17,7 @@ def crossing_pairs(points, triangles):
     middle = corners.mean(axis=1)
     reach = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
     found = []
-    # Triangles by size: each looks for those not larger than itself, so that one long triangle costs no one else.
+    # Each triangle searches for those not larger than itself, so that a long one does not slow the others.
     tree, limit = cKDTree(middle), np.sort(reach)
     typical = limit[int(0.99 * (len(limit) - 1))]
     pairs = [tree.query_pairs(2 * typical, output_type="ndarray")]

@@ -9,7 +9,7 @@ from common import config, schema
 from common.errors import ComputationError, InputError
 from common.files import replacing
 
-from . import calibre, patient, tree
+from . import healthy_radius, patient, tree
 
 ARTERIES = {"lad": 0.5, "lcx": 0.22, "rca": 0.28}
 LENGTH_MM = {"lad": (65, 105), "lcx": (60, 85), "rca": (75, 110)}
@@ -108,7 +108,7 @@ def _sides(rng, main):
     for low, high in zip(stretch[:-1], stretch[1:]):
         s = _uniform(rng, low, high, 1)
         so_far = schema.with_defaults({"seed": 0, "main": main, "side_branches": found}, schema.read("vessel"))
-        parent = 2 * float(calibre.main_healthy_radius(so_far, s))
+        parent = 2 * float(healthy_radius.main_healthy_radius(so_far, s))
         diameter = round(float(np.clip(rng.uniform(0.38, 0.62) * parent, 1.2, 2.8)), 2)
         reach = min(_uniform(rng, 9, 22, 1), round(length - s - 4, 1))
         found.append(

@@ -5,7 +5,7 @@ import pathlib
 from common import config
 from common.errors import InputError
 
-from . import calibre, disease
+from . import healthy_radius, disease
 
 
 NARROWEST_MAIN_MM = 1.2  # of diameter, past the last side branch
@@ -38,7 +38,7 @@ def check(vessel, where):
         )
     radius = 0.5 * main["ostial_diameter_mm"]
     order = sorted(range(len(vessel["side_branches"])), key=lambda i: vessel["side_branches"][i]["s_mm"])
-    forks = calibre.bifurcations(vessel)
+    forks = healthy_radius.bifurcations(vessel)
     for rank, index in enumerate(order):
         side, key = vessel["side_branches"][index], f"side_branches[{index + 1}]"
         low, high = 2.5 * radius, main["length_mm"] - 4 * radius
@@ -79,10 +79,10 @@ def check(vessel, where):
             f"{left:.2f} mm left",
             f"at least {NARROWEST_MAIN_MM} mm: fewer or smaller branches, or less taper",
         )
-    _check_taper(main, 2 * calibre.main_healthy_radius(vessel, main["length_mm"]), "main", refuse)
+    _check_taper(main, 2 * healthy_radius.main_healthy_radius(vessel, main["length_mm"]), "main", refuse)
     for rank, index in enumerate(order):
         side = vessel["side_branches"][index]
-        end = 2 * calibre.side_healthy_radius(side, forks[rank], side["length_mm"])
+        end = 2 * healthy_radius.side_healthy_radius(side, forks[rank], side["length_mm"])
         _check_taper(side, end, f"side_branches[{index + 1}]", refuse)
     for index, lesion in enumerate(vessel["lesions"]):
         _check_lesion(vessel, lesion, f"lesions[{index + 1}]", refuse)
@@ -128,7 +128,7 @@ def _check_lesion(vessel, lesion, key, refuse):
     if lesion["branch"] == "main":
         length, margin = vessel["main"]["length_mm"], vessel["main"]["ostial_diameter_mm"]
     else:
-        side = calibre.ordered_sides(vessel)[int(lesion["branch"][4:]) - 1]
+        side = healthy_radius.ordered_sides(vessel)[int(lesion["branch"][4:]) - 1]
         length, margin = side["length_mm"], side["diameter_mm"]
     start, end = disease.extent(lesion)
     if start < margin or end > length - margin:

@@ -8,7 +8,7 @@ import numpy as np
 from common.errors import InputError
 from common.implicit.curves import SAMPLE_MM, Curve, integrate
 
-from . import calibre, disease
+from . import healthy_radius, disease
 
 HEART_CURVATURE = {"lad": 1 / 45, "lcx": 1 / 32, "rca": 1 / 26}
 # Bends alternate over about 15 mm: a narrow kernel less a wide one of the same integral, so that none grows to a loop.
@@ -120,7 +120,7 @@ def _side_axis(main, side, main_radius):
     # Straight to 3 mm past the main wall, then turns towards the main direction by at most 0.04 /mm down to 30 degrees.
     straight = main_radius / np.sin(angle) + 3.0
     turned = np.maximum(
-        angle - 0.04 * np.maximum(s - straight, 0) * calibre.smooth_step((s - straight) / 4), np.radians(30)
+        angle - 0.04 * np.maximum(s - straight, 0) * healthy_radius.smooth_step((s - straight) / 4), np.radians(30)
     )
     turned = np.minimum(turned, angle)
     direction = np.cos(turned)[:, None] * tangent + np.sin(turned)[:, None] * outward
@@ -206,17 +206,17 @@ def grow(vessel, where="vessel"):
     conflicts = collections.Counter()
     for _ in range(ATTEMPTS):
         axis = _random_axis(vessel, rng)
-        healthy = calibre.main_healthy_radius(vessel, axis.s_mm)
+        healthy = healthy_radius.main_healthy_radius(vessel, axis.s_mm)
         lesions = {"main": []}
         for lesion in vessel["lesions"]:
             lesions.setdefault(lesion["branch"], []).append(lesion)
         main = _diseased("main", "", 0.0, axis, healthy, lesions["main"], rng)
         branches = [main]
-        sides = zip(calibre.ordered_sides(vessel), calibre.bifurcations(vessel))
+        sides = zip(healthy_radius.ordered_sides(vessel), healthy_radius.bifurcations(vessel))
         for index, (side, fork) in enumerate(sides):
             name = f"side{index + 1}"
-            side_axis = _side_axis(axis, side, float(calibre.main_healthy_radius(vessel, side["s_mm"])))
-            radius = calibre.side_healthy_radius(side, fork, side_axis.s_mm)
+            side_axis = _side_axis(axis, side, float(healthy_radius.main_healthy_radius(vessel, side["s_mm"])))
+            radius = healthy_radius.side_healthy_radius(side, fork, side_axis.s_mm)
             s_main = float(main.axis.nearest(axis.point(np.array([side["s_mm"]])))[0])
             branches.append(_diseased(name, "main", s_main, side_axis, radius, lesions.get(name, []), rng))
         conflict = _conflict(branches)

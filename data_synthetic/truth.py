@@ -8,14 +8,14 @@ import numpy as np
 from common.errors import InputError
 from common.implicit.curves import Curve
 
-from . import calibre, disease, tree
+from . import healthy_radius, disease, tree
 
 SCHEMA = "vci-truth-1"
 
 
 def document(vessel, branches, rms_mm, vertices, triangles):
     """The JSON document: per branch its samples (mm), lesions with their true extent and stenosis, the wall."""
-    forks = calibre.bifurcations(vessel)
+    forks = healthy_radius.bifurcations(vessel)
     return {
         "schema": SCHEMA,
         "seed": vessel["seed"],

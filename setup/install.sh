@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
-# Installs the Debian packages of setup/packages.txt that are missing. Works as root and with sudo; does nothing, in well
-# under a second, where all are there.
+# Installs the Debian packages of setup/packages.txt, or of another list beside it, that are missing. Works as root and
+# with sudo; does nothing, in well under a second, where all are there.
+# Usage: install.sh [LIST]
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+list=${1:-packages.txt}
 
 fail() { # what, remedy
   printf 'setup failed: %s\n  remedy: %s\n' "$1" "$2" >&2
@@ -10,9 +12,9 @@ fail() { # what, remedy
 }
 
 command -v dpkg-query >/dev/null ||
-  fail "this is not a Debian system" "use Debian 12, or install what setup/packages.txt lists by other means and run 'make build'"
+  fail "this is not a Debian system" "use Debian 12, or install what setup/$list lists by other means and run 'make build'"
 
-mapfile -t wanted < <(sed 's/#.*//' "$here/packages.txt" | tr -s '[:space:]' '\n' | sed '/^$/d')
+mapfile -t wanted < <(sed 's/#.*//' "$here/$list" | tr -s '[:space:]' '\n' | sed '/^$/d')
 installed=$(dpkg-query -W -f '${db:Status-Status} ${Package}\n' "${wanted[@]}" 2>/dev/null | awk '$1 == "installed" {print $2}' || true)
 missing=()
 for package in "${wanted[@]}"; do

@@ -14,7 +14,8 @@ CENTRELINE_OPTIONS = {
     "proximal_s_mm": "--proximal-s",
     "rotation_deg": "--rotation",
 }
-IMAGED = ("pre", "reference")  # states with a CT volume; the state `ct` is the reference as it is seen there
+CT_STATES = ("ct", "ct_vci", "ct_rc")  # the reference as it is seen in CT, and predictions from the CT before it
+IMAGED = ("pre", "reference")  # states with a CT volume
 
 
 class Inputs:
@@ -30,7 +31,7 @@ class Inputs:
             return SURFACE_STATES + ("post",)
         if not self.has_reference(case):
             return SURFACE_STATES
-        return SYNTHETIC_STATES + (("ct",) if self.configuration.settings(case)["ct"]["enabled"] else ())
+        return SYNTHETIC_STATES + (CT_STATES if self.configuration.settings(case)["ct"]["enabled"] else ())
 
     def has_flow(self, case, state):
         """Whether the flow of a state is computed: not where only areas of `post` are compared."""
@@ -183,9 +184,9 @@ class Inputs:
 
     def state_lumen(self, wildcards):
         """The lumen that a state's anatomy step measures; that of `ct` is found in the CT of the reference, that of
-        `post` was brought into the frame of the lumen before."""
-        folder = f"{self.results}/cases/{wildcards.case}/{wildcards.state}"
-        return f"{folder}/reference/lumen.vtp" if wildcards.state == "ct" else f"{folder}/lumen.vtp"
+        `ct_pre` in the CT before, that of `post` was brought into the frame of the lumen before."""
+        folder = {"ct": "ct/reference", "ct_pre": "ct/pre"}.get(wildcards.state, wildcards.state)
+        return f"{self.results}/cases/{wildcards.case}/{folder}/lumen.vtp"
 
     def names(self, wildcards):
         """Where the ends of a state's lumen have their names from: the lumen before, or the registration on it."""

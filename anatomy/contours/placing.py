@@ -10,7 +10,7 @@ from . import rings
 from .tables import centroid
 
 FARTHEST_MM = 3.0  # by which landmarks may disagree along the line: a frame is picked to within two or three
-NEAREST_MM = 0.2  # of a landmark to the axis: nearer, half a voxel of the CT in its place turns it by a right angle
+NEAREST_MM = 0.2  # least distance of a landmark from the axis: nearer, half a voxel turns it by a right angle
 LARGEST_TURN_DEG = 45.0  # by which they may disagree about it: beyond, the tables are mirrored or the points mixed up
 
 
@@ -92,7 +92,7 @@ def on_line(pullback, line, landmark_points_mm=(), proximal_s_mm=None, rotation_
 
 
 def _axes(one, two, turn):
-    """Directions of the image's x and y: with z, which points against the tangent to the proximal end, right-handed."""
+    """Directions of the image's x and y. They are right-handed with z, which points against the tangent, proximally."""
     x = np.cos(turn) * one - np.sin(turn) * two
     y = -np.sin(turn) * one - np.cos(turn) * two
     return x, y

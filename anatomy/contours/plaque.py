@@ -48,7 +48,7 @@ def thickness(frames, ring_list, path, warnings):
 
 
 def healthy_wall_mm(distance, given="auto"):
-    """Thickness in mm of the wall that is no plaque: given, or the mean of the frame where the wall is thinnest.
+    """Thickness in mm of the healthy wall: given, or the mean of the frame where the wall is thinnest.
 
     At most THICKEST_HEALTHY_MM: a pull-back whose thinnest wall is thicker has no healthy frame. distance (frames, n)
     as `thickness` gives it.

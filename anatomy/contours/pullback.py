@@ -1,4 +1,4 @@
-"""A pull-back: its frames from distal to proximal with what was traced in each, and what is doubtful about them."""
+"""A pull-back: its frames from distal to proximal what was traced in each, and warnings."""
 
 from dataclasses import dataclass, field
 
@@ -8,8 +8,8 @@ from common.errors import InputError
 
 from . import tables
 
-SAME_Z_MM = 0.01  # of one frame in two tables: they may be rounded to two decimals
-SAME_PLACE_MM = 0.005  # of two frames; drawn back at 0.5 mm/s, those of 60 frames a second are 0.008 mm apart
+SAME_Z_MM = 0.01  # difference in z of one frame in two tables, which may be rounded to two decimals
+SAME_PLACE_MM = 0.005  # frames nearer are at one place; at 0.5 mm/s and 60 frames a second they are 0.008 mm apart
 FEWEST_FRAMES = 3  # two ends and what lies between them
 USUAL_GAP_MM = 2.0  # farther apart, the lumen between two frames is mostly interpolated
 

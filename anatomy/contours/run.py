@@ -1,4 +1,4 @@
-"""The command: from contour tables to a lumen with plaque, contours.json with what it rests on, and a picture."""
+"""The command: from contour tables to a lumen with plaque, the record contours.json, and a picture."""
 
 import pathlib
 import sys
@@ -60,7 +60,7 @@ def loft_of(pull, place):
 
 
 def _areas(pull, z_mm):
-    """Areas in mm2 at z: the outlines' own at the frames, between two frames between theirs."""
+    """Areas in mm2 at z: those of the outlines at the frames, monotone between them."""
     return rings.between(pull.z_mm, np.array([area_mm2(rings.smooth(frame.lumen)) for frame in pull.frames]))(z_mm)
 
 

@@ -11,7 +11,7 @@ from common.files import replacing
 
 MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 0.001}
 FEWEST_POINTS = 8  # of an outline: fewer do not tell a round lumen from a square one
-PLANE_MM = 0.01  # scatter of z within a frame: coordinates may be rounded to two decimals, or turned to and fro
+PLANE_MM = 0.01  # scatter of z within a frame: coordinates may be rounded to two decimals, or rotated and back
 WIDEST_MM = 15.0  # coronary arteries with ectasia stay below; image pixels do not
 LEAST_AREA_MM2 = 0.03  # a tenth of a millimetre in radius: below what the catheter itself takes up
 
@@ -127,7 +127,7 @@ def _crossing(points):
     """A place (2,) where two edges of the closed outline cross, or None."""
     begin, along = points, np.roll(points, -1, axis=0) - points
 
-    def side(i, j):  # of the begin of edge j to edge i, as (n, n)
+    def side(i, j):  # (n, n): on which side of edge i edge j begins
         return along[i, 0] * (points[j, 1] - begin[i, 1]) - along[i, 1] * (points[j, 0] - begin[i, 0])
 
     n = len(points)

@@ -18,7 +18,7 @@ USUAL_SIGMA_MM = 0.315  # at which that window was chosen
 WALL_TRUST, HEALTHY_WALL_HU = 0.75, 50.0
 WALL_SHARE = 0.45  # tissue beside the lumen is at most this share of the blood: calcium and metal are not tissue
 BRIGHT, BRIGHT_REACH_MM, STENT_SHARE = 1.15, 3.0, 0.5
-BESIDE_MM = 0.5  # past a stent's end: what metal the blur brings in there, the filter along the axis would spread
+BESIDE_MM = 0.5  # past a stent's end: the filter along the axis would spread the metal that the blur shows there
 OUTLIER = 1.35  # rays longer than this times the section's usual radius run into a side branch or a neighbour
 FILTER_MM = 2.25  # window of the cubic filter along the axis; bias-free for lesions longer than about 4 mm
 HARMONICS = 4
@@ -69,7 +69,7 @@ def first_fall(hu, r_mm, level, start_mm=0.0):
     low = np.take_along_axis(hu, k[..., None] + 1, 2)[..., 0]
     share = (high - level) / np.where(high > low, high - low, 1.0)
     radius = r_mm[k] + share * (r_mm[1] - r_mm[0])
-    # An axis that is itself below the level has its edge at nothing.
+    # Where the axis itself is below the level, the radius is 0.
     return np.where(found, radius, np.where(hu[:, :, 0] < level, 0.0, np.nan))
 
 
@@ -88,7 +88,7 @@ def bright(profiles, blood):
 
 
 def beside(stent, s_mm):
-    """Sections (n,) bool within a stent or so near its ends, BESIDE_MM, that the blur brings its metal in."""
+    """Sections (n,) bool within a stent, or within BESIDE_MM of its ends, where the blur still shows its metal."""
     reach = int(round(BESIDE_MM / (s_mm[1] - s_mm[0])))
     return uniform_filter1d(stent.astype(float), 2 * reach + 1, mode="nearest") > 0.5 / (2 * reach + 1)
 

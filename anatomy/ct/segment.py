@@ -1,4 +1,4 @@
-"""From a CT volume and the vessels' end points to a closed lumen, with what was doubtful said."""
+"""From a CT volume and the vessels' end points to a closed lumen, with warnings."""
 
 import json
 import pathlib

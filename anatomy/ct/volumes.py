@@ -11,8 +11,8 @@ from common.errors import InputError
 from common.volume import Image
 
 SKEW = 1e-3  # cosine between two voxel axes: 0.2 mm over a heart; a tilted gantry's are far above it
-UNEVEN = 0.25  # of the slices' distance, by which one may lie off its even place: positions rounded to 0.1 mm do less
-SAME_PLACE_MM, ALIKE = 1e-3, 1e-3  # of two images; of directions, mm and pixels: what rounding in a header makes
+UNEVEN = 0.25  # of the slices' distance: a slice may lie so far off its place; rounding to 0.1 mm does less
+SAME_PLACE_MM, ALIKE = 1e-3, 1e-3  # differences by rounding in a header: of places; of directions and sizes
 FEWEST_SLICES = 10  # of a series that can hold a vessel: scouts and dose reports have fewer
 AIR_AND_FAT_HU = 0.0  # a hundredth of the voxels round any heart are below water
 FRAMES = "right-anterior-superior for NIfTI, left-posterior-superior for DICOM: x and y change sign between them"

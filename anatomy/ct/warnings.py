@@ -1,4 +1,4 @@
-"""What in a segmentation is not to be trusted, and where."""
+"""Warnings: which parts of a segmentation are not to be trusted."""
 
 import numpy as np
 from scipy.spatial import cKDTree

@@ -21,7 +21,7 @@ ALIKE_PERCENT = 5  # of the diameter by which a landing zone may differ from the
 EDGE_MM = 1.5  # least distance of a device from the ends of its branch: nearer, sections meet the cap
 OVERLAP_MM = 2.5  # of two stents in a row, so that no gap is left between them
 STEP_MM = 0.5
-MOST_STENTS = 3  # of 38 mm they cover 109 mm, a whole anterior descending artery: more is the operator's decision
+MOST_STENTS = 3  # three of 38 mm cover a whole left anterior descending artery; more is the operator's decision
 
 
 @dataclasses.dataclass

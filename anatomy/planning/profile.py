@@ -1,4 +1,4 @@
-"""The lumen along one branch as a planner looks at it: diameter, healthy reference, side branches' mouths."""
+"""The lumen along one branch as a plan needs it: diameter, healthy reference, side branches' mouths."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from common.errors import InputError
 
 REFERENCE_MM = 2.0  # length beyond a device's end over which its reference lumen is averaged
 LANDING_MM = 0.5  # to both sides of a stent's end that its landing zone reaches
-NORMAL = (0.85, 1.05)  # lumen over the vessel's reference within which it tells the vessel's size
+NORMAL = (0.85, 1.05)  # of the vessel's reference: a lumen within this range shows the vessel's size
 
 
 class Profile:

@@ -1,4 +1,4 @@
-"""What a reader of a proposed plan should know: what it leaves, and where it could not follow its own rules."""
+"""Remarks on a proposed plan: disease that it leaves, and places where it could not follow its rules."""
 
 import numpy as np
 
@@ -6,8 +6,8 @@ from . import landing, targets
 
 WIDE_BRANCH_MM = 2.0  # diameter from which a side branch under a stent is usually looked after
 TOLERANCE_MM = 0.05
-LANDING_PERCENT = 15  # difference of a landing zone from the reference, by diameter, from which it is said
-DIFFUSE_PERCENT, DIFFUSE_MM = 10, 5.0  # narrowing that is left beside a stent, and its length, from which it is said
+LANDING_PERCENT = 15  # difference of a landing zone from the reference, by diameter, from which a remark is made
+DIFFUSE_PERCENT, DIFFUSE_MM = 10, 5.0  # narrowing left beside a stent, and its length, from which a remark is made
 
 
 def of_proposal(summary, proposal):

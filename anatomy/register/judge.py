@@ -9,32 +9,34 @@ from . import search
 from .tree import Line, Tree
 
 LEAST_SHARE = 0.6  # of both lumens' axes on each other: right pairs with a third cut off have 0.8, other vessels 0.55
-LARGEST_RESIDUAL = 0.3  # calibres: right pairs have 0.01 to 0.05 with noise or a stent; of another vessel 0.48 was seen
-WITH_LANDMARKS = 0.6  # calibres, where the user says what belongs together
-LARGEST_MISS = 1.0  # calibres that landmarks may be off
+LARGEST_RESIDUAL = (
+    0.3  # of the usual radius: right pairs have 0.01 to 0.05 with noise or a stent; of another vessel 0.48 was seen
+)
+WITH_LANDMARKS = 0.6  # of the usual radius, where the user says what belongs together
+LARGEST_MISS = 1.0  # of the usual radius, that landmarks may be off
 LANDMARKS = "give `registration: landmarks`, places that are seen in both lumens"
 
 
 def shares(target, tree, placement):
-    """(of both lumens' axes, of the one that lies more on the other): shares within a calibre of the other's axes."""
+    """Shares of the axes within the usual radius of the other's: (of both lumens, of the one that lies more on it)."""
     moved = placement.apply(tree.points)
     _, to_pre, _ = target.offsets(moved)
     to_post, _ = cKDTree(moved).query(target.points)
-    near_post, near_pre = to_pre < target.calibre, to_post < target.calibre
+    near_post, near_pre = to_pre < target.usual_radius_mm, to_post < target.usual_radius_mm
     return float(np.concatenate([near_post, near_pre]).mean()), float(max(near_post.mean(), near_pre.mean()))
 
 
 def check_fit(where, target, tree, found, match, landmarks):
     """Raises InputError for a placement that does not fit, or one of several that fit alike."""
-    calibre = f"{match.calibre_mm:.2f} mm, the vessel's usual radius"
+    radius = f"{match.usual_radius_mm:.2f} mm, the vessel's usual radius"
     both, contained = shares(target, tree, found.placement)
     marked = len(landmarks[0]) > 0
     misses = landmark_misses(found.placement, landmarks)
-    if marked and misses.max() > LARGEST_MISS * match.calibre_mm:
+    if marked and misses.max() > LARGEST_MISS * match.usual_radius_mm:
         raise InputError(
             "a landmark does not fit",
             f"{where}: landmark {1 + int(misses.argmax())}",
-            f"{misses.max():.2f} mm off, at most {calibre}",
+            f"{misses.max():.2f} mm off, at most {radius}",
             "correct its place in the one lumen or the other",
         )
     share, of = (contained, "the shorter lumen's axes") if marked else (both, "both lumens' axes")
@@ -42,12 +44,12 @@ def check_fit(where, target, tree, found, match, landmarks):
         raise InputError(
             "the lumen after the procedure does not fit on the one before",
             where,
-            f"{100 * share:.0f} % of {of} lie on the other's, {100 * LEAST_SHARE:.0f} % are wanted (within {calibre})",
+            f"{100 * share:.0f} % of {of} lie on the other's, {100 * LEAST_SHARE:.0f} % are wanted (within {radius})",
             "is it the same vessel, with the right units and inlet? Cut what only one of them has, or " + LANDMARKS,
         )
     largest = WITH_LANDMARKS if marked else LARGEST_RESIDUAL
-    if match.trimmed_mm > largest * match.calibre_mm:
-        value = f"residual {match.trimmed_mm:.2f} mm (without the worst fifth), at most {largest:g} of {calibre}"
+    if match.trimmed_mm > largest * match.usual_radius_mm:
+        value = f"residual {match.trimmed_mm:.2f} mm (without the worst fifth), at most {largest:g} of {radius}"
         raise InputError(
             "the lumen after the procedure does not fit on the one before",
             where,

@@ -1,4 +1,4 @@
-"""What of the lumen after the procedure is what before it: branches by place, shared stretches, residuals."""
+"""Which branch of the lumen after the procedure is which one before it: names, shared stretches, residuals."""
 
 import dataclasses
 
@@ -13,14 +13,15 @@ KEPT = 0.8  # of the shared samples: a fifth, the worst, is left out of the resi
 class Match:
     """names: {branch of the post lumen: branch before, or a new name}; missing: branches before without one after;
     new: {new name: branch of the post lumen}; shared: {branch before: (first, last s_mm) that the post lumen covers};
-    residual_mm: (n,) distances of the shared samples from the axes before; calibre_mm: usual radius there, before."""
+    residual_mm: (n,) distances of the shared samples from the axes before; usual_radius_mm: usual radius there, before.
+    """
 
     names: dict
     missing: list
     new: dict
     shared: dict
     residual_mm: np.ndarray
-    calibre_mm: float
+    usual_radius_mm: float
 
     @property
     def trimmed_mm(self):
@@ -37,10 +38,10 @@ class Match:
 def matched(target, tree, placement):
     """The Match of a placed Tree with a Target.
 
-    An end belongs to the branch on which the way to it leaves the axes before (by more than a usual radius); of two on
+    An end belongs to the branch on which its route leaves the axes before (by more than a usual radius); of two on
     the same branch the one that follows it further has its name, the other is new.
     """
-    claims = {name: _claim(target, way, placement) for name, way in tree.ways.items()}
+    claims = {name: _claim(target, route, placement) for name, route in tree.routes.items()}
     names, new = {}, {}
     for name, (branch, reach) in sorted(claims.items(), key=lambda item: (-item[1][1], item[0] != "main", item[0])):
         if branch is not None and branch not in names.values():
@@ -66,22 +67,22 @@ def matched(target, tree, placement):
             reached[str(branch)] = min(first, float(s)), max(last, float(s))
     shared = {branch: reached[branch] for branch in target.tree.branches if branch in reached}
     residual = np.concatenate(residuals)
-    calibre = float(np.median(np.concatenate(radii))) if len(residual) else target.calibre
-    return Match(names, missing, new, shared, residual, calibre)
+    usual_radius = float(np.median(np.concatenate(radii))) if len(residual) else target.usual_radius_mm
+    return Match(names, missing, new, shared, residual, usual_radius)
 
 
-def _claim(target, way, placement):
-    """(branch before, s_mm on it) of the last sample of a way that lies on the axes before; (None, -1) without one."""
-    _, distance, nearest = target.offsets(placement.apply(way.points))
-    on = np.flatnonzero(distance < target.calibre)
+def _claim(target, route, placement):
+    """(branch before, s_mm on it) of a route's last sample that lies on the axes before; (None, -1) without one."""
+    _, distance, nearest = target.offsets(placement.apply(route.points))
+    on = np.flatnonzero(distance < target.usual_radius_mm)
     if not on.size:
         return None, -1.0
     return str(target.names[nearest[on[-1]]]), float(_s_mm(target, nearest[on[-1]])[0])
 
 
 def _with_parents(target, name):
-    """The branch of that name before and those that the way to it runs through; none for a new name."""
-    return sorted(set(target.tree.ways[name].branch)) if name in target.tree.ways else []
+    """The branch of that name before and those that the route to it runs through; none for a new name."""
+    return sorted(set(target.tree.routes[name].branch)) if name in target.tree.routes else []
 
 
 def _s_mm(target, samples):

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from .tree import STEP_MM
 
-SCALE = 0.25  # calibres: residuals well above it hardly pull, as those of a stretch that a stent has straightened
+SCALE = 0.25  # of the usual radius: larger residuals hardly pull, such as those of a stretch that a stent straightened
 RADIUS_WEIGHT = 0.5  # of a difference of radii against one of places: it says where along a straight vessel one is
 
 
@@ -31,10 +31,10 @@ class Placement:
 
 
 class Target:
-    """The axes of a Tree, ready for questions of what is near; `calibre`: its usual radius in mm."""
+    """The axes of a Tree with a search for the nearest sample, and with its usual radius."""
 
     def __init__(self, tree):
-        self.tree, self.calibre = tree, tree.calibre_mm
+        self.tree, self.usual_radius_mm = tree, tree.usual_radius_mm
         self.points, self.radius, self.names = tree.points, tree.radius, tree.names
         tangents = [np.gradient(line.points, axis=0) for line in tree.branches.values()]
         self.tangents = np.concatenate([t / np.linalg.norm(t, axis=1, keepdims=True) for t in tangents])
@@ -60,11 +60,11 @@ def fitted(post, pre, weights=None):
 
 
 def cost(target, tree, placement):
-    """Mean over both lumens' axes of min((distance / calibre)^2, 1): 0 where they are one, 1 where nothing is near."""
+    """Mean over both lumens' axes of min((distance / usual radius)^2, 1): 0 where they coincide, 1 where far apart."""
     moved = placement.apply(tree.points)
     _, to_pre, _ = target.offsets(moved)
     to_post, _ = cKDTree(moved).query(target.points)
-    return float(np.mean(np.minimum(np.concatenate([to_pre, to_post]) / target.calibre, 1.0) ** 2))
+    return float(np.mean(np.minimum(np.concatenate([to_pre, to_post]) / target.usual_radius_mm, 1.0) ** 2))
 
 
 def refined(target, tree, start, landmarks):
@@ -76,16 +76,16 @@ def refined(target, tree, start, landmarks):
     weight = np.sqrt(len(points) / max(len(landmarks[0]), 1))
 
     def placed(move):
-        rotation = Rotation.from_rotvec(move[:3] / target.calibre) * start.rotation
+        rotation = Rotation.from_rotvec(move[:3] / target.usual_radius_mm) * start.rotation
         return Placement(rotation, start.apply(middle[None])[0] + move[3:] - rotation.apply(middle))
 
     def residuals(move):
         placement = placed(move)
         across, distance, nearest = target.offsets(placement.apply(points))
-        calibres = RADIUS_WEIGHT * (radius - target.radius[nearest])
-        near = distance < 2 * target.calibre
+        radii = RADIUS_WEIGHT * (radius - target.radius[nearest])
+        near = distance < 2 * target.usual_radius_mm
         marks = weight * (placement.apply(landmarks[1]) - landmarks[0]) if len(landmarks[0]) else np.zeros(0)
-        return np.concatenate([(across * near[:, None]).ravel(), calibres * near, marks.ravel()]) / target.calibre
+        return np.concatenate([(across * near[:, None]).ravel(), radii * near, marks.ravel()]) / target.usual_radius_mm
 
     found = least_squares(residuals, np.zeros(6), loss="cauchy", f_scale=SCALE, diff_step=1e-4, max_nfev=60)
     return placed(found.x)

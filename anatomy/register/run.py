@@ -69,7 +69,7 @@ def document(target, post, found, match, landmarks, compare):
             "rms": float(np.sqrt(np.mean(residual**2))),
             "largest": float(residual.max()),
         },
-        "usual_radius_mm": match.calibre_mm,
+        "usual_radius_mm": match.usual_radius_mm,
         "landmarks_off_mm": judge.landmark_misses(placement, landmarks).tolist(),
         "shared": {branch: {"s_start_mm": a, "s_end_mm": b} for branch, (a, b) in match.shared.items()},
         "share_of_both": both,

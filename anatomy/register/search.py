@@ -1,14 +1,14 @@
-"""Which placement of the lumen after the procedure: all ways and offsets are tried, the best ones refined."""
+"""Searches the placement of the lumen after the procedure: tries all routes and offsets, and refines the best ones."""
 
 import numpy as np
 
 from .placement import Target, cost, fitted, refined
 
-LEAST_SHARED = 0.5  # of the shorter way: below it two stretches that look alike are no evidence
+LEAST_SHARED = 0.5  # of the shorter route: below it two stretches that look alike are no evidence
 TRIED = 12  # placements that are refined
 REWEIGHTED = 3  # times, after the first fit of two stretches
 ALIKE = 0.1  # of the cost (0 to 1): placements that differ by less are equally good
-DISTINCT = 1.0  # calibres: the mean distance between two placements of the lumen from which on they are two
+DISTINCT = 1.0  # of the usual radius: the mean distance between two placements of the lumen from which on they are two
 
 
 class Found:
@@ -16,7 +16,7 @@ class Found:
 
     def __init__(self, ranked, target, tree):
         self.cost, self.placement = ranked[0]
-        far = DISTINCT * target.calibre
+        far = DISTINCT * target.usual_radius_mm
         others = [(c, p) for c, p in ranked[1:] if p.apart_mm(self.placement, tree.points) > far]
         self.rival_cost, self.rival = others[0] if others else (None, None)
 
@@ -24,8 +24,8 @@ class Found:
 def best(pre, post, landmarks):
     """Found for two Trees. landmarks: (pre (m, 3), post (m, 3)).
 
-    Three landmarks that are not in one line decide alone. Else every way from the inlet to an end of the one is laid
-    on every way of the other, at every offset along it; the best dozen are refined with all branches.
+    Three landmarks that are not in one line decide alone. Else every route from the inlet to an end of the one is laid
+    on every route of the other, at every offset along it; the best dozen are refined with all branches.
     """
     target = Target(pre)
     if spans_a_plane(landmarks[1]):
@@ -47,29 +47,29 @@ def spans_a_plane(points):
 
 
 def off(landmarks, placement, target):
-    """Mean distance of the landmarks in calibres; 0 without any."""
+    """Mean distance of the landmarks in usual radii; 0 without any."""
     pre, post = landmarks
     if not len(pre):
         return 0.0
-    return float(np.linalg.norm(placement.apply(post) - pre, axis=1).mean()) / target.calibre
+    return float(np.linalg.norm(placement.apply(post) - pre, axis=1).mean()) / target.usual_radius_mm
 
 
 def candidates(pre, post, landmarks):
-    """(misfit, Placement) of every pair of ways at every offset; misfit as `cost`, of these two ways alone."""
-    calibre = pre.calibre_mm
-    for way in pre.ways.values():
-        for other in post.ways.values():
-            n, m = len(way.points), len(other.points)
+    """(misfit, Placement) of every pair of routes at every offset; misfit as `cost`, of these two routes alone."""
+    usual_radius = pre.usual_radius_mm
+    for route in pre.routes.values():
+        for other in post.routes.values():
+            n, m = len(route.points), len(other.points)
             least = int(LEAST_SHARED * min(n, m))
-            for offset in range(least - m, n - least + 1):  # sample k of `other` beside sample k + offset of `way`
+            for offset in range(least - m, n - least + 1):  # sample k of `other` beside sample k + offset of `route`
                 start, end = max(0, offset), min(n, m + offset)
                 yield stretch(
-                    way.points[start:end], other.points[start - offset : end - offset], n, m, calibre, landmarks
+                    route.points[start:end], other.points[start - offset : end - offset], n, m, usual_radius, landmarks
                 )
 
 
-def stretch(pre, post, n, m, calibre, landmarks):
-    """(misfit, Placement) of two stretches of ways with n and m samples, sample by sample."""
+def stretch(pre, post, n, m, usual_radius, landmarks):
+    """(misfit, Placement) of two stretches of routes with n and m samples, sample by sample."""
     marks = len(landmarks[0])
     first = np.concatenate([pre, landmarks[0]])
     second = np.concatenate([post, landmarks[1]])
@@ -78,7 +78,7 @@ def stretch(pre, post, n, m, calibre, landmarks):
     own = weights.copy()
     for _ in range(1 + REWEIGHTED):
         placement = fitted(second, first, weights)
-        squared = np.sum((placement.apply(second) - first) ** 2, axis=1) / calibre**2
+        squared = np.sum((placement.apply(second) - first) ** 2, axis=1) / usual_radius**2
         weights = own / (1.0 + 4.0 * squared) ** 2
     near = 2.0 * np.minimum(squared[: len(pre)], 1.0).sum()
     missing = n + m - 2 * len(pre)
@@ -86,10 +86,10 @@ def stretch(pre, post, n, m, calibre, landmarks):
 
 
 def distinct(starts, target, tree):
-    """The first TRIED of the sorted (misfit, Placement) that differ by more than half a calibre from those before."""
+    """The first TRIED of the sorted (misfit, Placement) that differ from those before by over half the usual radius."""
     kept = []
     for misfit, start in starts:
-        if all(start.apart_mm(other, tree.points) > 0.5 * target.calibre for _, other in kept):
+        if all(start.apart_mm(other, tree.points) > 0.5 * target.usual_radius_mm for _, other in kept):
             kept.append((misfit, start))
             if len(kept) == TRIED:
                 break

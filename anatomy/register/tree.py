@@ -24,10 +24,10 @@ class Line:
 
 @dataclasses.dataclass(frozen=True)
 class Tree:
-    """The axes of a lumen. branches: {name: Line}; ways: {name of the branch at its end: Line from the inlet on}."""
+    """The axes of a lumen. branches: {name: Line}; routes: {name of the branch at its end: Line from the inlet on}."""
 
     branches: dict
-    ways: dict
+    routes: dict
     summary: dict
     source: str
 
@@ -47,7 +47,7 @@ class Tree:
         return np.concatenate([line.branch for line in self.branches.values()])
 
     @property
-    def calibre_mm(self):
+    def usual_radius_mm(self):
         """The usual inscribed radius of the main vessel: the measure of what is far."""
         return float(np.median(self.branches["main"].radius))
 
@@ -59,14 +59,14 @@ def read(folder):
     poly = vtp.read(folder / "centreline.vtp", "run `lumen process` again")
     names = poly.GetCellData().GetAbstractArray("branch_name")
     s, radius = (vtk_to_numpy(poly.GetPointData().GetArray(key)).astype(float) for key in ("s_mm", "radius_mm"))
-    points, branches, ways = vtp.points(poly), {}, {}
+    points, branches, routes = vtp.points(poly), {}, {}
     for cell, rows in enumerate(vtp.lines(poly)):
         name = str(names.GetValue(cell))
         branches[name] = _resampled(name, s[rows], points[rows], radius[rows])
     parents = {branch["name"]: (branch["parent"], branch["s_on_parent_mm"]) for branch in summary["branches"]}
     for name in branches:
-        ways[name] = _way(name, branches, parents)
-    return Tree(branches, ways, summary, str(folder))
+        routes[name] = _route(name, branches, parents)
+    return Tree(branches, routes, summary, str(folder))
 
 
 def _resampled(name, s, points, radius):
@@ -76,7 +76,7 @@ def _resampled(name, s, points, radius):
     return Line(placed, np.interp(at, s, radius), np.full(count, name))
 
 
-def _way(name, branches, parents):
+def _route(name, branches, parents):
     """From the inlet through the parents to the branch's end."""
     pieces, upto = [], None
     while name is not None:

@@ -44,7 +44,7 @@ def _nearest_ends(edges, height):
 
 
 def _on_rim(field, points, centre, normal):
-    """Points (n, 3) moved onto the wall and the plane, by turns; the plane has the last word."""
+    """Points (n, 3) moved onto the wall and the plane, in turns, the plane last."""
     for _ in range(RIM_PASSES):
         points = field.project(points, 1)
         points = points - ((points - centre) @ normal)[:, None] * normal

@@ -19,7 +19,7 @@ from .surface import deformation, output, refine, straightening
 from .treatment import devices
 
 ON_WALL_MM = 0.05
-LEAST_ON_WALL = 0.8  # of the lumen's points; in those of generate and of the anatomy step 0.94 to 0.98, rest on caps
+LEAST_ON_WALL = 0.8  # share of the lumen's points: usually 0.94 to 0.98, the others lie on caps
 
 
 def load_settings(path):
@@ -41,7 +41,7 @@ def patient_and_steps(scene, scene_path, truth_path):
 def run(scene_path, anatomy, truth_path, out, settings_path=None):
     """Writes `out`/{lumen.vtp, lumen.stl, reference.json}. Raises InputError, ComputationError."""
     begun = time.perf_counter()
-    logging.disable(logging.INFO)  # the form compiler's commands are no progress of ours
+    logging.disable(logging.INFO)  # hides the form compiler's messages
     scene, settings = load_scene(scene_path), load_settings(settings_path)
     patient, steps = patient_and_steps(scene, scene_path, truth_path)
     branch, branches = patient.branch, patient.branches

@@ -12,14 +12,15 @@ PANELS = (
 )
 GRID = np.linspace(0.0, 1.0, 101)  # relative positions at which patients are averaged
 FEWEST_FOR_BAND = 3
-ROW_HEIGHT, LEGEND_HEIGHT = 3.0, 0.4  # inches
+ROW_HEIGHT, LEGEND_ROW, LEGEND_MARGIN = 3.0, 0.2, 0.2  # inches
 
 
 def differences_figure(documents, folder):
     """Writes differences.{svg,png}: a row for each lumen after PCI that predictions are compared with."""
     pairs = compared(documents)
     truths = list(dict.fromkeys(b for _, b, _ in pairs))
-    height = ROW_HEIGHT * len(truths) + LEGEND_HEIGHT
+    legend_height = LEGEND_MARGIN + LEGEND_ROW * -(-len({a for a, _, _ in pairs}) // 2)
+    height = ROW_HEIGHT * len(truths) + legend_height
     figure, grid = plt.subplots(len(truths), 2, figsize=(11.0, height), squeeze=False, sharex=True, sharey="col")
     for row, truth in zip(grid, truths):
         for axes, (column, title, unit) in zip(row, PANELS):
@@ -31,7 +32,7 @@ def differences_figure(documents, folder):
         axes.set_xlabel("relative position along the segment (0 proximal, 1 distal)")
     legend = {label: line for row in grid for line, label in zip(*row[0].get_legend_handles_labels())}
     figure.legend(legend.values(), legend.keys(), loc="lower center", ncol=2)
-    figure.get_layout_engine().set(rect=(0, LEGEND_HEIGHT / height, 1, 1 - LEGEND_HEIGHT / height))
+    figure.get_layout_engine().set(rect=(0, legend_height / height, 1, 1 - legend_height / height))
     save(figure, folder, "differences")
 
 

@@ -7,6 +7,7 @@ from matplotlib.colors import Normalize
 from scipy.spatial import cKDTree
 
 from reports.figures.style import LABELS, save
+from reports.inputs.case_files import pictured
 from reports.inputs.reading import read_table
 from reports.measuring.profiles import PULLBACK_NUMBERS
 from reports.inputs.surface import read_device, read_lumen
@@ -23,7 +24,7 @@ SCALE_BAR_MM = 10.0
 
 def lumen_figure(files, metrics, folder):
     """One panel a state, same view and scale: the lumen coloured by FFR, the devices inside the predicted one."""
-    states = list(metrics["states"])
+    states = pictured(metrics["states"])
     surfaces = {state: read_lumen(files.lumen(state), MOST_TRIANGLES) for state in states}
     values = {state: nearest_ffr(files, state, surfaces[state].points) for state in states if files.has_flow(state)}
     scale = Normalize(min(0.8, min(v.min() for v in values.values())), 1.0)

@@ -13,6 +13,8 @@ COLOURS = {
     "rc": "#d97b00",
     "reference": "#009e73",
     "ct": "#a3478f",
+    "ct_vci": "#56b4e9",
+    "ct_rc": "#e0a94a",
     "post": "#111111",
 }
 COLOURS["measured"] = "#b0413e"  # the pressure wire's reading: a mark, not a curve
@@ -22,6 +24,8 @@ DASHES = {
     "rc": (0, (1.2, 1.2)),
     "reference": (0, (6, 1.5, 1.2, 1.5)),
     "ct": (0, (3, 1)),
+    "ct_vci": (0, (2, 1)),
+    "ct_rc": (0, (1, 1.5)),
     "post": (0, (8, 1.5)),
 }
 LABELS = {
@@ -30,12 +34,19 @@ LABELS = {
     "rc": "Radius correction",
     "reference": "Reference (finite elements)",
     "ct": "CT of the reference",
+    "ct_vci": "VCI from the CT before",
+    "ct_rc": "Radius correction from the CT before",
     "post": "After the real PCI",
     "measured": "Pressure wire",
 }
 SHORT = {"pre": "before", "vci": "VCI", "rc": "radius", "reference": "reference", "ct": "CT", "post": "after PCI"}
-SHORT["measured"] = "wire"
-ERRORS = {"method": "Method", "imaging": "Imaging", "clinical": "As a clinical study sees it"}
+SHORT |= {"ct_vci": "VCI, CT", "ct_rc": "radius, CT", "measured": "wire"}
+ERRORS = {
+    "method": "Method",
+    "imaging_before": "Imaging before",
+    "imaging_after": "Imaging after",
+    "clinical": "All together (clinical)",
+}
 ERRORS["measured"] = "Computed minus measured"
 SEGMENT_COLOUR = "#f2efe6"
 

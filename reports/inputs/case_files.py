@@ -6,8 +6,17 @@ import pathlib
 from common.errors import InputError
 from reports.inputs.reading import entry, read_json
 
-# ct: the reference as it is found in its CT; post: the lumen found after the real procedure
-STATES = ("pre", "vci", "rc", "reference", "ct", "post")
+# ct: the reference as it is found in its CT; ct_vci, ct_rc: predictions from the lumen found in the CT before the
+# procedure; post: the lumen found after the real procedure
+STATES = ("pre", "vci", "rc", "reference", "ct", "ct_vci", "ct_rc", "post")
+PREDICTED_FROM_CT = ("ct_vci", "ct_rc")
+
+
+def pictured(states):
+    """The states that are shown in three dimensions: predictions from CT look like those from the true lumen."""
+    return [state for state in states if state not in PREDICTED_FROM_CT]
+
+
 IMAGED = ("pre", "reference")  # states of which there may be a CT volume
 
 

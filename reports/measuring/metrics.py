@@ -19,15 +19,18 @@ DEFAULT_MARGIN_MM = 2.0
 DEFAULT_STATIONS = 101
 FEWEST_STATIONS = 50
 LEAST_COVERAGE = 0.5  # of the stations; with fewer the mean is no longer the segment's
-# a minus b, and which error that is: of the method (against the truth), of imaging (the truth seen in CT against the
-# truth), or both at once, as a clinical study sees the method (against the CT of the truth, or the lumen found after
-# the real procedure), or of the computed flow (against a pressure wire, at the place of its sensor)
+# a minus b, and which error that is: of the method (against the truth), of imaging before the procedure (predicted from
+# the lumen found in CT, against predicted from the true one), of imaging after it (the truth seen in CT against the
+# truth), all together, as a clinical study sees them (predicted from the CT before, against the CT after or the lumen
+# found after the real procedure), or of the computed flow (against a pressure wire, at the place of its sensor)
 COMPARISONS = (
     ("vci", "reference", "method"),
     ("rc", "reference", "method"),
-    ("ct", "reference", "imaging"),
-    ("vci", "ct", "clinical"),
-    ("rc", "ct", "clinical"),
+    ("ct_vci", "vci", "imaging_before"),
+    ("ct_rc", "rc", "imaging_before"),
+    ("ct", "reference", "imaging_after"),
+    ("ct_vci", "ct", "clinical"),
+    ("ct_rc", "ct", "clinical"),
     ("vci", "post", "clinical"),
     ("rc", "post", "clinical"),
     ("pre", MEASURED, "measured"),

@@ -4,6 +4,7 @@ import json
 
 from reports.study.cohort import describe_device, describe_procedure
 from reports.measuring.measured import wire_pair
+from reports.inputs.case_files import pictured
 from reports.page.assets import image_uri
 from reports.page.geometry import viewer_data
 from reports.measuring.profiles import error_of
@@ -66,6 +67,7 @@ def case_context(files, figures_dir):
         "curves": [{"uri": image_uri(figures_dir / f"{files.case}_{name}.svg"), "alt": text} for name, text in CURVES],
         "wire": wire_rows(metrics),
         "viewer": viewer_data(files, metrics),
+        "pictured": pictured(metrics["states"]),
     }
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from reports.figures.lumen import nearest_ffr, view_axes
+from reports.inputs.case_files import pictured
 from reports.inputs.reading import read_table
 from reports.inputs.surface import read_device, read_lumen
 
@@ -22,7 +23,7 @@ def viewer_data(files, metrics):
     `bounds` and `view` (axes of the first look, as rows) are common to all states; per state: points, triangles, and
     at each point FFR, diameter (mm) and area (mm2) of the nearest place of the axis; devices belong to state `vci`.
     """
-    states = list(metrics["states"])
+    states = pictured(metrics["states"])
     lumens = {state: read_lumen(files.lumen(state), MOST_TRIANGLES) for state in states}
     devices = [device for device in map(read_device, files.struts()) if device] if "vci" in states else []
     every = np.vstack([surface.points for surface in [*lumens.values(), *devices]])

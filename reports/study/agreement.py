@@ -13,7 +13,7 @@ from reports.measuring.metrics import COMPARISONS
 from reports.inputs.reading import number
 
 PUBLISHED_PATH = pathlib.Path(__file__).with_name("published.json")
-PUBLISHED_COMPARISONS = (("vci", "ct"), ("vci", "post"))  # what the study compared: post-VCI minus CT after PCI
+PUBLISHED_COMPARISONS = (("ct_vci", "ct"), ("vci", "post"))  # what the study compared: post-VCI minus CT after PCI
 
 # name in agreement.csv -> where a state's value is in metrics.json
 QUANTITIES = {

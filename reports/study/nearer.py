@@ -10,6 +10,7 @@ from reports.study.differences import AFTER_PCI
 
 LEVEL = 0.05  # of each row's test, two-sided
 FEWEST = 6  # the smallest p of n pairs is 2 / 2^n: 0.0625 of five, 0.03125 of six
+RADIUS_CORRECTION = {"vci": "rc", "ct_vci": "ct_rc"}  # of the same lumen before the procedure
 NEARER, FARTHER, UNDECIDED = "nearer", "farther", "no difference shown"
 COLUMNS = ["quantity", "unit", "error", "truth", "n", "error_vci", "error_rc", "patients_vci_nearer", "p", "vci_is"]
 
@@ -20,11 +21,11 @@ def nearer_table(documents):
     error_vci, error_rc: mean size of the error over the patients.
     p: of Wilcoxon's signed-rank test of the sizes (scipy.stats.wilcoxon), two-sided; None of fewer than six patients.
     """
-    kinds = {b: error for a, b, error in COMPARISONS if a == "vci" and b in AFTER_PCI}
+    pairs = [(a, b, error) for a, b, error in COMPARISONS if a in RADIUS_CORRECTION and b in AFTER_PCI]
     rows = []
-    for truth, kind in kinds.items():
+    for a, truth, kind in pairs:
         for quantity in QUANTITIES:
-            vci, rc = (errors_by_case(documents, quantity, state, truth) for state in ("vci", "rc"))
+            vci, rc = (errors_by_case(documents, quantity, state, truth) for state in (a, RADIUS_CORRECTION[a]))
             cases = [case for case in vci if case in rc]
             if cases:
                 row = {"quantity": quantity, "unit": UNITS[quantity], "error": kind, "truth": truth}

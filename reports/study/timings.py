@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from reports.inputs.case_files import STATES
+from reports.inputs.case_files import PREDICTED_FROM_CT, STATES
 from reports.inputs.reading import number, read_json
 
 COLUMNS = ["case", "step", "source", "seconds", "cpu_s", "peak_memory_mib"]
@@ -40,7 +40,8 @@ def program_rows(files):
         if path.exists():
             for step, seconds in sorted(read_json(path, "anatomy").get("timings_s", {}).items()):
                 yield {"step": f"{state}/anatomy/{step}", "seconds": seconds}
-    for name, path in (("vci", files.deployment), ("rc", files.folder / "rc" / "deployment.json")):
+    for name in ("vci", "rc", *PREDICTED_FROM_CT):
+        path = files.folder / name / "deployment.json"
         if path.exists():
             document = read_json(path, "vci deploy")
             for stage in document.get("stages", []):

@@ -5,10 +5,11 @@ import time
 
 import pytest
 
-STUDY = {"study_figures", "agreement", "cohort", "timings", "report"}
+STUDY = {"study_figures", "agreement", "nearer", "differences", "cohort", "timings", "report"}
 CASE = "quick_focal"
 OTHER = "quick_branch"
-STATES = ("pre", "vci", "rc", "reference", "ct")
+FROM_CT = ("ct_vci", "ct_rc")
+STATES = ("pre", "vci", "rc", "reference", "ct", *FROM_CT)
 
 
 def end_of_case(case):
@@ -22,9 +23,22 @@ def flow_of(case, states=STATES):
 
 
 def ct_of(case, states=("pre", "reference")):
-    """The CT of the states; the reference's is a state of its own, `ct`."""
+    """The CT of the states; the reference's is a state of its own, `ct`, and from that before all is predicted anew."""
     jobs = {f"{rule} {case} {state}" for rule in ("ct_phantom", "ct_segment") for state in states}
+    if "pre" in states:
+        jobs |= {f"state_anatomy {case} ct_pre"} | predicted_from_ct(case)
     return jobs | ({f"state_anatomy {case} ct"} | flow_of(case, ["ct"]) if "reference" in states else set())
+
+
+def predicted_from_ct(case):
+    """Everything that follows a new plan, or a new lumen, in the CT before the procedure."""
+    return {f"carry_plan {case}", f"ct_scene {case}"} | deployed_from_ct(case)
+
+
+def deployed_from_ct(case):
+    """Everything that follows a new scene or program for the lumen of the CT before the procedure."""
+    jobs = {f"ct_deploy {case}", f"ct_radius_correct {case}"} | flow_of(case, FROM_CT)
+    return jobs | {f"state_anatomy {case} {state}" for state in FROM_CT}
 
 
 def after_plan(case):
@@ -42,6 +56,7 @@ def after_plan(case):
         | {f"state_anatomy {case} {state}" for state in after}
         | flow_of(case, after)
         | ct_of(case, ["reference"])
+        | predicted_from_ct(case)
         | end_of_case(case)
     )
 
@@ -75,7 +90,7 @@ def test_vci_program(finished):
     for case in (CASE, OTHER):
         expected |= {f"deploy {case}", f"radius_correct {case}"}
         expected |= {f"state_anatomy {case} {state}" for state in ("vci", "rc")} | flow_of(case, ("vci", "rc"))
-        expected |= end_of_case(case)
+        expected |= deployed_from_ct(case) | end_of_case(case)
     assert finished.planned() == expected
 
 
@@ -156,5 +171,5 @@ def test_section_of_the_study(finished):
 def test_numerics_of_the_deployment_leave_the_reference_alone(finished):
     finished.append("config/study.yaml", "deployment:\n  numerics:\n    residual_tolerance: 0.002\n")
     planned = finished.planned()
-    assert f"deploy {CASE}" in planned
+    assert {f"deploy {CASE}", f"ct_deploy {CASE}"} <= planned
     assert not {job for job in planned if "reference" in job.split()}

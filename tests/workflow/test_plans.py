@@ -9,7 +9,7 @@ import pytest
 def test_dry_run_of_a_fresh_clone_plans_every_state(fresh):
     planned = fresh.planned()
     for case in ("quick_focal", "quick_branch"):
-        assert {f"flow_solve {case} {state}" for state in ("pre", "vci", "rc", "reference", "ct")} <= planned
+        assert {f"flow_solve {case} {state}" for state in ("pre", "vci", "rc", "reference", "ct", "ct_vci")} <= planned
         assert {f"ct_segment {case} {state}" for state in ("pre", "reference")} <= planned
     assert "report" in planned
 
@@ -113,7 +113,8 @@ def test_a_surface_case_has_no_reference(fresh):
 def test_a_case_without_ct_has_none(fresh):
     fresh.append("config/cases/quick_focal.yaml", "  ct: {enabled: false}\n")
     planned = fresh.planned()
-    assert not {job for job in planned if job.startswith("ct_") and "quick_focal" in job}
+    assert not {job for job in planned if (" ct_" in job or job.startswith("ct_")) and "quick_focal" in job}
+    assert "carry_plan quick_focal" not in planned
     assert "flow_solve quick_focal ct" not in planned and "flow_solve quick_branch ct" in planned
 
 

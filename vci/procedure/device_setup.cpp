@@ -12,7 +12,7 @@ constexpr double thinnest_balloon = 0.04; // mm, radius of a ring inside a stent
 constexpr double inside_its_stent = 0.9;  // of the stent's thinnest ring
 
 /// A device's rings where a placement wants them, on the axis as it is now.
-Course course_of(const RunState& run, const Placement& p, RingGrid grid, const Vectors& moved) {
+DeviceLayout layout_of(const RunState& run, const Placement& p, RingGrid grid, const Vectors& moved) {
   const Path path = follow_wall(run.paths.at(p.branch), run.lumen, moved);
   std::vector<Frame> frames = path.frames(grid.along(p.centre_s));
   const BalloonSpec& balloon = run.scene.balloon(p.device);
@@ -20,11 +20,11 @@ Course course_of(const RunState& run, const Placement& p, RingGrid grid, const V
   return {std::move(grid), std::move(frames), 0.5 * chart.diameter_at(p.pressure_bar)};
 }
 
-/// How a device lies to each body present: inside the wall and the stents, leaving stents where its course does.
-std::vector<ContactSides> sides_of(const RunState& run, const Course& course) {
+/// How a device lies to each body present: inside the wall and the stents, leaving stents where its axis does.
+std::vector<ContactSides> sides_of(const RunState& run, const DeviceLayout& layout) {
   std::vector<ContactSides> sides(run.system.bodies());
   for (const StentHistory& h : run.stents)
-    sides[h.stent.body] = leaving_through(run.system, h.stent, course);
+    sides[h.stent.body] = leaving_through(run.system, h.stent, layout);
   return sides;
 }
 
@@ -37,33 +37,33 @@ void add_contacts(RunState& run, int inner, std::vector<ContactSides> sides) {
 /// Returns the radius (mm) of the stent's thinnest ring.
 double place_stent(RunState& run, const Placement& p, const Vectors& moved) {
   const StentSpec& spec = *run.scene.stent(p.device);
-  const Course course = course_of(run, p, stent_grid(spec, run.scene.numerics.device_edge), moved);
-  std::vector<ContactSides> sides = sides_of(run, course);
-  const std::vector<double> radii = start_radii(run.system, course, spec.crimped_diameter, sides);
-  Stent stent = add_stent(run.system, spec, p.device, course.grid, course.frames, radii);
+  const DeviceLayout layout = layout_of(run, p, stent_grid(spec, run.scene.numerics.device_edge), moved);
+  std::vector<ContactSides> sides = sides_of(run, layout);
+  const std::vector<double> radii = start_radii(run.system, layout, spec.crimped_diameter, sides);
+  Stent stent = add_stent(run.system, spec, p.device, layout.grid, layout.frames, radii);
   add_contacts(run, stent.body, std::move(sides));
   run.stents.push_back({p.device, p.branch, p.centre_s, std::move(stent)});
   return *std::min_element(radii.begin(), radii.end());
 }
 
-/// The balloons' courses, two of them moved apart to lie side by side.
-std::vector<Course> balloon_courses(const RunState& run, const Step& step, const Vectors& moved) {
-  std::vector<Course> courses;
+/// The balloons' layouts, two of them moved apart to lie side by side.
+std::vector<DeviceLayout> balloon_layouts(const RunState& run, const Step& step, const Vectors& moved) {
+  std::vector<DeviceLayout> layouts;
   double widest = 0;
   for (const Placement& p : step.devices) {
     const BalloonSpec& balloon = run.scene.balloon(p.device);
-    courses.push_back(course_of(run, p, balloon_grid(balloon, run.scene.numerics.device_edge), moved));
+    layouts.push_back(layout_of(run, p, balloon_grid(balloon, run.scene.numerics.device_edge), moved));
     widest = std::max(widest, balloon.crimped_diameter);
   }
-  if (courses.size() == 2)
-    set_side_by_side(courses[0], courses[1], widest);
-  return courses;
+  if (layouts.size() == 2)
+    set_side_by_side(layouts[0], layouts[1], widest);
+  return layouts;
 }
 
-void place_balloon(RunState& run, const BalloonSpec& spec, const Course& course, const std::vector<double>& radii,
+void place_balloon(RunState& run, const BalloonSpec& spec, const DeviceLayout& layout, const std::vector<double>& radii,
                    std::vector<ContactSides> sides) {
   const ContactSettings& contact = run.scene.numerics.contact;
-  run.balloons.push_back(add_balloon(run.system, spec, course.grid, course.frames, radii));
+  run.balloons.push_back(add_balloon(run.system, spec, layout.grid, layout.frames, radii));
   const Balloon& balloon = run.balloons.back();
   add_contacts(run, balloon.body, std::move(sides));
   add_layers(run.interactions, run.system, balloon, spec, contact);
@@ -77,14 +77,14 @@ void place_balloon(RunState& run, const BalloonSpec& spec, const Course& course,
 void place_devices(RunState& run, const Step& step) {
   const Vectors moved = run.lumen_now();
   run.balloons.clear();
-  const std::vector<Course> courses = balloon_courses(run, step, moved);
+  const std::vector<DeviceLayout> layouts = balloon_layouts(run, step, moved);
   // stents first: balloons are taken out at the end of the step and must be the last bodies
   std::vector<std::vector<ContactSides>> sides;
   std::vector<std::vector<double>> radii;
-  for (std::size_t k = 0; k < courses.size(); ++k) {
+  for (std::size_t k = 0; k < layouts.size(); ++k) {
     const Placement& p = step.devices[k];
-    sides.push_back(sides_of(run, courses[k]));
-    radii.push_back(start_radii(run.system, courses[k], run.scene.balloon(p.device).crimped_diameter, sides[k]));
+    sides.push_back(sides_of(run, layouts[k]));
+    radii.push_back(start_radii(run.system, layouts[k], run.scene.balloon(p.device).crimped_diameter, sides[k]));
     if (!run.scene.stent(p.device))
       continue;
     const double thinnest = place_stent(run, p, moved);
@@ -92,8 +92,8 @@ void place_devices(RunState& run, const Step& step) {
     for (double& r : radii[k])
       r = std::max(thinnest_balloon, std::min(r, inside_its_stent * thinnest - start_clearance));
   }
-  for (std::size_t k = 0; k < courses.size(); ++k)
-    place_balloon(run, run.scene.balloon(step.devices[k].device), courses[k], radii[k], std::move(sides[k]));
+  for (std::size_t k = 0; k < layouts.size(); ++k)
+    place_balloon(run, run.scene.balloon(step.devices[k].device), layouts[k], radii[k], std::move(sides[k]));
 }
 
 void remove_balloons(RunState& run) {

@@ -34,20 +34,20 @@ OnAxis nearest_on_axis(const Vec3& p, const Vectors& centres, const std::vector<
   return best;
 }
 
-Vectors origins(const Course& course) {
+Vectors origins(const DeviceLayout& layout) {
   Vectors points;
-  for (const Frame& f : course.frames)
+  for (const Frame& f : layout.frames)
     points.push_back(f.origin);
   return points;
 }
 
 } // namespace
 
-ContactSides leaving_through(const System& system, const Stent& stent, const Course& device) {
-  const Vectors axis = ring_centres(system, stent.body, stent.grid), course = origins(device);
+ContactSides leaving_through(const System& system, const Stent& stent, const DeviceLayout& device) {
+  const Vectors axis = ring_centres(system, stent.body, stent.grid), device_axis = origins(device);
   const std::vector<double> radii = ring_radii(system, stent.body, stent.grid);
   std::vector<double> offset; // of each ring from the stent's axis, in stent radii; 0 past its ends
-  for (const Vec3& o : course) {
+  for (const Vec3& o : device_axis) {
     const OnAxis a = nearest_on_axis(o, axis, radii);
     offset.push_back(a.beyond ? 0 : (o - a.point).norm() / a.radius);
   }
@@ -66,15 +66,15 @@ ContactSides leaving_through(const System& system, const Stent& stent, const Cou
   for (int v = 0; v < body.count; ++v) {
     const Vec3& p = system.x[body.first + v];
     const OnAxis a = nearest_on_axis(p, axis, radii);
-    for (std::size_t r = 0; r < course.size(); ++r)
-      if (offset[r] > departing && (p - course[r]).norm() < device.inflated_radius + tolerance &&
-          (p - a.point).dot(course[r] - a.point) > 0)
+    for (std::size_t r = 0; r < device_axis.size(); ++r)
+      if (offset[r] > departing && (p - device_axis[r]).norm() < device.inflated_radius + tolerance &&
+          (p - a.point).dot(device_axis[r] - a.point) > 0)
         sides.outer_excluded[v] = 1;
   }
   return sides;
 }
 
-std::vector<double> start_radii(const System& system, const Course& device, double crimped_diameter,
+std::vector<double> start_radii(const System& system, const DeviceLayout& device, double crimped_diameter,
                                 const std::vector<ContactSides>& sides) {
   constexpr double near = 6.0; // mm
   std::vector<double> radii;
@@ -99,7 +99,7 @@ std::vector<double> start_radii(const System& system, const Course& device, doub
   return radii;
 }
 
-void set_side_by_side(Course& one, Course& other, double crimped_diameter) {
+void set_side_by_side(DeviceLayout& one, DeviceLayout& other, double crimped_diameter) {
   const double wanted = crimped_diameter + 2 * start_clearance;
   const std::array<Vectors, 2> axes{origins(one), origins(other)};
   const std::array<std::vector<double>, 2> none{std::vector<double>(axes[0].size(), 0.0),

@@ -6,7 +6,7 @@
 namespace vci {
 
 /// A device about to be placed: its rings' frames along the vessel and its radius once inflated, mm.
-struct Course {
+struct DeviceLayout {
   RingGrid grid;
   std::vector<Frame> frames;
   double inflated_radius;
@@ -18,14 +18,14 @@ constexpr double start_clearance = 0.03; ///< mm between a device and what surro
 /// branch, or the other way round. It pushes the struts aside. So the vertices of the stent in that window are excluded
 /// from contact, and those of the device that will lie outside. Inside, the two touch as nested tubes. The flags are
 /// empty where the device stays within the stent.
-ContactSides leaving_through(const System& system, const Stent& stent, const Course& device);
+ContactSides leaving_through(const System& system, const Stent& stent, const DeviceLayout& device);
 
 /// Radii (mm) of a device's rings that keep clear of every surface present, at most the crimped one.
 /// @param sides per body of the system: which of its vertices are excluded; of bodies beyond its end, none
-std::vector<double> start_radii(const System& system, const Course& device, double crimped_diameter,
+std::vector<double> start_radii(const System& system, const DeviceLayout& device, double crimped_diameter,
                                 const std::vector<ContactSides>& sides);
 
 /// Moves two devices' axes apart where they share a vessel, so that both fit side by side at a diameter (mm).
-void set_side_by_side(Course& one, Course& other, double crimped_diameter);
+void set_side_by_side(DeviceLayout& one, DeviceLayout& other, double crimped_diameter);
 
 } // namespace vci

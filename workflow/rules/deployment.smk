@@ -136,3 +136,78 @@ rule reference:
     shell:
         "workflow/run.sh {log} /usr/bin/python3 -m data_synthetic reference --scene {input.scene} --anatomy {params.anatomy}"
         " --truth {input.truth} --settings {input.settings} --out {params.out}"
+
+
+# The same procedure predicted from the lumen that is found in the CT before it, as a clinic has to.
+rule carry_plan:
+    message:
+        "{wildcards.case}: the plan in the lumen of the CT before the procedure"
+    input:
+        plan="results/cases/{case}/vci/plan.json",
+        before="results/cases/{case}/anatomy/sections.csv",
+        after="results/cases/{case}/ct_pre/anatomy/sections.csv",
+        code=code("anatomy", "anatomy.planning.carry"),
+    output:
+        "results/cases/{case}/ct_vci/plan.json",
+    log:
+        "results/cases/{case}/logs/ct_vci/carry_plan.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/ct_vci/carry_plan.tsv"
+    params:
+        before=lambda wildcards, input: os.path.dirname(input.before),
+        after=lambda wildcards, input: os.path.dirname(input.after),
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m anatomy carry-plan {input.plan} --from {params.before}"
+        " --to {params.after} --out {output}"
+
+
+use rule scene as ct_scene with:
+    message:
+        "{wildcards.case}: scene in the lumen of the CT before the procedure"
+    input:
+        plan="results/cases/{case}/ct_vci/plan.json",
+        settings="results/cases/{case}/settings/deployment.json",
+        code=code("workflow", "workflow.scene"),
+    output:
+        "results/cases/{case}/ct_vci/scene.json",
+    log:
+        "results/cases/{case}/logs/ct_vci/scene.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/ct_vci/scene.tsv"
+
+
+use rule deploy as ct_deploy with:
+    message:
+        "{wildcards.case}: virtual deployment in the lumen of the CT"
+    input:
+        scene="results/cases/{case}/ct_vci/scene.json",
+        lumen="results/cases/{case}/ct_pre/anatomy/lumen.vtp",
+        centreline="results/cases/{case}/ct_pre/anatomy/centreline.vtp",
+        binary=VCI,
+    output:
+        lumen="results/cases/{case}/ct_vci/lumen.vtp",
+        stl="results/cases/{case}/ct_vci/lumen.stl",
+        deployment="results/cases/{case}/ct_vci/deployment.json",
+        devices=directory("results/cases/{case}/ct_vci/devices"),
+    log:
+        "results/cases/{case}/logs/ct_vci/deploy.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/ct_vci/deploy.tsv"
+
+
+use rule radius_correct as ct_radius_correct with:
+    message:
+        "{wildcards.case}: radius correction in the lumen of the CT"
+    input:
+        scene="results/cases/{case}/ct_vci/plan.json",
+        lumen="results/cases/{case}/ct_pre/anatomy/lumen.vtp",
+        centreline="results/cases/{case}/ct_pre/anatomy/centreline.vtp",
+        binary=VCI,
+    output:
+        lumen="results/cases/{case}/ct_rc/lumen.vtp",
+        stl="results/cases/{case}/ct_rc/lumen.stl",
+        deployment="results/cases/{case}/ct_rc/deployment.json",
+    log:
+        "results/cases/{case}/logs/ct_rc/radius_correct.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/ct_rc/radius_correct.tsv"

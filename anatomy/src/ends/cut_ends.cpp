@@ -21,7 +21,8 @@ constexpr double still_widening = 1.15;  // growth of the balls' radius over one
 constexpr double like_section = 1.25;    // ratio of areas, of a vessel that tapers by 6 degrees on each side
 constexpr double covers = 1.15;          // of the section's reach from its centre
 constexpr double beside_end = 0.4;       // radii from an end's rim to a tip that is the rim's
-constexpr double beside_rough = 0.1;     // radii; where noise has left a vertex without a ball of its own
+constexpr double about_as_near = 0.1;    // radii, of balls beside a tip that has none of its own
+constexpr double still_at_tip = 1;       // radii from a ball's surface; to the rim of a flat end it has 0.41
 constexpr double longest_edge = 0.3;     // mean radii, for balls that hang together; else the half of it, ...
 constexpr double finest_edge = 0.075;
 constexpr double beyond_tip = 2; // radii of its ball from a tip, where a ball's vessel has gone on from it
@@ -56,12 +57,17 @@ const End* end_at(const Vec3& p, const std::vector<EndReach>& reaches) {
   return nullptr;
 }
 
+// Between a ball's surface and p, in its radii.
+double gap(const Vec3& p, const Balls& balls, std::size_t i) {
+  return std::abs((balls.centre[i] - p).norm() - balls.radius[i]) / balls.radius[i];
+}
+
 // The largest of the balls whose surface is within `near` radii of p, of those that lead on into a vessel where there
 // is one; their number if there is none.
 std::size_t largest_ball_at(const Vec3& p, const Balls& balls, double near) {
   std::vector<std::size_t> touching;
   for (std::size_t i = 0; i < balls.centre.size(); ++i)
-    if (std::abs((balls.centre[i] - p).norm() - balls.radius[i]) < near * balls.radius[i])
+    if (gap(p, balls, i) < near)
       touching.push_back(i);
   std::stable_sort(touching.begin(), touching.end(),
                    [&](std::size_t a, std::size_t b) { return balls.radius[a] > balls.radius[b]; });
@@ -72,16 +78,20 @@ std::size_t largest_ball_at(const Vec3& p, const Balls& balls, double near) {
   return touching.empty() ? balls.centre.size() : touching.front();
 }
 
-// The largest inner ball that touches the vertex, or comes near it where the vertex stands out of a rough wall.
+// The largest inner ball that touches the vertex. On a rough wall a vertex may have none. At the rim of a flat end the
+// balls fill the corner without touching it: then the largest of those that come nearest, in their own radii.
 std::size_t last_ball(const Mesh& mesh, const Balls& balls, Vertex tip) {
   const Vec3 p = vec(mesh.point(tip));
-  std::size_t best = largest_ball_at(p, balls, 1e-6);
-  if (best == balls.centre.size())
-    best = largest_ball_at(p, balls, beside_rough);
-  if (best == balls.centre.size())
+  if (const std::size_t touching = largest_ball_at(p, balls, 1e-6); touching < balls.centre.size())
+    return touching;
+  double nearest = still_at_tip;
+  for (std::size_t i = 0; i < balls.centre.size(); ++i)
+    nearest = std::min(nearest, gap(p, balls, i));
+  const std::size_t beside = largest_ball_at(p, balls, nearest + about_as_near);
+  if (nearest >= still_at_tip || beside == balls.centre.size())
     throw InputError("no axis found at a rounded end", place(p), "no inscribed ball",
                      "cut the end flat, or leave it open");
-  return best;
+  return beside;
 }
 
 // The ball at a tip, whether a cap ends it or not.

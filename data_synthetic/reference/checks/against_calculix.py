@@ -19,7 +19,7 @@ AROUND, THROUGH = 16, 4
 INNER_MM, C10_MPA, C20_MPA, BULK_MPA = 0.8, 0.05, 0.2, 20.0
 PRESSURES_MPA = (0.045, 0.075, 0.0)
 INCREMENTS = 12  # a step of load, in both programs
-SEAT_MPA_PER_MM = 1e-7  # holds the slice against rigid motion; CalculiX pins a node
+SEAT_MPA_PER_MM = 1e-7  # keeps the slice from rigid motion; in CalculiX a pinned node does
 
 
 def ring():

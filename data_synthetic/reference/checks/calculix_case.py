@@ -35,7 +35,7 @@ class RecordedSlice(SliceModel):
         self.recorded = []
 
     def advance(self, target, name="load"):
-        """As SliceModel, and records what it came to."""
+        """As SliceModel, and records the state reached."""
         super().advance(target, name)
         at, loads = self.lumen_position(), self.loads()
         self.recorded.append({"name": name, "lumen": at, "pressure": mean_pressure(at, loads), "loads": loads})

@@ -19,7 +19,7 @@ LOADS = ("balloon_radius", "balloon_stiffness", "balloon_cap", "balloon_share") 
 )
 MAX_ITERATIONS = 14
 CUTS = 7
-WORSE = 2.0  # a residual that has grown so far is not waited for
+WORSE = 2.0  # growth of the residual at which Newton's method gives up
 
 
 class SteppedModel:

@@ -39,7 +39,7 @@ def tree_of(branches, parents, radius=1.5):
         name: Line(points, np.linspace(radius, 0.8 * radius, len(points)), np.full(len(points), name))
         for name, points in branches.items()
     }
-    ways, ends = {}, []
+    routes, ends = {}, []
     for name, line in lines.items():
         pieces, at = [line], parents.get(name)
         while at:
@@ -47,12 +47,12 @@ def tree_of(branches, parents, radius=1.5):
             cut = slice(0, at[1] + 1)
             pieces.insert(0, Line(parent.points[cut], parent.radius[cut], parent.branch[cut]))
             at = parents.get(at[0])
-        ways[name] = Line(*(np.concatenate([getattr(p, k) for p in pieces]) for k in ("points", "radius", "branch")))
+        routes[name] = Line(*(np.concatenate([getattr(p, k) for p in pieces]) for k in ("points", "radius", "branch")))
         ends.append({"name": f"outlet{len(ends) + 1}", "kind": "outlet", "branch": name})
         ends[-1].update(centre_mm=line.points[-1].tolist(), normal=[0.0, 0.0, 1.0], region_id=1 + len(ends))
     inlet = {"name": "inlet", "kind": "inlet", "branch": "main", "region_id": 1, "normal": [0.0, 0.0, 1.0]}
     inlet["centre_mm"] = lines["main"].points[0].tolist()
-    return Tree(lines, ways, {"ends": [inlet, *ends]}, "test")
+    return Tree(lines, routes, {"ends": [inlet, *ends]}, "test")
 
 
 def vessel(seed=1):
@@ -126,7 +126,7 @@ def test_cropped_at_both_ends_without_a_branch():
 
 
 def test_a_main_vessel_that_is_another_branch_keeps_its_name():
-    """Cropped so that the longest way ends elsewhere: names go by place, not by length."""
+    """Cropped so that the longest route ends elsewhere: names go by place, not by length."""
     post = moved(vessel())
     swapped = tree_of(
         {"main": np.concatenate([post.branches["main"].points[:80], post.branches["side2"].points]),
@@ -209,7 +209,7 @@ def test_how_much_a_vessel_may_have_changed_its_course(bow_mm, fits):
     pre, post = tree_of({"main": line}, {}), tree_of({"main": TURN.apply(bowed) + SHIFT}, {})
     if fits:
         _, match, _ = registered(pre, post)
-        assert match.trimmed_mm > 0.15 * match.calibre_mm, "a hard case"
+        assert match.trimmed_mm > 0.15 * match.usual_radius_mm, "a hard case"
     else:
         with pytest.raises(InputError, match="at most 0.3 of 1.[0-9]* mm"):
             registered(pre, post)

@@ -24,6 +24,8 @@ OPENING = {
     "rc": 0.0,
     "reference": 0.09,
     "ct": 0.12,
+    "ct_vci": 0.06,
+    "ct_rc": 0.01,
     "post": 0.08,
 }  # share of the radius that the lesion takes
 

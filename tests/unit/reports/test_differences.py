@@ -11,7 +11,8 @@ from reports.inputs.case_files import CaseFiles
 from reports.measuring.metrics import case_metrics
 from reports.study.differences import COHORT, difference_table, station_table
 
-STATES = ("pre", "vci", "rc", "reference", "ct")
+STATES = ("pre", "vci", "rc", "reference", "ct", "ct_vci", "ct_rc")
+PAIRS = (("vci", "reference"), ("rc", "reference"), ("ct_vci", "ct"), ("ct_rc", "ct"))
 
 
 @pytest.fixture
@@ -26,7 +27,7 @@ def documents(make_case):
 
 def test_stations_hold_the_tubes_areas(documents, tube):
     table = station_table(documents)
-    assert set(table["comparison"]) == {"vci_minus_reference", "rc_minus_reference", "vci_minus_ct", "rc_minus_ct"}
+    assert set(table["comparison"]) == {f"{a}_minus_{b}" for a, b in PAIRS}
     assert set(table["case"]) == {"one", "two"}
     rows = table[(table["case"] == "one") & (table["comparison"] == "vci_minus_reference")]
     areas = [np.pi * tube(state).radii(rows["s_mm"]) ** 2 for state in ("vci", "reference")]
@@ -38,7 +39,7 @@ def test_stations_hold_the_tubes_areas(documents, tube):
 def test_patients_and_cohort_follow_from_the_stations(documents):
     stations = station_table(documents).groupby(["comparison", "case"])["diff_area_mm2"]
     table = difference_table(documents).set_index(["comparison", "case"])
-    for comparison in ("vci_minus_reference", "rc_minus_ct"):
+    for comparison in ("vci_minus_reference", "ct_rc_minus_ct"):
         means = [stations.mean()[comparison, case] for case in ("one", "two")]
         one, cohort = table.loc[(comparison, "one")], table.loc[(comparison, COHORT)]
         assert one["diff_area_mean_mm2"] == pytest.approx(means[0])

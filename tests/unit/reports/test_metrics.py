@@ -192,7 +192,7 @@ def test_a_pull_back_with_its_own_zero_is_found_by_position(make_case):
 
 
 def test_a_ct_left_from_before_does_not_enter_where_it_is_not_asked_for(make_case):
-    folder = make_case(states=("pre", "vci", "rc", "reference", "ct"))
+    folder = make_case(states=("pre", "vci", "rc", "reference", "ct", "ct_vci"))
     with_ct = metrics_of(folder)
     assert list(with_ct["imaging"]) == ["pre", "reference"] and "ct_minus_reference" in with_ct["differences"]
     without = metrics_of(folder, states=("pre", "vci", "rc", "reference"))

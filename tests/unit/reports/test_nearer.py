@@ -45,8 +45,9 @@ def patient(case, vci, rc, ct=True):
         area, curvature = {"mean_mm2": value, "minimum_mm2": value}, {"mean_per_mm": value}
         return {"ffr": ffr, "area": area, "curvature": curvature}
 
-    states = {"vci": state(0.9 + vci), "rc": state(0.9 + rc, flow=case != "2"), "reference": state(0.9)}
-    return {"case": case, "states": states | ({"ct": state(0.9)} if ct else {})}
+    predicted = {"vci": state(0.9 + vci), "rc": state(0.9 + rc, flow=case != "2")}
+    from_ct = {f"ct_{name}": values for name, values in predicted.items()} | {"ct": state(0.9)}
+    return {"case": case, "states": predicted | {"reference": state(0.9)} | (from_ct if ct else {})}
 
 
 def test_a_row_a_quantity_and_truth_over_the_patients_that_have_both():
@@ -70,7 +71,7 @@ def test_small_biases_have_two_digits():
     by_name = {(row["name"], row["comparison"]): row for row in agreement_rows(rows)}
     row = by_name[("Mean CSA", "vci_minus_reference")]
     assert signed(row["bias"], row["digits"]) == "+0.00020" and signed(row["sd"], row["digits"]) == "+0.00014"
-    assert by_name[("Mean CSA", "rc_minus_ct")]["digits"] == 3
+    assert by_name[("Mean CSA", "ct_rc_minus_ct")]["digits"] == 3
 
 
 def test_a_label_within_a_sentence():

@@ -80,19 +80,22 @@ def test_report_of_a_case_with_and_one_without_reference(study, tmp_path):
         assert page.count("<canvas") == 1 and 'class="stage live"' in page
 
 
-def test_report_with_ct_keeps_three_errors_apart_and_shows_the_warnings(study):
+def test_report_with_ct_keeps_four_errors_apart_and_shows_the_warnings(study):
     message = "main 18.0-21.0 mm: contrast on the axis falls to 0.41"
     warning = {"code": "occluded_by_voxels", "branch": "main", "message": message}
-    states = ("pre", "vci", "rc", "reference", "ct")
+    states = ("pre", "vci", "rc", "reference", "ct", "ct_vci", "ct_rc")
     path = study(("tube", {"states": states, "warnings": [warning]}), ("other", {"states": states, "change": 0.02}))
     text = path.read_text()
-    for words in ("Three errors are kept apart", "As a clinical study sees it", "CT of the reference − reference"):
+    for words in ("Four errors are kept apart", "All together (clinical)", "CT of the reference − reference"):
         assert words in text, words
     assert text.count(message) == 4, "two images: each with its case and among the limits"
     assert text.count("no warning.") == 2
-    clinical = next(row for row in text.split("<tr>") if "Virtual PCI (VCI) − CT" in row and "Mean CSA" in row)
+    clinical = next(row for row in text.split("<tr>") if "VCI from the CT before − CT" in row and "Mean CSA" in row)
     assert "−5.22 to +2.12" in clinical
     assert text.count("−5.22 to +2.12") == 1
+    assert (
+        '<option value="ct">' in text and '<option value="ct_vci"' not in text
+    ), "too like the others in three dimensions"
     if shutil.which("chromium"):
         check_report(path)
 

@@ -32,29 +32,32 @@ def test_agreement_of_three_cases(make_case):
     assert table.loc[("minimum_area", "vci_minus_reference"), "bias"] == pytest.approx(0.60, abs=0.01)
 
 
-def test_three_errors_are_kept_apart(make_case):
-    states = ("pre", "vci", "rc", "reference", "ct")
+def test_four_errors_are_kept_apart(make_case):
+    states = ("pre", "vci", "rc", "reference", "ct", "ct_vci", "ct_rc")
     cases = [
         case_metrics(CaseFiles(f"ct{k}", make_case(f"ct{k}", states=states, change=change)))
         for k, change in enumerate([0.0, 0.02, -0.03])
     ]
     table = agreement_table(cases).set_index(["quantity", "comparison"])
-    assert len(table) == 20
+    assert len(table) == 28
     kinds = table["error"].xs("mean_area", level="quantity").to_dict()
     assert kinds == {
         "vci_minus_reference": "method",
         "rc_minus_reference": "method",
-        "ct_minus_reference": "imaging",
-        "vci_minus_ct": "clinical",
-        "rc_minus_ct": "clinical",
+        "ct_vci_minus_vci": "imaging_before",
+        "ct_rc_minus_rc": "imaging_before",
+        "ct_minus_reference": "imaging_after",
+        "ct_vci_minus_ct": "clinical",
+        "ct_rc_minus_ct": "clinical",
     }
     bias = table["bias"].xs("mean_area", level="quantity")
-    assert bias["vci_minus_ct"] == pytest.approx(bias["vci_minus_reference"] - bias["ct_minus_reference"])
+    method_and_before = bias["vci_minus_reference"] + bias["ct_vci_minus_vci"]
+    assert bias["ct_vci_minus_ct"] == pytest.approx(method_and_before - bias["ct_minus_reference"])
     assert abs(bias["ct_minus_reference"]) > 0.05
-    row = table.loc[("mean_area", "vci_minus_ct")]
+    row = table.loc[("mean_area", "ct_vci_minus_ct")]
     assert (row["published_bias"], row["published_sd"], row["published_n"]) == (-1.55, 1.89, 9)
     assert (
-        table.drop(index=[(q, "vci_minus_ct") for q in ("ffr", "mean_area", "mean_curvature")])["published_bias"]
+        table.drop(index=[(q, "ct_vci_minus_ct") for q in ("ffr", "mean_area", "mean_curvature")])["published_bias"]
         .isna()
         .all()
     )

@@ -46,6 +46,18 @@ def reported(summary, what):
     return sum(repair["what"] == what for repair in summary["repairs"])
 
 
+def test_rough_flat_ends(summary_of, tmp_path):
+    """The farthest vertex lies on the rim, and no ball of a rough wall touches it in the corner."""
+    points, triangles = surfaces.tube(surfaces.straight, lambda s: np.interp(s, [2, 10], [1.8, 0.8]), 12, 0.2)
+    summary = summary_of(surfaces.write(tmp_path / "t.stl", lofts.noised(points, 0.06, 3), triangles))
+    inlet, outlet = summary["ends"]
+    assert inlet["diameter_mm"] == pytest.approx(3.6, rel=0.03)
+    assert outlet["diameter_mm"] == pytest.approx(1.6, rel=0.03)
+    assert inlet["centre_mm"][0] < 1.5 * 1.8 and outlet["centre_mm"][0] > 12 - 1.5 * 0.8
+    for end in summary["ends"]:
+        assert np.hypot(*end["centre_mm"][1:]) < 0.1
+
+
 def test_rounded_ends_are_cut_across_the_axis(summary_of, rounded):
     summary = summary_of(rounded)
     assert reported(summary, "rounded end cut flat") == 3

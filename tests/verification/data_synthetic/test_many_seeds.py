@@ -8,7 +8,7 @@ import pytest
 
 from common import schema
 from common.implicit import field, surface
-from data_synthetic import calibre, crossings, tree
+from data_synthetic import healthy_radius, crossings, tree
 
 SEEDS = 50
 SPACING_MM = 0.3
@@ -42,7 +42,7 @@ def test_lumen_is_closed_and_true(seed):
     assert len(points) - len(directed) // 2 + len(triangles) == 2
     assert np.sqrt(np.mean(lumen.value(points[~on_cap]) ** 2)) < 0.001
     assert len(crossings.crossing_pairs(points, triangles)) == 0
-    (fork,) = calibre.bifurcations(vessel)
+    (fork,) = healthy_radius.bifurcations(vessel)
     before, after = (branches[0].healthy(s) for s in (fork.start_mm, fork.end_mm))
     side = branches[1].healthy(fork.side_level_mm)
     assert before**EXPONENT == pytest.approx(after**EXPONENT + side**EXPONENT, rel=1e-3)

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from common import schema
 from common.implicit import field, surface
-from data_synthetic import calibre, tree
+from data_synthetic import healthy_radius, tree
 from data_synthetic.ct import evaluate
 
 FIELD_TOLERANCE = 3e-3  # radii between samples of 0.1 mm, where taper sets in with a kink
@@ -25,7 +25,7 @@ def exponent_of(before, after, side):
 
 def places(vessel):
     """Per bifurcation: arc lengths (mm) on main before and after it, and on the side branch clear of the main wall."""
-    forks = calibre.bifurcations(vessel)
+    forks = healthy_radius.bifurcations(vessel)
     return [(fork.start_mm, fork.end_mm, fork.side_level_mm) for fork in forks]
 
 
@@ -53,9 +53,9 @@ def drawn(seed, exponent):
 @pytest.mark.parametrize("seed", range(6))
 def test_exponent_of_the_profile(seed, exponent):
     vessel = drawn(seed, exponent)
-    for fork, side in zip(calibre.bifurcations(vessel), calibre.ordered_sides(vessel)):
-        before, after = calibre.main_healthy_radius(vessel, np.array([fork.start_mm, fork.end_mm]))
-        clear = float(calibre.side_healthy_radius(side, fork, fork.side_level_mm))
+    for fork, side in zip(healthy_radius.bifurcations(vessel), healthy_radius.ordered_sides(vessel)):
+        before, after = healthy_radius.main_healthy_radius(vessel, np.array([fork.start_mm, fork.end_mm]))
+        clear = float(healthy_radius.side_healthy_radius(side, fork, fork.side_level_mm))
         assert exponent_of(before, after, clear) == pytest.approx(exponent, abs=1e-8)
 
 

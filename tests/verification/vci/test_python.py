@@ -35,6 +35,20 @@ def test_page_prints_what_it_says(capsys):
     assert len(names["result"].devices) == 3
 
 
+def test_page_lists_every_name():
+    """The table of names has all that the package offers, and nothing else."""
+    table = PAGE.read_text().partition("## Names")[2].partition("\n## ")[0]
+    listed = set(
+        re.findall(r"`([A-Za-z_]+(?:\.[a-z_]+)?)(?:\(.*?\))?`", "".join(re.findall(r"^\| (`.*?) \| ", table, re.M)))
+    )
+    offered = set(vci.__all__)
+    for name in vci.__all__:
+        if isinstance(getattr(vci, name), type) and not issubclass(getattr(vci, name), Exception):
+            offered |= {f"{name}.{inner}" for inner in vars(getattr(vci, name)) if not inner.startswith("_")}
+    classes = {"Result", "Device"}  # not made by a call: their attributes are listed
+    assert listed == offered - classes
+
+
 @pytest.fixture(scope="module")
 def vessel():
     """A short narrowed tube, from arrays."""

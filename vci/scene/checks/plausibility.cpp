@@ -44,11 +44,11 @@ void check_within(const Path& path, const Span& span, const std::string& what, c
 bool reaches_into(const Placement& balloon, double balloon_length, const Placement& stent, double stent_length,
                   const std::map<std::string, Path>& paths) {
   constexpr double step = 0.25; // mm
-  const Path &course = paths.at(balloon.branch), &axis = paths.at(stent.branch);
+  const Path &balloon_axis = paths.at(balloon.branch), &stent_axis = paths.at(stent.branch);
   const Span inner = span_of(balloon, balloon_length), outer = span_of(stent, stent_length);
   for (double s = inner.start; s <= inner.end; s += step)
     for (double t = outer.start; t <= outer.end; t += step)
-      if ((course.at(s) - axis.at(t)).norm() < beside)
+      if ((balloon_axis.at(s) - stent_axis.at(t)).norm() < beside)
         return true;
   return false;
 }

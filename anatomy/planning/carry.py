@@ -1,0 +1,63 @@
+"""A plan carried to another reading of the same lumen: the same devices and pressures at the same places in space."""
+
+import json
+import os
+
+import numpy as np
+
+from common.errors import InputError
+from common.files import write_json
+
+from ..measured import read_sections
+
+
+def run(plan_file, from_folder, to_folder, out):
+    """Writes the plan of `plan_file`, made in the anatomy `from_folder`, for the lumen of the anatomy `to_folder`.
+
+    Raises InputError where the other lumen lacks a branch that is treated, or has its axis elsewhere.
+    """
+    plan = json.loads(plan_file.read_text())
+    axes = read_sections(from_folder), read_sections(to_folder)
+    where = f"{plan_file} in {to_folder}"
+    relative = os.path.relpath(to_folder.resolve(), out.resolve().parent)
+    plan |= {"lumen": f"{relative}/lumen.vtp", "centreline": f"{relative}/centreline.vtp"}
+    segment = plan["segment"]
+    for key in ("s_start_mm", "s_end_mm"):
+        segment[key] = carried(segment["branch"], segment[key], *axes, where)
+    for step in plan["procedure"]:
+        for use in step["devices"]:
+            use["centre_s_mm"] = carried(use["branch"], use["centre_s_mm"], *axes, where)
+    write_json(out, plan)
+
+
+def carried(branch, s_mm, before, after, where):
+    """Arc length on a branch of the sections `after` that lies nearest to s_mm on the same branch of `before`.
+
+    What s_mm reaches beyond the first or last section stays the same. A place further off the other axis than the
+    vessel's inscribed radius is refused.
+    """
+    if branch not in after:
+        found = ", ".join(after)
+        raise InputError("a treated branch is missing", where, branch, f"branches found: {found}; image it better")
+    line, other = _axis(before[branch]), _axis(after[branch])
+    within = float(np.clip(s_mm, line[0][0], line[0][-1]))
+    point = np.array([np.interp(within, line[0], line[1][:, k]) for k in range(3)])
+    start, span = other[1][:-1], np.diff(other[1], axis=0)
+    share = np.clip(np.einsum("ij,ij->i", point - start, span) / np.einsum("ij,ij->i", span, span), 0.0, 1.0)
+    distance = np.linalg.norm(start + share[:, None] * span - point, axis=1)
+    nearest = int(distance.argmin())
+    radius = float(np.interp(within, line[0], line[2]))
+    if distance[nearest] > radius:
+        value = f"{distance[nearest]:.2f} mm at {s_mm:.1f} mm of {branch}, where the vessel's radius is {radius:.2f} mm"
+        raise InputError("a place of the plan lies off the other axis", where, value, "compare both centrelines")
+    s_other = other[0][nearest] + share[nearest] * (other[0][nearest + 1] - other[0][nearest])
+    return round(float(s_other + s_mm - within), 3)
+
+
+def _axis(rows):
+    """(arc lengths (n,), points (n, 3), inscribed radii (n,)) of a branch's sections, in mm."""
+    return (
+        np.array([row["s_mm"] for row in rows]),
+        np.array([[row["x_mm"], row["y_mm"], row["z_mm"]] for row in rows]),
+        np.array([row["inscribed_radius_mm"] for row in rows]),
+    )

@@ -1,0 +1,33 @@
+"""The documentation as a site: `make docs` (Sphinx with MyST and furo). Each page stays with its part."""
+
+import pathlib
+import sys
+
+sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[1]), str(pathlib.Path(__file__).resolve().parent)]
+
+project = "vci: virtual coronary intervention"
+author = "the vci authors"
+extensions = ["myst_parser", "schema_tables"]
+html_theme = "furo"
+html_title = project
+html_static_path = ["static"]
+html_css_files = ["tables.css"]
+html_extra_path = ["site"]  # index.html, which leads to docs/index.html
+html_copy_source = False
+root_doc = "docs/index"
+# The source folder is the repository: README.md, and the pages of every part.
+include_patterns = [
+    "README.md",
+    "docs/*.md",
+    "anatomy/**.md",
+    "vci/**.md",
+    "flow/**.md",
+    "data_synthetic/*.md",
+    "reports/*.md",
+    "config/patients/*/README.md",
+]
+# What a source folder holds is said in it, for those who read the sources.
+source_folders = ["anatomy/src", "vci/*/README.md", "vci/*/*/README.md"]
+exclude_patterns = ["build*", "results", "data", ".git", ".snakemake", "tests", *source_folders]
+myst_heading_anchors = 4
+myst_enable_extensions = ["dollarmath"]
