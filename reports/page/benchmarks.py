@@ -18,6 +18,11 @@ TITLES = {
         "costs. Levels: the cheapest row of each within an error of the mean area, and the ratio of their times.",
     ),
     "deployment_hard_cases": ("Deployment: hard cases", "Each ends in force balance, or is refused with its reason."),
+    "deployment_against_published": (
+        "Deployment: beside benches, cadavers and patients",
+        "A row is a published figure; engine and finite-element truth are fitted neither to it nor to each other. "
+        "Empty: not computed, for the reason in the remark. In brackets: standard deviations or quartiles.",
+    ),
     "deployment_sensitivity": (
         "Deployment: what contact distance and margin are worth",
         "A row is a scene with one setting off its default; changes are those of the areas from the default's.",

@@ -68,6 +68,7 @@ def test_a_target_that_cannot_be_made_is_named(fresh, shared_data, target, words
 def test_benchmarks_stand_apart_and_feed_the_report(finished):
     """The study plans none of them; what they leave makes the report again, and nothing else."""
     names = {"deployment_speed", "deployment_baseline", "deployment_hard_cases", "deployment_sensitivity"}
+    names |= {"deployment_against_published"}
     names |= {
         "flow_hard_cases",
         "anatomy_speed",

@@ -7,6 +7,7 @@ BENCHMARKS = {
     "deployment_baseline": "baseline.csv",
     "deployment_hard_cases": "hard_cases.csv",
     "deployment_sensitivity": "sensitivity.csv",
+    "deployment_against_published": "published.csv",
     "flow_hard_cases": "hard_cases.csv",
     "anatomy_speed": "benchmark.csv",
     "anatomy_campaign": "campaign.csv",
@@ -114,6 +115,32 @@ rule deployment_sensitivity:
         out=output_folder,
     shell:
         "workflow/run.sh {log} /usr/bin/python3 -m vci.benchmarks.sensitivity --build {params.build} --out {params.out}"
+
+
+rule deployment_against_published:
+    message:
+        "benchmark: engine and reference beside benches, cadavers and patients"
+    input:
+        programs=[VCI, LUMEN],
+        code=module_code("vci.benchmarks.published"),
+        vessels=code("data_synthetic", "data_synthetic.draw", "data_synthetic.generate"),
+        truth=code("data_synthetic", "data_synthetic.reference.run"),
+        plan=code("anatomy", "anatomy.planning.plan"),
+        devices=sorted(str(file) for file in (STUDY.folder / "devices").glob("*.yaml")),
+    output:
+        "results/benchmarks/deployment_against_published/published.csv",
+    log:
+        "results/benchmarks/logs/deployment_against_published.log",
+    benchmark:
+        "results/benchmarks/logs/deployment_against_published.tsv"
+    threads: ALONE
+    resources:
+        sbatch_options="--exclusive",
+    params:
+        build=programs_folder,
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m vci.benchmarks.published --build {params.build} --out {params.out}"
 
 
 rule flow_hard_cases:

@@ -60,6 +60,17 @@ TABLES = {
             "cpu_seconds": "CPU s",
         },
     ),
+    "deployment_against_published": (
+        "published.csv",
+        {
+            "bench": "bench",
+            "quantity": "quantity",
+            "unit": "unit",
+            "published": "published",
+            "engine": "engine",
+            "truth": "truth",
+        },
+    ),
     "deployment_hard_cases": (
         "hard_cases.csv",
         {

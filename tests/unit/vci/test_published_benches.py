@@ -1,0 +1,106 @@
+"""What the benches beside published figures make of devices, plans and outcomes."""
+
+import pathlib
+
+import numpy as np
+import pytest
+
+from common import vtp
+from common.config import load_case, load_devices
+from vci.benchmarks import bench_cases, published, scenes
+from vci.benchmarks.bench_cases import Outcome
+from vci.benchmarks.device_shapes import diameters
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+
+
+def write_tube(path, radii, around=16, spacing=0.5):
+    """A device's open tube with these ring radii."""
+    angle = 2 * np.pi * np.arange(around) / around
+    rings = [[r * np.cos(a), r * np.sin(a), spacing * k] for k, r in enumerate(radii) for a in angle]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    vtp.write(path, scenes.polydata(np.array(rings), scenes.Tube._triangles(len(radii), around)))
+    return path
+
+
+def test_diameters_along_a_device(tmp_path):
+    along, found = diameters(write_tube(tmp_path / "stent.vtp", [1.5, 1.0, 1.0, 1.0, 1.4]))
+    assert found == pytest.approx([3.0, 2.0, 2.0, 2.0, 2.8])
+    assert along == pytest.approx([-1.0, -0.5, 0.0, 0.5, 1.0])
+
+
+def test_entries_of_the_catalogue_make_a_scene():
+    families = load_devices(ROOT / "config" / "devices")
+    balloon = published.catalogue_entry(families, "non_compliant", 3.0, 15)
+    assert balloon["chart"]["diameter_mm"][5] == pytest.approx(3.0) and "source" not in balloon
+    stent = published.catalogue_entry(families, "des", 3.0, 18)
+    assert (stent["maximal_diameter_mm"], stent["crowns"], stent["balloon"]) == (4.4, 8, "delivery")
+
+
+@pytest.fixture
+def stented(tmp_path):
+    """An Outcome: a stent on a balloon of 3.0 mm at 11 bar, 3.3 mm afterwards; engine and truth known."""
+    write_tube(tmp_path / "engine/devices/stent_balloon.vtp", [0.5, 1.3, 1.4, 1.3, 0.5], spacing=2.0)
+    chart = {"pressure_bar": [5, 11, 16], "diameter_mm": [2.9, 3.0, 3.1]}
+    devices = {"b": {"chart": chart}, "s": {"balloon": "b", "length_mm": 5}}
+    devices["post"] = {"chart": {"pressure_bar": [10, 20], "diameter_mm": [3.2, 3.4]}}
+    procedure = [
+        {"name": "stent", "action": "stent", "devices": [{"device": "s", "pressure_bar": 11}]},
+        {"name": "post", "action": "postdilatation", "devices": [{"device": "post", "pressure_bar": 15}]},
+    ]
+    area = np.pi / 4 * 2.64**2
+    stent = {"minimal_stent_area_mm2": area, "expansion_index": 0.8}
+    engine = {"minimal_stent_area_mm2": area}
+    engine["stents"] = [stent | {"inflated_diameter_mm": 3.1, "final_diameter_mm": 2.9}]
+    steps = [{"step": "stent", "inflated_radius_mm": 1.2, "radius_mm": 1.1}]
+    steps += [{"step": "post", "inflated_radius_mm": 1.5, "radius_mm": 1.4}]
+    slices = [{"stented": True, "history": steps}, {"stented": False, "history": []}]
+    truth = {"minimal_lumen_area_in_stent_mm2": 1.1 * area, "slices": slices}
+    return Outcome(tmp_path, {"devices": devices, "procedure": procedure}, engine, truth)
+
+
+def test_distances_from_the_chart(stented):
+    found = bench_cases.after_stenting(stented)
+    assert found["engine"]["below_chart_percent"] == pytest.approx(20.0)
+    assert found["truth"]["below_chart_percent"] == pytest.approx(100 * (1 - 0.8 * 1.1**0.5))
+    assert [found[model]["expansion_percent"] for model in ("engine", "truth")] == pytest.approx([80, 88])
+    assert found["engine"]["recoil_mm"] == pytest.approx(0.2) and found["truth"]["recoil_mm"] == pytest.approx(0.2)
+    assert found["engine"]["short_of_chart_mm"] == pytest.approx(3.0 - 2.6), "the cylinder's rings, not its cones'"
+    assert found["truth"]["short_of_chart_mm"] == pytest.approx(3.0 - 2.4)
+
+
+def test_slopes_are_those_of_the_runs(monkeypatch, tmp_path):
+    """Expansion falls by 6 % per 180 degrees and 2 % per 5 mm in the engine, twice that in the truth; one run fails."""
+
+    def treated(path, folder, build):
+        _, arc, length = folder.name.split("_")
+        return Outcome(folder, engine=None if (arc, length) == ("90", "5") else {"at": (float(arc), float(length))})
+
+    def after(outcome):
+        arc, length = outcome.engine["at"]
+        lost = 6 * arc / 180 + 2 * length / 5
+        return {"engine": {"expansion_percent": 90 - lost}, "truth": {"expansion_percent": 95 - 2 * lost}}
+
+    monkeypatch.setattr(bench_cases, "treat", treated)
+    monkeypatch.setattr(bench_cases, "after_stenting", after)
+    rows = {row["quantity"]: row for row in published.calcium_slopes(tmp_path, tmp_path)}
+    arc = rows["change of expansion by 180 degrees of arc"]
+    assert (arc["engine"], arc["truth"], arc["n"]) == ("-6.00", "-12.00", 5) and "1 of 6 refused" in arc["remark"]
+    assert rows["change of expansion by 5 mm of length"]["engine"] == "-2.00"
+    assert "engine" not in rows["change of expansion by 0.5 mm of thickness"]
+
+
+def test_the_cases_of_the_benches_are_valid(tmp_path):
+    case = load_case(published.calcified_case(tmp_path / "case.yaml", 270, 10, published.STENTING))
+    assert case["vessel"]["lesions"][0]["calcium"]["arc_deg"] == 270 and len(case["plan"]) == 3
+
+
+def test_a_refused_case_says_why(tmp_path, capsys):
+    (tmp_path / "case.yaml").write_text("kind: synthetic\n")
+    outcome = bench_cases.treat(tmp_path / "case.yaml", tmp_path / "case", tmp_path)
+    assert outcome.engine is None and outcome.refused
+    assert outcome.refused in capsys.readouterr().err
+
+
+def test_mean_and_standard_deviation_as_text():
+    assert published.mean_sd([10.0, 20.0]) == "15 (7.1)" and published.mean_sd([3.0]) == "-"
