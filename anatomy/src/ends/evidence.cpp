@@ -13,12 +13,13 @@ using FaceTree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, FacePrimitive>>;
 // Of the ball's diameter. A vessel that widens by 20 degrees behind its end has .70 and a wide chamfer .8; of lofts a
 // facet has .67 (six corners), .48 (eight) or less.
 constexpr double least_width = 0.6;
-constexpr double largest_growth = 2;  // of the area over half a radius: 40 degrees on each side
-constexpr double off_plane = 0.07;    // of its diameter
-constexpr double cos_tilt = 0.5;      // 60 degrees
-constexpr double section_depth = 0.5; // radii: an outlet that was cut off close to its parent is no longer than that
-constexpr double behind_rim = 0.25;   // radii: a rounded rim is neither cap nor wall
-constexpr double largest_ball = 20;   // mm: wider than any aorta
+constexpr double largest_growth = 2;   // of the area over half a radius: 40 degrees on each side
+constexpr double part_of_rough = 1.25; // likewise: of a rough cap often only a part is found in one plane
+constexpr double off_plane = 0.07;     // of its diameter
+constexpr double cos_tilt = 0.5;       // 60 degrees
+constexpr double section_depth = 0.5;  // radii: an outlet that was cut off close to its parent is no longer than that
+constexpr double behind_rim = 0.25;    // radii: a rounded rim is neither cap nor wall
+constexpr double largest_ball = 20;    // mm: wider than any aorta
 constexpr int most_steps = 40;
 
 } // namespace
@@ -31,7 +32,7 @@ struct Tubes::Trees {
 
 Tubes::Tubes(const Mesh& mesh) : mesh_(mesh), trees_(std::make_shared<Trees>(mesh)) {}
 
-std::string no_end_since(const PatchPlane& plane, const Evidence& evidence) {
+std::string no_end_since(const PatchPlane& plane, const Evidence& evidence, bool rough) {
   if (plane.width < least_width * 2 * evidence.ball)
     return "a facet of the wall: narrower than the vessel behind it";
   if (plane.highest - plane.lowest > 2 * off_plane * std::sqrt(plane.area / M_PI))
@@ -40,6 +41,8 @@ std::string no_end_since(const PatchPlane& plane, const Evidence& evidence) {
     return "no vessel behind it";
   if (evidence.section > largest_growth * plane.area || plane.area > largest_growth * evidence.section)
     return "the vessel half a radius behind it is of another size";
+  if (rough && evidence.section > part_of_rough * plane.area)
+    return "only a part of a rough end";
   if (evidence.tilt > std::acos(cos_tilt) * 180 / M_PI)
     return "along the vessel, not across it";
   return "";

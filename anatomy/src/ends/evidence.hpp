@@ -14,8 +14,10 @@ struct Evidence {
   double tilt = 90;   ///< degrees between its normal and the axis of the wall within a radius behind it
 };
 
-/// Why a part of this shape and evidence is no end; empty where it is one.
-std::string no_end_since(const PatchPlane& plane, const Evidence& evidence);
+/// Why a part of this shape and evidence is no end; empty where it is one. On a surface too `rough` for its planes to
+/// be found whole it must be about as large as the section: what is left of the cap would become wall, the end too
+/// small.
+std::string no_end_since(const PatchPlane& plane, const Evidence& evidence, bool rough);
 
 /// A closed mesh that outlives it, without removed elements.
 class Tubes {

@@ -39,7 +39,8 @@ struct Place {
   }
 };
 
-Place flat_place(const Mesh& mesh, const Tubes& tubes, const std::vector<Face>& faces, const std::string& kind) {
+Place flat_place(const Mesh& mesh, const Tubes& tubes, const std::vector<Face>& faces, const std::string& kind,
+                 bool rough) {
   const PatchPlane plane = plane_of(mesh, faces);
   Place out;
   out.faces = faces;
@@ -54,7 +55,7 @@ Place flat_place(const Mesh& mesh, const Tubes& tubes, const std::vector<Face>& 
     return out;
   }
   out.shown.evidence = tubes.evidence(faces, plane);
-  const std::string why = no_end_since(plane, out.shown.evidence);
+  const std::string why = no_end_since(plane, out.shown.evidence, rough);
   out.shown.is_end = kind == "open" || why.empty();
   out.shown.why = kind == "open" ? "an opening" : why.empty() ? "closes the vessel" : why;
   return out;
@@ -83,14 +84,15 @@ std::vector<Place> flat_places(const Mesh& mesh, const NamedEnds& named, double 
   const Tubes tubes(mesh);
   std::vector<Place> places;
   for (const auto& [value, faces] : tagged_faces(mesh))
-    places.push_back(flat_place(mesh, tubes, faces, named.openings.contains(value) ? "open" : "given"));
+    places.push_back(flat_place(mesh, tubes, faces, named.openings.contains(value) ? "open" : "given", false));
   if (named.tagged)
     return places;
   const double mean = 2 * std::abs(PMP::volume(mesh)) / PMP::area(mesh);
   const double radius = std::max(least_radius, smallest_radius * mean);
-  const double flat = std::clamp(noise_reach * roughness_of(mesh).rms, off_plane * mean, off_plane_of_noise * mean);
+  const double reach = noise_reach * roughness_of(mesh).rms;
+  const double flat = std::clamp(reach, off_plane * mean, off_plane_of_noise * mean);
   for (const auto& faces : planar_patches(mesh, flat, M_PI * radius * radius))
-    places.push_back(flat_place(mesh, tubes, faces, "flat"));
+    places.push_back(flat_place(mesh, tubes, faces, "flat", reach > flat));
   return places;
 }
 
