@@ -34,8 +34,8 @@ LABELS = {
     "rc": "Radius correction",
     "reference": "Reference (finite elements)",
     "ct": "CT of the reference",
-    "ct_vci": "VCI from the CT before",
-    "ct_rc": "Radius correction from the CT before",
+    "ct_vci": "VCI from CT",
+    "ct_rc": "Radius correction from CT",
     "post": "After the real PCI",
     "measured": "Pressure wire",
 }

@@ -87,7 +87,7 @@ def environment():
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    env.filters.update(lower_first=lower_first, to_digits=to_digits, signed_to=signed_to)
+    env.filters.update(lower_first=lower_first, to_digits=to_digits, signed_to=signed_to, signed_small=signed_small)
     env.filters.update(fixed=fixed, signed=signed, scientific=scientific, percent=percent)
     return env
 
@@ -223,6 +223,11 @@ def to_digits(value, digits=2):
 def signed_to(value, digits=2):
     """A difference with its sign and so many significant digits; a dash where there is none."""
     return MISSING if value is None else signed(value, decimals(value, digits))
+
+
+def signed_small(value, least):
+    """A difference with its sign and at least so many decimals, more where it needs them for two digits."""
+    return MISSING if value is None else signed(value, max(least, min(MOST_DIGITS, decimals(value, 2) if value else 0)))
 
 
 def scientific(value):

@@ -10,7 +10,7 @@ import pytest
 from common.errors import ComputationError, InputError
 from reports.__main__ import main
 from reports.page.check import TALL, browse, check_report, console_messages, outside_references
-from reports.page.build import fixed, signed, signed_to, to_digits
+from reports.page.build import fixed, signed, signed_small, signed_to, to_digits
 from reports.page.evidence import evidence_rows, read_results
 from reports.page.geometry import STEPS, pack, quantise
 
@@ -90,7 +90,7 @@ def test_report_with_ct_keeps_four_errors_apart_and_shows_the_warnings(study):
         assert words in text, words
     assert text.count(message) == 4, "two images: each with its case and among the limits"
     assert text.count("no warning.") == 2
-    clinical = next(row for row in text.split("<tr>") if "VCI from the CT before − CT" in row and "Mean CSA" in row)
+    clinical = next(row for row in text.split("<tr>") if "VCI from CT − CT" in row and "Mean CSA" in row)
     assert "−5.22 to +2.12" in clinical
     assert text.count("−5.22 to +2.12") == 1
     assert (
@@ -268,6 +268,8 @@ def test_packed_coordinates_come_back():
 
 def test_numbers_as_they_are_shown():
     assert signed(-0.02) == "−0.02" and signed(0.123, 1) == "+0.1" and signed(-0.001) == "0.00"
+    assert signed_small(-0.00012345, 3) == "−0.00012" and signed_small(0.0123, 3) == "+0.012"
+    assert signed_small(1e-9, 3) == "0.000000" and signed_small(0.0, 3) == "0.000" and signed_small(None, 3) == "–"
     assert signed_to(-0.00012345) == "−0.00012" and signed_to(0.0) == "0.0" and signed_to(12.34) == "+12"
     assert to_digits(0.0996) == "0.100" and to_digits(1.55) == "1.6" and to_digits(None) == signed_to(None) == "–"
     assert fixed(None) == "–" and fixed(98000, 0) == "98,000"
