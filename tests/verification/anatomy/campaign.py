@@ -345,7 +345,12 @@ def main():
             folder = out / "work"
             shutil.rmtree(folder, ignore_errors=True)
             folder.mkdir()
-            surface = surfaces.write(folder / "surface.stl", *STYLES[style](patient))
+            try:
+                made = STYLES[style](patient)
+            except lofts.NotMade as reason:
+                print(f"{name} {style}: not made: {reason}", file=sys.stderr)
+                continue
+            surface = surfaces.write(folder / "surface.stl", *made)
             code, reason, row["cpu_s"] = run([lumen, "process", surface, "--out", folder / "anatomy"])
             row["reason"] = reason if code else ""
             row["outcome"] = {0: "right", 2: "refused", 3: "failed"}.get(code, "broken")

@@ -83,8 +83,15 @@ def decimated(points, triangles, kept):
     return surfaces.arrays(filter_.GetOutput())
 
 
+class NotMade(Exception):
+    """VTK's boolean union found no surface."""
+
+
 def fused(pieces):
-    """One closed surface round closed ones [(points, triangles), ...], by VTK's boolean union, piece after piece."""
+    """One closed surface round closed ones [(points, triangles), ...], by VTK's boolean union, piece after piece.
+
+    Raises NotMade where the union fails. It may leave tears at the seams, as unions of other programs do.
+    """
     whole = surfaces.polydata(*pieces[0])
     for piece in pieces[1:]:
         union = surfaces.vtk.vtkBooleanOperationPolyDataFilter()
@@ -97,6 +104,8 @@ def fused(pieces):
         clean.SetInputConnection(triangles.GetOutputPort())
         clean.Update()
         whole = clean.GetOutput()
+        if whole.GetNumberOfCells() == 0:
+            raise NotMade("the boolean union is empty")
     return surfaces.arrays(whole)
 
 
