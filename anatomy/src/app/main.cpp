@@ -86,6 +86,8 @@ std::vector<const CoronaryTree*> to_check(const Closed& closed, const Options& o
 }
 
 void check(const Options& options, const std::string& repaired, const std::string& ends) {
+  if (!repaired.empty())
+    check_surface_name(repaired);
   StepTimer timer;
   const Closed closed = closed_surface(options, timer);
   const std::vector<const CoronaryTree*> trees = to_check(closed, options);
@@ -164,6 +166,7 @@ int main(int argc, char** argv) {
     if (check_command->parsed()) {
       check(options, repaired, ends);
     } else if (remesh_command->parsed()) {
+      check_surface_name(out);
       StepTimer timer;
       const Prepared prepared = prepare(options, timer);
       write_surface(remeshed(prepared.given, options.edge, prepared.mesh), out);

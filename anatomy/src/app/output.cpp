@@ -141,7 +141,7 @@ void write_anatomy(const Anatomy& anatomy, const StepTimer& timer, const std::st
   if (error)
     throw common::InputError("the folder cannot be made", folder, error.message(), "name one that can be written");
   const std::vector<std::string> names{"lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json"};
-  const auto partial = [&](const std::string& name) { return fs::path(folder) / (".partial-" + name); };
+  const auto partial = [&](const std::string& name) { return partial_of(fs::path(folder) / name); };
   try {
     write_vtp(lumen_data(anatomy.mesh, &anatomy.arrays), partial(names[0]));
     write_vtp(centreline_data(anatomy.branches), partial(names[1]));

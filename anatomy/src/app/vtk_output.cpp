@@ -1,6 +1,7 @@
 #include "app/vtk_output.hpp"
 #include "common/error.hpp"
 #include "common/vtk_writing.hpp"
+#include <unistd.h>
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkDoubleArray.h>
@@ -93,21 +94,30 @@ void write_vtp(vtkPolyData* data, const std::filesystem::path& path) {
   }
 }
 
+std::filesystem::path partial_of(const std::filesystem::path& target) {
+  return target.parent_path() / (".partial-" + std::to_string(getpid()) + "-" + target.filename().string());
+}
+
+void check_surface_name(const std::string& path) {
+  const std::string ending = std::filesystem::path(path).extension().string();
+  if (ending != ".vtp" && ending != ".stl")
+    throw common::InputError("unknown surface format", path, ending, "name a .vtp or .stl file");
+}
+
 void write_surface(const Mesh& mesh, const std::string& path) {
   const std::filesystem::path target(path);
-  const auto partial = target.parent_path() / (".partial-" + target.filename().string());
+  check_surface_name(path);
+  const auto partial = partial_of(target);
   const auto data = lumen_data(mesh, nullptr);
   if (target.extension() == ".vtp") {
     write_vtp(data, partial);
-  } else if (target.extension() == ".stl") {
+  } else {
     vtkNew<vtkSTLWriter> writer;
     writer->SetFileName(partial.c_str());
     writer->SetFileTypeToBinary();
     writer->SetInputData(data);
     if (!common::wrote_stl(writer.Get(), partial, data->GetNumberOfPolys()))
       throw common::InputError("the file cannot be written", path, "", "check the folder and the free space");
-  } else {
-    throw common::InputError("unknown surface format", path, target.extension().string(), "name a .vtp or .stl file");
   }
   std::error_code error;
   std::filesystem::rename(partial, target, error);

@@ -16,6 +16,12 @@ vtkSmartPointer<vtkPolyData> centreline_data(const std::vector<Branch>& branches
 /// Throws InputError if the file cannot be written.
 void write_vtp(vtkPolyData* data, const std::filesystem::path& path);
 
+/// Beside `target`, with the process's number: where it is written before it is whole. Two runs do not meet there.
+std::filesystem::path partial_of(const std::filesystem::path& target);
+
+/// Throws InputError unless the name ends in .vtp or .stl.
+void check_surface_name(const std::string& path);
+
 /// Writes a tagged mesh as VTP (region_id) or STL by its suffix.
 void write_surface(const Mesh& mesh, const std::string& path);
 

@@ -1,7 +1,10 @@
-"""A surface that `lumen` cannot write whole is refused: VTK's writer alone reports success."""
+"""What `lumen` writes: whole or not at all, its own, and only under a name that it can write."""
 
 import resource
 import subprocess
+
+import pytest
+import surfaces
 
 from vci.benchmarks import scenes
 
@@ -30,3 +33,21 @@ def test_a_surface_cut_short_is_no_result(binary, tmp_path):
         )
         assert result.returncode == 2 and "cannot be written" in result.stderr, result.stderr
         assert list(cut.parent.iterdir()) == []
+
+
+@pytest.mark.parametrize("command, option", [("remesh", "--out"), ("check", "--repaired")])
+def test_an_unknown_ending_is_refused_before_the_input_is_read(binary, tmp_path, command, option):
+    missing, out = tmp_path / "missing.stl", tmp_path / "out.obj"
+    done = subprocess.run([binary("lumen"), command, missing, option, out], text=True, capture_output=True)
+    assert done.returncode == 2 and "unknown surface format" in done.stderr and "out.obj" in done.stderr
+
+
+def test_two_runs_into_one_folder_do_not_share_files(process, tmp_path):
+    """What another process has begun to write there stays its own."""
+    surface = surfaces.write(tmp_path / "t.stl", *surfaces.tube(surfaces.straight, lambda s: 1.5 + 0 * s, 10))
+    (tmp_path / "out").mkdir()
+    other = tmp_path / "out" / ".partial-lumen.vtp"
+    other.write_text("begun")
+    process(surface, tmp_path / "out")
+    assert other.read_text() == "begun" and (tmp_path / "out" / "lumen.vtp").exists()
+    assert [path.name for path in (tmp_path / "out").glob(".partial-*")] == [other.name]
