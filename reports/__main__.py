@@ -61,6 +61,17 @@ def run_timings(args):
     write_csv(args.out, timings_table(case_list(args)))
 
 
+def run_seconds(args):
+    from reports.figures.seconds import seconds_figure
+    from reports.inputs.reading import existing
+    from reports.study.seconds import read_timings, seconds_table
+    from reports.study.tables import write_csv
+
+    timings = read_timings(existing(args.timings, "reports timings"))
+    write_csv(args.out, seconds_table(timings))
+    seconds_figure(timings, args.figures_dir)
+
+
 def run_figures(args):
     from reports.figures.case import case_figures
     from reports.figures.study import study_figures
@@ -131,6 +142,12 @@ def parser():
     command.add_argument("--case-dir", required=True, nargs="+", type=path, help="results/cases/<case>, of each case")
     command.add_argument("--out", required=True, type=path, help="the CSV file")
     command.set_defaults(run=run_timings)
+
+    command = commands.add_parser("seconds", help="the virtual procedure's seconds by stage and step -> CSV and figure")
+    command.add_argument("--timings", required=True, type=path, help="timings.csv")
+    command.add_argument("--out", required=True, type=path, help="the CSV file")
+    command.add_argument("--figures-dir", required=True, type=path, help="results/figures")
+    command.set_defaults(run=run_seconds)
 
     command = commands.add_parser("figures", help="figures of cases and of the study -> SVG and PNG")
     command.add_argument("--case-dir", nargs="+", type=path, default=[], help="cases to draw (with their metrics.json)")

@@ -38,7 +38,7 @@ def build_report(cases, study_dir, figures_dir, out, junit=(), software=None, co
     contexts = [case_context(files, figures_dir) for files in cases]
     agreement = read_csv(study_dir / "agreement.csv")
     timings = read_csv(study_dir / "timings.csv")
-    differences = read_csv(study_dir / "differences.csv")
+    differences, seconds = read_csv(study_dir / "differences.csv"), read_csv(study_dir / "seconds.csv")
     for context in contexts:
         context["timings"] = [row for row in timings if row["case"] == context["name"]]
     page = (
@@ -60,6 +60,8 @@ def build_report(cases, study_dir, figures_dir, out, junit=(), software=None, co
             differences=differences,
             differences_figure=optional_image(figures_dir / "differences.svg") if differences else None,
             cohort_name=COHORT,
+            seconds=seconds,
+            seconds_figure=image_uri(figures_dir / "seconds.svg") if seconds else None,
             scatter=image_uri(figures_dir / "ffr_before_after.svg"),
             published=published(),
             evidence=evidence_rows(read_results(junit)),
@@ -94,7 +96,7 @@ def environment():
 
 def read_csv(path):
     """The rows of a study table as dicts, None where a field is empty."""
-    table = pd.read_csv(existing(path, "reports agreement, cohort, differences, nearer, timings"))
+    table = pd.read_csv(existing(path, "reports agreement, cohort, differences, nearer, seconds, timings"))
     return [
         {k: None if isinstance(v, float) and math.isnan(v) else v for k, v in row.items()}
         for row in table.to_dict("records")

@@ -165,6 +165,27 @@ rule timings:
         "workflow/run.sh {log} /usr/bin/python3 -m reports timings --case-dir {params.case_dirs} --out {output}"
 
 
+rule seconds:
+    message:
+        "seconds of the virtual procedure by stage and step"
+    input:
+        timings="results/study/timings.csv",
+        code=code("reports", "reports.study.seconds", "reports.figures.seconds", "reports.study.tables")
+        + ["reports/study/published.json"],
+    output:
+        table="results/study/seconds.csv",
+        figure=multiext("results/figures/seconds.", "svg", "png"),
+    log:
+        "results/study/logs/seconds.log",
+    benchmark:
+        "results/study/benchmarks/seconds.tsv"
+    params:
+        figures=lambda wildcards, output: os.path.dirname(output.figure[0]),
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m reports seconds --timings {input.timings} --out {output.table}"
+        " --figures-dir {params.figures}"
+
+
 rule software:
     message:
         "versions of the software"
@@ -191,7 +212,7 @@ rule report:
         ),
         study_figures=expand("results/figures/{name}.{format}", name=STUDY_FIGURES, format=["svg", "png"]),
         pictures=expand("results/cases/{case}/{picture}.png", case=CASES, picture=["anatomy/tree", "vci/plan"]),
-        tables=expand("results/study/{table}.csv", table=["agreement", "nearer", "differences", "timings", "cohort"]),
+        tables=expand("results/study/{table}.csv", table=["agreement", "nearer", "differences", "seconds", "timings", "cohort"]),
         software="results/study/software.json",
         code=code("reports", "reports.page.build"),
         templates=INPUTS.templates(),

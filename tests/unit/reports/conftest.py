@@ -17,6 +17,7 @@ from reports.inputs.polyline import read_centreline
 
 LENGTH_MM, CURVATURE_PER_MM, SPACING_MM = 40.0, 0.1, 0.25
 SEGMENT = (12.0, 30.0)
+STAGES = ("deployment-to-contact", "balloon-extraction")
 Q_M3_PER_S, VISCOSITY, MAP_PA, VENOUS_PA = 5.0e-6, 0.004, 12444.0, 667.0
 OPENING = {
     "pre": 0.7,
@@ -219,7 +220,7 @@ def write_procedure(folder):
     write_json(folder / "scene.json", scene)
     stage = {"seconds": 0.2, "steps": 40, "cg_iterations": 300, "residual": 2e-3, "contacts": 900}
     stage.update(max_penetration_mm=0.01, mean_penetration_mm=0.0005)
-    steps = [{"step": step, "stage": name, **stage} for step in ("pre", "stent") for name in ("deploy", "extract")]
+    steps = [{"step": step, "stage": name, **stage} for step in ("pre", "stent") for name in STAGES]
     document = {"schema": "vci-deployment-1", "status": "converged", "stages": steps, "seconds": 0.8}
     document.update(settings={"edge_mm": 0.4}, switched_off=["folding"], minimal_stent_area_mm2=7.3)
     document.update(minimal_lumen_area_in_stent_mm2=7.05, warnings=["stent: opened beyond its maximal diameter"])

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from reports.__main__ import main
 from common.errors import ComputationError, InputError
 from reports.study.agreement import agreement_table
 from reports.inputs.case_files import CaseFiles
@@ -132,6 +133,8 @@ def test_figures_and_page(make_case, tmp_path, compare):
     write_csv(study / "differences.csv", difference_table([document]))
     write_csv(study / "nearer.csv", nearer_table([document]))
     write_csv(study / "timings.csv", timings_table([files]))
+    seconds = ["--out", str(study / "seconds.csv"), "--figures-dir", str(figures)]
+    main(["seconds", "--timings", str(study / "timings.csv"), *seconds])
     build_report([files], study, figures, tmp_path / "index.html")
     page = (tmp_path / "index.html").read_text()
     for words in (

@@ -42,6 +42,8 @@ def study(make_case, tmp_path):
         tables = ["--stations", str(tmp_path / "stations.csv"), "--out", str(tmp_path / "study" / "differences.csv")]
         main(["differences", "--metrics", *metrics, *tables])
         main(["timings", "--case-dir", *dirs, "--out", str(tmp_path / "study" / "timings.csv")])
+        seconds = ["--out", str(tmp_path / "study" / "seconds.csv"), "--figures-dir", str(tmp_path / "figures")]
+        main(["seconds", "--timings", str(tmp_path / "study" / "timings.csv"), *seconds])
         main(["figures", "--case-dir", *dirs, "--metrics", *metrics, "--out-dir", str(tmp_path / "figures")])
         paths = [tmp_path / "index.html", tmp_path / "again.html"]
         for path in paths:
@@ -67,6 +69,7 @@ def test_report_of_a_case_with_and_one_without_reference(study, tmp_path):
         "its prediction is untested",
         "elements 0.31 %",
         "slice spacing mm 1.0 instead of 0.75.",
+        '<td class="text">balloon-extraction</td>',
         "Along the stent: Diff<sup>A</sup> and Diff<sup>C</sup>",
         "Minimal stent area 7.30 mm²; smallest lumen within the stent 7.05 mm²",
         "<li>stent: opened beyond its maximal diameter</li>",

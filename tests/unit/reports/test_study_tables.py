@@ -9,6 +9,7 @@ from reports.study.agreement import agreement_table, published
 from reports.inputs.case_files import CaseFiles
 from reports.study.cohort import cohort_table
 from reports.measuring.metrics import case_metrics
+from reports.study.seconds import by_case, seconds_table, stage_seconds
 from reports.study.timings import timings_table
 
 
@@ -88,9 +89,24 @@ def test_timings_from_benchmarks_and_programs(make_case):
         1.4,
         120.5,
     ]
-    assert table.loc["vci/stent/extract", "seconds"] == 0.2
+    assert table.loc["vci/stent/balloon-extraction", "seconds"] == 0.2
     assert table.loc["pre/anatomy/remesh", "seconds"] == 1.25
     assert table.loc["reference/flow", "peak_memory_mib"] == 900.0
+
+
+def test_seconds_by_stage_and_step():
+    rows = [("one", "vci/stent/balloon-extraction", 2.0), ("one", "vci/postdilatation/balloon-extraction", 3.0)]
+    rows += [("one", "vci/postdilatation_2/contact-to-balance", 4.0), ("two", "vci/stent/balloon-extraction", 7.0)]
+    rows += [("one", "vci/anatomy/remesh", 50.0), ("one", "vci", 9.0), ("one", "ct_vci/stent/balloon-extraction", 60.0)]
+    timings = pd.DataFrame([{"case": c, "step": s, "source": "program", "seconds": t} for c, s, t in rows])
+    groups = by_case(stage_seconds(timings))
+    assert groups["stage", "balloon-extraction"].tolist() == [5.0, 7.0]
+    assert groups["step", "postdilatation"].tolist() == [7.0], "both post-dilatations of the one patient"
+    assert groups["all", "procedure"].tolist() == [9.0, 7.0]
+    table = seconds_table(timings).set_index(["by", "name"])
+    assert table.loc[("all", "procedure"), ["n", "mean_s", "published_mean_s"]].tolist() == [2, 8.0, 24.92]
+    assert table.loc[("stage", "balloon-extraction"), "published_mean_s"] == 9.17
+    assert seconds_table(timings[timings["case"] == "none"]).empty
 
 
 def test_a_step_that_was_not_sampled_has_no_processor_time(make_case):

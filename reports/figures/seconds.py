@@ -1,0 +1,37 @@
+"""Figure of the seconds of the virtual procedure: boxes by stage, by step and in all, beside the published means."""
+
+import matplotlib.pyplot as plt
+
+from reports.figures.style import COLOURS, save
+from reports.study.agreement import published
+from reports.study.seconds import by_case, stage_seconds
+
+PANELS = (("stage", "Seconds by stage"), ("step", "Seconds by step"), ("all", "In all"))
+PUBLISHED_COLOUR = "#8a8a8a"
+
+
+def seconds_figure(timings, folder):
+    """Writes seconds.{svg,png} from the DataFrame of timings.csv; nothing where no procedure was simulated."""
+    stages = stage_seconds(timings)
+    if stages.empty:
+        return
+    groups, paper = by_case(stages), published()["seconds"]
+    figure, row = plt.subplots(1, 3, figsize=(11.0, 3.4), width_ratios=(3, 3, 1))
+    for axes, (by, title) in zip(row, PANELS):
+        names = [name for kind, name in groups if kind == by]
+        axes.boxplot([groups[by, name] for name in names], widths=0.5, medianprops={"color": COLOURS["vci"]})
+        known = [(k, paper[by][name]) for k, name in enumerate(names, 1) if name in paper[by]]
+        axes.plot(
+            [k for k, _ in known],
+            [one["mean"] for _, one in known],
+            "D",
+            color=PUBLISHED_COLOUR,
+            label="published mean",
+        )
+        axes.set_xticks(range(1, len(names) + 1), [name.replace("_", " ") for name in names])
+        axes.tick_params(axis="x", labelsize=8)
+        axes.set(title=title)
+        axes.set_ylim(0, 1.15 * axes.dataLim.y1)
+    row[0].set_ylabel("s")
+    row[0].legend(loc="center right", fontsize=8.5)
+    save(figure, folder, "seconds")

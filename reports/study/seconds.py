@@ -1,0 +1,51 @@
+"""seconds.csv: what the virtual procedure took by stage and by step, beside the published seconds."""
+
+import re
+
+import pandas as pd
+
+from reports.study.agreement import published
+from reports.study.bland_altman import sample_sd
+
+STAGE_ROW = re.compile(r"vci/(?P<step>[^/]+)/(?P<stage>deployment-to-contact|contact-to-balance|balloon-extraction)")
+COLUMNS = ["by", "name", "n", "mean_s", "sd_s", "published_mean_s", "published_sd_s"]
+
+
+def read_timings(path):
+    """timings.csv as a DataFrame."""
+    return pd.read_csv(path)
+
+
+def stage_seconds(timings):
+    """DataFrame (case, step, stage, seconds) of the program's rows in timings.csv, a row a stage of a step.
+
+    Repeated steps (postdilatation_2) count as steps of the same name.
+    """
+    rows = []
+    for row in timings[timings["source"] == "program"].itertuples():
+        found = STAGE_ROW.fullmatch(row.step)
+        if found:
+            step = re.sub(r"_\d+$", "", found["step"])
+            rows.append({"case": row.case, "step": step, "stage": found["stage"], "seconds": row.seconds})
+    return pd.DataFrame(rows, columns=["case", "step", "stage", "seconds"])
+
+
+def by_case(stages):
+    """{(by, name): seconds (n,) of each case that has it}: by stage, by step and in all, in order of appearance."""
+    groups = {}
+    for by in ("stage", "step"):
+        for name in stages[by].unique():
+            groups[by, name] = stages[stages[by] == name].groupby("case", sort=False)["seconds"].sum().to_numpy()
+    groups["all", "procedure"] = stages.groupby("case", sort=False)["seconds"].sum().to_numpy()
+    return groups
+
+
+def seconds_table(timings):
+    """DataFrame of seconds.csv: mean and sample standard deviation over the cases; empty without a deployment."""
+    stages, paper = stage_seconds(timings), published()["seconds"]
+    rows = []
+    for (by, name), values in by_case(stages).items() if len(stages) else ():
+        source = paper[by].get(name, {})
+        row = {"by": by, "name": name, "n": len(values), "mean_s": values.mean(), "sd_s": sample_sd(values)}
+        rows.append(row | {"published_mean_s": source.get("mean"), "published_sd_s": source.get("sd")})
+    return pd.DataFrame(rows, columns=COLUMNS)
