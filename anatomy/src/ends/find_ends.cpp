@@ -161,10 +161,46 @@ void keep_named(std::vector<Place>& places, const NamedEnds& named, std::vector<
   }
 }
 
+// What a rough end leaves out inside itself is a part of it: flattened, it would fold as an island of wall.
+void tag_islands(Mesh& mesh) {
+  RegionMap region = region_map(mesh);
+  std::vector<bool> seen(mesh.number_of_faces());
+  std::vector<std::vector<Face>> parts;
+  for (Face seed : mesh.faces()) {
+    if (seen[seed] || region[seed] != 0)
+      continue;
+    std::vector<Face> part{seed};
+    seen[seed] = true;
+    for (std::size_t i = 0; i < part.size(); ++i)
+      for (Face g : mesh.faces_around_face(mesh.halfedge(part[i])))
+        if (!seen[g] && region[g] == 0) {
+          seen[g] = true;
+          part.push_back(g);
+        }
+    parts.push_back(std::move(part));
+  }
+  const auto wall =
+      std::max_element(parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  for (auto part = parts.begin(); part != parts.end(); ++part) {
+    if (part == wall)
+      continue;
+    int around = 0;
+    for (Face f : *part)
+      for (Face g : mesh.faces_around_face(mesh.halfedge(f)))
+        around = std::max(around, region[g]);
+    tag(mesh, *part, around);
+  }
+}
+
 std::vector<End> tagged_ends(Mesh& mesh, const std::vector<Place>& places) {
   int next = 0;
+  RegionMap region = region_map(mesh);
+  for (Face f : mesh.faces())
+    region[f] = 0; // islands of an earlier call, too
   for (const Place& one : places)
     tag(mesh, one.faces, one.shown.is_end ? ++next : 0);
+  if (std::any_of(places.begin(), places.end(), [](const Place& one) { return one.shown.kind == "flat"; }))
+    tag_islands(mesh);
   return measured_ends(mesh);
 }
 

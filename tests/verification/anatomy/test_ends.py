@@ -59,6 +59,22 @@ def test_rough_flat_ends(summary_of, tmp_path, edge, noise, seed):
         assert end["diameter_mm"] == pytest.approx(diameter, rel=0.03)
 
 
+def test_a_vertex_that_stands_out_of_a_cap_is_of_the_cap(summary_of, tmp_path):
+    """Its triangles are in no plane; as an island of wall in the flattened cap they would fold."""
+    fine = surfaces.vtk.vtkLinearSubdivisionFilter()
+    fine.SetInputData(surfaces.polydata(*surfaces.tube(surfaces.straight, lambda s: 2 + 0 * s, 12, 0.6)))
+    fine.SetNumberOfSubdivisions(2)
+    fine.Update()
+    points, triangles = surfaces.arrays(fine.GetOutput())
+    from_axis = np.hypot(*points[:, 1:].T)
+    inside = np.flatnonzero((points[:, 0] < 1e-9) & (from_axis > 0.8) & (from_axis < 1.2))
+    points[inside[len(inside) // 2], 0] = -0.2
+    summary = summary_of(surfaces.write(tmp_path / "t.stl", points, triangles))
+    ends = sorted(summary["ends"], key=lambda end: end["centre_mm"][0])
+    assert [end["centre_mm"][0] for end in ends] == pytest.approx([0, 12], abs=0.05)
+    assert ends[0]["diameter_mm"] == pytest.approx(ends[1]["diameter_mm"], rel=0.002)
+
+
 def test_rounded_ends_are_cut_across_the_axis(summary_of, rounded):
     summary = summary_of(rounded)
     assert reported(summary, "rounded end cut flat") == 3
