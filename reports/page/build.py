@@ -11,7 +11,7 @@ from reports.study.agreement import published
 from reports.study.bland_altman import sample_sd
 from reports.study.differences import COHORT
 from reports.study.nearer import FEWEST, LEVEL
-from reports.inputs.case_files import STATES
+from reports.inputs.case_files import PREDICTED_FROM_CT, STATES
 from reports.figures.style import COLOURS, ERRORS, LABELS, SHORT
 from reports.page.assets import TEMPLATES, image_uri, script, three_scripts
 from reports.page.benchmarks import benchmarks
@@ -70,6 +70,7 @@ def build_report(cases, study_dir, figures_dir, out, junit=(), software=None, co
             states=STATES,
             labels=LABELS,
             short=SHORT,
+            from_ct=PREDICTED_FROM_CT,
             colours=COLOURS,
             viewer=script_json({"cases": {c["id"]: c["viewer"] for c in contexts}, "colours": colour_table()}),
             style=(TEMPLATES / "style.css").read_text(),
