@@ -74,6 +74,14 @@ class NavierStokes:
         fem_petsc.assemble_vector(vector, self.residual)
         vector.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
 
+    def artificial_force(self):
+        """The artificial viscosity's part (n,) of the residual at the present state."""
+        vector = fem_petsc.assemble_vector(self._once("artificial", lambda _: compat.form(self.losses["artificial"])))
+        vector.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
+        values = vector.array_r.copy()
+        vector.destroy()
+        return values
+
     @staticmethod
     def integral(form):
         """Value of a form without arguments."""

@@ -7,7 +7,6 @@ import numpy as np
 
 from common.errors import ComputationError
 from flow.errors import error_field
-from flow.geometry import locate
 
 SAFETY = 1.5  # times the dual-weighted residual, which found .5 to .8 of the true error where its parts do not cancel
 # Assumed order of the FFR error in the mesh width. FFR's error does not fall steadily with the rings and changes its
@@ -22,12 +21,11 @@ class Basis:
     """What an estimate was made of: with it errors.pointwise makes it at other places.
 
     field: errors.error_field.Field of the steady flow, or None; pair: ((sampler, outflows) of the finer and of the
-    coarser mesh, share of their difference), or None; artificial: whether what is left of eps counts.
+    coarser mesh, share of their difference), or None.
     """
 
     field: object = None
     pair: object = None
-    artificial: bool = False
 
 
 def of(solved, document, tree, at_probes, coarser=None):
@@ -36,13 +34,15 @@ def of(solved, document, tree, at_probes, coarser=None):
 
     The mesh's part is the larger of `goal` (errors.error_field) and, with a Solved `coarser`, of `mesh` (Richardson's).
     at_probes(sampler) -> FFR at the probes, `distal` first. `goal`: the dual-weighted residual with its safety factor,
-    or the sum of the sizes of its parts where they cancel. The parts are those of `distal`. Where the dual solution is
-    not found two meshes alone estimate the error, if there are two.
+    or the sum of the sizes of its parts where they cancel. `artificial_viscosity`: what it does to FFR, added with the
+    safety factor. The parts are those of `distal`. Where the dual solution is not found two meshes alone estimate the
+    error, if there are two and no artificial viscosity is left.
     """
-    found, methods, parts = [], [], {}
-    basis = Basis(None, _pair(solved, coarser), solved.problem.artificial > 0)
+    found, methods, parts, artificial = [], [], {}, None
+    basis = Basis(None, _pair(solved, coarser))
     try:
         along, basis.field = error_field.of(solved, document, tree)
+        along, artificial = along[:, :-1], along[:, -1]
         signed, sizes = along.sum(axis=1), np.abs(along).sum(axis=1)
         found.append(of_parts(along))
         methods.append(f"dual-weighted residual times {SAFETY:g}, at least the sizes of its parts")
@@ -58,11 +58,10 @@ def of(solved, document, tree, at_probes, coarser=None):
         return None
     total = np.max(found, axis=0)
     if solved.problem.artificial > 0:
-        if len(solved.problem.passed) < 2:  # nothing to continue from: what is known of the mesh alone says too little
+        if artificial is None:  # two meshes know nothing of the artificial viscosity
             return None
-        change = artificial_part(solved, at_probes)
-        parts["artificial_viscosity"] = float(change[0])
-        total = total + change
+        parts["artificial_viscosity"] = float(artificial[0])
+        total = total + SAFETY * np.abs(artificial)
     method = ", ".join(methods)
     own = {"probes": total.tolist(), "basis": basis}
     return {"ffr": float(total[0]), **parts, **own, "method": method}
@@ -102,15 +101,3 @@ def _pair(fine, coarse):
     if ratio <= LEAST_RATIO:
         return None
     return (fine.sampler, fine.outflows), (coarse.sampler, coarse.outflows), 1.0 / (ratio**ORDER - 1)
-
-
-def artificial_part(solved, at_probes):
-    """Change of FFR at the probes over the last eps passed, continued in a straight line to eps = 0."""
-    return to_none(solved, lambda values: at_probes(locate.FieldSampler(solved.space, values)))
-
-
-def to_none(solved, read):
-    """`artificial_part` of what read(values of a state) -> FFR (n,) says."""
-    (before, values_before, _), (last, values, _) = solved.problem.passed[-2:]
-    found = [np.asarray(read(state)) for state in (values_before, values)]
-    return np.abs(found[1] - found[0]) * last / (before - last)

@@ -4,6 +4,9 @@ There K^T z = dJ/dw is solved for one place, whose FFR is J, and part k of its e
 the tree times z - i z. That is linear in z: part k = G_k z, G_k being the transposed of recovery less interpolation
 applied to r_k. So part k = dJ/dw e_k with K e_k = G_k: e_k is what stretch k does to the whole flow, computed minus
 true, and one solve for each stretch gives the parts at every probe, outlet and point of the pull-back.
+
+The artificial viscosity is one part more. It adds the force A(w) = eps rho h (|w| grad w, grad v) to the equations, so
+K e = -A(w) is what it does to the flow: eps times the derivative of the flow with respect to eps.
 """
 
 import numpy as np
@@ -23,7 +26,7 @@ WINDOW = 5.0  # radii of a mean's ball, where its weight is exp(-25)
 
 
 class Field:
-    """Of a steady flow what each of k stretches has done to it, computed minus true, as far as FFR goes.
+    """What each of k loads does to a steady flow, as far as FFR goes.
 
     pressure (q, k) in Pa over the pressure's dofs, at `places` (q, 3) in m; outflows (o, k) in m3/s. The flow itself:
     flow_pressure (q,), sampler (geometry.locate.FieldSampler), flow_outflows (o,).
@@ -42,7 +45,7 @@ class Field:
         self.pressure, self.outflows = np.concatenate(pressure, axis=1), np.concatenate(outflows, axis=1)
 
     def parts(self, document, tree, names, points_mm, radii_mm):
-        """Parts (o + m, k) of FFR's errors: at the mesh's outlets `names`, and of its mean over a ball of about the
+        """Parts (o + m, k) of FFR's change: at the mesh's outlets `names`, and of its mean over a ball of about the
         vessel's radius round each of the points (m, 3), as errors.goal_error has it.
 
         Where the inflow is given FFR is over the pressure at the inlet's centre, which changes too.
@@ -81,9 +84,11 @@ class Field:
 
 
 def of(solved, document, tree):
-    """(parts (p, k) of the error as errors.goal_error has them at the document's probes, Field) of a
-    solvers.solved_mesh.Solved with a steady flow."""
-    field = Field(solved, sources(solved.problem, document, tree))
+    """(parts (p, k + 1) at the document's probes, Field) of a solvers.solved_mesh.Solved with a steady flow: what the
+    mesh does in each of k stretches, as errors.goal_error has it, and last what the artificial viscosity does."""
+    problem = solved.problem
+    loads = [sources(problem, document, tree), scipy.sparse.csc_matrix(-problem.forms.artificial_force()[:, None])]
+    field = Field(solved, scipy.sparse.hstack(loads, "csc"))
     on = [(tree[probe["branch"]], np.array(probe["point_mm"])) for probe in document["probes"]]
     places = [(branch, branch.project(point)[0]) for branch, point in on]
     points = np.array([branch.point(s_mm) for branch, s_mm in places])

@@ -7,7 +7,6 @@ at a point: the pressure is linear in each cell, which counts in a throat.
 import numpy as np
 
 from flow.errors import error_estimate
-from flow.geometry import locate
 from flow.physics import ffr
 
 COLUMN = "ffr_error_estimate"  # of pullback.csv
@@ -61,12 +60,18 @@ class Places:
         return np.concatenate([ends, sampler(points)[1] / reference])
 
     def of_field(self, field):
-        """Errors (o + m,) by a errors.error_field.Field."""
+        """(errors (o + m,) that the mesh makes, those that the artificial viscosity makes) by an error_field.Field."""
         document = self.case.document
         parts = field.parts(document, self.tree, self.names, self.points_mm, self.radii_mm)
         at_points = field.interpolation_pa(self.points_mm) / ffr.reference_pa(document, self.tree, field.sampler)
-        errors, count = error_estimate.of_parts(parts), len(self.names)
-        errors[count:] += at_points
+        mesh, count = error_estimate.of_parts(parts[:, :-1]), len(self.names)
+        mesh[count:] += at_points
+        artificial = error_estimate.SAFETY * np.abs(parts[:, -1])
+        return [self._at_ends(errors) for errors in (mesh, artificial)]
+
+    def _at_ends(self, errors):
+        """Errors (o + m,) of (o + e + m,): outlets whose vessel the mesh prolongs have that of the vessel's end."""
+        count = len(self.names)
         errors[self.ends] = errors[count : count + len(self.ends)]
         return np.delete(errors, count + np.arange(len(self.ends)))
 
@@ -82,9 +87,10 @@ def of(solved, places):
     """(errors (o + m,) at `places`, NaN where nothing is known; method in words, then empty) of the FFR of a
     solvers.solved_mesh.Solved with its estimate."""
     basis = (solved.estimate or {}).get("basis")
-    found, methods = [], []
+    found, methods, artificial = [], [], 0.0
     if basis and basis.field:
-        found.append(places.of_field(basis.field))
+        mesh, artificial = places.of_field(basis.field)
+        found.append(mesh)
         methods.append("dual-weighted residual, linear interpolation")
     if basis and basis.pair:
         fine, coarse, share = basis.pair
@@ -92,15 +98,6 @@ def of(solved, places):
         methods.append("two meshes")
     if not found:
         return np.full(len(places.names) + len(places.points_mm) - len(places.ends), np.nan), ""
-    errors = np.max(found, axis=0)
-    if basis.artificial:
-        errors = errors + error_estimate.to_none(solved, lambda values: places.read(*_flow(solved, values)))
-        methods.append("remaining artificial viscosity")
+    errors = np.max(found, axis=0) + artificial
     errors[places.exact()] = 0.0
     return errors, ", ".join(methods)
-
-
-def _flow(solved, values):
-    """(sampler, outflows) of a state's values over the space of a Solved."""
-    outflows = np.array([flux.array_r @ values for flux in solved.boundaries.flux])
-    return locate.FieldSampler(solved.space, values), outflows

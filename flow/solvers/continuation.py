@@ -4,9 +4,9 @@ On a mesh that does not resolve a jet's shear layer Newton's method finds no ste
 viscosity (physics.navier_stokes) of eps = 1 it does, and the flow changes smoothly as eps falls. So the branch of flows
 is followed in ln eps: the secant through the last two flows predicts the next, Newton's method corrects it with eps
 held. A step that fails is shortened, one that was easy lengthens the next (natural-parameter continuation; Allgower and
-Georg, Introduction to Numerical Continuation Methods, 2003, chapter 6). Where eps is SMALL, eps = 0 is tried. Where no
-flow without artificial viscosity is found the flow of the least eps answers, and errors.error_estimate continues it to
-0 in a straight line.
+Georg, Introduction to Numerical Continuation Methods, 2003, chapter 6). From SMALL and from LEAST eps = 0 is tried.
+Where no flow without artificial viscosity is found that of the least eps answers. What the rest of eps does to FFR is a
+part of the error estimate (errors.error_field).
 """
 
 import numpy as np
@@ -15,8 +15,9 @@ from flow.solvers import newton
 
 ON_THE_WAY = 2e-5  # residual over the load; at 1e-4 the flow of eps = .002 passes for that of 0
 TO_THE_END = 1e-6  # the same at eps = 0
-FIRST = (1.0, 0.4, 0.16)  # eps of the first flows, each from the one before: there is no secant yet
+FIRST = (1.0, 0.4, 0.16)  # eps of the first flows, each from the one before
 FIRST_PICARD = 4  # steps of Picard's method that the flow of FIRST[0] may take from rest
+FIRST_STEP = 0.9  # length of the step after a single flow, where there is no secant yet
 HARD = 6  # factorizations at one eps, after which the step counts as failed
 WEIGHT = 3.0  # of the relative change of the velocities beside that of ln eps, in the length of a step
 FEW, MANY = 2, 3  # factorizations of an easy step and of one that is long enough
@@ -24,8 +25,7 @@ LONGER, SHORTER, FAILED = 1.6, 0.7, 0.4  # change of the step's length then, abo
 LONGEST_STEP, SHORTEST_STEP = 1.6, 0.1
 SMALL, LEAST = 0.01, 0.003  # eps at which 0 is tried; between them a step that fails ends the way, and LEAST does
 LARGEST = 0.05  # a flow of larger eps is no answer
-FROM_GUESS = 0.02  # eps of the other mesh's flows from which the way begins anew where its last does not lead to one
-NEIGHBOUR = 1.5  # times the only eps with a flow: where a second is sought, for the secant and the error estimate
+STARTS = 3  # of the other mesh's flows, the least eps first, from which a flow is tried
 
 
 def from_rest(problem):
@@ -44,14 +44,12 @@ def from_rest(problem):
 def from_guess(problem, coarse, only_known=False):
     """Outcome at full flow from the flow on another mesh (a solved FlowProblem).
 
-    Where that has no artificial viscosity Newton's method is tried from it. Otherwise, or where this fails and not
-    only_known, the branch is followed again from the other mesh's flows of larger eps. Raises ComputationError.
+    Its eps is tried first, and where this fails and not only_known those of the flows before it. Raises
+    ComputationError.
     """
     problem.boundaries.full()
-    starts = [(0.0, coarse.state.x.array, coarse.inflow)] if coarse.artificial == 0 else []
-    if not only_known:
-        starts += coarse.larger_passed(FROM_GUESS)
-    for eps, values, inflow in starts:
+    starts = coarse.passed or [(coarse.artificial, coarse.state.x.array, coarse.inflow)]
+    for eps, values, inflow in starts[: -2 if only_known else -STARTS - 1 : -1]:
         problem.set_guess(coarse.space, values, inflow)
         found = _reached(problem, eps, ON_THE_WAY if eps > 0 else TO_THE_END)
         if found.converged:
@@ -59,25 +57,20 @@ def from_guess(problem, coarse, only_known=False):
     else:
         raise problem.stalled(found)
     _pass(problem)
-    if problem.artificial > 0:
-        _neighbour(problem)
-        follow(problem)
+    follow(problem)
     return polish(problem)
 
 
 def follow(problem):
-    """Goes on along the branch from the last two flows passed, as far as eps = 0 where it leads there.
+    """Goes on along the branch from the last flows passed, as far as eps = 0 where it leads there.
 
     The state is the last flow passed.
     """
-    if len(problem.passed) < 2 or problem.artificial == 0:
-        return
     step, tries = None, [SMALL, LEAST]
-    while problem.left > HARD:
+    while problem.left > HARD and problem.artificial > 0:
         eps, values, last_inflow = problem.passed[-1]
         if eps <= tries[0]:
-            found = _reached(problem, 0.0, TO_THE_END)
-            if found.converged:
+            if _reached(problem, 0.0, TO_THE_END).converged:
                 _pass(problem)
                 return
             _back(problem)
@@ -85,14 +78,13 @@ def follow(problem):
             if not tries:
                 return
         direction, inflow, change, length = _secant(problem)
-        step = step or min(length, LONGEST_STEP)
+        step = min(step or length, LONGEST_STEP)
         problem.state.x.array[:] = values + step * direction
         problem.inflow = last_inflow + step * inflow
         found = _reached(problem, max(eps * np.exp(step * change), LEAST), ON_THE_WAY)
         if found.converged:
             _pass(problem)
             step *= LONGER if found.iterations <= FEW else 1.0 if found.iterations <= MANY else SHORTER
-            step = min(step, LONGEST_STEP)
         else:
             _back(problem)
             step *= FAILED
@@ -128,7 +120,10 @@ def _reached(problem, eps, relative, most_picard=0, limit=HARD):
 
 
 def _secant(problem):
-    """Change of values, inflow and ln eps over a unit of length along the last two flows, and their distance."""
+    """Change of values, inflow and ln eps over a unit of length along the last two flows, and their distance; after a
+    single flow that flow is the guess."""
+    if len(problem.passed) < 2:
+        return 0.0, 0.0, -1.0, FIRST_STEP
     (eps, values, inflow), (last, last_values, last_inflow) = problem.passed[-2:]
     change, change_of_log = last_values - values, np.log(last / eps)
     free = problem.space.free
@@ -145,12 +140,3 @@ def _pass(problem):
 def _back(problem):
     """Returns to the last flow on the branch."""
     problem.forms.artificial.value, problem.state.x.array[:], problem.inflow = problem.passed[-1]
-
-
-def _neighbour(problem):
-    """Puts a flow of a larger eps before the only one, where one is found."""
-    only = problem.passed.pop()
-    if _reached(problem, NEIGHBOUR * only[0], ON_THE_WAY).converged:
-        _pass(problem)
-    problem.passed.append(only)
-    _back(problem)

@@ -65,10 +65,6 @@ class FlowProblem(flow_state.FlowState, sensitivity.Sensitivity):
         self.inertia = None  # solvers.marching.Inertia while the flow is marched in time
         self.passed = []  # (eps, values, inflow) of the flows on the path; the last is the answer's
 
-    def larger_passed(self, least, most=2):
-        """(eps, values, inflow) of the last `most` flows passed with eps of at least `least`, the least eps first."""
-        return [one for one in self.passed if one[0] >= least][: -most - 1 : -1]
-
     @property
     def left(self):
         """Factorizations that are still allowed."""
@@ -201,16 +197,9 @@ class FlowProblem(flow_state.FlowState, sensitivity.Sensitivity):
         self.restart()
         return continuation.from_rest(self)
 
-    def solve_from_guess(self, coarse, predicted=None, only_known=False):
-        """Outcome at full flow from the flow on another mesh of the same lumen (a solved FlowProblem).
-
-        Where that flow has artificial viscosity the reduced models' flow is tried first, as in `solve`: a finer
-        mesh may resolve the jet. Raises ComputationError.
-        """
-        if coarse.artificial > 0 and predicted:
-            found = predicted_start.try_from(self, predicted)
-            if found and found.converged:
-                return found
+    def solve_from_guess(self, coarse, only_known=False):
+        """Outcome at full flow from the flow on another mesh of the same lumen (a solved FlowProblem). Raises
+        ComputationError."""
         return continuation.from_guess(self, coarse, only_known)
 
     def stalled(self, found):

@@ -60,7 +60,7 @@ def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0):
         if start is None:
             outcome = problem.solve(resistances_at, predicted)
         else:
-            outcome = problem.solve_from_guess(start.problem, predicted, start.known)
+            outcome = problem.solve_from_guess(start.problem, start.known)
     except ComputationError as error:
         error.factorizations = problem.solver.factorizations
         problem.destroy()

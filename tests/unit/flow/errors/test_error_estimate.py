@@ -1,4 +1,4 @@
-"""The error estimate: dual-weighted residual, Richardson's on two meshes, the straight line to eps = 0."""
+"""The error estimate: dual-weighted residual, Richardson's on two meshes, the artificial viscosity."""
 
 import types
 
@@ -7,24 +7,26 @@ import pytest
 from scipy.spatial import Delaunay
 
 import tubes
+from common.errors import ComputationError
 from flow.errors import error_estimate, goal_error, recovery
 from flow.geometry import centreline
 
 EDGES = [(0, 1), (1, 2), (0, 2), (0, 3), (2, 3), (1, 3)]
 
 
-def _solved(cells, sampler, artificial=0.0, passed=()):
+def _solved(cells, sampler, artificial=0.0):
     space = types.SimpleNamespace(nodes=lambda: (np.zeros((1, 3)), np.zeros((cells, 10), int)))
-    problem = types.SimpleNamespace(artificial=artificial, passed=list(passed))
+    problem = types.SimpleNamespace(artificial=artificial)
     return types.SimpleNamespace(space=space, problem=problem, sampler=sampler, outflows=None)
 
 
 @pytest.fixture
 def goal(monkeypatch):
-    """goal(values): the parts of the dual-weighted residual from now on, twice as large at a second probe."""
+    """goal(values, artificial): the parts of the dual-weighted residual and that of the artificial viscosity from now
+    on, twice as large at a second probe."""
 
-    def gives(*values):
-        parts = np.outer([1.0, 2.0], values)
+    def gives(*values, artificial=0.0):
+        parts = np.outer([1.0, 2.0], [*values, artificial])
         monkeypatch.setattr(error_estimate.error_field, "of", lambda solved, document, tree: (parts, None))
 
     gives(0.0)
@@ -76,17 +78,22 @@ def test_meshes_of_the_same_size_say_nothing(goal):
     assert _of(_solved(1050, 0.75), _solved(1000, 0.7))["ffr"] == 0.0
 
 
-def test_remaining_artificial_viscosity_is_counted(goal, monkeypatch):
-    goal(0.001)
-    monkeypatch.setattr(error_estimate.locate, "FieldSampler", lambda space, values: values)
-    solved = _solved(1000, 0.75, 0.18, [(0.27, 0.76, 1e-6), (0.18, 0.75, 1e-6)])
-    estimate = _of(solved)
-    assert estimate["ffr"] == pytest.approx(0.02 + 0.001 * error_estimate.SAFETY)
-    assert estimate["probes"][1] == pytest.approx(0.02 + 0.002 * error_estimate.SAFETY)
+def test_remaining_artificial_viscosity_is_counted(goal):
+    goal(0.001, artificial=-0.02)
+    estimate = _of(_solved(1000, 0.75, 0.18))
+    assert estimate["ffr"] == pytest.approx(0.021 * error_estimate.SAFETY)
+    assert estimate["probes"][1] == pytest.approx(0.042 * error_estimate.SAFETY)
+    assert estimate["artificial_viscosity"] == pytest.approx(-0.02)
+    assert "artificial_viscosity" not in _of(_solved(1000, 0.75))
 
 
-def test_an_artificial_viscosity_without_a_neighbour_says_too_little(goal):
-    assert _of(_solved(1000, 0.75, 0.18, [(0.18, 0.75, 1e-6)])) is None
+def test_two_meshes_know_nothing_of_an_artificial_viscosity(monkeypatch):
+    def no_dual(solved, document, tree):
+        raise ComputationError("the solve failed", "dual", "none", "none")
+
+    monkeypatch.setattr(error_estimate.error_field, "of", no_dual)
+    assert _of(_solved(8000, 0.75), _solved(1000, 0.7))["ffr"] == pytest.approx(0.05 / 3)
+    assert _of(_solved(8000, 0.75, 0.02), _solved(1000, 0.7, 0.02)) is None
 
 
 def _quadratic(corners, cells):
