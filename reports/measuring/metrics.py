@@ -19,10 +19,13 @@ DEFAULT_MARGIN_MM = 2.0
 DEFAULT_STATIONS = 101
 FEWEST_STATIONS = 50
 LEAST_COVERAGE = 0.5  # of the stations; with fewer the mean is no longer the segment's
-# a minus b, and which error that is: of the method (against the truth), of imaging before the procedure (predicted from
-# the lumen found in CT, against predicted from the true one), of imaging after it (the truth seen in CT against the
-# truth), all together, as a clinical study sees them (predicted from the CT before, against the CT after or the lumen
-# found after the real procedure), or of the computed flow (against a pressure wire, at the place of its sensor)
+# (a, b, error): state a minus state b shows this error.
+# method: the prediction against the truth.
+# imaging_before: predicted from the lumen found in CT, against predicted from the true lumen.
+# imaging_after: the truth as seen in CT, against the truth.
+# clinical: all of these together, as a study of patients sees them. The lumen after PCI is that of a CT or of the real
+# procedure.
+# measured: the computed FFR against a pressure wire, at the place of its sensor.
 COMPARISONS = (
     ("vci", "reference", "method"),
     ("rc", "reference", "method"),
@@ -42,7 +45,7 @@ QUANTITIES = ("area_mm2", "curvature_per_mm", "ffr")
 
 
 def case_metrics(files, margin_mm=DEFAULT_MARGIN_MM, stations=DEFAULT_STATIONS, states=None, config=None):
-    """The document of metrics.json (reports/README.md) for the CaseFiles `files`.
+    """The document of metrics.json (reports/tables.md) for the CaseFiles `files`.
 
     states: those to measure; by default every state with results. config: the case's YAML, for the patient's data.
     Raises InputError for missing or malformed files, ComputationError for a state that cannot be compared.

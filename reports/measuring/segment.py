@@ -72,10 +72,12 @@ def stented_segment(scene_path, pre_line_path, margin_mm):
 def carry(segment, line, diameter_mm, of_its_own_extent=False):
     """`segment` on a state's centreline: each end goes to the nearest point of `line`.
 
-    diameter_mm: the vessel's diameter at the two ends before the procedure. An end that lands further away than that
-    has left the vessel, and a length that changes by more than a half is no longer the same piece of it: both raise
-    ComputationError. of_its_own_extent: the line may end within the segment, as that of another image of the vessel
-    does; its arc length then goes on by as much as the pre-PCI axis has from there to the segment's end.
+    diameter_mm: the vessel's diameter at the two ends before the procedure.
+    of_its_own_extent: the line may end within the segment, as that of another image of the vessel does. Its arc length
+    then goes on by as much as the pre-PCI axis has from there to the segment's end.
+
+    Raises ComputationError for an end that lands further away than the vessel's diameter: it has left the vessel. The
+    same for a length that changes by half or more: it is no longer the same piece of the vessel.
     """
     start, start_shift = line.project(segment.proximal_mm)
     end, end_shift = line.project(segment.distal_mm)

@@ -1,5 +1,7 @@
-"""agreement.csv: what is predicted and computed against what is known to be true over the cohort, beside the published
-agreement."""
+"""agreement.csv: predicted and computed values against what is taken as true, over the cohort.
+
+The published agreement stands beside them.
+"""
 
 import dataclasses
 import json

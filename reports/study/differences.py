@@ -72,8 +72,10 @@ def patient_row(document, a, b):
 
 
 def cohort_row(of_cases):
-    """Over the patients: mean of each value; `sd` is the standard deviation of the patients' means, `largest` the
-    largest of all stations."""
+    """The cohort's row: means over the patients, but for two kinds of columns.
+
+    `sd` is the sample standard deviation of the patients' means. `largest` is the largest of all stations.
+    """
     row = {"case": COHORT, "n": len(of_cases)}
     for key in of_cases[0]:
         values = [one[key] for one in of_cases]
