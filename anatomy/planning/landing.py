@@ -18,7 +18,6 @@ from common.errors import InputError
 MARGIN_MM = 2.0  # least length of stent beyond the stretch
 WITHIN_MM = 5.0  # from the stretch, in which the landing zone is looked for
 ALIKE_PERCENT = 5  # of the diameter by which a landing zone may differ from the most normal lumen
-EDGE_MM = 1.5  # least distance of a device from the ends of its branch: nearer, sections meet the cap
 OVERLAP_MM = 2.5  # of two stents in a row, so that no gap is left between them
 STEP_MM = 0.5
 MOST_STENTS = 3  # three of 38 mm cover a whole left anterior descending artery; more is the operator's decision
@@ -54,10 +53,11 @@ def spans(target, lengths, where, least=1):
         if candidates:
             return _in_a_row(*min(candidates, key=lambda candidate: candidate[0])[1:])
     shortest = lengths[0] * least - OVERLAP_MM * (least - 1)
-    room = target.profile.length_mm - 2 * EDGE_MM
+    lowest, highest = target.profile.limits_mm
+    room = highest - lowest
     if room < max(shortest, target.end - target.start):
-        value = f"{target.name} of {target.end - target.start:.1f} mm, stents from {shortest:g} mm on, {EDGE_MM} mm to"
-        value += f" each end, on {target.profile.branch} of {target.profile.length_mm:.1f} mm"
+        value = f"{target.name} of {target.end - target.start:.1f} mm, stents from {shortest:g} mm on, which fit"
+        value += f" from {lowest:.1f} to {highest:.1f} mm of {target.profile.branch}"
         remedy = (
             "give more of the vessel, write the plan's steps (balloons alone), or add a shorter stent to the catalogue"
         )
@@ -72,12 +72,13 @@ def spans(target, lengths, where, least=1):
 
 def _window(target, where):
     """((nearest, farthest) start, (nearest, farthest) end) in mm of the stented length: nearest covers the stretch."""
-    lowest, highest = EDGE_MM, target.profile.length_mm - EDGE_MM
-    if not lowest < target.s_mla < highest:
+    lowest, highest = target.profile.limits_mm
+    if not lowest <= target.s_mla <= highest:
         raise InputError(
             "the lesion's narrowest place is too near an end of its branch for a stent",
             where,
-            f"{target.name} at {target.s_mla:.1f} mm of {target.profile.length_mm:.1f} mm, {EDGE_MM} mm to each end",
+            f"{target.name} at {target.s_mla:.1f} mm, a stent fits from {lowest:.1f} to {highest:.1f} mm of"
+            f" {target.profile.branch}",
             "give more of the vessel, or write the plan's steps",
         )
     starts = max(target.start - MARGIN_MM, lowest), max(target.start - WITHIN_MM, lowest)
@@ -95,8 +96,9 @@ def _places(profile, window, row):
     """[(cost, start, row)] of a row of stents at every place where it covers the stretch inside its branch."""
     (start_near, start_far), (end_near, end_far) = window
     total = sum(row) - OVERLAP_MM * (len(row) - 1)
-    first = max(EDGE_MM, end_near - total)
-    last = min(start_near, profile.length_mm - EDGE_MM - total)
+    lowest, highest = profile.limits_mm
+    first = max(lowest, end_near - total)
+    last = min(start_near, highest - total)
     if first > last + 1e-9:
         return []
     best = [_most_normal(profile, near, far) for near, far in window]

@@ -5,6 +5,7 @@ import numpy as np
 from common.errors import InputError
 
 REFERENCE_MM = 2.0  # length beyond a device's end over which its reference lumen is averaged
+EDGE_MM = 1.5  # least distance of a device from a cap: nearer, sections meet it
 LANDING_MM = 0.5  # to both sides of a stent's end that its landing zone reaches
 NORMAL = (0.85, 1.05)  # of the vessel's reference: a lumen within this range shows the vessel's size
 
@@ -13,7 +14,8 @@ class Profile:
     """Sections of one branch. s, diameter, reference: (n,) mm; stenosis: (n,) per cent by diameter, below 0 if wide.
 
     `usable` (n,): sections that show the branch's own lumen, neither in a side branch's mouth nor at a cap.
-    `mouths`: {side branch: (s_low, s_high)} in mm.
+    `mouths`: {side branch: (s_low, s_high)} in mm. `limits_mm`: (s_low, s_high) between which a stent may lie. A side
+    branch is counted from its parent's axis: it begins where its first section does, outside the parent's lumen.
     """
 
     def __init__(self, summary, sections, branch):
@@ -21,10 +23,13 @@ class Profile:
             raise InputError("branch without cross-sections", "sections.csv", branch, "run `lumen process` again")
         rows = sections[branch]
         self.branch = branch
-        self.length_mm = next(b["length_mm"] for b in summary["branches"] if b["name"] == branch)
+        described = next(b for b in summary["branches"] if b["name"] == branch)
+        self.length_mm = described["length_mm"]
         self.s, self.diameter, self.reference = np.array(
             [[row[key] for key in ("s_mm", "equivalent_diameter_mm", "reference_diameter_mm")] for row in rows]
         ).T
+        first = EDGE_MM if described["parent"] is None else float(self.s[0])
+        self.limits_mm = first, self.length_mm - EDGE_MM
         self.stenosis = 100 * (1 - self.diameter / self.reference)
         self.measured = np.array([row["flag"] != "end" for row in rows])
         self.mouths = mouths(summary, branch)

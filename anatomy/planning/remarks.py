@@ -63,9 +63,10 @@ def _covered(one):
     for side, margin in sides:
         if margin < landing.MARGIN_MM - TOLERANCE_MM:
             reaches = "past" if margin >= 0 else "short of"
+            limit = "begins" if side == "proximal" else "ends"
             yield (
                 f"the stent reaches {abs(margin):.1f} mm {reaches} {one.target.name} at its {side} end,"
-                f" {landing.MARGIN_MM} mm past it are wanted: the branch ends there"
+                f" {landing.MARGIN_MM} mm past it are wanted: the branch {limit} there"
             )
 
 

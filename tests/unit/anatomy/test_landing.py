@@ -3,7 +3,7 @@
 import pytest
 from narrowed_vessels import drawn, focal, plateau, worst_of
 
-from anatomy.planning import landing, targets
+from anatomy.planning import landing, profile, targets
 from common.errors import InputError
 
 LENGTHS = [8, 12, 15, 18, 23, 28, 33, 38]
@@ -68,11 +68,28 @@ def test_too_long_for_the_catalogue():
 def test_near_an_end_the_margin_is_what_the_branch_has():
     """Stretch from 2 mm on: the stent begins 1.5 mm behind the inlet, less than the margin before it."""
     target, (span,) = spans(plateau(1.5, 8, 70))
-    assert span.start == landing.EDGE_MM and target.start - span.start < landing.MARGIN_MM
-    assert spans(focal(1.75, 4, 70))[0].s_mla > landing.EDGE_MM
+    assert span.start == profile.EDGE_MM and target.start - span.start < landing.MARGIN_MM
+    assert spans(focal(1.75, 4, 70))[0].s_mla > profile.EDGE_MM
     for near in (0.5, 1.25, 48.75):
-        with pytest.raises(InputError, match="(?s)too near an end of its branch.*1.5 mm to each end"):
+        with pytest.raises(InputError, match="(?s)too near an end of its branch.*from 1.5 to 48.5 mm of main"):
             spans(focal(near, 4, 70))
+
+
+def side_branch(shape, ostium):
+    """The first target on a vessel that leaves a parent: its sections begin `ostium` mm from the parent's axis."""
+    summary, sections = drawn(shape)
+    summary["branches"][0]["parent"] = "trunk"
+    sections["main"] = [row for row in sections["main"] if row["s_mm"] >= ostium]
+    return targets.found(summary, sections)[0]
+
+
+def test_a_stent_of_a_side_branch_begins_at_its_ostium():
+    """Not 1.5 mm from the axis of its parent, in the lumen of a parent of 7 mm."""
+    target = side_branch(focal(6, 6, 70), 3.5)
+    (span,) = landing.spans(target, LENGTHS, "case")
+    assert span.start == 3.5 and span.end > target.end + landing.MARGIN_MM - 0.01
+    at_the_ostium = side_branch(focal(3.5, 4, 70), 3.5)
+    assert at_the_ostium.s_mla == 3.5 and landing.spans(at_the_ostium, LENGTHS, "case")[0].start == 3.5
 
 
 def test_a_branch_too_short_for_any_stent():
