@@ -18,6 +18,8 @@ root_doc = "docs/index"
 # The source folder is the repository: README.md, and the pages of every part.
 include_patterns = [
     "README.md",
+    "CONTRIBUTING.md",
+    "CHANGELOG.md",
     "docs/*.md",
     "anatomy/**.md",
     "vci/**.md",
