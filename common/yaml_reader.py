@@ -79,8 +79,8 @@ def key_name(path):
 def read(file):
     """Reads one YAML file into a `Document`.
 
-    Raises InputError when the file is missing, is not YAML, repeats a key, holds a number that is not finite, a tag
-    that is not of YAML's core schema, a key that is not text, or more than `MOST_VALUES` values.
+    Raises InputError when the file is missing, is not YAML or repeats a key. The same for a number that is not finite,
+    a tag that is not of YAML's core schema, a key that is not text, or more than `MOST_VALUES` values.
     """
     file = pathlib.Path(file)
     try:

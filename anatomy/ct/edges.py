@@ -125,9 +125,10 @@ def wall_level(profiles, radius, blood, sigma_mm=None):
     """HU (n, m) of the tissue just beyond the edge, smoothed over neighbours, at most WALL_SHARE of the blood's.
 
     The mean between 0.35 and 0.55 mm beyond the edge. There the blur brings in blood and, behind a healthy wall, about
-    as much fat; in front of thick plaque there is no fat to balance it. With sigma_mm the window scales with it, and
-    the value is drawn to a healthy wall's by WALL_TRUST, which takes that imbalance off to within 4 HU (measured on
-    noise-free tubes with a wall of 0.7 mm and plaque up to 1.1 mm).
+    as much fat; in front of thick plaque there is no fat to balance it.
+
+    With sigma_mm the window scales with it, and the value is drawn to a healthy wall's by WALL_TRUST. This takes the
+    imbalance off to within 4 HU (measured on noise-free tubes with a wall of 0.7 mm and plaque up to 1.1 mm).
     """
     scale = 1.0 if sigma_mm is None else sigma_mm / USUAL_SIGMA_MM
     distance = profiles.r_mm - radius[..., None]

@@ -1,11 +1,13 @@
 """Where stents begin and end: in the most normal lumen beside the stretch that they cover.
 
-A stent's end lies MARGIN_MM to WITHIN_MM beyond the stretch, where the lumen is nearest to the vessel's reference. So
-the reference segment is defined (ACC consensus on intravascular ultrasound, Mintz et al., J Am Coll Cardiol
-2001;37:1478-92: the most normal lumen beside the stenosis in the same segment, without a large side branch between),
-and so imaging-guided stents land (EAPCI consensus, Raeber et al., Eur Heart J 2018;39:3281-3300, and the criteria of
-ULTIMATE, Zhang et al., J Am Coll Cardiol 2018;72:3126-37: plaque burden below 50 % within 5 mm of the stent's edges).
-The plaque burden itself is not known from a lumen alone.
+A stent's end lies MARGIN_MM to WITHIN_MM beyond the stretch, where the lumen is nearest to the vessel's reference.
+
+The ACC consensus on intravascular ultrasound defines the reference segment so. It is the most normal lumen beside the
+stenosis in the same segment, without a large side branch between (Mintz et al., J Am Coll Cardiol 2001;37:1478-92).
+
+Stents guided by imaging land so too (EAPCI consensus, Raeber et al., Eur Heart J 2018;39:3281-3300). The criteria of
+ULTIMATE ask for a plaque burden below 50 % within 5 mm of the stent's edges (Zhang et al., J Am Coll Cardiol
+2018;72:3126-37). A lumen alone does not tell the plaque burden.
 """
 
 import dataclasses

@@ -1,10 +1,10 @@
 """Straight extensions of inlets or outlets too close to a narrowing: the cap's rim extruded along its normal.
 
 A jet that leaves through an outlet takes its kinetic energy with it, and the pressure that it would have won back
-behind the outlet is missing upstream. So an outlet nearer than `outlet_clearance_diameters` of its own diameters behind
-the end of a strong narrowing (less far behind a milder one) gets a straight tube up to that distance, an inlet nearer
-than `inlet_clearance_diameters` before the start of one likewise; `outlet_extension_diameters` lengthens each outlet at
-least so far. FFR is read in the original anatomy (physics.ffr).
+behind the outlet is missing upstream. So an outlet too near behind a narrowing gets a straight tube. It then
+lies `outlet_clearance_diameters` of its own diameters behind the end of a strong narrowing, less far behind a milder
+one. An inlet nearer than `inlet_clearance_diameters` before the start of a narrowing likewise gets a tube.
+`outlet_extension_diameters` lengthens each outlet at least so far. FFR is read in the original anatomy (physics.ffr).
 """
 
 import dataclasses

@@ -1,7 +1,7 @@
 """Slivers that gmsh's optimiser leaves: flat tetrahedra whose corners all lie on the wall, with nothing inside to move.
 
-An edge of the sliver that runs through the inside is split by a point nearer to the other corners of the cells around
-it, until no sliver is left or none of its edges can be split for the better.
+An edge of the sliver that runs through the inside is split. The new point lies nearer to the other corners of the cells
+around the edge. This ends when no sliver is left, or when no split of an edge makes the cells better.
 """
 
 import numpy as np

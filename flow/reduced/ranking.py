@@ -3,10 +3,13 @@
 The model goes through the extensions that the plan's mesh would get (meshing.extension), as it does in every ffr.json.
 
 The error is the largest difference of the 3D model's answers to the reduced model's in this patient (any ffr.json with
-both), and at least the largest error estimate of those answers; without any it is what was measured in other patients
-(measured.md). The model errs alike in lumens that are alike: two plans are told apart where they differ by more than
-those differences vary, which is known to the sum of two error estimates only, or, with fewer than two of them, by more
-than the error. Where an answer's own error is not known, what was measured elsewhere stands for it.
+both). It is at least the largest error estimate of those answers. Without any, it is what was measured in other
+patients (measured.md).
+
+The model errs alike in lumens that are alike. So two plans are told apart where they differ by more than those
+differences vary. How much they vary is known to the sum of two error estimates only. With fewer than two differences,
+the plans must differ by more than the error. Where an answer's own error is not known, what was measured elsewhere
+stands for it.
 """
 
 import pathlib

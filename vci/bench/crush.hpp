@@ -16,11 +16,11 @@ struct CrushTest {
   std::vector<CrushPoint> points;
 };
 
-/// Expands a stent in air, takes the balloon out and closes a crimper round it (a radial penalty outside a shrinking
-/// radius, as the segmented head of a bench does, which keeps the stent round) until the mean diameter has fallen by
-/// 10 %. The pressure is the crimper's whole force over the stent's outside as it was when free; between states it is
-/// interpolated. The free state is balanced under a hundredth of the radial strength from outside, since a residual
-/// needs an applied force. Throws common::ComputationError where a state does not reach force balance.
+/// Expands a stent in air, takes the balloon out and closes a crimper round it, until the mean diameter has fallen by
+/// 10 %. The crimper is a radial penalty outside a shrinking radius. It keeps the stent round, as the segmented head of
+/// a bench does. The pressure is the crimper's whole force over the stent's outside as it was when free; between states
+/// it is interpolated. The free state is balanced under a hundredth of the radial strength from outside, since a
+/// residual needs an applied force. Throws common::ComputationError where a state does not reach force balance.
 CrushTest crush(const StentSpec& stent, const BalloonSpec& balloon, const Numerics& numerics);
 
 } // namespace vci

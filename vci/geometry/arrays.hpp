@@ -16,8 +16,8 @@ PointRows rows_of(const Vectors& points);
 /// @param plaque thickness at each point, mm; empty: none
 /// @param plaque_type at each point: 0 none, 1 fibrous, 2 lipid, 3 calcified; empty: none
 /// @param reference_radius without disease at each point, mm; empty: not known
-/// Throws common::InputError where lengths differ, a triangle names a point that is not there, a value is not finite,
-/// or a type is unknown.
+/// Throws common::InputError for arrays of different lengths, a triangle that names a missing point, a value that is
+/// not finite, or an unknown plaque type.
 Lumen lumen_from(const Eigen::Ref<const PointRows>& points, const Eigen::Ref<const TriangleRows>& triangles,
                  const std::vector<double>& radius, const std::vector<double>& plaque = {},
                  const std::vector<int>& plaque_type = {}, const std::vector<double>& reference_radius = {});

@@ -32,9 +32,9 @@ struct SolveResult {
   double residual; ///< ||b - A x|| / ||b|| over the free vertices
 };
 
+/// Solves (A + stencils) x = b with x = 0 at fixed vertices; x leaves as the solution.
 /// Stops with converged false where the matrix turns out not to be positive; x then holds what was found before.
 /// @param memory where given, lends the second level of an earlier matrix while it serves, and keeps the new one
-/// Solves (A + stencils) x = b with x = 0 at fixed vertices; x leaves as the solution.
 SolveResult solve_pcg(const BlockMatrix& matrix, const std::vector<StencilStiffness>& stencils,
                       const std::vector<char>& fixed, const Vectors& right_hand_side, Vectors& x,
                       const PcgSettings& settings, PcgMemory* memory = nullptr);

@@ -59,10 +59,12 @@ struct RelaxResult {
   std::array<int, 2> deepest{-1, -1}; ///< the vertex of the maximal penetration and one of the surface it is in
 };
 
-/// Steps (M / h^2 + c A / h + (1 + b / h) K) dx = f + M v / h with one PCG solve each, until the residual
-///   ||f|| / ||f_pressure + f_contact + f_foundation||   over free vertices
-/// is at most the tolerance, or has not fallen by a tenth for stalled_steps. h follows the displacement that one vertex
-/// in a hundred exceeds; the velocity is dropped once h > 0.5 ms (quasi-static).
+/// Steps towards the balance of forces, by one PCG solve each:
+///   (M / h^2 + c A / h + (1 + b / h) K) dx = f + M v / h
+/// It ends when the residual over the free vertices is at most the tolerance:
+///   ||f|| / ||f_pressure + f_contact + f_foundation||
+/// It also ends when the residual has not fallen by a tenth for stalled_steps. The step h follows the displacement that
+/// one vertex in a hundred exceeds. Once h > 0.5 ms the motion is quasi-static, and the velocity is dropped.
 /// @param balance where given, takes the forces of the state reached
 RelaxResult relax(System& system, Interactions& interactions, const IntegratorSettings& settings,
                   Balance* balance = nullptr);

@@ -4,10 +4,10 @@
 
 namespace vci {
 
-/// Steps (M / h^2 + D / h + K) dx = f + M v / h of one length h, D the damping of the forces that have one, the
-/// velocity dx / h times settings.velocity_kept after each; done when its root mean square over the free vertices is at
-/// most settings.velocity_stop. This does not say that the forces balance: the result holds the residual that relax()
-/// stops by, to be read beside it.
+/// Steps (M / h^2 + D / h + K) dx = f + M v / h, all of one length h. D is the damping of the forces that have one.
+/// After each step the velocity is dx / h times settings.velocity_kept. It is done when the root mean square of the
+/// velocity over the free vertices is at most settings.velocity_stop.
+/// Slow vertices do not mean that the forces balance. So the result also holds the residual that relax() stops by.
 RelaxResult relax_textbook(System& system, Interactions& interactions, const IntegratorSettings& settings,
                            Balance* balance = nullptr);
 

@@ -4,11 +4,14 @@
 
 namespace vci {
 
-/// Ring law at a vertex, with u its displacement along the reference normal. The plaque between lumen (radius a) and
-/// media (radius b) keeps its area: a = a0 + u, b^2 = b0^2 + a^2 - a0^2, lambda = b / b0.
+/// Ring law at a vertex: the pressure p that holds the lumen at radius a.
 ///   p a = E_m t_m (lambda - 1) (1 + beta (lambda - 1)^2) + E_s / (1 + nu) (lambda - 1) b + p0 (a0 - a)
-/// The last part is the prestress: the lumen as given balances the mean blood pressure p0, and a constant hoop tension
-/// p0 a0 holds less pressure, p0 a0 / a, once the ring is wider. Inwards (u < 0) the law goes on with its slope at 0.
+/// u is the vertex's displacement along the reference normal, so a = a0 + u. The plaque between the lumen and the media
+/// (radius b) keeps its area: b^2 = b0^2 + a^2 - a0^2. The media is stretched by lambda = b / b0.
+///
+/// The three parts are the media, the tissue round it, and the prestress. The lumen as given balances the mean blood
+/// pressure p0 by a hoop tension p0 a0. That tension stays the same in a wider ring, but holds less pressure there:
+/// p0 a0 / a. Inwards (u < 0) the law goes on with its slope at 0.
 struct RingLaw {
   double media_stiffness;      ///< E_m t_m, N/mm
   double stiffening;           ///< beta

@@ -19,9 +19,9 @@ struct OpenEnd {
 
 constexpr const char* cut_remedy = "cut the end by a plane across the vessel";
 
-/// Ragged is a rim of which a corner would move by more than an edge or a quarter of the rim's radius, or by which a
-/// triangle would be turned over or lose four fifths of its area. Throws InputError if a cut would then lose more of
-/// the vessel than the rim's radius.
+/// A rim is ragged where flattening it would do one of these: move a corner by more than an edge or a quarter of the
+/// rim's radius, turn a triangle over, or take four fifths of its area. Throws InputError if a cut would then lose more
+/// of the vessel than the rim's radius.
 OpenEnd open_end(const Mesh& mesh, const Loop& loop);
 
 /// Closes a ragged end for the time being, before its rim and thus clear of the wall behind it: by a fan, or where its

@@ -4,8 +4,8 @@
 
 namespace anatomy {
 
-/// Throws InputError with the line unless every corner of every face (v, v/vt, v//vn or v/vt/vn, counted from 1, or
-/// backwards from -1) names a point, texture coordinate and normal that the file has.
+/// Throws InputError with the line where a corner of a face names a point, texture coordinate or normal that the file
+/// lacks. Corners are v, v/vt, v//vn or v/vt/vn, counted from 1, or backwards from -1.
 void check_obj(const std::string& path);
 
 } // namespace anatomy

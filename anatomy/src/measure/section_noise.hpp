@@ -10,10 +10,10 @@ namespace anatomy {
 /// sections to tell.
 double area_noise(const std::vector<Section>& sections);
 
-/// Replaces the areas of the sections flagged ok by those of a smooth profile of the radius along each branch
-/// (a straight line, or a discrete spline with third differences as its penalty, as Mallows' C_p says for that noise),
-/// where area_noise is above least_area_noise; the diameters keep their ratio to the equivalent one. A surface without
-/// noise keeps the areas as cut. Appends what was done to `notes`.
+/// Where area_noise is above least_area_noise, replaces the areas of the sections flagged ok by those of a smooth
+/// profile of the radius along each branch. The profile is a straight line, or a discrete spline with third differences
+/// as its penalty; Mallows' C_p chooses for that noise. The diameters keep their ratio to the equivalent one. A surface
+/// without noise keeps the areas as cut. Appends what was done to `notes`.
 void smooth_noisy_areas(const std::vector<Branch>& branches, std::vector<Section>& sections,
                         std::vector<Repair>& notes);
 

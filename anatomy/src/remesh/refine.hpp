@@ -11,9 +11,9 @@ namespace anatomy {
 /// stay straight. Tags are kept.
 Mesh curved_refined(const Mesh& mesh);
 
-/// Whether the chords matter: mean edge above 0.12 of the mean radius 2 V/A (area bias (e/R)^2 / 6 = 0.24 %), or, as in
-/// a thin branch of an otherwise fine surface, 3 % of the wall in triangles across which it turns by more than 0.15
-/// rad.
+/// Whether the chords matter. They do where the mean edge is above 0.12 of the mean radius 2 V/A: the area is then off
+/// by (e/R)^2 / 6 = 0.24 %. They also do where 3 % of the wall lies in triangles across which it turns by more than
+/// 0.15 rad, as in a thin branch of an otherwise fine surface.
 bool is_coarse(const Mesh& mesh);
 
 } // namespace anatomy

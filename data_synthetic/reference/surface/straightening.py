@@ -37,10 +37,11 @@ def vessel_bending_n_mm2(branch, wall_mm, middle_s_mm, settings):
 def offset(axis, stents, vessel_bending_n_mm2, foundation_n_per_mm2, step_mm=STEP_MM):
     """Displacement of the axis: (s mm (n,), w mm (n, 3)), zero with zero slope at both ends.
 
-    Minimises  int E_s |c'' + w''|^2 + E_v |w''|^2 + k |w|^2 ds,  c the natural axis, E_s the bending stiffness of the
-    stents that cover s (straight when free), E_v that of the vessel (at rest as it is), k the tissue's support per
-    length. Small displacements; axial stretch is left free. Cubic Hermite elements of at most step_mm, with nodes at
-    the stents' ends: the error falls with the fourth power of step_mm.
+    Minimises  int E_s |c'' + w''|^2 + E_v |w''|^2 + k |w|^2 ds,  with c the natural axis.
+    E_s is the bending stiffness of the stents that cover s; they are straight when free. E_v is that of the vessel,
+    which is at rest as it is. k is the tissue's support per length. Displacements are small; axial stretch is left
+    free. Cubic Hermite elements of at most step_mm have nodes at the stents' ends: the error falls with the fourth
+    power of step_mm.
     """
     s = _nodes(axis.length_mm, stents, step_mm)
     if not stents:

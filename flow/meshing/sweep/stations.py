@@ -13,8 +13,8 @@ STEP_MM = 0.05
 def spacing(branch, settings, s_mm):
     """Wanted distance in mm between sections at arc lengths s_mm (n,) of a branch.
 
-    At a point whose radius R is the fraction q of the healthy one it is R times `stations_throat` for q <= 0.75 and
-    R times `stations_plain` for q >= 0.95, and grows slowly from a throat on along its jet.
+    Let R be the radius at a point and q its fraction of the healthy radius. The distance is R times `stations_throat`
+    for q <= 0.75 and R times `stations_plain` for q >= 0.95. Behind a throat it grows slowly along the jet.
     """
     radius = branch.radius_mm
     share = np.clip((healthy_share(branch) - NARROWED) / (HEALTHY - NARROWED), 0, 1)

@@ -12,8 +12,8 @@ namespace vci {
 namespace {
 
 constexpr double surface_density = 1.1e-3 * 0.1; // g/mm^2: struts, 0.1 mm thick
-// N mm per edge: struts bending across the ring, E w t^3 / 12 for 235 GPa and 0.09 mm by 0.08 mm, half of it since
-// struts run aslant, one of them for each 1.2 mm of length.
+// N mm per edge: struts that bend across the ring. One strut has E w t^3 / 12, with 235 GPa and 0.09 mm by 0.08 mm.
+// Half of that is taken, since struts run aslant. There is one for each 1.2 mm of length.
 constexpr double stent_hinge = 0.4, stent_hinge_thickness = 0.08;
 // A grid of fibres alone has no shear stiffness: a weak film gives it, with more hardening than a balloon's.
 constexpr HenckyLaw stent_film{0.3, 0.3, 0.0, 0.05, 0.1};
@@ -21,8 +21,8 @@ constexpr double hoop_hardening = 0.01;
 // Tension that makes one edge e (2.718) times as long as its neighbour, relative to the ring's yield tension.
 constexpr double strut_evenness = 2.0;
 
-// Shear stiffness of a cell. It is relative to the one below which a ring folds in zigzag when compression makes it
-// yield (tension over twice the edge), because the struts of a cell are far stiffer than the ring is strong.
+// Shear stiffness of a cell, relative to a lowest one: tension over twice the edge. With less, a ring folds in zigzag
+// when compression makes it yield. It is above 1 because a cell's struts are far stiffer than the ring is strong.
 constexpr double cell_shear = 4.0;
 
 } // namespace

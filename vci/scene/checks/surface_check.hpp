@@ -10,9 +10,12 @@ namespace vci {
 using Rim = std::vector<int>;
 
 /// The rims of the wall (its triangles without the caps) of a lumen whose triangles form one oriented surface in one
-/// piece. Throws common::InputError, naming `file` and the triangle or point, where points coincide, triangles have no
-/// area or are given twice, edges have three triangles, neighbours are turned against one another, rims touch, or the
-/// wall has several pieces.
+/// piece. Throws common::InputError, which names `file` and the triangle or point, for any of these faults:
+/// - points coincide;
+/// - triangles have no area or are given twice;
+/// - edges have three triangles;
+/// - neighbours are turned against one another;
+/// - rims touch, or the wall has several pieces.
 std::vector<Rim> rims_of_sound_surface(const Lumen& lumen, const std::string& file);
 
 /// "FILE: triangle 7 at (x, y, z) mm", its centroid; and the same of a point.
