@@ -202,6 +202,7 @@ import signal, sys, threading, time
 sys.path[:0] = sys.argv[1:]  # as of the test
 import vci
 from test_python import DEVICES, STEPS, Tube, lumen_of
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it
 fine = lumen_of(Tube(length=20, lesion_length=7, edge=0.3))
 began = time.monotonic()
 vci.deploy(fine, DEVICES, STEPS)
