@@ -55,6 +55,13 @@ NamedEnds named_ends(const Options& options, const std::vector<GivenCap>& caps) 
   return named;
 }
 
+std::vector<Vec3> points_of(const NamedEnds& named) {
+  std::vector<Vec3> points = named.outlets;
+  if (named.inlet)
+    points.push_back(*named.inlet);
+  return points;
+}
+
 // Tags of the surface that its own array does not have: those of what was open.
 std::set<int> tags_of_openings(const Mesh& mesh, const Soup& soup) {
   std::set<int> tags;
@@ -101,6 +108,8 @@ Closed closed_surface(const Options& options, StepTimer& timer) {
   if (!soup.region.empty())
     tag_from_soup(out.mesh, soup);
   timer.start("ends");
+  out.named = named_ends(options, caps);
+  fill_tears(out.mesh, points_of(out.named), out.repairs);
   const std::vector<OpenEnd> open = cap_open_ends(out.mesh, out.repairs);
   orient_outward(out.mesh, out.repairs);
   remove_small_handles(out.mesh, out.repairs);
@@ -112,7 +121,6 @@ Closed closed_surface(const Options& options, StepTimer& timer) {
   drop_scraps_of_caps(out.mesh, tags_of(open), out.repairs);
   cut_ragged(out.mesh, open, out.repairs);
   timer.start("aorta");
-  out.named = named_ends(options, caps);
   out.named.openings = tags_of_openings(out.mesh, soup);
   out.named.tagged = !caps.empty() || !soup.region.empty();
   tag_given_caps(out.mesh, caps);

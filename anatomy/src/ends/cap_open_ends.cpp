@@ -1,5 +1,7 @@
 #include "ends/cap_open_ends.hpp"
 #include "common/error.hpp"
+#include "core/faces.hpp"
+#include "ends/evidence.hpp"
 #include "repair/fill_hole.hpp"
 #include <algorithm>
 
@@ -7,6 +9,8 @@ namespace anatomy {
 namespace {
 
 using common::InputError;
+
+constexpr double names_it = 3; // radii of the opening within which a point names it
 
 // Moves the loop's corners onto its plane; returns the largest move in mm.
 double onto_plane(Mesh& mesh, const Loop& loop) {
@@ -20,7 +24,57 @@ double onto_plane(Mesh& mesh, const Loop& loop) {
   return farthest;
 }
 
+// 1 where the faces look outward, -1 where they look inward: the sign of the volume, every opening closed by a fan.
+double sense_of(const Mesh& mesh, const std::vector<Loop>& loops) {
+  double volume = 0;
+  for (Face f : mesh.faces())
+    volume += area_vector(mesh, f).dot(centroid(mesh, f)) / 3;
+  for (const Loop& loop : loops)
+    volume += loop.area * loop.normal.dot(loop.centre) / 3;
+  return volume < 0 ? -1 : 1;
+}
+
+// From where no corner of the rim reaches into the ball: the one farthest inward tells the height.
+Vec3 innermost(const Mesh& mesh, const Loop& loop, const Vec3& inward) {
+  double deepest = 0;
+  for (Vertex v : CGAL::vertices_around_face(loop.halfedge, mesh))
+    deepest = std::max(deepest, inward.dot(Vec3(vec(mesh.point(v)) - loop.centre)));
+  return loop.centre + deepest * inward;
+}
+
 } // namespace
+
+void fill_tears(Mesh& mesh, const std::vector<Vec3>& named, std::vector<Repair>& repairs) {
+  const std::vector<Loop> loops = boundary_loops(mesh);
+  if (loops.empty())
+    return;
+  const double sense = sense_of(mesh, loops);
+  std::vector<std::pair<Loop, double>> tears;
+  {
+    const Tubes tubes(mesh);
+    for (const Loop& loop : loops) {
+      const double radius = std::sqrt(loop.area / M_PI);
+      const auto names = [&](const Vec3& p) { return (p - loop.centre).norm() < names_it * radius; };
+      if (std::any_of(named.begin(), named.end(), names))
+        continue;
+      const Vec3 inward = -sense * loop.normal;
+      if (const double ball = tubes.ball(innermost(mesh, loop, inward), inward); radius < least_width * ball)
+        tears.emplace_back(loop, ball);
+    }
+  }
+  for (const auto& [loop, ball] : tears) {
+    if (filled(mesh, loop.halfedge).empty())
+      throw InputError("a hole in the wall cannot be filled", place(loop.centre),
+                       std::to_string(loop.halfedges) + " edges round it", "repair the surface there");
+    char detail[200];
+    std::snprintf(detail, sizeof detail,
+                  "%zu edges at %s, diameter %.2f mm, the vessel behind it %.2f mm; if a vessel ends there, name it by "
+                  "--inlet or --outlet",
+                  loop.halfedges, place(loop.centre).c_str(), 2 * std::sqrt(loop.area / M_PI), 2 * ball);
+    repairs.push_back({"opening taken for a tear in the wall", 1, detail, true});
+  }
+  mesh.collect_garbage();
+}
 
 std::vector<OpenEnd> cap_open_ends(Mesh& mesh, std::vector<Repair>& repairs) {
   RegionMap region = region_map(mesh);

@@ -10,9 +10,6 @@ namespace {
 using FacePrimitive = CGAL::AABB_face_graph_triangle_primitive<Mesh>;
 using FaceTree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, FacePrimitive>>;
 
-// Of the ball's diameter. A vessel that widens by 20 degrees behind its end has .70 and a wide chamfer .8; of lofts a
-// facet has .67 (six corners), .48 (eight) or less.
-constexpr double least_width = 0.6;
 constexpr double largest_growth = 2;   // of the area over half a radius: 40 degrees on each side
 constexpr double part_of_rough = 1.25; // likewise: of a rough cap often only a part is found in one plane
 constexpr double off_plane = 0.07;     // of its diameter
@@ -48,7 +45,7 @@ std::string no_end_since(const PatchPlane& plane, const Evidence& evidence, bool
   return "";
 }
 
-// The ball that touches a plane at `from` is shrunk until no other part of the surface reaches into it.
+// A large ball is shrunk until no part of the surface reaches into it.
 double Tubes::ball(const Vec3& from, const Vec3& inward) const {
   double radius = largest_ball;
   for (int step = 0; step < most_steps; ++step) {

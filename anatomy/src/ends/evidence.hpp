@@ -19,15 +19,21 @@ struct Evidence {
 /// small.
 std::string no_end_since(const PatchPlane& plane, const Evidence& evidence, bool rough);
 
+/// Of the diameter of the ball behind it: what is narrower closes no vessel. A vessel that widens by 20 degrees behind
+/// its end has .70 and a wide chamfer .8; of lofts a facet has .67 (six corners), .48 (eight) or less.
+constexpr double least_width = 0.6;
+
 /// A closed mesh that outlives it, without removed elements.
 class Tubes {
 public:
   explicit Tubes(const Mesh& mesh);
   /// Section and tilt are measured only where the width does not decide.
   Evidence evidence(const std::vector<Face>& patch, const PatchPlane& plane) const;
+  /// Radius (mm) of the largest ball beyond a plane that touches it at `from` and that no part of the surface reaches
+  /// into. For this alone the mesh may be open.
+  double ball(const Vec3& from, const Vec3& inward) const;
 
 private:
-  double ball(const Vec3& from, const Vec3& inward) const;
   double tilt(const std::vector<Face>& patch, const PatchPlane& plane) const;
 
   const Mesh& mesh_;
