@@ -5,7 +5,7 @@ Run: /usr/bin/python3 tests/verification/anatomy/campaign.py --patients 20 --see
 outcomes.csv counts them; a surface that was refused or came out wrong stays in FOLDER/kept with a picture. Of the first
 patients (--through) each style goes on through plan, deployment and volume mesh, and so do the real surfaces of the
 shared data. Right is: every end within 1 mm of the truth and no other, as many branches, and the worst lesion within
-1 mm and 3 % of diameter.
+1 mm and 3 % of diameter, or within the band that a warning in anatomy.json states.
 """
 
 import argparse
@@ -18,6 +18,7 @@ import subprocess
 import sys
 
 import lofts
+import masks
 import numpy as np
 import surfaces
 
@@ -29,7 +30,9 @@ COLUMNS = ["patient", "style", "outcome", "step", "cpu_s", "ends", "ends_expecte
 COLUMNS.append("reason")
 NEAR_MM, STENOSIS_PERCENT = 1.0, 3.0
 LEAST_LESION = 30.0  # per cent by diameter: milder ones are not looked for
+FEW_VOXELS, QUARTER = "lumen of few voxels", "up to a quarter"  # a warning of `lumen`, and the error of areas it states
 STUB_MM = 2.0
+VOXEL_MM = 0.35
 ROOT_SHARE = 0.8  # of the parent's radius: where a lofted side branch begins, it widens by 45 degrees
 
 
@@ -57,6 +60,7 @@ class Patient:
     def lesion(self):
         """(places (n, 3) mm, least and most diameter stenosis in per cent) of the worst lesion, or None.
 
+        Two throats of nearly one width are both the worst place: no measurement tells them apart.
         Where a side branch opens a throat, its tube is not the lumen. What is measured there lies between the
         stenosis of the tube and the worst one of a section that no other branch touches; so does its place.
         """
@@ -66,10 +70,13 @@ class Patient:
         worst, k = max(every, key=lambda one: one[0]["true_diameter_stenosis_percent"])
         s, percent = self.branches[k]["s_mm"], worst["true_diameter_stenosis_percent"]
         throat = np.argmin(np.abs(s - worst["true_s_mla_mm"]))
+        within = np.abs(s - worst["centre_s_mm"]) < 0.5 * worst["length_mm"]
+        narrowed = 1 - self.branches[k]["radius_mm"] / self.branches[k]["healthy_radius_mm"]
         if self.untouched(k)[throat]:
-            return self.branches[k]["points_mm"][[throat]], percent, percent
-        inside = self.untouched(k) & (np.abs(s - worst["centre_s_mm"]) < 0.5 * worst["length_mm"])
-        stenosis = np.where(inside, 1 - self.branches[k]["radius_mm"] / self.branches[k]["healthy_radius_mm"], 0)
+            alike = within & (100 * narrowed > percent - STENOSIS_PERCENT)
+            alike[throat] = True
+            return self.branches[k]["points_mm"][alike], percent, percent
+        stenosis = np.where(self.untouched(k) & within, narrowed, 0)
         beside = np.argmax(stenosis)
         reach = abs(s[beside] - s[throat])
         places = np.abs(s - s[throat]) <= reach
@@ -158,7 +165,8 @@ STYLES = {
     "slanted": lambda p: lofts.fused(p.pieces(24, 0.5, slant=30)),
     "rounded": lambda p: lofts.fused(p.pieces(24, 0.5, "round")),
     "stubs": lambda p: lofts.fused(p.pieces(24, 0.5, stub=STUB_MM)),
-    "mask .35": lambda p: lofts.contoured(p.points, p.triangles, 0.35),
+    "mask .35": lambda p: lofts.contoured(p.points, p.triangles, VOXEL_MM),
+    "label .35": lambda p: lofts.voxelised(p.points, p.triangles, VOXEL_MM),
     "decimated": lambda p: lofts.decimated(p.points, p.triangles, 0.1),
     "noise .02": lambda p: (lofts.noised(p.points, 0.02, 1), p.triangles),
     "noise .05": lambda p: (lofts.noised(p.points, 0.05, 1), p.triangles),
@@ -175,7 +183,9 @@ def compare(patient, style, folder):
     elif style != "stubs":
         centres = np.array([end["centre_mm"] for end in found["ends"]])
         for centre, outward, radius in expected:
-            lost = radius * (style in ("mask .35", "rounded", "noise .05", "noise .02"))  # the caps are not kept there
+            lost = radius * (
+                style in ("mask .35", "label .35", "rounded", "noise .05", "noise .02")
+            )  # the caps are not kept there
             if np.linalg.norm(centres - centre, axis=1).min() > NEAR_MM + lost:
                 wrong.append(f"no end near {np.round(centre, 1).tolist()}")
     if len(found["branches"]) != len(patient.branches):
@@ -193,9 +203,25 @@ def compare(patient, style, folder):
             best = min(found["lesions"], key=distance)
             off_mm, percent = round(distance(best), 2), best["diameter_stenosis_percent"]
             off_percent = round(percent - np.clip(percent, least, most), 1)
-            if off_mm > NEAR_MM or abs(off_percent) > STENOSIS_PERCENT:
+            if off_mm > NEAR_MM or abs(off_percent) > max(STENOSIS_PERCENT, stated_band(found, percent)):
                 wrong.append(f"lesion {off_mm} mm and {off_percent} % off")
     return "; ".join(wrong), len(found["ends"]), off_mm, off_percent
+
+
+def stated_band(anatomy, percent):
+    """Points of per cent that a diameter stenosis may be off by what a warning says of the areas; 0: nothing said."""
+    said = [one["detail"] for one in anatomy["repairs"] if one["what"] == FEW_VOXELS]
+    return (1 - np.sqrt(0.75)) * (100 - percent) if said and QUARTER in said[0] else 0.0
+
+
+def written(made, folder):
+    """The file of a style's surface, or of its labels (nx, ny, nz) with their low corner."""
+    if made[0].ndim < 3:
+        return surfaces.write(folder / "surface.stl", *made)
+    labels, low = made
+    affine = np.diag([VOXEL_MM, VOXEL_MM, VOXEL_MM, 1.0])
+    affine[:3, 3] = low
+    return masks.nifti(folder / "surface.nii.gz", labels, affine)
 
 
 def _place(lesion, folder):
@@ -240,7 +266,9 @@ def draw(count, seed, folder):
 
 def picture(lumen, surface, folder):
     """Draws what was taken for ends of a surface that failed, where it got as far as that."""
-    shape = surfaces.write(folder / "surface.vtp", *surfaces.arrays(_read_stl(surface)))
+    shape = surface
+    if surface.suffix == ".stl":
+        shape = surfaces.write(folder / "surface.vtp", *surfaces.arrays(_read_stl(surface)))
     found = folder / "ends.json"
     run([lumen, "check", surface, "--ends", found, "--repaired", folder / "repaired.vtp"])
     shape = folder / "repaired.vtp" if (folder / "repaired.vtp").exists() else shape
@@ -350,7 +378,7 @@ def main():
             except lofts.NotMade as reason:
                 print(f"{name} {style}: not made: {reason}", file=sys.stderr)
                 continue
-            surface = surfaces.write(folder / "surface.stl", *made)
+            surface = written(made, folder)
             code, reason, row["cpu_s"] = run([lumen, "process", surface, "--out", folder / "anatomy"])
             row["reason"] = reason if code else ""
             row["outcome"] = {0: "right", 2: "refused", 3: "failed"}.get(code, "broken")

@@ -1,0 +1,33 @@
+"""What the campaign counts as right: throats of one width are one place, a stated band is a part of the figure."""
+
+import campaign
+import numpy as np
+import pytest
+
+
+def drawn(second):
+    """A patient with throats of 60 and `second` per cent at 10 and 18 mm of one lesion."""
+    s = np.linspace(0, 30, 301)
+    narrowed = sum(p / 100 * np.exp(-((s - at) ** 2)) for p, at in ((60, 10), (second, 18)))
+    patient = object.__new__(campaign.Patient)
+    lesion = {"true_diameter_stenosis_percent": 60.0, "true_s_mla_mm": 10.0, "centre_s_mm": 14.0, "length_mm": 16.0}
+    patient.truth = {"branches": [{"lesions": [lesion]}]}
+    along = np.column_stack([s, 0 * s, 0 * s])
+    patient.branches = [{"s_mm": s, "points_mm": along, "radius_mm": 2 - 2 * narrowed, "healthy_radius_mm": 2 + 0 * s}]
+    return patient
+
+
+@pytest.mark.parametrize("second, alike", [(59, True), (50, False)])
+def test_throats_of_one_width_are_one_place(second, alike):
+    places, least, most = drawn(second).lesion()
+    assert np.abs(places[:, 0] - 10).min() < 0.1 and least == most == 60
+    assert (np.abs(places[:, 0] - 18).min() < 0.1) == alike
+    assert np.abs(places[:, 0] - 14).min() > 1
+
+
+def test_a_stated_band_is_that_of_the_area():
+    """A quarter of the area less is 13.4 per cent of the diameter that is left."""
+    said = {"what": "lumen of few voxels", "detail": "single areas there may be wrong by up to a quarter"}
+    assert campaign.stated_band({"repairs": [said]}, 70) == pytest.approx(4.02, abs=0.01)
+    lost = {"what": "lumen of few voxels", "detail": "areas there may be a third too small and more"}
+    assert campaign.stated_band({"repairs": [lost]}, 70) == campaign.stated_band({"repairs": []}, 70) == 0
