@@ -82,8 +82,8 @@ def _draw_tree(figure, axes, project, summary, branches):
 def _place(figure, axes, labels):
     """Moves each label (annotation, preferred angle in degrees, points of the vessel to keep clear of) off the others.
 
-    The nearest place round its point, in 16 directions from the preferred one, that meets no label placed before and
-    no vessel; where all are taken, the one that meets least.
+    A label goes to the nearest place round its point that meets no vessel and no label placed before. It looks in 16
+    directions, the preferred one first. Where all places are taken it goes where it meets least.
     """
     figure.draw_without_rendering()
     renderer, taken = figure.canvas.get_renderer(), []

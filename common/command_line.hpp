@@ -6,8 +6,8 @@
 
 namespace common {
 
-/// Parses the command line. Nothing where a command is to run; else the exit code of the program: 0 after --help, 2
-/// after one message that names the command and what it does not understand.
+/// Parses the command line. Returns nothing where a command is to run, else the exit code of the program. That is 0
+/// after --help, and 2 after one message that names the command and what it does not understand.
 inline std::optional<int> exit_code_of_parsing(CLI::App& app, int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);

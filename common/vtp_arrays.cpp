@@ -51,8 +51,8 @@ void VtpArrays::parse(std::istream& stream, std::uint64_t file_size) {
   set_compressor();
 }
 
-/// The compressor that the reader will choose, and the most that its format makes of a byte: 1032 by deflate, 255 by
-/// LZ4; some 7000 were measured of LZMA.
+/// Sets the compressor that the reader will choose, and the most bytes that its format makes of one: 1032 by deflate,
+/// 255 by LZ4. For LZMA some 7000 were measured.
 void VtpArrays::set_compressor() {
   const char* name = GetRootElement()->GetAttribute("compressor");
   if (!name)

@@ -1,7 +1,7 @@
 """Strict YAML: duplicate keys and non-finite numbers are refused, 1e-3 is a number, and every value knows its line.
 
-PyYAML follows YAML 1.1, where `1e-3` is a string, `no` is a boolean, `2:10` is 130, `0130` is 88 and the last of two
-equal keys wins silently; a configuration that people write by hand needs none of these surprises. Here plain values are
+PyYAML follows YAML 1.1. There `1e-3` is a string, `no` is a boolean, `2:10` is 130 and `0130` is 88. The last of two
+equal keys wins silently. A configuration that people write by hand needs none of these surprises. Here plain values are
 those of YAML 1.2's core schema (https://yaml.org/spec/1.2.2/#103-core-schema). Anchors, aliases and merge keys work.
 """
 
@@ -79,8 +79,8 @@ def key_name(path):
 def read(file):
     """Reads one YAML file into a `Document`.
 
-    Raises InputError when the file is missing, is not YAML or repeats a key. The same for a number that is not finite,
-    a tag that is not of YAML's core schema, a key that is not text, or more than `MOST_VALUES` values.
+    Raises InputError when the file is missing, is not YAML or repeats a key. It also refuses a number that is not
+    finite, a tag outside YAML's core schema, a key that is not text, and more than `MOST_VALUES` values.
     """
     file = pathlib.Path(file)
     try:

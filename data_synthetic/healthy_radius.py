@@ -1,7 +1,7 @@
 """Healthy radii of a tree: steps by a power law at its bifurcations, taper between them.
 
-Along an ostium neither vessel tapers. So the radii on its three sides obey R_before^m = R_after^m + R_side^m as they
-stand, and the exponent comes back from the finished vessel, not only from a fictitious one without taper.
+Along an ostium neither vessel tapers. So the radii on its three sides obey R_before^m = R_after^m + R_side^m exactly,
+and the exponent m can be measured on the finished vessel.
 """
 
 from dataclasses import dataclass
@@ -17,8 +17,9 @@ EASE_MM = 2.0  # half the length over which the main radius falls at a bifurcati
 class Bifurcation:
     """Healthy radii (mm) just before and after a side branch and of it, and the lengths (mm) on which they hold.
 
-    s_mm: where it leaves the main axis; start_mm, end_mm: stretch of the main axis without taper; side_level_mm: the
-    same on the side branch's axis, from its root; after_mm is 0 where nothing is left for the main vessel.
+    s_mm: where it leaves the main axis; start_mm, end_mm: stretch of the main axis without taper. side_level_mm:
+    length of the side branch's axis without taper, from its root. after_mm is 0 where nothing is left for the main
+    vessel.
     """
 
     s_mm: float

@@ -27,8 +27,10 @@ class Placing:
 
 
 def centres(frames, on_outer_wall):
-    """Centre (frames, 2) that is laid on the axis: of the lumen, or of the outer wall where it was traced, with the
-    lumen's distance from it interpolated where it was not."""
+    """Centre (frames, 2) of each frame that is laid on the axis: of the lumen, or of the outer wall.
+
+    Where a frame's outer wall was not traced, the distance of the lumen's centre from the wall's is interpolated.
+    """
     lumen = np.array([centroid(rings.smooth(frame.lumen)) for frame in frames])
     traced = np.array([frame.outer_wall is not None for frame in frames])
     if not on_outer_wall or not traced.any():

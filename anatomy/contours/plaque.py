@@ -63,7 +63,7 @@ def types_of_frame(frame, ring):
     """Type (n,) of plaque behind each point of a frame's ring (n, 2), whatever its thickness.
 
     A traced region of calcium or lipid counts where the ray from the lumen's centroid meets it between the lumen and
-    the outer wall, however deep: round the vessel the stiffest layer carries.
+    the outer wall. Its depth does not matter, since the stiffest layer carries the load round the vessel.
     """
     kind = np.full(len(ring), FIBROUS)
     centre = centroid(ring)

@@ -36,8 +36,10 @@ def ring(outline, count):
 
 
 def between(z_mm, values):
-    """Function of z that passes through `values` (frames, ...) at the rising z_mm and between two frames lies between
-    their values (monotone cubic), so that no frame's extremes are exceeded; constant beyond the ends."""
+    """Function of z through `values` (frames, ...) at the rising z_mm, constant beyond the ends.
+
+    It is a monotone cubic: between two frames it lies between their values, and exceeds no frame's extremes.
+    """
     if len(z_mm) == 1:
         return lambda z: np.repeat(values[:1], len(np.atleast_1d(z)), axis=0)
     curve = PchipInterpolator(z_mm, values, axis=0)

@@ -27,9 +27,11 @@ def behind(points, at, found, profiles):
     """(thickness (n,) in mm, type (n,)) of the plaque behind points (n, 3) of the wall; nan where no calcium is, for
     `lumen process` to estimate from the narrowing.
 
-    at: CT numbers of points; found: as segment.segment returns it; profiles: of its tubes. On the ray from the axis
-    through each point calcium reaches from the wall to where the CT number has fallen half-way from its peak to the
-    tissue's: brightness blooms by the point spread. A stent's metal, bright all round, is none.
+    at: CT numbers of points; found: as segment.segment returns it; profiles: of its tubes.
+
+    Each point lies on a ray from the axis. Calcium reaches from the wall to where the CT number has fallen half-way
+    from its peak to the tissue's, since brightness blooms by the point spread. A stent's metal, which is bright all
+    round, does not count.
     """
     tubes, blood = found["tubes"], found["blood_hu"]
     threshold = level_hu(blood, noise_hu(at, tubes[0]))

@@ -154,10 +154,11 @@ def edge_share(radius_mm, sigma_mm):
 def find(profiles, method, blood, sigma_mm=None, rounds=4):
     """Radii (n, m) mm of one branch, and which rays were replaced (n, m).
 
-    half_maximum: halfway between the level on the axis and that of the tissue beyond the edge. psf_edge: the level of
-    the true edge of a blurred tube as wide as the section, between the blood and that tissue; then the blur along the
-    axis is taken back to first order, r - sigma^2 / 2 r''(s). Within a stent its metal counts as lumen in
-    half_maximum, as in a clinical reading, so the area blooms; psf_edge takes the bloom off (stented.fit).
+    half_maximum: the edge is halfway between the level on the axis and that of the tissue beyond the edge. Within a
+    stent its metal counts as lumen, as in a clinical reading, so the area blooms.
+    psf_edge: the edge is at the level that a blurred tube as wide as the section has at its true edge, between the
+    blood and that tissue. Then the blur along the axis is taken back to first order, r - sigma^2 / 2 r''(s). Within a
+    stent the bloom is taken off (stented.fit).
     """
     n, m, _ = profiles.hu.shape
     hu, (calcium, stent) = np.minimum(profiles.hu, BRIGHT * blood), bright(profiles, blood)

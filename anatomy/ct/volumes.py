@@ -64,8 +64,11 @@ def read(path, series=None):
 
 
 def _along_axes(values, affine, path):
-    """Volume of values and the affine (4, 4) from voxel numbers to mm; turned over until its axes are right-handed and
-    as near to the patient's as they can be, which moves no voxel."""
+    """Volume of values and the affine (4, 4) from voxel numbers to mm.
+
+    Its axes are swapped and reversed until they are right-handed and as near to the patient's as they can be. No voxel
+    moves.
+    """
     spacing = np.linalg.norm(affine[:3, :3], axis=0)
     if not (spacing > 0).all() or not np.isfinite(affine).all():
         remedy = "export it with the position and direction of its voxels"

@@ -1,8 +1,8 @@
 """The healthy vessel where the outer wall is known: the lumen and the plaque that has grown into it.
 
-Intravascular contours with an outer wall give the plaque's thickness beyond a healthy wall. The lumen's diameter and
-twice its mean round a section is the lumen that the vessel would have without plaque: the reference there, instead of a
-line fitted through diameters that are all diseased in diffuse disease.
+Intravascular contours with an outer wall give the plaque's thickness beyond a healthy wall. The lumen's diameter plus
+twice the mean thickness round a section is the diameter that the vessel would have without plaque. It is the reference
+there. A line fitted through the diameters would be too small in diffuse disease, where all of them are diseased.
 """
 
 import numpy as np

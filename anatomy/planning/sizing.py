@@ -1,10 +1,11 @@
 """Diameters of balloon and stent by the lumen at the stent's two ends.
 
-As in the EAPCI consensus on intracoronary imaging (Raeber et al., Eur Heart J 2018;39:3281-3300): the stent by the
-distal reference lumen, rounded up to the catalogue; post-dilatation with a non-compliant balloon at the proximal
-reference, but not more than half a millimetre above the distal one; in a vessel that tapers by more than that only in
-the stent's proximal part. A stent too short for a balloon in that part is dilated whole, by no more than the distal
-reference bears.
+The rules are those of the EAPCI consensus on intracoronary imaging (Raeber et al., Eur Heart J 2018;39:3281-3300).
+- The stent has the diameter of the distal reference lumen, rounded up to the catalogue.
+- It is post-dilated by a non-compliant balloon of the proximal reference's diameter, at most half a millimetre above
+  the distal one.
+- In a vessel that tapers by more than that, only the stent's proximal part is post-dilated. A stent too short for a
+  balloon in that part is dilated whole, by no more than the distal reference bears.
 """
 
 import dataclasses

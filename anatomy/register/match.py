@@ -38,8 +38,9 @@ class Match:
 def matched(target, tree, placement):
     """The Match of a placed Tree with a Target.
 
-    An end belongs to the branch on which its route leaves the axes before (by more than a usual radius); of two on
-    the same branch the one that follows it further has its name, the other is new.
+    The route to an end follows the axes of the vessel before, up to where it leaves them by more than a usual radius.
+    The end belongs to the branch on which that happens. Of two ends on the same branch the one that follows it further
+    has its name, and the other is new.
     """
     claims = {name: _claim(target, route, placement) for name, route in tree.routes.items()}
     names, new = {}, {}

@@ -9,8 +9,8 @@ RIM_PASSES = 8
 def at_end(field, points, triangles, centre, normal, radius):
     """(points, triangles) without what lies beyond the plane (centre, outward normal) of one end.
 
-    Every triangle that crosses the plane is split along it. (A rim of its own joined to the saw-tooth edge that whole
-    triangles leave made strips that crossed themselves.) The cut is local: a plane alone would cut other branches too.
+    Every triangle that crosses the plane is split along it. Removing whole triangles would leave a saw-tooth edge, and
+    strips from there to a new rim crossed themselves. The cut is local: a plane alone would cut other branches too.
     """
     offset = points - centre
     height = offset @ normal

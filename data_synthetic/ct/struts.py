@@ -18,8 +18,8 @@ OVERHANG_MM = 0.5  # of a stent past the end: a straightened vessel is that much
 def laid_on(poly, axis_points_mm, start_s_mm, end_s_mm, crowns, links, thickness_mm):
     """Centre lines (n, 3) mm and lengths (n,) mm of strut pieces of a stent against the wall of a lumen.
 
-    Rings of `crowns` waves every 1.3 mm from start_s_mm to end_s_mm along the axis (m, 3), neighbours joined by
-    `links` straight bars; struts of edge thickness_mm touch the wall from inside.
+    The stent has a ring of `crowns` waves every 1.3 mm from start_s_mm to end_s_mm along the axis (m, 3). `links`
+    straight bars join neighbouring rings. The struts are thickness_mm thick and touch the wall from inside.
     """
     axis = Curve(axis_points_mm)
     tree = vtk.vtkOBBTree()

@@ -17,8 +17,10 @@ LEGEND_ROW, LEGEND_MARGIN = 0.18, 0.12  # inches
 
 
 def pullback_figure(files, metrics, folder):
-    """FFR from the inlet to the end of the stented branch, for all states, each in the band of its estimated error, and
-    what a pressure wire read in that branch as marks."""
+    """FFR of all states from the inlet to the end of the stented branch.
+
+    Each curve lies in the band of its estimated error. Marks show what a pressure wire read in that branch.
+    """
     figure, axes = plt.subplots(figsize=SIZE)
     shade_segment(axes, metrics["segment"])
     lowest = 1.0

@@ -12,8 +12,8 @@ KNOT_SPACING_MM = 0.5  # finer knots would follow the rounding of single-precisi
 def line_curvature(line, s_mm):
     """Curvature in 1/mm at the arc lengths s_mm (n,) of a Polyline.
 
-    kappa = |r' x r''| / |r'|^3, with r a quintic least-squares spline of the line's points over s
-    (knots every 0.5 mm, or every second point where the points are further apart).
+    kappa = |r' x r''| / |r'|^3. Here r is a quintic least-squares spline of the line's points over s. It has a knot
+    every 0.5 mm, or at every second point where the points are further apart.
     Raises InputError if the line has too few points for a second derivative.
     """
     count = len(line.s_mm)

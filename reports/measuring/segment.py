@@ -73,8 +73,8 @@ def carry(segment, line, diameter_mm, of_its_own_extent=False):
     """`segment` on a state's centreline: each end goes to the nearest point of `line`.
 
     diameter_mm: the vessel's diameter at the two ends before the procedure.
-    of_its_own_extent: the line may end within the segment, as that of another image of the vessel does. Its arc length
-    then goes on by as much as the pre-PCI axis has from there to the segment's end.
+    of_its_own_extent: the line may end within the segment, as that of another image of the vessel does. Then the
+    missing length is taken from the pre-PCI axis, from there to the segment's end.
 
     Raises ComputationError for an end that lands further away than the vessel's diameter: it has left the vessel. The
     same for a length that changes by half or more: it is no longer the same piece of the vessel.

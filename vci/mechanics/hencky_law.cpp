@@ -54,9 +54,9 @@ Vec2 HenckyLaw::flow(const Vec2& lumen_strain) {
   yield_strain = elastic_part(w);
   if (depth == 0)
     return lasting;
-  // A layer behind a widened lumen is relatively less deep; behind a narrowed one it keeps its depth. The elastic
-  // strain of the lumen follows from the layer's at the new depth, so that the stress in the wider direction stays the
-  // same.
+  // `depth` is relative to the lumen's radius. Where the lumen has widened for good the layer's depth falls; where it
+  // has narrowed the depth is kept. The lumen's elastic strain then follows from the layer's at the new depth. The
+  // stress in the wider direction stays the same.
   const double widened = lasting.maxCoeff() > 0 ? std::exp(2 * lasting.maxCoeff()) * (1 + depth) - depth : 1;
   depth /= widened;
   return lumen_strain - Vec2(0.5 * ((2 * elastic).array().exp() * (1 + depth) - depth).log());

@@ -62,7 +62,7 @@ void check_no_stub(const Mesh& mesh, const std::vector<End>& ends, bool named, s
 void warn_of_stubs(const Mesh& mesh, const std::vector<End>& ends, const std::vector<Candidate>& candidates,
                    std::vector<Repair>& repairs) {
   const double mean = 2 * PMP::volume(mesh) / PMP::area(mesh);
-  std::vector<Vec3> known; // what the search for the ends has told of, or is told here
+  std::vector<Vec3> known; // tips that the search for the ends or this function has warned of
   for (const Candidate& one : candidates)
     if (one.kind == "rounded")
       known.push_back(one.centre);

@@ -55,7 +55,7 @@ nlohmann::json read_like(const std::string& path) {
   }
 }
 
-// Tags as numbered by the tree, instead of by area.
+// Renumbers the caps' tags: by the branches of the tree, no longer by area.
 void retag(Mesh& mesh, const std::vector<End>& ends, const std::vector<End>& before) {
   RegionMap region = region_map(mesh);
   for (Face f : mesh.faces())
@@ -104,7 +104,7 @@ struct Start {
   std::vector<Path> paths;
 };
 
-// Of the wanted edge; where that is too coarse to follow the lumen through a narrowing, of the half of it, and so on.
+// Remeshes to the wanted edge. Where that is too coarse to follow the lumen through a narrowing, halves the edge.
 Start started(const Mesh& coarse, const Prepared& prepared, const Options& options, std::size_t inlet,
               StepTimer& timer) {
   for (double edge = options.edge;; edge /= 2)

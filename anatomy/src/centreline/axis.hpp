@@ -5,10 +5,10 @@
 
 namespace anatomy {
 
-/// Minimises sum w |x(t_i) - x_i|^2 + lambda int |x'''|^2 dt over quintic B-splines (Eilers & Marx 1996; the third
-/// derivative is penalised because second would pull a bend straight). lambda is the largest for which the
-/// residual stays at the noise of the points, estimated from their sixth differences (Morozov's discrepancy
-/// principle).
+/// Minimises sum w |x(t_i) - x_i|^2 + lambda int |x'''|^2 dt over quintic B-splines (Eilers & Marx 1996). A penalty of
+/// the second derivative would pull a bend straight; that of the third does not. lambda is the largest for which the
+/// residual stays at the noise of the points (Morozov's discrepancy principle). The noise is estimated from their sixth
+/// differences.
 class Axis {
 public:
   Axis() = default;
@@ -33,9 +33,9 @@ private:
   std::vector<double> s_, t_; ///< arc length against parameter
 };
 
-/// Standard deviation of the points' noise per coordinate, from sixth differences of every fourth point (of white
-/// noise: variance 924 sigma^2); of nearer ones where there are few. Fourth differences would take the bends of a
-/// tortuous vessel for noise of some 0.008 mm, and smooth them.
+/// Standard deviation of the points' noise per coordinate, from sixth differences, whose variance is 924 sigma^2 for
+/// white noise. Every fourth point is taken, nearer ones where there are few. Fourth differences would take the bends
+/// of a tortuous vessel for noise of some 0.008 mm, and smooth them.
 double noise_of(const std::vector<Vec3>& points);
 
 } // namespace anatomy

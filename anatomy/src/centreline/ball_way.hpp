@@ -4,7 +4,7 @@
 
 namespace anatomy {
 
-/// A way through the balls by arc length, from `ball` to where the ways start.
+/// The cheapest way from `ball` back to the ball at which all `ways` start, by arc length.
 struct BallWay {
   std::vector<std::size_t> balls;
   std::vector<Vec3> points;      ///< mm
@@ -19,9 +19,9 @@ struct BallWay {
   Vec3 centre(double where) const;
 };
 
-/// Unit direction of the vessel at `where` on the way (mm), to which the wall's normals about the place are most nearly
-/// perpendicular: the balls scatter too much to show it within a degree. Where these disagree with the way (a side
-/// branch beside the place), the way decides.
+/// Unit direction of the vessel at `where` on the way (mm). The wall's normals round the place are as nearly
+/// perpendicular to it as can be; the balls' centres scatter by more than a degree. Where the normals disagree with the
+/// way, because a side branch leaves there, the way decides.
 Vec3 direction_of(const Mesh& mesh, const BallWay& way, double where);
 
 } // namespace anatomy

@@ -6,24 +6,25 @@
 
 namespace anatomy {
 
-/// The inner balls; neighbours share a Delaunay facet and the way between their centres passes through no end.
+/// The inscribed balls. Neighbours share a Delaunay facet, and the line between their centres passes through no end.
 struct Balls {
   std::vector<Vec3> centre;   ///< mm
   std::vector<double> radius; ///< mm
   std::vector<std::vector<std::size_t>> neighbours;
 };
 
-/// Balls on the inner side of the wall; the caps' inner vertices are left out, so that the diagram runs straight
-/// through the ends. every: of so many vertices one is taken; the balls of fewer vertices are larger, none is smaller.
+/// Balls on the inner side of the wall. The caps' inner vertices are left out, so that the diagram runs straight
+/// through the ends.
+/// @param every takes only one vertex in so many. No ball becomes smaller by it, some become larger.
 Balls inner_balls(const Mesh& mesh, const std::vector<End>& ends, std::size_t every = 1);
 
 /// The cheapest ways (integral of ds/R) from ball `from` to all others.
 Ways cheapest_ways(const Balls& balls, std::size_t from);
 
-/// Whether the ball hangs together with one that is farther than `reach` (mm) from p. Points of the wall on one circle
-/// or one sphere, as of a flat rim or a round end, have tetrahedra of themselves alone, whose circumsphere is what
-/// rounding makes of it; their neighbours are none of its. `seen`: balls that led nowhere, and those that are looked
-/// at.
+/// Whether neighbours lead from the ball to one that is farther than `reach` (mm) from p. Wall points on one circle or
+/// one sphere, as at a flat rim or a round end, form tetrahedra among themselves. Rounding decides where the
+/// circumspheres of these lie, and no neighbour leads away from them.
+/// @param seen flags the balls already looked at; it is extended
 bool leads_away(const Balls& balls, std::size_t from, const Vec3& p, double reach, std::vector<bool>& seen);
 
 /// The ball nearest to the end's centre among those that fill at least half of the end and from which a way leads

@@ -62,7 +62,7 @@ bool inside_tube(const Branch& branch, const Vec3& p) {
   return (branch.x[i] - p).norm() < branch.radius[i];
 }
 
-// Points of the path between the two caps (or from index `first`), without those too near to a cap.
+// Points of the path from index `first` on. Those too near to one of the two caps are left out.
 std::vector<Vec3> between(const Path& path, std::size_t first, const End* from, const End& to) {
   std::vector<Vec3> out;
   for (std::size_t i = first; i < path.points.size(); ++i) {

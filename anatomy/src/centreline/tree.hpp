@@ -26,10 +26,12 @@ struct NearestAxis {
   double distance;
 };
 
-/// The branches, main first, and `ends` named (inlet, outlet1, ...), their `branch` set and `region` renumbered by the
-/// convention (mesh tags are the caller's). main is the longest path; the others are ordered by the path length at
-/// which they leave. `wanted`: branch id of each end (the inlet's is ignored), or empty for that order. step: spacing
-/// of the samples along the axes (mm). Throws ComputationError if a path cannot be smoothed.
+/// The branches, main first. main is the longest path; the others are ordered by the path length at which they leave.
+/// The `ends` get their names (inlet, outlet1, ...), their `branch`, and the `region` of that order. The mesh's own
+/// tags are left to the caller.
+/// @param step spacing of the samples along the axes, mm
+/// @param wanted branch id of each end (the inlet's is ignored), or empty for that order
+/// Throws ComputationError if a path cannot be smoothed.
 std::vector<Branch> build_tree(const std::vector<Path>& paths, std::vector<End>& ends, std::size_t inlet,
                                const WallTree& wall, double step, const std::vector<int>& wanted);
 

@@ -94,7 +94,7 @@ std::size_t last_ball(const Mesh& mesh, const Balls& balls, Vertex tip) {
   return beside;
 }
 
-// The ball at a tip, whether a cap ends it or not.
+// The inscribed ball at a vessel's tip: that of the end which lies there, else the last one in the tip.
 std::size_t ball_of(const Mesh& mesh, const Balls& balls, const std::vector<EndReach>& reaches, Vertex tip) {
   const End* end = end_at(vec(mesh.point(tip)), reaches);
   return end ? ball_at(balls, *end) : last_ball(mesh, balls, tip);

@@ -8,8 +8,9 @@ namespace anatomy {
 /// Tags faces with the soup's region_id, by the nearest triangle of the soup.
 void tag_from_soup(Mesh& mesh, const Soup& soup);
 
-/// Tags as wall what is apart from a larger cap of the same tag and below smallest_end in radius, as the removal of
-/// self-intersections leaves beside a rim; of the tags `single`, which one cap each has, whatever its radius.
+/// Tags scraps of caps as wall. The removal of self-intersections leaves them beside a rim, apart from a larger cap of
+/// the same tag and below smallest_end in radius. A tag in `single` keeps its largest cap only, whatever the radius of
+/// the others.
 void drop_scraps_of_caps(Mesh& mesh, const std::set<int>& single, std::vector<Repair>& repairs);
 
 /// How far the largest move went, and where to.

@@ -27,7 +27,7 @@ constexpr double stands_out_named = 1; // of one that is named
 // A candidate and what is needed to make it an end or wall.
 struct Place {
   Candidate shown;
-  std::vector<Face> faces; // of a flat or open one
+  std::vector<Face> faces; // of a flat or open end; empty for a rounded one
   RoundedEnd rounded{};
   bool named = false;
 

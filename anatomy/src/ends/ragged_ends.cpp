@@ -57,8 +57,8 @@ struct Opened {
   double lost, depth; // mm2 of wall, mm of the vessel
 };
 
-// Cut so much deeper (mm) than planned; nothing where that leaves another opening than the one, or one that is not like
-// the rim.
+// The mesh cut `deeper` mm beyond the planned plane. Nothing is returned where the cut leaves more than one opening, or
+// an opening unlike the rim.
 std::optional<Opened> opened(const Mesh& mesh, const OpenEnd& end, double deeper) {
   Plane plane = end.plane;
   plane.centre += deeper * plane.normal;

@@ -4,9 +4,10 @@
 
 namespace anatomy {
 
-/// Cuts a closed mesh across behind each end that is ragged, or whose cap the repair of self-intersections has changed,
-/// and caps it: at the first plane where the next one, an edge farther in, finds the same section (area and place
-/// within 5 %). Each is warned of in `repairs`, with what it loses. Throws InputError where none of six planes does.
+/// Cuts a closed mesh across behind each ragged end, and caps it. The same is done behind a cap that the repair of
+/// self-intersections has changed. The cut is the first plane of six, an edge apart, at which the next plane finds the
+/// same section: area and place within 5 %. `repairs` takes a warning of each cut with what it loses. Throws InputError
+/// where no plane is found.
 void cut_ragged(Mesh& mesh, const std::vector<OpenEnd>& ends, std::vector<Repair>& repairs);
 
 } // namespace anatomy

@@ -255,7 +255,8 @@ double millimetres_per(const std::string& units) {
 }
 
 void check_diagonal(double diagonal_mm, const std::string& units, const std::string& path) {
-  // Half the shortest stent; a heart with its aorta. A vessel in another unit may still lie between: its radius tells.
+  // From half the shortest stent to a heart with its aorta. A vessel in the wrong unit may lie between these limits:
+  // check_mean_radius finds it.
   check_range(diagonal_mm, 4, 500, "bounding diagonal", units, path);
 }
 

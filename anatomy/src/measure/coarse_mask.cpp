@@ -3,7 +3,7 @@
 namespace anatomy {
 namespace {
 
-constexpr double lost_voxels = 1.1; // a label of voxels that touch by their corners alone
+constexpr double lost_voxels = 1.1; // a lumen this thin is a chain of voxels that touch at their corners only
 
 } // namespace
 

@@ -13,7 +13,7 @@ constexpr std::size_t fewest = 8;       // sections for a profile
 constexpr double least_widening = 1.15; // of a dilatation: an ostium's sections may be 8 % too wide
 constexpr double many_more = 1.25;      // healthy sections beside a dilatation than the envelope finds
 constexpr double ectatic = 1.5;         // of the widest lumen on both sides of it (definition of coronary ectasia)
-constexpr double least_share = 0.1;     // a profile may not lose more than all but this of D^m to its side branches
+constexpr double least_share = 0.1;     // of D^m without side branches, the least that is left behind them
 
 // What the branches that leave before s carry, in mm^m.
 double carried_off(const std::vector<std::pair<double, double>>& sides, double s) {

@@ -13,12 +13,14 @@ struct ReferenceProfile {
   double diameter(double s) const;
 };
 
-/// One profile per branch, fitted robustly to the upper envelope of the sections away from the ends, so that
-/// narrowings and ostia do not move it, and through the middle of them where that finds more healthy sections, on both
-/// sides of a stretch wider than these: a dilatation, warned of in `notes`, as is an ectasia (1.5 times as wide as all
-/// before and behind it), which is left out. Steps at the side branches are kept if they bring more sections to the
-/// profile. A branch with fewer than 8 such sections has a constant profile, twice the median of its inscribed radius;
-/// that is said in `notes`.
+/// One profile per branch, from the sections away from the ends.
+/// - It is fitted robustly to their upper envelope, so that narrowings and ostia do not move it.
+/// - In a branch with a dilatation it goes through the middle of the sections instead, where that finds more healthy
+///   ones on both sides of the wide stretch.
+/// - An ectasia, 1.5 times as wide as all before and behind it, is left out.
+/// - Steps at the side branches are kept if they bring more sections to the profile.
+/// - A branch with fewer than 8 such sections has a constant profile, twice the median of its inscribed radius.
+/// `notes` takes a warning of each dilatation, ectasia and constant profile.
 std::vector<ReferenceProfile> reference_profiles(const std::vector<Branch>& branches,
                                                  const std::vector<Section>& sections, std::vector<Repair>& notes);
 

@@ -4,10 +4,10 @@
 
 namespace anatomy {
 
-/// Scatter of the areas that is noise: relative standard deviation at a section of radius 1.5 mm, by the median of what
-/// the outlines' own roughness gives to their mean radii (`Section::scatter`); it grows as R^-1.5 towards thin
-/// branches. Changes from one section to the next do not count: they may be the lumen's. 0 where there are too few
-/// sections to tell.
+/// Relative standard deviation of the areas that is noise, at a section of radius 1.5 mm. It is the median of what each
+/// outline's own roughness does to its mean radius (`Section::scatter`), and grows as R^-1.5 towards thin branches.
+/// Changes from one section to the next do not count, since they may be the lumen's. 0 where there are too few sections
+/// to tell.
 double area_noise(const std::vector<Section>& sections);
 
 /// Where area_noise is above least_area_noise, replaces the areas of the sections flagged ok by those of a smooth

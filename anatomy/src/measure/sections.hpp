@@ -13,11 +13,12 @@ struct Section {
   double equivalent_diameter() const { return std::sqrt(4 * area / M_PI); }
 };
 
-/// One section at every inner sample of every branch outside its parent's tube, as the loop of the plane's cut through
-/// `surface` that contains the axis. Where the loop runs over another branch's wall it is clipped there at
-/// ostium_clip times the inscribed radius (flag ostium); within 1.5 R of a cap, in an extension, or if the loop meets a
-/// cap, the flag is end. `splits`: into how many each edge as measured has been divided in `surface`, which tells noise
-/// from shape. Throws ComputationError where no loop contains the axis away from the ends.
+/// One section at every inner sample of every branch outside its parent's tube. It is the loop round the axis in which
+/// the sample's plane cuts `surface`.
+/// - Flag `ostium`: the loop runs over another branch's wall, and is clipped there at ostium_clip inscribed radii.
+/// - Flag `end`: within 1.5 R of a cap, in an extension, or the loop meets a cap.
+/// @param splits into how many pieces each measured edge is divided in `surface`; with it noise is told from shape
+/// Throws ComputationError where no loop contains the axis away from the ends.
 std::vector<Section> cut_sections(const Mesh& surface, const std::vector<Branch>& branches,
                                   const std::vector<End>& ends, int splits = 1);
 

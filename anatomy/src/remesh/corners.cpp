@@ -125,7 +125,7 @@ Change split(Edge e, const WallTree& wall) {
   };
 }
 
-struct Mender {
+struct AngleOptimiser {
   Mesh mesh;
   const Mesh& surface;
   const WallTree& wall;
@@ -181,7 +181,7 @@ struct Mender {
     return all;
   }
 
-  void mend(Face f) {
+  void widen(Face f) {
     const std::set<Vertex> patch = around(f);
     const double before = corner_of(mesh, patch);
     double best_corner = before + least_gain;
@@ -258,19 +258,19 @@ struct Mender {
 } // namespace
 
 void widen_corners(Mesh& mesh, const Mesh& surface, const WallTree& wall, double wanted, int passes, bool careful) {
-  Mender mender{mesh, surface, wall, wanted, careful, {}};
-  mender.mesh.set_recycle_garbage(false); // an index names one face for good
+  AngleOptimiser optimiser{mesh, surface, wall, wanted, careful, {}};
+  optimiser.mesh.set_recycle_garbage(false); // an index names one face for good
   // what could not be widened at first may be once its neighbours have changed
-  for (int pass = 0; pass < passes && (pass == 0 || mender.smallest() < wanted - slack); ++pass) {
-    mender.hopeless.clear();
+  for (int pass = 0; pass < passes && (pass == 0 || optimiser.smallest() < wanted - slack); ++pass) {
+    optimiser.hopeless.clear();
     for (std::size_t k = 0; k < most_changes; ++k) {
-      const auto [corner, face] = mender.worst();
+      const auto [corner, face] = optimiser.worst();
       if (corner >= wanted)
         break;
-      mender.mend(face);
+      optimiser.widen(face);
     }
   }
-  mesh = std::move(mender.mesh);
+  mesh = std::move(optimiser.mesh);
   mesh.collect_garbage();
 }
 

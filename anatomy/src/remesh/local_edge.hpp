@@ -12,10 +12,11 @@ constexpr double smallest_edge_factor = 0.3;
 /// The edge length wanted at a place of the wall.
 class EdgeField {
 public:
-  /// Round each sample of the axes, `edge` (mm) times R / R_reference, and at most 0.3 R: a tube of chords e loses
-  /// (e/R)^2 / 6 of its area. Never below smallest_edge_factor of `edge`, nor
-  /// 0.8 R (but 0.05 mm) in a throat so narrow that fewer than eight of those would go round it. With distance from
-  /// there it grows by 0.3 mm for each mm, so that neighbouring triangles are alike.
+  /// Round each sample of the axes the edge is `edge` (mm) times R / R_reference, with these limits:
+  /// - at most 0.3 R, since a tube of chords e loses (e/R)^2 / 6 of its area;
+  /// - at least smallest_edge_factor times `edge`;
+  /// - in a throat so narrow that fewer than eight of those would go round it: 0.8 R, but at least 0.05 mm.
+  /// It grows by 0.3 mm for each mm of distance from there, so that neighbouring triangles are alike.
   EdgeField(double edge, const std::vector<Branch>& branches, const std::vector<ReferenceProfile>& profiles);
   double at(const Vec3& p) const; ///< mm, at most `edge`
   double edge() const { return edge_; }
@@ -29,19 +30,19 @@ private:
   std::vector<Narrow> narrow_; ///< samples whose edge is below edge_
 };
 
-/// A copy of the tagged `mesh` of uniform edge field.edge() whose wall is remeshed, in nested steps of 0.85, to the
-/// lengths of `field` where they are shorter; corners are then widened to 30 degrees. Vertices are projected on the
-/// wall of `surface`, the smooth one that `mesh` was made from; caps, rims and the wall's triangles at the rims stay.
-/// Throws ComputationError as remeshed().
+/// A copy of the tagged `mesh`, whose edges are uniform and as long as field.edge(). Where `field` asks for shorter
+/// edges its wall is remeshed to them, in nested steps by a factor of 0.85. Corners are then widened to 30 degrees.
+/// Vertices are projected on the wall of `surface`, the smooth surface that `mesh` was made from. Caps, rims and the
+/// wall's triangles at the rims stay. Throws ComputationError as remeshed().
 Mesh graded(const Mesh& mesh, const Mesh& surface, const EdgeField& field);
 
 /// Likewise of a `mesh` of a uniform shorter `edge` (mm), as a narrow throat needs: made coarser, in nested steps,
 /// where `field` allows it.
 Mesh coarsened(const Mesh& mesh, double edge, const Mesh& surface, const EdgeField& field);
 
-/// Likewise of a mesh that was graded before and deformed since: only where its edges are no more 0.5 to 1.6 times as
-/// long as wanted, where corners are below 30 degrees, and next to that; the rest is kept as it is. Nothing is returned
-/// where more than a third of the triangles are to be remeshed: that is another mesh, to be remeshed as a whole.
+/// Likewise of a mesh that was graded before and deformed since. It is remeshed only in two places and next to them:
+/// where edges are no longer 0.5 to 1.6 times as long as wanted, and where corners are below 30 degrees. Nothing is
+/// returned where that would be more than a third of the triangles: such a mesh is to be remeshed as a whole.
 std::optional<Mesh> regraded(const Mesh& mesh, const Mesh& surface, const EdgeField& field);
 
 } // namespace anatomy

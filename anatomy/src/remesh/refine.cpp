@@ -7,7 +7,7 @@ namespace {
 namespace PMP = CGAL::Polygon_mesh_processing;
 
 constexpr double cos_sharp = 0.8;             // 37 degrees
-constexpr double largest_bulge = 0.01;        // mm; at blunt creases normals promise more than there is
+constexpr double largest_bulge = 0.01;        // mm; at a blunt crease the normals overstate how far the wall bulges
 constexpr double cos_turn = 0.98;             // 0.2 rad: what an edge of a fifth of the radius turns by
 constexpr double thin_share = 0.03;           // of the wall's area: a side branch counts
 constexpr std::size_t most_to_split = 150000; // noise of so fine a surface turns as much, and costs four times this

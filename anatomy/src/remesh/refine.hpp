@@ -4,11 +4,11 @@
 
 namespace anatomy {
 
-/// Each triangle of the closed, tagged mesh split into four; the middle of a wall edge is put on the cubic through its
-/// ends with their normals (curved point-normal triangles: Vlachos et al., I3D 2001), so that vertices stay where they
-/// are and the chord error falls to about a quarter in length and less in area. No middle leaves its flat triangle by
-/// more than 0.01 mm, that of edges of 0.35 mm at a radius of 1.5 mm. Edges of caps and edges sharper than 37 degrees
-/// stay straight. Tags are kept.
+/// Splits each triangle of the closed, tagged mesh into four. The middle of a wall edge is put on the cubic through its
+/// ends that has their normals (curved point-normal triangles: Vlachos et al., I3D 2001). Vertices stay where they are.
+/// The chord error falls to about a quarter in length, and further in area. No middle leaves its flat triangle by more
+/// than 0.01 mm, as for edges of 0.35 mm at a radius of 1.5 mm. Edges of caps and edges sharper than 37 degrees stay
+/// straight. Tags are kept.
 Mesh curved_refined(const Mesh& mesh);
 
 /// Whether the chords matter. They do where the mean edge is above 0.12 of the mean radius 2 V/A: the area is then off

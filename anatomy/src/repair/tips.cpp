@@ -41,11 +41,11 @@ struct Sweep {
   bool higher(std::size_t a, std::size_t b) const { return height[a] != height[b] ? height[a] > height[b] : a < b; }
 };
 
-// Sets of vertices, each represented by its highest one.
-struct Hills {
+// Sets of connected vertices by union-find. The highest vertex of a set represents it.
+struct UnionFind {
   std::vector<std::size_t> above;
-  explicit Hills(std::size_t n) : above(n) { std::iota(above.begin(), above.end(), 0); }
-  std::size_t summit(std::size_t v) {
+  explicit UnionFind(std::size_t n) : above(n) { std::iota(above.begin(), above.end(), 0); }
+  std::size_t highest(std::size_t v) {
     while (above[v] != v)
       v = above[v] = above[above[v]];
     return v;
@@ -57,24 +57,24 @@ struct Hills {
 std::vector<Tip> tips_of(const Mesh& mesh, double least_prominence, bool from_far_end) {
   const Sweep sweep(mesh, from_far_end);
   const std::vector<double>& height = sweep.height;
-  Hills hills(height.size());
+  UnionFind higher_parts(height.size());
   std::vector<Tip> tips;
   const auto keep = [&](std::size_t v, double prominence) {
     if (prominence >= least_prominence)
       tips.push_back({Vertex(static_cast<Mesh::size_type>(v)), prominence});
   };
-  // flooding from above: where two hills meet, the lower one's prominence is known
+  // flooding from above: where two connected parts meet, the lower one's prominence is known
   for (std::size_t v : sweep.order)
     for (Vertex w : mesh.vertices_around_target(mesh.halfedge(Vertex(static_cast<Mesh::size_type>(v))))) {
       if (!sweep.higher(w, v))
         continue;
-      std::size_t a = hills.summit(v), b = hills.summit(w);
+      std::size_t a = higher_parts.highest(v), b = higher_parts.highest(w);
       if (a == b)
         continue;
       if (sweep.higher(b, a))
         std::swap(a, b);
       keep(b, height[b] - height[v]);
-      hills.above[b] = a;
+      higher_parts.above[b] = a;
     }
   keep(sweep.order.front(), height[sweep.order.front()]);
   keep(sweep.root, height[sweep.order.front()]);
@@ -88,25 +88,25 @@ std::vector<Vertex> places_on_handles(const Mesh& mesh) {
   if (euler == 2)
     return {};
   const Sweep sweep(mesh);
-  Hills hills(sweep.height.size());
+  UnionFind higher_parts(sweep.height.size());
   std::vector<Vertex> places;
   for (std::size_t v : sweep.order) {
     // Shortest distances have no minimum but the root, so a loop closed above v never fills: it goes round a handle.
     const Vertex here(static_cast<Mesh::size_type>(v));
-    std::set<std::size_t> summits;
+    std::set<std::size_t> tops;
     std::size_t runs = 0; // of higher neighbours round v
     for (Halfedge h : mesh.halfedges_around_target(mesh.halfedge(here))) {
       const Vertex w = mesh.source(h), after = mesh.target(mesh.next(h));
       if (!sweep.higher(w, v))
         continue;
       runs += !sweep.higher(after, v);
-      summits.insert(hills.summit(w));
+      tops.insert(higher_parts.highest(w));
     }
-    if (runs > summits.size())
+    if (runs > tops.size())
       places.push_back(here);
-    for (std::size_t summit : summits)
-      hills.above[hills.summit(summit)] = v;
-    hills.above[v] = v;
+    for (std::size_t top : tops)
+      higher_parts.above[higher_parts.highest(top)] = v;
+    higher_parts.above[v] = v;
   }
   if (places.empty())
     places.push_back(Vertex(static_cast<Mesh::size_type>(sweep.order.front())));

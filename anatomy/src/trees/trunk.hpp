@@ -6,7 +6,7 @@
 
 namespace anatomy {
 
-/// What hangs on the trunk: connected lumen outside of it.
+/// A connected part of the lumen outside the trunk: a vessel that leaves it.
 struct Offshoot {
   BallWay way;                                ///< from its farthest ball to the middle of the trunk
   double from = 0;                            ///< mm on that way where it enters the trunk: its length out of it

@@ -1,10 +1,10 @@
 """One slice of a patient through its whole procedure, against CalculiX: predilatation, stent, post-dilatation, recoil.
 
-The slice does the study's own steps with its devices. Where each load step leaves the lumen's nodes is prescribed to
-CalculiX on the same mesh, tissues and support; what is compared after each inflation and deflation is the pressure that
-its tissue then needs from the device, with the pressure of the slice's device. By the stiffness of tissue and device a
-difference of pressure is one of area. (With devices as bodies in contact CalculiX 2.20 lost its convergence while the
-balloon opened.) Both codes take one tissue an element, that of its middle.
+The slice does the study's own steps with its devices. CalculiX has the same mesh, tissues and support, and the places
+to which each load step of the slice has moved the lumen's nodes. After each inflation and deflation two pressures are
+compared: the one that CalculiX's tissue needs to be held there, and the one of the slice's device. With the stiffness
+of tissue and device a difference of pressure becomes one of area. Devices as bodies in contact were tried: CalculiX
+2.20 did not converge while the balloon opened. Both codes take one tissue an element, that of its middle.
 """
 
 import pathlib

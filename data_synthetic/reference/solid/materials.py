@@ -1,12 +1,12 @@
 """Constants of the reference's tissues, with their sources and the ranges found there. Fixed before any comparison.
 
-No value is taken over from a paper as it stands: each is a choice within, or with its distance from, the range of the
-papers named (read in their abstracts; what they measured is not always what a model needs). MPa throughout. Plaque:
-neo-Hookean, multiplicative J2 plasticity with linear isotropic hardening. Wall: Yeoh.
+No value is taken over from a paper as it stands. Each is a choice within the range of the papers named, or its distance
+from that range is stated. The papers were read in their abstracts, and what they measured is not always what a model
+needs. MPa throughout. Plaque: neo-Hookean, multiplicative J2 plasticity with linear isotropic hardening. Wall: Yeoh.
 
-Check against whole coronary lesions: at a stretch of 1.15 both ways in the plane, Ghorbannia and LaDisa found 0.067,
-0.13 and 0.30 MPa round the vessel in lesions that gave way to a balloon well, less, and little. There the fibrous
-plaque carries 0.12 (it yields), the wall 0.21, the lipid-rich 0.01 and the calcified 0.5 MPa (`biaxial_stress`).
+Check against whole coronary lesions, stretched by 1.15 both ways in the plane. Ghorbannia and LaDisa found 0.067, 0.13
+and 0.30 MPa round the vessel, in lesions that a balloon opened well, less well, and hardly. At that stretch the fibrous
+plaque here carries 0.12 (it yields), the wall 0.21, the lipid-rich 0.01 and the calcified 0.5 MPa (`biaxial_stress`).
 """
 
 from dataclasses import dataclass

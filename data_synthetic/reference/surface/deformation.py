@@ -50,8 +50,9 @@ def coupled(values, step_mm, length_mm):
 class LumenDeformation:
     """Displacement of the lumen by slices without a stent (over everything) and with it (over the stented spans).
 
-    free: SpanField; held: list of SpanField, one a stented span, its ends the stent's ends; outside of them the jump
-    fades as the clamped cylindrical shell does, exp(-x/l) (cos x/l + sin x/l), l = edge_decay_mm (Timoshenko).
+    free: SpanField; held: list of SpanField, one for each stented span, from end to end of the stent. The jump at an
+    end falls off outside the span as the deflection of a clamped cylindrical shell does (Timoshenko):
+    exp(-x/l) (cos x/l + sin x/l), l = edge_decay_mm.
     """
 
     def __init__(self, free, held, edge_decay_mm):
@@ -86,9 +87,9 @@ def smooth_fall(x):
 def move(points_mm, branch, lumen, straight_s_mm, straight_mm, resting):
     """Moved points (n, 3).
 
-    Points on the branch's lumen follow it; points outside (side branches) follow as incompressible tissue does,
-    rho' = sqrt(rho^2 + r'^2 - r^2), fading out over FADE_MM. resting: (centre (3,), radius mm) of the vessel's
-    ends; their caps stay, the END_MM round them fade to rest.
+    Points on the branch's lumen follow it. Points outside (side branches) follow as incompressible tissue does,
+    rho' = sqrt(rho^2 + r'^2 - r^2). Their displacement falls to 0 over FADE_MM from the lumen. resting: (centre (3,),
+    radius mm) of the vessel's ends; their caps stay, and the displacement falls to 0 over the END_MM round them.
     """
     axis = branch.axis
     s = axis.nearest(points_mm)

@@ -17,8 +17,8 @@ def hand_over(model, where):
 def shrink(model, nearest_mm, step_mm, where):
     """Takes the balloon's radius down until it has left the wall, then the balloon away.
 
-    Not its pressure: soft plaque in a stretched wall gives way at once below some pressure, where no load step is small
-    enough. nearest_mm(): least distance (mm) of the lumen from the axis.
+    Its pressure is not taken down instead: below some pressure soft plaque in a stretched wall gives way at once, and
+    no load step is small enough. nearest_mm(): least distance (mm) of the lumen from the axis.
     """
     radius = model.loads()["balloon_radius"]
     while model.loads()["balloon_share"] and radius > 0 and radius > nearest_mm() - CLEAR_MM:

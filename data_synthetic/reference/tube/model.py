@@ -18,8 +18,8 @@ class TubeModel(SteppedModel):
 
     tube: Tube; axis: Curve; material: (s, theta, radius) arrays (n,) to (share of plaque, shear, yield, hardening MPa);
     settings: section `reference`. Loads besides LOADS: PLACES (mm), where balloon and stent are; the stent acts on the
-    material points of its span. The devices lie on the lumen's axis at rest; a point's distance from them and its arc
-    length are measured from the frame of its section at rest.
+    material points of its span. The devices lie on the lumen's axis at rest. A point's distance from them and its arc
+    length are measured in the frame of its section at rest.
     """
 
     plastic_size = 6

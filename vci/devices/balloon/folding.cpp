@@ -41,7 +41,7 @@ struct Sector {
   double wrap;
 };
 
-/// @param inner radius of the valley's first end, mm
+/// @param inner radius (mm) at which the valley between two wings begins
 Sector sector_of(const FoldingSpec& f, int back, int belly, double edge, double inner) {
   const double t = f.membrane_thickness, between = 2 * pi / f.wings, climb = t * f.wings / pi;
   const Arm top{inner + 2 * t, climb, 0}, bottom{inner + 2 * t, climb, t}, middle{inner + 2 * t, climb, 0.5 * t};

@@ -78,7 +78,7 @@ LumenFile lumen_of(const std::filesystem::path& file) {
                                "radii lie between 0.02 and 20 mm, plaque types between 0 and 3; check the units");
     lumen.points.push_back(p);
     lumen.radius.push_back(r);
-    lumen.plaque.push_back(std::max(t, 0.0)); // carried over by interpolation, it may dip below nothing
+    lumen.plaque.push_back(std::max(t, 0.0)); // interpolation may have made it slightly negative
     lumen.plaque_type.push_back(static_cast<int>(std::lround(k)));
   }
   if (vtkDataArray* reference = lumen.data->GetPointData()->GetArray("reference_radius_mm"))
