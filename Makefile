@@ -1,4 +1,4 @@
-# make study: set up, build, run the study; make test: set up, build, run every test. See README.md.
+# make study: set up, build, run the study; make test: set up, build, run the tests. See README.md.
 COHORT ?= full
 CASES ?=
 FUZZ_SECONDS ?= 60
@@ -39,7 +39,7 @@ study: build ## run a cohort (COHORT=full|quick|nine|hard|real) or single cases 
 unlock: ## after a run that was killed (power cut, kill -9): let the next one go on from there
 	@$(SNAKEMAKE) --unlock --cores 1
 
-test: lint test-cpp sanitize test-python ## every test: formatting, C++ units, sanitizers, Python units, verification, workflow
+test: lint test-cpp sanitize test-python ## all tests but the longest: formatting, C++ units, sanitizers, Python units, verification, workflow
 
 test-cpp: build
 	@ninja -C $(BUILD) -j $(CORES)
@@ -61,7 +61,13 @@ fuzz: setup ## fuzz each reader of the deployment engine for FUZZ_SECONDS (60) w
 	@tests/fuzz/run.sh $(FUZZ_SECONDS) $(CORES)
 
 test-python: build
-	OMP_NUM_THREADS=1 $(PYTHON) -m pytest -q -n $(CORES) --dist loadscope --durations=15 --junitxml=results/tests/python.xml
+	OMP_NUM_THREADS=1 $(PYTHON) -m pytest -q -n $(CORES) --dist loadscope --durations=15 -m "not long" \
+	  --junitxml=results/tests/python.xml
+
+.PHONY: test-long
+test-long: build ## the longest verification runs, which make test leaves out; once a day, and before a release
+	OMP_NUM_THREADS=1 $(PYTHON) -m pytest -q -n $(CORES) --dist loadscope --durations=15 -m long \
+	  --junitxml=results/tests/python_long.xml
 
 lint: setup ## check formatting and run the linters
 	@setup/lint.sh

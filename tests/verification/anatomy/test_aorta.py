@@ -96,6 +96,7 @@ def test_names_hold_in_any_frame(check, model, tmp_path, matrix):
     assert matrix.T @ (trees["left"][0] - (50, -20, 300)) == pytest.approx([15.4, -189.4, 1750.4], abs=1.0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("tree", OUTLETS)
 def test_a_tree_measures_as_the_same_tree_without_an_aorta(process, check, folder, whole, tmp_path, tree):
     summary, rows = process(whole, tmp_path / "cut", "--tree", tree)
@@ -145,6 +146,7 @@ def test_a_point_at_the_ostium_chooses_and_cuts(check, folder, whole):
     assert far.returncode == 2 and "no coronary tree near the given ostium" in far.stderr
 
 
+@pytest.mark.long
 def test_outlets_choose_the_tree_and_what_they_leave_out_is_said(lumen, model, whole, tmp_path):
     points = [option for p in model.outlets["left"][:3] for option in ("--outlet", point(p))]
     done = lumen(whole, tmp_path / "out", *points)
@@ -168,6 +170,7 @@ def test_open_ends_a_wide_aorta_and_an_aneurysm(check, folder, tmp_path):
     assert {name: outlets for name, (_, _, outlets) in trees.items()} == OUTLETS
 
 
+@pytest.mark.long
 def test_a_closed_stub_is_refused_unless_all_outlets_are_named(check, folder, tmp_path):
     """A side branch of 1 mm that was cut off and closed 2.4 mm from its parent's wall: no end, but an outlet."""
     found = aorta.Model()

@@ -7,6 +7,8 @@ import pytest
 
 from data_synthetic.ct import study
 
+pytestmark = pytest.mark.long
+
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 CASES = [ROOT / f"tests/verification/data_synthetic/cases/{name}.yaml" for name in ("severe_focal", "severe_branch")]
 

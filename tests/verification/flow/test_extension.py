@@ -13,6 +13,7 @@ import hard_cases  # noqa: E402
 NAME = "outlet_2d_behind_62"
 
 
+@pytest.mark.long
 def test_ffr_is_that_of_the_long_vessel(tmp_path, run_module):
     hard_cases.write(NAME, tmp_path)
     line = ["--centreline", tmp_path / "centreline.vtp"]

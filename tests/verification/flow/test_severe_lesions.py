@@ -9,6 +9,8 @@ sys.path[:0] = [str(pathlib.Path(__file__).parent)]
 
 import hard_cases  # noqa: E402
 
+pytestmark = pytest.mark.long
+
 # percent of the diameter: FFR of an axisymmetric solution, published and of axisymmetric.py (flow/measured.md)
 REFERENCE = {85: 0.22700, 90: 0.12830}
 WITHIN = 1e-3  # .0004 at both

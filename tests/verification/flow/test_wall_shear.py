@@ -3,12 +3,15 @@
 import pathlib
 import sys
 
+import pytest
+
 sys.path[:0] = [str(pathlib.Path(__file__).parent)]
 
 import hard_cases  # noqa: E402
 import wall_shear  # noqa: E402
 
 
+@pytest.mark.long
 def test_boundary_layers_resolve_the_wall_shear_stress(tmp_path):
     """Three rings alone have 4.4 % of the peak, and 2.4 % less at the peak."""
     hard_cases.write(wall_shear.CASE, tmp_path)
