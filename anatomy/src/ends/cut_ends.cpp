@@ -126,9 +126,9 @@ Plane cut_plane(const Mesh& mesh, const Slices& slices, const BallWay& way) {
   return plane;
 }
 
-// The same surface with no wall edge longer than this. At the seams of a coarse surface a vertex has the normal of no
-// vessel that meets there, and the balls of such vertices alone do not hang together. The mesh's vertices keep their
-// numbers.
+// The same surface with no wall edge longer than `longest`. Where vessels meet on a coarse surface, the normal at a
+// vertex is that of none of them, and the inscribed balls of such vertices are not neighbours. More vertices connect
+// them. The mesh's vertices keep their numbers.
 Mesh sampled(const Mesh& mesh, double longest) {
   Mesh out = mesh;
   const RegionMap region = region_map(out);

@@ -79,7 +79,7 @@ void tag(Mesh& mesh, const std::vector<Face>& faces, int value) {
     region[f] = value;
 }
 
-// What is tagged, and the flat parts of the wall where that is not all there is.
+// The tagged caps and openings, and the flat parts of the wall, unless the tagged ones are known to be all the ends.
 std::vector<Place> flat_places(const Mesh& mesh, const NamedEnds& named, double least_radius) {
   const Tubes tubes(mesh);
   std::vector<Place> places;
@@ -161,7 +161,7 @@ void keep_named(std::vector<Place>& places, const NamedEnds& named, std::vector<
   }
 }
 
-// What a rough end leaves out inside itself is a part of it: flattened, it would fold as an island of wall.
+// Tags patches of wall that a rough end surrounds as parts of the end. As islands they would fold when it is flattened.
 void tag_islands(Mesh& mesh) {
   RegionMap region = region_map(mesh);
   std::vector<bool> seen(mesh.number_of_faces());

@@ -29,11 +29,12 @@ struct Candidate {
   std::string why;
 };
 
-/// Tags the ends of a closed mesh and cuts rounded ones flat. Open ends are tagged already. Without names an end is
-/// every opening, every flat part that closes the tube (evidence.hpp) and every rounded tip of a vessel; with names
-/// exactly the named ones are ends, the others are wall. Returns what was looked at, ends first, then the
-/// widest of what is wall. Throws InputError
-/// where nothing ends near a point, where two points name the same end, or where an opening has no point.
+/// Tags the ends of a closed mesh and cuts rounded ones flat. Open ends are tagged already.
+/// - Without names the ends are every opening, every flat part that closes the tube (evidence.hpp), and every rounded
+///   tip of a vessel.
+/// - With names exactly the named ones are ends, and the others are wall.
+/// Returns the candidates: the ends first, then the widest of those taken for wall. Throws InputError where nothing
+/// ends near a point, where two points name the same end, or where an opening has no point.
 std::vector<Candidate> find_ends(Mesh& mesh, NamedEnds named, double least_radius, std::vector<Repair>& repairs);
 
 /// The untagged flat parts of a closed mesh that close a tube of this radius (mm) or a wider one.

@@ -52,7 +52,7 @@ Eigen::Matrix4d nifti_affine(vtkNIFTIImageReader& reader) {
   return m;
 }
 
-// 1 where the label is, in a box about it with a margin of zeros.
+// An image that is 1 where the label is and 0 elsewhere, cut to a box about the label with a margin of zeros.
 vtkSmartPointer<vtkImageData> indicator_of(vtkImageData* labels, int label) {
   const int* size = labels->GetDimensions();
   const auto* values = static_cast<const int*>(labels->GetScalarPointer());

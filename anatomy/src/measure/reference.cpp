@@ -84,8 +84,8 @@ std::optional<std::pair<double, double>> dilatation(const ReferenceProfile& prof
   return std::pair{first->s, (last - 1)->s};
 }
 
-// The sections without those of an ectasia: one stretch, with at least `fewest` sections before and behind it, that is
-// `ectatic` times as wide as anything there. Its flanks are taken off in the same way.
+// The sections without those of an ectasia. That is one stretch with at least `fewest` sections before and behind it,
+// `ectatic` times as wide as any of these. Its flanks are left out as well.
 std::vector<Calibre> without_ectasia(std::vector<Calibre> measured, const Branch& branch, std::vector<Repair>& notes) {
   const std::size_t all = measured.size();
   const auto wider = [](const Calibre& a, const Calibre& b) { return a.diameter < b.diameter; };

@@ -46,7 +46,7 @@ Soup welded(const Soup& soup, double tolerance, std::vector<Repair>& repairs) {
   points->SetDataTypeToDouble();
   locator->SetTolerance(tolerance);
   locator->InitPointInsertion(points, bounds, static_cast<vtkIdType>(soup.points.size()));
-  std::vector<std::size_t> first; // of those merged into a point
+  std::vector<std::size_t> first; // per welded point, the first of the points merged into it
   std::vector<std::size_t> merged(soup.points.size());
   for (std::size_t i = 0; i < soup.points.size(); ++i) {
     const double p[3] = {soup.points[i].x(), soup.points[i].y(), soup.points[i].z()};

@@ -27,10 +27,11 @@ struct Aorta {
   bool is_evident(double scale = 1) const;
 };
 
-/// The trunk wider than 9 mm and its offshoots of coronary size; none where there is no such trunk. The closed mesh has
-/// its openings tagged. scale: millimetres that an anatomical millimetre measures in the mesh, 0.1 where the unit was
-/// taken for ten times as small. Left and right are told by their order round the ascending aorta: seen from the arch
-/// the shorter way from the right to the left ostium is anticlockwise, in any right-handed frame and pose.
+/// The trunk wider than 9 mm and its offshoots of coronary size; none where there is no such trunk. Left and right are
+/// told by their order round the ascending aorta. Seen from the arch, the shorter way from the right to the left ostium
+/// is anticlockwise, in any right-handed frame and pose.
+/// @param mesh closed, with its openings tagged
+/// @param scale length in the mesh of one anatomical millimetre: 0.1 where a model in cm was declared in mm
 std::optional<Aorta> find_aorta(const Mesh& mesh, double scale = 1);
 
 /// A plane across the tree's longest way at the place nearest to p, with the normal into the tree; none where that

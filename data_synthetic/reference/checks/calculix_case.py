@@ -61,7 +61,7 @@ def mean_pressure(lumen, loads):
 
 
 class Section:
-    """The section of a patient at s_mm, one tissue an element: for both codes.
+    """The section of a patient at s_mm that both codes solve, with one tissue an element.
 
     theta, inner, outer: (2 around,) rad and mm; tissues (around, through, 4): share of plaque, 0 or 1, its constants.
     """

@@ -15,7 +15,7 @@ def check_not_folded(t, before, after):
     """Raises ComputationError if more than a thousandth of the triangles t (m, 3) turned over or vanished."""
     a, b = _normals(before, t), _normals(after, t)
     cosine = np.sum(a * b, axis=1) / np.maximum(np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1), 1e-30)
-    # The lesion's shoulders turn by up to 45 degrees when it is opened; the other way round means a fold.
+    # A lesion's shoulders turn by up to 45 degrees when it is opened. A triangle that turned over is a fold.
     folded = int(np.sum(cosine < 0))
     if folded > 1e-3 * len(t):
         raise ComputationError(
