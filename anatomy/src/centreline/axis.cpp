@@ -118,7 +118,7 @@ void Axis::fit(const std::vector<double>& t, const std::vector<Vec3>& x, double 
     coefficients = solver.solve(rhs);
     return std::sqrt((b * coefficients - data).squaredNorm() / static_cast<double>(3 * n));
   };
-  // lambda >= 1e-3 mm^5 keeps the matrix regular where the points leave a gap, and leaves a bend of radius 3 mm
+  // lambda >= 1e-3 mm^5 keeps the matrix regular where the points leave a gap, and moves no bend of radius 3 mm
   double low = -3, high = 5;
   if (residual(low) < rms_target) {
     if (residual(high) > rms_target)
