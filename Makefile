@@ -12,7 +12,7 @@ REPORT := results/report/index.html
 export GLIBC_TUNABLES ?= glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4
 
 .DEFAULT_GOAL := study
-.PHONY: setup build validate study unlock test test-cpp test-python sanitize fuzz lint format docs clean help
+.PHONY: setup build validate study manifest verify unlock test test-cpp test-python sanitize fuzz lint format docs clean help
 
 help: ## show this list
 	@grep -E '^[a-z-]+:.*##' Makefile | sed 's/:.*##/ -/'
@@ -35,6 +35,12 @@ study: build ## run a cohort (COHORT=full|quick|nine|hard|real) or single cases 
 	  echo "the folder is locked: another run works in it, or one was killed; if none runs any more: make unlock" >&2; \
 	  [ ! -f $(REPORT) ] || echo "$(REPORT) is the page of an earlier run" >&2; exit 1; }
 	@echo "report: $(REPORT)"
+
+manifest: ## write what a finished study must give again on any machine, config/manifests/COHORT.json
+	@$(PYTHON) -m workflow manifest --out config/manifests/$(COHORT).json
+
+verify: ## compare a finished study with the manifest that ships, config/manifests/COHORT.json
+	@$(PYTHON) -m workflow verify --manifest config/manifests/$(COHORT).json
 
 unlock: ## after a run that was killed (power cut, kill -9): let the next one go on from there
 	@$(SNAKEMAKE) --unlock --cores 1

@@ -94,7 +94,8 @@ def run_report(args):
     from reports.page.build import build_report
 
     places = args.study_dir, args.figures_dir, args.out
-    build_report(case_list(args), *places, args.junit, args.software, args.cohort, args.benchmarks)
+    told = args.software, args.cohort, args.benchmarks, args.provenance
+    build_report(case_list(args), *places, args.junit, *told)
 
 
 def run_check(args):
@@ -167,6 +168,7 @@ def parser():
     command.add_argument("--cohort", default="", help="the cohort's name, for the summary")
     command.add_argument("--junit", nargs="*", type=path, default=[], help="test results (JUnit XML) for the evidence")
     command.add_argument("--software", type=path, help="JSON of `reports software`")
+    command.add_argument("--provenance", type=path, help="JSON of `workflow provenance`")
     command.add_argument("--benchmarks", type=path, help="results/benchmarks, with a folder for each that was run")
     command.add_argument("--out", required=True, type=path, help="results/report/index.html")
     command.set_defaults(run=run_report)

@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
-# run.sh LOG COMMAND...: runs the command with its output in LOG; if it fails, shows the log's end and keeps its exit code.
+# run.sh LOG COMMAND...: runs the command with its output in LOG, whose first line is the command as a shell would take it;
+# if it fails, shows the log's end and keeps its exit code.
 log=$1
 shift
-"$@" >"$log" 2>&1 && exit 0
+{ printf '$'; printf ' %q' "$@"; echo; } >"$log" &&
+"$@" >>"$log" 2>&1 && exit 0
 status=$?
 {
   printf '\n%s failed (exit code %s); the end of its log:\n' "$log" "$status"

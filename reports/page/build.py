@@ -6,7 +6,7 @@ import math
 import jinja2
 import pandas as pd
 
-from common.files import replacing
+from common.files import replacing, sha256
 from reports.study.agreement import published
 from reports.study.bland_altman import sample_sd
 from reports.study.differences import COHORT
@@ -33,7 +33,9 @@ MISSING = "–"
 OCCLUDED = "occluded_by_voxels"
 
 
-def build_report(cases, study_dir, figures_dir, out, junit=(), software=None, cohort="", benchmark_dir=None):
+def build_report(
+    cases, study_dir, figures_dir, out, junit=(), software=None, cohort="", benchmark_dir=None, provenance=None
+):
     """Writes the report of the CaseFiles `cases` to `out`. Raises InputError for anything that is missing."""
     contexts = [case_context(files, figures_dir) for files in cases]
     agreement = read_csv(study_dir / "agreement.csv")
@@ -67,6 +69,7 @@ def build_report(cases, study_dir, figures_dir, out, junit=(), software=None, co
             evidence=evidence_rows(read_results(junit)),
             benchmarks=benchmarks(benchmark_dir),
             software=read_json(software, "reports software") if software else None,
+            provenance=provenance_summary(provenance) if provenance else None,
             states=STATES,
             labels=LABELS,
             short=SHORT,
@@ -79,6 +82,13 @@ def build_report(cases, study_dir, figures_dir, out, junit=(), software=None, co
     )
     with replacing(out) as partial:
         partial.write_text(page)
+
+
+def provenance_summary(path):
+    """What the page says of provenance.json: its hash, and how many inputs, commands and products it lists."""
+    cases = read_json(path, "workflow provenance")["cases"].values()
+    counts = {key: sum(len(case[key]) for case in cases) for key in ("inputs", "commands", "products")}
+    return {**counts, "sha256": sha256(path)}
 
 
 def environment():

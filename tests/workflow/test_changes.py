@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-STUDY = {"study_figures", "agreement", "nearer", "differences", "seconds", "cohort", "timings", "report"}
+STUDY = {"study_figures", "agreement", "nearer", "differences", "seconds", "cohort", "timings", "provenance", "report"}
 CASE = "quick_focal"
 OTHER = "quick_branch"
 FROM_CT = ("ct_vci", "ct_rc")

@@ -21,11 +21,11 @@ def test_run_keeps_exit_code_and_shows_only_the_end_of_a_long_log(repo_root, tmp
     run = subprocess.run(command, text=True, capture_output=True)
     assert run.returncode == 3
     assert "last words" in run.stderr and "1000" in run.stderr and "| 900\n" not in run.stderr
-    assert log.read_text().count("\n") == 1001
+    assert log.read_text().count("\n") == 1002
 
 
 def test_run_is_silent_when_all_is_well(repo_root, tmp_path):
     command = [repo_root / "workflow" / "run.sh", tmp_path / "log", "echo", "fine"]
     run = subprocess.run(command, text=True, capture_output=True)
     assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
-    assert (tmp_path / "log").read_text() == "fine\n"
+    assert (tmp_path / "log").read_text() == "$ echo fine\nfine\n"

@@ -4,6 +4,7 @@ VCI_REPORT names the report; without it the test is skipped, since making it tak
 """
 
 import csv
+import hashlib
 import os
 import pathlib
 
@@ -35,6 +36,11 @@ def test_shows_every_case_and_the_published_agreement(report):
         assert case in page
     for number in ("1.55", "1.89"):
         assert number in page, "published agreement of the cross-sectional area"
+
+
+def test_names_the_provenance_by_its_hash(report):
+    provenance = report.parents[1] / "study" / "provenance.json"
+    assert hashlib.sha256(provenance.read_bytes()).hexdigest() in report.read_text()
 
 
 def test_numbers_stand_behind_the_page(report):

@@ -202,6 +202,30 @@ rule software:
         "workflow/run.sh {log} /usr/bin/python3 -m reports software --out {output}"
 
 
+rule provenance:
+    message:
+        "provenance: hashes, versions, seeds and commands"
+    input:
+        # metrics and pictures come last in a case: by then every product and every log stands
+        metrics=expand("results/cases/{case}/metrics.json", case=CASES),
+        pictures=expand("results/cases/{case}/{picture}.png", case=CASES, picture=["anatomy/tree", "vci/plan"]),
+        software="results/study/software.json",
+        programs=[VCI, LUMEN],
+        code=command_code("workflow", "run_provenance"),
+    output:
+        "results/study/provenance.json",
+    log:
+        "results/study/logs/provenance.log",
+    benchmark:
+        "results/study/benchmarks/provenance.tsv"
+    params:
+        folder=STUDY.folder,
+        cases=CASES,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m workflow provenance --folder {params.folder} --cases {params.cases}"
+        " --programs {input.programs} --software {input.software} --out {output}"
+
+
 rule report:
     message:
         "report"
@@ -214,6 +238,7 @@ rule report:
         pictures=expand("results/cases/{case}/{picture}.png", case=CASES, picture=["anatomy/tree", "vci/plan"]),
         tables=expand("results/study/{table}.csv", table=["agreement", "nearer", "differences", "seconds", "timings", "cohort"]),
         software="results/study/software.json",
+        provenance="results/study/provenance.json",
         code=code("reports", "reports.page.build"),
         templates=INPUTS.templates(),
         tests=test_results(),
@@ -232,5 +257,5 @@ rule report:
         benchmarks=benchmark_folder,
     shell:
         "workflow/run.sh {log} /usr/bin/python3 -m reports report --case-dir {params.case_dirs} --study-dir {params.study}"
-        " --figures-dir {params.figures} --software {input.software} {params.cohort} {params.benchmarks}"
+        " --figures-dir {params.figures} --software {input.software} --provenance {input.provenance} {params.cohort} {params.benchmarks}"
         " --junit {input.tests} --out {output}"

@@ -1,0 +1,167 @@
+"""The manifest that ships with a release: what a finished study must give again on another machine, and the comparison.
+
+Surfaces, deployments and meshes must be the same bits. Numbers that pass through a library of linear algebra, whose
+sums depend on the processor, must agree within the tolerances that the manifest states.
+"""
+
+import hashlib
+import json
+import pathlib
+import re
+
+from common.errors import ComputationError
+from common.files import sha256, write_json
+from common.json_reader import read
+from workflow.provenance import product_files
+
+SCHEMA = "vci-manifest-1"
+# Kinds of products that must be the same bits, by their paths in a case's folder; the first that fits counts.
+SAME_BITS = {
+    "settings": r"settings/.*\.json",
+    "vessel": r"source/.*\.(vtp|json)",
+    "anatomy": r"anatomy/.*\.(vtp|csv|json)",
+    "deployment": r"(vci|rc)/.*\.(vtp|stl|csv|json)",
+    "mesh": r"flow/(pre|vci|rc)/mesh.*",
+}
+RELATIVE = {"mean_area_mm2": 0.002, "minimum_area_mm2": 0.002, "mean_curvature_per_mm": 0.002}
+PASSING = ("seconds", "peak_memory_mib", "path")  # ends of keys that differ between runs of the same input
+
+
+def write_manifest(study, out):
+    """Writes the manifest of a finished study (folder of results) as `out`; it holds the cases of provenance.json."""
+    write_json(out, manifest_of(study))
+
+
+def manifest_of(study):
+    """The manifest's document for a folder of results. Raises InputError where a file is missing."""
+    study = pathlib.Path(study)
+    provenance = read(study / "study" / "provenance.json", "vci-provenance-1").data
+    software = provenance["software"]
+    return {
+        "schema": SCHEMA,
+        "made_on": {
+            "system": software["system"],
+            "processor": provenance["processor"],
+            "environment": provenance["environment"],
+            "packages": software["packages"],
+        },
+        "tolerances": {
+            **{kind: "same bits" for kind in SAME_BITS},
+            "ffr": "its error_estimate",
+            **{key: f"{share:g} of the value" for key, share in RELATIVE.items()},
+        },
+        "cases": {case: _case(study / "cases" / case) for case in provenance["cases"]},
+    }
+
+
+def differences(expected, found):
+    """(number of comparisons, messages) of two manifests' documents, the one that ships first.
+
+    A message says case, kind, product or number, and both values.
+    """
+    compared, messages = 0, []
+    for case, wanted in expected["cases"].items():
+        if case not in found["cases"]:
+            messages.append(f"{case}: not in this study")
+            continue
+        count, said = _differences(wanted, found["cases"][case])
+        compared += count
+        messages += [f"{case}: {message}" for message in said]
+    return compared, messages
+
+
+def verify(manifest, study):
+    """Compares a finished study with a manifest that ships; returns the number of comparisons.
+
+    Raises ComputationError that lists what differs, InputError for what cannot be read.
+    """
+    expected, found = read(manifest, SCHEMA).data, manifest_of(study)
+    compared, messages = differences(expected, found)
+    if messages:
+        before, now = expected["made_on"], found["made_on"]
+        other = [
+            f"{name} {version} here, {before['packages'].get(name, 'none')} there"
+            for name, version in now["packages"].items()
+            if before["packages"].get(name) != version
+        ]
+        other += [
+            f"{key}: {now[key] or 'none'} here, {before[key] or 'none'} there"
+            for key in ("system", "processor", "environment")
+            if now[key] != before[key]
+        ]
+        lines = "\n          ".join(messages + [f"(not compared: {line})" for line in other])
+        remedy = "the first line that differs comes first in the flow of files; see docs/workflow.md, Provenance"
+        raise ComputationError(f"{len(messages)} of {compared} comparisons differ", study, lines, remedy)
+    return compared
+
+
+def digest(file):
+    """SHA-256 of a product; of a JSON file without the keys that differ between runs, such as seconds."""
+    if file.suffix != ".json":
+        return sha256(file)
+    kept = _without_passing(read(file, "JSON").data)
+    return hashlib.sha256(json.dumps(kept, sort_keys=True).encode()).hexdigest()
+
+
+def _without_passing(value):
+    if isinstance(value, dict):
+        return {key: _without_passing(inner) for key, inner in value.items() if not key.endswith(PASSING)}
+    return [_without_passing(inner) for inner in value] if isinstance(value, list) else value
+
+
+def _case(folder):
+    same = {kind: {} for kind in SAME_BITS}
+    for file in product_files(folder):
+        name = str(file.relative_to(folder))
+        kind = next((kind for kind, pattern in SAME_BITS.items() if re.fullmatch(pattern, name)), None)
+        if kind:
+            same[kind][name] = digest(file)
+    states = read(folder / "metrics.json", "vci-metrics-1").data["states"]
+    return {"same": same, "numbers": {state: _numbers(document) for state, document in states.items()}}
+
+
+def _numbers(state):
+    """What of a state of metrics.json is compared; FFR with its error estimate, where it has a flow."""
+    numbers = {
+        "mean_area_mm2": state["area"]["mean_mm2"],
+        "minimum_area_mm2": state["area"]["minimum_mm2"],
+        "mean_curvature_per_mm": state["curvature"]["mean_per_mm"],
+    }
+    if state["ffr"]:
+        numbers |= {"ffr": state["ffr"]["distal"], "ffr_error_estimate": state["ffr"]["error_estimate"]}
+    return numbers
+
+
+def _differences(wanted, found):
+    compared, messages = 0, []
+    for kind, files in wanted["same"].items():
+        others = found["same"][kind]
+        for name in files | others:
+            compared += 1
+            if name not in files or name not in others:
+                messages.append(f"{kind}: {name} is {'not there' if name in files else 'not in the manifest'}")
+            elif files[name] != others[name]:
+                messages.append(f"{kind}: {name} has other bits ({others[name][:12]}, not {files[name][:12]})")
+    for state, numbers in wanted["numbers"].items():
+        others = found["numbers"].get(state)
+        if others is None:
+            compared += 1
+            messages.append(f"state {state} is not there")
+            continue
+        for key, value in numbers.items():
+            if key == "ffr_error_estimate":
+                continue
+            compared += 1
+            message = _off(key, value, others.get(key), numbers)
+            messages += [f"{state}: {message}"] if message else []
+    return compared, messages
+
+
+def _off(key, value, other, numbers):
+    """What is wrong with a number, or None. An FFR whose error is not known must be the same."""
+    if other is None:
+        return f"{key} is not there"
+    allowed = numbers["ffr_error_estimate"] or 0.0 if key == "ffr" else RELATIVE[key] * abs(value)
+    if abs(other - value) <= allowed:
+        return None
+    return f"{key} {other:.6g}, not {value:.6g} within {allowed:.2g}"

@@ -1,0 +1,119 @@
+"""What the results of a study were made of: hashes of inputs and products, versions, seeds, and every command."""
+
+import os
+import pathlib
+import re
+
+from common.errors import InputError
+from common.files import sha256, write_json
+from common.json_reader import read
+
+SCHEMA = "vci-provenance-1"
+ALWAYS = {"settings", "source", "anatomy", "vci", "flow", "metrics.json"}  # what each case has beside its states
+WITH_CT = {"ct", "ct_pre"}
+VARIABLES = ("GLIBC_TUNABLES", "OMP_NUM_THREADS", "OPENBLAS_CORETYPE")  # on which a number's last bits may depend
+
+
+def write_provenance(configuration, cases, results, programs, software, out):
+    """Writes `out` (JSON) for the finished `cases` of a `Configuration`.
+
+    results: root of the products. programs: the compiled programs. software: software.json of the same run.
+    Raises InputError for a case that is not finished, or whose log holds no command.
+    """
+    document = {
+        "schema": SCHEMA,
+        "software": read(software, "vci-software-1").data,
+        "processor": _processor(),
+        "environment": {name: os.environ[name] for name in VARIABLES if name in os.environ},
+        "programs": {pathlib.Path(program).name: sha256(program) for program in programs},
+        "study": _hashes([configuration.folder / "study.yaml"]),
+        "cases": {case: _case(configuration, case, pathlib.Path(results) / "cases" / case) for case in cases},
+    }
+    write_json(out, document)
+
+
+def product_files(folder):
+    """The products in a case's folder, sorted: what its states in metrics.json consist of. Neither logs nor benchmarks,
+    nor what an earlier run with other states left.
+
+    Raises InputError where metrics.json is missing.
+    """
+    folder = pathlib.Path(folder)
+    metrics = folder / "metrics.json"
+    if not metrics.is_file():
+        raise InputError("case is not finished", metrics, "no such file", f"make study CASES={folder.name}")
+    states = set(read(metrics, "vci-metrics-1").data["states"])
+    return [file for file in sorted(folder.rglob("*")) if file.is_file() and _is_of(file.relative_to(folder), states)]
+
+
+def _is_of(path, states):
+    """Whether a path in a case's folder belongs to the case with these states."""
+    if path.name.startswith("."):
+        return False  # of a step that was killed
+    if path.parts[0] == "flow" and len(path.parts) > 2:
+        return path.parts[1] in states
+    return path.parts[0] in ALWAYS | states | (WITH_CT if "ct" in states else set())
+
+
+def _case(configuration, case, folder):
+    products = product_files(folder)
+    inputs = [
+        configuration.case_file(case),
+        *configuration.device_files(case),
+        *_given_files(configuration, case),
+    ]
+    return {
+        "inputs": _hashes(inputs),
+        "seeds": dict(_seeds({**configuration.cases[case], "settings": configuration.settings(case)})),
+        "commands": _commands(folder / "logs"),
+        "products": {str(file.relative_to(folder)): sha256(file) for file in products},
+    }
+
+
+def _given_files(configuration, case):
+    """The user's surfaces, caps, volumes and tables that a case names."""
+    found = []
+    for key in ("lumen", "post"):
+        if "path" in configuration.cases[case].get(key, {}):
+            found.append(configuration.lumen_file(case, key))
+        found += configuration.cap_files(case, key)
+        found += [*configuration.ct_files(case, key).values(), *configuration.contour_files(case, key).values()]
+    return found
+
+
+def _hashes(files):
+    """{file: SHA-256}; a folder, such as a DICOM series, by each of its files."""
+    files = [
+        inner for file in map(pathlib.Path, files) for inner in (sorted(file.rglob("*")) if file.is_dir() else [file])
+    ]
+    return {str(file): sha256(file) for file in files if file.is_file()}
+
+
+def _seeds(value, where=""):
+    """(dotted key, seed) of every key `seed` in nested dicts and lists."""
+    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, inner in items:
+        if key == "seed":
+            yield f"{where}{key}", inner
+        yield from _seeds(inner, f"{where}{key}.")
+
+
+def _commands(logs):
+    """{log: command} of a case's steps, from the first line that workflow/run.sh writes."""
+    found = {}
+    for log in sorted(logs.rglob("*.log")):
+        with open(log, errors="replace") as stream:
+            first = stream.readline()
+        if not first.startswith("$ "):
+            raise InputError(
+                "log without its command", log, first.strip()[:80], "run the step again (snakemake --force)"
+            )
+        found[str(log.relative_to(logs))] = first[2:].rstrip("\n")
+    return found
+
+
+def _processor():
+    """The processor's name as Linux gives it, empty where it gives none."""
+    text = pathlib.Path("/proc/cpuinfo").read_text()
+    found = re.search(r"^model name\s*: (.*)$", text, re.M)
+    return found.group(1) if found else ""
