@@ -1,6 +1,8 @@
 # make study: set up, build, run the study; make test: set up, build, run the tests. See README.md.
 COHORT ?= full
 CASES ?=
+N ?= 1000
+SEED ?= 1
 FUZZ_SECONDS ?= 60
 CORES ?= $(shell env -u OMP_NUM_THREADS nproc)
 BUILD ?= build
@@ -12,7 +14,7 @@ REPORT := results/report/index.html
 export GLIBC_TUNABLES ?= glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4
 
 .DEFAULT_GOAL := study
-.PHONY: setup build validate study manifest verify unlock test test-cpp test-python sanitize fuzz lint format docs clean help
+.PHONY: setup build validate study manifest verify cohort unlock test test-cpp test-python sanitize fuzz lint format docs clean help
 
 help: ## show this list
 	@grep -E '^[a-z-]+:.*##' Makefile | sed 's/:.*##/ -/'
@@ -41,6 +43,10 @@ manifest: ## write what a finished study must give again on any machine, config/
 
 verify: ## compare a finished study with the manifest that ships, config/manifests/COHORT.json
 	@$(PYTHON) -m workflow verify --manifest config/manifests/$(COHORT).json
+
+cohort: build ## draw N patients of SEED, run them in shards by the reduced flow, and tabulate them (results/cohort)
+	@$(PYTHON) -m workflow cohort --count $(N) --seed $(SEED) --cores $(CORES) --out results/cohort/seed$(SEED)
+	@$(PYTHON) -m reports subgroups --cohort results/cohort/seed$(SEED) --out results/cohort/seed$(SEED)
 
 unlock: ## after a run that was killed (power cut, kill -9): let the next one go on from there
 	@$(SNAKEMAKE) --unlock --cores 1

@@ -27,19 +27,27 @@ def run(count, seed, out):
 
     Patient k of a seed is the same whatever the count. Raises InputError for a count or seed out of range.
     """
+    check(count, seed)
+    paths = [pathlib.Path(out) / f"patient{number:03d}.yaml" for number in range(1, count + 1)]
+    for number, path in enumerate(paths, 1):
+        write(seed, number, path)
+    return paths
+
+
+def check(count, seed):
+    """Raises InputError for a count or seed out of range."""
     if not 1 <= count <= MOST:
         raise InputError("number of patients out of range", "--count", count, f"1 to {MOST}; more by several seeds")
     if not 0 <= seed < 2**32:
         raise InputError("seed out of range", "--seed", seed, "0 to 4294967295")
-    paths = []
-    for number in range(1, count + 1):
-        name = f"patient{number:03d}"
-        text = f"# Drawn by data_synthetic draw, seed {seed}, number {number}.\n" + _text(one(seed, number))
-        with replacing(pathlib.Path(out) / f"{name}.yaml") as partial:
-            partial.write_text(text)
-        paths.append(pathlib.Path(out) / f"{name}.yaml")
-        config.load_case(paths[-1])
-    return paths
+
+
+def write(seed, number, path):
+    """Writes the case file `path` of patient `number` of a seed."""
+    text = f"# Drawn by data_synthetic draw, seed {seed}, number {number}.\n" + _text(one(seed, number))
+    with replacing(path) as partial:
+        partial.write_text(text)
+    config.load_case(path)
 
 
 def one(seed, number):

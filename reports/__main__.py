@@ -54,6 +54,17 @@ def run_differences(args):
     write_csv(args.out, difference_table(documents))
 
 
+def run_subgroups(args):
+    from reports.study.subgroups import patient_files, subgroup_tables
+    from reports.study.tables import write_csv
+
+    patients = patient_files(args.cohort, args.cases)
+    agreement, failures = subgroup_tables(patients)
+    write_csv(args.out / "agreement.csv", agreement)
+    write_csv(args.out / "failures.csv", failures)
+    print(f"{len(patients) - failures['patients'].sum()} of {len(patients)} patients finished; tables in {args.out}")
+
+
 def run_timings(args):
     from reports.study.tables import write_csv
     from reports.study.timings import timings_table
@@ -138,6 +149,12 @@ def parser():
     command.add_argument("--stations", required=True, type=path, help="the CSV file with a row a station")
     command.add_argument("--out", required=True, type=path, help="the CSV file with a row a patient, and the cohort's")
     command.set_defaults(run=run_differences)
+
+    command = commands.add_parser("subgroups", help="a drawn cohort: agreement by subgroup, failures by reason -> CSV")
+    command.add_argument("--cohort", required=True, type=path, help="folder of `workflow cohort`")
+    command.add_argument("--cases", type=path, default=path("results/cases"), help="results/cases")
+    command.add_argument("--out", required=True, type=path, help="folder for agreement.csv and failures.csv")
+    command.set_defaults(run=run_subgroups)
 
     command = commands.add_parser("timings", help="seconds and memory of each step -> timings.csv")
     command.add_argument("--case-dir", required=True, nargs="+", type=path, help="results/cases/<case>, of each case")

@@ -1,9 +1,9 @@
-"""Command line: python3 -m workflow validate|scene|provenance|manifest|verify."""
+"""Command line: python3 -m workflow validate|scene|provenance|manifest|verify|cohort."""
 
 import argparse
 import pathlib
 
-from common.errors import guarded
+from common.errors import InputError, guarded
 
 
 def run_validate(options):
@@ -41,6 +41,24 @@ def run_verify(options):
     print(f"{options.results} agrees with {options.manifest}: {count} comparisons")
 
 
+def run_cohort(options):
+    from workflow.cohort import prepare, projected, run
+
+    shards = prepare(options.count, options.seed, options.out, options.folder, options.full)
+    rows = run(shards, options.cores, dry=options.dry_run, keep_all=options.keep_all)
+    total = {key: sum(row[key] for row in rows) for key in ("patients", "finished", "wall_s", "cpu_s", "kept_mb")}
+    done = "planned" if options.dry_run else f"finished {total['finished']} of"
+    print(f"{done} {total['patients']} patients in {len(rows)} shards: {total['wall_s']:.0f} s, of them", end=" ")
+    print(f"{total['cpu_s']:.0f} s of processor time; {total['kept_mb']:.0f} MB kept")
+    for row in [] if options.dry_run else projected(options.out, options.cores):
+        print(", ".join(f"{key} {value}" for key, value in row.items()))
+    refused = [row["shard"] for row in rows if options.dry_run and row["exit_code"]]
+    if refused:
+        raise InputError(
+            "a shard cannot be planned", options.out / "shards", ", ".join(refused), "see snakemake.log there"
+        )
+
+
 @guarded
 def main(arguments=None):
     """Runs one command; exit code 2 and one message for a bad value, 3 for a study that differs."""
@@ -71,6 +89,16 @@ def main(arguments=None):
     compare.add_argument("--manifest", type=pathlib.Path, required=True, help="config/manifests/<cohort>.json")
     compare.add_argument("--results", type=pathlib.Path, default=results, help="root of the products (results)")
     compare.set_defaults(run=run_verify)
+    cohort = commands.add_parser("cohort", help="draw patients and run them in shards, up to their metrics")
+    cohort.add_argument("--count", type=int, required=True, help="number of patients")
+    cohort.add_argument("--seed", type=int, required=True, help="patient k of a seed is the same whatever the count")
+    cohort.add_argument("--out", type=pathlib.Path, required=True, help="folder of the shards")
+    cohort.add_argument("--folder", type=pathlib.Path, default=folder, help="of study.yaml and devices (config)")
+    cohort.add_argument("--cores", type=int, default=1, help="jobs side by side (1)")
+    cohort.add_argument("--full", action="store_true", help="flow in three dimensions and CT; else the reduced model")
+    cohort.add_argument("--keep-all", action="store_true", help="keep surfaces, meshes and fields of finished patients")
+    cohort.add_argument("--dry-run", action="store_true", help="plan only")
+    cohort.set_defaults(run=run_cohort)
     options = parser.parse_args(arguments)
     options.run(options)
 

@@ -30,6 +30,7 @@ class Configuration:
         files = sorted(self.folder.glob("cases/*.yaml"))
         self.cases = {_case_name(file): config.load_case(file) for file in files}
         self._check_cohorts()
+        self._valid_sections = set()
         for name, case in self.cases.items():
             self._check_plan(name, case)
             self._check_settings(name)
@@ -138,6 +139,8 @@ class Configuration:
                     raise InputError("no such case", where, name, f"known cases: {', '.join(self.cases)}")
 
     def _check_plan(self, name, case):
+        if not config.listed_steps(case["plan"]):
+            return
         document = yaml_reader.read(self.case_file(name))
         for i, step in enumerate(config.listed_steps(case["plan"])):
             for j, device in enumerate(step["devices"]):
@@ -161,8 +164,15 @@ class Configuration:
             refuse("pressure_bar", "above the rated burst pressure", f"at most {limit} bar")
 
     def _check_settings(self, name):
-        """The merged sections obey the schemas as well (a case may override one key of a pair)."""
+        """The merged sections obey the schemas as well (a case may override one key of a pair).
+
+        Sections that are those of a case before, as in a cohort of drawn patients, are not checked again.
+        """
         for section, values in self.settings(name).items():
+            text = f"{section} {json.dumps(values, sort_keys=True)}"
+            if text in self._valid_sections:
+                continue
+            self._valid_sections.add(text)
             document = yaml_reader.Document(self.case_file(name), values, {(): 1})
             schema.validate(document, schema.read(section))
             if section == "flow":

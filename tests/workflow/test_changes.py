@@ -5,6 +5,8 @@ import time
 
 import pytest
 
+from workflow.cohort import prune
+
 STUDY = {"study_figures", "agreement", "nearer", "differences", "seconds", "cohort", "timings", "provenance", "report"}
 CASE = "quick_focal"
 OTHER = "quick_branch"
@@ -173,3 +175,14 @@ def test_numerics_of_the_deployment_leave_the_reference_alone(finished):
     planned = finished.planned()
     assert {f"deploy {CASE}", f"ct_deploy {CASE}"} <= planned
     assert not {job for job in planned if "reference" in job.split()}
+
+
+def test_a_pruned_patient_runs_nothing_again(finished):
+    """A finished patient of a cohort keeps no surfaces and meshes; its metrics do not ask for them."""
+    metrics = f"results/cases/{CASE}/metrics.json"
+    assert (finished.folder / f"results/cases/{CASE}/flow/vci/mesh.msh").exists()
+    prune(finished.folder / f"results/cases/{CASE}")
+    assert not (finished.folder / f"results/cases/{CASE}/flow/vci/mesh.msh").exists()
+    assert finished.planned(metrics) == set()
+    finished.append("build/vci", "changed\n")
+    assert {f"anatomy {CASE}", f"deploy {CASE}", f"metrics {CASE}"} <= finished.planned(metrics)

@@ -1,0 +1,75 @@
+"""Tables of a cohort of drawn patients: agreement by subgroup, and why patients failed."""
+
+import pathlib
+import re
+
+import pandas as pd
+
+from common import config
+from common.errors import InputError
+from reports.inputs.reading import read_json
+from reports.study.agreement import agreement_table
+
+SMALL_MM, SEVERE_PERCENT = 4.0, 70  # diameter at the ostium; stenosis by diameter
+FAILURES = ["step", "reason", "patients", "example"]
+
+
+def patient_files(cohort, cases):
+    """{case: (its file, its folder)} of the shards below a cohort's folder; cases: results/cases."""
+    cohort, cases = pathlib.Path(cohort), pathlib.Path(cases)
+    files = sorted(cohort.glob("shards/*/cases/*.yaml"))
+    if not files:
+        raise InputError(
+            "no patients", cohort, "no file shards/*/cases/*.yaml", "give a folder made by `workflow cohort`"
+        )
+    return {file.stem: (file, cases / file.stem) for file in files}
+
+
+def subgroups(case):
+    """The subgroups {name: value} of a drawn patient, from its case file's content."""
+    vessel = case["vessel"]
+    lesion = vessel["lesions"][0]
+    severe = lesion["diameter_stenosis_percent"] >= SEVERE_PERCENT
+    small = vessel["main"]["ostial_diameter_mm"] < SMALL_MM
+    return {
+        "all": "all",
+        "artery": vessel["artery"],
+        "lesion": lesion["shape"],
+        "plaque": lesion["plaque"],
+        "calcium": "some" if "calcium" in lesion else "none",
+        "stenosis": f"{SEVERE_PERCENT} % and more" if severe else f"below {SEVERE_PERCENT} %",
+        "ostium": f"below {SMALL_MM:g} mm" if small else f"{SMALL_MM:g} mm and more",
+    }
+
+
+def subgroup_tables(patients):
+    """(agreement by subgroup, failures by step and reason) as DataFrames, of patient_files()."""
+    groups, failures = {}, {}
+    for name, (file, folder) in patients.items():
+        if (folder / "metrics.json").is_file():
+            document = read_json(folder / "metrics.json", "reports metrics")
+            for group in subgroups(config.load_case(file)).items():
+                groups.setdefault(group, []).append(document)
+        else:
+            failures.setdefault(failure(folder), []).append(name)
+    tables = []
+    for (group, value), documents in sorted(groups.items(), key=lambda item: (item[0][0] != "all", item[0])):
+        table = agreement_table(documents)
+        table.insert(0, "subgroup", group)
+        table.insert(1, "value", value)
+        tables.append(table.drop(columns=[name for name in table if name.startswith("published")]))
+    rows = [(*key, len(names), names[0]) for key, names in sorted(failures.items(), key=lambda item: -len(item[1]))]
+    agreement = pd.concat(tables, ignore_index=True) if tables else pd.DataFrame()
+    return agreement, pd.DataFrame(rows, columns=FAILURES)
+
+
+def failure(folder):
+    """(step, reason) of a patient that is not finished: the newest log with an error, or that it was not run."""
+    logs = sorted(folder.rglob("logs/**/*.log"), key=lambda file: file.stat().st_mtime, reverse=True)
+    for log in logs:
+        found = re.findall(r"^error: (.*)$", log.read_text(errors="replace"), re.M)
+        if found:
+            return str(log.relative_to(folder / "logs").with_suffix("")), found[-1]
+    if not logs:
+        return "", "not run"
+    return str(logs[0].relative_to(folder / "logs").with_suffix("")), "stopped without a message"

@@ -1,0 +1,139 @@
+"""Cohorts of drawn patients, in shards: each is a study of its own, small enough for Snakemake to plan in seconds."""
+
+import csv
+import os
+import pathlib
+import resource
+import shutil
+import subprocess
+import time
+
+import yaml
+
+from common.errors import InputError
+from common.files import replacing
+from data_synthetic import draw
+
+SNAKEMAKE = "/usr/bin/snakemake"
+SHARD = 100  # patients; planned in some 10 s, and a stop loses little
+CHEAP = {"flow": {"model": "axisymmetric"}, "ct": {"enabled": False}}  # a reduced flow, and no imaging
+DROPPED = (".msh", ".vtu", ".vtp", ".stl", ".png", ".gz")  # what can be made again from what stays
+PROJECTED = (1000, 100_000)  # patients
+COST = ("shard", "patients", "finished", "wall_s", "cpu_s", "made_mb", "kept_mb")
+
+
+def prepare(count, seed, out, folder=pathlib.Path("config"), full=False):
+    """Draws patients 1 to `count` of a seed into shards below `out`; returns [(shard's folder, [case names])].
+
+    Each shard is a configuration folder: study.yaml, devices, cases. full: with the settings of `folder`/study.yaml as
+    they are, else with the cheap ones. Patient k of a seed is the same, and in the same shard, whatever the count; one
+    that was drawn before stays. Raises InputError for a count or seed out of range.
+    """
+    draw.check(count, seed)
+    out, folder = pathlib.Path(out), pathlib.Path(folder)
+    if out.exists() and not (out / "shards").is_dir():
+        raise InputError("folder of something else", out, "holds no shards", "another folder for the cohort")
+    study = yaml.safe_load((folder / "study.yaml").read_text())
+    for section, values in () if full else CHEAP.items():
+        study[section] = {**study.get(section, {}), **values}
+    shards = []
+    for first in range(0, count, SHARD):
+        place = out / "shards" / f"{first // SHARD + 1:04d}"
+        numbers = range(first + 1, min(first + SHARD, count) + 1)
+        names = [f"seed{seed}_{number:06d}" for number in numbers]
+        for name, number in zip(names, numbers):
+            if not (place / "cases" / f"{name}.yaml").exists():
+                draw.write(seed, number, place / "cases" / f"{name}.yaml")
+        _write(place / "study.yaml", yaml.safe_dump({**study, "cohorts": {"shard": names}}, sort_keys=False))
+        shutil.copytree(folder / "devices", place / "devices", dirs_exist_ok=True)
+        shards.append((place, names))
+    return shards
+
+
+def run(shards, cores, results=pathlib.Path("results"), dry=False, keep_all=False):
+    """Runs the shards one after the other, and returns the rows of cost.csv, also written beside each shard.
+
+    A patient that fails does not stop the others. dry: plan only. keep_all: keep surfaces, meshes and fields too.
+    """
+    rows = []
+    for place, names in shards:
+        targets = [f"{results}/cases/{name}/metrics.json" for name in names]
+        command = [SNAKEMAKE, "--profile", "config/profiles/local", "--cores", str(cores), *targets]
+        command += ["--config", f"folder={place}", "cohort=shard"]
+        begin, before = time.monotonic(), _cpu_seconds()
+        with open(place / "snakemake.log", "w") as log:
+            code = subprocess.run(command + ["--dry-run", "--quiet"] * dry, stdout=log, stderr=log).returncode
+        row = {"shard": place.name, "patients": len(names), "wall_s": time.monotonic() - begin}
+        row |= {"cpu_s": _cpu_seconds() - before, "exit_code": code}
+        finished = [name for name in names if (results / "cases" / name / "metrics.json").is_file()]
+        row |= {"finished": len(finished), "made_mb": _megabytes(results, names)}
+        if not dry and not keep_all:
+            for name in finished:
+                prune(results / "cases" / name)
+        row["kept_mb"] = _megabytes(results, names)
+        rows.append(row)
+        if not dry:
+            _add_cost(place / "cost.csv", row)
+    return rows
+
+
+def projected(out, cores):
+    """[{patients, core_hours, wall_hours, kept_gb}] of this cohort and of PROJECTED patients, from the shards' costs.
+
+    wall_hours: on so many cores of this machine, where each is always at work. Nothing where no patient is finished.
+    """
+    tables = [
+        list(csv.DictReader(file.open(newline=""))) for file in sorted(pathlib.Path(out).glob("shards/*/cost.csv"))
+    ]
+    finished = sum(int(table[-1]["finished"]) for table in tables)
+    if not finished:
+        return []
+    seconds = sum(float(row["cpu_s"]) for table in tables for row in table) / finished
+    kept = sum(float(table[-1]["kept_mb"]) for table in tables) / finished
+    return [
+        {
+            "patients": count,
+            "core_hours": round(count * seconds / 3600, 1),
+            "wall_hours": round(count * seconds / 3600 / cores, 1),
+            "kept_gb": round(count * kept / 1000, 2),
+        }
+        for count in (finished, *PROJECTED)
+    ]
+
+
+def prune(case):
+    """Removes surfaces, meshes, fields and pictures of a finished patient: Snakemake asks for them only if something
+    before the metrics has changed."""
+    for file in pathlib.Path(case).rglob("*"):
+        if file.is_file() and file.name.endswith(DROPPED):
+            file.unlink()
+
+
+def _add_cost(path, row):
+    """Adds a run of a shard to its table: a shard that went on after a stop has several."""
+    new = not path.exists()
+    with open(path, "a", newline="") as stream:
+        table = csv.DictWriter(stream, COST, extrasaction="ignore", lineterminator="\n")
+        if new:
+            table.writeheader()
+        table.writerow({key: round(value, 1) if isinstance(value, float) else value for key, value in row.items()})
+
+
+def _write(path, text):
+    """A file that changes only if its content does, so that nothing runs again."""
+    if not path.exists() or path.read_text() != text:
+        with replacing(path) as partial:
+            partial.write_text(text)
+
+
+def _megabytes(results, names):
+    """Size of all files of the cases."""
+    folders = [results / "cases" / name for name in names]
+    files = (pathlib.Path(top) / name for folder in folders for top, _, found in os.walk(folder) for name in found)
+    return sum(file.stat().st_size for file in files) / 1e6
+
+
+def _cpu_seconds():
+    """Processor seconds of all children that have ended."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
