@@ -2,6 +2,7 @@
 
 import argparse
 import pathlib
+import time
 
 from common.errors import InputError, guarded
 
@@ -44,12 +45,13 @@ def run_verify(options):
 def run_cohort(options):
     from workflow.cohort import prepare, projected, run
 
+    begin = time.monotonic()
     shards = prepare(options.count, options.seed, options.out, options.folder, options.full)
     rows = run(shards, options.cores, dry=options.dry_run, keep_all=options.keep_all)
-    total = {key: sum(row[key] for row in rows) for key in ("patients", "finished", "wall_s", "cpu_s", "kept_mb")}
+    total = {key: sum(row[key] for row in rows) for key in ("patients", "finished", "cpu_s", "kept_mb")}
     done = "planned" if options.dry_run else f"finished {total['finished']} of"
-    print(f"{done} {total['patients']} patients in {len(rows)} shards: {total['wall_s']:.0f} s, of them", end=" ")
-    print(f"{total['cpu_s']:.0f} s of processor time; {total['kept_mb']:.0f} MB kept")
+    print(f"{done} {total['patients']} patients in {len(rows)} shards: {time.monotonic() - begin:.0f} s,", end=" ")
+    print(f"{total['cpu_s']:.0f} s of processor time in Snakemake; {total['kept_mb']:.0f} MB kept")
     for row in [] if options.dry_run else projected(options.out, options.cores):
         print(", ".join(f"{key} {value}" for key, value in row.items()))
     refused = [row["shard"] for row in rows if options.dry_run and row["exit_code"]]

@@ -1,9 +1,9 @@
 """Cohorts of drawn patients, in shards: each is a study of its own, small enough for Snakemake to plan in seconds."""
 
+import concurrent.futures
 import csv
 import os
 import pathlib
-import resource
 import shutil
 import subprocess
 import time
@@ -53,28 +53,34 @@ def prepare(count, seed, out, folder=pathlib.Path("config"), full=False):
 def run(shards, cores, results=pathlib.Path("results"), dry=False, keep_all=False):
     """Runs the shards one after the other, and returns the rows of cost.csv, also written beside each shard.
 
-    A patient that fails does not stop the others. dry: plan only. keep_all: keep surfaces, meshes and fields too.
+    A patient that fails does not stop the others. dry: plan only, so many shards side by side as there are cores.
+    keep_all: keep surfaces, meshes and fields too.
     """
-    rows = []
-    for place, names in shards:
-        targets = [f"{results}/cases/{name}/metrics.json" for name in names]
-        command = [SNAKEMAKE, "--profile", "config/profiles/local", "--cores", str(cores), *targets]
-        command += ["--config", f"folder={place}", "cohort=shard"]
-        begin, before = time.monotonic(), _cpu_seconds()
-        with open(place / "snakemake.log", "w") as log:
-            code = subprocess.run(command + ["--dry-run", "--quiet"] * dry, stdout=log, stderr=log).returncode
-        row = {"shard": place.name, "patients": len(names), "wall_s": time.monotonic() - begin}
-        row |= {"cpu_s": _cpu_seconds() - before, "exit_code": code}
-        finished = [name for name in names if (results / "cases" / name / "metrics.json").is_file()]
-        row |= {"finished": len(finished), "made_mb": _megabytes(results, names)}
-        if not dry and not keep_all:
-            for name in finished:
-                prune(results / "cases" / name)
-        row["kept_mb"] = _megabytes(results, names)
-        rows.append(row)
-        if not dry:
-            _add_cost(place / "cost.csv", row)
-    return rows
+    with concurrent.futures.ThreadPoolExecutor(cores if dry else 1) as pool:
+        return list(pool.map(lambda shard: _run(*shard, cores, pathlib.Path(results), dry, keep_all), shards))
+
+
+def _run(place, names, cores, results, dry, keep_all):
+    """Runs or plans one shard; its row of cost.csv."""
+    targets = [f"{results}/cases/{name}/metrics.json" for name in names]
+    command = [SNAKEMAKE, "--profile", "config/profiles/local", "--cores", str(cores), *targets]
+    command += ["--config", f"folder={place}", "cohort=shard"] + ["--dry-run", "--quiet"] * dry
+    begin = time.monotonic()
+    with open(place / "snakemake.log", "w") as log:
+        process = subprocess.Popen(command, stdout=log, stderr=log)
+        _, status, used = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    row = {"shard": place.name, "patients": len(names), "wall_s": time.monotonic() - begin}
+    row |= {"cpu_s": used.ru_utime + used.ru_stime, "exit_code": process.returncode}
+    finished = [name for name in names if (results / "cases" / name / "metrics.json").is_file()]
+    row |= {"finished": len(finished), "made_mb": _megabytes(results, names)}
+    if not dry and not keep_all:
+        for name in finished:
+            prune(results / "cases" / name)
+    row["kept_mb"] = _megabytes(results, names)
+    if not dry:
+        _add_cost(place / "cost.csv", row)
+    return row
 
 
 def projected(out, cores):
@@ -131,9 +137,3 @@ def _megabytes(results, names):
     folders = [results / "cases" / name for name in names]
     files = (pathlib.Path(top) / name for folder in folders for top, _, found in os.walk(folder) for name in found)
     return sum(file.stat().st_size for file in files) / 1e6
-
-
-def _cpu_seconds():
-    """Processor seconds of all children that have ended."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
