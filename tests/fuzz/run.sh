@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Fuzzes each reader of the deployment engine with libFuzzer: run.sh SECONDS JOBS. What it finds stays in build-fuzz/found.
+# Fuzzes each reader of the deployment engine with libFuzzer, and the readers in Python with mutants: run.sh SECONDS JOBS.
+# What it finds stays in build-fuzz/found.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 seconds=$1 jobs=$2
@@ -29,4 +30,5 @@ for target in "${targets[@]}"; do
   grep -E '(number_of_executed_units|slowest_unit_time_sec|peak_rss_mb)' "build-fuzz/$reader.log" || true
   grep -oE 'cov: [0-9]+ ft: [0-9]+' "build-fuzz/$reader.log" | tail -1 || true # edges, features
 done
+PYTHONPATH=. /usr/bin/python3 tests/fuzz/python_readers.py --seconds "$seconds" --out build-fuzz/found || failed=1
 exit $failed
