@@ -10,7 +10,7 @@ sys.path.insert(0, workflow.basedir)
 from snakemake.exceptions import WorkflowError
 
 from common.errors import UserError
-from workflow.configuration import Configuration
+from workflow.configuration import COARSE_MESHES, Configuration
 from workflow.imports import code, command_code, flow_benchmark_code, module_code
 from workflow.inputs import (
     Inputs,

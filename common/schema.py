@@ -77,6 +77,8 @@ def _fill(data, schema):
                     data[key] = int(data[key])  # 24.0 is a whole number to JSON, but not to range()
                 _fill(data[key], sub)
     elif isinstance(data, list) and "items" in schema:
+        if schema["items"].get("type") == "integer":
+            data[:] = [int(item) if isinstance(item, float) else item for item in data]
         for item in data:
             _fill(item, schema["items"])
     for branch in schema.get("anyOf", ()):

@@ -55,12 +55,13 @@ def boundary_command(arguments):
 
 
 def mesh_command(arguments):
-    """Fine and coarse volume meshes of a lumen."""
+    """Volume meshes of a lumen, from coarse to fine."""
     from flow.geometry import centreline, surface
     from flow.meshing import mesh
 
     settings = settings_module.from_arguments(arguments)
-    if arguments.coarse:
+    coarse = command_files.with_rings(arguments.coarse, settings.coarse_rings)
+    if coarse:
         settings_module.check_meshes(vars(settings), "flow settings")
     lumen, tree = surface.read(arguments.lumen), centreline.read(arguments.centreline)
     centreline.check_wall(tree, lumen.points[np.unique(lumen.triangles[lumen.region == surface.WALL])], arguments.lumen)
@@ -70,12 +71,12 @@ def mesh_command(arguments):
     built, figures = mesh.build(lumen, tree, settings.cells_per_radius, settings, settings.rings, 1.0)
     report.update(figures)
     meshes = [(built, report, arguments.out)]
-    if arguments.coarse:
-        sizes = settings.coarse_rings, settings.rings / settings.coarse_rings
-        built, report["coarse"] = mesh.coarser(
-            report["cells"], lumen, tree, settings.coarse_cells_per_radius, settings, *sizes
-        )
-        meshes.append((built, report["coarse"], arguments.coarse))
+    for path, rings in reversed(coarse):
+        size, fine = settings.coarse_cells_per_radius, meshes[-1][1]["cells"]
+        built, part = mesh.coarser(fine, lumen, tree, size, settings, rings, settings.rings / rings)
+        meshes.append((built, part, path))
+    if coarse:
+        report["coarse"] = [part for _, part, _ in meshes[:0:-1]]
     mesh.write_all(meshes, report, command_files.mesh_report(arguments))
 
 
@@ -93,8 +94,8 @@ def _case(arguments):
     anatomy = lumen_summary.read(command_files.there(anatomy_file, "--anatomy"), "branches")
     boundary.check(document, arguments.boundary, [branch["name"] for branch in anatomy["branches"]])
     sections = network_model.read_sections(command_files.there(sections_file, "--sections"))
-    for path in (arguments.mesh, arguments.coarse):
-        if path and not pathlib.Path(path).is_file():
+    for path in (arguments.mesh, *arguments.coarse):
+        if not pathlib.Path(path).is_file():
             raise InputError("no such mesh", path, "missing", "make it with `flow mesh`")
     tree = centreline.read(arguments.centreline)
     lumen_summary.check_lengths(anatomy, tree, anatomy_file)
@@ -114,7 +115,7 @@ def solve_command(arguments):
     from flow import solve
 
     case = _case(arguments)
-    answer = solve.run(arguments.mesh, arguments.coarse, case, arguments.out)
+    answer = solve.run([*arguments.coarse, arguments.mesh], case, arguments.out)
     print(solve.in_words(answer))
 
 
@@ -126,7 +127,7 @@ def audit_command(arguments):
     if case.settings.model != "3d":
         raise InputError("only the 3D flow can be audited", "setting model", case.settings.model, "leave it at 3d")
     search = adaptive.Search(case.document, case.settings, case.original, case.predictor())
-    solved = search.run([path for path in (arguments.coarse, arguments.mesh) if path])
+    solved = search.run([*arguments.coarse, arguments.mesh])
     answer, table = audit.of_answer(solved, case)
     answer["meshes"] = search.meshes
     with replacing(pathlib.Path(arguments.out).with_suffix(".csv")) as partial:
@@ -161,7 +162,9 @@ def _add_solved(command):
     command.add_argument("mesh", help="mesh.msh")
     command.add_argument(
         "--coarse",
-        help="coarse mesh, solved first: the answer where it meets ffr_tolerance, else the start of the fine one",
+        nargs="+",
+        default=[],
+        help="coarser meshes, the coarsest first: the answer where one meets ffr_tolerance, else the next one's start",
     )
     command.add_argument("--boundary", required=True, help="boundary.json")
     command.add_argument("--centreline", required=True, help="centreline.vtp of the same lumen")
@@ -190,7 +193,7 @@ def parser():
     mesh.add_argument("lumen", help="lumen.vtp with cell array region_id")
     mesh.add_argument("--centreline", required=True, help="centreline.vtp of the same lumen")
     mesh.add_argument("--out", required=True, help="mesh.msh")
-    mesh.add_argument("--coarse", help="coarse mesh, solved first; often good enough")
+    mesh.add_argument("--coarse", nargs="+", default=[], help="coarser meshes, the coarsest first; often good enough")
     mesh.add_argument("--json", help="report (default: mesh.json beside the mesh)")
     mesh.set_defaults(run=mesh_command)
 

@@ -1,6 +1,8 @@
 """Which mesh answers: the first, coarse first, whose estimated error is within the tolerance, else the best of them.
 
 Each mesh starts from the flow on the one before. A mesh on which no flow is found is passed over where another answers.
+Meshes before the last two are only tried: an easy flow is found there for a third of the cost, while a hard one would
+cost many factorizations and have too large an error.
 """
 
 import pathlib
@@ -12,7 +14,7 @@ import numpy as np
 from common.errors import ComputationError
 from flow.errors import error_estimate
 from flow.physics import ffr
-from flow.solvers.solved_mesh import CONVERGED, solve_mesh
+from flow.solvers.solved_mesh import CONVERGED, NEAR, TRIED, WHOLE, solve_mesh
 
 
 def within(estimate, settings):
@@ -55,8 +57,9 @@ class Search:
         """
         answer = None
         for path in paths:
+            effort = TRIED if path in paths[:-2] else NEAR if answer and path == paths[-1] else WHOLE
             try:
-                solved = self.on_mesh(path, answer)
+                solved = self.on_mesh(path, answer, effort)
             except ComputationError as error:
                 self.spent += getattr(error, "factorizations", 0)
                 self.meshes.append({"mesh": pathlib.Path(path).name, "status": "no flow"})
@@ -75,11 +78,11 @@ class Search:
         print(f"{answer.path} answers", file=sys.stderr, flush=True)
         return answer
 
-    def on_mesh(self, path, before):
-        """Solved on a mesh, from the flow on the one before, with which its error is estimated too. Raises
-        ComputationError."""
-        begin = time.process_time()
-        solved = solve_mesh(path, self.document, self.settings, self.tree, self.predicted, before, self.spent)
+    def on_mesh(self, path, before, effort):
+        """Solved on a mesh, from the flow on the one before, with which its error is estimated too; effort: as
+        solvers.solved_mesh has it. Raises ComputationError."""
+        begin, case = time.process_time(), (self.document, self.settings, self.tree, self.predicted)
+        solved = solve_mesh(path, *case, before, self.spent, effort)
         solved.estimate = error_estimate.of(solved, self.document, self.tree, self.at_probes, before)
         self.spent += solved.problem.solver.factorizations
         solved.cpu_seconds = time.process_time() - begin

@@ -27,7 +27,7 @@ def mesh_report(arguments):
 
 def mesh(arguments):
     """As `boundary`. Raises InputError for names of files to write that are no meshes', or taken."""
-    meshes = [pathlib.Path(path) for path in (arguments.out, arguments.coarse) if path]
+    meshes = [pathlib.Path(path) for path in (arguments.out, *arguments.coarse)]
     for path in meshes:
         if path.suffix != ".msh":
             raise InputError("not the name of a gmsh mesh", "--out, --coarse", path, "let it end in .msh")
@@ -38,6 +38,15 @@ def mesh(arguments):
         if path in files[:k]:
             raise InputError("a file would replace another", "--out, --coarse, --json", path, "give each its own name")
     return written, read
+
+
+def with_rings(coarse, rings):
+    """[(path, rings)] of the coarser meshes, the coarsest first; fewer paths than rings are of the last ones. Raises
+    InputError for more."""
+    if len(coarse) > len(rings):
+        remedy = "give at most one for each of coarse_rings"
+        raise InputError("more coarse meshes than coarse_rings", "--coarse", f"{len(coarse)} files, {rings}", remedy)
+    return list(zip(coarse, rings[len(rings) - len(coarse) :]))
 
 
 def beside_centreline(arguments):
@@ -55,8 +64,9 @@ def there(path, option):
 
 def _solved(arguments):
     """Files that a solve reads."""
-    read = [arguments.mesh, arguments.coarse, arguments.boundary, arguments.centreline, arguments.mesh_report]
-    read += [pathlib.Path(path).with_suffix(".json") for path in (arguments.mesh, arguments.coarse) if path]
+    meshes = [arguments.mesh, *arguments.coarse]
+    read = [*meshes, arguments.boundary, arguments.centreline, arguments.mesh_report]
+    read += [pathlib.Path(path).with_suffix(".json") for path in meshes]
     return [*read, arguments.lumen, *beside_centreline(arguments)]
 
 

@@ -5,6 +5,8 @@ import math
 import pathlib
 import types
 
+import numpy as np
+
 from common import schema, yaml_reader
 from common.errors import InputError
 
@@ -33,9 +35,9 @@ def add_options(parser, command):
     group.add_argument("--settings", metavar="FILE.json", help="file with keys of the section, also of other commands")
     for name, rule in properties().items():
         if command in commands_of(name):
-            kind = str if rule["type"] == "string" else _number
-            help_text = schema.describe(rule)
-            group.add_argument(option(name), dest=name, type=kind, default=argparse.SUPPRESS, help=help_text)
+            kind = {"type": str if rule["type"] == "string" else _number, "help": schema.describe(rule)}
+            several = {"nargs": "+"} if rule["type"] == "array" else {}
+            group.add_argument(option(name), dest=name, default=argparse.SUPPRESS, **kind, **several)
 
 
 def _number(text):
@@ -97,13 +99,14 @@ def check_switches(values, where, given=()):
 
 
 def check_meshes(values, where):
-    """Raises InputError unless the coarse mesh is coarser than the fine one: the error estimate rests on it.
+    """Raises InputError unless each mesh is coarser than the next: the error estimate rests on it.
 
     values: {setting: value}, complete.
     """
     for coarse, fine in (("coarse_rings", "rings"), ("coarse_cells_per_radius", "cells_per_radius")):
-        if values[coarse] >= values[fine]:
-            remedy = f"less than {fine}, which is {values[fine]}"
+        sizes = [*np.atleast_1d(values[coarse]), values[fine]]
+        if any(size >= finer for size, finer in zip(sizes, sizes[1:])):
+            remedy = f"less than {fine}, which is {values[fine]}, the least first"
             raise InputError(
                 "the coarse mesh is not coarser than the fine one", f"{where}: {coarse}", values[coarse], remedy
             )

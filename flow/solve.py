@@ -19,13 +19,12 @@ from flow.solvers import solved_mesh
 LARGE = 0.05  # difference of the models' FFR that is said
 
 
-def run(mesh, coarse, case, folder):
+def run(paths, case, folder):
     """Solves and writes solution.vtu, pullback.csv and ffr.json to `folder`; returns the document of ffr.json.
 
-    case: reduced.extended.Extended.
+    paths: of the meshes, the coarsest first; case: reduced.extended.Extended.
     """
     begin, begin_cpu = time.perf_counter(), _cpu_seconds()
-    paths = [path for path in (coarse, mesh) if path]
     spaces.check_coarser(paths)
     document, settings, tree = case.document, case.settings, case.original
     predicted = case.predictor()

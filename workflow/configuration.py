@@ -11,6 +11,7 @@ from data_synthetic import patient
 from flow.settings import check_meshes, check_switches
 
 CONTOUR_TABLES = ("lumen", "outer_wall", "calcium", "lipid", "branches", "landmarks")
+COARSE_MESHES = ("mesh_coarsest.msh", "mesh_coarse.msh")  # files of the flow's meshes of `coarse_rings`
 CASE_NAME = "[a-z][a-z0-9_]*"
 
 
@@ -177,6 +178,10 @@ class Configuration:
             schema.validate(document, schema.read(section))
             if section == "flow":
                 check_meshes(values, self.case_file(name))
+                if len(values["coarse_rings"]) != len(COARSE_MESHES):
+                    where = f"{self.case_file(name)}: coarse_rings"
+                    remedy = f"give {len(COARSE_MESHES)}, the least first"
+                    raise InputError("a study makes two coarser meshes", where, values["coarse_rings"], remedy)
                 check_switches(values, self.case_file(name))
 
 

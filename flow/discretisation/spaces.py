@@ -170,7 +170,7 @@ def check_coarser(paths):
     cells = [compat.count_cells(path) for path in paths] if len(paths) > 1 else []
     for coarse, few, fine, many in zip(paths, cells, paths[1:], cells[1:]):
         if few >= many:
-            remedy = "give the mesh first and the coarser one with --coarse"
+            remedy = "give the mesh first and the coarser ones with --coarse, the coarsest first"
             raise InputError("the coarse mesh has not fewer cells", coarse, f"{few}, {fine} has {many}", remedy)
 
 

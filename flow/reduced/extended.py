@@ -19,9 +19,9 @@ UNIT = 1e-6  # by which the length of a direction may differ from 1
 SAME = ("made_from_sha256", "extensions")  # in the reports of two meshes that one solve may be given
 
 
-def read(path, mesh, coarse=None):
+def read(path, mesh, coarse=()):
     """([meshing.extension.Extension], [warning]) of the report of `flow mesh` on a mesh file: warnings, printed too, of
-    meshes that could not be swept. coarse: file of the coarser mesh, or None. Raises InputError, also for the report of
+    meshes that could not be swept. coarse: files of the coarser meshes. Raises InputError, also for the report of
     another mesh, or another lumen's coarse one."""
     report = json_reader.read(path, "mesh.json").data
     try:
@@ -31,15 +31,15 @@ def read(path, mesh, coarse=None):
         raise InputError(what, error.where, error.value, error.remedy) from None
     told, found = report["cells"], compat.count_cells(mesh)
     extensions = [extension.Extension(**one) for one in report["extensions"]]
-    reasons = {name: part["swept"].get("reason") for name, part in (("fine", report), *_coarse(report))}
+    reasons = {name: part["swept"].get("reason") for name, part in _named(report)}
     remedy = "give --mesh-report the file that `flow mesh` wrote with this mesh"
     if told != found:
         raise InputError("the report is of another mesh", path, f"{told} cells, {mesh} has {found}", remedy)
     if not _is(report, mesh):
         value = f"SHA-256 {report['file_sha256']}, {mesh} has {sha256(mesh)}"
         raise InputError("the report is of another mesh", path, value, remedy)
-    if coarse:
-        _check_coarse(report, path, coarse)
+    for one in coarse:
+        _check_coarse(report, path, one)
     warnings = [
         f"the {name} mesh is not swept along the vessels, its tetrahedra are of one size in all directions: "
         + " ".join(reason.split())
@@ -52,16 +52,16 @@ def read(path, mesh, coarse=None):
 
 
 def _check_coarse(report, path, coarse):
-    """Raises InputError unless the coarse mesh, which may answer, is the report's, or one that by the report beside it
+    """Raises InputError unless a coarse mesh, which may answer, is the report's, or one that by the report beside it
     was made of the same lumen with the same extensions."""
-    own, known = pathlib.Path(coarse).with_suffix(".json"), [part for _, part in _coarse(report)]
+    own, known = pathlib.Path(coarse).with_suffix(".json"), report.get("coarse", [])
     if not known and own.is_file():
         other = json_reader.read(own, "mesh.json").data
         if all(other.get(key) == report.get(key) for key in SAME):
             known = [other]
     cells = compat.count_cells(coarse)
     if not any(part.get("cells") == cells and _is(part, coarse) for part in known):
-        told = f"one of {known[0].get('cells')}, SHA-256 {known[0].get('file_sha256')}" if known else "none"
+        told = ", ".join(f"one of {one.get('cells')}, SHA-256 {one.get('file_sha256')}" for one in known) or "none"
         value = f"{cells} cells, {path} knows {told}"
         remedy = "make both with one `flow mesh ... --coarse`"
         raise InputError("the coarse mesh is not known to be of the same lumen", coarse, value, remedy)
@@ -72,11 +72,12 @@ def _is(part, mesh):
     return "file_sha256" not in part or part["file_sha256"] == sha256(mesh)
 
 
-def _coarse(report):
-    return [("coarse", report["coarse"])] if "coarse" in report else []
+def _named(report):
+    """[(name, part)] of the meshes of a report."""
+    return list(zip(("fine", "coarse", "coarsest"), (report, *report.get("coarse", [])[::-1])))
 
 
-def beside(mesh, coarse=None):
+def beside(mesh, coarse=()):
     """([meshing.extension.Extension], [warning]) by the report beside a mesh; where there is none, no extensions and
     the warning, printed too, that none are known of. Raises InputError."""
     path = pathlib.Path(mesh).with_suffix(".json")

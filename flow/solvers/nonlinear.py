@@ -179,28 +179,36 @@ class FlowProblem(flow_state.FlowState, sensitivity.Sensitivity):
         self.history.append(norm)
         print(f"  residual {norm:.3e} N, {kind}, inflow {self.inflow * 6e7:.2f} mL/min", file=self.log, flush=True)
 
-    def solve(self, resistances_at, predicted=None):
+    def solve(self, resistances_at, predicted=None, tried=False):
         """Outcome at full flow from the flow that a reduced model predicts, and where this fails from rest.
 
         resistances_at(fraction) -> (n,) outlet resistances; predicted: reduced.coupled.Predictor, of use as
-        solvers.predicted_start says. Raises ComputationError when no flow with eps <= continuation.LARGEST is found.
+        solvers.predicted_start says; tried: without the ways that take many factorizations. Raises ComputationError
+        when no flow with eps <= continuation.LARGEST is found.
         """
         found = predicted_start.try_from(self, predicted) if predicted else None
-        if found:
-            if found.converged:
-                return found
+        if not found or not found.converged and not tried:
             self.restart()
-        found = ramp.climb(self, resistances_at)
+            found = ramp.climb(self, resistances_at)
         if found.converged:
             found.iterations = self.solver.factorizations
             return found
+        if tried:
+            raise self.stalled(found)
         self.restart()
         return continuation.from_rest(self)
 
-    def solve_from_guess(self, coarse, only_known=False):
+    def solve_from_guess(self, coarse, only_known=False, or_none=False):
         """Outcome at full flow from the flow on another mesh of the same lumen (a solved FlowProblem). Raises
-        ComputationError."""
-        return continuation.from_guess(self, coarse, only_known)
+        ComputationError where there is none; or_none: is at rest and returns None then."""
+        try:
+            return continuation.from_guess(self, coarse, only_known)
+        except ComputationError:
+            if not or_none:
+                raise
+            self.passed.clear()
+            self.restart()
+            return None
 
     def stalled(self, found):
         """ComputationError that says where and with which residual (of Outcome `found`, if any) the way ended."""

@@ -8,6 +8,8 @@ from flow.geometry import centreline, locate
 from flow.physics import ffr, outlets
 from flow.solvers import nonlinear
 
+# how far a flow is looked for: by quick starts; by all ways; where the mesh before has an answer, near that flow alone
+TRIED, WHOLE, NEAR = "tried", "whole", "near"
 # of an answer: steady flow; steady flow with eps > 0, of a modified model
 CONVERGED, ARTIFICIAL = STATUSES = ("converged", "converged with artificial viscosity")
 
@@ -37,11 +39,11 @@ class Solved:
         self.boundaries.destroy()
 
 
-def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0):
+def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0, effort=WHOLE):
     """Solved from a mesh file; the guess is that of `start` (Solved on another mesh), else of `predicted` (Predictor).
 
-    spent: factorizations already made of those allowed. Where `start` is an answer in itself only a flow that Newton's
-    method finds from it is wanted. Raises ComputationError.
+    spent: factorizations already made of those allowed; effort: TRIED, WHOLE or NEAR. Where `start` is an answer in
+    itself its own eps alone is tried. Raises ComputationError.
     """
     space = spaces.read(path)
     ffr.check_inside(document["probes"], tree, space)
@@ -57,10 +59,11 @@ def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0):
         return network.resistances_at(predicted.flows, fraction)[order]
 
     try:
-        if start is None:
-            outcome = problem.solve(resistances_at, predicted)
-        else:
-            outcome = problem.solve_from_guess(start.problem, start.known)
+        outcome = None
+        if start is not None:
+            outcome = problem.solve_from_guess(start.problem, start.known, effort == WHOLE)
+        if outcome is None:
+            outcome = problem.solve(resistances_at, predicted, effort == TRIED)
     except ComputationError as error:
         error.factorizations = problem.solver.factorizations
         problem.destroy()

@@ -44,7 +44,7 @@ TITLES = {
     ),
     "flow_tolerance": (
         "Blood flow: to a tolerance",
-        "A row is a narrowed tube; the fine mesh is solved on where the coarse one's error estimate is above the "
+        "A row is a narrowed tube; a finer mesh is solved on where the coarser one's error estimate is above the "
         "tolerance; errors of FFR are against an axisymmetric solution.",
     ),
     "flow_wall_shear": (

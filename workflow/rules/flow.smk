@@ -1,5 +1,7 @@
 # FFR of every state, with the patient's one set of boundary values.
 
+COARSE_FILES = [f"results/cases/{{case}}/flow/{{state}}/{name}" for name in COARSE_MESHES]
+
 
 rule boundary:
     message:
@@ -34,7 +36,7 @@ rule flow_mesh:
         code=command_code("flow", "mesh_command"),
     output:
         mesh="results/cases/{case}/flow/{state}/mesh.msh",
-        coarse="results/cases/{case}/flow/{state}/mesh_coarse.msh",
+        coarse=COARSE_FILES,
         summary="results/cases/{case}/flow/{state}/mesh.json",
     log:
         "results/cases/{case}/logs/{state}/flow_mesh.log",
@@ -51,7 +53,7 @@ rule flow_solve:
     input:
         unpack(INPUTS.anatomy_files),
         mesh="results/cases/{case}/flow/{state}/mesh.msh",
-        coarse="results/cases/{case}/flow/{state}/mesh_coarse.msh",
+        coarse=COARSE_FILES,
         summary="results/cases/{case}/flow/{state}/mesh.json",
         boundary="results/cases/{case}/flow/boundary.json",
         settings="results/cases/{case}/settings/flow.json",
@@ -79,7 +81,7 @@ rule flow_audit:
     input:
         unpack(INPUTS.anatomy_files),
         mesh="results/cases/{case}/flow/{state}/mesh.msh",
-        coarse="results/cases/{case}/flow/{state}/mesh_coarse.msh",
+        coarse=COARSE_FILES,
         summary="results/cases/{case}/flow/{state}/mesh.json",
         boundary="results/cases/{case}/flow/boundary.json",
         settings="results/cases/{case}/settings/flow.json",

@@ -33,10 +33,11 @@ def search(monkeypatch):
     """search({mesh: (ffr, eps, estimate) or None: no flow}) -> Solved, Search, [(mesh, mesh it starts from)]."""
 
     def run(meshes, **values):
-        tried = []
+        tried, efforts = [], []
 
-        def solve_mesh(path, document, chosen, tree, predicted, start, spent):
+        def solve_mesh(path, document, chosen, tree, predicted, start, spent, effort):
             tried.append((path, start and start.path))
+            efforts.append(effort)
             if meshes[path] is None:
                 error = ComputationError("stalled", path, 0, "none")
                 error.factorizations = 3
@@ -47,7 +48,8 @@ def search(monkeypatch):
         monkeypatch.setattr(adaptive.error_estimate, "of", lambda solved, *others: solved.found)
         monkeypatch.setattr(adaptive.Search, "at_probes", lambda self, sampler: [sampler])
         found = adaptive.Search(None, settings.make(**values), None, None)
-        return found.run(PATHS), found, tried
+        found.efforts = efforts
+        return found.run(list(meshes) if len(meshes) > 2 else PATHS), found, tried
 
     return run
 
@@ -92,6 +94,34 @@ def test_the_better_of_two_meshes_answers(search, fine, answers):
     assert [mesh["mesh"] for mesh in found.meshes] == PATHS
     if fine is None:
         assert found.meshes[1]["status"] == "no flow"
+
+
+THREE = ("coarsest.msh", *PATHS)
+
+
+@pytest.mark.parametrize(
+    ("flows", "efforts", "answers"),
+    [
+        ([(0.8, 0.0, GOOD)], ["tried"], "coarsest.msh"),
+        ([(0.8, 0.0, WIDE), (0.79, 0.0, GOOD)], ["tried", "whole"], "coarse.msh"),
+        ([None, (0.79, 0.0, GOOD)], ["tried", "whole"], "coarse.msh"),
+        ([None, None, (0.79, 0.0, GOOD)], ["tried", "whole", "whole"], "fine.msh"),
+        ([None, (0.8, 0.004, WIDE), (0.79, 0.0, GOOD)], ["tried", "whole", "near"], "fine.msh"),
+        ([(0.8, 0.0, WIDE), None, None], ["tried", "whole", "near"], "coarsest.msh"),
+        ([(0.8, 0.0, WIDER), (0.81, 0.0, WIDE), None], ["tried", "whole", "near"], "coarse.msh"),
+    ],
+)
+def test_the_coarsest_of_three_meshes_is_only_tried(search, flows, efforts, answers):
+    """By quick starts; the mesh before the last is solved on by all ways, the last where an answer is by that alone."""
+    meshes = {path: flow for path, flow in zip(THREE, [*flows, None, None])}
+    solved, found, tried = search(meshes)
+    assert solved.path == answers and found.efforts == efforts and [path for path, _ in tried] == [*THREE][: len(flows)]
+    assert all(start == (answered and answered[-1]) for start, answered in _starts(tried, meshes))
+
+
+def _starts(tried, meshes):
+    """[(mesh that a solve began from, meshes before that have a flow, else None)]"""
+    return [(start, [path for path, _ in tried[:k] if meshes[path]] or None) for k, (_, start) in enumerate(tried)]
 
 
 def test_a_coarse_mesh_without_a_flow_is_passed_over(search):

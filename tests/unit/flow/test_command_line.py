@@ -11,6 +11,7 @@ import pytest
 import tubes
 from common.errors import ComputationError
 from flow import __main__ as command_line
+from flow import command_files
 from flow.meshing import mesh
 
 
@@ -29,6 +30,12 @@ def _refused(capsys, *command):
         ("mesh", [], ["end in .msh"]),
         ("mesh.msh", ["--coarse", "coarse.json"], ["end in .msh", "coarse.json"]),
         ("mesh.msh", ["--coarse", "mesh.msh"], ["replace another", "mesh.msh"]),
+        ("mesh.msh", ["--coarse", "a.msh", "a.msh"], ["replace another", "a.msh"]),
+        (
+            "mesh.msh",
+            ["--coarse", "a.msh", "b.msh", "c.msh"],
+            ["more coarse meshes than coarse_rings", "3 files, [2, 3]"],
+        ),
         ("mesh.msh", ["--coarse", "coarse.msh", "--json", "coarse.msh"], ["replace another", "coarse.msh"]),
         ("mesh.msh", ["--json", "lumen.vtp"], ["replace another", "lumen.vtp"]),
         ("mesh.msh", ["--json", "sub/../line.vtp"], ["replace another", "line.vtp"]),
@@ -43,8 +50,14 @@ def test_names_of_meshes(tmp_path, monkeypatch, capsys, out, more, words):
 
 def test_other_names_are_let_through(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    files = ["--out", "a.msh", "--coarse", "b.msh", "--json", "c.json"]
-    assert "lumen.vtp" in _refused(capsys, "mesh", "lumen.vtp", "--centreline", "line.vtp", *files)
+    for coarse in (["b.msh"], ["d.msh", "b.msh"]):
+        files = ["--out", "a.msh", "--coarse", *coarse, "--json", "c.json"]
+        assert "lumen.vtp" in _refused(capsys, "mesh", "lumen.vtp", "--centreline", "line.vtp", *files)
+
+
+@pytest.mark.parametrize(("paths", "given"), [(["a", "b"], [("a", 2), ("b", 3)]), (["b"], [("b", 3)]), ([], [])])
+def test_fewer_coarse_meshes_are_those_of_the_last_rings(paths, given):
+    assert command_files.with_rings(paths, [2, 3]) == given
 
 
 def test_patient_values_given_twice(tmp_path, capsys):
@@ -185,7 +198,7 @@ def test_a_report_is_known_by_its_meshes_content(case, meshes, tmp_path, capsys)
     tubes.write_case(tmp_path / "other", tubes.tube(6.0, radius, 0.6), [tubes.line(6.0, radius)])
     command_line.main(_mesh(tmp_path / "other", tmp_path / "other"))
     told, other = (json.loads((folder / "mesh.json").read_text()) for folder in (meshes, tmp_path / "other"))
-    assert told["cells"] == other["cells"] and told["coarse"]["cells"] == other["coarse"]["cells"]
+    assert told["cells"] == other["cells"] and told["coarse"][0]["cells"] == other["coarse"][0]["cells"]
     for path in meshes.iterdir():
         (tmp_path / path.name).write_bytes(path.read_bytes())
     both = ["--coarse", tmp_path / "coarse.msh", "--model", "network"]

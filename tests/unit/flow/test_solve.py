@@ -139,7 +139,7 @@ def coarse_mesh(case):
         + ["--coarse-cells-per-radius", "1.5", "--out", str(case / "middle.msh"), "--coarse", str(case / "coarse.msh")]
     )
     report = json.loads((case / "middle.json").read_text())
-    coarse = report.pop("coarse")
+    (coarse,) = report.pop("coarse")
     (case / "coarse.json").write_text(json.dumps(report | coarse))  # as if it had been made on its own
     return case / "coarse.msh"
 

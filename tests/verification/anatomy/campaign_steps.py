@@ -41,7 +41,8 @@ def steps_of(case, folder, build):
     plan = ["anatomy", "plan", case, "--anatomy", folder / "anatomy", "--devices", ROOT / "config" / "devices"]
     scene = ["workflow", "scene", vci / "plan.json", "--settings", folder / "deployment.json"]
     mesh = ["flow", "mesh", after / "lumen.vtp", "--centreline", after / "centreline.vtp"]
-    mesh += ["--settings", folder / "flow.json", "--out", folder / "mesh.msh", "--coarse", folder / "coarse.msh"]
+    mesh += ["--settings", folder / "flow.json", "--out", folder / "mesh.msh"]
+    mesh += ["--coarse", folder / "mesh_coarsest.msh", folder / "mesh_coarse.msh"]
     like = ["--units", "mm", "--like", folder / "anatomy" / "anatomy.json", "--out", after]
     return [
         ("plan", [*python, *plan, "--out", vci / "plan.json"]),

@@ -180,6 +180,7 @@ CASES = {  # the dearest last
     "eccentric_62": eccentric,
 }
 ALL = "all"
+COARSE = ("mesh_coarsest.msh", "mesh_coarse.msh")  # of the default's meshes
 STATE_FILES = ("lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json")
 
 
@@ -200,7 +201,7 @@ def copy(state, folder):
 
 def run(name, folder):
     """Row of the table for the case whose lumen is in `folder`, meshed and solved there."""
-    line, meshes = ["--centreline", "centreline.vtp"], ["mesh.msh", "--coarse", "mesh_coarse.msh"]
+    line, meshes = ["--centreline", "centreline.vtp"], ["mesh.msh", "--coarse", *COARSE]
     (folder / "ffr.json").unlink(missing_ok=True)
     for command in (["mesh", "lumen.vtp", *line, "--out", *meshes], ["solve", *meshes, *line, "--out", "."]):
         if command[0] == "solve":

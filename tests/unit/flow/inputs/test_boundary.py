@@ -45,9 +45,16 @@ def test_a_foreign_document_is_refused(anatomy):
         boundary.make(anatomy, None, patient, settings_module.make())
 
 
-@pytest.mark.parametrize("values", [{"rings": 2}, {"coarse_rings": 4}, {"coarse_cells_per_radius": 2.5}])
+@pytest.mark.parametrize(
+    "values", [{"rings": 3}, {"coarse_rings": [2, 4]}, {"coarse_rings": [3, 2]}, {"coarse_cells_per_radius": 2.5}]
+)
 def test_a_coarse_mesh_that_is_not_coarser_is_refused(values):
     with pytest.raises(InputError, match="not coarser"):
+        settings_module.check_meshes(vars(settings_module.make(**values)), "flow settings")
+
+
+def test_meshes_that_are_coarser_each_are_let_through():
+    for values in ({}, {"coarse_rings": [3]}, {"coarse_rings": [2, 5], "rings": 6}):
         settings_module.check_meshes(vars(settings_module.make(**values)), "flow settings")
 
 

@@ -147,11 +147,11 @@ def test_a_coarse_mesh_of_another_lumen_is_refused(tmp_path, mesh):
         own.unlink(missing_ok=True)
         if beside:
             own.write_text(json.dumps(beside))
-        return extended.read(path, mesh, coarse)
+        return extended.read(path, mesh, [coarse])
 
-    assert read(report | {"coarse": {"swept": {"cells": 4}, "cells": 4}}) == ([], [])
+    assert read(report | {"coarse": [{"swept": {"cells": 4}, "cells": 4}]}) == ([], [])
     assert read(report, report | {"cells": 4}) == ([], [])
-    other = report | {"coarse": {"swept": {"cells": 5}, "cells": 5}}
+    other = report | {"coarse": [{"swept": {"cells": 5}, "cells": 5}]}
     longer = report | {"cells": 4, "extensions": [{"length_mm": 1.0}]}
     refused = [(other, None), (other, report | {"cells": 4}), (report, None), (report, report), (report, longer)]
     for given, beside in refused + [(report, report | {"cells": 4, "made_from_sha256": "cd"})]:
@@ -186,9 +186,11 @@ def test_a_report_that_is_missing_is_refused_or_said(tmp_path, capsys):
 
 def test_meshes_that_could_not_be_swept_are_said(tmp_path, mesh, capsys):
     path, failed = tmp_path / "mesh.json", {"cells": 0, "spans": [], "reason": "error: no room\n  where:  span 2"}
-    path.write_text(json.dumps({"extensions": [], "cells": 9, "swept": {"cells": 4}, "coarse": {"swept": failed}}))
+    path.write_text(
+        json.dumps({"extensions": [], "cells": 9, "swept": {"cells": 4}, "coarse": [{"swept": failed}, {"swept": {}}]})
+    )
     (said,) = extended.read(path, mesh)[1]
-    assert "coarse mesh is not swept" in said and said.endswith("error: no room where: span 2")
+    assert "coarsest mesh is not swept" in said and said.endswith("error: no room where: span 2")
     assert said in capsys.readouterr().err
 
 

@@ -1,0 +1,82 @@
+"""Which ways to a flow are gone on a mesh, with made-up ends of each."""
+
+import types
+
+import pytest
+
+from common.errors import ComputationError
+from flow.solvers import nonlinear
+
+CONVERGED, FAILED = (types.SimpleNamespace(converged=done, iterations=0) for done in (True, False))
+
+
+class _Problem:
+    """What FlowProblem's ways ask of it; gone: their names."""
+
+    def __init__(self):
+        self.gone, self.passed, self.solver = [], [(0.1, None, 0.0)], types.SimpleNamespace(factorizations=7)
+
+    solve, solve_from_guess = nonlinear.FlowProblem.solve, nonlinear.FlowProblem.solve_from_guess
+
+    def restart(self):
+        self.gone.append("rest")
+
+    def stalled(self, found):
+        return ComputationError("the flow solver stalled", "here", 0, "none")
+
+
+@pytest.fixture
+def ways(monkeypatch):
+    """ways(predicted, ramp, from_guess): a problem on which each ends as given; None: it is not tried, or fails."""
+
+    def make(predicted=None, ramp=FAILED, guess=None):
+        problem = _Problem()
+
+        def way(name, found):
+            def go(*_):
+                problem.gone.append(name)
+                if found is None:
+                    raise ComputationError("the flow solver stalled", name, 0, "none")
+                return found
+
+            return go
+
+        monkeypatch.setattr(nonlinear.predicted_start, "try_from", lambda *_: predicted)
+        monkeypatch.setattr(nonlinear.ramp, "climb", way("ramp", ramp))
+        monkeypatch.setattr(nonlinear.continuation, "from_rest", way("eps", CONVERGED))
+        monkeypatch.setattr(nonlinear.continuation, "from_guess", way("guess", guess))
+        return problem
+
+    return make
+
+
+@pytest.mark.parametrize(
+    ("predicted", "ramp", "tried", "gone"),
+    [
+        (CONVERGED, FAILED, False, []),
+        (FAILED, CONVERGED, False, ["rest", "ramp"]),
+        (FAILED, FAILED, False, ["rest", "ramp", "rest", "eps"]),
+        (None, CONVERGED, True, ["rest", "ramp"]),
+        (CONVERGED, FAILED, True, []),
+    ],
+)
+def test_each_way_follows_the_one_that_failed(ways, predicted, ramp, tried, gone):
+    problem = ways(predicted, ramp)
+    assert problem.solve(None, "reduced models", tried) is CONVERGED and problem.gone == gone
+
+
+@pytest.mark.parametrize(("predicted", "gone"), [(FAILED, []), (None, ["rest", "ramp"])])
+def test_a_mesh_that_is_only_tried_is_given_up_after_one_way(ways, predicted, gone):
+    problem = ways(predicted, FAILED)
+    with pytest.raises(ComputationError, match="stalled"):
+        problem.solve(None, "reduced models", tried=True)
+    assert problem.gone == gone
+
+
+def test_a_guess_that_leads_nowhere_leaves_the_problem_at_rest(ways):
+    problem = ways(guess=None)
+    assert problem.solve_from_guess(None, or_none=True) is None
+    assert problem.gone == ["guess", "rest"] and problem.passed == []
+    with pytest.raises(ComputationError, match="stalled"):
+        problem.solve_from_guess(None)
+    assert ways(guess=CONVERGED).solve_from_guess(None, or_none=True) is CONVERGED
