@@ -1,6 +1,6 @@
 """Taylor-Hood space on a lumen mesh: velocity P2 and pressure P1, the boundaries' dofs, and the inlet's profile.
 
-errors.goal_error asks for the next richer pair, P3 and P2, on the same mesh.
+errors.error_field asks for the next richer pair, P3 and P2, on the same mesh.
 """
 
 import numpy as np

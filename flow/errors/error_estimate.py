@@ -68,7 +68,7 @@ def of(solved, document, tree, at_probes, coarser=None):
 
 
 def of_parts(along):
-    """Estimates (p,) by the parts (p, k) of errors.goal_error."""
+    """Estimates (p,) by the parts (p, k) of errors.error_field."""
     return np.maximum(SAFETY * np.abs(along.sum(axis=1)), np.abs(along).sum(axis=1))
 
 

@@ -1,24 +1,32 @@
-"""What the mesh has done to FFR everywhere: errors.goal_error turned round.
+"""What the mesh has done to FFR everywhere: the residual of the flow, weighted by dual solutions.
 
-There K^T z = dJ/dw is solved for one place, whose FFR is J, and part k of its error is the residual r_k of stretch k of
-the tree times z - i z. That is linear in z: part k = G_k z, G_k being the transposed of recovery less interpolation
-applied to r_k. So part k = dJ/dw e_k with K e_k = G_k: e_k is what stretch k does to the whole flow, computed minus
-true, and one solve for each stretch gives the parts at every probe, outlet and point of the pull-back.
+Becker and Rannacher 2001, Acta Numerica 10. The dual solution z of a place says how much its FFR J changes with each
+equation: K^T z = dJ/dw, K being Newton's tangent. A Newton step -K^-1 R would change J by -R(w; z), so computed minus
+true is +R(w; z - i z), i z being z in the space itself, where R is zero (Galerkin). z is recovered as cubic velocity
+and quadratic pressure (errors.recovery). Its parts differ in sign along a vessel, and each is known to a half or so:
+where they nearly cancel the sum says nothing. So the parts of stretches one diameter long are told apart: part k is the
+residual r_k of stretch k times z - i z.
 
-The artificial viscosity is one part more. It adds the force A(w) = eps rho h (|w| grad w, grad v) to the equations, so
+That is linear in z: part k = G_k z, G_k being the transposed of recovery less interpolation applied to r_k. So
+part k = dJ/dw e_k with K e_k = G_k: e_k is what stretch k does to the whole flow, computed minus true, and one solve
+for each stretch gives the parts at every probe, outlet and point of the pull-back.
+
+The artificial viscosity is one part more. It adds the force A(w) = eps rho h (|u| grad w, grad v) to the equations, so
 K e = -A(w) is what it does to the flow: eps times the derivative of the flow with respect to eps.
 """
 
 import numpy as np
 import scipy.sparse
 import ufl
+from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
 from scipy.spatial import cKDTree
 
 from flow.discretisation import compat, spaces
-from flow.errors import goal_error
+from flow.discretisation.forms import NavierStokes
 from flow.geometry import tet10
 from flow.errors.recovery import Patches
+from flow.physics import viscosity
 
 M_PER_MM = 1e-3
 BATCH = 16  # solutions at a time
@@ -46,7 +54,7 @@ class Field:
 
     def parts(self, document, tree, names, points_mm, radii_mm):
         """Parts (o + m, k) of FFR's change: at the mesh's outlets `names`, and of its mean over a ball of about the
-        vessel's radius round each of the points (m, 3), as errors.goal_error has it.
+        vessel's radius round each of the points (m, 3).
 
         Where the inflow is given FFR is over the pressure at the inlet's centre, which changes too.
         """
@@ -85,7 +93,7 @@ class Field:
 
 def of(solved, document, tree):
     """(parts (p, k + 1) at the document's probes, Field) of a solvers.solved_mesh.Solved with a steady flow: what the
-    mesh does in each of k stretches, as errors.goal_error has it, and last what the artificial viscosity does."""
+    mesh does in each of k stretches, and last what the artificial viscosity does."""
     problem = solved.problem
     loads = [sources(problem, document, tree), scipy.sparse.csc_matrix(-problem.forms.artificial_force()[:, None])]
     field = Field(solved, scipy.sparse.hstack(loads, "csc"))
@@ -99,12 +107,12 @@ def sources(problem, document, tree):
     """Sparse (dofs of W, k): G_k of each stretch."""
     space = problem.space
     richer = spaces.LumenSpace(space.mesh, space.facets, degree=space.degree + 1)
-    vector = goal_error.residual(problem, richer, document)
+    vector = residual_of(problem, richer, document)
     residual = vector.array.copy()
     vector.destroy()
     residual[richer.wall] = residual[richer.inlet] = 0.0
-    numbers = goal_error.stretches(tree)
-    stretch, count = numbers[tree.nearest(goal_error.places(richer) / M_PER_MM)[0]], numbers.max() + 1
+    numbers = stretches(tree)
+    stretch, count = numbers[tree.nearest(places(richer) / M_PER_MM)[0]], numbers.max() + 1
     nodes, cells = space.nodes()
     corner = np.empty(len(space.q_map), int)
     corner[compat.cell_dofs(space.Q)] = cells[:, :4]
@@ -125,6 +133,27 @@ def sources(problem, document, tree):
     return found
 
 
+def stretches(tree):
+    """Number (n,) of the stretch in which each point of the tree's centrelines lies, in the order of Tree.nearest.
+
+    A stretch is one local diameter long.
+    """
+    found, first = [], 0
+    for branch in tree:
+        diameters = np.diff(branch.s_mm) / (branch.radius_mm[1:] + branch.radius_mm[:-1])
+        found.append(first + np.floor(np.append(0.0, np.cumsum(diameters)) + 1e-9).astype(int))
+        first = found[-1][-1] + 1
+    return np.concatenate(found)
+
+
+def places(space):
+    """Points (n, 3) in m of the dofs over W of a LumenSpace."""
+    found = np.empty((space.dofs, 3))
+    found[space.v_map] = np.repeat(space.V.tabulate_dof_coordinates(), 3, axis=0)
+    found[space.q_map] = space.Q.tabulate_dof_coordinates()
+    return found
+
+
 def _placed(part, rows, size):
     """A sparse matrix (n, k) as the given rows of one of (size, k)."""
     part = part.tocoo()
@@ -139,4 +168,42 @@ def _mass(space):
     starts, columns, values = matrix.getValuesCSR()
     found = scipy.sparse.csr_matrix((values, columns, starts), matrix.size)
     matrix.destroy()
+    return found
+
+
+def carried(space, richer, values):
+    """Values over W of the richer space on the same mesh of a state's values."""
+    result = np.zeros(richer.dofs)
+    for source, target, of_source, of_target in (
+        (space.V, richer.V, space.v_map, richer.v_map),
+        (space.Q, richer.Q, space.q_map, richer.q_map),
+    ):
+        coarse, fine = fem.Function(source), fem.Function(target)
+        coarse.x.array[:] = values[of_source]
+        fine.interpolate(coarse)
+        result[of_target] = fine.x.array
+    return result
+
+
+def residual_of(problem, richer, document):
+    """The momentum and continuity residual of the present flow as a vector over the richer space's W."""
+    settings, boundaries = problem.settings, problem.boundaries
+    state = fem.Function(richer.W)
+    state.x.array[:] = carried(problem.space, richer, problem.state.x.array)
+    forms = NavierStokes(
+        richer,
+        state,
+        document["density_kg_per_m3"],
+        viscosity.of(document),
+        settings.grad_div_pa_s,
+        settings.backflow_coefficient,
+    )
+    forms.artificial.value = problem.artificial
+    found = compat.petsc_vector(fem.Function(richer.W)).copy()
+    forms.assembled(found)
+    outflows = boundaries.outflows(problem.state_vector())
+    for tag, pressure in zip(richer.outlets, boundaries.pressures(outflows)):
+        flux = richer.flux_vector(tag)
+        found.axpy(pressure, flux)
+        flux.destroy()
     return found

@@ -39,18 +39,17 @@ class DirectSolver:
             raise ComputationError("factorization failed", "MUMPS", error, "check memory and the mesh") from error
         self.factorizations += 1
 
-    def solve(self, right, solution, transposed=False):
-        """solution <- A^-1 right, or A^-T right."""
-        (self.ksp.solveTranspose if transposed else self.ksp.solve)(right, solution)
+    def solve(self, right, solution):
+        """solution <- A^-1 right."""
+        self.ksp.solve(right, solution)
         if self.ksp.getConvergedReason() < 0:
             reason = self.ksp.getConvergedReason()
             raise ComputationError("linear solve failed", "MUMPS", f"reason {reason}", "check the mesh and resistances")
 
-    def solve_all(self, rights, solutions, transposed=False):
+    def solve_all(self, rights, solutions):
         """`solve` of several: the factors pass through memory once for all of them, which is what a solve costs."""
-        if transposed or len(rights) == 1:  # PETSc's interface to MUMPS has no transposed solve of several
-            for right, solution in zip(rights, solutions):
-                self.solve(right, solution, transposed)
+        if len(rights) == 1:
+            self.solve(rights[0], solutions[0])
             return
         shape = (rights[0].size, len(rights))
         given, found = (PETSc.Mat().createDense(shape, comm=PETSc.COMM_SELF) for _ in range(2))
@@ -79,36 +78,26 @@ class DirectSolver:
 class Bordered:
     """The bordered system with the A that `solver` holds; columns and rows are lists of vectors, corner is D.
 
-    The columns are solved for once, so that each further right side costs one solve with A. transposed: the system with
-    A^T, whose columns are then the rows of the other.
+    The columns are solved for once, so that each further right side costs one solve with A.
     """
 
-    def __init__(self, solver, columns, rows, corner, transposed=False):
+    def __init__(self, solver, columns, rows, corner):
         self.solver, self.columns, self.rows, self.corner = solver, columns, rows, corner
-        self.transposed = transposed
         self.solved = [column.duplicate() for column in columns]
-        solver.solve_all(columns, self.solved, transposed)
+        solver.solve_all(columns, self.solved)
         self.schur = np.array(corner, float)
         for i, row in enumerate(rows):
             for j, vector in enumerate(self.solved):
                 self.schur[i, j] -= row.dot(vector)
 
-    def transpose(self):
-        """The transposed system, by the same factorization."""
-        return Bordered(self.solver, self.rows, self.columns, self.corner.T, not self.transposed)
-
     def solve(self, f, g):
         """(x, y): vector, array."""
-        x = f.duplicate()
-        self.solver.solve(f, x, self.transposed)
-        y = np.linalg.solve(self.schur, np.array(g, float) - [row.dot(x) for row in self.rows])
-        x.maxpy(-y, self.solved)
-        return x, y
+        return self.solve_all([f], [g])[0]
 
     def solve_all(self, rights, given):
         """[(x, y)] as `solve` of several f and g."""
         found = [f.duplicate() for f in rights]
-        self.solver.solve_all(rights, found, self.transposed)
+        self.solver.solve_all(rights, found)
         result = []
         for x, g in zip(found, given):
             y = np.linalg.solve(self.schur, np.array(g, float) - [row.dot(x) for row in self.rows])

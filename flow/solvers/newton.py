@@ -17,7 +17,7 @@ import numpy as np
 GOOD_RESIDUAL = 0.5  # of the residual before: a step that reaches it is taken whatever its correction
 LEAST_FACTOR = 0.08  # of Newton's update: below it the state is too far from the solution
 NEAR = 0.3  # the correction after a whole step over that before, below which the factorization is used again
-NEARER = 0.1  # the same, below which it serves the dual solution (errors.goal_error) too
+NEARER = 0.1  # the same, below which it serves the error estimate (errors.error_field) too
 SHRINKS = 0.5  # a correction above this share of the one before asks for a new factorization
 MOST_ACCELERATED = 10  # steps with one factorization
 MARGIN = 0.03  # of the limits: down to it accelerated steps go on, as one of Newton's steps would end far below them

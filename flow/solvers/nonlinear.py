@@ -19,7 +19,6 @@ from flow.discretisation import compat, flow_state
 from flow.solvers import continuation, linear, predicted_start, ramp, anderson
 from flow.discretisation import tangent
 from flow.physics import viscosity
-from flow.solvers import sensitivity
 from flow.discretisation.forms import NavierStokes
 
 
@@ -34,7 +33,7 @@ class Outcome:
     history: list
 
 
-class FlowProblem(flow_state.FlowState, sensitivity.Sensitivity):
+class FlowProblem(flow_state.FlowState):
     """The discrete equations of one lumen: state w (Function on space.W) and inflow.
 
     spent: factorizations made on other meshes, of those that the settings allow.
@@ -133,7 +132,7 @@ class FlowProblem(flow_state.FlowState, sensitivity.Sensitivity):
         self.linearised_as = (form is self.forms.tangent, self.artificial)
 
     def outdate(self):
-        """Says that the last linearisation is of a state too far away for `dual`."""
+        """Says that the last linearisation is of a state too far away for `responses`."""
         self.linearised_as = None
 
     def forget(self):
@@ -160,6 +159,27 @@ class FlowProblem(flow_state.FlowState, sensitivity.Sensitivity):
         update = -x.array
         x.destroy()
         return update, -float(y[0])
+
+    def responses(self, loads):
+        """Values (n, k) over W of w with K w = load for each of loads (n, k); a goal times its w is what the load does
+        to the goal. K is Newton's tangent: its last factorization serves, which is of a state near by (solvers.newton).
+        Where the inflow is given it does not change."""
+        if self.bordered is None or self.linearised_as != (True, self.artificial):
+            self.linearise(self.forms.tangent)
+        space, profile = self.space, self.boundaries.profile.x.array
+        rights = [PETSc.Vec().createWithArray(load[space.free], comm=PETSc.COMM_SELF) for load in loads.T]
+        on_border = np.zeros((len(rights), len(self.bordered.rows)))
+        if self.boundaries.inflow is None:
+            on_border[:, 0] = profile @ loads
+        values = np.zeros(loads.shape)
+        for k, (x, y) in enumerate(self.bordered.solve_all(rights, on_border)):
+            values[space.free, k] = x.array_r
+            if self.boundaries.inflow is None:
+                values[space.inlet, k] = profile[space.inlet] * y[0]
+            x.destroy()
+        for right in rights:
+            right.destroy()
+        return values
 
     def acceleration(self):
         """Empty solvers.anderson.Acceleration of the free dofs and the inflow: velocities in m/s weigh as pressures

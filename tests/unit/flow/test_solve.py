@@ -8,11 +8,11 @@ import types
 import numpy as np
 import pytest
 
+import by_dual
 import solved_tube
 import tubes
 from flow import solve
 from flow.discretisation import spaces
-from flow.errors import goal_error
 from flow.geometry import centreline
 from flow.physics import outlets
 from flow.solvers import newton, nonlinear, solved_mesh
@@ -234,7 +234,7 @@ def test_the_dual_solution_says_how_the_goal_changes_with_a_load(case):
     problem = _problem(case)
     assert newton.newton(problem, 1e-12, 1.0, 8).converged
     goal = problem.boundaries.flux[0]  # the outflow as goal
-    dual = problem.dual(goal)
+    dual = by_dual.dual(problem, goal)
     before = problem.boundaries.outflows(problem.state_vector())[0]
     # MAP enters the inflow's equation alone, whose dual value is the inlet's over the profile
     inlet, profile = problem.space.inlet, problem.boundaries.profile.x.array
@@ -255,7 +255,7 @@ def test_each_probe_has_the_error_it_would_have_alone(case):
     document = json.loads((case / "boundary.json").read_text())
 
     def parts(*chosen):
-        return goal_error.of(solved, document | {"probes": list(chosen)}, tree)
+        return by_dual.of(solved, document | {"probes": list(chosen)}, tree)
 
     both, alone = parts(*probes, probes[0]), [parts(probe)[0] for probe in probes]
     assert both[0] == pytest.approx(alone[0], rel=1e-9) and both[1] == pytest.approx(alone[1], rel=1e-9)

@@ -8,7 +8,7 @@ from scipy.spatial import Delaunay
 
 import tubes
 from common.errors import ComputationError
-from flow.errors import error_estimate, goal_error, recovery
+from flow.errors import error_estimate, error_field, recovery
 from flow.geometry import centreline
 
 EDGES = [(0, 1), (1, 2), (0, 2), (0, 3), (2, 3), (1, 3)]
@@ -67,7 +67,7 @@ def test_parts_that_cancel_are_not_taken_for_an_exact_answer(goal):
 def test_stretches_are_a_diameter_long():
     """Along each branch by its own diameter, and none of two branches."""
     wide, narrow = (tubes.line(10.0, lambda s, r=r: r, name=name) for name, r in (("main", 1.25), ("side", 0.5)))
-    found = goal_error.stretches(centreline.Tree([wide, narrow]))
+    found = error_field.stretches(centreline.Tree([wide, narrow]))
     first, second = found[: len(wide.s_mm)], found[len(wide.s_mm) :]
     assert [int(np.sum(first == k)) for k in range(4)] == [10] * 4  # points every .25 mm
     assert first.max() == 4 and second.min() == 5 and second.max() == 15

@@ -8,9 +8,10 @@ import pandas as pd
 import pytest
 import scipy.sparse
 
+import by_dual
 import tubes
 from flow import __main__ as command_line
-from flow.errors import error_estimate, error_field, goal_error
+from flow.errors import error_estimate, error_field
 from flow.geometry import centreline, locate
 from flow.physics import ffr, outlets
 from flow.solvers import newton, nonlinear
@@ -87,10 +88,8 @@ def case(request):
 
 
 def test_the_fields_give_the_parts_of_the_dual_solutions(case):
-    """At each probe, by the transposed of all that goal_error does."""
-    wanted, (found, field) = goal_error.of(case, case.document, case.tree), error_field.of(
-        case, case.document, case.tree
-    )
+    """At each probe, by the transposed of all that by_dual does."""
+    wanted, (found, field) = by_dual.of(case, case.document, case.tree), error_field.of(case, case.document, case.tree)
     assert found.shape[1] == wanted.shape[1] + 1 and wanted.shape[1] > 3
     assert np.abs(found[:, :-1] - wanted).max() < 1e-6 * np.abs(wanted).max()
     assert field.pressure.shape[1] == found.shape[1] and (found[:, -1] == 0).all()

@@ -1,13 +1,6 @@
-"""What the mesh has done to FFR: the residual weighted by the dual solution.
+"""Parts of FFR's error by a dual solution for each probe: errors.error_field finds them by a field for each stretch.
 
-Becker and Rannacher 2001, Acta Numerica 10.
-The dual solution z of a probe says how much FFR there changes with each equation: K^T z = dJ/dw, K being Newton's
-tangent and J the mean of p / MAP near the probe. A Newton step -K^-1 R would change J by -R(w; z), so computed minus
-true is +R(w; z - i z), i z being z in the space itself, where R is zero (Galerkin). z is recovered as cubic velocity
-and quadratic pressure (errors.recovery), with which the residual of the present flow is weighted.
-
-Its parts differ in sign along a vessel, and each is known to a half or so: where they nearly cancel the sum says
-nothing. So the parts of stretches one diameter long are told apart too.
+K^T z = dJ/dw is solved for z, z is recovered, and the residual is weighted by the recovered less the interpolated z.
 """
 
 import numpy as np
@@ -16,11 +9,8 @@ from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
 
 from flow.discretisation import compat, spaces
-from flow.physics import viscosity
-from flow.discretisation.forms import NavierStokes
+from flow.errors.error_field import M_PER_MM, carried, places, residual_of, stretches
 from flow.errors.recovery import Patches
-
-M_PER_MM = 1e-3
 
 
 def of(solved, document, tree):
@@ -32,13 +22,13 @@ def of(solved, document, tree):
     duals = []
     for probe in probes.values():
         goal = _goal(problem, document, tree, probe)
-        duals.append(problem.dual(goal))
+        duals.append(dual(problem, goal))
         goal.destroy()
     richer = spaces.LumenSpace(space.mesh, space.facets, degree=space.degree + 1)
     weights = _recovered(space, richer, duals)
     held = np.concatenate([richer.wall, richer.inlet])
     weights[:, held] = 0.0
-    loads = residual(problem, richer, document)
+    loads = residual_of(problem, richer, document)
     parts = loads.array * weights
     loads.destroy()
     stretch = stretches(tree)[tree.nearest(places(richer) / M_PER_MM)[0]]
@@ -46,25 +36,28 @@ def of(solved, document, tree):
     return np.array([found[point] for point in points])
 
 
-def stretches(tree):
-    """Number (n,) of the stretch in which each point of the tree's centrelines lies, in the order of Tree.nearest.
+def dual(problem, goal):
+    """Values (n,) over W of z with K^T z = goal; K: the last tangent of `problem`, goal: vector over W."""
+    if problem.bordered is None or problem.linearised_as != (True, problem.artificial):
+        problem.linearise(problem.forms.tangent)
+    bordered, space = problem.bordered, problem.space
 
-    A stretch is one local diameter long.
-    """
-    found, first = [], 0
-    for branch in tree:
-        diameters = np.diff(branch.s_mm) / (branch.radius_mm[1:] + branch.radius_mm[:-1])
-        found.append(first + np.floor(np.append(0.0, np.cumsum(diameters)) + 1e-9).astype(int))
-        first = found[-1][-1] + 1
-    return np.concatenate(found)
+    def solved(right):
+        found = right.duplicate()
+        bordered.solver.ksp.solveTranspose(right, found)
+        return found
 
-
-def places(space):
-    """Points (n, 3) in m of the dofs over W of a LumenSpace."""
-    found = np.empty((space.dofs, 3))
-    found[space.v_map] = np.repeat(space.V.tabulate_dof_coordinates(), 3, axis=0)
-    found[space.q_map] = space.Q.tabulate_dof_coordinates()
-    return found
+    border = [solved(row) for row in bordered.rows]
+    schur = np.array(bordered.corner, float).T
+    schur -= [[column.dot(vector) for vector in border] for column in bordered.columns]
+    z = solved(problem.free_part(goal))
+    on_border = np.linalg.solve(schur, [-column.dot(z) for column in bordered.columns])
+    z.maxpy(-on_border, border)
+    values = np.zeros(space.dofs)
+    values[space.free] = z.array_r
+    if problem.boundaries.inflow is None:
+        values[space.inlet] = problem.boundaries.profile.x.array[space.inlet] * on_border[0]
+    return values
 
 
 def _goal(problem, document, tree, probe):
@@ -114,43 +107,5 @@ def _recovered(space, richer, duals):
     for d, dual in enumerate(duals):
         difference[d, richer.v_map] = smooth_velocity[:, 3 * d : 3 * d + 3].ravel()
         difference[d, richer.q_map] = smooth_pressure[:, d]
-        difference[d] -= _carried(space, richer, dual)
+        difference[d] -= carried(space, richer, dual)
     return difference
-
-
-def _carried(space, richer, values):
-    """Values over W of the richer space on the same mesh of a state's values."""
-    result = np.zeros(richer.dofs)
-    for source, target, of_source, of_target in (
-        (space.V, richer.V, space.v_map, richer.v_map),
-        (space.Q, richer.Q, space.q_map, richer.q_map),
-    ):
-        coarse, fine = fem.Function(source), fem.Function(target)
-        coarse.x.array[:] = values[of_source]
-        fine.interpolate(coarse)
-        result[of_target] = fine.x.array
-    return result
-
-
-def residual(problem, richer, document):
-    """The momentum and continuity residual of the present flow as a vector over the richer space's W."""
-    settings, boundaries = problem.settings, problem.boundaries
-    state = fem.Function(richer.W)
-    state.x.array[:] = _carried(problem.space, richer, problem.state.x.array)
-    forms = NavierStokes(
-        richer,
-        state,
-        document["density_kg_per_m3"],
-        viscosity.of(document),
-        settings.grad_div_pa_s,
-        settings.backflow_coefficient,
-    )
-    forms.artificial.value = problem.artificial
-    found = compat.petsc_vector(fem.Function(richer.W)).copy()
-    forms.assembled(found)
-    outflows = boundaries.outflows(problem.state_vector())
-    for tag, pressure in zip(richer.outlets, boundaries.pressures(outflows)):
-        flux = richer.flux_vector(tag)
-        found.axpy(pressure, flux)
-        flux.destroy()
-    return found
