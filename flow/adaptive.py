@@ -1,8 +1,8 @@
 """Which mesh answers: the first, coarse first, whose estimated error is within the tolerance, else the best of them.
 
 Each mesh starts from the flow on the one before. A mesh on which no flow is found is passed over where another answers.
-Meshes before the last two are only tried: an easy flow is found there for a third of the cost, while a hard one would
-cost many factorizations and have too large an error.
+Meshes before the last two are only tried from the reduced models' flow: where little pressure is lost they answer for a
+third of the cost, while a hard flow takes as many factorizations there, and its error is too large.
 """
 
 import pathlib
@@ -61,8 +61,9 @@ class Search:
             try:
                 solved = self.on_mesh(path, answer, effort)
             except ComputationError as error:
-                self.spent += getattr(error, "factorizations", 0)
-                self.meshes.append({"mesh": pathlib.Path(path).name, "status": "no flow"})
+                made = getattr(error, "factorizations", 0)
+                self.spent += made
+                self.meshes.append({"mesh": pathlib.Path(path).name, "status": "no flow", "factorizations": made})
                 if not answer and (path == paths[-1] or self.spent >= self.settings.max_newton_iterations):
                     raise
                 print(f"{path}: no flow, another mesh answers:\n{error}", file=sys.stderr, flush=True)

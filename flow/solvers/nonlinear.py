@@ -203,18 +203,19 @@ class FlowProblem(flow_state.FlowState):
         """Outcome at full flow from the flow that a reduced model predicts, and where this fails from rest.
 
         resistances_at(fraction) -> (n,) outlet resistances; predicted: reduced.coupled.Predictor, of use as
-        solvers.predicted_start says; tried: without the ways that take many factorizations. Raises ComputationError
-        when no flow with eps <= continuation.LARGEST is found.
+        solvers.predicted_start says; tried: from that flow alone. Raises ComputationError when no flow with
+        eps <= continuation.LARGEST is found.
         """
         found = predicted_start.try_from(self, predicted) if predicted else None
-        if not found or not found.converged and not tried:
-            self.restart()
-            found = ramp.climb(self, resistances_at)
-        if found.converged:
-            found.iterations = self.solver.factorizations
+        if found and found.converged:
             return found
         if tried:
             raise self.stalled(found)
+        self.restart()
+        found = ramp.climb(self, resistances_at)
+        if found.converged:
+            found.iterations = self.solver.factorizations
+            return found
         self.restart()
         return continuation.from_rest(self)
 

@@ -8,7 +8,8 @@ from flow.geometry import centreline, locate
 from flow.physics import ffr, outlets
 from flow.solvers import nonlinear
 
-# how far a flow is looked for: by quick starts; by all ways; where the mesh before has an answer, near that flow alone
+# how far a flow is looked for: from the reduced models' flow; by all ways; where the mesh before has an answer, from
+# that flow alone
 TRIED, WHOLE, NEAR = "tried", "whole", "near"
 # of an answer: steady flow; steady flow with eps > 0, of a modified model
 CONVERGED, ARTIFICIAL = STATUSES = ("converged", "converged with artificial viscosity")
