@@ -119,3 +119,9 @@ def test_every_setting_has_a_default_that_it_allows(section):
                 visit(sub, f"{name}.{key}")
 
     visit(rules, section)
+
+
+def test_whole_numbers_with_a_point_are_whole_in_lists_too():
+    rules = {"properties": {"rings": {"type": "array", "items": {"type": "integer"}}}}
+    (first, second) = schema.with_defaults({"rings": [2.0, 3]}, rules)["rings"]
+    assert (type(first), first, second) == (int, 2, 3)
