@@ -1,5 +1,5 @@
 # make study: set up, build, run the study; make test: set up, build, run the tests. See README.md.
-COHORT ?= full
+COHORT ?= nine
 CASES ?=
 N ?= 1000
 SEED ?= 1
@@ -31,7 +31,7 @@ build: setup $(BUILD)/build.ninja ## compile the programs and the Python module 
 validate: setup ## check every configuration file
 	@$(PYTHON) -m workflow validate
 
-study: build ## run a cohort (COHORT=full|quick|nine|hard|real) or single cases (CASES="lad01 rca01"); -j by CORES
+study: build ## run a cohort (COHORT=nine|three|quick|contrast|hard|real) or single cases (CASES="lad01 rca01"); -j by CORES
 	@$(SNAKEMAKE) --profile config/profiles/local --cores $(CORES) --config cohort=$(COHORT) $(if $(CASES),cases='$(CASES)') || { \
 	  [ -z "$$(ls -A .snakemake/locks 2>/dev/null)" ] || \
 	  echo "the folder is locked: another run works in it, or one was killed; if none runs any more: make unlock" >&2; \

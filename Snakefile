@@ -29,7 +29,7 @@ from workflow.inputs import (
 
 try:
     STUDY = Configuration(config.get("folder", "config"))
-    COHORT = config.get("cohort", "full")
+    COHORT = config.get("cohort", "nine")
     CASES = STUDY.selected(COHORT, config.get("cases"))
 except UserError as error:
     raise WorkflowError(str(error)) from None
@@ -43,7 +43,7 @@ LUMEN = os.path.join(config.get("build", "build"), "lumen")
 
 wildcard_constraints:
     case="|".join(STUDY.cases),
-    state="pre|vci|rc|reference|ct|ct_pre|ct_vci|ct_rc|post",
+    state="pre|vci|rc|rc_stent|reference|ct|ct_pre|ct_vci|ct_rc|post",
     section="anatomy|deployment|flow|reference|ct|metrics",
 
 

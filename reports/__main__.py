@@ -38,11 +38,12 @@ def run_metrics(args):
 def run_table(args):
     from reports.study.agreement import agreement_table
     from reports.study.cohort import cohort_table
+    from reports.study.contrast import contrast_table
     from reports.study.nearer import nearer_table
     from reports.study.tables import write_csv
 
-    make = {"agreement": agreement_table, "cohort": cohort_table, "nearer": nearer_table}[args.command]
-    write_csv(args.out, make(metrics_list(args.metrics)))
+    make = {"agreement": agreement_table, "cohort": cohort_table, "nearer": nearer_table, "contrast": contrast_table}
+    write_csv(args.out, make[args.command](metrics_list(args.metrics)))
 
 
 def run_differences(args):
@@ -135,6 +136,7 @@ def parser():
     for name, text in (
         ("agreement", "predictions against the reference, beside the published -> agreement.csv"),
         ("nearer", "whether VCI or radius correction is nearer to the lumen after PCI -> nearer.csv"),
+        ("contrast", "by how much both methods miss the lumen after PCI, case by case -> contrast.csv"),
         ("cohort", "one row a case -> cohort.csv"),
     ):
         command = commands.add_parser(name, help=text)

@@ -1,4 +1,4 @@
-"""Command line: python3 -m workflow validate|scene|provenance|manifest|verify|cohort."""
+"""Command line: python3 -m workflow validate|scene|stent-alone|provenance|manifest|verify|cohort."""
 
 import argparse
 import pathlib
@@ -61,6 +61,12 @@ def run_cohort(options):
         )
 
 
+def run_stent_alone(options):
+    from workflow.stent_alone import write_stent_alone
+
+    write_stent_alone(options.plan, options.out)
+
+
 @guarded
 def main(arguments=None):
     """Runs one command; exit code 2 and one message for a bad value, 3 for a study that differs."""
@@ -101,6 +107,10 @@ def main(arguments=None):
     cohort.add_argument("--keep-all", action="store_true", help="keep surfaces, meshes and fields of finished patients")
     cohort.add_argument("--dry-run", action="store_true", help="plan only")
     cohort.set_defaults(run=run_cohort)
+    alone = commands.add_parser("stent-alone", help="a plan with its stents' steps only")
+    alone.add_argument("plan", type=pathlib.Path, help="plan.json, made by `anatomy plan`")
+    alone.add_argument("--out", type=pathlib.Path, required=True, help="plan.json, in another folder of the same case")
+    alone.set_defaults(run=run_stent_alone)
     options = parser.parse_args(arguments)
     options.run(options)
 

@@ -14,6 +14,7 @@ CENTRELINE_OPTIONS = {
     "proximal_s_mm": "--proximal-s",
     "rotation_deg": "--rotation",
 }
+STENT_ALONE = ("rc_stent",)  # radius correction by the stents alone
 CT_STATES = ("ct", "ct_vci", "ct_rc")  # the reference as it is seen in CT, and predictions from the CT before it
 IMAGED = ("pre", "reference")  # states with a CT volume
 
@@ -25,13 +26,15 @@ class Inputs:
         self.configuration, self.results = configuration, results
 
     def states(self, case):
-        """The states of a case: the reference where there can be one, its CT where that is wanted; `post` where a lumen
-        after the real procedure is given."""
+        """The states of a case: the reference where there can be one, its CT and radius correction by the stents alone
+        where they are wanted; `post` where a lumen after the real procedure is given."""
+        settings = self.configuration.settings(case)
+        alone = STENT_ALONE if settings["metrics"]["stent_alone"] else ()
         if "post" in self.configuration.cases[case]:
-            return SURFACE_STATES + ("post",)
+            return SURFACE_STATES + alone + ("post",)
         if not self.has_reference(case):
-            return SURFACE_STATES
-        return SYNTHETIC_STATES + (CT_STATES if self.configuration.settings(case)["ct"]["enabled"] else ())
+            return SURFACE_STATES + alone
+        return SYNTHETIC_STATES + alone + (CT_STATES if settings["ct"]["enabled"] else ())
 
     def has_flow(self, case, state):
         """Whether the flow of a state is computed: not where only areas of `post` are compared."""

@@ -18,7 +18,16 @@ TITLES = {
     "minimum_area": ("Smallest CSA", " (mm²)", 2.0),
     "mean_curvature": ("Mean curvature", " (1/mm)", 0.04),
 }
-MARKERS = {"vci": "o", "rc": "^", "reference": "s", "ct": "D", "ct_vci": "o", "ct_rc": "^", "post": "P"}
+MARKERS = {
+    "vci": "o",
+    "rc": "^",
+    "rc_stent": "v",
+    "reference": "s",
+    "ct": "D",
+    "ct_vci": "o",
+    "ct_rc": "^",
+    "post": "P",
+}
 BEFORE = {"pre": "v"}
 ROW_HEIGHT, LEGEND_ROW, LEGEND_MARGIN = 3.0, 0.2, 0.2  # inches
 PUBLISHED_COLOUR = "#b9b9b9"

@@ -11,6 +11,7 @@ COLOURS = {
     "pre": "#6b6b6b",
     "vci": "#0072b2",
     "rc": "#d97b00",
+    "rc_stent": "#9c5b00",
     "reference": "#009e73",
     "ct": "#a3478f",
     "ct_vci": "#56b4e9",
@@ -22,6 +23,7 @@ DASHES = {
     "pre": (0, (4, 2)),
     "vci": "-",
     "rc": (0, (1.2, 1.2)),
+    "rc_stent": (0, (1.2, 2.4)),
     "reference": (0, (6, 1.5, 1.2, 1.5)),
     "ct": (0, (3, 1)),
     "ct_vci": (0, (2, 1)),
@@ -32,6 +34,7 @@ LABELS = {
     "pre": "Before PCI",
     "vci": "Virtual PCI (VCI)",
     "rc": "Radius correction",
+    "rc_stent": "Radius correction, stent alone",
     "reference": "Reference (finite elements)",
     "ct": "CT of the reference",
     "ct_vci": "VCI from CT",
@@ -39,7 +42,15 @@ LABELS = {
     "post": "After the real PCI",
     "measured": "Pressure wire",
 }
-SHORT = {"pre": "before", "vci": "VCI", "rc": "radius", "reference": "reference", "ct": "CT", "post": "after PCI"}
+SHORT = {
+    "pre": "before",
+    "vci": "VCI",
+    "rc": "radius",
+    "rc_stent": "radius, stent",
+    "reference": "reference",
+    "ct": "CT",
+    "post": "after PCI",
+}
 SHORT |= {"ct_vci": "VCI, CT", "ct_rc": "radius, CT", "measured": "wire"}
 ERRORS = {
     "method": "Method",

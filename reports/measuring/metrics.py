@@ -29,6 +29,7 @@ LEAST_COVERAGE = 0.5  # of the stations; with fewer the mean is no longer the se
 COMPARISONS = (
     ("vci", "reference", "method"),
     ("rc", "reference", "method"),
+    ("rc_stent", "reference", "method"),
     ("ct_vci", "vci", "imaging_before"),
     ("ct_rc", "rc", "imaging_before"),
     ("ct", "reference", "imaging_after"),
@@ -36,6 +37,7 @@ COMPARISONS = (
     ("ct_rc", "ct", "clinical"),
     ("vci", "post", "clinical"),
     ("rc", "post", "clinical"),
+    ("rc_stent", "post", "clinical"),
     ("pre", MEASURED, "measured"),
     ("post", MEASURED, "measured"),
     ("vci", MEASURED, "measured"),

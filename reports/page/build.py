@@ -9,6 +9,7 @@ import pandas as pd
 from common.files import replacing, sha256
 from reports.study.agreement import published
 from reports.study.bland_altman import sample_sd
+from reports.study.contrast import PROFILE
 from reports.study.differences import COHORT
 from reports.study.nearer import FEWEST, LEVEL
 from reports.inputs.case_files import PREDICTED_FROM_CT, STATES
@@ -26,6 +27,7 @@ QUANTITY_NAMES = {
     "minimum_area": "Smallest CSA",
     "mean_curvature": "Mean curvature",
 }
+CONTRAST_NAMES = QUANTITY_NAMES | {PROFILE: "CSA along the stent, rms"}
 QUANTITY_DIGITS = {"ffr": 3, "mean_area": 2, "minimum_area": 2, "mean_curvature": 3}  # at least
 MOST_DIGITS = 6
 UNITS = {"1": "", "mm2": "mm²", "1/mm": "/mm"}
@@ -59,6 +61,7 @@ def build_report(
             nearer_level=LEVEL,
             nearer_fewest=FEWEST,
             nearer_ffr_error=largest_ffr_error(contexts),
+            contrast=contrast_rows(read_csv(study_dir / "contrast.csv"), contexts),
             differences=differences,
             differences_figure=optional_image(figures_dir / "differences.svg") if differences else None,
             cohort_name=COHORT,
@@ -107,7 +110,7 @@ def environment():
 
 def read_csv(path):
     """The rows of a study table as dicts, None where a field is empty."""
-    table = pd.read_csv(existing(path, "reports agreement, cohort, differences, nearer, seconds, timings"))
+    table = pd.read_csv(existing(path, "reports agreement, cohort, contrast, differences, nearer, seconds, timings"))
     return [
         {k: None if isinstance(v, float) and math.isnan(v) else v for k, v in row.items()}
         for row in table.to_dict("records")
@@ -193,6 +196,23 @@ def unit_name(row):
 def nearer_rows(rows):
     """The rows of nearer.csv with the names and units of the page."""
     return [{**row, "name": QUANTITY_NAMES[row["quantity"]], "unit": unit_name(row)} for row in rows]
+
+
+def contrast_rows(rows, contexts):
+    """The rows of contrast.csv by case: [{name, id, description, quantities}]."""
+    by_case = []
+    for context in contexts:
+        of_case = [
+            {**row, "name": CONTRAST_NAMES[row["quantity"]], "unit": unit_name(row)}
+            for row in rows
+            if row["case"] == context["name"]
+        ]
+        if of_case:
+            description = context["metrics"]["patient"].get("description")
+            by_case.append(
+                {**{key: context[key] for key in ("name", "id")}, "description": description, "rows": of_case}
+            )
+    return by_case
 
 
 def largest_ffr_error(contexts):

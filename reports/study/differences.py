@@ -7,7 +7,7 @@ import pandas as pd
 from reports.measuring.metrics import COMPARISONS
 from reports.study.bland_altman import sample_sd
 
-PREDICTED, AFTER_PCI = ("vci", "rc", "ct_vci", "ct_rc"), ("reference", "ct", "post")
+PREDICTED, AFTER_PCI = ("vci", "rc", "rc_stent", "ct_vci", "ct_rc"), ("reference", "ct", "post")
 # name of the difference -> where a profile is in metrics.json, its key in `differences` there, suffix of the unit
 QUANTITIES = {
     "diff_area": ("area", "profile_mm2", "area_mm2", "mm2"),

@@ -31,7 +31,7 @@ def test_refused_before_work(fresh, file, old, new, expected):
 
 
 def test_unknown_cohort(fresh):
-    assert "one of full, quick" in refusal(fresh, cohort="small")
+    assert "one of nine, three, quick" in refusal(fresh, cohort="small")
 
 
 def test_missing_surface_says_where_to_put_it(fresh, tmp_path):

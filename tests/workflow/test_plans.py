@@ -15,7 +15,7 @@ def test_dry_run_of_a_fresh_clone_plans_every_state(fresh):
 
 
 def test_no_product_of_two_jobs(fresh):
-    jobs = fresh.jobs(cohort="full")
+    jobs = [*fresh.jobs(cohort="three"), *fresh.jobs(cohort="contrast")]
     makers = collections.Counter(
         name for job in jobs for name in [*job["output"], *job["log"], job["benchmark"]] if name
     )
@@ -23,7 +23,7 @@ def test_no_product_of_two_jobs(fresh):
 
 
 def test_every_rule_keeps_a_log_and_a_benchmark(fresh):
-    jobs = [job for job in fresh.jobs(cohort="full") if job["name"] != "all"]
+    jobs = [job for job in fresh.jobs(cohort="three") if job["name"] != "all"]
     assert [job["name"] for job in jobs if not job["log"]] == []
     without = {job["name"] for job in jobs if not job["benchmark"]}
     assert without == {"settings"}, "only writing down settings is not worth a benchmark"
@@ -119,6 +119,13 @@ def test_a_case_without_ct_has_none(fresh):
     assert "flow_solve quick_focal ct" not in planned and "flow_solve quick_branch ct" in planned
 
 
+def test_radius_correction_by_the_stents_alone_where_it_is_asked_for(fresh):
+    assert not [job for job in fresh.planned() if "rc_stent" in job or "stent_alone" in job]
+    planned = fresh.planned(cohort="contrast")
+    for case in ("contrast_bend", "contrast_overlap"):
+        assert {f"stent_alone {case}", f"stent_alone_radius_correct {case}", f"flow_solve {case} rc_stent"} <= planned
+
+
 def test_a_plan_in_two_branches_has_no_reference(fresh):
     run = fresh.snakemake("--dry-run", cases="culotte_bench")
     text = run.stdout + run.stderr
@@ -127,7 +134,7 @@ def test_a_plan_in_two_branches_has_no_reference(fresh):
     assert "reference lumen" not in text and "CT of" not in text
 
 
-@pytest.mark.parametrize("cohort", ["full", "quick", "nine", "hard"])
+@pytest.mark.parametrize("cohort", ["nine", "three", "quick", "contrast", "hard"])
 def test_shipped_cohorts_are_complete(fresh, cohort):
     assert fresh.planned(cohort=cohort)
 

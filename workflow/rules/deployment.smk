@@ -138,6 +138,41 @@ rule reference:
         " --truth {input.truth} --settings {input.settings} --out {params.out}"
 
 
+# Radius correction by the stents alone, as the source's own example has it: no balloon but the stents' own is known.
+rule stent_alone:
+    message:
+        "{wildcards.case}: the plan's stents alone"
+    input:
+        plan="results/cases/{case}/vci/plan.json",
+        code=code("workflow", "workflow.stent_alone"),
+    output:
+        "results/cases/{case}/rc_stent/plan.json",
+    log:
+        "results/cases/{case}/logs/rc_stent/plan.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/rc_stent/plan.tsv"
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m workflow stent-alone {input.plan} --out {output}"
+
+
+use rule radius_correct as stent_alone_radius_correct with:
+    message:
+        "{wildcards.case}: radius correction by the stents alone"
+    input:
+        scene="results/cases/{case}/rc_stent/plan.json",
+        lumen="results/cases/{case}/anatomy/lumen.vtp",
+        centreline="results/cases/{case}/anatomy/centreline.vtp",
+        binary=VCI,
+    output:
+        lumen="results/cases/{case}/rc_stent/lumen.vtp",
+        stl="results/cases/{case}/rc_stent/lumen.stl",
+        deployment="results/cases/{case}/rc_stent/deployment.json",
+    log:
+        "results/cases/{case}/logs/rc_stent/radius_correct.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/rc_stent/radius_correct.tsv"
+
+
 # The same procedure predicted from the lumen that is found in the CT before it, as a clinic has to.
 rule carry_plan:
     message:

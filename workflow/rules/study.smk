@@ -112,6 +112,22 @@ rule nearer:
         "workflow/run.sh {log} /usr/bin/python3 -m reports nearer --metrics {input.metrics} --out {output}"
 
 
+rule contrast:
+    message:
+        "VCI and radius correction, case by case"
+    input:
+        metrics=expand("results/cases/{case}/metrics.json", case=CASES),
+        code=code("reports", "reports.study.contrast", "reports.study.tables"),
+    output:
+        "results/study/contrast.csv",
+    log:
+        "results/study/logs/contrast.log",
+    benchmark:
+        "results/study/benchmarks/contrast.tsv"
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m reports contrast --metrics {input.metrics} --out {output}"
+
+
 rule differences:
     message:
         "Diff^A and Diff^C against the lumen after PCI"
@@ -236,7 +252,7 @@ rule report:
         ),
         study_figures=expand("results/figures/{name}.{format}", name=STUDY_FIGURES, format=["svg", "png"]),
         pictures=expand("results/cases/{case}/{picture}.png", case=CASES, picture=["anatomy/tree", "vci/plan"]),
-        tables=expand("results/study/{table}.csv", table=["agreement", "nearer", "differences", "seconds", "timings", "cohort"]),
+        tables=expand("results/study/{table}.csv", table=["agreement", "nearer", "contrast", "differences", "seconds", "timings", "cohort"]),
         software="results/study/software.json",
         provenance="results/study/provenance.json",
         code=code("reports", "reports.page.build"),

@@ -37,7 +37,7 @@ def study(make_case, tmp_path):
             main(["metrics", "--case", name, "--case-dir", str(folders[-1]), "--out", out])
         metrics = [str(folder / "metrics.json") for folder in folders]
         dirs = [str(folder) for folder in folders]
-        for name in ("agreement", "cohort", "nearer"):
+        for name in ("agreement", "cohort", "contrast", "nearer"):
             main([name, "--metrics", *metrics, "--out", str(tmp_path / "study" / f"{name}.csv")])
         tables = ["--stations", str(tmp_path / "stations.csv"), "--out", str(tmp_path / "study" / "differences.csv")]
         main(["differences", "--metrics", *metrics, *tables])
@@ -71,6 +71,7 @@ def test_report_of_a_case_with_and_one_without_reference(study, tmp_path):
         "slice spacing mm 1.0 instead of 0.75.",
         '<td class="text">balloon-extraction</td>',
         "Along the stent: Diff<sup>A</sup> and Diff<sup>C</sup>",
+        "Case by case: where the two methods part",
         "Minimal stent area 7.30 mm²; smallest lumen within the stent 7.05 mm²",
         "<li>stent: opened beyond its maximal diameter</li>",
     ):

@@ -86,7 +86,7 @@ def test_make_help_lists_the_shipped_cohorts(folder, repo_root):
 
 def test_unknown_cohort_and_case(folder):
     found = Configuration(folder)
-    with pytest.raises(InputError, match="one of full, quick"):
+    with pytest.raises(InputError, match="one of nine, three, quick"):
         found.selected("small")
     with pytest.raises(InputError, match="lad99"):
         found.selected("quick", "lad99")

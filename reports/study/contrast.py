@@ -1,0 +1,79 @@
+"""contrast.csv: in each case, by how much VCI and radius correction miss the lumen after PCI, and which is nearer."""
+
+import pandas as pd
+
+from reports.inputs.reading import number
+from reports.study.agreement import QUANTITIES, UNITS
+
+TRUTHS = ("reference", "post")  # the first that a case has
+METHODS = ("vci", "rc", "rc_stent")  # radius correction by the largest balloon, and by the stents alone
+NEARER = {"vci": "VCI", "rc": "radius correction"}
+UNDECIDED = "within the flow's error"
+PROFILE = "area_profile"  # root mean square of the area's difference along the stent: what a mean lets cancel
+COLUMNS = ["case", "quantity", "unit", "truth", "value"]
+COLUMNS += [f"error_{method}" for method in METHODS] + ["nearer", "nearer_by"]
+
+
+def contrast_table(documents):
+    """DataFrame of contrast.csv from the metrics documents, in their order: a row a case and quantity.
+
+    value: after PCI. error_*: predicted minus that, empty where the case has no such prediction; of the profile, which
+    has no value, the root mean square over the stations. nearer_by: the difference of the two errors' sizes.
+    """
+    rows = []
+    for document in documents:
+        truth = next((state for state in TRUTHS if state in document["states"]), None)
+        if truth is None or "vci" not in document["states"]:
+            continue
+        for quantity in ("ffr", "mean_area", "minimum_area", PROFILE, "mean_curvature"):
+            row = row_of(document, quantity, truth)
+            if row["error_vci"] is not None:
+                rows.append({"case": document["case"], "quantity": quantity, "truth": truth, **row})
+    return pd.DataFrame(rows, columns=COLUMNS)
+
+
+def row_of(document, quantity, truth):
+    """The columns of one case and quantity from `unit` on."""
+    if quantity == PROFILE:
+        errors = {method: profile_error(document, method, truth) for method in METHODS}
+        row = {"unit": UNITS["mean_area"], "value": None}
+    else:
+        value = value_of(document, quantity, truth)
+        predicted = {method: value_of(document, quantity, method) for method in METHODS}
+        errors = {m: None if None in (value, found) else found - value for m, found in predicted.items()}
+        row = {"unit": UNITS[quantity], "value": value}
+    row |= {f"error_{method}": error for method, error in errors.items()}
+    return row | verdict(errors, flow_error(document, truth) if quantity == "ffr" else 0.0)
+
+
+def value_of(document, quantity, state):
+    """A quantity of a state; None where the case has no such state, or no flow of it."""
+    entry = document["states"].get(state)
+    if entry is None or (quantity == "ffr" and entry["ffr"] is None):
+        return None
+    return number(entry, QUANTITIES[quantity], f"metrics of {document['case']}, {state}")
+
+
+def profile_error(document, method, truth):
+    """Root mean square of the area's difference over the stations, mm2; None where the case has no such prediction."""
+    found = document["differences"].get(f"{method}_minus_{truth}")
+    return None if found is None else found["area_mm2"]["rmse"]
+
+
+def flow_error(document, truth):
+    """The largest error estimate of the FFRs that are compared; None if one of them is not known."""
+    states = [document["states"].get(state) for state in ("vci", "rc", truth)]
+    known = [entry["ffr"]["error_estimate"] for entry in states if entry and entry["ffr"]]
+    return None if None in known else max(known, default=0.0)
+
+
+def verdict(errors, noise):
+    """nearer, nearer_by of the errors {method: error}; none where a method is missing.
+
+    noise: the computation's own error, below which nothing is decided; None: not known.
+    """
+    if errors["vci"] is None or errors["rc"] is None:
+        return {"nearer": None, "nearer_by": None}
+    lead = abs(errors["rc"]) - abs(errors["vci"])
+    nearer = NEARER["vci" if lead > 0.0 else "rc"] if noise is not None and abs(lead) > noise else UNDECIDED
+    return {"nearer": nearer, "nearer_by": abs(lead)}

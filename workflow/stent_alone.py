@@ -1,0 +1,22 @@
+"""The plan of the stents alone: what radius correction knows where it takes only the stent's size."""
+
+import json
+
+from common.errors import InputError
+from common.files import write_json
+
+
+def write_stent_alone(plan_file, out):
+    """Writes `out`: the plan's document with those steps only that place stents. Unused devices stay listed.
+
+    Raises InputError for a plan without a stent, and if the plan's relative paths would not hold beside `out`.
+    """
+    plan = json.loads(plan_file.read_text())
+    if out.resolve().parent.parent != plan_file.resolve().parent.parent:
+        raise InputError("plan in another case", "--out", out, f"write it beside {plan_file.parent}")
+    stents = {name for name, device in plan["devices"].items() if device["kind"] == "stent"}
+    steps = [step for step in plan["procedure"] if any(use["device"] in stents for use in step["devices"])]
+    if not steps:
+        actions = [step["action"] for step in plan["procedure"]]
+        raise InputError("no stent in the plan", f"{plan_file}: procedure", actions, "leave metrics.stent_alone false")
+    write_json(out, {**plan, "procedure": steps})
