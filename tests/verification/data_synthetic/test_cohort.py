@@ -47,12 +47,29 @@ def network_ffr(case, branches):
     return float(np.interp(at * 1e-3, s, pressure)) / map_pa
 
 
-def opened(branches, lesion):
-    """The branches with the healthy radius from end to end of a lesion of main, as a stent leaves it at best."""
+def treated(case):
+    """The lesions of main whose middle a stent covers; of a proposed plan the first."""
+    lesions = case["vessel"]["lesions"]
+    if case["plan"] == "auto":
+        return lesions[:1]
+    found = []
+    for lesion in lesions:
+        for step in case["plan"]:
+            for device in step["devices"]:
+                at = device.get("centre_s_mm", lesions[device.get("lesion", 1) - 1]["centre_s_mm"])
+                covers = abs(at - lesion["centre_s_mm"]) < 0.5 * device["length_mm"]
+                if step["action"] == "stent" and covers and lesion not in found:
+                    found.append(lesion)
+    return found
+
+
+def opened(branches, lesions):
+    """The branches with the healthy radius from end to end of lesions of main, as a stent leaves them at best."""
     main = branches[0]
-    s, half = main.axis.s_mm, 0.5 * lesion["length_mm"] + 1
-    centre = main.lesions[0]["centre_s_mm"]
-    radius = np.where(np.abs(s - centre) < half, main.healthy_mm, main.radius_mm)
+    radius = main.radius_mm.copy()
+    for lesion in lesions:
+        inside = np.abs(main.axis.s_mm - lesion["centre_s_mm"]) < 0.5 * lesion["length_mm"] + 1
+        radius[inside] = main.healthy_mm[inside]
     return [dataclasses.replace(main, radius_mm=radius), *branches[1:]]
 
 
@@ -61,26 +78,35 @@ def cases_of(repo_root, cohort):
     return {name: patient.load(repo_root / "config" / "cases" / f"{name}.yaml") for name in names}
 
 
-def test_nine_patients_are_like_the_published_ones(repo_root):
+def test_nine_patients_spread_like_the_published_ones(repo_root):
+    """Published: FFR .90 (.08) or .92 (.09) after, below .80 before; area 16.4 (4.4) or 17.9 (4.8) mm2.
+
+    The area is a little less than the widest balloon's. The network loses less than the flow in three dimensions.
+    """
     cases = cases_of(repo_root, "nine")
     assert len(cases) == 9
-    both = 0
+    after, widest, unprepared, bifurcations, calcified, two = [], [], [], [], [], []
     for name, case in cases.items():
         branches = tree.grow(case["vessel"], name)
-        lesion = case["vessel"]["lesions"][0]
-        before, after = network_ffr(case, branches), network_ffr(case, opened(branches, lesion))
-        assert 0.70 < before < 0.80 and 0.88 < after < 0.94, (name, before, after)
+        lesions = treated(case)
+        assert 0.65 < network_ffr(case, branches) < 0.78, name
+        after.append(network_ffr(case, opened(branches, lesions)))
+        lesion = lesions[0]
         reach = 0.5 * lesion["length_mm"] + 2.5
         place = np.linspace(lesion["centre_s_mm"] - reach, lesion["centre_s_mm"] + reach, 80)
         assert 0.1 <= branches[0].axis.curvature(place).mean() <= 0.2, name
-        if case["plan"] == "auto":
-            both += 1  # predilatation, stent, post-dilatation
-            continue
-        actions = [step["action"] for step in case["plan"]]
-        both += {"predilatation", "postdilatation"} <= set(actions)
-        widest = max(device["diameter_mm"] for step in case["plan"] for device in step["devices"])
-        assert 12 <= np.pi / 4 * widest**2 <= 22, name
-    assert both == 7
+        mouths = [side["s_mm"] for side in case["vessel"]["side_branches"]]
+        bifurcations += [name] if any(abs(s - lesion["centre_s_mm"]) < 2 for s in mouths) else []
+        calcified += [name] if lesion.get("calcium", {}).get("arc_deg", 0) > 180 else []
+        two += [name] if len(lesions) == 2 else []
+        if case["plan"] != "auto":
+            unprepared += [] if "predilatation" in [step["action"] for step in case["plan"]] else [name]
+            balloons = [device["diameter_mm"] for step in case["plan"] for device in step["devices"]]
+            widest.append(np.pi / 4 * max(balloons) ** 2)
+    assert np.mean(after) == pytest.approx(0.93, abs=0.02) and 0.03 < np.std(after, ddof=1) < 0.06
+    assert min(after) < 0.87 and max(after) > 0.98
+    assert 15 < np.mean(widest) < 20 and 3.5 < np.std(widest, ddof=1) < 6
+    assert [len(names) for names in (unprepared, bifurcations, calcified, two)] == [2, 2, 1, 1]
 
 
 def test_hard_anatomies_can_be_grown(repo_root):
