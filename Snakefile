@@ -20,6 +20,7 @@ from workflow.inputs import (
     case_folder,
     cohort_option,
     figures_folder,
+    frames_option,
     output_folder,
     programs_folder,
     stent_options,

@@ -96,6 +96,19 @@ def run_figures(args):
         study_figures(metrics_list(args.metrics), args.out_dir)
 
 
+def run_procedure(args):
+    from reports.figures.procedure import procedure_figure
+
+    procedure_figure(args.case, args.deployment, args.frames, args.out_dir)
+
+
+def run_ct(args):
+    from reports.figures.ct_slices import ct_figure
+
+    for files in case_list(args):
+        ct_figure(files, read_json(files.metrics, "reports metrics"), args.out_dir)
+
+
 def run_software(args):
     from reports.study.software import software_versions
 
@@ -174,6 +187,18 @@ def parser():
     command.add_argument("--metrics", nargs="+", type=path, default=[], help="metrics.json of the study's cases")
     command.add_argument("--out-dir", required=True, type=path, help="results/figures")
     command.set_defaults(run=run_figures)
+
+    command = commands.add_parser("procedure", help="the steps of one procedure stage by stage -> SVG and PNG")
+    command.add_argument("--case", required=True, help="the case's name")
+    command.add_argument("--deployment", required=True, type=path, help="deployment.json")
+    command.add_argument("--frames", required=True, type=path, help="the folder of `vci deploy --frames`")
+    command.add_argument("--out-dir", required=True, type=path, help="results/figures")
+    command.set_defaults(run=run_procedure)
+
+    command = commands.add_parser("ct", help="slices of a case's CT with lumen and plaque -> SVG and PNG")
+    command.add_argument("--case-dir", required=True, nargs="+", type=path, help="results/cases/<case>, of each case")
+    command.add_argument("--out-dir", required=True, type=path, help="results/figures")
+    command.set_defaults(run=run_ct)
 
     command = commands.add_parser("software", help="versions of what the study runs on, and git revision -> JSON")
     command.add_argument("--repository", type=path, default=path("."), help="the repository's folder (.)")

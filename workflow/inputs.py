@@ -290,6 +290,11 @@ def output_folder(wildcards, output):
     return os.path.dirname(output[0])
 
 
+def frames_option(wildcards, output):
+    """Command-line option of `vci deploy` for the states at each stage's end; none where they are not wanted."""
+    return f"--frames {output.frames}" if "frames" in output.keys() else ""
+
+
 def anatomy_folder(wildcards, input):
     """Folder of the anatomy that a rule reads files of."""
     return os.path.dirname(input.get("lumen") or input.anatomy)

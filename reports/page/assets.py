@@ -18,6 +18,11 @@ def image_uri(path):
     return f"data:{TYPES[path.suffix]};base64,{base64.b64encode(data).decode('ascii')}"
 
 
+def optional_image(path):
+    """The image's data URI, None if there is no such file."""
+    return image_uri(path) if path.exists() else None
+
+
 def script(path):
     """A script's text, fit to stand inside <script>; InputError if it holds the closing tag."""
     text = existing(path, "setup (Debian package libjs-three)").read_text()

@@ -14,7 +14,7 @@ from reports.study.differences import COHORT
 from reports.study.nearer import FEWEST, LEVEL
 from reports.inputs.case_files import PREDICTED_FROM_CT, STATES
 from reports.figures.style import COLOURS, ERRORS, LABELS, SHORT
-from reports.page.assets import TEMPLATES, image_uri, script, three_scripts
+from reports.page.assets import TEMPLATES, image_uri, optional_image, script, three_scripts
 from reports.page.benchmarks import benchmarks
 from reports.page.case_context import case_context
 from reports.page.evidence import evidence_rows, read_results
@@ -115,11 +115,6 @@ def read_csv(path):
         {k: None if isinstance(v, float) and math.isnan(v) else v for k, v in row.items()}
         for row in table.to_dict("records")
     ]
-
-
-def optional_image(path):
-    """The image's data URI, None if there is no such file: no case has a reference."""
-    return image_uri(path) if path.exists() else None
 
 
 def script_json(document):

@@ -5,7 +5,7 @@ import json
 from reports.study.cohort import describe_device, describe_procedure
 from reports.measuring.measured import wire_pair
 from reports.inputs.case_files import pictured
-from reports.page.assets import image_uri
+from reports.page.assets import image_uri, optional_image
 from reports.page.geometry import viewer_data
 from reports.measuring.profiles import error_of
 from reports.inputs.reading import read_json
@@ -63,7 +63,9 @@ def case_context(files, figures_dir):
         "modified": [state for state, row in flow.items() if not _steady(row["solution"])],
         "reference": optional_json(files.folder / "reference" / "reference.json"),
         "still": image_uri(figures_dir / f"{files.case}_lumen.png"),
-        "plan_picture": image_uri(plan) if (plan := files.folder / "vci" / "plan.png").exists() else None,
+        "procedure_picture": optional_image(figures_dir / f"{files.case}_procedure.png"),
+        "ct_picture": optional_image(figures_dir / f"{files.case}_ct.png"),
+        "plan_picture": optional_image(files.folder / "vci" / "plan.png"),
         "curves": [{"uri": image_uri(figures_dir / f"{files.case}_{name}.svg"), "alt": text} for name, text in CURVES],
         "wire": wire_rows(metrics),
         "viewer": viewer_data(files, metrics),

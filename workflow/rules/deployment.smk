@@ -81,14 +81,16 @@ rule deploy:
         stl="results/cases/{case}/vci/lumen.stl",
         deployment="results/cases/{case}/vci/deployment.json",
         devices=directory("results/cases/{case}/vci/devices"),
+        frames=directory("results/cases/{case}/vci/frames"),
     log:
         "results/cases/{case}/logs/vci/deploy.log",
     benchmark:
         "results/cases/{case}/benchmarks/vci/deploy.tsv"
     params:
         out=output_folder,
+        frames=frames_option,
     shell:
-        "workflow/run.sh {log} {input.binary} deploy {input.scene} --out {params.out}"
+        "workflow/run.sh {log} {input.binary} deploy {input.scene} --out {params.out} {params.frames}"
 
 
 rule radius_correct:

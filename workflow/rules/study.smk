@@ -62,6 +62,51 @@ rule case_figures:
         "workflow/run.sh {log} /usr/bin/python3 -m reports figures --case-dir {params.case_dir} --out-dir {params.out}"
 
 
+rule procedure_figure:
+    message:
+        "{wildcards.case}: the procedure stage by stage"
+    input:
+        deployment="results/cases/{case}/vci/deployment.json",
+        frames="results/cases/{case}/vci/frames",
+        code=code("reports", "reports.figures.procedure"),
+    output:
+        multiext("results/figures/{case}_procedure.", "svg", "png"),
+    log:
+        "results/cases/{case}/logs/procedure_figure.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/procedure_figure.tsv"
+    params:
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m reports procedure --case {wildcards.case} --deployment {input.deployment}"
+        " --frames {input.frames} --out-dir {params.out}"
+
+
+rule ct_figure:
+    message:
+        "{wildcards.case}: slices of its CT"
+    input:
+        expand("results/cases/{{case}}/ct/{state}/ct.nii.gz", state=["pre", "reference"]),
+        expand(
+            "results/cases/{{case}}/{anatomy}/{file}.vtp",
+            anatomy=["anatomy", "reference/anatomy", "ct_pre/anatomy", "ct/anatomy"],
+            file=["lumen", "centreline"],
+        ),
+        metrics="results/cases/{case}/metrics.json",
+        code=code("reports", "reports.figures.ct_slices"),
+    output:
+        multiext("results/figures/{case}_ct.", "svg", "png"),
+    log:
+        "results/cases/{case}/logs/ct_figure.log",
+    benchmark:
+        "results/cases/{case}/benchmarks/ct_figure.tsv"
+    params:
+        case_dir=case_folder,
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m reports ct --case-dir {params.case_dir} --out-dir {params.out}"
+
+
 rule study_figures:
     message:
         "figures of the study"
@@ -248,8 +293,9 @@ rule report:
     input:
         metrics=expand("results/cases/{case}/metrics.json", case=CASES),
         figures=expand(
-            "results/figures/{case}_{name}.{format}", case=CASES, name=CASE_FIGURES, format=["svg", "png"]
+            "results/figures/{case}_{name}.{format}", case=CASES, name=[*CASE_FIGURES, "procedure"], format=["svg", "png"]
         ),
+        ct=expand("results/figures/{case}_ct.png", case=[case for case in CASES if "ct" in INPUTS.states(case)]),
         study_figures=expand("results/figures/{name}.{format}", name=STUDY_FIGURES, format=["svg", "png"]),
         pictures=expand("results/cases/{case}/{picture}.png", case=CASES, picture=["anatomy/tree", "vci/plan"]),
         tables=expand("results/study/{table}.csv", table=["agreement", "nearer", "contrast", "differences", "seconds", "timings", "cohort"]),

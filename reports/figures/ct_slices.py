@@ -1,0 +1,106 @@
+"""Slices of the CT before and after the procedure with lumen and plaque, as figure 5 of Lyu et al. 2025."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import vtk
+from scipy.ndimage import map_coordinates
+from vtk.util.numpy_support import vtk_to_numpy
+
+from reports.figures.style import LABELS, save
+from reports.inputs.polyline import read_centreline
+from reports.inputs.reading import existing, read_polydata
+
+HALF_MM, PIXEL_MM = 5.0, 0.05
+WINDOW_HU = (-200.0, 800.0)
+PLACES = ("Proximal end", "Tightest place before", "Distal end")  # of the stented segment and its margins
+# state of the image -> states whose lumens are drawn on it: the true one, and that found in it
+IMAGES = {"pre": ("pre", "ct_pre"), "reference": ("reference", "ct")}
+FOUND = ("ct_pre", "ct")
+TRUE_COLOUR, FOUND_COLOUR, PLAQUE_COLOUR = "#5fe3c0", "#ff8ad8", "#e6c229"  # on black
+
+
+def ct_figure(files, metrics, folder):
+    """Writes <case>_ct.{svg,png}: a row an image, a column a place across the stented segment. Returns their paths."""
+    before = metrics["states"]["pre"]["area"]["profile_mm2"]
+    stations = dict(zip(PLACES, (0, int(np.argmin(before)), len(before) - 1)))
+    with plt.rc_context({"figure.constrained_layout.use": False}):  # images of one size leave it too much room
+        figure, grid = plt.subplots(len(IMAGES), len(PLACES), figsize=(7.5, 5.6), squeeze=False)
+    figure.subplots_adjust(left=0.04, right=0.99, bottom=0.09, top=0.95, wspace=0.03, hspace=0.03)
+    for row, (image, states) in zip(grid, IMAGES.items()):
+        line = read_centreline(files.anatomy(image) / "centreline.vtp", metrics["segment"]["branch"])
+        values, origin, spacing = read_volume(files.folder / "ct" / image / "ct.nii.gz")
+        for axes, (place, station) in zip(row, stations.items()):
+            centre, across = plane_at(line, metrics["states"][image]["s_mm"][station])
+            show_slice(axes, values, origin, spacing, centre, across)
+            for state in states:
+                outline(axes, files.lumen(state), centre, across, state)
+            if image == "pre":
+                axes.set_title(place, fontsize=8.5)
+        row[0].set_ylabel(LABELS[image])
+    handles = {label: handle for axes in grid.ravel() for handle, label in zip(*axes.get_legend_handles_labels())}
+    figure.legend(handles.values(), handles, loc="lower center", ncols=len(handles), fontsize=8.5)
+    return save(figure, folder, f"{files.case}_ct")
+
+
+def read_volume(path):
+    """(values (nx, ny, nz) in HU, centre of the first voxel (3,), spacing (3,)) of a volume; mm, the lumen's frame."""
+    reader = vtk.vtkNIFTIImageReader()
+    reader.SetFileName(str(existing(path, "data_synthetic phantom")))
+    reader.Update()
+    data, matrix = reader.GetOutput(), reader.GetQFormMatrix()
+    values = vtk_to_numpy(data.GetPointData().GetScalars()).reshape(data.GetDimensions(), order="F")
+    return values, np.array([matrix.GetElement(k, 3) for k in range(3)]), np.array(data.GetSpacing())
+
+
+def plane_at(line, s_mm):
+    """(centre (3,), axes (2, 3) of the plane) of the section across a line at an arc length."""
+    centre, ahead = line.at(s_mm), line.at(s_mm + 1.0) - line.at(s_mm - 1.0)
+    ahead /= np.linalg.norm(ahead)
+    first = np.cross(ahead, np.eye(3)[np.abs(ahead).argmin()])
+    first /= np.linalg.norm(first)
+    return centre, np.stack([first, np.cross(ahead, first)])
+
+
+def show_slice(axes, values, origin, spacing, centre, across):
+    """The volume on the plane, in grey."""
+    at = np.arange(-HALF_MM, HALF_MM + 0.5 * PIXEL_MM, PIXEL_MM)
+    points = centre + at[None, :, None] * across[0] + at[:, None, None] * across[1]
+    where = np.moveaxis((points - origin) / spacing, -1, 0)
+    grey = map_coordinates(values.astype(np.float32), where, order=1, mode="nearest")
+    extent = (-HALF_MM, HALF_MM, -HALF_MM, HALF_MM)
+    axes.imshow(grey, cmap="gray", vmin=WINDOW_HU[0], vmax=WINDOW_HU[1], origin="lower", extent=extent)
+    axes.grid(False)
+    axes.set(xticks=[], yticks=[])
+
+
+def outline(axes, lumen, centre, across, state):
+    """The lumen of a file on the plane, and where it carries plaque the plaque's outer edge."""
+    surface = read_polydata(lumen, "anatomy")
+    plane = vtk.vtkPlane()
+    plane.SetOrigin(*centre)
+    plane.SetNormal(*np.cross(*across))
+    cutter = vtk.vtkCutter()
+    cutter.SetInputData(surface)
+    cutter.SetCutFunction(plane)
+    nearest = vtk.vtkPolyDataConnectivityFilter()
+    nearest.SetInputConnection(cutter.GetOutputPort())
+    nearest.SetExtractionModeToClosestPointRegion()
+    nearest.SetClosestPoint(*centre)
+    nearest.Update()
+    cut = vtk.vtkCleanPolyData()
+    cut.SetInputConnection(nearest.GetOutputPort())
+    cut.Update()
+    points = vtk_to_numpy(cut.GetOutput().GetPoints().GetData())
+    flat = (points - centre) @ across.T
+    order = np.argsort(np.arctan2(*(flat - flat.mean(0)).T[::-1]))
+    ring = flat[np.append(order, order[0])]
+    if state in FOUND:
+        axes.plot(*ring.T, color=FOUND_COLOUR, linestyle=":", label="Lumen found in the CT")
+    else:
+        axes.plot(*ring.T, color=TRUE_COLOUR, linewidth=1.2, label="True lumen")
+    thickness = cut.GetOutput().GetPointData().GetArray("plaque_thickness_mm")
+    if thickness is not None and state == "pre":
+        behind = np.nan_to_num(vtk_to_numpy(thickness))[np.append(order, order[0])]
+        outwards = ring - flat.mean(0)
+        edge = ring + outwards / np.linalg.norm(outwards, axis=1, keepdims=True) * behind[:, None]
+        axes.plot(*edge.T, color=PLAQUE_COLOUR, linewidth=1.2, label="Outer edge of the plaque")

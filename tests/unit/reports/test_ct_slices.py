@@ -1,0 +1,51 @@
+"""Slices of the CT: the volume in the lumen's frame, outlines and plaque where they are."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+from common.volume import Image, write
+from reports.figures.ct_slices import outline, plane_at, read_volume, show_slice
+from reports.inputs.polyline import Polyline
+from tests.unit.reports.conftest import Tube, add_array, tube_surface, write_vtp
+
+ORIGIN, SPACING = np.array([-8.0, -6.0, -7.0]), np.array([0.5, 0.4, 0.6])
+
+
+@pytest.fixture
+def volume(tmp_path):
+    """HU = 10 x + 20 y + 30 z, which interpolation gives back exactly; and its file."""
+    index = np.stack(np.meshgrid(*(np.arange(n) for n in (50, 40, 30)), indexing="ij"), -1)
+    values = (ORIGIN + SPACING * index) @ [10.0, 20.0, 30.0]
+    write(Image(values, ORIGIN, SPACING), tmp_path / "ct.nii.gz", "test")
+    return tmp_path / "ct.nii.gz"
+
+
+def test_a_slice_lies_where_the_line_is(volume):
+    values, origin, spacing = read_volume(volume)
+    assert origin == pytest.approx(ORIGIN) and spacing == pytest.approx(SPACING)
+    line = Polyline(np.array([[2.0, 0.0, z] for z in np.arange(-5.0, 6.0)]), np.arange(11.0), "test")
+    centre, across = plane_at(line, 4.5)
+    assert centre == pytest.approx([2.0, 0.0, -0.5]) and across @ [0.0, 0.0, 1.0] == pytest.approx([0.0, 0.0])
+    _, axes = plt.subplots()
+    show_slice(axes, values, origin, spacing, centre, across)
+    grey = axes.images[0].get_array()
+    assert grey[100, 100] == pytest.approx(10 * 2.0 - 30 * 0.5, abs=1.0)
+    corner = centre - 5.0 * across.sum(0)
+    assert grey[0, 0] == pytest.approx(corner @ [10.0, 20.0, 30.0], abs=1.0)
+    plt.close()
+
+
+@pytest.mark.parametrize("state, lines", [("pre", 2), ("reference", 1), ("ct_pre", 1)])
+def test_outlines_of_lumen_and_plaque(tmp_path, state, lines):
+    tube, place = Tube(0.0), 20.0
+    surface = tube_surface(tube, around=60)
+    add_array(surface.GetPointData(), "plaque_thickness_mm", np.full(surface.GetNumberOfPoints(), 0.7))
+    write_vtp(tmp_path / "lumen.vtp", surface)
+    line = Polyline(tube.frame(tube.s())[0], tube.s(), "test")
+    _, axes = plt.subplots()
+    outline(axes, tmp_path / "lumen.vtp", *plane_at(line, place), state)
+    assert len(axes.lines) == lines, "plaque belongs to the lumen before the procedure"
+    for drawn, radius in zip(axes.lines, (1.6, 2.3)):
+        assert np.hypot(*drawn.get_data()) == pytest.approx(radius, abs=0.02)
+    plt.close()
