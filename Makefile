@@ -14,7 +14,7 @@ REPORT := results/report/index.html
 export GLIBC_TUNABLES ?= glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4
 
 .DEFAULT_GOAL := study
-.PHONY: setup build validate study manifest verify cohort unlock test test-cpp test-python sanitize fuzz lint format docs clean help
+.PHONY: setup build validate study manifest verify cohort faults unlock test test-cpp test-python sanitize fuzz lint format docs clean help
 
 help: ## show this list
 	@grep -E '^[a-z-]+:.*##' Makefile | sed 's/:.*##/ -/'
@@ -47,6 +47,9 @@ verify: ## compare a finished study with the manifest that ships, config/manifes
 cohort: build ## draw N patients of SEED, run them in shards by the reduced flow, and tabulate them (results/cohort)
 	@$(PYTHON) -m workflow cohort --count $(N) --seed $(SEED) --cores $(CORES) --out results/cohort/seed$(SEED)
 	@$(PYTHON) -m reports subgroups --cohort results/cohort/seed$(SEED) --out results/cohort/seed$(SEED)
+
+faults: build ## kill a small study, fill its disk and so on, resume it, compare bits; writes docs/faults.md
+	@$(PYTHON) tests/faults/run.py --out results/faults --page docs/faults.md
 
 unlock: ## after a run that was killed (power cut, kill -9): let the next one go on from there
 	@$(SNAKEMAKE) --unlock --cores 1

@@ -1,0 +1,162 @@
+#!/usr/bin/env python3
+"""Does faults to a small study, resumes it, compares with an undisturbed run; writes a table (CSV) and a page.
+
+    /usr/bin/python3 tests/faults/run.py --seed 1 --kills 20 --out results/faults --page docs/faults.md
+"""
+
+import argparse
+import csv
+import pathlib
+import random
+import subprocess
+import sys
+import tempfile
+import time
+
+import faults
+from study import Study
+
+COLUMNS = (
+    "name",
+    "fault",
+    "moment_s",
+    "step",
+    "exit_code",
+    "said",
+    "half_made",
+    "resumed_exit_code",
+    "products",
+    "differ",
+)
+COLUMNS += ("not_tried",)
+LISTS = ("half_made", "differ")
+IN_NAMESPACE = ("full_tmp",)
+ON_OWN_DISK = ("full_disk", "read_only")
+NAMES = ("kills", "terminated", "step_killed", "memory_limit", "two_runs", *IN_NAMESPACE, *ON_OWN_DISK)
+PAGE = """# What happens when something breaks
+
+Written by `tests/faults/run.py` (`make faults`; seed {seed}, {kills} kills). The study is `quick_focal` to its deployments and one flow
+in three dimensions: {products} products. An undisturbed run gives what each product must be.
+
+- "Half-made" counts products that stood at their final names after the fault and were not those of the undisturbed run.
+- After each fault came `make unlock` and the same command. "Differ" counts products that then were not the same bits,
+  without seconds and memory in JSON.
+
+| fault | exit code | what the run said | half-made | resumed | differ |
+| --- | --- | --- | --- | --- | --- |
+{rows}
+
+The kills hit these steps: {steps}.
+"""
+
+
+def summary(rows, seed):
+    """The page of the rows."""
+    kills = [row for row in rows if row["name"] == "kills"]
+    steps = sorted({row["step"] for row in kills})
+    shown = [row for row in rows if row["name"] != "kills"]
+    if kills:
+        half_made = sum((row["half_made"] for row in kills), [])
+        shown.insert(0, {**kills[0], "fault": f"SIGKILL at {len(kills)} random moments", "half_made": half_made})
+    lines = []
+    for row in shown:
+        if row.get("not_tried"):
+            lines.append(f"| {row['fault']} | not tried: {row['not_tried']} | | | | |")
+            continue
+        again = "to the end" if row["resumed_exit_code"] == "0" else f"exit code {row['resumed_exit_code']}"
+        words = row["said"].split(": '/")[0]  # without the path of this run's folder
+        said = f"`{words}`" if words else "–"
+        cells = row["fault"], row["exit_code"], said, len(row["half_made"]), again, len(row["differ"])
+        lines.append("| " + " | ".join(map(str, cells)) + " |")
+    counts = ", ".join(f"{step} ({sum(row['step'] == step for row in kills)})" for step in steps)
+    products = max(int(row["products"] or 0) for row in rows)
+    return PAGE.format(seed=seed, kills=len(kills), products=products, rows="\n".join(lines), steps=counts or "none")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seed", type=int, default=1, help="of the moments of the kills (1)")
+    parser.add_argument("--kills", type=int, default=20, help="number of kills (20)")
+    parser.add_argument(
+        "--only",
+        nargs="*",
+        metavar="FAULT",
+        default=NAMES,
+        help="faults to do; others keep their rows (none: page only)",
+    )
+    parser.add_argument("--out", type=pathlib.Path, required=True, help="folder for faults.csv")
+    parser.add_argument("--page", type=pathlib.Path, help="Markdown page")
+    options = parser.parse_args()
+    if unknown := set(options.only) - set(NAMES):
+        parser.error(f"no such fault: {', '.join(sorted(unknown))}; known: {', '.join(NAMES)}")
+    table = options.out / "faults.csv"
+    if options.only:
+        with tempfile.TemporaryDirectory(prefix="vci-faults-", dir="/var/tmp") as top:  # one fault fills /tmp
+            do(options, pathlib.Path(top), table)
+    rows = read(table)
+    if options.page:
+        options.page.write_text(summary(rows, options.seed))
+    bad = [row for row in rows if row["half_made"] or row["differ"] or row["resumed_exit_code"] not in ("", "0")]
+    sys.exit(1 if bad else 0)
+
+
+def do(options, top, table):
+    """Does the faults that the options name, in folders below `top`, and writes the table after each."""
+    rows = [row for row in read(table) if row["name"] not in options.only]
+    undisturbed = Study(top / "undisturbed")
+    begin = time.monotonic()
+    if undisturbed.run():
+        sys.exit(undisturbed.output.read_text())
+    seconds, right = time.monotonic() - begin, undisturbed.products()
+    print(f"undisturbed: {len(right)} products in {seconds:.0f} s", flush=True)
+    for name in options.only:
+        if name == "kills":
+            study = Study(top / "kills")
+            found = faults.kills(study, right, seconds, options.kills, random.Random(options.seed))
+        else:
+            found = [one(getattr(faults, name), top, undisturbed, right, seconds)]
+        rows += [{"name": name, **row} for row in found]
+        print(*found, sep="\n", flush=True)
+        write(table, sorted(rows, key=lambda row: NAMES.index(row["name"])))
+
+
+def read(table):
+    """The rows of a table that an earlier run wrote, lists as lists; none where there is no table."""
+    if not table.is_file():
+        return []
+    with open(table, newline="") as stream:
+        return [{**row, **{key: row[key].split() for key in LISTS}} for row in csv.DictReader(stream)]
+
+
+def write(table, rows):
+    """Writes the rows as CSV."""
+    table.parent.mkdir(parents=True, exist_ok=True)
+    with open(table, "w", newline="") as stream:
+        out = csv.DictWriter(stream, COLUMNS, restval="", lineterminator="\n")
+        out.writeheader()
+        out.writerows({**row, **{key: " ".join(row.get(key, ())) for key in LISTS}} for row in rows)
+
+
+def one(fault, top, undisturbed, right, seconds):
+    """The row of one fault, in a folder of its own; `not_tried` where mounting is not allowed."""
+    folder = top / fault.__name__
+    folder.mkdir()
+    own_disk = fault.__name__ in ON_OWN_DISK
+    try:
+        if fault.__name__ in IN_NAMESPACE:
+            subprocess.run(["unshare", "-m", "true"], check=True, capture_output=True)
+        if own_disk:
+            faults.mount(folder, "size=1g")
+    except subprocess.CalledProcessError:
+        return {"fault": fault.__doc__.split(".")[0], "not_tried": "mounting needs root"}
+    try:
+        study = Study(folder)
+        study.right_bytes = undisturbed.bytes()
+        return fault(study, right, seconds)
+    finally:
+        if own_disk:
+            subprocess.run(["umount", str(folder)], check=True)
+
+
+if __name__ == "__main__":
+    main()
