@@ -62,8 +62,8 @@ double gap(const Vec3& p, const Balls& balls, std::size_t i) {
   return std::abs((balls.centre[i] - p).norm() - balls.radius[i]) / balls.radius[i];
 }
 
-// The largest of the balls whose surface is within `near` radii of p, of those that lead on into a vessel where there
-// is one; their number if there is none.
+// The largest of the balls whose surface is within `near` radii of p and that lead on into a vessel; their number if
+// there is none.
 std::size_t largest_ball_at(const Vec3& p, const Balls& balls, double near) {
   std::vector<std::size_t> touching;
   for (std::size_t i = 0; i < balls.centre.size(); ++i)
@@ -75,23 +75,36 @@ std::size_t largest_ball_at(const Vec3& p, const Balls& balls, double near) {
   for (std::size_t i : touching)
     if (leads_away(balls, i, p, beyond_tip * balls.radius[i], seen))
       return i;
-  return touching.empty() ? balls.centre.size() : touching.front();
+  return balls.centre.size();
 }
 
-// The largest inner ball that touches the vertex. On a rough wall a vertex may have none. At the rim of a flat end the
-// balls fill the corner without touching it: then the largest of those that come nearest, in their own radii.
+// Those whose surface is less than a radius from p, the nearest first.
+std::vector<std::size_t> nearest_balls(const Vec3& p, const Balls& balls) {
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < balls.centre.size(); ++i)
+    if (gap(p, balls, i) < still_at_tip)
+      found.push_back(i);
+  std::stable_sort(found.begin(), found.end(),
+                   [&](std::size_t a, std::size_t b) { return gap(p, balls, a) < gap(p, balls, b); });
+  return found;
+}
+
+// The largest inner ball that touches the vertex and leads on into the vessel. At the rim of a flat end the balls fill
+// the corner without touching it, and those that touch a vertex of a rough wall may stand alone: then the largest of
+// those that come nearest, in their own radii. Where none leads on there is no vessel, as in a ball.
 std::size_t last_ball(const Mesh& mesh, const Balls& balls, Vertex tip) {
   const Vec3 p = vec(mesh.point(tip));
   if (const std::size_t touching = largest_ball_at(p, balls, 1e-6); touching < balls.centre.size())
     return touching;
-  double nearest = still_at_tip;
-  for (std::size_t i = 0; i < balls.centre.size(); ++i)
-    nearest = std::min(nearest, gap(p, balls, i));
-  const std::size_t beside = largest_ball_at(p, balls, nearest + about_as_near);
-  if (nearest >= still_at_tip || beside == balls.centre.size())
+  const std::vector<std::size_t> nearest = nearest_balls(p, balls);
+  if (nearest.empty())
     throw InputError("no axis found at a rounded end", place(p), "no inscribed ball",
                      "cut the end flat, or leave it open");
-  return beside;
+  std::vector<bool> seen(balls.centre.size(), false);
+  for (std::size_t i : nearest)
+    if (leads_away(balls, i, p, beyond_tip * balls.radius[i], seen))
+      return largest_ball_at(p, balls, gap(p, balls, i) + about_as_near);
+  return nearest.front();
 }
 
 // The inscribed ball at a vessel's tip: that of the end which lies there, else the last one in the tip.
