@@ -16,6 +16,8 @@ constexpr double search_reach = 0.5; // mm: a vertex deeper than this beyond a s
 // the steps where all contact is that stiff. Start and width are in widths of the ordinary ramp, and the stiffness is
 // relative to the ordinary one.
 constexpr double deep_from = 1.5, deep_ramp = 2, deep_stiffness = 40;
+// Times the deep response as it is at first. At this bound a vertex that is still too deep is left so.
+constexpr double largest_deep_scale = 64;
 // Before the rim of a window, the stiffer response fades only where this share of the surface is left. If it faded
 // earlier, the vertices there would carry their load with a small share of their area and sink in. The ordinary
 // response fades over the whole row of triangles, so that contact comes and goes gradually.
@@ -153,7 +155,10 @@ void SurfaceContact::measure(const System& system, const Normals& normals, int f
   const Body& target = system.body(onto);
   Vectors slip(system.body(from).count, Vec3::Zero());
   side.slip.resize(slip.size(), Vec3::Zero());
-  slip.swap(side.slip);                           // a vertex without contact starts anew
+  slip.swap(side.slip); // a vertex without contact starts anew, in slip and in scale
+  std::vector<double> deep_scale(slip.size(), 1.0);
+  side.deep_scale.resize(slip.size(), 1.0);
+  deep_scale.swap(side.deep_scale);
   const double sign = vertex_inside ? 1.0 : -1.0; // gap = sign (projection - vertex) . n
   const int first = system.body(from).first;
   for (std::size_t place = 0; place < side.facing.size(); ++place) {
@@ -171,7 +176,7 @@ void SurfaceContact::measure(const System& system, const Normals& normals, int f
     c.last_triangle = projection.triangle;
     c.measure = {p, side.travel, -1};
     const Triangle& t = target.triangles[projection.triangle];
-    const ContactFade fade = fade_at(system, onto, t, projection.weights);
+    ContactFade fade = fade_at(system, onto, t, projection.weights);
     if (fade.ordinary <= 1e-9)
       continue;
     const Vec3 n = interpolated_normal(t, projection.weights, units);
@@ -181,6 +186,7 @@ void SurfaceContact::measure(const System& system, const Normals& normals, int f
                    projection.weights[2] * system.x[t[2]];
     const double gap =
         sign * (n.dot(q - p) + (settings_.smooth ? sagitta(t, projection.weights, system.x, units) : 0.0));
+    fade.deep *= deep_scale[place];
     PenaltyResponse law = penalty_response(gap, settings_, fade);
     if (settings_.time_averaged && ahead > 0) {
       const Vec3 closing = system.velocity[vertex] - projection.weights[0] * system.velocity[t[0]] -
@@ -200,9 +206,11 @@ void SurfaceContact::measure(const System& system, const Normals& normals, int f
         n,
         area * law.stiffness,
         0.0};
+    side.deep_scale[place] = deep_scale[place];
     Vec3& kept = side.slip[place];
     kept = slip[place] - n.dot(slip[place]) * n;
-    ContactPoint point{stencil, fade.ordinary * area, gap, area * law.pressure, Vec3::Zero(), &kept};
+    ContactPoint point{stencil, fade.ordinary * area,   gap, area * law.pressure, Vec3::Zero(),
+                       &kept,   &side.deep_scale[place]};
     add_friction(point, settings_);
     points.push_back(point);
   }
@@ -255,6 +263,16 @@ void add_contact_forces(const std::vector<ContactPoint>& points, Vectors& force)
   for (const ContactPoint& point : points)
     for (int k = 0; k < 4; ++k)
       force[point.stencil.vertex[k]] += point.stencil.weight[k] * (point.force * point.stencil.normal + point.friction);
+}
+
+bool stiffen_deep_contacts(const std::vector<ContactPoint>& points, double limit) {
+  bool stiffened = false;
+  for (const ContactPoint& point : points)
+    if (-point.gap > limit && point.deep_scale && *point.deep_scale < largest_deep_scale) {
+      *point.deep_scale *= 2;
+      stiffened = true;
+    }
+  return stiffened;
 }
 
 void add_slip(const std::vector<ContactPoint>& points, const Vectors& displacement) {

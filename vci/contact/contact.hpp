@@ -23,7 +23,7 @@ struct ContactSettings {
 /// A contact that ended abruptly would switch on and off for ever. The ordinary stiffness fades over the last row of
 /// triangles. Before the rim of a window, the deep stiffness fades only at the very end of that row.
 struct ContactFade {
-  double ordinary = 1, deep = 1;
+  double ordinary = 1, deep = 1; ///< of the deep one also times what stiffen_deep_contacts() set
 };
 
 /// The penalty law at a gap. With the overlap a = delta - gap, the pressure is kappa a^2 / (2 w) below a = w and
@@ -46,6 +46,7 @@ struct ContactPoint {
   double force;  ///< N along the normal
   Vec3 friction; ///< friction force, N: opposes the slip, at most mu times the normal force
   Vec3* slip;    ///< elastic part of the tangential displacement since first touch, mm; kept by the contact
+  double* deep_scale = nullptr; ///< of the deep response of this vertex; kept by the contact. None: it cannot change
 };
 
 /// Regularised Coulomb friction with an elastic slip, which is mapped back where it passes the limit. Sets the slip,
@@ -106,9 +107,10 @@ private:
     int last_triangle = -1; ///< the triangle that the vertex met last, or that the search found nearest; -1: none
   };
   struct Direction {
-    std::vector<Facing> facing; ///< per vertex of the source body
-    Vectors slip;               ///< likewise
-    double travel = 0;          ///< sum of the target's largest displacements, mm
+    std::vector<Facing> facing;     ///< per vertex of the source body
+    Vectors slip;                   ///< likewise
+    std::vector<double> deep_scale; ///< likewise
+    double travel = 0;              ///< sum of the target's largest displacements, mm
   };
   void search(const System& system, const Vectors& units, int from, int onto, bool vertex_inside, Direction& side);
   void face(const System& system, const Vectors& units, int v, const Body& target, bool vertex_inside,
@@ -139,6 +141,9 @@ Tie tie_of(const ContactPoint& point, const Vectors& x, double stiffness_mpa_per
 /// Adds the ties' forces.
 void add_tie_forces(const std::vector<Tie>& ties, const Vectors& x, Vectors& force);
 void add_contact_forces(const std::vector<ContactPoint>& points, Vectors& force);
+/// Doubles the deep response of the vertices that lie deeper than a limit (mm), until a bound. Returns whether any was
+/// doubled. This is the update of a penalty: repeated in balance, it brings the penetration below the limit.
+bool stiffen_deep_contacts(const std::vector<ContactPoint>& points, double limit);
 /// Adds a step's displacements to the slip of the contact points; detect() maps it back to the friction limit.
 void add_slip(const std::vector<ContactPoint>& points, const Vectors& displacement);
 

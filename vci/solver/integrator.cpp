@@ -168,6 +168,10 @@ private:
   /// Evaluates the forces of the state; true where the stage ends with it, in balance or without.
   bool ended(Balance* balance) {
     assemble(system_, interactions_, forces_);
+    if (forces_.residual <= s_.residual_tolerance && stiffen_deep_contacts(forces_.points, s_.maximal_penetration)) {
+      assemble(system_, interactions_, forces_);
+      best_residual_ = 1e300;
+    }
     result_.residual = forces_.residual;
     read_contact(forces_, result_);
     if (!std::isfinite(forces_.residual))

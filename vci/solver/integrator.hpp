@@ -8,6 +8,7 @@ namespace vci {
 
 struct IntegratorSettings {
   double residual_tolerance = 3e-3;
+  double maximal_penetration = 0.05;   ///< mm: in balance, contacts deeper than this are stiffened, and steps go on
   double displacement_per_step = 0.12; ///< mm, steers the step
   double initial_step = 0.3;           ///< ms
   double maximal_step = 200.0;         ///< ms

@@ -176,6 +176,38 @@ TEST(SurfaceContact, ExcludedVerticesNeitherTouchNorAreTouched) {
     EXPECT_NE(p.stencil.vertex[0], 9);
 }
 
+/// The tip of the pyramid 0.045 mm through the sheet, in contact as long as the surfaces are left in place.
+TEST(SurfaceContact, StiffensOnlyWhatIsDeeperThanTheLimitUntilABound) {
+  System system;
+  const double depth = 0.045;
+  const Vectors sheet{{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}, {0, 0, 0}};
+  const Vectors points{{-.5, -.5, -.4}, {.5, -.5, -.4}, {.5, .5, -.4}, {-.5, .5, -.4}, {0.1, 0, depth}};
+  system.add_body("sheet", sheet, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}, 1, std::vector<char>(5, 0));
+  system.add_body("pyramid", points, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}, 1, std::vector<char>(5, 0));
+  SurfaceContact contact(1, 0, {});
+  const auto found = [&] {
+    std::vector<ContactPoint> of;
+    contact.detect(system, area_vectors(system), of);
+    return of;
+  };
+  const auto tip_force = [&] { return found().at(0).force; };
+  const double at_first = tip_force();
+  EXPECT_FALSE(stiffen_deep_contacts(found(), depth + 0.001));
+  EXPECT_EQ(tip_force(), at_first);
+  EXPECT_TRUE(stiffen_deep_contacts(found(), depth - 0.001));
+  const ContactSettings s;
+  const double ordinary = penalty_response(-depth, s, {1, 0}).pressure, both = penalty_response(-depth, s).pressure;
+  EXPECT_NEAR(tip_force() / at_first, (2 * both - ordinary) / both, 1e-9);
+  int times = 1;
+  while (stiffen_deep_contacts(found(), depth - 0.001))
+    ASSERT_LT(++times, 100);
+  EXPECT_EQ(times, 6);
+  system.x[9][2] = -0.2; // apart, and back: the vertex starts anew
+  EXPECT_TRUE(found().empty());
+  system.x[9][2] = depth;
+  EXPECT_EQ(tip_force(), at_first);
+}
+
 TEST(Friction, SticksElasticallyThenSlidesAtTheLimitAndRemembersTheAnchor) {
   const ContactSettings s;
   Vec3 slip = Vec3::Zero();

@@ -1,11 +1,13 @@
 """The hard cases that take seconds: each must end in force balance, with bounded penetration."""
 
 import csv
+import json
+import subprocess
 
 import numpy as np
 import pytest
 
-from vci.benchmarks.hard_cases import MEAN_LIMIT_MM, NAMES, WORST_LIMIT_MM, reason_of
+from vci.benchmarks.hard_cases import CASES, MEAN_LIMIT_MM, NAMES, WORST_LIMIT_MM, reason_of
 from vci.benchmarks.scenes import Tube, write_scene
 
 TOLERANCE = 3e-3
@@ -55,6 +57,18 @@ def test_case_balances(table, case):
 @pytest.mark.parametrize("case", QUICK)
 def test_no_vertex_is_deep(table, case):
     assert float(table([case])[case]["worst_penetration_mm"]) <= WORST_LIMIT_MM
+
+
+@pytest.mark.parametrize("limit", [0.03, 0.04])
+def test_a_stage_ends_only_when_no_vertex_is_deeper_than_asked(binary, tmp_path, limit):
+    """The case is 0.041 to 0.051 mm deep if nothing is asked of it, by the length of the first step and the processor."""
+    tube, how = CASES["90 %, eccentric, calcium x1000"]
+    scene = write_scene(tmp_path, tube, **(how | {"numerics": {"maximal_penetration_mm": limit}}))
+    command = [binary("vci"), "deploy", scene, "--out", tmp_path / "out"]
+    result = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    assert result.returncode == 0, result.stderr
+    stages = json.loads((tmp_path / "out" / "deployment.json").read_text())["stages"]
+    assert 0.02 < max(stage["max_penetration_mm"] for stage in stages) <= limit
 
 
 def known(cases, which):

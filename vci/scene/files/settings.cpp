@@ -33,6 +33,7 @@ void refuse_unused(const CheckedObject& o, const Numerics& n) {
   };
   const std::vector<Setting> of_adaptive{
       {"residual_tolerance", i.residual_tolerance, usual.residual_tolerance},
+      {"maximal_penetration_mm", i.maximal_penetration, usual.maximal_penetration},
       {"displacement_per_step_mm", i.displacement_per_step, usual.displacement_per_step},
       {"initial_step_ms", i.initial_step, usual.initial_step},
       {"maximal_step_ms", i.maximal_step, usual.maximal_step},
@@ -88,6 +89,7 @@ Numerics read_numerics(CheckedObject& o) {
   IntegratorSettings& i = n.integrator;
   ContactSettings& c = n.contact;
   i.residual_tolerance = o.number("residual_tolerance", 1e-8, 0.1, i.residual_tolerance);
+  i.maximal_penetration = o.number("maximal_penetration_mm", 0.03, 1, i.maximal_penetration);
   i.displacement_per_step = o.number("displacement_per_step_mm", 1e-3, 1, i.displacement_per_step);
   i.initial_step = o.number("initial_step_ms", 1e-4, 1e4, i.initial_step);
   i.maximal_step = o.number("maximal_step_ms", 1e-3, 1e4, i.maximal_step);
