@@ -187,7 +187,7 @@ def test_a_ball_is_refused_with_a_remedy(lumen, tmp_path):
     sphere.Update()
     surface = surfaces.write(tmp_path / "ball.vtp", *surfaces.arrays(sphere.GetOutput()))
     done = lumen(surface, tmp_path / "out")
-    assert done.returncode == 2 and "cut that end flat or leave it open" in done.stderr
+    assert done.returncode == 2 and "cut each end of the vessel flat, or leave it open" in done.stderr
 
 
 @pytest.mark.parametrize("edge", [1.2, 1.6])
