@@ -102,8 +102,11 @@ std::size_t last_ball(const Mesh& mesh, const Balls& balls, Vertex tip) {
                      "cut the end flat, or leave it open");
   std::vector<bool> seen(balls.centre.size(), false);
   for (std::size_t i : nearest)
-    if (leads_away(balls, i, p, beyond_tip * balls.radius[i], seen))
-      return largest_ball_at(p, balls, gap(p, balls, i) + about_as_near);
+    if (leads_away(balls, i, p, beyond_tip * balls.radius[i], seen)) {
+      // a larger one may count as leading on only from farther away, and then none is found
+      const std::size_t largest = largest_ball_at(p, balls, gap(p, balls, i) + about_as_near);
+      return largest < balls.centre.size() ? largest : i;
+    }
   return nearest.front();
 }
 

@@ -8,6 +8,7 @@ from common.errors import ComputationError, InputError
 from reports.study.agreement import agreement_table
 from reports.inputs.case_files import CaseFiles
 from reports.study.cohort import cohort_table
+from reports.study.contrast import contrast_table
 from reports.figures.case import case_figures
 from reports.figures.study import study_figures
 from reports.measuring.measured import same_side
@@ -132,6 +133,7 @@ def test_figures_and_page(make_case, tmp_path, compare):
     write_csv(study / "agreement.csv", agreement_table([document]))
     write_csv(study / "differences.csv", difference_table([document]))
     write_csv(study / "nearer.csv", nearer_table([document]))
+    write_csv(study / "contrast.csv", contrast_table([document]))
     write_csv(study / "timings.csv", timings_table([files]))
     seconds = ["--out", str(study / "seconds.csv"), "--figures-dir", str(figures)]
     main(["seconds", "--timings", str(study / "timings.csv"), *seconds])
