@@ -9,9 +9,6 @@ BUILD ?= build
 PYTHON := /usr/bin/python3
 SNAKEMAKE := /usr/bin/snakemake
 REPORT := results/report/index.html
-# The C library's exp, sin and pow differ in the last bit between processors with and without fused multiply-add, and a
-# deployment follows such a bit: areas then differ by a few tenths of a per cent. Here all take the form without.
-export GLIBC_TUNABLES ?= glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4
 
 .DEFAULT_GOAL := study
 .PHONY: setup build validate study manifest verify cohort faults unlock test test-cpp test-python sanitize fuzz lint format docs clean help
