@@ -78,7 +78,7 @@ def finished_study(tmp_path_factory):
         for name in [*job["output"], *job["log"], *([job["benchmark"]] if job["benchmark"] else [])]:
             path = workspace.folder / name
             path.parent.mkdir(parents=True, exist_ok=True)
-            path.mkdir(exist_ok=True) if name.endswith("/devices") else path.write_text(f"{name}\n")
+            path.mkdir(exist_ok=True) if name.endswith(("/devices", "/frames")) else path.write_text(f"{name}\n")
     run = workspace.snakemake("--forceall", "--touch")
     assert run.returncode == 0, run.stderr
     return workspace

@@ -7,7 +7,8 @@ import pytest
 
 from workflow.cohort import prune
 
-STUDY = {"study_figures", "agreement", "nearer", "differences", "seconds", "cohort", "timings", "provenance", "report"}
+STUDY = {"study_figures", "agreement", "nearer", "contrast", "differences", "seconds", "cohort", "timings"}
+STUDY |= {"provenance", "report"}
 CASE = "quick_focal"
 OTHER = "quick_branch"
 FROM_CT = ("ct_vci", "ct_rc")
@@ -16,7 +17,7 @@ STATES = ("pre", "vci", "rc", "reference", "ct", *FROM_CT)
 
 def end_of_case(case):
     """What follows any change of a case's results."""
-    return {f"metrics {case}", f"case_figures {case}"} | STUDY
+    return {f"metrics {case}", f"case_figures {case}", f"ct_figure {case}"} | STUDY
 
 
 def flow_of(case, states=STATES):
@@ -50,6 +51,7 @@ def after_plan(case):
         f"plan_picture {case}",
         f"scene {case}",
         f"deploy {case}",
+        f"procedure_figure {case}",
         f"radius_correct {case}",
         f"reference {case}",
     }
@@ -90,7 +92,7 @@ def test_vci_program(finished):
     finished.append("build/vci", "changed\n")
     expected = {"software"}
     for case in (CASE, OTHER):
-        expected |= {f"deploy {case}", f"radius_correct {case}"}
+        expected |= {f"deploy {case}", f"procedure_figure {case}", f"radius_correct {case}"}
         expected |= {f"state_anatomy {case} {state}" for state in ("vci", "rc")} | flow_of(case, ("vci", "rc"))
         expected |= deployed_from_ct(case) | end_of_case(case)
     assert finished.planned() == expected
@@ -115,7 +117,8 @@ def test_module_of_the_segmentation(finished):
 
 def test_module_of_one_figure(finished):
     finished.append("reports/figures/lumen.py", "# changed\n")
-    assert finished.planned() == {f"case_figures {CASE}", f"case_figures {OTHER}", "report"}
+    figures = {f"{figure} {case}" for figure in ("case_figures", "procedure_figure") for case in (CASE, OTHER)}
+    assert finished.planned() == figures | {"report"}
 
 
 def test_device_of_a_plan(finished):
