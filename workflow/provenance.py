@@ -104,6 +104,8 @@ def _commands(logs):
     for log in sorted(logs.rglob("*.log")):
         with open(log, errors="replace") as stream:
             first = stream.readline()
+        if not first:  # of a rule inside Snakemake, such as `settings`, which runs no command
+            continue
         if not first.startswith("$ "):
             raise InputError(
                 "log without its command", log, first.strip()[:80], "run the step again (snakemake --force)"
