@@ -61,7 +61,7 @@ def test_no_vertex_is_deep(table, case):
 
 @pytest.mark.parametrize("limit", [0.03, 0.04])
 def test_a_stage_ends_only_when_no_vertex_is_deeper_than_asked(binary, tmp_path, limit):
-    """If nothing is asked of it the case is 0.041 to 0.051 mm deep, by the length of the first step and the processor."""
+    """If nothing is asked, the case is 0.041 to 0.051 mm deep, by the first step's length and the processor."""
     tube, how = CASES["90 %, eccentric, calcium x1000"]
     scene = write_scene(tmp_path, tube, **(how | {"numerics": {"maximal_penetration_mm": limit}}))
     command = [binary("vci"), "deploy", scene, "--out", tmp_path / "out"]
