@@ -169,8 +169,11 @@ void SurfaceContact::measure(const System& system, const Normals& normals, int f
       continue;
     SurfaceProjection projection;
     double clear = 0;
-    if (!follow_projection(p, c.last_triangle, system, units, target, projection))
+    if (!follow_projection(p, c.last_triangle, system, units, target, projection)) {
       projection = project_onto(p, c.triangles, system, units, target, clear);
+      if (!projection.along_normals && projection.triangle >= 0)
+        stay_on_edge(p, c.last_triangle, system, units, target, projection);
+    }
     if (projection.triangle < 0)
       continue; // positions are no longer finite; the integrator reports it
     c.last_triangle = projection.triangle;

@@ -3,7 +3,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace vci {
@@ -18,7 +17,8 @@ Vec3 interpolated_normal(const Triangle& t, const Vec3& weights, const Vectors& 
 namespace {
 
 /// The point of a triangle from which p lies along the interpolated normal: unlike the closest point it moves
-/// continuously across edges on both sides of a folded surface. Returns false where it lies outside the triangle.
+/// continuously across edges on both sides of a folded surface. The weights may lie outside the triangle. Returns false
+/// where they do so by far, or where normals and triangle disagree.
 bool project_along_normals(const Vec3& p, const Triangle& t, const System& system, const Vectors& units,
                            Vec3& weights) {
   constexpr double settled = 1e-5; // of the weights; each turn leaves a hundredth of their error or less
@@ -39,53 +39,72 @@ bool project_along_normals(const Vec3& p, const Triangle& t, const System& syste
     if (change < settled)
       break;
   }
+  return true;
+}
+
+bool inside(const Vec3& weights) {
   return weights.minCoeff() >= -1e-6;
 }
+
+double distance_squared(const Vec3& p, const Triangle& t, const Vec3& weights, const System& system) {
+  return (p - weights[0] * system.x[t[0]] - weights[1] * system.x[t[1]] - weights[2] * system.x[t[2]]).squaredNorm();
+}
+
+constexpr double near_last = 0.1; // mm: a vertex further from the triangle that it met last may meet another
 
 } // namespace
 
 bool follow_projection(const Vec3& p, int triangle, const System& system, const Vectors& units, const Body& target,
                        SurfaceProjection& projection) {
-  constexpr double near = 0.1; // mm
+  const Triangle& t = target.triangles[triangle];
+  Vec3 weights = Vec3::Constant(1.0 / 3);
+  if (!project_along_normals(p, t, system, units, weights) || !inside(weights))
+    return false;
+  projection = {triangle, weights, distance_squared(p, t, weights, system), true};
+  return projection.distance_squared < near_last * near_last;
+}
+
+bool stay_on_edge(const Vec3& p, int triangle, const System& system, const Vectors& units, const Body& target,
+                  SurfaceProjection& projection) {
   const Triangle& t = target.triangles[triangle];
   Vec3 weights = Vec3::Constant(1.0 / 3);
   if (!project_along_normals(p, t, system, units, weights))
     return false;
-  const double d2 =
-      (p - weights[0] * system.x[t[0]] - weights[1] * system.x[t[1]] - weights[2] * system.x[t[2]]).squaredNorm();
+  weights = weights.cwiseMax(0.0);
+  weights /= weights.sum();
+  const double d2 = distance_squared(p, t, weights, system);
+  if (d2 >= near_last * near_last)
+    return false;
   projection = {triangle, weights, d2};
-  return d2 < near * near;
+  return true;
 }
 
 SurfaceProjection project_onto(const Vec3& p, const std::vector<int>& candidates, const System& system,
                                const Vectors& units, const Body& target, double& distance) {
   constexpr double near = 0.05; // mm beyond the closest triangle
-  std::array<SurfaceProjection, 16> projections;
-  std::size_t count = 0;
+  std::vector<SurfaceProjection> projections;
+  projections.reserve(candidates.size());
   SurfaceProjection closest;
   for (int k : candidates) {
     const Triangle& t = target.triangles[k];
     const ClosestPoint q = closest_on_triangle(p, system.x[t[0]], system.x[t[1]], system.x[t[2]]);
-    const SurfaceProjection projection{k, q.weights, q.distance_squared};
-    if (projection.distance_squared < closest.distance_squared)
-      closest = projection;
-    if (count < projections.size())
-      projections[count++] = projection;
+    projections.push_back({k, q.weights, q.distance_squared});
+    if (q.distance_squared < closest.distance_squared)
+      closest = projections.back();
   }
   distance = std::sqrt(closest.distance_squared);
   const double reach = distance + near;
   SurfaceProjection best;
-  for (std::size_t k = 0; k < count; ++k) {
-    if (projections[k].distance_squared > reach * reach)
+  for (const SurfaceProjection& near_one : projections) {
+    if (near_one.distance_squared > reach * reach)
       continue;
-    const Triangle& t = target.triangles[projections[k].triangle];
-    Vec3 weights = projections[k].weights;
-    if (!project_along_normals(p, t, system, units, weights))
+    const Triangle& t = target.triangles[near_one.triangle];
+    Vec3 weights = near_one.weights;
+    if (!project_along_normals(p, t, system, units, weights) || !inside(weights))
       continue;
-    const double d2 =
-        (p - weights[0] * system.x[t[0]] - weights[1] * system.x[t[1]] - weights[2] * system.x[t[2]]).squaredNorm();
+    const double d2 = distance_squared(p, t, weights, system);
     if (d2 < best.distance_squared)
-      best = {projections[k].triangle, weights, d2};
+      best = {near_one.triangle, weights, d2, true};
   }
   return best.triangle >= 0 ? best : closest;
 }

@@ -7,7 +7,8 @@ namespace vci {
 struct SurfaceProjection {
   int triangle = -1;
   Vec3 weights = Vec3::Zero();
-  double distance_squared = 1e300;
+  double distance_squared = 1e300; ///< mm^2
+  bool along_normals = false;      ///< the point lies over the triangle along its interpolated normals
 };
 
 /// @param units unit normals of the vertices
@@ -17,6 +18,12 @@ Vec3 interpolated_normal(const Triangle& t, const Vec3& weights, const Vectors& 
 /// saves the search among all candidates.
 bool follow_projection(const Vec3& p, int triangle, const System& system, const Vectors& units, const Body& target,
                        SurfaceProjection& projection);
+
+/// The point of that triangle's edge nearest to where the normals lead. At a sharp fold a vertex may lie over neither
+/// side along the normals. The closest point then jumps from one side to the other, and a contact that follows it has
+/// no balance between the two. Returns false where the normals lead far beyond the edge.
+bool stay_on_edge(const Vec3& p, int triangle, const System& system, const Vectors& units, const Body& target,
+                  SurfaceProjection& projection);
 
 /// The projection along the interpolated normals where a triangle near by has such a point, else the closest point.
 /// @param distance set to that of the closest point, mm

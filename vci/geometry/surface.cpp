@@ -1,6 +1,7 @@
 #include "vci/geometry/surface.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -42,6 +43,16 @@ std::vector<char> boundary_vertices(const Triangles& triangles, int vertex_count
     if (list.size() == 1)
       boundary[key.first] = boundary[key.second] = 1;
   return boundary;
+}
+
+double winding_number(const Vec3& p, const Triangles& triangles, const Vectors& x) {
+  double half_angles = 0; // of the triangles seen from p (van Oosterom and Strackee, IEEE TBME 30(2), 1983)
+  for (const Triangle& t : triangles) {
+    const Vec3 a = x[t[0]] - p, b = x[t[1]] - p, c = x[t[2]] - p;
+    const double la = a.norm(), lb = b.norm(), lc = c.norm();
+    half_angles += std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+  }
+  return half_angles / (2 * pi);
 }
 
 Vectors vertex_area_vectors(const Triangles& triangles, const Vectors& x, int first, int count) {

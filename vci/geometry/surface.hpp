@@ -34,6 +34,11 @@ double sagitta(const Triangle& t, const Vec3& weights, const Vectors& x, const V
 /// A bound of its size anywhere on the triangle, mm.
 double largest_sagitta(const Triangle& t, const Vectors& x, const Vectors& units);
 
+/// How often a closed, outward-oriented surface winds round a point: 1 inside, 0 outside. It holds where the surface
+/// folds through itself, too. An open end takes its solid angle away. (Jacobson and others, ACM Trans. Graph. 32(4),
+/// 2013)
+double winding_number(const Vec3& p, const Triangles& triangles, const Vectors& x);
+
 /// For each vertex the vertices that share an edge with it, ascending.
 std::vector<std::vector<int>> vertex_neighbours(const Triangles& triangles, int vertex_count);
 

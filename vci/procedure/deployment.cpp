@@ -153,7 +153,7 @@ private:
     if (!r.converged)
       refuse(state, where, stage, r);
     if (!settings.textbook) // whose states are reported as they are
-      check_inside(state.system, *state.interactions.trees, where);
+      check_inside(state.system, *state.interactions.trees, state.lumen_now(), state.lumen.triangles, where);
     after_balance(stage, step);
     if (observer_.see)
       observer_.see(snapshot_of(state, static_cast<int>(stages.size()), r.steps, state.balance));

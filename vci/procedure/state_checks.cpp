@@ -46,7 +46,7 @@ double beyond(const Vec3& p, const System& system, const Vectors& units, const s
 
 } // namespace
 
-Outside furthest_outside(const System& system, SurfaceTrees& trees) {
+Outside furthest_outside(const System& system, SurfaceTrees& trees, const Vectors& points, const Triangles& triangles) {
   const Body& wall = system.body(0);
   const Normals normals(area_vectors(system));
   const BroadPhase& boxes = trees.at(system, 0);
@@ -61,14 +61,17 @@ Outside furthest_outside(const System& system, SurfaceTrees& trees) {
     if (candidates.empty())
       continue;
     const double distance = beyond(system.x[v], system, normals.unit, candidates);
-    if (distance > furthest.distance)
+    // Before the mouth of a side branch the wall is open, and at its sharp rim it may fold. The nearest triangle does
+    // not tell the side there; the whole lumen does.
+    if (distance > furthest.distance && (distance <= tolerated || winding_number(system.x[v], triangles, points) < 0.5))
       furthest = {distance, v};
   }
   return furthest;
 }
 
-void check_inside(const System& system, SurfaceTrees& trees, const std::string& where) {
-  const Outside furthest = furthest_outside(system, trees);
+void check_inside(const System& system, SurfaceTrees& trees, const Vectors& points, const Triangles& triangles,
+                  const std::string& where) {
+  const Outside furthest = furthest_outside(system, trees, points, triangles);
   if (furthest.distance <= tolerated)
     return;
   const Vec3& at = system.x[furthest.vertex];

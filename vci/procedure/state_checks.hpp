@@ -12,13 +12,16 @@ struct Outside {
 };
 
 /// Of all bodies but the wall (body 0). Vertices further than 2 mm from the wall count as inside, since a device that
-/// far outside would have other vertices in between. Beside the wall's open ends nothing counts as outside.
+/// far outside would have other vertices in between. Beside the wall's open ends nothing counts as outside, and neither
+/// does what lies in the mouth of a side branch.
 /// @param trees the boxes kept round the bodies
-Outside furthest_outside(const System& system, SurfaceTrees& trees);
+/// @param points, triangles of the whole lumen as it stands, closed
+Outside furthest_outside(const System& system, SurfaceTrees& trees, const Vectors& points, const Triangles& triangles);
 
 /// Throws common::ComputationError where a device vertex lies further than 0.1 mm outside the wall.
 /// @param where step and stage
-void check_inside(const System& system, SurfaceTrees& trees, const std::string& where);
+void check_inside(const System& system, SurfaceTrees& trees, const Vectors& points, const Triangles& triangles,
+                  const std::string& where);
 
 /// Of each stent: whether the wall (body 0) supports it by contact or tie, directly or through other stents.
 std::vector<char> supported(const System& system, const std::vector<ContactPoint>& contacts,

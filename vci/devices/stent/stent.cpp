@@ -88,7 +88,9 @@ Stent add_stent(System& system, const StentSpec& spec, const std::string& device
   const double half = 0.5 * spec.nominal_diameter, spacing = spec.length / (grid.rings() - 1);
   const double by_fibres = pi * half * half * half * spec.axial_stiffness;
   const double ring_hinge = 2 * std::max(0.0, spec.bending_stiffness - by_fibres) / (grid.around * spacing);
-  const double across = stent_hinge * std::pow(spec.strut_thickness / stent_hinge_thickness, 3);
+  // The outside pressure that the maker states may not buckle a free ring: Levy's 3 EI / R^3, EI per length.
+  const double strong = spec.radial_strength_mpa * half * half * half / 3;
+  const double across = std::max(strong, stent_hinge * std::pow(spec.strut_thickness / stent_hinge_thickness, 3));
   std::vector<double> coefficients;
   for (const EdgePair& e : edges) {
     const bool on_ring = (e.e0 - first) / grid.around == (e.e1 - first) / grid.around;
