@@ -19,6 +19,7 @@ from workflow.inputs import (
     benchmark_tables,
     case_folder,
     cohort_option,
+    procedure_sensitivity_tables,
     figures_folder,
     frames_option,
     output_folder,
@@ -64,5 +65,6 @@ include: "workflow/rules/geometry.smk"
 include: "workflow/rules/deployment.smk"
 include: "workflow/rules/ct.smk"
 include: "workflow/rules/flow.smk"
+include: "workflow/rules/whatif.smk"
 include: "workflow/rules/study.smk"
 include: "workflow/rules/benchmarks.smk"

@@ -109,6 +109,13 @@ def run_ct(args):
         ct_figure(files, read_json(files.metrics, "reports metrics"), args.out_dir)
 
 
+def run_sensitivity(args):
+    from reports.whatif.tornado import sensitivity_figure
+
+    for files in case_list(args):
+        sensitivity_figure(files, args.out_dir)
+
+
 def run_software(args):
     from reports.study.software import software_versions
 
@@ -199,6 +206,11 @@ def parser():
     command.add_argument("--case-dir", required=True, nargs="+", type=path, help="results/cases/<case>, of each case")
     command.add_argument("--out-dir", required=True, type=path, help="results/figures")
     command.set_defaults(run=run_ct)
+
+    command = commands.add_parser("sensitivity", help="what a case's FFR and stent area hang on -> SVG and PNG")
+    command.add_argument("--case-dir", required=True, nargs="+", type=path, help="results/cases/<case>, of each case")
+    command.add_argument("--out-dir", required=True, type=path, help="results/figures")
+    command.set_defaults(run=run_sensitivity)
 
     command = commands.add_parser("software", help="versions of what the study runs on, and git revision -> JSON")
     command.add_argument("--repository", type=path, default=path("."), help="the repository's folder (.)")

@@ -15,6 +15,11 @@ FROM_CT = ("ct_vci", "ct_rc")
 STATES = ("pre", "vci", "rc", "reference", "ct", *FROM_CT)
 
 
+def varied(case):
+    """What follows a change of a case's lumens, procedure or flow beside its metrics."""
+    return {f"other_plans {case}", f"flow_sensitivity {case}", f"sensitivity_figure {case}"}
+
+
 def end_of_case(case):
     """What follows any change of a case's results."""
     return {f"metrics {case}", f"case_figures {case}", f"ct_figure {case}"} | STUDY
@@ -22,7 +27,7 @@ def end_of_case(case):
 
 def flow_of(case, states=STATES):
     """Mesh and solution of the states."""
-    return {f"{rule} {case} {state}" for rule in ("flow_mesh", "flow_solve") for state in states}
+    return {f"{rule} {case} {state}" for rule in ("flow_mesh", "flow_solve") for state in states} | varied(case)
 
 
 def ct_of(case, states=("pre", "reference")):

@@ -267,9 +267,10 @@ rule provenance:
     message:
         "provenance: hashes, versions, seeds and commands"
     input:
-        # metrics and pictures come last in a case: by then every product and every log stands
+        # metrics, pictures and varied plans come last in a case: by then every product and every log stands
         metrics=expand("results/cases/{case}/metrics.json", case=CASES),
         pictures=expand("results/cases/{case}/{picture}.png", case=CASES, picture=["anatomy/tree", "vci/plan"]),
+        varied=expand("results/cases/{case}/{table}.csv", case=INPUTS.varied(CASES), table=["plans/ranking", "sensitivity/flow"]),
         software="results/study/software.json",
         programs=[VCI, LUMEN],
         code=command_code("workflow", "run_provenance"),
@@ -296,6 +297,8 @@ rule report:
             "results/figures/{case}_{name}.{format}", case=CASES, name=[*CASE_FIGURES, "procedure"], format=["svg", "png"]
         ),
         ct=expand("results/figures/{case}_ct.png", case=[case for case in CASES if "ct" in INPUTS.states(case)]),
+        plans=expand("results/cases/{case}/plans/ranking.csv", case=INPUTS.varied(CASES)),
+        sensitivity=expand("results/figures/{case}_sensitivity.{format}", case=INPUTS.varied(CASES), format=["svg", "png"]),
         study_figures=expand("results/figures/{name}.{format}", name=STUDY_FIGURES, format=["svg", "png"]),
         pictures=expand("results/cases/{case}/{picture}.png", case=CASES, picture=["anatomy/tree", "vci/plan"]),
         tables=expand("results/study/{table}.csv", table=["agreement", "nearer", "contrast", "differences", "seconds", "timings", "cohort"]),
