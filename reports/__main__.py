@@ -55,6 +55,26 @@ def run_differences(args):
     write_csv(args.out, difference_table(documents))
 
 
+def run_patients(args):
+    from common.config import load_case
+    from reports.selection.flow_chart import inclusion_figure
+    from reports.selection.patients import inclusion_table, patients_table
+    from reports.study.tables import write_csv
+
+    documents = metrics_list(args.metrics)
+    configs = {path.stem: path for path in args.configs}
+    missing = [document["case"] for document in documents if document["case"] not in configs]
+    if missing:
+        raise InputError("a case has no configuration", "--configs", missing, "give the case file of each metrics.json")
+    table = patients_table(
+        documents, {document["case"]: load_case(configs[document["case"]]) for document in documents}
+    )
+    steps = inclusion_table(table, {document["case"]: list(document["states"]) for document in documents})
+    write_csv(args.out, table)
+    write_csv(args.inclusion, steps)
+    inclusion_figure(steps, args.figures_dir)
+
+
 def run_subgroups(args):
     from reports.study.subgroups import patient_files, subgroup_tables
     from reports.study.tables import write_csv
@@ -171,6 +191,14 @@ def parser():
     command.add_argument("--stations", required=True, type=path, help="the CSV file with a row a station")
     command.add_argument("--out", required=True, type=path, help="the CSV file with a row a patient, and the cohort's")
     command.set_defaults(run=run_differences)
+
+    command = commands.add_parser("patients", help="the patients on one page, and who is included -> CSV and figure")
+    command.add_argument("--metrics", required=True, nargs="+", type=path, help="metrics.json of each case")
+    command.add_argument("--configs", required=True, nargs="+", type=path, help="config/cases/<case>.yaml of each case")
+    command.add_argument("--inclusion", required=True, type=path, help="the CSV file with the steps of the inclusion")
+    command.add_argument("--figures-dir", required=True, type=path, help="results/figures")
+    command.add_argument("--out", required=True, type=path, help="the CSV file with a row a patient")
+    command.set_defaults(run=run_patients)
 
     command = commands.add_parser("subgroups", help="a drawn cohort: agreement by subgroup, failures by reason -> CSV")
     command.add_argument("--cohort", required=True, type=path, help="folder of `workflow cohort`")

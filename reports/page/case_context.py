@@ -68,6 +68,7 @@ def case_context(files, figures_dir):
         "ct_picture": optional_image(figures_dir / f"{files.case}_ct.png"),
         "sensitivity_picture": optional_image(figures_dir / f"{files.case}_sensitivity.svg"),
         **planner_context(files.folder),
+        "stations_picture": image_uri(figures_dir / f"{files.case}_stations.png"),
         "plan_picture": optional_image(files.folder / "vci" / "plan.png"),
         "curves": [{"uri": image_uri(figures_dir / f"{files.case}_{name}.svg"), "alt": text} for name, text in CURVES],
         "wire": wire_rows(metrics),

@@ -78,5 +78,6 @@ def draw(axes, rows, interval, quantity):
     middle, span = 0.5 * (low + high), max(1.08 * (high - low), LEAST_SPAN[quantity])
     labels = [f"{row['words']}, {range_in_words(row)}" for _, row in rows.iterrows()]
     axes.set(yticks=range(len(rows)), yticklabels=labels, xlim=(middle - span / 2, middle + span / 2))
+    axes.xaxis.set_major_locator(plt.MaxNLocator(5))
     axes.set_xlabel(QUANTITIES[quantity])
     axes.grid(axis="y", visible=False)

@@ -7,7 +7,7 @@ import pytest
 
 from workflow.cohort import prune
 
-STUDY = {"study_figures", "agreement", "nearer", "contrast", "differences", "seconds", "cohort", "timings"}
+STUDY = {"study_figures", "agreement", "nearer", "contrast", "differences", "seconds", "cohort", "timings", "patients"}
 STUDY |= {"provenance", "report"}
 CASE = "quick_focal"
 OTHER = "quick_branch"

@@ -1,5 +1,5 @@
 # What the states of a case and the cases of the study say when they are laid side by side.
-CASE_FIGURES = ["lumen", "pullback", "area", "curvature"]
+CASE_FIGURES = ["lumen", "pullback", "stations", "area", "curvature"]
 STUDY_FIGURES = ["ffr_before_after"] + (["agreement"] if INPUTS.any_truth(CASES) else [])
 STUDY_FIGURES += ["differences"] if INPUTS.any_lumen_after(CASES) else []
 
@@ -207,6 +207,31 @@ rule cohort:
         "workflow/run.sh {log} /usr/bin/python3 -m reports cohort --metrics {input.metrics} --out {output}"
 
 
+rule patients:
+    message:
+        "the patients on one page, and who is included"
+    input:
+        metrics=expand("results/cases/{case}/metrics.json", case=CASES),
+        cases=[ancient(str(STUDY.case_file(case))) for case in CASES],
+        code=code(
+            "reports", "reports.selection.patients", "reports.selection.flow_chart", "reports.study.tables", "common.config"
+        ),
+    output:
+        table="results/study/patients.csv",
+        inclusion="results/study/inclusion.csv",
+        figure=multiext("results/figures/inclusion.", "svg", "png"),
+    log:
+        "results/study/logs/patients.log",
+    benchmark:
+        "results/study/benchmarks/patients.tsv"
+    params:
+        vessels=[STUDY.section(case, "vessel") for case in CASES],
+        figures=lambda wildcards, output: os.path.dirname(output.figure[0]),
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m reports patients --metrics {input.metrics} --configs {input.cases}"
+        " --inclusion {output.inclusion} --figures-dir {params.figures} --out {output.table}"
+
+
 rule timings:
     message:
         "table of timings"
@@ -301,7 +326,8 @@ rule report:
         sensitivity=expand("results/figures/{case}_sensitivity.{format}", case=INPUTS.varied(CASES), format=["svg", "png"]),
         study_figures=expand("results/figures/{name}.{format}", name=STUDY_FIGURES, format=["svg", "png"]),
         pictures=expand("results/cases/{case}/{picture}.png", case=CASES, picture=["anatomy/tree", "vci/plan"]),
-        tables=expand("results/study/{table}.csv", table=["agreement", "nearer", "contrast", "differences", "seconds", "timings", "cohort"]),
+        tables=expand("results/study/{table}.csv", table=["agreement", "nearer", "contrast", "differences", "seconds", "timings", "cohort", "patients"]),
+        inclusion="results/figures/inclusion.svg",
         software="results/study/software.json",
         provenance="results/study/provenance.json",
         code=code("reports", "reports.page.build"),
