@@ -59,6 +59,7 @@ rule all:
     default_target: True
     input:
         "results/report/index.html",
+        "results/ro-crate-metadata.json",
 
 
 include: "workflow/rules/geometry.smk"

@@ -150,6 +150,21 @@ def run_report(args):
     build_report(case_list(args), *places, args.junit, *told)
 
 
+def run_numbers(args):
+    from reports.record.numbers import report_numbers
+
+    write_json(args.out, report_numbers(case_list(args), args.study_dir, args.cohort, args.junit))
+
+
+def run_crate(args):
+    from reports.record.crate import crate
+    from reports.study.software import git
+
+    date = git(args.repository, "show", "-s", "--format=%cI", "HEAD")
+    citation = args.repository / "CITATION.cff"
+    write_json(args.out, crate(args.out.parent, args.cases, citation, date, args.cohort))
+
+
 def run_check(args):
     from reports.page.check import check_report
 
@@ -256,6 +271,23 @@ def parser():
     command.add_argument("--benchmarks", type=path, help="results/benchmarks, with a folder for each that was run")
     command.add_argument("--out", required=True, type=path, help="results/report/index.html")
     command.set_defaults(run=run_report)
+
+    command = commands.add_parser("numbers", help="the numbers of the study's tables in one file -> report.json")
+    command.add_argument("--case-dir", required=True, nargs="+", type=path, help="results/cases/<case>, of each case")
+    command.add_argument("--study-dir", required=True, type=path, help="results/study, with its CSV files")
+    command.add_argument("--cohort", default="", help="the cohort's name")
+    command.add_argument("--junit", nargs="*", type=path, default=[], help="test results (JUnit XML)")
+    command.add_argument("--out", required=True, type=path, help="results/report/report.json")
+    command.set_defaults(run=run_numbers)
+
+    command = commands.add_parser("crate", help="the finished study as a research object -> ro-crate-metadata.json")
+    command.add_argument("--cases", required=True, nargs="+", help="names of the study's cases")
+    command.add_argument("--cohort", default="", help="the cohort's name")
+    command.add_argument("--repository", type=path, default=path("."), help="the repository's folder (.)")
+    command.add_argument(
+        "--out", required=True, type=path, help="results/ro-crate-metadata.json, in the folder it tells of"
+    )
+    command.set_defaults(run=run_crate)
 
     command = commands.add_parser("check", help="open a report in headless Chromium; fail on any error or reference")
     command.add_argument("report", type=path, help="the HTML file")

@@ -8,7 +8,7 @@ import pytest
 from workflow.cohort import prune
 
 STUDY = {"study_figures", "agreement", "nearer", "contrast", "differences", "seconds", "cohort", "timings", "patients"}
-STUDY |= {"provenance", "report"}
+STUDY |= {"provenance", "report", "numbers", "crate"}
 CASE = "quick_focal"
 OTHER = "quick_branch"
 FROM_CT = ("ct_vci", "ct_rc")
@@ -123,7 +123,7 @@ def test_module_of_the_segmentation(finished):
 def test_module_of_one_figure(finished):
     finished.append("reports/figures/lumen.py", "# changed\n")
     figures = {f"{figure} {case}" for figure in ("case_figures", "procedure_figure") for case in (CASE, OTHER)}
-    assert finished.planned() == figures | {"report"}
+    assert finished.planned() == figures | {"report", "crate"}
 
 
 def test_device_of_a_plan(finished):

@@ -350,3 +350,54 @@ rule report:
         "workflow/run.sh {log} /usr/bin/python3 -m reports report --case-dir {params.case_dirs} --study-dir {params.study}"
         " --figures-dir {params.figures} --software {input.software} --provenance {input.provenance} {params.cohort} {params.benchmarks}"
         " --junit {input.tests} --out {output}"
+
+
+rule numbers:
+    message:
+        "the study's numbers in one file"
+    input:
+        metrics=expand("results/cases/{case}/metrics.json", case=CASES),
+        plans=expand("results/cases/{case}/plans/ranking.csv", case=INPUTS.varied(CASES)),
+        intervals=expand("results/cases/{case}/sensitivity/flow_intervals.csv", case=INPUTS.varied(CASES)),
+        tables=expand(
+            "results/study/{table}.csv",
+            table=["agreement", "nearer", "contrast", "differences", "cohort", "patients", "inclusion"],
+        ),
+        provenance="results/study/provenance.json",
+        code=code("reports", "reports.record.numbers") + ["reports/study/published.json"],
+        tests=test_results(),
+    output:
+        "results/report/report.json",
+    log:
+        "results/study/logs/numbers.log",
+    benchmark:
+        "results/study/benchmarks/numbers.tsv"
+    params:
+        case_dirs=expand("results/cases/{case}", case=CASES),
+        cohort=cohort_option(COHORT, config.get("cases")),
+        study=study_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m reports numbers --case-dir {params.case_dirs} --study-dir {params.study}"
+        " {params.cohort} --junit {input.tests} --out {output}"
+
+
+rule crate:
+    message:
+        "the study as a research object"
+    input:
+        page="results/report/index.html",
+        numbers="results/report/report.json",
+        provenance="results/study/provenance.json",
+        citation="CITATION.cff",
+        code=command_code("reports", "run_crate"),
+    output:
+        "results/ro-crate-metadata.json",
+    log:
+        "results/study/logs/crate.log",
+    benchmark:
+        "results/study/benchmarks/crate.tsv"
+    params:
+        cases=CASES,
+        cohort=cohort_option(COHORT, config.get("cases")),
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m reports crate --cases {params.cases} {params.cohort} --out {output}"
