@@ -34,9 +34,9 @@ def _request(use):
 def all_of(steps, families):
     """{name: (words, steps or None, why there is none)} of every alternative, in a fixed order."""
     made = {
-        "shorter": ("stent one length shorter", lambda: _resized(steps, families, "length_mm", -1)),
-        "longer": ("stent one length longer", lambda: _resized(steps, families, "length_mm", 1)),
-        "larger": ("stent and what follows one size larger", lambda: _resized(steps, families, "diameter_mm", 1)),
+        "shorter": ("stent one length shorter", lambda: _relengthened(steps, families, -1)),
+        "longer": ("stent one length longer", lambda: _relengthened(steps, families, 1)),
+        "larger": ("stent and what follows one size larger", lambda: _wider(steps, families)),
         "pressure": (f"{PRESSURE_BAR:g} bar more from the stent on", lambda: _harder(steps, families)),
         "predilatation": _toggled(steps, families, BEFORE),
         "postdilatation": _toggled(steps, families, AFTER),
@@ -58,22 +58,31 @@ def _of_stents(steps):
     return first
 
 
-def _resized(steps, families, key, by):
-    """The steps with each stent `by` entries further in its family's sizes; balloons after it too, by diameter."""
+def _relengthened(steps, families, by):
+    """The steps with each stent `by` entries further in its family's lengths."""
     first, found = _of_stents(steps), copy.deepcopy(steps)
     for step in found[first:]:
-        if step["action"] == STENT or key == "diameter_mm":
-            for use in step["devices"]:
-                use[key] = _next(families[use["device"]], use[key], key, by)
+        for use in step["devices"] if step["action"] == STENT else ():
+            sizes = sorted(families[use["device"]]["lengths_mm"])
+            k = sizes.index(use["length_mm"]) + by
+            if not 0 <= k < len(sizes):
+                raise NotOffered(f"the catalogue ends at {use['length_mm']:g} mm")
+            use["length_mm"] = sizes[k]
     return found
 
 
-def _next(family, value, key, by):
-    sizes = sorted(family[key.replace("_mm", "s_mm")])
-    k = sizes.index(value) + by
-    if not 0 <= k < len(sizes):
-        raise NotOffered(f"the catalogue ends at {value:g} mm")
-    return sizes[k]
+def _wider(steps, families):
+    """The steps with every device from the first stent on one diameter larger; the catalogue's largest stay."""
+    first, found = _of_stents(steps), copy.deepcopy(steps)
+    for step in found[first:]:
+        for use in step["devices"]:
+            use["diameter_mm"] = min(
+                (size for size in families[use["device"]]["diameters_mm"] if size > use["diameter_mm"]),
+                default=use["diameter_mm"],
+            )
+    if found == steps:
+        raise NotOffered("every device is the catalogue's largest")
+    return found
 
 
 def _harder(steps, families):

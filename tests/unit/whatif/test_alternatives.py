@@ -61,8 +61,11 @@ def test_what_the_catalogue_does_not_have_is_not_offered(plan, families):
     steps[2]["devices"][0]["pressure_bar"] = 20
     found = alternatives.all_of(steps, families)
     assert found["longer"][1] is None and "ends at 38 mm" in found["longer"][2]
-    assert found["larger"][1] is None and found["pressure"][1] is None
+    assert found["pressure"][2] == "every balloon is at its rated burst pressure"
+    assert changed(steps, found["larger"][1]) == {("postdilatation", "diameter_mm"): 3.5}, "the largest stent stays"
     assert found["shorter"][1] is not None
+    steps[2]["devices"][0]["diameter_mm"] = 5.5
+    assert alternatives.all_of(steps, families)["larger"][2] == "every device is the catalogue's largest"
 
 
 def test_a_plan_of_balloons_has_no_stent_to_change(plan, families):
