@@ -24,6 +24,7 @@ from workflow.inputs import (
     frames_option,
     output_folder,
     programs_folder,
+    solved_plans,
     stent_options,
     study_folder,
     test_results,
@@ -46,6 +47,7 @@ LUMEN = os.path.join(config.get("build", "build"), "lumen")
 wildcard_constraints:
     case="|".join(STUDY.cases),
     state="pre|vci|rc|rc_stent|reference|ct|ct_pre|ct_vci|ct_rc|post",
+    plan="shorter|longer|larger|pressure|predilatation|postdilatation",
     section="anatomy|deployment|flow|reference|ct|metrics",
 
 

@@ -1,9 +1,10 @@
-"""Command line: `python3 -m whatif plans | flow | deployment`."""
+"""Command line: `python3 -m whatif plans | deploy | flow | deployment`."""
 
 import argparse
 import pathlib
 
-from common.errors import guarded
+from common import json_reader
+from common.errors import InputError, guarded
 from common.files import replacing, write_json
 from whatif.case import Case
 
@@ -27,6 +28,15 @@ def run_plans(options):
     write_csv(options.out, table)
 
 
+def run_deploy(options):
+    from whatif.plans import deploy
+
+    plans = json_reader.read(options.plans, "plans.json of `whatif plans`").data
+    if options.plan not in plans:
+        raise InputError("no such plan", options.plans, options.plan, f"one of {', '.join(plans)}")
+    deploy(case_of(options), plans[options.plan], options.devices, options.out)
+
+
 def run_sensitivity(options):
     from whatif import sensitivity
 
@@ -45,6 +55,11 @@ def parser():
     plans.add_argument("--devices", type=path, default=path("config/devices"), help="folder of device families")
     plans.add_argument("--states", nargs="+", required=True, help="states with an FFR: the reduced model's error")
     plans.set_defaults(run=run_plans)
+    one = commands.add_parser("deploy", help="one of those plans: its lumen and anatomy, for the flow in 3D")
+    one.add_argument("plan", help="its name in plans.json")
+    one.add_argument("--plans", type=path, required=True, help="plans.json")
+    one.add_argument("--devices", type=path, default=path("config/devices"), help="folder of device families")
+    one.set_defaults(run=run_deploy)
     for name, text in (
         ("flow", "FFR over what the flow rests on -> two CSV files"),
         ("deployment", "FFR and stent area over pressures, places and stiffnesses -> two CSV files; minutes"),
@@ -58,7 +73,7 @@ def parser():
         command.add_argument("--programs", type=path, default=path("build"), help="folder of vci and lumen (build)")
         command.add_argument("--edge", type=float, default=0.4, help="of the deployed lumen, as `lumen process` (0.4)")
         command.add_argument("--spacing", type=float, default=0.5, help="of its sections, mm (0.5)")
-        command.add_argument("--out", type=path, required=True, help="the CSV file")
+        command.add_argument("--out", type=path, required=True, help="the CSV file; of deploy a folder")
     return top
 
 

@@ -89,6 +89,15 @@ def alternative_row(case, calibration, families, steps, folder):
     return {"status": DEPLOYED} | outcome(case, calibration, deployment, folder / "lumen.vtp", anatomy, steps)
 
 
+def deploy(case, steps, devices_folder, folder):
+    """Writes the lumen that a plan leaves, its anatomy and deployment.json into `folder`. Raises InputError, Refused.
+
+    steps: as plans.json lists them.
+    """
+    done = procedure(steps, config.load_devices(devices_folder), read_summary(case.anatomy()), "plan")
+    engine.deployed(case, case.scene | done, folder)
+
+
 def outcome(case, calibration, deployment, lumen_file, anatomy, steps):
     """FFR and read-outs of a deployed lumen."""
     loss = calibrated.network_loss(case.lumen(anatomy), case.boundary, case.flow.expansion_loss)

@@ -275,10 +275,16 @@ def test_results():
     return sorted(str(file) for file in pathlib.Path("results/tests").glob("*.xml"))
 
 
-def procedure_sensitivity_tables(wildcards):
-    """What `procedure_sensitivity` left of a case, if it was run; absolute for the reason of `benchmark_tables`."""
-    folder = pathlib.Path(f"results/cases/{wildcards.case}/sensitivity").absolute()
-    return sorted(str(file) for file in folder.glob("deployment*.csv"))
+def procedure_sensitivity_tables(cases):
+    """What `procedure_sensitivity` left of the cases, if it was run; absolute for the reason of `benchmark_tables`."""
+    folders = [pathlib.Path(f"results/cases/{case}/sensitivity").absolute() for case in cases]
+    return sorted(str(file) for folder in folders for file in folder.glob("deployment*.csv"))
+
+
+def solved_plans(cases):
+    """What `plan_solve` left of the cases, for the report; absolute for the reason of `benchmark_tables`."""
+    folders = [pathlib.Path(f"results/cases/{case}/plans").absolute() for case in cases]
+    return sorted(str(file) for folder in folders for file in folder.glob("*/flow/ffr.json"))
 
 
 def benchmark_tables():

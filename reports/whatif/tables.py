@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from reports.inputs.reading import existing
+from reports.inputs.reading import existing, read_json
 
 STATES = {"pre": "before PCI", "vci": "after the planned PCI"}
 QUANTITIES = {"ffr": "FFR", "minimal_stent_area_mm2": "smallest stent area (mm²)"}
@@ -10,9 +10,17 @@ SOURCES = ("flow", "deployment")
 
 
 def ranking(folder):
-    """Rows of plans/ranking.csv of a case's folder, None where a field is empty; [] without the file."""
+    """Rows of plans/ranking.csv of a case's folder, None where a field is empty; [] without the file.
+
+    `ffr_3d` is filled in for plans whose flow was solved in three dimensions.
+    """
     path = folder / "plans" / "ranking.csv"
-    return records(pd.read_csv(path)) if path.is_file() else []
+    rows = records(pd.read_csv(path)) if path.is_file() else []
+    for row in rows:
+        solved = folder / "plans" / row["plan"] / "flow" / "ffr.json"
+        if solved.is_file():
+            row["ffr_3d"] = read_json(solved, "flow solve")["ffr"]
+    return rows
 
 
 def tornado(folder):

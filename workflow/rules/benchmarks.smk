@@ -15,7 +15,6 @@ BENCHMARKS = {
     "reference_sensitivity": "sensitivity.csv",
 }
 STRAIGHT_TUBES = (*(f"single_{percent}" for percent in (62, 75, 80, 85, 90)), "tandem_60", "throat_re_1500")
-STATE_FILES = ("lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json")  # of a deployed lumen, as the flow takes it
 
 
 rule benchmarks:

@@ -332,6 +332,7 @@ rule report:
         provenance="results/study/provenance.json",
         code=code("reports", "reports.page.build"),
         templates=INPUTS.templates(),
+        solved=solved_plans(CASES),
         tests=test_results(),
         benchmarks=benchmark_tables(),
     output:
@@ -365,6 +366,7 @@ rule numbers:
         ),
         provenance="results/study/provenance.json",
         code=code("reports", "reports.record.numbers") + ["reports/study/published.json"],
+        solved=solved_plans(CASES) + procedure_sensitivity_tables(CASES),
         tests=test_results(),
     output:
         "results/report/report.json",

@@ -67,6 +67,10 @@ def test_what_the_page_says(folder):
     (folder / "plans").mkdir()
     rows = [{"rank": 1, "plan": "planned", "ffr": 0.94, "ffr_error": 0.002}, {"plan": "longer", "status": "no"}]
     pd.DataFrame(rows).reindex(columns=RANKING).to_csv(folder / "plans" / "ranking.csv", index=False)
+    solved = folder / "plans" / "planned" / "flow" / "ffr.json"
+    solved.parent.mkdir(parents=True)
+    solved.write_text('{"ffr": 0.943}')
     found = planner_context(folder)
+    assert [row["ffr_3d"] for row in found["plans"]] == [0.943, None]
     assert [row["ffr"] for row in found["plans"]] == [0.94, None] and found["plans_error"] == 0.002
     assert [row["samples"] for row in found["intervals"]] == [128, 15] and found["deployment_varied"]
