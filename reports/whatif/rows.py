@@ -7,7 +7,10 @@ OVER = {"flow": "what the flow rests on", "deployment": "that and the deployment
 
 
 def planner_context(folder):
-    """{plans, plans_error, intervals, deployment_varied} of a case's folder, for templates/planner.html.j2."""
+    """{plans, plans_error, intervals, ffr_ranges, deployment_varied} of a case's folder, for the page's templates.
+
+    ffr_ranges: {state: (lower, upper)}, over the deployment's inputs too where they were varied.
+    """
     plans = ranking(folder)
     varied = intervals(folder)
     rows = [
@@ -25,5 +28,6 @@ def planner_context(folder):
         "plans": plans,
         "plans_error": next((row["ffr_error"] for row in plans if row["ffr_error"] is not None), None),
         "intervals": rows,
+        "ffr_ranges": {row["state"]: (row["lower"], row["upper"]) for row in rows if row["quantity"] == "ffr"},
         "deployment_varied": "deployment" in varied,
     }

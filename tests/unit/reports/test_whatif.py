@@ -73,4 +73,5 @@ def test_what_the_page_says(folder):
     found = planner_context(folder)
     assert [row["ffr_3d"] for row in found["plans"]] == [0.943, None]
     assert [row["ffr"] for row in found["plans"]] == [0.94, None] and found["plans_error"] == 0.002
+    assert found["ffr_ranges"] == {"vci": (0.91, 0.965)}, "that of most inputs"
     assert [row["samples"] for row in found["intervals"]] == [128, 15] and found["deployment_varied"]
