@@ -8,7 +8,6 @@ from drawn_patient import STENOSIS_PERCENT
 
 NEAR_MM = 1.0
 LEAST_LESION = 30.0  # per cent by diameter: milder ones are not looked for
-FEW_VOXELS, QUARTER = "lumen of few voxels", "up to a quarter"  # a warning of `lumen`, and the error of areas it states
 ENDS_LOST = ("mask .35", "label .35", "rounded", "noise .05", "noise .02")  # styles that do not keep the caps
 STUBS = ("stub left closed", "rounded end left closed", "branch left closed")  # warnings; no drawn patient has any
 
@@ -41,7 +40,7 @@ def compare(patient, style, folder):
             best = min(found["lesions"], key=distance)
             off_mm, percent = round(distance(best), 2), best["diameter_stenosis_percent"]
             off_percent = round(percent - np.clip(percent, least, most), 1)
-            if off_mm > NEAR_MM or abs(off_percent) > max(STENOSIS_PERCENT, stated_band(found, percent)):
+            if off_mm > NEAR_MM or abs(off_percent) > max(STENOSIS_PERCENT, stated_band(best)):
                 wrong.append(f"lesion {off_mm} mm and {off_percent} % off")
     return "; ".join(wrong), len(found["ends"]), off_mm, off_percent
 
@@ -52,10 +51,10 @@ def false_stubs(folder):
     return sum(one["count"] for one in repairs if one["what"] in STUBS)
 
 
-def stated_band(anatomy, percent):
-    """Points of per cent that a diameter stenosis may be off by what a warning says of the areas; 0: nothing said."""
-    said = [one["detail"] for one in anatomy["repairs"] if one["what"] == FEW_VOXELS]
-    return (1 - np.sqrt(0.75)) * (100 - percent) if said and QUARTER in said[0] else 0.0
+def stated_band(lesion):
+    """Points of per cent that a diameter stenosis may be off by what the anatomy says of the lesion's smallest area."""
+    wider = 1 / np.sqrt(1 - lesion["mla_error_percent"] / 100) - 1
+    return wider * (100 - lesion["diameter_stenosis_percent"])
 
 
 def _place(lesion, folder):
