@@ -19,10 +19,12 @@ from workflow.inputs import (
     benchmark_tables,
     case_folder,
     cohort_option,
+    procedure_sensitivity_tables,
     figures_folder,
     frames_option,
     output_folder,
     programs_folder,
+    solved_plans,
     stent_options,
     study_folder,
     test_results,
@@ -45,6 +47,7 @@ LUMEN = os.path.join(config.get("build", "build"), "lumen")
 wildcard_constraints:
     case="|".join(STUDY.cases),
     state="pre|vci|rc|rc_stent|reference|ct|ct_pre|ct_vci|ct_rc|post",
+    plan="shorter|longer|larger|pressure|predilatation|postdilatation",
     section="anatomy|deployment|flow|reference|ct|metrics",
 
 
@@ -58,11 +61,13 @@ rule all:
     default_target: True
     input:
         "results/report/index.html",
+        "results/ro-crate-metadata.json",
 
 
 include: "workflow/rules/geometry.smk"
 include: "workflow/rules/deployment.smk"
 include: "workflow/rules/ct.smk"
 include: "workflow/rules/flow.smk"
+include: "workflow/rules/whatif.smk"
 include: "workflow/rules/study.smk"
 include: "workflow/rules/benchmarks.smk"

@@ -26,6 +26,7 @@ include_patterns = [
     "flow/**.md",
     "data_synthetic/*.md",
     "reports/*.md",
+    "whatif/*.md",
     "config/patients/*/README.md",
 ]
 # What a source folder holds is said in it, for those who read the sources.

@@ -55,6 +55,26 @@ def run_differences(args):
     write_csv(args.out, difference_table(documents))
 
 
+def run_patients(args):
+    from common.config import load_case
+    from reports.selection.flow_chart import inclusion_figure
+    from reports.selection.patients import inclusion_table, patients_table
+    from reports.study.tables import write_csv
+
+    documents = metrics_list(args.metrics)
+    configs = {path.stem: path for path in args.configs}
+    missing = [document["case"] for document in documents if document["case"] not in configs]
+    if missing:
+        raise InputError("a case has no configuration", "--configs", missing, "give the case file of each metrics.json")
+    table = patients_table(
+        documents, {document["case"]: load_case(configs[document["case"]]) for document in documents}
+    )
+    steps = inclusion_table(table, {document["case"]: list(document["states"]) for document in documents})
+    write_csv(args.out, table)
+    write_csv(args.inclusion, steps)
+    inclusion_figure(steps, args.figures_dir)
+
+
 def run_subgroups(args):
     from reports.study.subgroups import patient_files, subgroup_tables
     from reports.study.tables import write_csv
@@ -109,6 +129,13 @@ def run_ct(args):
         ct_figure(files, read_json(files.metrics, "reports metrics"), args.out_dir)
 
 
+def run_sensitivity(args):
+    from reports.whatif.tornado import sensitivity_figure
+
+    for files in case_list(args):
+        sensitivity_figure(files, args.out_dir)
+
+
 def run_software(args):
     from reports.study.software import software_versions
 
@@ -121,6 +148,21 @@ def run_report(args):
     places = args.study_dir, args.figures_dir, args.out
     told = args.software, args.cohort, args.benchmarks, args.provenance
     build_report(case_list(args), *places, args.junit, *told)
+
+
+def run_numbers(args):
+    from reports.record.numbers import report_numbers
+
+    write_json(args.out, report_numbers(case_list(args), args.study_dir, args.cohort, args.junit))
+
+
+def run_crate(args):
+    from reports.record.crate import crate
+    from reports.study.software import git
+
+    date = git(args.repository, "show", "-s", "--format=%cI", "HEAD")
+    citation = args.repository / "CITATION.cff"
+    write_json(args.out, crate(args.out.parent, args.cases, citation, date, args.cohort))
 
 
 def run_check(args):
@@ -165,6 +207,14 @@ def parser():
     command.add_argument("--out", required=True, type=path, help="the CSV file with a row a patient, and the cohort's")
     command.set_defaults(run=run_differences)
 
+    command = commands.add_parser("patients", help="the patients on one page, and who is included -> CSV and figure")
+    command.add_argument("--metrics", required=True, nargs="+", type=path, help="metrics.json of each case")
+    command.add_argument("--configs", required=True, nargs="+", type=path, help="config/cases/<case>.yaml of each case")
+    command.add_argument("--inclusion", required=True, type=path, help="the CSV file with the steps of the inclusion")
+    command.add_argument("--figures-dir", required=True, type=path, help="results/figures")
+    command.add_argument("--out", required=True, type=path, help="the CSV file with a row a patient")
+    command.set_defaults(run=run_patients)
+
     command = commands.add_parser("subgroups", help="a drawn cohort: agreement by subgroup, failures by reason -> CSV")
     command.add_argument("--cohort", required=True, type=path, help="folder of `workflow cohort`")
     command.add_argument("--cases", type=path, default=path("results/cases"), help="results/cases")
@@ -200,6 +250,11 @@ def parser():
     command.add_argument("--out-dir", required=True, type=path, help="results/figures")
     command.set_defaults(run=run_ct)
 
+    command = commands.add_parser("sensitivity", help="what a case's FFR and stent area hang on -> SVG and PNG")
+    command.add_argument("--case-dir", required=True, nargs="+", type=path, help="results/cases/<case>, of each case")
+    command.add_argument("--out-dir", required=True, type=path, help="results/figures")
+    command.set_defaults(run=run_sensitivity)
+
     command = commands.add_parser("software", help="versions of what the study runs on, and git revision -> JSON")
     command.add_argument("--repository", type=path, default=path("."), help="the repository's folder (.)")
     command.add_argument("--out", required=True, type=path, help="the JSON file")
@@ -216,6 +271,23 @@ def parser():
     command.add_argument("--benchmarks", type=path, help="results/benchmarks, with a folder for each that was run")
     command.add_argument("--out", required=True, type=path, help="results/report/index.html")
     command.set_defaults(run=run_report)
+
+    command = commands.add_parser("numbers", help="the numbers of the study's tables in one file -> report.json")
+    command.add_argument("--case-dir", required=True, nargs="+", type=path, help="results/cases/<case>, of each case")
+    command.add_argument("--study-dir", required=True, type=path, help="results/study, with its CSV files")
+    command.add_argument("--cohort", default="", help="the cohort's name")
+    command.add_argument("--junit", nargs="*", type=path, default=[], help="test results (JUnit XML)")
+    command.add_argument("--out", required=True, type=path, help="results/report/report.json")
+    command.set_defaults(run=run_numbers)
+
+    command = commands.add_parser("crate", help="the finished study as a research object -> ro-crate-metadata.json")
+    command.add_argument("--cases", required=True, nargs="+", help="names of the study's cases")
+    command.add_argument("--cohort", default="", help="the cohort's name")
+    command.add_argument("--repository", type=path, default=path("."), help="the repository's folder (.)")
+    command.add_argument(
+        "--out", required=True, type=path, help="results/ro-crate-metadata.json, in the folder it tells of"
+    )
+    command.set_defaults(run=run_crate)
 
     command = commands.add_parser("check", help="open a report in headless Chromium; fail on any error or reference")
     command.add_argument("report", type=path, help="the HTML file")

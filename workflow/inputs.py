@@ -17,6 +17,7 @@ CENTRELINE_OPTIONS = {
 STENT_ALONE = ("rc_stent",)  # radius correction by the stents alone
 CT_STATES = ("ct", "ct_vci", "ct_rc")  # the reference as it is seen in CT, and predictions from the CT before it
 IMAGED = ("pre", "reference")  # states with a CT volume
+VARIED = ("pressure", "resistance")  # flow.inlet_condition, flow.outlet_condition
 
 
 class Inputs:
@@ -40,6 +41,15 @@ class Inputs:
         """Whether the flow of a state is computed: not where only areas of `post` are compared."""
         registration = self.configuration.cases[case].get("registration", {"compare": "flow"})
         return state != "post" or registration["compare"] == "flow"
+
+    def states_with_flow(self, case):
+        """The states of a case whose flow is computed."""
+        return [state for state in self.states(case) if self.has_flow(case, state)]
+
+    def varied(self, cases):
+        """Those of the cases whose flow can be varied: pressure at the inlet, resistances at the outlets."""
+        flows = {case: self.configuration.settings(case)["flow"] for case in cases}
+        return [case for case in cases if (flows[case]["inlet_condition"], flows[case]["outlet_condition"]) == VARIED]
 
     def has_reference(self, case):
         """Whether the reference can treat the case: a synthetic one, by one device at a time in one branch.
@@ -263,6 +273,18 @@ def _ct_ends(given):
 def test_results():
     """What `make test` left, for the report's evidence table; empty where the tests have not been run."""
     return sorted(str(file) for file in pathlib.Path("results/tests").glob("*.xml"))
+
+
+def procedure_sensitivity_tables(cases):
+    """What `procedure_sensitivity` left of the cases, if it was run; absolute for the reason of `benchmark_tables`."""
+    folders = [pathlib.Path(f"results/cases/{case}/sensitivity").absolute() for case in cases]
+    return sorted(str(file) for folder in folders for file in folder.glob("deployment*.csv"))
+
+
+def solved_plans(cases):
+    """What `plan_solve` left of the cases, for the report; absolute for the reason of `benchmark_tables`."""
+    folders = [pathlib.Path(f"results/cases/{case}/plans").absolute() for case in cases]
+    return sorted(str(file) for folder in folders for file in folder.glob("*/flow/ffr.json"))
 
 
 def benchmark_tables():

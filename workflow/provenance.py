@@ -9,7 +9,16 @@ from common.files import sha256, write_json
 from common.json_reader import read
 
 SCHEMA = "vci-provenance-1"
-ALWAYS = {"settings", "source", "anatomy", "vci", "flow", "metrics.json"}  # what each case has beside its states
+ALWAYS = {
+    "settings",
+    "source",
+    "anatomy",
+    "vci",
+    "flow",
+    "metrics.json",
+    "plans",
+    "sensitivity",
+}  # what each case has beside its states
 WITH_CT = {"ct", "ct_pre"}
 VARIABLES = ("GLIBC_TUNABLES", "OMP_NUM_THREADS", "OPENBLAS_CORETYPE")  # on which a number's last bits may depend
 

@@ -60,7 +60,10 @@ def lesion_summary(files):
     """The most severe lesion of the pre-PCI anatomy; None if the anatomy found none."""
     path = files.anatomy("pre") / "anatomy.json"
     lesions = entry(read_json(path, "anatomy"), "lesions", path)
-    return {key: entry(lesions[0], key, path) for key in LESION} if lesions else None
+    if not lesions:
+        return None
+    error = {"mla_error_percent": lesions[0].get("mla_error_percent", 0)}
+    return {key: entry(lesions[0], key, path) for key in LESION} | error
 
 
 def reference_summary(files):

@@ -32,6 +32,7 @@ QUANTITY_DIGITS = {"ffr": 3, "mean_area": 2, "minimum_area": 2, "mean_curvature"
 MOST_DIGITS = 6
 UNITS = {"1": "", "mm2": "mm²", "1/mm": "/mm"}
 MISSING = "–"
+LOW_MARK = "▼"  # of FFR after PCI below reports.selection.patients.LOW_AFTER
 OCCLUDED = "occluded_by_voxels"
 
 
@@ -65,6 +66,9 @@ def build_report(
             differences=differences,
             differences_figure=optional_image(figures_dir / "differences.svg") if differences else None,
             cohort_name=COHORT,
+            patients=read_csv(study_dir / "patients.csv"),
+            low_mark=LOW_MARK,
+            inclusion=image_uri(figures_dir / "inclusion.svg"),
             seconds=seconds,
             seconds_figure=image_uri(figures_dir / "seconds.svg") if seconds else None,
             scatter=image_uri(figures_dir / "ffr_before_after.svg"),
@@ -110,7 +114,9 @@ def environment():
 
 def read_csv(path):
     """The rows of a study table as dicts, None where a field is empty."""
-    table = pd.read_csv(existing(path, "reports agreement, cohort, contrast, differences, nearer, seconds, timings"))
+    table = pd.read_csv(
+        existing(path, "reports agreement, cohort, contrast, differences, nearer, patients, seconds, timings")
+    )
     return [
         {k: None if isinstance(v, float) and math.isnan(v) else v for k, v in row.items()}
         for row in table.to_dict("records")

@@ -9,6 +9,7 @@ from reports.page.assets import image_uri, optional_image
 from reports.page.geometry import viewer_data
 from reports.measuring.profiles import error_of
 from reports.inputs.reading import read_json
+from reports.whatif.rows import planner_context
 
 CURVES = (
     ("pullback", "FFR along the stented branch, from the inlet to the outlet, with the band of its estimated error"),
@@ -65,6 +66,9 @@ def case_context(files, figures_dir):
         "still": image_uri(figures_dir / f"{files.case}_lumen.png"),
         "procedure_picture": optional_image(figures_dir / f"{files.case}_procedure.png"),
         "ct_picture": optional_image(figures_dir / f"{files.case}_ct.png"),
+        "sensitivity_picture": optional_image(figures_dir / f"{files.case}_sensitivity.svg"),
+        **planner_context(files.folder),
+        "stations_picture": image_uri(figures_dir / f"{files.case}_stations.png"),
         "plan_picture": optional_image(files.folder / "vci" / "plan.png"),
         "curves": [{"uri": image_uri(figures_dir / f"{files.case}_{name}.svg"), "alt": text} for name, text in CURVES],
         "wire": wire_rows(metrics),

@@ -7,12 +7,17 @@ import pytest
 
 from workflow.cohort import prune
 
-STUDY = {"study_figures", "agreement", "nearer", "contrast", "differences", "seconds", "cohort", "timings"}
-STUDY |= {"provenance", "report"}
+STUDY = {"study_figures", "agreement", "nearer", "contrast", "differences", "seconds", "cohort", "timings", "patients"}
+STUDY |= {"provenance", "report", "numbers", "crate"}
 CASE = "quick_focal"
 OTHER = "quick_branch"
 FROM_CT = ("ct_vci", "ct_rc")
 STATES = ("pre", "vci", "rc", "reference", "ct", *FROM_CT)
+
+
+def varied(case):
+    """What follows a change of a case's lumens, procedure or flow beside its metrics."""
+    return {f"other_plans {case}", f"flow_sensitivity {case}", f"sensitivity_figure {case}"}
 
 
 def end_of_case(case):
@@ -22,7 +27,7 @@ def end_of_case(case):
 
 def flow_of(case, states=STATES):
     """Mesh and solution of the states."""
-    return {f"{rule} {case} {state}" for rule in ("flow_mesh", "flow_solve") for state in states}
+    return {f"{rule} {case} {state}" for rule in ("flow_mesh", "flow_solve") for state in states} | varied(case)
 
 
 def ct_of(case, states=("pre", "reference")):
@@ -118,7 +123,7 @@ def test_module_of_the_segmentation(finished):
 def test_module_of_one_figure(finished):
     finished.append("reports/figures/lumen.py", "# changed\n")
     figures = {f"{figure} {case}" for figure in ("case_figures", "procedure_figure") for case in (CASE, OTHER)}
-    assert finished.planned() == figures | {"report"}
+    assert finished.planned() == figures | {"report", "crate"}
 
 
 def test_device_of_a_plan(finished):

@@ -85,9 +85,30 @@ def test_benchmarks_stand_apart_and_feed_the_report(finished):
     table = finished.folder / "results" / "benchmarks" / "flow_hard_cases" / "hard_cases.csv"
     table.parent.mkdir(parents=True)
     table.write_text("case,ffr\nsharp bend,0.89\n")
-    assert finished.planned() == {"report"}
+    assert finished.planned() == {"report", "crate"}
     os.utime(table, (1e9, 1e9))  # older than the code that made it, as after an update
-    assert finished.planned() == {"report"}
+    assert finished.planned() == {"report", "crate"}
+
+
+def test_the_flow_of_another_plan_is_solved_only_when_asked_for(finished):
+    ffr = "results/cases/quick_focal/plans/larger/flow/ffr.json"
+    steps = ("plan_lumen", "plan_mesh", "plan_solve")
+    assert finished.planned(ffr) == {f"{step} quick_focal" for step in steps}
+    (finished.folder / ffr).parent.mkdir(parents=True)
+    (finished.folder / ffr).write_text("{}")
+    assert finished.planned() == {"report", "numbers", "crate"}, "which show it"
+
+
+def test_pressures_and_places_are_varied_only_when_asked_for(finished):
+    table = "results/cases/quick_focal/sensitivity/deployment.csv"
+    assert finished.planned(table) == {"procedure_sensitivity quick_focal"}
+    (finished.folder / table).write_text("input\n")
+    assert finished.planned() == {
+        "sensitivity_figure quick_focal",
+        "report",
+        "numbers",
+        "crate",
+    }, "which show it"
 
 
 def test_forcerun(finished):

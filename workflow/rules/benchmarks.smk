@@ -15,7 +15,6 @@ BENCHMARKS = {
     "reference_sensitivity": "sensitivity.csv",
 }
 STRAIGHT_TUBES = (*(f"single_{percent}" for percent in (62, 75, 80, 85, 90)), "tandem_60", "throat_re_1500")
-STATE_FILES = ("lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json")  # of a deployed lumen, as the flow takes it
 
 
 rule benchmarks:
@@ -257,7 +256,13 @@ rule anatomy_campaign:
     input:
         programs=[LUMEN, VCI],
         script="tests/verification/anatomy/campaign.py",
-        shared=[f"tests/verification/anatomy/{name}.py" for name in ("campaign_steps", "lofts", "surfaces")],
+        shared=[
+            f"tests/verification/anatomy/{name}.py"
+            for name in (
+                *("campaign_steps", "campaign_styles", "campaign_truth"),
+                *("drawn_patient", "lofts", "masks", "surfaces"),
+            )
+        ],
         settings=["config/study.yaml", "config/cases/real_artery.yaml"],
         code=code("data_synthetic", "data_synthetic.draw", "data_synthetic.generate"),
         picture=code("anatomy", "anatomy.ends_picture"),

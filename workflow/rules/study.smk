@@ -1,5 +1,5 @@
 # What the states of a case and the cases of the study say when they are laid side by side.
-CASE_FIGURES = ["lumen", "pullback", "area", "curvature"]
+CASE_FIGURES = ["lumen", "pullback", "stations", "area", "curvature"]
 STUDY_FIGURES = ["ffr_before_after"] + (["agreement"] if INPUTS.any_truth(CASES) else [])
 STUDY_FIGURES += ["differences"] if INPUTS.any_lumen_after(CASES) else []
 
@@ -207,6 +207,31 @@ rule cohort:
         "workflow/run.sh {log} /usr/bin/python3 -m reports cohort --metrics {input.metrics} --out {output}"
 
 
+rule patients:
+    message:
+        "the patients on one page, and who is included"
+    input:
+        metrics=expand("results/cases/{case}/metrics.json", case=CASES),
+        cases=[ancient(str(STUDY.case_file(case))) for case in CASES],
+        code=code(
+            "reports", "reports.selection.patients", "reports.selection.flow_chart", "reports.study.tables", "common.config"
+        ),
+    output:
+        table="results/study/patients.csv",
+        inclusion="results/study/inclusion.csv",
+        figure=multiext("results/figures/inclusion.", "svg", "png"),
+    log:
+        "results/study/logs/patients.log",
+    benchmark:
+        "results/study/benchmarks/patients.tsv"
+    params:
+        vessels=[STUDY.section(case, "vessel") for case in CASES],
+        figures=lambda wildcards, output: os.path.dirname(output.figure[0]),
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m reports patients --metrics {input.metrics} --configs {input.cases}"
+        " --inclusion {output.inclusion} --figures-dir {params.figures} --out {output.table}"
+
+
 rule timings:
     message:
         "table of timings"
@@ -267,9 +292,10 @@ rule provenance:
     message:
         "provenance: hashes, versions, seeds and commands"
     input:
-        # metrics and pictures come last in a case: by then every product and every log stands
+        # metrics, pictures and varied plans come last in a case: by then every product and every log stands
         metrics=expand("results/cases/{case}/metrics.json", case=CASES),
         pictures=expand("results/cases/{case}/{picture}.png", case=CASES, picture=["anatomy/tree", "vci/plan"]),
+        varied=expand("results/cases/{case}/{table}.csv", case=INPUTS.varied(CASES), table=["plans/ranking", "sensitivity/flow"]),
         software="results/study/software.json",
         programs=[VCI, LUMEN],
         code=command_code("workflow", "run_provenance"),
@@ -296,13 +322,17 @@ rule report:
             "results/figures/{case}_{name}.{format}", case=CASES, name=[*CASE_FIGURES, "procedure"], format=["svg", "png"]
         ),
         ct=expand("results/figures/{case}_ct.png", case=[case for case in CASES if "ct" in INPUTS.states(case)]),
+        plans=expand("results/cases/{case}/plans/ranking.csv", case=INPUTS.varied(CASES)),
+        sensitivity=expand("results/figures/{case}_sensitivity.{format}", case=INPUTS.varied(CASES), format=["svg", "png"]),
         study_figures=expand("results/figures/{name}.{format}", name=STUDY_FIGURES, format=["svg", "png"]),
         pictures=expand("results/cases/{case}/{picture}.png", case=CASES, picture=["anatomy/tree", "vci/plan"]),
-        tables=expand("results/study/{table}.csv", table=["agreement", "nearer", "contrast", "differences", "seconds", "timings", "cohort"]),
+        tables=expand("results/study/{table}.csv", table=["agreement", "nearer", "contrast", "differences", "seconds", "timings", "cohort", "patients"]),
+        inclusion="results/figures/inclusion.svg",
         software="results/study/software.json",
         provenance="results/study/provenance.json",
         code=code("reports", "reports.page.build"),
         templates=INPUTS.templates(),
+        solved=solved_plans(CASES),
         tests=test_results(),
         benchmarks=benchmark_tables(),
     output:
@@ -321,3 +351,55 @@ rule report:
         "workflow/run.sh {log} /usr/bin/python3 -m reports report --case-dir {params.case_dirs} --study-dir {params.study}"
         " --figures-dir {params.figures} --software {input.software} --provenance {input.provenance} {params.cohort} {params.benchmarks}"
         " --junit {input.tests} --out {output}"
+
+
+rule numbers:
+    message:
+        "the study's numbers in one file"
+    input:
+        metrics=expand("results/cases/{case}/metrics.json", case=CASES),
+        plans=expand("results/cases/{case}/plans/ranking.csv", case=INPUTS.varied(CASES)),
+        intervals=expand("results/cases/{case}/sensitivity/flow_intervals.csv", case=INPUTS.varied(CASES)),
+        tables=expand(
+            "results/study/{table}.csv",
+            table=["agreement", "nearer", "contrast", "differences", "cohort", "patients", "inclusion"],
+        ),
+        provenance="results/study/provenance.json",
+        code=code("reports", "reports.record.numbers") + ["reports/study/published.json"],
+        solved=solved_plans(CASES) + procedure_sensitivity_tables(CASES),
+        tests=test_results(),
+    output:
+        "results/report/report.json",
+    log:
+        "results/study/logs/numbers.log",
+    benchmark:
+        "results/study/benchmarks/numbers.tsv"
+    params:
+        case_dirs=expand("results/cases/{case}", case=CASES),
+        cohort=cohort_option(COHORT, config.get("cases")),
+        study=study_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m reports numbers --case-dir {params.case_dirs} --study-dir {params.study}"
+        " {params.cohort} --junit {input.tests} --out {output}"
+
+
+rule crate:
+    message:
+        "the study as a research object"
+    input:
+        page="results/report/index.html",
+        numbers="results/report/report.json",
+        provenance="results/study/provenance.json",
+        citation="CITATION.cff",
+        code=command_code("reports", "run_crate"),
+    output:
+        "results/ro-crate-metadata.json",
+    log:
+        "results/study/logs/crate.log",
+    benchmark:
+        "results/study/benchmarks/crate.tsv"
+    params:
+        cases=CASES,
+        cohort=cohort_option(COHORT, config.get("cases")),
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m reports crate --cases {params.cases} {params.cohort} --out {output}"

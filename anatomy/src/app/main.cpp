@@ -105,6 +105,8 @@ void check(const Options& options, const std::string& repaired, const std::strin
     }
     std::copy_if(prepared.candidates.begin(), prepared.candidates.end(), std::back_inserter(candidates),
                  [&](const Candidate& one) { return one.is_end || trees.size() == 1; });
+    if (const std::string line = line_of(prepared.voxels); said.insert(line).second)
+      std::cout << line;
     if (tree)
       shown.push_back({*tree, prepared.ends.size() - 1});
     if (trees.size() == 1)

@@ -65,6 +65,7 @@ nlohmann::ordered_json lesion_entry(const Anatomy& anatomy, const Lesion& lesion
           {"s_mla_mm", lesion.s_mla},
           {"s_end_mm", lesion.s_end},
           {"mla_mm2", lesion.mla},
+          {"mla_error_percent", lesion.mla_error},
           {"mld_mm", lesion.mld},
           {"reference_diameter_mm", lesion.reference},
           {"proximal_reference_diameter_mm", lesion.proximal_reference},

@@ -6,6 +6,7 @@
 #include "ends/given_caps.hpp"
 #include "ends/ragged_ends.hpp"
 #include "files/surface_file.hpp"
+#include "measure/grid_of_surface.hpp"
 #include "remesh/refine.hpp"
 #include "repair/handles.hpp"
 #include "repair/repair.hpp"
@@ -69,6 +70,12 @@ std::set<int> tags_of_openings(const Mesh& mesh, const Soup& soup) {
     if (std::find(soup.region.begin(), soup.region.end(), tag) == soup.region.end())
       tags.insert(tag);
   return tags;
+}
+
+// Those of the mask, or of the grid on which the surface was contoured.
+Voxels voxels_of(vtkPolyData* input, const Mesh& mesh) {
+  const double edge = voxel_edge(input);
+  return edge > 0 ? Voxels{edge, true} : Voxels{grid_of_surface(mesh), false};
 }
 
 // Of the caps' outlets those that are still there; the tree's ostium is its inlet.
@@ -135,6 +142,7 @@ Prepared with_ends(Closed closed, const CoronaryTree* tree, const Options& optio
   Prepared out;
   out.input = closed.input;
   out.mesh = std::move(closed.mesh);
+  out.voxels = voxels_of(out.input, out.mesh); // before cuts bring vertices that lie in planes
   out.named = std::move(closed.named);
   out.repairs = std::move(closed.repairs);
   if (tree) {

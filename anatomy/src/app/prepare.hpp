@@ -3,6 +3,7 @@
 #include "app/output.hpp"
 #include "ends/find_ends.hpp"
 #include "files/cap_files.hpp"
+#include "measure/coarse_mask.hpp"
 #include "trees/choose.hpp"
 #include <optional>
 #include <vtkPolyData.h>
@@ -40,6 +41,7 @@ struct Prepared {
   Mesh mesh;      ///< refined where it is coarse
   Mesh given;     ///< before refining
   int splits = 1; ///< of an edge of `given` in `mesh`
+  Voxels voxels;  ///< on which the lumen was segmented
   NamedEnds named;
   std::vector<End> ends;
   std::vector<Candidate> candidates; ///< for ends, and what was decided

@@ -5,7 +5,6 @@
 #include "ends/extend.hpp"
 #include "ends/naming.hpp"
 #include "files/surface_file.hpp"
-#include "measure/coarse_mask.hpp"
 #include "measure/section_noise.hpp"
 #include "remesh/local_edge.hpp"
 #include <CGAL/Polygon_mesh_processing/measure.h>
@@ -176,11 +175,12 @@ Anatomy process(const Options& options, StepTimer& timer) {
   out.sections = cut_sections(prepared.mesh, out.branches, out.ends, prepared.splits);
   smooth_noisy_areas(out.branches, out.sections, out.repairs);
   std::size_t said = out.repairs.size();
-  warn_of_few_voxels(out.branches, out.sections, voxel_edge(prepared.input), out.repairs);
+  warn_of_few_voxels(out.branches, out.sections, prepared.voxels, out.repairs);
   timer.start("lesions");
   out.profiles = reference_profiles(out.branches, out.sections, out.repairs);
   say_warnings(out.repairs, said);
   out.lesions = find_lesions(out.branches, out.sections, out.profiles);
+  set_area_errors(out.lesions, prepared.voxels);
   timer.start("grade");
   retag(prepared.mesh, out.ends, before);
   out.mesh = graded_mesh(start, kept, prepared.mesh, EdgeField(options.edge, out.branches, out.profiles));

@@ -4,15 +4,26 @@ namespace anatomy {
 namespace {
 
 constexpr double lost_voxels = 1.1; // a lumen this thin is a chain of voxels that touch at their corners only
+constexpr double of_lost = 50;      // per cent that the area of such a lumen may be off by
+constexpr double of_mask = 25;      // of a lumen of 1.1 to 2 voxels in radius (anatomy/measured.md)
+constexpr double of_surface = 35;   // the same where another program contoured and smoothed the voxels
+
+// Per cent that an area (mm2) may be off by; 0 where the voxels are small enough.
+double area_error(double area, const Voxels& voxels) {
+  const double radius = std::sqrt(area / M_PI);
+  if (radius >= fewest_voxels * voxels.edge)
+    return 0;
+  return radius < lost_voxels * voxels.edge ? of_lost : voxels.of_mask ? of_mask : of_surface;
+}
 
 } // namespace
 
-void warn_of_few_voxels(const std::vector<Branch>& branches, const std::vector<Section>& sections, double voxel,
+void warn_of_few_voxels(const std::vector<Branch>& branches, const std::vector<Section>& sections, const Voxels& voxels,
                         std::vector<Repair>& notes) {
   const Section* narrowest = nullptr;
   std::size_t count = 0;
   for (const Section& section : sections) {
-    if (section.flag == "end" || section.equivalent_diameter() / 2 >= fewest_voxels * voxel)
+    if (section.flag == "end" || area_error(section.area, voxels) == 0)
       continue;
     ++count;
     if (!narrowest || section.area < narrowest->area)
@@ -21,16 +32,31 @@ void warn_of_few_voxels(const std::vector<Branch>& branches, const std::vector<S
   if (!narrowest)
     return;
   const Branch& branch = branches[narrowest->branch];
-  const double radius = narrowest->equivalent_diameter() / 2 / voxel;
-  char detail[320];
-  std::snprintf(
-      detail, sizeof detail,
-      "sections below %.0f voxels of %.3g mm in radius, the narrowest %.2f voxels on %s at %s: %s; segment an "
-      "image of smaller voxels",
-      fewest_voxels, voxel, radius, branch.name.c_str(), place(branch.x[narrowest->sample]).c_str(),
-      radius < lost_voxels ? "areas there may be a third too small and more"
-                           : "single areas there may be wrong by up to a quarter");
+  char detail[400];
+  std::snprintf(detail, sizeof detail,
+                "sections below %.0f voxels of %.3g mm in radius, the narrowest %.2f voxels on %s at %s: single areas "
+                "there may be wrong by up to %.0f %%; %s",
+                fewest_voxels, voxels.edge, narrowest->equivalent_diameter() / 2 / voxels.edge, branch.name.c_str(),
+                place(branch.x[narrowest->sample]).c_str(), area_error(narrowest->area, voxels),
+                voxels.of_mask ? "segment an image of smaller voxels"
+                               : "the surface was contoured on a grid of that spacing; if that was a segmented "
+                                 "image's, give the labels themselves or an image of smaller voxels");
   notes.push_back({"lumen of few voxels", count, detail, true});
+}
+
+std::string line_of(const Voxels& voxels) {
+  if (voxels.edge == 0)
+    return "";
+  char line[200];
+  std::snprintf(line, sizeof line, "%s of %.3g mm: areas of a lumen below %.2g mm in radius may be wrong by %.0f %%\n",
+                voxels.of_mask ? "voxels" : "contoured on a grid", voxels.edge, fewest_voxels * voxels.edge,
+                voxels.of_mask ? of_mask : of_surface);
+  return line;
+}
+
+void set_area_errors(std::vector<Lesion>& lesions, const Voxels& voxels) {
+  for (Lesion& lesion : lesions)
+    lesion.mla_error = area_error(lesion.mla, voxels);
 }
 
 } // namespace anatomy

@@ -1,13 +1,25 @@
 // Where a mask's voxels are too large for the lumen they show.
 #pragma once
-#include "measure/sections.hpp"
+#include "measure/lesions.hpp"
 
 namespace anatomy {
 
-/// Appends a warning where sections have a radius below fewest_voxels edges of a voxel (mm; 0: no mask), with the place
-/// and the radius of the narrowest. A narrowing below that is often the lesion itself, so it is measured, not refused.
-void warn_of_few_voxels(const std::vector<Branch>& branches, const std::vector<Section>& sections, double voxel,
+/// The voxels that a lumen was segmented on.
+struct Voxels {
+  double edge = 0;      ///< mm, the longest of a voxel; 0: none are known of
+  bool of_mask = false; ///< whether the file says so; else they were found by the vertices of a surface
+};
+
+/// Appends a warning where sections have a radius below fewest_voxels edges of a voxel, with the place and the radius
+/// of the narrowest. A narrowing below that is often the lesion itself, so it is measured, not refused.
+void warn_of_few_voxels(const std::vector<Branch>& branches, const std::vector<Section>& sections, const Voxels& voxels,
                         std::vector<Repair>& notes);
+
+/// What these voxels mean for thin lumens, as a line of text; empty where none are known of.
+std::string line_of(const Voxels& voxels);
+
+/// Sets how far each lesion's smallest area may be off by its voxels.
+void set_area_errors(std::vector<Lesion>& lesions, const Voxels& voxels);
 
 constexpr double fewest_voxels = 2;
 

@@ -10,6 +10,7 @@ struct Lesion {
   double mla = 0, mld = 0;                                            ///< mm2, mm
   double reference = 0, proximal_reference = 0, distal_reference = 0; ///< diameters, mm
   double diameter_stenosis = 0, area_stenosis = 0;                    ///< per cent
+  double mla_error = 0; ///< per cent of mla that it may be off by where the voxels are coarse (coarse_mask.hpp)
 };
 
 /// Stretches at least 1 mm long whose diameter stenosis exceeds `shoulder` per cent and reaches `least_stenosis` per

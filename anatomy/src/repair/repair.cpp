@@ -140,7 +140,8 @@ Mesh repaired(const Soup& soup, std::vector<Repair>& repairs) {
 }
 
 void orient_outward(Mesh& mesh, std::vector<Repair>& repairs) {
-  if (PMP::is_outward_oriented(mesh))
+  // by the volume: CGAL's own test looks at the highest vertex alone, where a rough wall may be folded
+  if (PMP::volume(mesh) >= 0)
     return;
   PMP::reverse_face_orientations(mesh);
   repairs.push_back({"normals turned outward", mesh.number_of_faces(), "the whole surface faced inward"});

@@ -43,6 +43,7 @@ def test_the_same_bytes_twice_and_no_dates(measured_case, tmp_path):
         "tube_curvature",
         "tube_lumen",
         "tube_pullback",
+        "tube_stations",
     ]
     assert names == sorted(f"{stem}.{kind}" for stem in stems for kind in ("svg", "png"))
     for name in names:

@@ -20,6 +20,12 @@ JUNIT = """<testsuites><testsuite>
 <testcase classname="tests.verification.flow.test_poiseuille" name="test_fine"><skipped message="no mesh"/></testcase>
 <testcase classname="tests.unit.vci.test_x" name="a" time="0.1"><failure message="1 != 2">trace</failure></testcase>
 </testsuite></testsuites>"""
+CASE_FILE = """kind: surface
+description: a vessel
+patient: {lvm_g: 150, sbp_mmhg: 120, dbp_mmhg: 80, territory: lad}
+lumen: {path: artery.stl, units: mm}
+plan: auto
+"""
 PNG = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAQAAAC1HAwCAAAAC0lEQVR42mNk+A8AAQUBAScY42YAAAAASUVORK5CYII="  # one pixel
 
 needs_chromium = pytest.mark.skipif(shutil.which("chromium") is None, reason="the package chromium is not installed")
@@ -42,6 +48,18 @@ def study(make_case, tmp_path):
         tables = ["--stations", str(tmp_path / "stations.csv"), "--out", str(tmp_path / "study" / "differences.csv")]
         main(["differences", "--metrics", *metrics, *tables])
         main(["timings", "--case-dir", *dirs, "--out", str(tmp_path / "study" / "timings.csv")])
+        configs = [tmp_path / "configs" / f"{name}.yaml" for name, _ in cases]
+        for config in configs:
+            config.parent.mkdir(exist_ok=True)
+            config.write_text(CASE_FILE)
+        selection = [
+            "--inclusion",
+            str(tmp_path / "study" / "inclusion.csv"),
+            "--figures-dir",
+            str(tmp_path / "figures"),
+        ]
+        out = ["--out", str(tmp_path / "study" / "patients.csv")]
+        main(["patients", "--metrics", *metrics, "--configs", *map(str, configs), *selection, *out])
         seconds = ["--out", str(tmp_path / "study" / "seconds.csv"), "--figures-dir", str(tmp_path / "figures")]
         main(["seconds", "--timings", str(tmp_path / "study" / "timings.csv"), *seconds])
         main(["figures", "--case-dir", *dirs, "--metrics", *metrics, "--out-dir", str(tmp_path / "figures")])

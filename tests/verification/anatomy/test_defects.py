@@ -265,3 +265,15 @@ def test_command_line_that_is_not_understood(lumen, tube, tmp_path, options, sai
     done = lumen(surfaces.write(tmp_path / "tube.vtp", *tube), tmp_path / "out", *options)
     assert done.returncode == 2 and done.stderr.count("error:") == 1 and said in done.stderr
     assert "lumen process --help" in done.stderr and not (tmp_path / "out").exists()
+
+
+def test_a_fold_at_the_highest_vertex_does_not_turn_the_surface(process, tmp_path):
+    """Two points of the rim have changed places beside the highest one, whose triangles then face inward."""
+    points, triangles = surfaces.tube(surfaces.straight, lambda s: 1.5 + 0 * s, 16, edge=0.3)
+    points = points[:, [1, 2, 0]]
+    before, top, after = np.flatnonzero((points[:, 2] > 15.9) & (np.hypot(points[:, 0], points[:, 1]) > 1))[4:7]
+    points[top, 2] += 0.05
+    points[[before, after]] = points[[after, before]]
+    summary, _ = process(surfaces.write(tmp_path / "fold.stl", points, triangles), tmp_path / "out")
+    assert "normals turned outward" not in [one["what"] for one in summary["repairs"]]
+    assert len(summary["ends"]) == 2 and summary["mesh"]["volume_mm3"] == pytest.approx(np.pi * 1.5**2 * 16, rel=0.02)

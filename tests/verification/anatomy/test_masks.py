@@ -3,9 +3,11 @@
 import csv
 import json
 
+import lofts
 import masks
 import numpy as np
 import pytest
+import surfaces
 
 TURN = np.array([[np.cos(0.4), -np.sin(0.4), 0], [np.sin(0.4), np.cos(0.4), 0], [0, 0, 1.0]])
 
@@ -89,6 +91,22 @@ def test_a_lumen_of_few_voxels_is_said_with_its_place(lumen, tmp_path, voxels):
     if voxels < 2:
         said = float(done.stderr.split("the narrowest ")[1].split(" voxels")[0])
         assert said == pytest.approx(voxels * np.sqrt(ratio.min()), rel=0.02)
+
+
+@pytest.mark.parametrize("grid, voxels", [(0.35, 1.6), (0.2, 2.8), (None, 1.6)], ids=["coarse", "fine", "no grid"])
+def test_a_surface_of_few_voxels_says_its_error(process, tmp_path, grid, voxels):
+    """A throat in a file that does not say it was segmented; the same drawn without a grid has no such error."""
+    throat = 0.35 * voxels if grid is None else grid * voxels
+    radius = lofts.narrowed(1.5, 100 * (1 - throat / 1.5), 12, 8)
+    points, triangles = surfaces.tube(surfaces.arc(0.05), radius, 24, edge=0.25)
+    if grid:
+        points, triangles = lofts.contoured(points, triangles, grid)
+    summary, _ = process(surfaces.write(tmp_path / "lumen.stl", points, triangles), tmp_path / "out")
+    lesion = summary["lesions"][0]
+    off = 100 * abs(lesion["mla_mm2"] / (np.pi * throat**2) - 1)
+    assert lesion["mla_error_percent"] == (35 if grid == 0.35 else 0) and off < max(10, lesion["mla_error_percent"])
+    said = [one["detail"] for one in summary["repairs"] if one["what"] == "lumen of few voxels"]
+    assert len(said) == (grid == 0.35) and all("voxels of 0.35 mm" in text for text in said)
 
 
 @pytest.mark.parametrize("radius", [1.0, 1.5])

@@ -1,0 +1,115 @@
+"""ro-crate-metadata.json: the folder of results as a research object, by RO-Crate 1.1."""
+
+import mimetypes
+
+from common import yaml_reader
+from common.files import sha256
+from reports.inputs.reading import existing, read_json
+
+CONTEXT, PROFILE = "https://w3id.org/ro/crate/1.1/context", "https://w3id.org/ro/crate/1.1"
+METADATA = "ro-crate-metadata.json"
+KINDS = {".vtp": "application/x-vtk", ".vtu": "application/x-vtk", ".msh": "model/x-gmsh", ".stl": "model/stl"}
+RUN, PROGRAM = "#study", "#vci"
+
+
+def crate(results, cases, citation, date, cohort):
+    """The document of ro-crate-metadata.json. Raises InputError where a file is missing.
+
+    results: folder that it describes; cases: names of the study's cases; citation: CITATION.cff; date: ISO 8601, of the
+    sources' revision. Files of cases have the hashes of provenance.json; the others are hashed here.
+    """
+    about = yaml_reader.read(citation).data
+    provenance = read_json(results / "study" / "provenance.json", "workflow provenance")
+    products = {
+        f"cases/{case}/{name}": known for case in cases for name, known in provenance["cases"][case]["products"].items()
+    }
+    others = {name: sha256(results / name) for name in study_files(results, cases)}
+    files = [file_entity(results, name, known) for name, known in sorted({**products, **others}.items())]
+    inputs = {name: known for case in cases for name, known in provenance["cases"][case]["inputs"].items()}
+    given = [
+        {"@id": f"#{name}", "@type": "CreativeWork", "name": name, "sha256": known} for name, known in inputs.items()
+    ]
+    title = f"{about['title']}: cohort {cohort}" if cohort else about["title"]
+    software = provenance["software"]
+    return {
+        "@context": [CONTEXT, {"sha256": "https://w3id.org/ro/terms/workflow-run#sha256"}],
+        "@graph": [
+            {
+                "@id": METADATA,
+                "@type": "CreativeWork",
+                "conformsTo": {"@id": PROFILE},
+                "about": {"@id": "./"},
+            },
+            {
+                "@id": "./",
+                "@type": "Dataset",
+                "name": title,
+                "description": about["abstract"],
+                "keywords": about["keywords"],
+                "datePublished": date,
+                "license": {"@id": f"https://spdx.org/licenses/{about['license']}"},
+                "citation": {"@id": article(about)["@id"]},
+                "mainEntity": {"@id": "report/index.html"},
+                "mentions": {"@id": RUN},
+                "hasPart": [{"@id": entity["@id"]} for entity in files],
+            },
+            {
+                "@id": RUN,
+                "@type": "CreateAction",
+                "name": f"the study of {', '.join(cases)}",
+                "instrument": {"@id": PROGRAM},
+                "object": [{"@id": entity["@id"]} for entity in given],
+                "result": [{"@id": "report/index.html"}, {"@id": "report/report.json"}],
+            },
+            {
+                "@id": PROGRAM,
+                "@type": "SoftwareApplication",
+                "name": about["title"],
+                "version": f"{about['version']}, revision {software['revision']}",
+                "operatingSystem": software["system"],
+                "softwareRequirements": [f"{name} {version}" for name, version in software["packages"].items()],
+            },
+            {"@id": f"https://spdx.org/licenses/{about['license']}", "@type": "CreativeWork", "name": about["license"]},
+            article(about),
+            *given,
+            *files,
+        ],
+    }
+
+
+def article(about):
+    """The entity of the reproduced article, from CITATION.cff."""
+    one = about["references"][0]
+    authors = [f"{author['family-names']}, {author['given-names']}" for author in one["authors"]]
+    return {
+        "@id": f"https://doi.org/{one['doi']}",
+        "@type": "ScholarlyArticle",
+        "name": one["title"],
+        "author": authors,
+        "datePublished": str(one["year"]),
+    }
+
+
+def study_files(results, cases):
+    """Names, below `results`, of the page, the study's tables and the figures of the study and of these cases."""
+    found = [results / "report" / "index.html", results / "report" / "report.json"]
+    found += sorted((results / "study").glob("*.*"))
+    figures = sorted((results / "figures").glob("*.*"))
+    of_others = {path.name for path in (results / "cases").glob("*") if path.name not in cases}
+    found += [path for path in figures if not any(path.name.startswith(f"{case}_") for case in of_others)]
+    return [str(existing(path, "make study").relative_to(results)) for path in found]
+
+
+def file_entity(results, name, known):
+    """The entity of one file, with its kind, size and hash."""
+    path = existing(results / name, "make study")
+    kind = KINDS.get(path.suffix) or mimetypes.guess_type(path.name)[0] or "application/octet-stream"
+    size = str(path.stat().st_size)
+    return {
+        "@id": name,
+        "@type": "File",
+        "name": path.name,
+        "encodingFormat": kind,
+        "contentSize": size,
+        "sha256": known,
+    }

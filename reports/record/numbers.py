@@ -1,0 +1,62 @@
+"""report.json: every number of the page's summary in one file, read from the study's tables; no seconds."""
+
+import pandas as pd
+
+from common.files import sha256
+from reports.inputs.case_files import STATES
+from reports.inputs.reading import existing, read_json
+from reports.page.evidence import evidence_rows, read_results
+from reports.study.agreement import published
+from reports.study.cohort import STATE_VALUES
+from reports.whatif.tables import intervals, ranking, records
+
+SCHEMA = "vci-report-1"
+TABLES = ("agreement", "nearer", "contrast", "differences", "inclusion", "patients")
+
+
+def report_numbers(case_files, study_dir, cohort, junit):
+    """The document of report.json. case_files: CaseFiles of the study; junit: files of the tests. Raises InputError."""
+    tables = {name: table(study_dir, name) for name in TABLES}
+    provenance = existing(study_dir / "provenance.json", "workflow provenance")
+    tests = [
+        {key: row[key] for key in ("kind", "part", "tests", "passed", "failed", "skipped")}
+        for row in evidence_rows(read_results(junit))
+    ]
+    return {
+        "schema": SCHEMA,
+        "cohort": cohort or None,
+        "cases": [files.case for files in case_files],
+        "source": published(),
+        "provenance_sha256": sha256(provenance),
+        "software": read_json(provenance, "workflow provenance")["software"],
+        "states": state_means(table(study_dir, "cohort")),
+        **{name: records(found) for name, found in tables.items()},
+        "plans": {files.case: ranking(files.folder) for files in case_files},
+        "sensitivity": {files.case: interval_rows(files.folder) for files in case_files},
+        "evidence": {
+            **{key: sum(row[key] for row in tests) for key in ("passed", "failed", "skipped")},
+            "tests": tests,
+        },
+    }
+
+
+def table(study_dir, name):
+    """A table of the study; without rows where there was nothing to compare."""
+    return pd.read_csv(existing(study_dir / f"{name}.csv", f"reports {name}"))
+
+
+def state_means(cohort):
+    """{state: {quantity: {n, mean, sd}}} over the cases of cohort.csv; sd with n - 1, None of one case."""
+    found = {}
+    for state in STATES:
+        for name in STATE_VALUES:
+            values = cohort.get(f"{state}_{name}", pd.Series(dtype=float)).dropna().astype(float)
+            if len(values):
+                sd = float(values.std(ddof=1)) if len(values) > 1 else None
+                found.setdefault(state, {})[name] = {"n": len(values), "mean": float(values.mean()), "sd": sd}
+    return found
+
+
+def interval_rows(folder):
+    """The rows of a case's Latin hypercubes, each with its `source`."""
+    return [row for found in intervals(folder).values() for row in records(found)]

@@ -1,0 +1,78 @@
+"""patients.csv, supplementary table 1: the patients on one page. inclusion.csv: who is included, step by step."""
+
+import pandas as pd
+
+from reports.inputs.reading import number
+from reports.measuring.measured import FFR_THRESHOLD
+from reports.study.cohort import describe_procedure
+
+# Included are those with FFR before PCI below 0.80. Below 0.90 after it more adverse events were found (Rimac et al.,
+# Am Heart J 2017;183:1-9, a meta-analysis of 7470 patients).
+LOW_AFTER = 0.90
+TRUTHS = ("reference", "post")
+COLUMNS = ["case", "artery", "branch", "stenosis_percent", "lesion_length_mm", "reference_diameter_mm", "lesions"]
+COLUMNS += ["plaque", "calcium", "procedure", "ffr_before", "included", "ffr_vci", "ffr_after", "low_after"]
+STEPS = ["step", "count", "cases"]
+
+
+def patients_table(documents, cases):
+    """DataFrame of patients.csv from the metrics documents; cases: {name: content of its case file}."""
+    return pd.DataFrame([patient_row(one, cases[one["case"]]) for one in documents], columns=COLUMNS)
+
+
+def patient_row(document, case):
+    """One patient. FFR is that past the lesion; `ffr_after` of the first of TRUTHS with a flow."""
+    lesion, vessel = document["lesion"] or {}, case.get("vessel", {})
+    ffr = {
+        state: number(entry, "ffr.distal", f"metrics of {document['case']}, {state}")
+        for state, entry in document["states"].items()
+        if entry["ffr"]
+    }
+    after = next((ffr[state] for state in TRUTHS if state in ffr), None)
+    return {
+        "case": document["case"],
+        "artery": vessel.get("artery", case["patient"].get("territory", "")),
+        "branch": lesion.get("branch"),
+        "stenosis_percent": lesion.get("diameter_stenosis_percent"),
+        "lesion_length_mm": lesion["s_end_mm"] - lesion["s_start_mm"] if lesion else None,
+        "reference_diameter_mm": lesion.get("reference_diameter_mm"),
+        "lesions": len(vessel["lesions"]) if vessel else None,
+        "plaque": ", ".join(dict.fromkeys(one["plaque"] for one in vessel.get("lesions", []))),
+        "calcium": "; ".join(in_words(one["calcium"]) for one in vessel.get("lesions", []) if "calcium" in one),
+        "procedure": describe_procedure(document["procedure"]),
+        "ffr_before": ffr.get("pre"),
+        "included": included(ffr.get("pre")),
+        "ffr_vci": ffr.get("vci"),
+        "ffr_after": after,
+        "low_after": None if "vci" not in ffr else ffr["vci"] < LOW_AFTER,
+    }
+
+
+def included(ffr_before):
+    """Whether a patient meets the criterion; None where FFR before is not known."""
+    return None if ffr_before is None else ffr_before < FFR_THRESHOLD
+
+
+def in_words(calcium):
+    """A sheet of calcium: "120 degrees over 8 mm"."""
+    return f"{calcium['arc_deg']:g} degrees over {calcium['length_mm']:g} mm"
+
+
+def inclusion_table(patients, states):
+    """DataFrame of inclusion.csv, the steps of the flow chart. patients: patients_table; states: {case: its states}."""
+    known = patients[patients["ffr_before"].notna()]
+    taken = known[known["included"].astype(bool)]
+    names = list(taken["case"])
+    steps = [
+        ("cases of the cohort", list(patients["case"])),
+        ("FFR before PCI not computed", list(patients["case"][patients["ffr_before"].isna()])),
+        (f"FFR before PCI of {FFR_THRESHOLD:.2f} and more", list(known["case"][~known["included"].astype(bool)])),
+        (f"included: FFR before PCI below {FFR_THRESHOLD:.2f}", names),
+        ("lumen after PCI known", [case for case in names if set(TRUTHS) & set(states[case])]),
+        ("seen in CT before and after", [case for case in names if "ct_vci" in states[case]]),
+        (
+            f"predicted FFR after PCI below {LOW_AFTER:.2f}",
+            list(taken["case"][taken["low_after"].fillna(False).astype(bool)]),
+        ),
+    ]
+    return pd.DataFrame([(words, len(cases), " ".join(cases)) for words, cases in steps], columns=STEPS)

@@ -1,0 +1,33 @@
+"""What the page says of a case's other plans and of what its FFR hangs on."""
+
+from reports.whatif.tables import QUANTITIES, STATES, intervals, ranking, records
+
+DIGITS = {"ffr": 3, "minimal_stent_area_mm2": 2}
+OVER = {"flow": "what the flow rests on", "deployment": "that and the deployment's inputs"}
+
+
+def planner_context(folder):
+    """{plans, plans_error, intervals, ffr_ranges, deployment_varied} of a case's folder, for the page's templates.
+
+    ffr_ranges: {state: (lower, upper)}, over the deployment's inputs too where they were varied.
+    """
+    plans = ranking(folder)
+    varied = intervals(folder)
+    rows = [
+        {
+            **row,
+            "name": f"{QUANTITIES[row['quantity']]} {STATES[row['state']]}",
+            "digits": DIGITS[row["quantity"]],
+            "words": OVER[source],
+        }
+        for source, table in varied.items()
+        for row in records(table)
+        if row["lower"] is not None
+    ]
+    return {
+        "plans": plans,
+        "plans_error": next((row["ffr_error"] for row in plans if row["ffr_error"] is not None), None),
+        "intervals": rows,
+        "ffr_ranges": {row["state"]: (row["lower"], row["upper"]) for row in rows if row["quantity"] == "ffr"},
+        "deployment_varied": "deployment" in varied,
+    }

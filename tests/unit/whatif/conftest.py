@@ -1,0 +1,56 @@
+"""A straight vessel before and after a procedure, as the study's files describe it; its flow is Poiseuille's."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from flow import settings as settings_module
+from flow.geometry.centreline import Branch, Tree
+from flow.inputs import boundary
+
+LENGTH_MM, PATIENT = 40.0, {"lvm_g": 150, "sbp_mmhg": 120, "dbp_mmhg": 80}
+
+
+class Vessel:
+    """What whatif reads of a case: two states of one tube, of radius 1 mm before and 1.4 mm after."""
+
+    def __init__(self):
+        self.flow = settings_module.make()
+        s = np.linspace(0.0, LENGTH_MM, 81)
+        points = np.stack([s, 0 * s, 0 * s], axis=1)
+        self.tree = Tree([Branch("main", 0, points, s, np.ones_like(s))])
+        end = {"name": "outlet1", "kind": "outlet", "region_id": 2, "branch": "main", "diameter_mm": 2.0}
+        branch = {"name": "main", "parent": None, "s_on_parent_mm": None, "length_mm": LENGTH_MM}
+        self.before = {"schema": "vci-anatomy-1", "ends": [end], "branches": [branch], "lesions": []}
+        self.boundary = boundary.make(self.before, self.tree, PATIENT, self.flow)
+        self.radii = {"pre": 1.0, "vci": 1.4, "rc": 1.5}
+        self.answers = {state: {"ffr": ffr} for state, ffr in (("pre", 0.70), ("vci", 0.90), ("rc", 0.92))}
+
+    def anatomy(self, state="pre"):
+        return state
+
+    def lumen(self, state):
+        s = np.linspace(0.5, LENGTH_MM - 0.5, 79)
+        area = np.pi * (self.radii[state] if isinstance(state, str) else state) ** 2 + 0 * s
+        table = pd.DataFrame({"branch": "main", "s_mm": s, "x_mm": s, "y_mm": 0.0, "z_mm": 0.0, "area_mm2": area})
+        return self.before, table
+
+    def answer(self, state):
+        return self.answers[state]
+
+
+@pytest.fixture
+def vessel():
+    return Vessel()
+
+
+@pytest.fixture
+def plan():
+    """The procedure of a plan.json: predilatation, stent, post-dilatation."""
+
+    def step(action, device, pressure):
+        use = {"device": device, "branch": "main", "centre_s_mm": 20.0, "pressure_bar": pressure}
+        return {"name": action, "action": action, "devices": [use]}
+
+    steps = [step("predilatation", "semi_compliant_2.50x15", 10), step("stent", "des_3.00x18", 12)]
+    return {"procedure": [*steps, step("postdilatation", "non_compliant_3.25x15", 18)]}

@@ -1,0 +1,88 @@
+"""Command line: `python3 -m whatif plans | deploy | flow | deployment`."""
+
+import argparse
+import pathlib
+
+from common import json_reader
+from common.errors import InputError, guarded
+from common.files import replacing, write_json
+from whatif.case import Case
+
+
+def write_csv(path, table):
+    """Writes a table with six digits."""
+    with replacing(path) as partial:
+        table.to_csv(partial, index=False, float_format="%.6g")
+
+
+def case_of(options):
+    """The Case that the options name."""
+    return Case(options.case_dir, options.programs, options.edge, options.spacing)
+
+
+def run_plans(options):
+    from whatif.plans import ranked
+
+    table, plans = ranked(case_of(options), options.devices, options.states)
+    write_json(options.out.with_name("plans.json"), plans)
+    write_csv(options.out, table)
+
+
+def run_deploy(options):
+    from whatif.plans import deploy
+
+    plans = json_reader.read(options.plans, "plans.json of `whatif plans`").data
+    if options.plan not in plans:
+        raise InputError("no such plan", options.plans, options.plan, f"one of {', '.join(plans)}")
+    deploy(case_of(options), plans[options.plan], options.devices, options.out)
+
+
+def run_sensitivity(options):
+    from whatif import sensitivity
+
+    of = {"flow": sensitivity.of_flow, "deployment": sensitivity.of_deployment}[options.command]
+    table, spread = of(case_of(options), options.config)
+    write_csv(options.intervals, spread)
+    write_csv(options.out, table)
+
+
+def parser():
+    """The argument parser of all commands."""
+    path = pathlib.Path
+    top = argparse.ArgumentParser(prog="whatif", description=__doc__)
+    commands = top.add_subparsers(dest="command", required=True)
+    plans = commands.add_parser("plans", help="other plans of a case, deployed and ranked -> ranking.csv, plans.json")
+    plans.add_argument("--devices", type=path, default=path("config/devices"), help="folder of device families")
+    plans.add_argument("--states", nargs="+", required=True, help="states with an FFR: the reduced model's error")
+    plans.set_defaults(run=run_plans)
+    one = commands.add_parser("deploy", help="one of those plans: its lumen and anatomy, for the flow in 3D")
+    one.add_argument("plan", help="its name in plans.json")
+    one.add_argument("--plans", type=path, required=True, help="plans.json")
+    one.add_argument("--devices", type=path, default=path("config/devices"), help="folder of device families")
+    one.set_defaults(run=run_deploy)
+    for name, text in (
+        ("flow", "FFR over what the flow rests on -> two CSV files"),
+        ("deployment", "FFR and stent area over pressures, places and stiffnesses -> two CSV files; minutes"),
+    ):
+        command = commands.add_parser(name, help=text)
+        command.add_argument("--config", type=path, required=True, help="config/cases/<case>.yaml, for the patient")
+        command.add_argument("--intervals", type=path, required=True, help="the CSV file of the Latin hypercube")
+        command.set_defaults(run=run_sensitivity)
+    for command in commands.choices.values():
+        command.add_argument("--case-dir", type=path, required=True, help="results/cases/<case>, computed")
+        command.add_argument("--programs", type=path, default=path("build"), help="folder of vci and lumen (build)")
+        command.add_argument("--edge", type=float, default=0.4, help="of the deployed lumen, as `lumen process` (0.4)")
+        command.add_argument("--spacing", type=float, default=0.5, help="of its sections, mm (0.5)")
+        command.add_argument("--out", type=path, required=True, help="the CSV file; of deploy a folder")
+    return top
+
+
+@guarded
+def main(arguments=None):
+    """Runs one command; exit codes as in docs/design.md."""
+    options = parser().parse_args(arguments)
+    options.run(options)
+
+
+if __name__ == "__main__":
+    main()

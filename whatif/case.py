@@ -1,0 +1,78 @@
+"""A finished case whose procedure or inputs are varied: its files, read once."""
+
+import dataclasses
+import functools
+import pathlib
+
+from common import config, json_reader
+from common.errors import InputError
+from flow import settings as flow_settings
+from flow.geometry import centreline
+from flow.inputs import boundary, lumen_summary
+from flow.reduced import network
+
+BEFORE, PLANNED = "pre", "vci"
+
+
+@dataclasses.dataclass(frozen=True)
+class Case:
+    """folder: results/cases/<case>; programs: folder of `vci` and `lumen`; edge_mm, spacing_mm: of `lumen process`."""
+
+    folder: pathlib.Path
+    programs: pathlib.Path = pathlib.Path("build")
+    edge_mm: float = 0.4
+    spacing_mm: float = 0.5
+
+    def anatomy(self, state=BEFORE):
+        """Folder of a state's anatomy."""
+        return self.folder / "anatomy" if state == BEFORE else self.folder / state / "anatomy"
+
+    def json(self, name):
+        """The document of a JSON file in the folder. Raises InputError."""
+        return json_reader.read(self.folder / name, "the study's file").data
+
+    @functools.cached_property
+    def scene(self):
+        """scene.json of the planned procedure."""
+        return self.json("vci/scene.json")
+
+    @functools.cached_property
+    def boundary(self):
+        """boundary.json, checked."""
+        path = self.folder / "flow" / "boundary.json"
+        document = self.json("flow/boundary.json")
+        boundary.check(document, path)
+        if any(outlet.get("pressure_pa") is not None for outlet in document["outlets"]):
+            remedy = "set flow.outlet_condition to resistance"
+            raise InputError("outlets at a given pressure have no resistance to vary", path, "pressure_pa", remedy)
+        return document
+
+    @functools.cached_property
+    def flow(self):
+        """The settings of the section `flow`."""
+        return flow_settings.make(**self.json("settings/flow.json"))
+
+    @functools.cached_property
+    def tree(self):
+        """The centrelines before the procedure."""
+        return centreline.read(self.anatomy() / "centreline.vtp")
+
+    @functools.cached_property
+    def before(self):
+        """anatomy.json before the procedure."""
+        return lumen_summary.read(self.anatomy() / "anatomy.json", "ends", "branches")
+
+    def lumen(self, anatomy_folder):
+        """(anatomy.json, sections) of a lumen, for the 1D network. Raises InputError."""
+        summary = lumen_summary.read(anatomy_folder / "anatomy.json", "branches")
+        return summary, network.read_sections(anatomy_folder / "sections.csv")
+
+    def answer(self, state):
+        """ffr.json of a state. Raises InputError."""
+        return self.json(f"flow/{state}/ffr.json")
+
+
+def patient_of(case_file):
+    """(the case file's patient, its measured wire or None, whether its vessel is a real one)."""
+    document = config.load_case(case_file)
+    return document["patient"], document.get("measured"), document["kind"] == "surface"

@@ -1,0 +1,43 @@
+"""One varied procedure: the engine deploys it, the anatomy step measures the lumen that it leaves."""
+
+import json
+import os
+import pathlib
+import subprocess
+
+from common.errors import ComputationError, InputError
+from common.files import write_json
+
+
+class Refused(ComputationError):
+    """The engine or the anatomy step has no answer for a varied procedure; `reason` in a few words."""
+
+    def __init__(self, where, reason):
+        self.reason = reason
+        super().__init__("a varied procedure has no answer", where, reason, "see the log")
+
+
+def run(command):
+    """Runs a command; raises Refused with the first line of what it complains of, InputError without the program."""
+    try:
+        done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
+    except FileNotFoundError:
+        raise InputError("no such program", command[0], "missing", "make build, or give --programs") from None
+    if done.returncode:
+        said = [line for line in done.stderr.splitlines() if line.strip()] or [f"exit code {done.returncode}"]
+        raise Refused(pathlib.Path(str(command[0])).name, said[0].removeprefix("error: ").strip())
+
+
+def deployed(case, scene, folder):
+    """(deployment.json, folder of the anatomy) of a scene's procedure in the case's lumen before. Raises Refused.
+
+    folder: for all that the programs write, made here.
+    """
+    sizes = ["--edge", case.edge_mm, "--spacing", case.spacing_mm]
+    folder.mkdir(parents=True, exist_ok=True)
+    place = os.path.relpath(case.anatomy().resolve(), folder.resolve())
+    write_json(folder / "scene.json", scene | {"lumen": f"{place}/lumen.vtp", "centreline": f"{place}/centreline.vtp"})
+    run([case.programs / "vci", "deploy", folder / "scene.json", "--out", folder])
+    like = ["--units", "mm", "--like", case.anatomy() / "anatomy.json"]
+    run([case.programs / "lumen", "process", folder / "lumen.vtp", *like, *sizes, "--out", folder / "anatomy"])
+    return json.loads((folder / "deployment.json").read_text()), folder / "anatomy"

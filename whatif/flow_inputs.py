@@ -1,0 +1,86 @@
+"""What the flow rests on and is not known exactly: each input with its range, and boundary values at any choice.
+
+Masses by a fifth and the spread of hyperaemia are those of flow.inputs.hyperaemia. 10 mmHg is what a cuff may be off.
+The exponents are those of the area (2) and of Murray's law (3). An outlet's diameter by a tenth is about a CT's voxel.
+Where the flow was measured, only its own error is left: about a tenth.
+"""
+
+import copy
+import dataclasses
+
+from flow.inputs import boundary, hyperaemia
+from flow.reduced import flow_range, network
+
+TERRITORIES = ("lad", "lcx", "rca")
+PER_CENT = 100
+
+
+@dataclasses.dataclass(frozen=True)
+class Input:
+    """low, planned, high: values; `unit` as the tables write it. scale: `linear` or `log`, by which samples spread."""
+
+    name: str
+    words: str
+    low: float
+    planned: float
+    high: float
+    unit: str
+    scale: str = "linear"
+
+
+def inputs_of(patient, settings, outlets):
+    """[Input] of a patient's flow. outlets: their number."""
+    found = [Input("blood_pressure", "blood pressure", -10.0, 0.0, 10.0, "mmHg")]
+    if patient.get("hyperaemic_inflow_ml_per_min") is not None:
+        found.append(Input("flow", "measured flow", -10.0, 0.0, 10.0, "%"))
+    else:
+        if patient.get("cardiac_output_l_per_min") is None:
+            found.append(
+                Input(
+                    "mass",
+                    "left ventricular mass",
+                    -PER_CENT * hyperaemia.MASS_OFF,
+                    0.0,
+                    PER_CENT * hyperaemia.MASS_OFF,
+                    "%",
+                )
+            )
+        spread = PER_CENT * hyperaemia.PER_GRAM_SD / hyperaemia.PER_GRAM
+        found.append(Input("hyperaemia", "response to adenosine, 1 SD", -spread, 0.0, spread, "%"))
+        found += _territory(patient, settings)
+    if outlets > 1:
+        found.append(Input("split_exponent", "exponent of the split", 2.0, settings.split_exponent, 3.0, ""))
+        found.append(Input("outlet_diameter", "main outlet's diameter", -10.0, 0.0, 10.0, "%"))
+    return found
+
+
+def _territory(patient, settings):
+    """The flow by the territory that the vessel may feed: the least and the most of what is plausible."""
+    off = [
+        PER_CENT * (entry["factor"] - 1)
+        for entry in hyperaemia.plausible(patient, settings.hyperaemia_fraction)
+        if entry["what"].startswith("territory") and entry["what"].split()[1] in (*TERRITORIES, "-1", "+1")
+    ]
+    return [Input("territory", "territory that the vessel feeds", min(off), 0.0, max(off), "%")] if off else []
+
+
+def boundary_at(case, patient, measured, values):
+    """boundary.json of a case (whatif.case.Case) with some inputs at other values: {name: value}."""
+    patient, settings, anatomy = copy.deepcopy(patient), copy.copy(case.flow), copy.deepcopy(case.before)
+    for key in ("sbp_mmhg", "dbp_mmhg"):
+        patient[key] += values.get("blood_pressure", 0.0)
+    if "mass" in values:
+        patient["lvm_g"] *= 1 + values["mass"] / PER_CENT
+    if "flow" in values:
+        patient["hyperaemic_inflow_ml_per_min"] *= 1 + values["flow"] / PER_CENT
+    settings.split_exponent = values.get("split_exponent", settings.split_exponent)
+    first = next(end for end in anatomy["ends"] if end["kind"] == "outlet")
+    first["diameter_mm"] *= 1 + values.get("outlet_diameter", 0.0) / PER_CENT
+    document = boundary.make(anatomy, case.tree, patient, settings, measured)
+    if patient.get("hyperaemic_inflow_ml_per_min") is not None:
+        lumen = case.lumen(case.anatomy())
+        return flow_range.with_inflow(document, lambda d: network.Network(*lumen, d, settings.expansion_loss))
+    factor = 1.0
+    for name in ("hyperaemia", "territory"):
+        factor *= 1 + values.get(name, 0.0) / PER_CENT
+    return flow_range.scaled(document, factor)

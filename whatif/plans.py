@@ -1,0 +1,130 @@
+"""ranking.csv: other plans of one patient, deployed by the engine and ranked."""
+
+import json
+import pathlib
+import tempfile
+
+import numpy as np
+import pandas as pd
+from vtk.util.numpy_support import vtk_to_numpy
+
+from anatomy.measured import read_summary
+from anatomy.planning.plan import procedure
+from common import config, vtp
+from common.errors import InputError
+from whatif import alternatives, calibrated, engine
+from whatif.case import PLANNED
+
+READOUTS = {
+    "minimal_stent_area_mm2": "minimal_stent_area_mm2",
+    "minimal_lumen_area_mm2": "minimal_lumen_area_mm2",
+    "expansion_index": "expansion_index",
+    "malapposition_mm": "maximal_malapposition_mm",
+}
+STRETCH_PERCENTILE = 99  # of the wall's points: a single triangle says little
+COLUMNS = ["rank", "plan", "change", "ffr", "ffr_error", "as_good_as_best", "ffr_3d", *READOUTS, "wall_stretch"]
+COLUMNS += ["warnings", "procedure", "status"]
+DEPLOYED = "deployed"
+
+
+def ranked(case, devices_folder, states):
+    """(DataFrame of ranking.csv, {plan: steps as a case file lists them}) of a case (whatif.case.Case).
+
+    states: with a 3D answer, by which the error is measured. Plans that FFR cannot tell from the best come first, the
+    largest stent area first; then the others by FFR; last those without an answer, whose `status` says why.
+    """
+    families, calibration = config.load_devices(devices_folder), calibrated.calibrate(case, states)
+    steps = alternatives.requests(case.scene)
+    rows = [planned_row(case, calibration, steps)]
+    plans = {"planned": steps}
+    with tempfile.TemporaryDirectory(dir=case.folder, prefix=".plans-") as folder:
+        for name, (words, other, reason) in alternatives.all_of(steps, families).items():
+            row = {"plan": name, "change": words, "status": reason}
+            if other is not None:
+                plans[name] = other
+                row |= alternative_row(case, calibration, families, other, pathlib.Path(folder) / name)
+            rows.append(row)
+    table = ordered(pd.DataFrame(rows).reindex(columns=COLUMNS), calibration.error)
+    return table, {name: plans[name] for name in table["plan"] if name in plans}
+
+
+def ordered(table, error):
+    """The rows by rank. error: of each FFR; two plans differ where their FFR do by more than both errors."""
+    table = table.assign(ffr_error=np.where(table["ffr"].notna(), error, np.nan))
+    table["as_good_as_best"] = table["ffr"].max() - table["ffr"] <= 2 * error
+    area = np.where(table["as_good_as_best"], table["minimal_stent_area_mm2"].astype(float), np.nan)
+    table = table.assign(area=area).sort_values(
+        ["as_good_as_best", "area", "ffr", "plan"], ascending=[False, False, False, True], na_position="last"
+    )
+    table = table.drop(columns="area").reset_index(drop=True)
+    table["rank"] = np.where(table["ffr"].notna(), table.index + 1, np.nan)
+    table["rank"] = table["rank"].astype("Int64")
+    table["as_good_as_best"] = table["as_good_as_best"].where(table["ffr"].notna(), None)
+    return table
+
+
+def planned_row(case, calibration, steps):
+    """The row of the plan as it is, from what the study computed."""
+    answer = case.answer(PLANNED)
+    deployment = json.loads((case.folder / "vci" / "deployment.json").read_text())
+    row = {
+        "plan": "planned",
+        "change": "as planned",
+        "ffr_3d": answer["models"].get("3d", {}).get("ffr"),
+        "status": DEPLOYED,
+    }
+    return row | outcome(case, calibration, deployment, case.folder / "vci" / "lumen.vtp", case.anatomy(PLANNED), steps)
+
+
+def alternative_row(case, calibration, families, steps, folder):
+    """The row of another plan from `ffr` on; where it has no answer, only `status`."""
+    try:
+        done = procedure(steps, families, read_summary(case.anatomy()), "plan")
+    except InputError as error:  # the catalogue or the vessel does not allow this plan
+        return {"status": f"{error.what}: {error.value}", "procedure": in_words(steps)}
+    try:
+        deployment, anatomy = engine.deployed(case, case.scene | done, folder)
+    except engine.Refused as error:
+        return {"status": error.reason, "procedure": in_words(steps)}
+    return {"status": DEPLOYED} | outcome(case, calibration, deployment, folder / "lumen.vtp", anatomy, steps)
+
+
+def deploy(case, steps, devices_folder, folder):
+    """Writes the lumen that a plan leaves, its anatomy and deployment.json into `folder`. Raises InputError, Refused.
+
+    steps: as plans.json lists them.
+    """
+    done = procedure(steps, config.load_devices(devices_folder), read_summary(case.anatomy()), "plan")
+    engine.deployed(case, case.scene | done, folder)
+
+
+def outcome(case, calibration, deployment, lumen_file, anatomy, steps):
+    """FFR and read-outs of a deployed lumen."""
+    loss = calibrated.network_loss(case.lumen(anatomy), case.boundary, case.flow.expansion_loss)
+    return {
+        "ffr": calibration.ffr(loss),
+        **{column: deployment.get(key) for column, key in READOUTS.items()},
+        "wall_stretch": wall_stretch(lumen_file),
+        "warnings": "; ".join(deployment.get("warnings", [])),
+        "procedure": in_words(steps),
+    }
+
+
+def wall_stretch(lumen_file):
+    """The 99th percentile of the wall's largest principal stretch where the wall was moved."""
+    poly = vtp.read(lumen_file, "made by `vci deploy`")
+    stretch = vtk_to_numpy(poly.GetPointData().GetArray("wall_stretch"))
+    moved = np.abs(vtk_to_numpy(poly.GetPointData().GetArray("displacement_mm"))).max(axis=-1) > 0
+    return float(np.percentile(stretch[moved], STRETCH_PERCENTILE))
+
+
+def in_words(steps):
+    """All steps in one line, as a clinician writes them."""
+    return "; ".join(
+        f"{step['action'].replace('_', ' ')}: "
+        + " + ".join(
+            f"{use['diameter_mm']:.2f}x{use['length_mm']:g} mm at {use['pressure_bar']:g} bar"
+            for use in step["devices"]
+        )
+        for step in steps
+    )

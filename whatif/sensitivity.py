@@ -1,0 +1,126 @@
+"""How much FFR and areas hang on inputs that are not known exactly: of the flow alone, and of the procedure with it."""
+
+import copy
+import pathlib
+import tempfile
+
+from common.errors import ComputationError, InputError
+from whatif import calibrated, engine, sampling
+from whatif.case import BEFORE, PLANNED, patient_of
+from whatif.flow_inputs import Input, boundary_at, inputs_of
+
+FFR, AREA = "ffr", "minimal_stent_area_mm2"
+FLOW_SAMPLES, DEPLOYMENT_SAMPLES = 128, 16
+DEPLOYMENT = (
+    Input("balloon_pressure", "pressure in every balloon", -20.0, 0.0, 20.0, "%"),
+    Input("placement", "place of every device", -2.0, 0.0, 2.0, "mm"),
+    Input("wall_stiffness", "stiffness of the wall", 0.5, 1.0, 2.0, "times", "log"),
+    Input("plaque_stiffness", "stiffness of the plaque", 0.5, 1.0, 2.0, "times", "log"),
+)
+
+
+class Answers:
+    """FFR at other flows in given lumens, by the 1D network calibrated on each state's own 3D answer."""
+
+    def __init__(self, case, case_file):
+        self.case = case
+        self.patient, self.measured, _ = patient_of(case_file)
+        self.inputs = inputs_of(self.patient, case.flow, len(case.boundary["outlets"]))
+        self.solved = {state: case.answer(state) for state in (BEFORE, PLANNED)}
+        self.lumens = {state: case.lumen(case.anatomy(state)) for state in self.solved}
+        self.planned = {state: self.loss(state, {}) for state in self.lumens}
+
+    def loss(self, state, values, lumen=None):
+        """The network's loss of FFR in a state's lumen, or in another, with inputs of the flow at `values`."""
+        document = boundary_at(self.case, self.patient, self.measured, values)
+        # probes are where the study has them, whatever the inputs are
+        document["probes"] = self.case.boundary["probes"]
+        return calibrated.network_loss(lumen or self.lumens[state], document, self.case.flow.expansion_loss)
+
+    def ffr(self, state, values, lumen=None):
+        """FFR of a state, its 3D answer's loss multiplied by how much the network's grows."""
+        if not self.planned[state] > 0:
+            return self.solved[state]["ffr"]
+        grown = self.loss(state, values, lumen) / self.planned[state]
+        return max(0.0, 1 - (1 - self.solved[state]["ffr"]) * grown)
+
+    def of_flow(self, values):
+        """{(state, "ffr"): FFR} of both states with inputs of the flow at `values`; empty where a measured flow is more
+        than the narrowing lets pass."""
+        try:
+            return {(state, FFR): self.ffr(state, values) for state in self.lumens}
+        except InputError as error:
+            return no_answer(values, error.what)
+
+
+class Deployments:
+    """FFR and area after procedures with other pressures, places and stiffnesses, each deployed by the engine."""
+
+    def __init__(self, answers, folder):
+        self.answers, self.case, self.folder, self.count = answers, answers.case, pathlib.Path(folder), 0
+        self.planned = self.case.json("vci/deployment.json")
+
+    def __call__(self, values):
+        """{("vci", quantity): value}; empty where the engine has no answer."""
+        own = {one.name for one in DEPLOYMENT} & set(values)
+        flow = {name: value for name, value in values.items() if name not in own}
+        deployment, lumen = self.planned, None
+        if own:
+            self.count += 1
+            scene = varied(self.case.scene, values)
+            try:
+                deployment, anatomy = engine.deployed(self.case, scene, self.folder / str(self.count))
+            except engine.Refused as error:
+                return no_answer(values, error.reason)
+            lumen = self.case.lumen(anatomy)
+        try:
+            found = {(PLANNED, FFR): self.answers.ffr(PLANNED, flow, lumen)}
+        except InputError as error:
+            return no_answer(values, error.what)
+        area = deployment.get(AREA)
+        return found if area is None else found | {(PLANNED, AREA): area}
+
+
+def no_answer(values, reason):
+    """What stands for the answers at `values` where there are none; says why in the log. As planned they must be."""
+    if not values:
+        raise ComputationError("no answer as planned", "sensitivity", reason, "see the study's own answers")
+    print(f"no answer at {values}: {reason}")
+    return {}
+
+
+def varied(scene, values):
+    """scene.json with inputs of DEPLOYMENT at `values`. Pressures stay within the balloon's chart and 1.5 times its
+    rated burst pressure, which the engine bears."""
+    scene = copy.deepcopy(scene)
+    for step in scene["procedure"]:
+        for use in step["devices"]:
+            device = scene["devices"][use["device"]]
+            balloon = scene["devices"][device["balloon"]] if device["kind"] == "stent" else device
+            most = min(balloon["chart"]["pressure_bar"][-1], 1.5 * balloon["rated_burst_pressure_bar"])
+            wanted = use["pressure_bar"] * (1 + values.get("balloon_pressure", 0.0) / 100)
+            use["pressure_bar"] = max(use["pressure_bar"], most) if wanted > most else wanted
+            use["centre_s_mm"] += values.get("placement", 0.0)
+    for key in ("s_start_mm", "s_end_mm"):
+        scene["segment"][key] += values.get("placement", 0.0)
+    scene["wall"]["youngs_modulus_mpa"] *= values.get("wall_stiffness", 1.0)
+    for plaque in scene["wall"]["plaque"].values():
+        plaque["youngs_modulus_mpa"] *= values.get("plaque_stiffness", 1.0)
+    return scene
+
+
+def of_flow(case, case_file):
+    """(tornado, intervals) of FFR before and after the planned procedure, over the inputs of the flow."""
+    answers = Answers(case, case_file)
+    table = sampling.tornado(answers.inputs, answers.of_flow)
+    return table, sampling.intervals(answers.inputs, FLOW_SAMPLES, answers.of_flow)
+
+
+def of_deployment(case, case_file):
+    """(tornado, intervals) after the procedure: one input of the deployment at a time, and all with the flow's."""
+    answers = Answers(case, case_file)
+    with tempfile.TemporaryDirectory(dir=case.folder, prefix=".sensitivity-") as folder:
+        deployments = Deployments(answers, folder)
+        table = sampling.tornado(DEPLOYMENT, deployments)
+        spread = sampling.intervals([*DEPLOYMENT, *answers.inputs], DEPLOYMENT_SAMPLES, deployments)
+    return table, spread
