@@ -8,9 +8,9 @@ from flow.geometry import centreline, locate
 from flow.physics import ffr, outlets
 from flow.solvers import nonlinear
 
-# how far a flow is looked for: from the reduced models' flow; by all ways; where the mesh before has an answer, from
-# that flow alone
-TRIED, WHOLE, NEAR = "tried", "whole", "near"
+# how far a flow is looked for: on a mesh that only begins the way; by all ways; where the mesh before has an answer,
+# from that flow alone
+BEGUN, WHOLE, NEAR = "begun", "whole", "near"
 # of an answer: steady flow; steady flow with eps > 0, of a modified model
 CONVERGED, ARTIFICIAL = STATUSES = ("converged", "converged with artificial viscosity")
 
@@ -43,7 +43,7 @@ class Solved:
 def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0, effort=WHOLE):
     """Solved from a mesh file; the guess is that of `start` (Solved on another mesh), else of `predicted` (Predictor).
 
-    spent: factorizations already made of those allowed; effort: TRIED, WHOLE or NEAR. Where `start` is an answer in
+    spent: factorizations already made of those allowed; effort: BEGUN, WHOLE or NEAR. Where `start` is an answer in
     itself its own eps alone is tried. Raises ComputationError.
     """
     space = spaces.read(path)
@@ -53,18 +53,12 @@ def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0, e
     outlets.check_places(space, document, predicted.tree, path)
     problem = nonlinear.FlowProblem(space, boundaries, document, settings, spent)
     print(f"{path}: {space.dofs} dofs", file=sys.stderr, flush=True)
-    network = predicted.network
-    order = [network.names.index(name) for name in boundaries.names]
-
-    def resistances_at(fraction):
-        return network.resistances_at(predicted.flows, fraction)[order]
-
     try:
         outcome = None
         if start is not None:
             outcome = problem.solve_from_guess(start.problem, start.known, effort == WHOLE)
         if outcome is None:
-            outcome = problem.solve(resistances_at, predicted, effort == TRIED)
+            outcome = problem.solve(predicted, effort == BEGUN)
     except ComputationError as error:
         error.factorizations = problem.solver.factorizations
         problem.destroy()
