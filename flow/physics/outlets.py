@@ -64,11 +64,13 @@ class Boundaries:
         self.resistance, self.downstream = self.full_resistance.copy(), self.full_downstream.copy()
         self.inflow = self.full_inflow
 
-    def lower(self, fraction):
-        """Sets conditions under which about `fraction` of the flow passes."""
+    def lower(self, fraction, resistances_at):
+        """Sets conditions under which about `fraction` of the flow passes; resistances_at(fraction) -> (n,)."""
         self.full()
         if self.inflow is not None:
             self.inflow *= fraction
+        elif (self.resistance > 0).all():
+            self.resistance = resistances_at(fraction)
         else:
             self.resistance /= fraction
             self.downstream = self.map_pa - fraction * (self.map_pa - self.downstream)

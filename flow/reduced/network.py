@@ -220,6 +220,12 @@ class Network:
         of_vessels = (self.document["map_pa"] - self.outlet_pressures(creeping)) / CREEPING
         return (self.document["map_pa"] - behind) / np.where(resistance > 0, resistance, of_vessels / len(resistance))
 
+    def resistances_at(self, flows, fraction):
+        """Outlet resistances at which this model's flows are `fraction` of `flows`."""
+        if fraction == 1.0:
+            return np.array([outlet["resistance_pa_s_per_m3"] for outlet in self.outlets])
+        return (self.outlet_pressures(fraction * flows) - self._behind()) / (fraction * flows)
+
 
 def read_sections(path):
     """sections.csv as a table. Raises InputError."""

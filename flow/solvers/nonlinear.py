@@ -200,12 +200,12 @@ class FlowProblem(flow_state.FlowState):
         self.history.append(norm)
         print(f"  residual {norm:.3e} N, {kind}, inflow {self.inflow * 6e7:.2f} mL/min", file=self.log, flush=True)
 
-    def solve(self, predicted, begin_only=False):
+    def solve(self, resistances_at, predicted, begin_only=False):
         """Outcome at full flow from the flow that a reduced model predicts, and where this fails from rest.
 
-        predicted: reduced.coupled.Predictor, of use as solvers.predicted_start says; begin_only: in a single tube from
-        that flow alone, else as solvers.continuation has it. Raises ComputationError when no flow with
-        eps <= continuation.LARGEST is found.
+        resistances_at(fraction) -> (n,) outlet resistances; predicted: reduced.coupled.Predictor, of use as
+        solvers.predicted_start says; begin_only: in a single tube from that flow alone, else as solvers.continuation
+        has it. Raises ComputationError when no flow with eps <= continuation.LARGEST is found.
         """
         found = predicted_start.try_from(self, predicted)
         if found and found.converged:
@@ -214,7 +214,7 @@ class FlowProblem(flow_state.FlowState):
             if begin_only:
                 raise self.stalled(found)
             self.restart()
-            found = ramp.climb(self)
+            found = ramp.climb(self, resistances_at)
             if found.converged:
                 found.iterations = self.solver.factorizations
                 return found

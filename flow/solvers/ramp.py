@@ -1,8 +1,8 @@
 """From rest to the full flow in steps of the flow by Newton's method.
 
-On a mesh that resolves the jet's shear layer (meshing.sweep) the steady flow in a straight tube is found so in some ten
-factorizations; at Re 1,500 it is not found by way of an artificial viscosity. Where one fraction resists, and in trees,
-solvers.continuation is the shorter way.
+The outlet resistances are those at which the reduced models draw FRACTIONS of their flow. On a mesh that resolves the
+jet's shear layer (meshing.sweep) the steady flow in a straight tube is found so in some ten factorizations; at Re 1,500
+solvers.continuation does not find it. Where one fraction resists, and in trees, that is the shorter way.
 """
 
 import numpy as np
@@ -15,12 +15,15 @@ MOST_PICARD = 1  # steps of Picard's method at one fraction
 ON_THE_WAY = 5e-2  # residual of one flow fraction over that at its start
 
 
-def climb(problem):
-    """Outcome at the full flow, or of the fraction that is not reached."""
+def climb(problem, resistances_at):
+    """Outcome at the full flow, or of the fraction that is not reached.
+
+    resistances_at(fraction) -> (n,) outlet resistances.
+    """
     settings, before = problem.settings, None
     problem.forms.artificial.value = 0.0
     for fraction in FRACTIONS:
-        problem.boundaries.lower(fraction)
+        problem.boundaries.lower(fraction, resistances_at)
         print(f"flow fraction {fraction:.3g}", file=problem.log, flush=True)
         if before and before > FRACTIONS[0]:  # the jet keeps its shape; not from a creeping flow
             problem.scale_to(fraction / before)

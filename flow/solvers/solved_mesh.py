@@ -53,12 +53,18 @@ def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0, e
     outlets.check_places(space, document, predicted.tree, path)
     problem = nonlinear.FlowProblem(space, boundaries, document, settings, spent)
     print(f"{path}: {space.dofs} dofs", file=sys.stderr, flush=True)
+    network = predicted.network
+    order = [network.names.index(name) for name in boundaries.names]
+
+    def resistances_at(fraction):
+        return network.resistances_at(predicted.flows, fraction)[order]
+
     try:
         outcome = None
         if start is not None:
             outcome = problem.solve_from_guess(start.problem, start.known, effort == WHOLE)
         if outcome is None:
-            outcome = problem.solve(predicted, effort == BEGUN)
+            outcome = problem.solve(resistances_at, predicted, effort == BEGUN)
     except ComputationError as error:
         error.factorizations = problem.solver.factorizations
         problem.destroy()

@@ -89,6 +89,15 @@ def test_noise_on_the_areas_costs_little():
     assert (network_model._throats(area) < 0).all()
 
 
+def test_resistances_at_a_fraction_of_the_flow():
+    anatomy = {"branches": [{"name": "main", "parent": None, "s_on_parent_mm": None}]}
+    sections = _sections([("main", np.linspace(0, 50, 101), 1.4)])
+    network = network_model.Network(anatomy, sections, _document([4e9], ["main"]), 1.14)
+    flows = network.solve()
+    document = _document(network.resistances_at(flows, 0.3), ["main"])
+    assert network_model.Network(anatomy, sections, document, 1.14).solve() == pytest.approx(0.3 * flows, rel=1e-8)
+
+
 def test_sections_are_checked(tmp_path):
     path = tmp_path / "sections.csv"
     path.write_text("branch,s_mm,area_mm2\nmain,0,2.0\nmain,1,-2.0\n")

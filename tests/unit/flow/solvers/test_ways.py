@@ -65,13 +65,13 @@ def ways(monkeypatch):
 )
 def test_each_way_follows_the_one_that_failed(ways, lumen, predicted, ramp, begin_only, gone):
     problem = ways(predicted, ramp)
-    assert problem.solve(lumen, begin_only) is CONVERGED and problem.gone == gone
+    assert problem.solve(None, lumen, begin_only) is CONVERGED and problem.gone == gone
 
 
 def test_a_tube_whose_mesh_only_begins_is_given_up_after_one_way(ways):
     problem = ways(FAILED, CONVERGED)
     with pytest.raises(ComputationError, match="stalled"):
-        problem.solve(TUBE, begin_only=True)
+        problem.solve(None, TUBE, begin_only=True)
     assert problem.gone == []
 
 
