@@ -2,7 +2,7 @@
 
 Each mesh starts from the flow on the one before. A mesh on which no flow is found is passed over where another answers.
 Meshes before the last two only begin the way to a hard flow: as far as the artificial viscosity is large they are as
-good a road as a finer mesh, for a third of the cost. The last mesh is solved at the eps of the one before.
+good a road as a finer mesh, for a third of the cost. The last mesh keeps the eps of the best before.
 """
 
 import pathlib

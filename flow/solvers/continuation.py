@@ -6,7 +6,7 @@ is followed in ln eps: the secant through the last two flows predicts the next, 
 held. A step that fails is shortened, one that was easy lengthens the next (natural-parameter continuation; Allgower and
 Georg, Introduction to Numerical Continuation Methods, 2003, chapter 6). From SMALL and from LEAST eps = 0 is tried.
 On a mesh that only begins the way it ends at BEGUN, from where eps = 0 is tried once; a finer mesh goes on from there.
-The finest is solved at the eps to which the one before led, so that the two tell what the mesh does.
+The finest is solved at the eps of the flow that it begins with, so that the two tell what the mesh does.
 Where no flow without artificial viscosity is found that of the least eps answers. What the rest of eps does to FFR is a
 part of the error estimate (errors.error_field).
 """
