@@ -5,6 +5,8 @@ viscosity (physics.navier_stokes) of eps = 1 it does, and the flow changes smoot
 is followed in ln eps: the secant through the last two flows predicts the next, Newton's method corrects it with eps
 held. A step that fails is shortened, one that was easy lengthens the next (natural-parameter continuation; Allgower and
 Georg, Introduction to Numerical Continuation Methods, 2003, chapter 6). From SMALL and from LEAST eps = 0 is tried.
+On a mesh that only begins the way it ends at BEGUN, from where eps = 0 is tried once; a finer mesh goes on from there.
+The finest is solved at the eps of the flow that it begins with, so that the two tell what the mesh does.
 Where no flow without artificial viscosity is found that of the least eps answers. What the rest of eps does to FFR is a
 part of the error estimate (errors.error_field).
 """
@@ -23,13 +25,18 @@ WEIGHT = 3.0  # of the relative change of the velocities beside that of ln eps, 
 FEW, MANY = 2, 3  # factorizations of an easy step and of one that is long enough
 LONGER, SHORTER, FAILED = 1.6, 0.7, 0.4  # change of the step's length then, above MANY, and where it fails
 LONGEST_STEP, SHORTEST_STEP = 1.6, 0.1
-SMALL, LEAST = 0.01, 0.003  # eps at which 0 is tried; between them a step that fails ends the way, and LEAST does
+# eps at which 0 is tried; between them a step that fails ends the way, and LEAST does
+SMALL, LEAST = TRIES = 0.01, 0.003
+BEGUN = 0.02  # where the way ends on a mesh that only begins it
 LARGEST = 0.05  # a flow of larger eps is no answer
 STARTS = 3  # of the other mesh's flows, the least eps first, from which a flow is tried
 
 
-def from_rest(problem):
-    """Outcome at full flow from rest. Raises ComputationError where no flow with eps <= LARGEST is found."""
+def from_rest(problem, begin_only=False):
+    """Outcome at full flow from rest. Raises ComputationError where no flow with eps <= LARGEST is found.
+
+    begin_only: the way ends at BEGUN, or with eps = 0 where that follows from there at once.
+    """
     problem.boundaries.full()
     for eps in FIRST:
         first = not problem.passed
@@ -37,15 +44,15 @@ def from_rest(problem):
         if not found.converged:
             raise problem.stalled(found)
         _pass(problem)
-    follow(problem)
+    follow(problem, [BEGUN] if begin_only else TRIES)
     return polish(problem)
 
 
-def from_guess(problem, coarse, only_known=False):
+def from_guess(problem, coarse, only_known=False, onward=True):
     """Outcome at full flow from the flow on another mesh (a solved FlowProblem).
 
-    Its eps is tried first, and where this fails and not only_known those of the flows before it. Raises
-    ComputationError.
+    Its eps is tried first, and where this fails and not only_known those of the flows before it; onward: and then less.
+    Raises ComputationError.
     """
     problem.boundaries.full()
     starts = coarse.passed or [(coarse.artificial, coarse.state.x.array, coarse.inflow)]
@@ -57,16 +64,18 @@ def from_guess(problem, coarse, only_known=False):
     else:
         raise problem.stalled(found)
     _pass(problem)
-    follow(problem)
+    if onward:
+        follow(problem)
     return polish(problem)
 
 
-def follow(problem):
-    """Goes on along the branch from the last flows passed, as far as eps = 0 where it leads there.
+def follow(problem, tries=TRIES):
+    """Goes on along the branch from the last flows passed, as far as eps = 0 where it leads there; tries: the eps at
+    which 0 is tried, the last of them the end of the way.
 
     The state is the last flow passed.
     """
-    step, tries = None, [SMALL, LEAST]
+    step, least = None, tries[-1]
     while problem.left > HARD and problem.artificial > 0:
         eps, values, last_inflow = problem.passed[-1]
         if eps <= tries[0]:
@@ -81,7 +90,7 @@ def follow(problem):
         step = min(step or length, LONGEST_STEP)
         problem.state.x.array[:] = values + step * direction
         problem.inflow = last_inflow + step * inflow
-        found = _reached(problem, max(eps * np.exp(step * change), LEAST), ON_THE_WAY)
+        found = _reached(problem, max(eps * np.exp(step * change), least), ON_THE_WAY)
         if found.converged:
             _pass(problem)
             step *= LONGER if found.iterations <= FEW else 1.0 if found.iterations <= MANY else SHORTER

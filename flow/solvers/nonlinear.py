@@ -4,7 +4,8 @@ Unknowns: the dofs x that no boundary fixes, the inflow Q (the inlet's velocity 
 P_i (held at P_v + R_i Q_i, so their equations leave no residual). The inflow's equation is the momentum equation
 tested with g: F(w; g) = MAP, in Pa; it enters the norm times the inlet's area, in N as the other residuals.
 
-From rest the flow is raised in steps (solvers.ramp), else an artificial viscosity is taken away (solvers.continuation).
+The flow is found from the reduced models' (solvers.predicted_start), or an artificial viscosity is taken away
+(solvers.continuation); in a single tube the flow is raised in steps before (solvers.ramp).
 """
 
 import dataclasses
@@ -199,33 +200,35 @@ class FlowProblem(flow_state.FlowState):
         self.history.append(norm)
         print(f"  residual {norm:.3e} N, {kind}, inflow {self.inflow * 6e7:.2f} mL/min", file=self.log, flush=True)
 
-    def solve(self, resistances_at, predicted=None, tried=False):
+    def solve(self, resistances_at, predicted, begin_only=False):
         """Outcome at full flow from the flow that a reduced model predicts, and where this fails from rest.
 
         resistances_at(fraction) -> (n,) outlet resistances; predicted: reduced.coupled.Predictor, of use as
-        solvers.predicted_start says; tried: from that flow alone. Raises ComputationError when no flow with
-        eps <= continuation.LARGEST is found.
+        solvers.predicted_start says; begin_only: in a single tube from that flow alone, else as solvers.continuation
+        has it. Raises ComputationError when no flow with eps <= continuation.LARGEST is found.
         """
-        found = predicted_start.try_from(self, predicted) if predicted else None
+        found = predicted_start.try_from(self, predicted)
         if found and found.converged:
             return found
-        if tried:
-            raise self.stalled(found)
+        if predicted.whole:
+            if begin_only:
+                raise self.stalled(found)
+            self.restart()
+            found = ramp.climb(self, resistances_at)
+            if found.converged:
+                found.iterations = self.solver.factorizations
+                return found
         self.restart()
-        found = ramp.climb(self, resistances_at)
-        if found.converged:
-            found.iterations = self.solver.factorizations
-            return found
-        self.restart()
-        return continuation.from_rest(self)
+        return continuation.from_rest(self, begin_only)
 
-    def solve_from_guess(self, coarse, only_known=False, or_none=False):
+    def solve_from_guess(self, coarse, only_known=False, whole=False):
         """Outcome at full flow from the flow on another mesh of the same lumen (a solved FlowProblem). Raises
-        ComputationError where there is none; or_none: is at rest and returns None then."""
+        ComputationError where there is none; whole: goes on to less eps, and where there is none is at rest and returns
+        None."""
         try:
-            return continuation.from_guess(self, coarse, only_known)
+            return continuation.from_guess(self, coarse, only_known, whole)
         except ComputationError:
-            if not or_none:
+            if not whole:
                 raise
             self.passed.clear()
             self.restart()

@@ -8,9 +8,9 @@ from flow.geometry import centreline, locate
 from flow.physics import ffr, outlets
 from flow.solvers import nonlinear
 
-# how far a flow is looked for: from the reduced models' flow; by all ways; where the mesh before has an answer, from
-# that flow alone
-TRIED, WHOLE, NEAR = "tried", "whole", "near"
+# how far a flow is looked for: on a mesh that only begins the way; by all ways; where the mesh before has an answer,
+# from that flow alone
+BEGUN, WHOLE, NEAR = "begun", "whole", "near"
 # of an answer: steady flow; steady flow with eps > 0, of a modified model
 CONVERGED, ARTIFICIAL = STATUSES = ("converged", "converged with artificial viscosity")
 
@@ -43,7 +43,7 @@ class Solved:
 def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0, effort=WHOLE):
     """Solved from a mesh file; the guess is that of `start` (Solved on another mesh), else of `predicted` (Predictor).
 
-    spent: factorizations already made of those allowed; effort: TRIED, WHOLE or NEAR. Where `start` is an answer in
+    spent: factorizations already made of those allowed; effort: BEGUN, WHOLE or NEAR. Where `start` is an answer in
     itself its own eps alone is tried. Raises ComputationError.
     """
     space = spaces.read(path)
@@ -64,7 +64,7 @@ def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0, e
         if start is not None:
             outcome = problem.solve_from_guess(start.problem, start.known, effort == WHOLE)
         if outcome is None:
-            outcome = problem.solve(resistances_at, predicted, effort == TRIED)
+            outcome = problem.solve(resistances_at, predicted, effort == BEGUN)
     except ComputationError as error:
         error.factorizations = problem.solver.factorizations
         problem.destroy()

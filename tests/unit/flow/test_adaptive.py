@@ -102,17 +102,17 @@ THREE = ("coarsest.msh", *PATHS)
 @pytest.mark.parametrize(
     ("flows", "efforts", "answers"),
     [
-        ([(0.8, 0.0, GOOD)], ["tried"], "coarsest.msh"),
-        ([(0.8, 0.0, WIDE), (0.79, 0.0, GOOD)], ["tried", "whole"], "coarse.msh"),
-        ([None, (0.79, 0.0, GOOD)], ["tried", "whole"], "coarse.msh"),
-        ([None, None, (0.79, 0.0, GOOD)], ["tried", "whole", "whole"], "fine.msh"),
-        ([None, (0.8, 0.004, WIDE), (0.79, 0.0, GOOD)], ["tried", "whole", "near"], "fine.msh"),
-        ([(0.8, 0.0, WIDE), None, None], ["tried", "whole", "near"], "coarsest.msh"),
-        ([(0.8, 0.0, WIDER), (0.81, 0.0, WIDE), None], ["tried", "whole", "near"], "coarse.msh"),
+        ([(0.8, 0.0, GOOD)], ["begun"], "coarsest.msh"),
+        ([(0.8, 0.0, WIDE), (0.79, 0.0, GOOD)], ["begun", "whole"], "coarse.msh"),
+        ([None, (0.79, 0.0, GOOD)], ["begun", "whole"], "coarse.msh"),
+        ([None, None, (0.79, 0.0, GOOD)], ["begun", "whole", "whole"], "fine.msh"),
+        ([None, (0.8, 0.004, WIDE), (0.79, 0.0, GOOD)], ["begun", "whole", "near"], "fine.msh"),
+        ([(0.8, 0.0, WIDE), None, None], ["begun", "whole", "near"], "coarsest.msh"),
+        ([(0.8, 0.0, WIDER), (0.81, 0.0, WIDE), None], ["begun", "whole", "near"], "coarse.msh"),
     ],
 )
-def test_the_coarsest_of_three_meshes_is_only_tried(search, flows, efforts, answers):
-    """By quick starts; the mesh before the last is solved on by all ways, the last where an answer is by that alone."""
+def test_the_coarsest_of_three_meshes_only_begins_the_way(search, flows, efforts, answers):
+    """The mesh before the last is solved on by all ways, the last where an answer is by that alone."""
     meshes = {path: flow for path, flow in zip(THREE, [*flows, None, None])}
     solved, found, tried = search(meshes)
     assert solved.path == answers and found.efforts == efforts and [path for path, _ in tried] == [*THREE][: len(flows)]

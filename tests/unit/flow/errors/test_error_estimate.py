@@ -81,10 +81,17 @@ def test_meshes_of_the_same_size_say_nothing(goal):
 def test_remaining_artificial_viscosity_is_counted(goal):
     goal(0.001, artificial=-0.02)
     estimate = _of(_solved(1000, 0.75, 0.18))
-    assert estimate["ffr"] == pytest.approx(0.021 * error_estimate.SAFETY)
-    assert estimate["probes"][1] == pytest.approx(0.042 * error_estimate.SAFETY)
+    assert estimate["ffr"] == pytest.approx(0.02 + 0.001 * error_estimate.SAFETY)
+    assert estimate["probes"][1] == pytest.approx(2 * estimate["ffr"])
     assert estimate["artificial_viscosity"] == pytest.approx(-0.02)
     assert "artificial_viscosity" not in _of(_solved(1000, 0.75))
+
+
+def test_flows_with_other_artificial_viscosities_are_not_compared(goal):
+    goal(0.001)
+    same, other = (_of(_solved(8000, 0.75), _solved(1000, 0.7, eps)) for eps in (0.0, 0.02))
+    assert same["mesh"] == pytest.approx(0.05 / 3) and same["ffr"] == same["mesh"]
+    assert other["ffr"] == pytest.approx(0.001 * error_estimate.SAFETY) and "mesh" not in other
 
 
 def test_two_meshes_know_nothing_of_an_artificial_viscosity(monkeypatch):

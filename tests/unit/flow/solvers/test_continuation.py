@@ -71,6 +71,20 @@ def test_a_smooth_branch_is_followed_to_none():
     assert found.iterations == problem.solver.factorizations
 
 
+def test_a_mesh_that_begins_the_way_may_find_a_flow_without_any():
+    problem = _smooth()
+    assert continuation.from_rest(problem, begin_only=True).converged and problem.artificial == 0.0
+
+
+def test_a_mesh_that_begins_the_way_ends_early_and_another_goes_on():
+    coarse, fine = _ends(0.004), _ends(0.004)
+    assert continuation.from_rest(coarse, begin_only=True).converged and coarse.artificial == continuation.BEGUN
+    assert [one[0] for one in coarse.passed][-1] == continuation.BEGUN
+    coarse.space = fine.space
+    assert continuation.from_guess(fine, coarse).converged
+    assert fine.passed[0][0] == continuation.BEGUN and 0.004 <= fine.artificial < continuation.SMALL
+
+
 def test_where_the_branch_ends_its_least_flow_answers():
     problem = _ends(0.02)
     found = continuation.from_rest(problem)
@@ -127,6 +141,13 @@ def test_a_finer_mesh_begins_at_the_eps_of_the_other_and_may_do_without():
     continuation.from_rest(coarse)
     found = continuation.from_guess(fine, coarse)
     assert found.converged and fine.passed[0][0] == coarse.artificial >= 0.015 and fine.artificial == 0.0
+
+
+def test_the_finest_mesh_keeps_the_eps_of_the_other():
+    coarse, fine = _ends(0.015), _smooth()
+    continuation.from_rest(coarse)
+    found = continuation.from_guess(fine, coarse, onward=False)
+    assert found.converged and fine.artificial == coarse.artificial >= 0.015
 
 
 def test_where_the_last_flow_of_another_mesh_leads_to_none_those_before_do():

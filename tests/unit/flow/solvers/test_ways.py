@@ -8,6 +8,7 @@ from common.errors import ComputationError
 from flow.solvers import nonlinear
 
 CONVERGED, FAILED = (types.SimpleNamespace(converged=done, iterations=0) for done in (True, False))
+TUBE, TREE = (types.SimpleNamespace(whole=whole) for whole in (True, False))
 
 
 class _Problem:
@@ -51,32 +52,33 @@ def ways(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("predicted", "ramp", "tried", "gone"),
+    ("lumen", "predicted", "ramp", "begin_only", "gone"),
     [
-        (CONVERGED, FAILED, False, []),
-        (FAILED, CONVERGED, False, ["rest", "ramp"]),
-        (FAILED, FAILED, False, ["rest", "ramp", "rest", "eps"]),
-        (None, CONVERGED, False, ["rest", "ramp"]),
-        (CONVERGED, FAILED, True, []),
+        (TUBE, CONVERGED, FAILED, False, []),
+        (TUBE, FAILED, CONVERGED, False, ["rest", "ramp"]),
+        (TUBE, FAILED, FAILED, False, ["rest", "ramp", "rest", "eps"]),
+        (TUBE, CONVERGED, FAILED, True, []),
+        (TREE, CONVERGED, FAILED, False, []),
+        (TREE, FAILED, CONVERGED, False, ["rest", "eps"]),
+        (TREE, None, CONVERGED, True, ["rest", "eps"]),
     ],
 )
-def test_each_way_follows_the_one_that_failed(ways, predicted, ramp, tried, gone):
+def test_each_way_follows_the_one_that_failed(ways, lumen, predicted, ramp, begin_only, gone):
     problem = ways(predicted, ramp)
-    assert problem.solve(None, "reduced models", tried) is CONVERGED and problem.gone == gone
+    assert problem.solve(None, lumen, begin_only) is CONVERGED and problem.gone == gone
 
 
-@pytest.mark.parametrize("predicted", [FAILED, None])
-def test_a_mesh_that_is_only_tried_is_given_up_after_one_way(ways, predicted):
-    problem = ways(predicted, CONVERGED)
+def test_a_tube_whose_mesh_only_begins_is_given_up_after_one_way(ways):
+    problem = ways(FAILED, CONVERGED)
     with pytest.raises(ComputationError, match="stalled"):
-        problem.solve(None, "reduced models", tried=True)
+        problem.solve(None, TUBE, begin_only=True)
     assert problem.gone == []
 
 
 def test_a_guess_that_leads_nowhere_leaves_the_problem_at_rest(ways):
     problem = ways(guess=None)
-    assert problem.solve_from_guess(None, or_none=True) is None
+    assert problem.solve_from_guess(None, whole=True) is None
     assert problem.gone == ["guess", "rest"] and problem.passed == []
     with pytest.raises(ComputationError, match="stalled"):
         problem.solve_from_guess(None)
-    assert ways(guess=CONVERGED).solve_from_guess(None, or_none=True) is CONVERGED
+    assert ways(guess=CONVERGED).solve_from_guess(None, whole=True) is CONVERGED
