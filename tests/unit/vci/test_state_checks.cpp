@@ -35,21 +35,33 @@ TEST(StateChecks, FindsTheVertexThatIsFurthestOutside) {
   const RingGrid wall = grid_of(16, 1.5), device = grid_of(10, 1.3);
   add_tube(system, "wall", wall, 1.5);
   add_tube(system, "stent", device, 1.3);
-  EXPECT_EQ(furthest_outside(system, trees).vertex, -1);
-  check_inside(system, trees, "here");
+  EXPECT_EQ(furthest_outside(system, trees, system.x, system.body(0).triangles).vertex, -1);
+  check_inside(system, trees, system.x, system.body(0).triangles, "here");
   const int moved = system.body(1).first + 10 * device.around + 3;
   for (const double out : {0.06, 0.5}) {
     Vec3& p = system.x[moved];
     const double r = std::hypot(p[0], p[1]);
     p = {p[0] * (1.5 + out) / r, p[1] * (1.5 + out) / r, p[2]};
-    const Outside furthest = furthest_outside(system, trees);
+    const Outside furthest = furthest_outside(system, trees, system.x, system.body(0).triangles);
     EXPECT_EQ(furthest.vertex, moved);
     EXPECT_NEAR(furthest.distance, out, 0.01) << "to the cylinder through the vertices, not to its chords";
     if (out < 0.1)
-      check_inside(system, trees, "here");
+      check_inside(system, trees, system.x, system.body(0).triangles, "here");
     else
-      EXPECT_THROW(check_inside(system, trees, "here"), common::ComputationError);
+      EXPECT_THROW(check_inside(system, trees, system.x, system.body(0).triangles, "here"), common::ComputationError);
   }
+}
+
+TEST(StateChecks, WhatLiesWithinTheWholeLumenIsNotOutsideOfAPartOfIt) {
+  System system;
+  SurfaceTrees trees;
+  const RingGrid wall = grid_of(16, 1.5), device = grid_of(10, 1.3), whole = grid_of(16, 3.0);
+  add_tube(system, "wall", wall, 1.5);
+  add_tube(system, "stent", device, 1.3);
+  Vec3& p = system.x[system.body(1).first + 10 * device.around + 3];
+  p.head<2>() *= 2.0 / 1.3; // as in the mouth of a side branch, whose wall is not among the bodies
+  check_inside(system, trees, straight_grid(whole, 3.0), whole.triangles(), "here");
+  EXPECT_THROW(check_inside(system, trees, system.x, system.body(0).triangles, "here"), common::ComputationError);
 }
 
 TEST(StateChecks, ADeviceThatPassesTheWallsOpenEndIsNotOutside) {
@@ -60,7 +72,7 @@ TEST(StateChecks, ADeviceThatPassesTheWallsOpenEndIsNotOutside) {
   for (int v = system.body(1).first; v < system.vertices(); ++v)
     if (std::abs(system.x[v][2]) < 4.01)
       system.x[v].head<2>() *= 0.5;
-  EXPECT_EQ(furthest_outside(system, trees).vertex, -1);
+  EXPECT_EQ(furthest_outside(system, trees, system.x, system.body(0).triangles).vertex, -1);
 }
 
 ContactPoint contact(int inner, int outer, double force) {

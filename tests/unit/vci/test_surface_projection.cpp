@@ -1,0 +1,66 @@
+// Projection along interpolated normals: every candidate counts, and a sharp fold does not make it jump.
+#include "vci/contact/surface_projection.hpp"
+#include "vci/geometry/surface.hpp"
+#include <cmath>
+#include <gtest/gtest.h>
+
+namespace {
+
+using namespace vci;
+
+Vectors units_of(const System& system) {
+  const Body& body = system.body(0);
+  Vectors units = vertex_area_vectors(body.triangles, system.x, body.first, body.count);
+  for (Vec3& n : units)
+    n.normalize();
+  return units;
+}
+
+TEST(SurfaceProjection, LooksAtEveryCandidate) {
+  constexpr int around = 24; // triangles in a flat fan; the vertex lies over the last
+  Vectors points{Vec3::Zero()};
+  Triangles triangles;
+  for (int k = 0; k < around; ++k) {
+    points.push_back({0.3 * std::cos(2 * pi * k / around), 0.3 * std::sin(2 * pi * k / around), 0});
+    triangles.push_back({0, 1 + k, 1 + (k + 1) % around});
+  }
+  System system;
+  system.add_body("fan", points, triangles, 1, std::vector<char>(points.size(), 0));
+  std::vector<int> candidates;
+  for (int k = 0; k < around; ++k)
+    candidates.push_back(k);
+  const double angle = 2 * pi * (around - 0.5) / around;
+  double distance = 0;
+  const SurfaceProjection found = project_onto({0.04 * std::cos(angle), 0.04 * std::sin(angle), 0.01}, candidates,
+                                               system, units_of(system), system.body(0), distance);
+  EXPECT_EQ(found.triangle, around - 1);
+  EXPECT_TRUE(found.along_normals);
+  EXPECT_NEAR(distance, 0.01, 1e-12);
+}
+
+/// Two triangles that meet in a sharp ridge along y, one of them nearly upright.
+System ridge() {
+  System system;
+  system.add_body("ridge", {{0, -0.2, 0}, {0, 0.2, 0}, {-0.4, 0, 0.05}, {-0.05, 0, -0.4}}, {{0, 1, 2}, {1, 0, 3}}, 1,
+                  std::vector<char>(4, 0));
+  return system;
+}
+
+TEST(SurfaceProjection, PassesAnEdgeWithoutAJump) {
+  const System system = ridge();
+  const Vectors units = units_of(system);
+  const Body& body = system.body(0);
+  const Vec3 n = interpolated_normal(body.triangles[0], {0.5, 0.5, 0}, units), across = n.cross(Vec3::UnitY());
+  const double out = across[0] > 0 ? 1 : -1; // beyond the edge
+  SurfaceProjection before, beyond;
+  ASSERT_TRUE(follow_projection(0.02 * n - 1e-4 * out * across, 0, system, units, body, before));
+  EXPECT_TRUE(before.along_normals);
+  const Vec3 past = 0.02 * n + 1e-4 * out * across;
+  EXPECT_FALSE(follow_projection(past, 0, system, units, body, beyond));
+  ASSERT_TRUE(stay_on_edge(past, 0, system, units, body, beyond));
+  EXPECT_FALSE(beyond.along_normals);
+  EXPECT_LT((beyond.weights - before.weights).norm(), 2e-3);
+  EXPECT_FALSE(stay_on_edge(0.02 * n + 0.5 * out * across, 0, system, units, body, beyond)) << "far from the edge";
+}
+
+} // namespace
