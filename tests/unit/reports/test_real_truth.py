@@ -14,6 +14,8 @@ from reports.figures.study import study_figures
 from reports.measuring.measured import same_side
 from reports.measuring.metrics import case_metrics
 from reports.page.build import build_report
+from reports.selection.flow_chart import inclusion_figure
+from reports.selection.patients import inclusion_table, patients_table
 from reports.study.differences import difference_table
 from reports.study.nearer import nearer_table
 from reports.study.tables import write_csv
@@ -134,6 +136,9 @@ def test_figures_and_page(make_case, tmp_path, compare):
     write_csv(study / "differences.csv", difference_table([document]))
     write_csv(study / "nearer.csv", nearer_table([document]))
     write_csv(study / "contrast.csv", contrast_table([document]))
+    patients = patients_table([document], {"patient": {"patient": {"territory": "lad"}}})
+    write_csv(study / "patients.csv", patients)
+    inclusion_figure(inclusion_table(patients, {"patient": list(STATES)}), figures)
     write_csv(study / "timings.csv", timings_table([files]))
     seconds = ["--out", str(study / "seconds.csv"), "--figures-dir", str(figures)]
     main(["seconds", "--timings", str(study / "timings.csv"), *seconds])
