@@ -36,6 +36,12 @@ def write_json(path, document):
         partial.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n")
 
 
+def write_table(path, table):
+    """Writes a DataFrame as CSV with six digits, without its index."""
+    with replacing(path) as partial:
+        table.to_csv(partial, index=False, float_format="%.6g")
+
+
 def sha256(path):
     """SHA-256 of a file's content, in hexadecimal."""
     return hashlib.sha256(pathlib.Path(path).read_bytes()).hexdigest()

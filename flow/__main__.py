@@ -9,7 +9,7 @@ import numpy as np
 
 from common import config, json_reader
 from common.errors import InputError, guarded
-from common.files import replacing, write_json
+from common.files import write_json, write_table
 from flow import command_files
 from flow import settings as settings_module
 
@@ -130,8 +130,7 @@ def audit_command(arguments):
     solved = search.run([*arguments.coarse, arguments.mesh])
     answer, table = audit.of_answer(solved, case)
     answer["meshes"] = search.meshes
-    with replacing(pathlib.Path(arguments.out).with_suffix(".csv")) as partial:
-        table.to_csv(partial, index=False, float_format="%.6g")
+    write_table(pathlib.Path(arguments.out).with_suffix(".csv"), table)
     write_json(arguments.out, answer)
     print(audit.in_words(answer))
 
@@ -152,8 +151,7 @@ def rank_command(arguments):
     measured = [(path, json_reader.read(path, "ffr.json").data) for path in arguments.measured]
     model = "axisymmetric" if settings.model == "3d" else settings.model  # of a file that `flow solve` shares
     table = ranking.rank(plans, document, settings, model, measured)
-    with replacing(pathlib.Path(arguments.out)) as partial:
-        table.to_csv(partial, index=False, float_format="%.6g")
+    write_table(arguments.out, table)
     print(table.to_string(index=False))
 
 

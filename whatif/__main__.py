@@ -5,14 +5,8 @@ import pathlib
 
 from common import json_reader
 from common.errors import InputError, guarded
-from common.files import replacing, write_json
+from common.files import write_json, write_table
 from whatif.case import Case
-
-
-def write_csv(path, table):
-    """Writes a table with six digits."""
-    with replacing(path) as partial:
-        table.to_csv(partial, index=False, float_format="%.6g")
 
 
 def case_of(options):
@@ -25,7 +19,7 @@ def run_plans(options):
 
     table, plans = ranked(case_of(options), options.devices, options.states)
     write_json(options.out.with_name("plans.json"), plans)
-    write_csv(options.out, table)
+    write_table(options.out, table)
 
 
 def run_deploy(options):
@@ -42,8 +36,8 @@ def run_sensitivity(options):
 
     of = {"flow": sensitivity.of_flow, "deployment": sensitivity.of_deployment}[options.command]
     table, spread = of(case_of(options), options.config)
-    write_csv(options.intervals, spread)
-    write_csv(options.out, table)
+    write_table(options.intervals, spread)
+    write_table(options.out, table)
 
 
 def parser():

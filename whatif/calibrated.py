@@ -13,7 +13,8 @@ import dataclasses
 import numpy as np
 
 from common.errors import InputError
-from flow.reduced import network
+from flow.geometry.centreline import Branch
+from flow.reduced import flow_range, network
 from whatif.case import BEFORE, PLANNED
 
 OTHERS = ("reference", "rc", "rc_stent", "ct", "ct_vci", "ct_rc", "post")
@@ -23,23 +24,17 @@ PROBE = "distal"
 def network_loss(lumen, document, expansion_loss):
     """1 - FFR at the probe `distal` by the network. lumen: (anatomy.json, sections); document: of boundary.json."""
     anatomy, sections = lumen
-    model = network.Network(anatomy, sections, document, expansion_loss)
     probe = next(one for one in document["probes"] if one["name"] == PROBE)
-    flows = model.solve()
-    s, pressure = model.pressures(flows, model.inlet_pa)[probe["branch"]]
-    return 1 - float(np.interp(_nearest(sections, probe) * 1e-3, s, pressure)) / model.inlet_pa
+    place = axis_of(sections, probe["branch"]).project(np.array(probe["point_mm"]))[0]
+    model = network.Network(anatomy, sections, document, expansion_loss)
+    return flow_range.loss_at(model, (probe["branch"], place))
 
 
-def _nearest(sections, probe):
-    """Arc length in mm of the section of the probe's branch that is nearest to it, between sections by projection."""
-    rows = sections[sections["branch"] == probe["branch"]].sort_values("s_mm")
-    points, s = rows[["x_mm", "y_mm", "z_mm"]].to_numpy(float), rows["s_mm"].to_numpy()
-    start, span = points[:-1], np.diff(points, axis=0)
-    share = np.einsum("ij,ij->i", np.array(probe["point_mm"]) - start, span) / np.einsum("ij,ij->i", span, span)
-    share = np.clip(share, 0.0, 1.0)
-    apart = np.linalg.norm(start + share[:, None] * span - probe["point_mm"], axis=1)
-    k = int(apart.argmin())
-    return float(s[k] + share[k] * (s[k + 1] - s[k]))
+def axis_of(sections, branch):
+    """The flow.geometry.centreline.Branch through a branch's sections."""
+    rows = sections[sections["branch"] == branch].sort_values("s_mm")
+    points = rows[["x_mm", "y_mm", "z_mm"]].to_numpy(float)
+    return Branch(branch, 0, points, rows["s_mm"].to_numpy(float), np.sqrt(rows["area_mm2"].to_numpy(float) / np.pi))
 
 
 @dataclasses.dataclass(frozen=True)

@@ -79,11 +79,11 @@ def planned_row(case, calibration, steps):
 def alternative_row(case, calibration, families, steps, folder):
     """The row of another plan from `ffr` on; where it has no answer, only `status`."""
     try:
-        done = procedure(steps, families, read_summary(case.anatomy()), "plan")
+        scene = scene_of(case, families, steps)
     except InputError as error:  # the catalogue or the vessel does not allow this plan
         return {"status": f"{error.what}: {error.value}", "procedure": in_words(steps)}
     try:
-        deployment, anatomy = engine.deployed(case, case.scene | done, folder)
+        deployment, anatomy = engine.deployed(case, scene, folder)
     except engine.Refused as error:
         return {"status": error.reason, "procedure": in_words(steps)}
     return {"status": DEPLOYED} | outcome(case, calibration, deployment, folder / "lumen.vtp", anatomy, steps)
@@ -94,8 +94,14 @@ def deploy(case, steps, devices_folder, folder):
 
     steps: as plans.json lists them.
     """
-    done = procedure(steps, config.load_devices(devices_folder), read_summary(case.anatomy()), "plan")
-    engine.deployed(case, case.scene | done, folder)
+    engine.deployed(case, scene_of(case, config.load_devices(devices_folder), steps), folder)
+
+
+def scene_of(case, families, steps):
+    """scene.json of other steps. Areas are measured along the planned segment in all plans, so that they compare: along
+    a shorter stent's own the part of the lesion that it leaves would be left out. Raises InputError."""
+    done = procedure(steps, families, read_summary(case.anatomy()), "plan")
+    return case.scene | done | {"segment": case.scene["segment"]}
 
 
 def outcome(case, calibration, deployment, lumen_file, anatomy, steps):

@@ -85,10 +85,10 @@ def of_answer(answer_ffr, document, network_at, probe):
     flows = document.get("plausible_flows", [])
     if not flows or any(outlet.get("pressure_pa") is not None for outlet in document["outlets"]):
         return None
-    base = _loss(network_at(document), probe)
+    base = loss_at(network_at(document), probe)
     at = []
     for one in flows:
-        loss = _loss(network_at(varied(document, one)), probe)
+        loss = loss_at(network_at(varied(document, one)), probe)
         lost = (1 - answer_ffr) * loss / base if base > LEAST_LOSS else 1 - answer_ffr + loss - base
         shown = {key: one[key] for key in ("what", "factor") if key in one}
         at.append(shown | {"ffr": float(np.clip(1 - lost, 0, 1))})
@@ -96,7 +96,8 @@ def of_answer(answer_ffr, document, network_at, probe):
     return {"low": float(min(values)), "high": float(max(values)), "at": at}
 
 
-def _loss(network, probe):
+def loss_at(network, probe):
+    """1 - FFR by a flow.reduced.network.Network at a probe (branch, s_mm)."""
     flows = network.solve()
     s, pressure = network.pressures(flows, network.inlet_pa)[probe[0]]
     return 1 - float(np.interp(probe[1] * 1e-3, s, pressure)) / network.inlet_pa

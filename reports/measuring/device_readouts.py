@@ -22,6 +22,7 @@ LESION = (
     "s_mla_mm",
     "s_end_mm",
     "mla_mm2",
+    "mla_error_percent",
     "mld_mm",
     "reference_diameter_mm",
     "diameter_stenosis_percent",
@@ -60,10 +61,7 @@ def lesion_summary(files):
     """The most severe lesion of the pre-PCI anatomy; None if the anatomy found none."""
     path = files.anatomy("pre") / "anatomy.json"
     lesions = entry(read_json(path, "anatomy"), "lesions", path)
-    if not lesions:
-        return None
-    error = {"mla_error_percent": lesions[0].get("mla_error_percent", 0)}
-    return {key: entry(lesions[0], key, path) for key in LESION} | error
+    return {key: entry(lesions[0], key, path) for key in LESION} if lesions else None
 
 
 def reference_summary(files):

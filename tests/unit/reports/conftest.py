@@ -142,7 +142,9 @@ def write_anatomy(folder, tube):
         rows.append(",".join(["main", "0", *(repr(float(v)) for v in numbers), "end" if end else "ok"]))
     (folder / "sections.csv").write_text("\n".join(rows) + "\n")
     lesion = {"name": "lesion1", "branch": "main", "s_start_mm": 15.0, "s_mla_mm": 21.0, "s_end_mm": 27.0}
-    lesion.update(mla_mm2=1.6, mld_mm=1.4, reference_diameter_mm=3.2, proximal_reference_diameter_mm=3.2)
+    lesion.update(
+        mla_mm2=1.6, mla_error_percent=0.0, mld_mm=1.4, reference_diameter_mm=3.2, proximal_reference_diameter_mm=3.2
+    )
     lesion.update(distal_reference_diameter_mm=3.2, diameter_stenosis_percent=55.0, area_stenosis_percent=80.0)
     write_json(
         folder / "anatomy.json",
