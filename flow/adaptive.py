@@ -1,8 +1,8 @@
 """Which mesh answers: the first, coarse first, whose estimated error is within the tolerance, else the best of them.
 
 Each mesh starts from the flow on the one before. A mesh on which no flow is found is passed over where another answers.
-Meshes before the last two only begin the way to a hard flow: as far as the artificial viscosity is large they are as
-good a road as a finer mesh, for a third of the cost. The last mesh keeps the eps of the best before.
+On meshes before the last two continuation ends while the artificial viscosity is still large: so far they serve as well
+as a finer mesh, for a third of the cost. The last mesh keeps the eps of the best flow before.
 """
 
 import pathlib

@@ -35,8 +35,8 @@ def of(solved, document, tree, at_probes, coarser=None):
     The mesh's part is the larger of `goal` (errors.error_field) and, with a Solved `coarser` of the same eps, of `mesh`
     (Richardson's). at_probes(sampler) -> FFR at the probes, `distal` first. `goal`: the dual-weighted residual with its
     safety factor, or the sum of the sizes of its parts where they cancel. `artificial_viscosity`: what it does to FFR,
-    added without one, as it is too large from eps = .02 (measured.md). The parts are those of `distal`. Where the dual
-    solution is not found two meshes alone estimate the error, if there are two and no artificial viscosity is left.
+    added with the safety factor. The parts are those of `distal`. Where the dual solution is not found two meshes alone
+    estimate the error, if there are two and no artificial viscosity is left.
     """
     found, methods, parts, artificial = [], [], {}, None
     if coarser and coarser.problem.artificial != solved.problem.artificial:
@@ -63,7 +63,7 @@ def of(solved, document, tree, at_probes, coarser=None):
         if artificial is None:  # two meshes know nothing of the artificial viscosity
             return None
         parts["artificial_viscosity"] = float(artificial[0])
-        total = total + np.abs(artificial)
+        total = total + SAFETY * np.abs(artificial)
     method = ", ".join(methods)
     own = {"probes": total.tolist(), "basis": basis}
     return {"ffr": float(total[0]), **parts, **own, "method": method}

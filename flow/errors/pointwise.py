@@ -66,7 +66,8 @@ class Places:
         at_points = field.interpolation_pa(self.points_mm) / ffr.reference_pa(document, self.tree, field.sampler)
         mesh, count = error_estimate.of_parts(parts[:, :-1]), len(self.names)
         mesh[count:] += at_points
-        return [self._at_ends(errors) for errors in (mesh, np.abs(parts[:, -1]))]
+        artificial = error_estimate.SAFETY * np.abs(parts[:, -1])
+        return [self._at_ends(errors) for errors in (mesh, artificial)]
 
     def _at_ends(self, errors):
         """Errors (o + m,) of (o + e + m,): outlets whose vessel the mesh prolongs have that of the vessel's end."""

@@ -5,8 +5,8 @@ viscosity (physics.navier_stokes) of eps = 1 it does, and the flow changes smoot
 is followed in ln eps: the secant through the last two flows predicts the next, Newton's method corrects it with eps
 held. A step that fails is shortened, one that was easy lengthens the next (natural-parameter continuation; Allgower and
 Georg, Introduction to Numerical Continuation Methods, 2003, chapter 6). From SMALL and from LEAST eps = 0 is tried.
-On a mesh that only begins the way it ends at BEGUN, from where eps = 0 is tried once; a finer mesh goes on from there.
-The finest is solved at the eps of the flow that it begins with, so that the two tell what the mesh does.
+On the coarsest of three meshes continuation ends at BEGUN, where eps = 0 is tried once. The next mesh goes on from
+there. The finest is solved at the eps of the flow that it starts from, so that both together show the mesh's error.
 Where no flow without artificial viscosity is found that of the least eps answers. What the rest of eps does to FFR is a
 part of the error estimate (errors.error_field).
 """
@@ -27,7 +27,7 @@ LONGER, SHORTER, FAILED = 1.6, 0.7, 0.4  # change of the step's length then, abo
 LONGEST_STEP, SHORTEST_STEP = 1.6, 0.1
 # eps at which 0 is tried; between them a step that fails ends the way, and LEAST does
 SMALL, LEAST = TRIES = 0.01, 0.003
-BEGUN = 0.02  # where the way ends on a mesh that only begins it
+BEGUN = 0.02  # where continuation ends on a mesh that a finer one goes on from
 LARGEST = 0.05  # a flow of larger eps is no answer
 STARTS = 3  # of the other mesh's flows, the least eps first, from which a flow is tried
 
@@ -35,7 +35,7 @@ STARTS = 3  # of the other mesh's flows, the least eps first, from which a flow 
 def from_rest(problem, begin_only=False):
     """Outcome at full flow from rest. Raises ComputationError where no flow with eps <= LARGEST is found.
 
-    begin_only: the way ends at BEGUN, or with eps = 0 where that follows from there at once.
+    begin_only: ends at eps = BEGUN, or at 0 where that follows from there at once.
     """
     problem.boundaries.full()
     for eps in FIRST:
@@ -51,8 +51,8 @@ def from_rest(problem, begin_only=False):
 def from_guess(problem, coarse, only_known=False, onward=True):
     """Outcome at full flow from the flow on another mesh (a solved FlowProblem).
 
-    Its eps is tried first, and where this fails and not only_known those of the flows before it; onward: and then less.
-    Raises ComputationError.
+    Its eps is tried first, and where this fails and not only_known those of the flows before it; onward: then eps is
+    followed towards 0. Raises ComputationError.
     """
     problem.boundaries.full()
     starts = coarse.passed or [(coarse.artificial, coarse.state.x.array, coarse.inflow)]
@@ -71,7 +71,7 @@ def from_guess(problem, coarse, only_known=False, onward=True):
 
 def follow(problem, tries=TRIES):
     """Goes on along the branch from the last flows passed, as far as eps = 0 where it leads there; tries: the eps at
-    which 0 is tried, the last of them the end of the way.
+    which 0 is tried; eps falls no further than the last of them.
 
     The state is the last flow passed.
     """

@@ -1,8 +1,8 @@
 """From rest to the full flow in steps of the flow by Newton's method.
 
 The outlet resistances are those at which the reduced models draw FRACTIONS of their flow. On a mesh that resolves the
-jet's shear layer (meshing.sweep) the steady flow in a straight tube is found so in some ten factorizations; at Re 1,500
-solvers.continuation does not find it. Where one fraction resists, and in trees, that is the shorter way.
+jet's shear layer (meshing.sweep) the steady flow in a straight tube is found so in some ten factorizations. At Re 1,500
+solvers.continuation does not find it. Where one fraction fails, and in trees, continuation takes fewer factorizations.
 """
 
 import numpy as np
