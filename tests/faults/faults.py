@@ -6,12 +6,14 @@ import pathlib
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 
 from study import LOCKED, wrong
 
+TEMPORARY = tempfile.gettempdir()
 FULL_TMP = (
-    "mount -t tmpfs -o size=64k none /tmp && { dd if=/dev/zero of=/tmp/full bs=1k 2>/dev/null; "
+    f"mount -t tmpfs -o size=64k none {TEMPORARY} && {{ dd if=/dev/zero of={TEMPORARY}/full bs=1k 2>/dev/null; "
     'python3 -c "import tempfile; tempfile.gettempdir()" 2>/dev/null; exec "$@"; }'
 )
 POLL = 0.05
@@ -100,9 +102,12 @@ def memory_limit(study, right, seconds, megabytes=700):
 
 
 def full_tmp(study, right, seconds):
-    """/tmp without a free byte, in a mount namespace of its own."""
+    """The folder of temporary files without a free byte, in a mount namespace of its own."""
     code = study.run(before=["unshare", "-m", "sh", "-c", FULL_TMP, "sh"])
-    row = {"fault": "/tmp is full", "said": study.said("No space left", "no usable temporary", "exit code")}
+    row = {
+        "fault": "the folder of temporary files is full",
+        "said": study.said("No space left", "no usable temporary", "exit code"),
+    }
     return resumed(study, right, row, code)
 
 
