@@ -9,6 +9,8 @@ BUILD ?= build
 PYTHON := /usr/bin/python3
 SNAKEMAKE := /usr/bin/snakemake
 REPORT := results/report/index.html
+FAILED := results/study/failed.json
+RUN_STUDY = $(SNAKEMAKE) --profile config/profiles/local --cores $(CORES) --config cohort=$(COHORT) $(if $(CASES),cases='$(CASES)')
 
 .DEFAULT_GOAL := study
 .PHONY: setup build validate study manifest verify cohort faults unlock test test-cpp test-python sanitize fuzz lint format docs clean help
@@ -29,9 +31,12 @@ validate: setup ## check every configuration file
 	@$(PYTHON) -m workflow validate
 
 study: build ## run a cohort (COHORT=nine|three|quick|contrast|hard|real) or single cases (CASES="lad01 rca01"); -j by CORES
-	@$(SNAKEMAKE) --profile config/profiles/local --cores $(CORES) --config cohort=$(COHORT) $(if $(CASES),cases='$(CASES)') || { \
-	  [ -z "$$(ls -A .snakemake/locks 2>/dev/null)" ] || \
-	  echo "the folder is locked: another run works in it, or one was killed; if none runs any more: make unlock" >&2; \
+	@began=$$(date +%s); $(RUN_STUDY) || { \
+	  if [ -n "$$(ls -A .snakemake/locks 2>/dev/null)" ]; then \
+	    echo "the folder is locked: another run works in it, or one was killed; if none runs any more: make unlock" >&2; \
+	  elif $(PYTHON) -m workflow failed --since $$began --out $(FAILED) && $(RUN_STUDY) failed=$(FAILED); then \
+	    echo "$(REPORT) is the page of the other cases; it says what failed" >&2; exit 1; \
+	  fi; \
 	  [ ! -f $(REPORT) ] || echo "$(REPORT) is the page of an earlier run" >&2; exit 1; }
 	@echo "report: $(REPORT)"
 

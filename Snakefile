@@ -19,6 +19,7 @@ from workflow.inputs import (
     benchmark_tables,
     case_folder,
     cohort_option,
+    failed_option,
     procedure_sensitivity_tables,
     figures_folder,
     frames_option,
@@ -28,12 +29,14 @@ from workflow.inputs import (
     stent_options,
     study_folder,
     test_results,
+    without_failed,
 )
 
 try:
     STUDY = Configuration(config.get("folder", "config"))
     COHORT = config.get("cohort", "nine")
-    CASES = STUDY.selected(COHORT, config.get("cases"))
+    FAILED = config.get("failed")  # failed.json of `workflow failed`: the study is made of the other cases
+    CASES = without_failed(STUDY.selected(COHORT, config.get("cases")), FAILED)
 except UserError as error:
     raise WorkflowError(str(error)) from None
 

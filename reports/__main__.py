@@ -69,10 +69,16 @@ def run_patients(args):
     table = patients_table(
         documents, {document["case"]: load_case(configs[document["case"]]) for document in documents}
     )
-    steps = inclusion_table(table, {document["case"]: list(document["states"]) for document in documents})
+    states = {document["case"]: list(document["states"]) for document in documents}
+    steps = inclusion_table(table, states, list(dict.fromkeys(step["case"] for step in failed_steps(args.failed))))
     write_csv(args.out, table)
     write_csv(args.inclusion, steps)
     inclusion_figure(steps, args.figures_dir)
+
+
+def failed_steps(path):
+    """The entries of failed.json, which `workflow failed` makes; none without a path."""
+    return read_json(path, "workflow failed")["failed"] if path else []
 
 
 def run_subgroups(args):
@@ -146,14 +152,14 @@ def run_report(args):
     from reports.page.build import build_report
 
     places = args.study_dir, args.figures_dir, args.out
-    told = args.software, args.cohort, args.benchmarks, args.provenance
+    told = args.software, args.cohort, args.benchmarks, args.provenance, failed_steps(args.failed)
     build_report(case_list(args), *places, args.junit, *told)
 
 
 def run_numbers(args):
     from reports.record.numbers import report_numbers
 
-    write_json(args.out, report_numbers(case_list(args), args.study_dir, args.cohort, args.junit))
+    write_json(args.out, report_numbers(case_list(args), args.study_dir, args.cohort, args.junit, failed_steps(args.failed)))
 
 
 def run_crate(args):
@@ -212,6 +218,7 @@ def parser():
     command.add_argument("--configs", required=True, nargs="+", type=path, help="config/cases/<case>.yaml of each case")
     command.add_argument("--inclusion", required=True, type=path, help="the CSV file with the steps of the inclusion")
     command.add_argument("--figures-dir", required=True, type=path, help="results/figures")
+    command.add_argument("--failed", type=path, help="failed.json of `workflow failed`: cases that have no result")
     command.add_argument("--out", required=True, type=path, help="the CSV file with a row a patient")
     command.set_defaults(run=run_patients)
 
@@ -269,6 +276,7 @@ def parser():
     command.add_argument("--software", type=path, help="JSON of `reports software`")
     command.add_argument("--provenance", type=path, help="JSON of `workflow provenance`")
     command.add_argument("--benchmarks", type=path, help="results/benchmarks, with a folder for each that was run")
+    command.add_argument("--failed", type=path, help="failed.json of `workflow failed`: cases that have no result")
     command.add_argument("--out", required=True, type=path, help="results/report/index.html")
     command.set_defaults(run=run_report)
 
@@ -277,6 +285,7 @@ def parser():
     command.add_argument("--study-dir", required=True, type=path, help="results/study, with its CSV files")
     command.add_argument("--cohort", default="", help="the cohort's name")
     command.add_argument("--junit", nargs="*", type=path, default=[], help="test results (JUnit XML)")
+    command.add_argument("--failed", type=path, help="failed.json of `workflow failed`: cases that have no result")
     command.add_argument("--out", required=True, type=path, help="results/report/report.json")
     command.set_defaults(run=run_numbers)
 

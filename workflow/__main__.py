@@ -1,7 +1,8 @@
-"""Command line: python3 -m workflow validate|scene|stent-alone|provenance|manifest|verify|cohort."""
+"""Command line: python3 -m workflow validate|scene|stent-alone|provenance|manifest|verify|failed|cohort."""
 
 import argparse
 import pathlib
+import sys
 import time
 
 from common.errors import InputError, guarded
@@ -40,6 +41,16 @@ def run_verify(options):
 
     count = verify(options.manifest, options.results)
     print(f"{options.results} agrees with {options.manifest}: {count} comparisons")
+
+
+def run_failed(options):
+    from workflow.failed import write_failed
+
+    found = write_failed(options.out, options.results, options.since)
+    for step in found:
+        print(f"{step['case']} failed at {step['step']}: {step['message'].splitlines()[0]}", file=sys.stderr)
+    if not found:
+        sys.exit(1)
 
 
 def run_cohort(options):
@@ -97,6 +108,12 @@ def main(arguments=None):
     compare.add_argument("--manifest", type=pathlib.Path, required=True, help="config/manifests/<cohort>.json")
     compare.add_argument("--results", type=pathlib.Path, default=results, help="root of the products (results)")
     compare.set_defaults(run=run_verify)
+    words = "the steps of cases that failed; exit code 1, and no file, where none did"
+    failed = commands.add_parser("failed", help=words)
+    failed.add_argument("--results", type=pathlib.Path, default=results, help="root of the products (results)")
+    failed.add_argument("--since", type=float, default=0.0, help="only from this time on, in seconds since 1970 (0)")
+    failed.add_argument("--out", type=pathlib.Path, required=True, help="failed.json, for `snakemake --config failed=`")
+    failed.set_defaults(run=run_failed)
     cohort = commands.add_parser("cohort", help="draw patients and run them in shards, up to their metrics")
     cohort.add_argument("--count", type=int, required=True, help="number of patients")
     cohort.add_argument("--seed", type=int, required=True, help="patient k of a seed is the same whatever the count")

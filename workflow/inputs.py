@@ -1,10 +1,12 @@
 """What the rules ask for by wildcards: a case's files, its settings as parameters, its states."""
 
+import json
 import os
 import pathlib
 import shlex
 
 from common import config
+from common.errors import InputError
 
 SYNTHETIC_STATES = ("pre", "vci", "rc", "reference")
 SURFACE_STATES = ("pre", "vci", "rc")  # without a reference
@@ -330,6 +332,26 @@ def case_folder(wildcards, input):
 def stent_options(wildcards, input):
     """Command-line options of `data_synthetic phantom` for the stents; none before the procedure."""
     return f"--scene {input.scene} --centreline {input.centreline}" if "scene" in input.keys() else ""
+
+
+def without_failed(cases, path):
+    """The cases that failed.json at `path` does not name; all of them where no path is given. Raises InputError where
+    the file cannot be read, or none is left."""
+    if not path:
+        return cases
+    try:
+        failed = {step["case"] for step in json.loads(pathlib.Path(path).read_text())["failed"]}
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InputError("not a list of failed steps", "--config failed=", path, "make it by `workflow failed`") from error
+    left = [case for case in cases if case not in failed]
+    if not left:
+        raise InputError("every case failed", path, " ".join(cases), "read their logs: there is no page to make")
+    return left
+
+
+def failed_option(wildcards, input):
+    """Command-line option of `reports` for the cases that failed; none where all are there."""
+    return f"--failed {input.failed}" if input.failed else ""
 
 
 def cohort_option(cohort, cases):

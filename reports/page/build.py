@@ -37,9 +37,12 @@ OCCLUDED = "occluded_by_voxels"
 
 
 def build_report(
-    cases, study_dir, figures_dir, out, junit=(), software=None, cohort="", benchmark_dir=None, provenance=None
+    cases, study_dir, figures_dir, out, junit=(), software=None, cohort="", benchmark_dir=None, provenance=None, failed=()
 ):
-    """Writes the report of the CaseFiles `cases` to `out`. Raises InputError for anything that is missing."""
+    """Writes the report of the CaseFiles `cases` to `out`. Raises InputError for anything that is missing.
+
+    failed: entries of failed.json (workflow.failed), of cases that have no result.
+    """
     contexts = [case_context(files, figures_dir) for files in cases]
     agreement = read_csv(study_dir / "agreement.csv")
     timings = read_csv(study_dir / "timings.csv")
@@ -52,6 +55,7 @@ def build_report(
         .render(
             cohort=cohort,
             cases=contexts,
+            failed=failed,
             summary=summary(contexts),
             agreement=agreement_rows(agreement),
             errors={kind: ERRORS[kind] for kind in ERRORS if kind in [row["error"] for row in agreement]},

@@ -14,8 +14,11 @@ SCHEMA = "vci-report-1"
 TABLES = ("agreement", "nearer", "contrast", "differences", "inclusion", "patients")
 
 
-def report_numbers(case_files, study_dir, cohort, junit):
-    """The document of report.json. case_files: CaseFiles of the study; junit: files of the tests. Raises InputError."""
+def report_numbers(case_files, study_dir, cohort, junit, failed=()):
+    """The document of report.json. Raises InputError.
+
+    case_files: CaseFiles of the study; junit: files of the tests; failed: entries of failed.json.
+    """
     tables = {name: table(study_dir, name) for name in TABLES}
     provenance = existing(study_dir / "provenance.json", "workflow provenance")
     tests = [
@@ -26,6 +29,7 @@ def report_numbers(case_files, study_dir, cohort, junit):
         "schema": SCHEMA,
         "cohort": cohort or None,
         "cases": [files.case for files in case_files],
+        "failed": list(failed),
         "source": published(),
         "provenance_sha256": sha256(provenance),
         "software": read_json(provenance, "workflow provenance")["software"],

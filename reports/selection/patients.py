@@ -58,14 +58,17 @@ def in_words(calcium):
     return f"{calcium['arc_deg']:g} degrees over {calcium['length_mm']:g} mm"
 
 
-def inclusion_table(patients, states):
-    """DataFrame of inclusion.csv, the steps of the flow chart. patients: patients_table; states: {case: its states}."""
+def inclusion_table(patients, states, failed=()):
+    """DataFrame of inclusion.csv, the steps of the flow chart.
+
+    patients: patients_table; states: {case: its states}; failed: names of further cases, which have no result.
+    """
     known = patients[patients["ffr_before"].notna()]
     taken = known[known["included"].astype(bool)]
     names = list(taken["case"])
     steps = [
-        ("cases of the cohort", list(patients["case"])),
-        ("FFR before PCI not computed", list(patients["case"][patients["ffr_before"].isna()])),
+        ("cases of the cohort", [*patients["case"], *failed]),
+        ("FFR before PCI not computed", [*patients["case"][patients["ffr_before"].isna()], *failed]),
         (f"FFR before PCI of {FFR_THRESHOLD:.2f} and more", list(known["case"][~known["included"].astype(bool)])),
         (f"included: FFR before PCI below {FFR_THRESHOLD:.2f}", names),
         ("lumen after PCI known", [case for case in names if set(TRUTHS) & set(states[case])]),

@@ -213,6 +213,7 @@ rule patients:
     input:
         metrics=expand("results/cases/{case}/metrics.json", case=CASES),
         cases=[ancient(str(STUDY.case_file(case))) for case in CASES],
+        failed=FAILED or [],
         code=code(
             "reports", "reports.selection.patients", "reports.selection.flow_chart", "reports.study.tables", "common.config"
         ),
@@ -227,9 +228,10 @@ rule patients:
     params:
         vessels=[STUDY.section(case, "vessel") for case in CASES],
         figures=lambda wildcards, output: os.path.dirname(output.figure[0]),
+        failed=failed_option,
     shell:
         "workflow/run.sh {log} /usr/bin/python3 -m reports patients --metrics {input.metrics} --configs {input.cases}"
-        " --inclusion {output.inclusion} --figures-dir {params.figures} --out {output.table}"
+        " --inclusion {output.inclusion} --figures-dir {params.figures} {params.failed} --out {output.table}"
 
 
 rule timings:
@@ -334,6 +336,7 @@ rule report:
         templates=INPUTS.templates(),
         solved=solved_plans(CASES),
         tests=test_results(),
+        failed=FAILED or [],
         benchmarks=benchmark_tables(),
     output:
         "results/report/index.html",
@@ -345,11 +348,12 @@ rule report:
         case_dirs=expand("results/cases/{case}", case=CASES),
         cohort=cohort_option(COHORT, config.get("cases")),
         study=study_folder,
+        failed=failed_option,
         figures=figures_folder,
         benchmarks=benchmark_folder,
     shell:
         "workflow/run.sh {log} /usr/bin/python3 -m reports report --case-dir {params.case_dirs} --study-dir {params.study}"
-        " --figures-dir {params.figures} --software {input.software} --provenance {input.provenance} {params.cohort} {params.benchmarks}"
+        " --figures-dir {params.figures} --software {input.software} --provenance {input.provenance} {params.cohort} {params.failed} {params.benchmarks}"
         " --junit {input.tests} --out {output}"
 
 
@@ -368,6 +372,7 @@ rule numbers:
         code=code("reports", "reports.record.numbers") + ["reports/study/published.json"],
         solved=solved_plans(CASES) + procedure_sensitivity_tables(CASES),
         tests=test_results(),
+        failed=FAILED or [],
     output:
         "results/report/report.json",
     log:
@@ -378,9 +383,10 @@ rule numbers:
         case_dirs=expand("results/cases/{case}", case=CASES),
         cohort=cohort_option(COHORT, config.get("cases")),
         study=study_folder,
+        failed=failed_option,
     shell:
         "workflow/run.sh {log} /usr/bin/python3 -m reports numbers --case-dir {params.case_dirs} --study-dir {params.study}"
-        " {params.cohort} --junit {input.tests} --out {output}"
+        " {params.cohort} {params.failed} --junit {input.tests} --out {output}"
 
 
 rule crate:

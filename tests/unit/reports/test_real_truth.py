@@ -142,7 +142,8 @@ def test_figures_and_page(make_case, tmp_path, compare):
     write_csv(study / "timings.csv", timings_table([files]))
     seconds = ["--out", str(study / "seconds.csv"), "--figures-dir", str(figures)]
     main(["seconds", "--timings", str(study / "timings.csv"), *seconds])
-    build_report([files], study, figures, tmp_path / "index.html")
+    failed = {"case": "other", "step": "plan", "exit_code": 3, "message": "error: <none> fits", "log": "plan.log"}
+    build_report([files], study, figures, tmp_path / "index.html", failed=[failed])
     page = (tmp_path / "index.html").read_text()
     for words in (
         "FFR at the pressure wire",
@@ -151,6 +152,8 @@ def test_figures_and_page(make_case, tmp_path, compare):
         "Virtual PCI (VCI) − after PCI",
         "After the real PCI",
         "where each device lies",
+        "1 of 2 cases has no result",
+        "error: &lt;none&gt; fits",
     ):
         assert words in page, words
     assert ("No flow is computed in it" in page) == (compare == "areas")

@@ -38,7 +38,7 @@ def results(tmp_path):
 def test_numbers_are_those_of_the_tables(results, tmp_path):
     (tmp_path / "junit.xml").write_text(JUNIT)
     case = CaseFiles("a", results / "cases" / "a")
-    found = report_numbers([case], results / "study", "small", [tmp_path / "junit.xml"])
+    found = report_numbers([case], results / "study", "small", [tmp_path / "junit.xml"], [{"case": "b"}])
     assert found["states"]["vci"]["ffr_distal"] == {
         "n": 2,
         "mean": pytest.approx(0.85),
@@ -47,6 +47,7 @@ def test_numbers_are_those_of_the_tables(results, tmp_path):
     assert found["states"]["pre"]["ffr_distal"] == {"n": 1, "mean": 0.7, "sd": None}
     assert [row["case"] for row in found["patients"]] == ["a", "c"] and found["patients"][1]["pre_ffr_distal"] is None
     assert (found["evidence"]["passed"], found["evidence"]["failed"]) == (1, 1)
+    assert found["failed"] == [{"case": "b"}]
     assert found["plans"] == {"a": []} and found["cohort"] == "small"
     known = hashlib.sha256((results / "study" / "provenance.json").read_bytes()).hexdigest()
     assert found["provenance_sha256"] == known

@@ -46,6 +46,9 @@ def test_each_case_is_counted_once_among_left_out_and_included(documents):
     steps = inclusion_table(patients_table(documents, cases), states)
     assert steps["count"].tolist() == [4, 1, 1, 2, 2, 1, 1]
     assert steps["cases"].tolist() == ["a b c d", "d", "b", "a c", "a c", "c", "c"]
+    with_failed = inclusion_table(patients_table(documents, cases), states, ["e"])
+    assert with_failed["count"].tolist() == [5, 2, 1, 2, 2, 1, 1]
+    assert with_failed["cases"].tolist()[1] == "d e"
 
 
 def test_a_case_without_its_file_is_refused(make_case, tmp_path):

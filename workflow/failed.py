@@ -1,0 +1,49 @@
+"""Which cases of a run failed, at which step and why: the page of the others says so."""
+
+import pathlib
+import re
+
+from common.files import write_json
+
+STOPPED = (130, 143)  # exit codes of a step that Ctrl-C or SIGTERM ended: it did not fail
+LAST = 6  # lines of a log that stand for a message where it has none of our own
+
+
+def failed_steps(results=pathlib.Path("results"), since=0.0):
+    """[{case, step, exit_code, message, log}] of the steps of cases that failed at or after a time.
+
+    since: seconds since the epoch. A step is known by its log below results/cases/<case>/logs, which workflow/run.sh
+    marks when its command fails.
+    """
+    found = []
+    for mark in sorted(pathlib.Path(results).glob("cases/*/logs/**/*.log.failed")):
+        code = _code(mark)
+        if mark.stat().st_mtime < since or code in STOPPED:
+            continue
+        log = mark.with_suffix("")
+        case, step = log.relative_to(results).parts[1], log.with_suffix("").relative_to(results).parts[3:]
+        text = log.read_text(errors="replace") if log.exists() else ""
+        found.append({"case": case, "step": "/".join(step), "exit_code": code, "message": message(text)})
+        found[-1]["log"] = str(log)
+    return found
+
+
+def message(text):
+    """What a log says of its failure: our own error from its first line on, else the last lines."""
+    begins = [one.start() for one in re.finditer(r"^error: ", text, re.M)]
+    return text[begins[-1] :].strip() if begins else "\n".join(text.strip().splitlines()[-LAST:])
+
+
+def write_failed(out, results=pathlib.Path("results"), since=0.0):
+    """Writes {failed: failed_steps} to `out` if there are any, and returns them."""
+    found = failed_steps(results, since)
+    if found:
+        pathlib.Path(out).parent.mkdir(parents=True, exist_ok=True)
+        write_json(out, {"failed": found})
+    return found
+
+
+def _code(mark):
+    """The exit code that a mark holds; None where it was cut short."""
+    text = mark.read_text().strip()
+    return int(text) if text.isdigit() else None
