@@ -103,7 +103,7 @@ def level(rows, scheme, error):
             if column == "textbook":
                 row["textbook_step_ms"] = best["fixed_step_ms"]
                 row["textbook_stop_mm_per_ms"] = best["velocity_stop_mm_per_ms"]
-        elif tried:  # not reached: all that was spent on it, and the nearest that came of it
+        elif tried:  # not reached: the time of all runs, and their smallest error
             row[f"{column}_edge_mm"] = "not reached"
             row[f"{column}_cpu_seconds"] = sum(r["cpu_seconds"] for r in tried)
             row[f"{column}_error_percent"] = min((r[key] for r in tried if key in r), key=abs, default="")
