@@ -37,7 +37,16 @@ OCCLUDED = "occluded_by_voxels"
 
 
 def build_report(
-    cases, study_dir, figures_dir, out, junit=(), software=None, cohort="", benchmark_dir=None, provenance=None, failed=()
+    cases,
+    study_dir,
+    figures_dir,
+    out,
+    junit=(),
+    software=None,
+    cohort="",
+    benchmark_dir=None,
+    provenance=None,
+    failed=(),
 ):
     """Writes the report of the CaseFiles `cases` to `out`. Raises InputError for anything that is missing.
 

@@ -111,7 +111,8 @@ Vectors ways_from_axis(const Lumen& lumen, const std::map<std::string, Path>& pa
   for (const auto& [v, on] : wall) {
     ways[v] = on.way;
     const double r = lumen.radius[v], own = on.way.norm();
-    const double judged = apart(own, r) ? nearest.about(on) : own; // what lies far off may have a nearer neighbour
+    // a point far from the axis may have a nearer neighbour, which is compared instead
+    const double judged = apart(own, r) ? nearest.about(on) : own;
     const double off = apart(own, r) && close(judged, r) ? 0 : std::abs(std::log((judged + 1e-12) / r));
     misfits += off > 0;
     if (off > worst) {
