@@ -77,7 +77,7 @@ void check_attributes(VtpArrays& file, vtkXMLDataElement* group, std::uint64_t t
   });
 }
 
-/// Cells are the offsets of their ends among the points that they name.
+/// Checks a group of cells. `offsets` has the end of each cell in the list of point numbers, `connectivity`.
 void check_cells(VtpArrays& file, vtkXMLDataElement* group, std::uint64_t cells) {
   vtkXMLDataElement *ends = nullptr, *points = nullptr;
   each_nested(group, [&](vtkXMLDataElement* element) {

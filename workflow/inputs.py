@@ -265,7 +265,7 @@ class Inputs:
         return self.any_lumen_after(cases) or any("measured" in known[case] for case in cases)
 
     def any_lumen_after(self, cases):
-        """Whether any of the cases has a lumen after PCI that predictions are compared with along the stent."""
+        """Whether a case has a true lumen after PCI (`reference` or `post`) to compare predictions with."""
         return any({"reference", "post"} & set(self.states(case)) for case in cases)
 
     def templates(self):

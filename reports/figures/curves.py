@@ -12,7 +12,7 @@ from reports.measuring.profiles import read_pullback, read_pullback_error
 SIZE = (6.6, 3.6)  # inches
 WIRE = (("ffr_pre", "before PCI", "none"), ("ffr_post", "after PCI", COLOURS["measured"]))  # marks
 BAND = 0.25  # opacity of an error's band
-HEADROOM = 0.12  # of the height below it: over the curves, for the word that names the shaded segment
+HEADROOM = 0.12  # room above the curves for the name of the shaded segment, as a share of the height below
 LEGEND_ROW, LEGEND_MARGIN = 0.18, 0.12  # inches
 
 

@@ -6,9 +6,9 @@ import pathlib
 from common.errors import InputError
 from reports.inputs.reading import entry, read_json
 
-# rc: radius correction by the largest balloon; rc_stent: by the stents alone
-# ct: the reference as it is found in its CT; ct_vci, ct_rc: predictions from the lumen found in the CT before the
-# procedure; post: the lumen found after the real procedure
+# rc: radius correction by the largest balloon. rc_stent: by the stents alone.
+# ct: the lumen found in the reference's CT. ct_vci, ct_rc: predictions from the lumen found in the CT before.
+# post: the lumen found after the real procedure.
 STATES = ("pre", "vci", "rc", "rc_stent", "reference", "ct", "ct_vci", "ct_rc", "post")
 PREDICTED_FROM_CT = ("ct_vci", "ct_rc")
 

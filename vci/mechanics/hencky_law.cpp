@@ -49,7 +49,7 @@ Vec2 HenckyLaw::flow(const Vec2& lumen_strain) {
   const double w = response_at(square).strain;
   if (w <= yield_strain)
     return Vec2::Zero();
-  // the elastic strain of the layer shrinks to that of the stress reached; the rest is permanent
+  // the layer's elastic strain is reduced to the one at the yielded stress; the rest stays after unloading
   const Vec2 elastic = elastic_part(w) / w * layer, lasting = layer - elastic;
   yield_strain = elastic_part(w);
   if (depth == 0)

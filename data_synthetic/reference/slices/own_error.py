@@ -54,10 +54,10 @@ def _checked(record, settings, area_with):
 
 
 def missed(s_mm, area_mm2, coupling_mm):
-    """Largest change (n,), anywhere and in per cent, of the lumen's area by leaving out each slice; 0 for the two ends.
+    """Largest change in per cent (n,) of the lumen's area along the span if one slice is left out; 0 for the two ends.
 
-    s_mm, area_mm2 (n,): slices of one span. They are interpolated and coupled along the axis as the lumen is
-    (SpanField), by the equivalent radius.
+    s_mm, area_mm2 (n,): slices of one span. Their equivalent radii are interpolated and coupled along the axis
+    (SpanField), as for the lumen itself.
     """
     fine = deformation.fine_positions(s_mm)
     join = deformation.coupled(np.eye(len(fine)), fine[1] - fine[0], coupling_mm) if coupling_mm else np.eye(len(fine))

@@ -14,11 +14,12 @@ def wall_bending_n_mm2(inner_mm, outer_mm, wall_c10_mpa):
 
 
 def of_patient(branch, wall_mm, stents, middle_s_mm, settings):
-    """`offset` of a branch, its wall and surroundings as they are at middle_s_mm; settings: section `reference`.
+    """The input of `offset` for a branch, with wall and surroundings as at middle_s_mm; settings: section `reference`.
 
-    The surroundings' support is a pressure per displacement. Of a line it is pi r_outer times as much, since both sides
-    of a pressed cylinder resist by the cosine squared of the angle. With 2 G / r_outer (see materials) that is 2 pi G.
-    A slender rod in an incompressible medium has the same within a tenth, at the beam's wavelength.
+    The surroundings resist a wall with a pressure per displacement, 2 G / r_outer (see materials). A beam of this
+    radius meets pi r_outer times that per length, 2 pi G, since both sides of a pressed cylinder resist by the cosine
+    squared of the angle. A slender rod in an incompressible medium has the same within a tenth, at the beam's
+    wavelength.
     """
     outer = float(branch.healthy(np.array(middle_s_mm))) + wall_mm
     foundation = np.pi * outer * settings["support_mpa_per_mm"]
