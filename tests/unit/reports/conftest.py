@@ -168,9 +168,10 @@ def write_flow(folder, tube, wire=None):
     document.update(reduced_model={"ffr": ffr + 0.004}, seconds=12.5, peak_memory_mib=900.0)
     document["inlet_flow_m3_per_s"] = Q_M3_PER_S
     document["outlets"] = [{"name": "outlet1", "flow_m3_per_s": Q_M3_PER_S, "pressure_pa": 1e4, "ffr": ffr}]
-    document["probes"] = [{"name": "distal", "ffr": ffr}]
+    document["probes"] = [{"name": "distal", "branch": "main", "s_mm": 37.0, "ffr": ffr}]
     if wire is not None:
-        document["probes"].append({"name": "measured", "ffr": float(tube.pressure(wire) / MAP_PA)})
+        measured = {"name": "measured", "branch": "main", "s_mm": wire, "ffr": float(tube.pressure(wire) / MAP_PA)}
+        document["probes"].append(measured)
     write_json(folder / "ffr.json", document)
     write_json(folder / "mesh.json", {"schema": "vci-mesh-1", "cells": 20000, "dofs": 98000, "element_order": 2})
 
