@@ -70,7 +70,7 @@ def load_case(path):
 
 
 def _check_lumen(document, key):
-    """A lumen is given in one way, and what is made of contours or CT has no ends to be named nor labels."""
+    """A lumen is given in one way. Only a surface or mask file can have its ends and labels named."""
     lumen = document.data[key]
     ways = [way for way in LUMEN_WAYS if way in lumen]
     if len(ways) != 1:

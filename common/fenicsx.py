@@ -18,10 +18,10 @@ def form(expression, flags=()):
 
 
 def drop_unfinished():
-    """Removes what programs that were killed while compiling left in FEniCSx's cache; returns the files' names.
+    """Removes files that killed programs left in FEniCSx's compilation cache; returns the files' names.
 
-    Their source file tells every later program that somebody is compiling: it would wait, and then fail. Only files
-    older than WAIT_S are removed; no form takes that long.
+    Such a source file tells every later program that somebody is compiling. That program would wait, and then fail.
+    Only files older than WAIT_S are removed; no form takes that long.
     """
     dropped = []
     for source in pathlib.Path(jit.get_parameters()["cache_dir"]).expanduser().glob("libffcx_*.c"):

@@ -15,7 +15,7 @@ class Document:
         self.file, self.data = file, data
 
     def line(self, path):
-        """How many values begin before the one at `path`: what comes first in the file."""
+        """Stands for a line number: how many values begin before the one at `path`. It orders the errors."""
         return next(number for number, (place, _) in enumerate(_walk(self.data, ())) if place == tuple(path))
 
     def where(self, path):

@@ -54,8 +54,11 @@ def validate(document, schema):
 
 
 def _order(document, error):
-    """Errors in the order of the file; of one line a key without a place first, then an unknown one, which is often a
-    missing one misspelt."""
+    """Errors in the order of the file. Within a line: a key that may not stand there, then an unknown key, then the
+    rest.
+
+    An unknown key comes before a missing one, because it is often that key misspelt.
+    """
     rank = 0 if error.schema is False else 1 if error.validator == "additionalProperties" else 2
     return document.line(error.absolute_path), rank, str(error.message)
 
@@ -87,9 +90,9 @@ def _fill(data, schema):
 
 
 def _deepest(error):
-    """For alternatives (anyOf), the complaint of the alternative that came furthest: the one the author meant.
+    """For alternatives (anyOf), the error of the alternative that fits best: the one the author probably meant.
 
-    Where the value is of none of their kinds the complaint stays that of all alternatives together.
+    If the value is of no alternative's type, the error names all alternatives.
     """
     while any(inner.absolute_path != error.absolute_path or inner.validator not in _KINDS for inner in error.context):
         error = max(
@@ -99,7 +102,7 @@ def _deepest(error):
 
 
 def _explain(document, error):
-    """One jsonschema error as an InputError: file, line, key, value, and what is allowed there."""
+    """One jsonschema error as an InputError: file, line, key, value and the allowed values."""
     path, value, rule = list(error.absolute_path), error.instance, error.validator_value
     allowed = describe(error.schema) if isinstance(error.schema, dict) else ""
     if error.validator == "additionalProperties":
@@ -124,7 +127,7 @@ def _explain(document, error):
 
 
 def describe(schema):
-    """What a schema allows, in words: type, range, unit, choices, default and description."""
+    """The values that a schema allows, in words: type, range, unit, choices, default and description."""
     words = []
     if "enum" in schema:
         words.append("one of " + ", ".join(map(str, schema["enum"])))

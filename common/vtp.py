@@ -59,7 +59,7 @@ def lines(poly):
 
 
 def read_named_lines(path, remedy):
-    """{branch name: points (n, 3) mm} of a centreline.vtp. Raises InputError, with `remedy`, if it is none."""
+    """{branch name: points (n, 3) mm} of a centreline.vtp. Raises InputError with `remedy` for any other file."""
     poly = read(path, remedy)
     names = poly.GetCellData().GetAbstractArray("branch_name")
     if poly.GetNumberOfLines() == 0 or names is None:

@@ -176,7 +176,7 @@ std::vector<unsigned char> VtpArrays::read(vtkXMLDataElement* array, int type, s
       if (!values.empty() && ReadBinaryData(values.data(), 0, values.size() / width, word) != values.size() / width)
         throw Damaged("a block of data that cannot be read");
     } else {
-      // VTK's would be content with the first byte of them, and leave the others as they are
+      // VTK's decoder would accept the first byte and leave the others uninitialised
       std::vector<unsigned char> all(HeaderType / 8 + values.size());
       DataStream->StartReading();
       const std::size_t read = DataStream->Read(all.data(), all.size());

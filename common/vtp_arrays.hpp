@@ -21,9 +21,9 @@ public:
   /// Parses the elements. Throws Damaged where they are no XML, or lie deeper in one another than VTK's elements may,
   /// which end by recursion.
   void parse(std::istream& stream, std::uint64_t file_size);
-  /// The first `count` values of an array, read as VTK's reader does; all texts of one of type String. Throws Damaged
-  /// where the file holds fewer, or the header of binary data is none.
-  /// @param type of VTK, as VTK_DOUBLE
+  /// The first `count` values of an array as bytes, read as VTK's reader does. An array of type String is read whole.
+  /// Throws Damaged if the file holds fewer values, or if the header of binary data is malformed.
+  /// @param type as VTK numbers types, for example VTK_DOUBLE
   std::vector<unsigned char> read(vtkXMLDataElement* array, int type, std::uint64_t count);
 
 protected:

@@ -5,10 +5,10 @@
 
 namespace common {
 
-/// Throws InputError, which calls the file `what`, where a .vtp file's elements are not those of one piece of
-/// polydata. The same where an array's text, bytes or compressed blocks are fewer than its element claims. Arrays may
-/// be ascii, base64 or raw, inline or appended, compressed or not. Reads every array once. VTK's reader would make room
-/// for whatever is claimed, divide by it, or follow null pointers where it gives up (measured.md).
+/// Throws InputError, in which `what` is the name of the file, in two cases: the file's elements are not those of one
+/// piece of polydata, or an array has less text, bytes or compressed blocks than its element claims. Arrays may be
+/// ascii, base64 or raw, inline or appended, compressed or not. Reads every array once. VTK's reader does not check the
+/// claims: it allocates memory for any count, divides by zero, or follows null pointers.
 void check_vtp(const std::filesystem::path& file, const std::string& what);
 
 } // namespace common

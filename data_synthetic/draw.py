@@ -109,7 +109,8 @@ def _case(rng):
 
 
 def _sides(rng, main):
-    """Side branches, in order, of a main vessel (dict, as in the case); diameters as shares of what is left of it."""
+    """Side branches, in order, of a main vessel (dict, as in the case). Their diameters are shares of its own at the
+    origin."""
     count, length = int(rng.integers(2, 6)), main["length_mm"]
     stretch = np.linspace(0.15, 0.85, count + 1) * length
     found = []

@@ -80,7 +80,8 @@ def _taper(branch, length_mm):
 
 
 def _main_taper(vessel, passed, s_mm):
-    """Share (0 ... 1) of the main radius that taper leaves at s_mm, none of it inside the ostia of `passed`."""
+    """Share (0 ... 1) of the main radius that is left after taper at s_mm. There is no taper inside the ostia of
+    `passed`."""
     level, reached = 0.0, -np.inf
     for b in passed:
         start = max(b.start_mm, reached)  # ostia may overlap

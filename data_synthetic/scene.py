@@ -1,4 +1,4 @@
-"""The scene of a procedure, as far as this part reads it: what was done, with which devices, where."""
+"""The keys of a scene that this part reads: devices, and the steps that use them."""
 
 import pathlib
 

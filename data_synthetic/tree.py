@@ -165,9 +165,9 @@ REMEDY = {
 
 
 def _conflict(branches):
-    """None where no bend is sharper than its radius and no branch comes near itself or another away from its root.
+    """None if no bend is sharper than its radius and, away from the roots, no branch comes near itself or another.
 
-    Else (what, branch): SHARP, ITSELF or OTHERS, and the name of the branch.
+    Else (reason, branch): SHARP, ITSELF or OTHERS, and the name of the branch.
     """
     for branch in branches:
         axis, radius = branch.axis, branch.radius_mm

@@ -1,4 +1,4 @@
-"""truth.json: what is known exactly about a virtual patient, and back to branches."""
+"""truth.json: the exact geometry of a virtual patient, written and read back as branches."""
 
 import json
 import pathlib

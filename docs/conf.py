@@ -29,7 +29,7 @@ include_patterns = [
     "whatif/*.md",
     "config/patients/*/README.md",
 ]
-# What a source folder holds is said in it, for those who read the sources.
+# The README of a source folder is for those who read the sources, so it is no page of the site.
 source_folders = ["anatomy/src", "vci/*/README.md", "vci/*/*/README.md"]
 exclude_patterns = ["build*", "results", "data", ".git", ".snakemake", "tests", *source_folders]
 myst_heading_anchors = 4

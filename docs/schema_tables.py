@@ -41,7 +41,7 @@ def _rows(found, prefix=""):
 
 
 def _value(inner):
-    """What a key may be, in words; the ends of a range together."""
+    """The values that a key may have, in words; both ends of a range together."""
     low, high = inner.get("minimum"), inner.get("maximum")
     left_out = {"description", "default"} | ({"minimum", "maximum"} if None not in (low, high) else set())
     words = schema.describe({key: value for key, value in inner.items() if key not in left_out})

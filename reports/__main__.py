@@ -159,7 +159,9 @@ def run_report(args):
 def run_numbers(args):
     from reports.record.numbers import report_numbers
 
-    write_json(args.out, report_numbers(case_list(args), args.study_dir, args.cohort, args.junit, failed_steps(args.failed)))
+    write_json(
+        args.out, report_numbers(case_list(args), args.study_dir, args.cohort, args.junit, failed_steps(args.failed))
+    )
 
 
 def run_crate(args):

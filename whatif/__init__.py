@@ -1,1 +1,1 @@
-"""What if: other plans for a case, and other values of what is not known exactly, by the engine and a reduced flow."""
+"""What if: other plans for a case, and other values of its uncertain inputs, by the engine and a reduced flow."""

@@ -32,7 +32,7 @@ def _request(use):
 
 
 def all_of(steps, families):
-    """{name: (words, steps or None, why there is none)} of every alternative, in a fixed order."""
+    """{name: (words, steps or None, reason if None)} of every alternative, in a fixed order."""
     made = {
         "shorter": ("stent one length shorter", lambda: _relengthened(steps, families, -1)),
         "longer": ("stent one length longer", lambda: _relengthened(steps, families, 1)),
@@ -98,7 +98,7 @@ def _harder(steps, families):
 
 
 def _toggled(steps, families, action):
-    """(words, function) of the steps without those of `action`, or with one at each stent where there are none."""
+    """(words, function): the steps without those of `action`; if there are none, with one added at each stent."""
     if any(step["action"] == action for step in steps):
         return f"without {action}", lambda: [copy.deepcopy(step) for step in steps if step["action"] != action]
     return f"with {action}", lambda: _added(steps, families, action)

@@ -18,7 +18,7 @@ class Refused(ComputationError):
 
 
 def run(command):
-    """Runs a command; raises Refused with the first line of what it complains of, InputError without the program."""
+    """Runs a command. Raises Refused with the first line of its error, InputError if the program is missing."""
     try:
         done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
     except FileNotFoundError:

@@ -55,7 +55,7 @@ def inputs_of(patient, settings, outlets):
 
 
 def _territory(patient, settings):
-    """The flow by the territory that the vessel may feed: the least and the most of what is plausible."""
+    """The vessel's flow by its territory: the smallest and the largest plausible one."""
     off = [
         PER_CENT * (entry["factor"] - 1)
         for entry in hyperaemia.plausible(patient, settings.hyperaemia_fraction)

@@ -30,8 +30,9 @@ DEPLOYED = "deployed"
 def ranked(case, devices_folder, states):
     """(DataFrame of ranking.csv, {plan: steps as a case file lists them}) of a case (whatif.case.Case).
 
-    states: with a 3D answer, by which the error is measured. Plans that FFR cannot tell from the best come first, the
-    largest stent area first; then the others by FFR; last those without an answer, whose `status` says why.
+    states: those with a 3D answer, which calibrate the network and give its error. First come the plans whose FFR
+    cannot be told from the best, the largest stent area first. Then come the others by FFR. Last come those without an
+    answer; their `status` says why.
     """
     families, calibration = config.load_devices(devices_folder), calibrated.calibrate(case, states)
     steps = alternatives.requests(case.scene)
@@ -64,7 +65,7 @@ def ordered(table, error):
 
 
 def planned_row(case, calibration, steps):
-    """The row of the plan as it is, from what the study computed."""
+    """The row of the plan as given, from the study's own results."""
     answer = case.answer(PLANNED)
     deployment = json.loads((case.folder / "vci" / "deployment.json").read_text())
     row = {
@@ -98,8 +99,11 @@ def deploy(case, steps, devices_folder, folder):
 
 
 def scene_of(case, families, steps):
-    """scene.json of other steps. Areas are measured along the planned segment in all plans, so that they compare: along
-    a shorter stent's own the part of the lesion that it leaves would be left out. Raises InputError."""
+    """scene.json with other steps. Raises InputError.
+
+    All plans are measured along the segment of the given plan. A shorter stent's own segment would leave out the part
+    of the lesion that it does not cover.
+    """
     done = procedure(steps, families, read_summary(case.anatomy()), "plan")
     return case.scene | done | {"segment": case.scene["segment"]}
 

@@ -11,9 +11,10 @@ SEED = 24
 
 
 def tornado(inputs, answers_at):
-    """DataFrame with COLUMNS, one row an input and answer.
+    """DataFrame with COLUMNS, one row for each input and answer.
 
-    answers_at({name: value}) -> {(state, quantity): value}, {} where there is none; with {} as argument: as planned.
+    answers_at({name: value}) -> {(state, quantity): value}, or {} if there is no answer. answers_at({}) are the planned
+    case's.
     """
     planned, rows = answers_at({}), []
     for one in inputs:

@@ -82,7 +82,10 @@ class Deployments:
 
 
 def no_answer(values, reason):
-    """What stands for the answers at `values` where there are none; says why in the log. As planned they must be."""
+    """Empty answers for `values` where the engine refuses, with the reason in the log.
+
+    The planned case (no values) must have answers: raises ComputationError.
+    """
     if not values:
         raise ComputationError("no answer as planned", "sensitivity", reason, "see the study's own answers")
     print(f"no answer at {values}: {reason}")
@@ -90,8 +93,10 @@ def no_answer(values, reason):
 
 
 def varied(scene, values):
-    """scene.json with inputs of DEPLOYMENT at `values`. Pressures stay within the balloon's chart and 1.5 times its
-    rated burst pressure, which the engine bears."""
+    """scene.json with inputs of DEPLOYMENT at `values`.
+
+    Pressures stay within the balloon's chart and 1.5 times its rated burst pressure, which the engine accepts.
+    """
     scene = copy.deepcopy(scene)
     for step in scene["procedure"]:
         for use in step["devices"]:

@@ -1,1 +1,2 @@
-"""What the Snakefile needs besides rules: the checked configuration of a study, and what code a rule depends on."""
+"""Code for the Snakefile besides its rules: the checked configuration of a study, and the files that a rule's code
+consists of."""

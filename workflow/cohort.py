@@ -17,7 +17,7 @@ from data_synthetic import draw
 SNAKEMAKE = "/usr/bin/snakemake"
 SHARD = 100  # patients; planned in some 10 s, and a stop loses little
 CHEAP = {"flow": {"model": "axisymmetric"}, "ct": {"enabled": False}}  # a reduced flow, and no imaging
-DROPPED = (".msh", ".vtu", ".vtp", ".stl", ".png", ".gz")  # what can be made again from what stays
+DROPPED = (".msh", ".vtu", ".vtp", ".stl", ".png", ".gz")  # can be made again from the files that stay
 PROJECTED = (1000, 100_000)  # patients
 COST = ("shard", "patients", "finished", "wall_s", "cpu_s", "made_mb", "kept_mb")
 
@@ -86,7 +86,7 @@ def _run(place, names, cores, results, dry, keep_all):
 def projected(out, cores):
     """[{patients, core_hours, wall_hours, kept_gb}] of this cohort and of PROJECTED patients, from the shards' costs.
 
-    wall_hours: on so many cores of this machine, where each is always at work. Nothing where no patient is finished.
+    wall_hours: if this machine's `cores` cores are never idle. Empty if no patient is finished.
     """
     tables = [
         list(csv.DictReader(file.open(newline=""))) for file in sorted(pathlib.Path(out).glob("shards/*/cost.csv"))

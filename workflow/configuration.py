@@ -94,7 +94,11 @@ class Configuration:
         }
 
     def contour_files(self, name, door="lumen"):
-        """{table: file} of the contours that a case gives as `lumen` or `post`, and of their centreline; or {}."""
+        """{table: file} of the contours that a case gives for the lumen `door` (`lumen` or `post`), and of their
+        centreline.
+
+        Empty if the case gives no contours there.
+        """
         given = self.cases[name].get(door, {}).get("contours", {})
         files = {key: given[key] for key in CONTOUR_TABLES if key in given}
         found = {key: self._data_file(name, "contour table", f"{door}.contours.{key}", files[key]) for key in files}
@@ -186,7 +190,8 @@ class Configuration:
 
 
 def _case_name(file):
-    """A case's name is its file's, in letters that folders, cohorts and rules all bear; InputError otherwise."""
+    """A case's name is that of its file, in letters that are valid for folders, cohorts and rules; InputError
+    otherwise."""
     if not re.fullmatch(CASE_NAME, file.stem):
         remedy = "rename it: a small letter, then small letters, digits and underscores"
         raise InputError("name that a case cannot have", file, file.stem, remedy)

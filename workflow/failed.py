@@ -29,7 +29,7 @@ def failed_steps(results=pathlib.Path("results"), since=0.0):
 
 
 def message(text):
-    """What a log says of its failure: our own error from its first line on, else the last lines."""
+    """The error in a log: our own message from its first line on, else the last lines."""
     begins = [one.start() for one in re.finditer(r"^error: ", text, re.M)]
     return text[begins[-1] :].strip() if begins else "\n".join(text.strip().splitlines()[-LAST:])
 

@@ -10,25 +10,28 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 def code(part, *modules):
     """Files behind `python3 -m <part> <command>`, relative to the repository, sorted.
 
-    modules: those that the command loads, e.g. code("reports", "reports.measuring.metrics"). The part's __main__
-    counts with what it imports at its top level; what it imports inside its functions belongs to other commands.
+    modules: those that the command loads, e.g. code("reports", "reports.measuring.metrics"). The top-level imports of
+    the part's __main__ belong to every command. Imports inside its functions belong to one command each.
     """
     main = f"{part}.__main__"
     return _files({main, *_packages(main)}, [*_imported(main, top_level_only=True), *modules])
 
 
 def command_code(part, function):
-    """As `code`, for the command of which `function` in the part's __main__ does the work: the modules are those that
-    it and the functions of __main__ that it calls import.
+    """As `code`, for the command that `function` in the part's __main__ runs.
 
-    Raises ValueError where __main__ has no such function.
+    The modules are those that this function imports, and those of the functions of __main__ that it calls. Raises
+    ValueError if __main__ has no such function.
     """
     return code(part, *_imported_by(f"{part}.__main__", function))
 
 
 def script_code(script, *folders):
-    """Files behind a script of this repository: itself, those that it imports from beside it or from `folders`, which
-    it puts on its path, and what all these import. Relative to the repository, sorted."""
+    """Files behind a script of this repository, relative to it, sorted.
+
+    These are the script, its imports from beside it or from `folders`, which it puts on its path, and all that these
+    import.
+    """
     places, found, names, pending = [pathlib.Path(script).parent, *map(pathlib.Path, folders)], set(), set(), [script]
     while pending:
         file = str(pending.pop())
@@ -58,7 +61,7 @@ def module_code(name):
 
 
 def _files(found, pending):
-    """Files of the modules `found` and of all that `pending` names and what those import, sorted.
+    """Files of the modules `found`, of the names in `pending`, and of all that those import, sorted.
 
     Raises ValueError for a name in `pending` that is no module of this repository.
     """

@@ -1,4 +1,4 @@
-"""What the rules ask for by wildcards: a case's files, its settings as parameters, its states."""
+"""Input functions of the rules: a case's files, its settings as parameters, its states."""
 
 import json
 import os
@@ -17,7 +17,7 @@ CENTRELINE_OPTIONS = {
     "rotation_deg": "--rotation",
 }
 STENT_ALONE = ("rc_stent",)  # radius correction by the stents alone
-CT_STATES = ("ct", "ct_vci", "ct_rc")  # the reference as it is seen in CT, and predictions from the CT before it
+CT_STATES = ("ct", "ct_vci", "ct_rc")  # the reference seen in CT, and predictions from the CT before the procedure
 IMAGED = ("pre", "reference")  # states with a CT volume
 VARIED = ("pressure", "resistance")  # flow.inlet_condition, flow.outlet_condition
 
@@ -29,8 +29,11 @@ class Inputs:
         self.configuration, self.results = configuration, results
 
     def states(self, case):
-        """The states of a case: the reference where there can be one, its CT and radius correction by the stents alone
-        where they are wanted; `post` where a lumen after the real procedure is given."""
+        """The states of a case, by its file and settings.
+
+        Synthetic cases may have a reference, with its CT unless that is disabled. `post` exists if the case gives a
+        lumen after the real procedure. Radius correction by the stents alone exists if metrics.stent_alone asks for it.
+        """
         settings = self.configuration.settings(case)
         alone = STENT_ALONE if settings["metrics"]["stent_alone"] else ()
         if "post" in self.configuration.cases[case]:
@@ -40,7 +43,7 @@ class Inputs:
         return SYNTHETIC_STATES + alone + (CT_STATES if settings["ct"]["enabled"] else ())
 
     def has_flow(self, case, state):
-        """Whether the flow of a state is computed: not where only areas of `post` are compared."""
+        """Whether the flow of a state is computed. It is not for `post` if the case compares areas alone."""
         registration = self.configuration.cases[case].get("registration", {"compare": "flow"})
         return state != "post" or registration["compare"] == "flow"
 
@@ -156,7 +159,7 @@ class Inputs:
 
     @staticmethod
     def of_post(function):
-        """A function of the wildcards: what `function` (of wildcards and key) says of the lumen after the procedure."""
+        """`function` (of wildcards and key) for the lumen after the procedure, as a function of the wildcards alone."""
 
         def answer(wildcards):
             return function(wildcards, "post")
@@ -188,7 +191,7 @@ class Inputs:
         return f"{case}/anatomy" if wildcards.state == "pre" else f"{case}/{wildcards.state}/anatomy"
 
     def anatomy_files(self, wildcards):
-        """What the anatomy of a state consists of."""
+        """The files of a state's anatomy."""
         folder = self.anatomy(wildcards)
         return {
             "lumen": f"{folder}/lumen.vtp",
@@ -198,8 +201,11 @@ class Inputs:
         }
 
     def state_lumen(self, wildcards):
-        """The lumen that a state's anatomy step measures; that of `ct` is found in the CT of the reference, that of
-        `ct_pre` in the CT before, that of `post` was brought into the frame of the lumen before."""
+        """The lumen that a state's anatomy step measures.
+
+        For `ct` it was found in the CT of the reference, for `ct_pre` in the CT before. For `post` it was brought into
+        the frame of the lumen before.
+        """
         folder = {"ct": "ct/reference", "ct_pre": "ct/pre"}.get(wildcards.state, wildcards.state)
         return f"{self.results}/cases/{wildcards.case}/{folder}/lumen.vtp"
 
@@ -214,7 +220,7 @@ class Inputs:
         return [f"{self.results}/cases/{wildcards.case}/post/registration.json"] if has_post else []
 
     def imaged(self, wildcards):
-        """What the CT of a state is made of: its lumen; after the procedure also the plan's stents and their line."""
+        """Inputs of a state's CT: its lumen and, after the procedure, the plan's stents and their centreline."""
         case = f"{self.results}/cases/{wildcards.case}"
         if wildcards.state == "pre":
             return {"lumen": f"{case}/anatomy/lumen.vtp"}
@@ -225,7 +231,7 @@ class Inputs:
         }
 
     def segmentations(self, wildcards):
-        """What the making of a case's lumens of CT volumes or contours says of itself; empty where it has none."""
+        """Records (JSON) of how a case's lumens were made from CT volumes or contours; empty for other cases."""
         case = f"{self.results}/cases/{wildcards.case}"
         if wildcards.case in self.of_ct():
             return [f"{case}/source/segmentation.json"]
@@ -273,27 +279,27 @@ def _ct_ends(given):
 
 
 def test_results():
-    """What `make test` left, for the report's evidence table; empty where the tests have not been run."""
+    """Results of `make test`, for the report's evidence table; empty if the tests have not been run."""
     return sorted(str(file) for file in pathlib.Path("results/tests").glob("*.xml"))
 
 
 def procedure_sensitivity_tables(cases):
-    """What `procedure_sensitivity` left of the cases, if it was run; absolute for the reason of `benchmark_tables`."""
+    """Results of `procedure_sensitivity` for the cases; absolute for the reason of `benchmark_tables`."""
     folders = [pathlib.Path(f"results/cases/{case}/sensitivity").absolute() for case in cases]
     return sorted(str(file) for folder in folders for file in folder.glob("deployment*.csv"))
 
 
 def solved_plans(cases):
-    """What `plan_solve` left of the cases, for the report; absolute for the reason of `benchmark_tables`."""
+    """Results of `plan_solve` for the cases, for the report; absolute for the reason of `benchmark_tables`."""
     folders = [pathlib.Path(f"results/cases/{case}/plans").absolute() for case in cases]
     return sorted(str(file) for folder in folders for file in folder.glob("*/flow/ffr.json"))
 
 
 def benchmark_tables():
-    """What `snakemake benchmarks` left, for the report; empty where none was run.
+    """Results of `snakemake benchmarks`, for the report; empty if none was run.
 
-    Absolute, so that they are files to Snakemake and no rule's: a report asks for no hours of benchmarks where their
-    code has changed.
+    The paths are absolute, so that Snakemake takes them for plain files and for no rule's output. Otherwise a report
+    would run hours of benchmarks anew after a change of their code.
     """
     found = pathlib.Path("results/benchmarks").absolute()
     return sorted(str(file) for kind in ("csv", "png", "svg") for file in found.glob(f"*/*.{kind}"))
@@ -315,7 +321,7 @@ def output_folder(wildcards, output):
 
 
 def frames_option(wildcards, output):
-    """Command-line option of `vci deploy` for the states at each stage's end; none where they are not wanted."""
+    """Command-line option of `vci deploy` for the states at each stage's end; empty if the rule has no `frames`."""
     return f"--frames {output.frames}" if "frames" in output.keys() else ""
 
 
@@ -335,14 +341,17 @@ def stent_options(wildcards, input):
 
 
 def without_failed(cases, path):
-    """The cases that failed.json at `path` does not name; all of them where no path is given. Raises InputError where
-    the file cannot be read, or none is left."""
+    """The cases that failed.json at `path` does not name; all cases if no path is given.
+
+    Raises InputError if the file cannot be read, or if no case is left.
+    """
     if not path:
         return cases
     try:
         failed = {step["case"] for step in json.loads(pathlib.Path(path).read_text())["failed"]}
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError("not a list of failed steps", "--config failed=", path, "make it by `workflow failed`") from error
+        remedy = "make it by `workflow failed`"
+        raise InputError("not a list of failed steps", "--config failed=", path, remedy) from error
     left = [case for case in cases if case not in failed]
     if not left:
         raise InputError("every case failed", path, " ".join(cases), "read their logs: there is no page to make")

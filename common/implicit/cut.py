@@ -7,10 +7,11 @@ RIM_PASSES = 8
 
 
 def at_end(field, points, triangles, centre, normal, radius):
-    """(points, triangles) without what lies beyond the plane (centre, outward normal) of one end.
+    """(points, triangles) without the part beyond the plane (centre, outward normal) of one end.
 
-    Every triangle that crosses the plane is split along it. Removing whole triangles would leave a saw-tooth edge, and
-    strips from there to a new rim crossed themselves. The cut is local: a plane alone would cut other branches too.
+    Every triangle that crosses the plane is split along it. Removing whole triangles left a saw-tooth edge, and the
+    strips from there to a new rim crossed themselves. The cut is local, since the whole plane would cut other branches
+    too.
     """
     offset = points - centre
     height = offset @ normal
@@ -76,7 +77,7 @@ def _below(points, triangles, height, crossed):
 
 
 def _fan(points, ring):
-    """A triangle as it is; a quadrilateral as two, along its shorter diagonal."""
+    """A triangle stays; a quadrilateral becomes two triangles, along its shorter diagonal."""
     if len(ring) == 3:
         return [ring]
     a, b, c, d = ring

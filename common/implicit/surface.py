@@ -134,8 +134,8 @@ def _check_rim(rim_points, centre, normal):
 def _disc(rim_points, centre, normal):
     """Flat cap: (inner points (k, 3), triangles that number the rim first, facing along the outward normal).
 
-    The rim may be any closed curve of which the centre sees every point. Its points are put on a unit circle by their
-    angle, and triangulated there: the convex hull of a rim with a hollow would not be the rim.
+    The rim may be any closed curve that its centre sees as a whole. Its points are put on a unit circle by their angle
+    and triangulated there. Triangulated as they lie, a rim with a hollow would be filled to its convex hull.
     """
     u = rim_points[0] - centre
     u /= np.linalg.norm(u)

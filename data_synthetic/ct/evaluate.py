@@ -74,13 +74,13 @@ def sections(branches, spacing_mm=0.5):
 
 
 def compare(true, found, places, extents=None):
-    """Agreement of two surfaces ((points, triangles) each) at `places` (as from `sections`).
+    """Compares the section areas of two surfaces ((points, triangles) each) at `places` (as from `sections`).
 
-    extents: {branch: (start, end)} to look at only part of it.
+    extents: {branch: (start, end)}, to compare this part of a branch alone.
 
-    Returns a dictionary. The differences are found minus true: mean_difference_mm2, sd_mm2, and the limits at
-    +-1.96 sd, lower_limit_mm2 and upper_limit_mm2. resistance_ratio is the sum of A^-2, found to true. Sections that
-    are cut off in `found` have no area and count as lost_sections. `sections` and the smallest areas come besides.
+    Returns a dictionary. Differences are found minus true: mean_difference_mm2, sd_mm2, and the limits at +-1.96 sd,
+    lower_limit_mm2 and upper_limit_mm2. resistance_ratio is the sum of A^-2 in `found` over that in `true`. Sections
+    that are cut off in `found` count as lost_sections. The number of `sections` and the smallest areas are given too.
     """
     if extents:
         places = [p for p in places if p[0] in extents and extents[p[0]][0] <= p[1] <= extents[p[0]][1]]

@@ -126,9 +126,9 @@ def _rows(subject, clean, scanner, settings, methods, labels):
 
 
 def _found(folder, subject):
-    """The columns that a segmentation fills: by the command that a user runs, on the volume and end points in a folder.
+    """The columns of a segmentation, made by the user's command from a folder with volume and end points.
 
-    Raises ComputationError where the command fails for another reason than what the image shows.
+    Raises ComputationError if the command fails for a reason other than the image's content.
     """
     command = [sys.executable, "-m", "anatomy", "ct", folder / "ct.nii", "--ends", folder / "ends.json"]
     command += ["--settings", folder / "settings.json", "--out", folder / "found"]

@@ -1,4 +1,4 @@
-"""The lumen surface as a scanner meets it: its ends run on, plaque and wall lie behind each place of it."""
+"""The lumen surface for the scanner: its ends are extended, and each place has plaque and wall behind it."""
 
 from dataclasses import dataclass
 

@@ -167,7 +167,7 @@ def _coarser(settings):
 
 
 def _materials(settings):
-    """Constants, their sources, and what each carries at the biaxial stretch of 1.15 that lesions were measured at."""
+    """The tissues' constants and sources, and the stress of each at the biaxial stretch of measured lesions (1.15)."""
     names = dict(zip(("fibrous", "lipid", "calcified"), materials.OF_TYPE.values()))
     found = {key: {**vars(p), "biaxial_stress_mpa": materials.biaxial_stress(1.15, p)} for key, p in names.items()}
     c10, c20 = settings["wall_c10_mpa"], settings["wall_c20_mpa"]

@@ -76,7 +76,7 @@ def window(points):
 
 
 def place_of(stages):
-    """(row, whether it is the row's first) of each stage: a new row where a step begins."""
+    """[(row, first)] for each stage. A row begins with a step; `first` says whether the stage begins one."""
     line, found = -1, []
     for number, stage in enumerate(stages):
         begins = number == 0 or stage["stage"] == next(iter(STAGES))

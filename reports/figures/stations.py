@@ -9,7 +9,7 @@ from reports.inputs.polyline import read_centreline
 from reports.inputs.surface import read_lumen
 
 STATES = ("pre", "vci", "reference", "post")
-SHOWN = 10  # about so many stations are drawn, evenly along the segment
+SHOWN = 10  # about this many stations are drawn, evenly spaced along the segment
 MOST_TRIANGLES = 6000
 MARGIN_MM, LABEL_MM = 4.0, 0.9  # of vessel beside the segment; from a section's end to its label
 WIDTH, MOST_HEIGHT = 7.6, 3.6  # inches: of the figure, of a panel

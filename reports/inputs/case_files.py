@@ -61,11 +61,12 @@ class CaseFiles:
         return self.anatomy(state) / "lumen.vtp"
 
     def segmentation(self, state):
-        """What the segmentation of the CT of a state says of itself."""
+        """The segmentation.json of a state's CT."""
         return self.folder / "ct" / state / "segmentation.json"
 
     def source_reading(self):
-        """(what, path) of what the making of a real patient's lumen says of itself: from a CT, or from contours."""
+        """(kind, path) of the record of a real patient's lumen: segmentation.json of a CT, contours.json of contours;
+        or None."""
         found = [
             ("ct", self.folder / "source" / "segmentation.json"),
             ("contours", self.folder / "source" / "contours.json"),

@@ -1,4 +1,4 @@
-"""Surfaces of lumens and devices as plain arrays, thinned to what a picture needs."""
+"""Surfaces of lumens and devices as plain arrays, thinned out for pictures."""
 
 import dataclasses
 

@@ -1,4 +1,4 @@
-"""What was done, to whom, and what the deployment says of itself: the parts of metrics.json that are carried over."""
+"""The parts of metrics.json that are copied: patient, procedure, and the read-outs of the deployment."""
 
 from common.config import load_case
 from common.errors import InputError
@@ -51,7 +51,7 @@ def patient_summary(files, config=None):
 
 
 def case_kind(files, config=None):
-    """synthetic or surface: what the case's YAML `config` says; without it, synthetic where a truth lies beside."""
+    """`synthetic` or `surface`, as the case's YAML `config` says. Without it: synthetic if truth.json exists."""
     if config is not None:
         return load_case(config)["kind"]
     return "synthetic" if files.truth.exists() else "surface"
@@ -65,7 +65,7 @@ def lesion_summary(files):
 
 
 def reference_summary(files):
-    """What a proposed plan took the vessel's size from, and the lesions by it; None of a plan that was given."""
+    """How a proposed plan found the vessel's healthy size, and the lesions by that measure. None for a given plan."""
     return read_json(files.scene, "anatomy plan").get("reference")
 
 

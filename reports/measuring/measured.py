@@ -1,4 +1,4 @@
-"""FFR that a pressure wire read in the patient, beside what is computed at its sensor's place."""
+"""FFR measured in the patient by a pressure wire, and the computed FFR at the wire's sensor."""
 
 from common.config import load_case
 from common.errors import InputError
@@ -29,9 +29,9 @@ def at_the_wire(solution):
 
 
 def wire_pair(document, state):
-    """(computed, measured) FFR of a state of metrics.json at the wire's sensor; None where one of them is missing.
+    """(computed, measured) FFR of a state of metrics.json at the wire's sensor. None if either is missing.
 
-    What a wire read after the procedure is compared with every state after it.
+    The measurement after the procedure is compared with every state after it.
     """
     measured, entry = document.get("measured"), document["states"].get(state)
     if measured is None or entry is None or entry["ffr"] is None:

@@ -20,12 +20,12 @@ DEFAULT_STATIONS = 101
 FEWEST_STATIONS = 50
 LEAST_COVERAGE = 0.5  # of the stations; with fewer the mean is no longer the segment's
 # (a, b, error): state a minus state b shows this error.
-# method: the prediction against the truth.
-# imaging_before: predicted from the lumen found in CT, against predicted from the true lumen.
-# imaging_after: the truth as seen in CT, against the truth.
-# clinical: all of these together, as a study of patients sees them. The lumen after PCI is that of a CT or of the real
-# procedure.
-# measured: the computed FFR against a pressure wire, at the place of its sensor.
+# method: the prediction minus the truth.
+# imaging_before: the prediction from the lumen found in CT minus that from the true lumen.
+# imaging_after: the truth as seen in CT minus the truth.
+# clinical: all of these together, because a clinical study has only images. The lumen after PCI is that of a CT, or of
+# the real procedure.
+# measured: the computed FFR minus that of a pressure wire, at the wire's sensor.
 COMPARISONS = (
     ("vci", "reference", "method"),
     ("rc", "reference", "method"),
@@ -102,9 +102,9 @@ def case_metrics(files, margin_mm=DEFAULT_MARGIN_MM, stations=DEFAULT_STATIONS, 
 
 
 def imaging_summary(files, states):
-    """How each CT volume was segmented, and what that warns of: {state: {...}}; empty without CT.
+    """How each image was segmented, with the warnings: {state: {...}}; empty without images.
 
-    A real patient's lumen before the procedure may come from a CT, or from intravascular contours, which warn as well.
+    A real patient's lumen before the procedure comes from a CT or from intravascular contours.
     """
     paths = {state: files.segmentation(state) for state in IMAGED} if "ct" in states else {}
     source = files.source_reading()

@@ -14,7 +14,7 @@ from reports.measuring.segment import carry, diameters_at, read_sections
 PULLBACK_NUMBERS = ("s_mm", "x_mm", "y_mm", "z_mm", "pressure_pa", "ffr", "flow_m3_per_s")
 POST = "post"  # the lumen found after the real procedure: another image, with ends of its own
 ERROR = "ffr_error_estimate"  # a column of newer pull-backs
-# what `flow solve` says of an FFR: of a steady flow, of one that keeps some artificial viscosity
+# status of an FFR from `flow solve`: of a steady flow, or of one that keeps some artificial viscosity
 ANSWERED = ("converged", "converged with artificial viscosity")
 
 
@@ -47,9 +47,9 @@ def _rows(path, branch):
 
 
 def read_pullback_error(path, branch):
-    """Estimated errors (n,) of the FFR that `read_pullback` returns, NaN where none is known (empty) or written.
+    """Estimated errors (n,) of the FFR that `read_pullback` returns. NaN where the column is empty or missing.
 
-    Raises InputError for what is neither empty nor a finite number of at least 0.
+    Raises InputError for a value that is neither empty nor a finite number of at least 0.
     """
     rows = _rows(path, branch)
     if ERROR not in rows.columns:

@@ -1,4 +1,4 @@
-"""Benchmarks for the report: what `snakemake benchmarks` left, a folder each with tables (CSV) and figures."""
+"""Benchmarks for the report: the folders that `snakemake benchmarks` wrote, with tables (CSV) and figures."""
 
 import csv
 
@@ -150,7 +150,7 @@ def is_number(value):
 
 
 def shortened(value):
-    """A number as it is where it is short, else with four digits; any other text as it is."""
+    """A long decimal number is cut to four digits. Short numbers, integers and other texts are not changed."""
     if len(value) <= SHORT or not is_number(value) or value.lstrip("-").isdigit():
         return value
     return f"{float(value):.4g}"

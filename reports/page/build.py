@@ -37,7 +37,16 @@ OCCLUDED = "occluded_by_voxels"
 
 
 def build_report(
-    cases, study_dir, figures_dir, out, junit=(), software=None, cohort="", benchmark_dir=None, provenance=None, failed=()
+    cases,
+    study_dir,
+    figures_dir,
+    out,
+    junit=(),
+    software=None,
+    cohort="",
+    benchmark_dir=None,
+    provenance=None,
+    failed=(),
 ):
     """Writes the report of the CaseFiles `cases` to `out`. Raises InputError for anything that is missing.
 
@@ -96,7 +105,7 @@ def build_report(
 
 
 def provenance_summary(path):
-    """What the page says of provenance.json: its hash, and how many inputs, commands and products it lists."""
+    """Summary of provenance.json for the page: its hash, and how many inputs, commands and products it lists."""
     cases = read_json(path, "workflow provenance")["cases"].values()
     counts = {key: sum(len(case[key]) for case in cases) for key in ("inputs", "commands", "products")}
     return {**counts, "sha256": sha256(path)}
@@ -159,7 +168,7 @@ def summary(contexts):
 
 
 def imaging_warnings(contexts):
-    """Rows {case, id, state, code, message} of what segmentations warn of; occlusions by the voxel grid first."""
+    """Warnings of the segmentations as rows {case, id, state, code, message}; occlusions by the voxel grid first."""
     rows = [
         {"case": c["name"], "id": c["id"], "state": state, "code": warning["code"], "message": warning["message"]}
         for c in contexts
@@ -249,22 +258,22 @@ def signed(value, digits=2):
 
 
 def decimals(value, digits):
-    """Decimals that show a number with so many significant digits, none for numbers that need none."""
+    """Decimals that show a number with `digits` significant digits; 0 for numbers that need none."""
     return max(0, digits - 1 - math.floor(math.log10(abs(value)))) if value else digits - 1
 
 
 def to_digits(value, digits=2):
-    """A number with so many significant digits, never as a power of ten; a dash where there is none."""
+    """A number with `digits` significant digits, never as a power of ten; a dash if it is missing."""
     return MISSING if value is None else f"{value:,.{decimals(value, digits)}f}"
 
 
 def signed_to(value, digits=2):
-    """A difference with its sign and so many significant digits; a dash where there is none."""
+    """A difference with its sign and `digits` significant digits; a dash if it is missing."""
     return MISSING if value is None else signed(value, decimals(value, digits))
 
 
 def signed_small(value, least):
-    """A difference with its sign and at least so many decimals, more where it needs them for two digits."""
+    """A difference with its sign and `least` decimals, or more if two digits need them."""
     return MISSING if value is None else signed(value, max(least, min(MOST_DIGITS, decimals(value, 2) if value else 0)))
 
 

@@ -1,4 +1,4 @@
-"""What the report says of one case, gathered from its files for the templates."""
+"""The report's content on one case, gathered from its files for the templates."""
 
 import json
 
@@ -104,7 +104,7 @@ def wire_rows(metrics):
 
 
 def flow_warnings(flow):
-    """Rows {state, message} of what the flow solver warned of, in the order of the states."""
+    """Warnings of the flow solver as rows {state, message}, in the order of the states."""
     return [
         {"state": state, "message": message.rstrip(".")}
         for state, row in flow.items()

@@ -66,7 +66,7 @@ class References(html.parser.HTMLParser):
 
 
 def outside_references(text):
-    """What an HTML text would load from elsewhere: a list of descriptions, empty if it stands alone."""
+    """Resources that an HTML text would load from elsewhere, as descriptions; empty if the page needs no other file."""
     page = References()
     page.feed(text)
     if page.policy is None or not page.policy.startswith("default-src 'none'"):
@@ -75,9 +75,9 @@ def outside_references(text):
 
 
 def console_messages(log):
-    """What the page wrote to the console, uncaught exceptions included.
+    """The page's messages on the console, uncaught exceptions included.
 
-    Headless Chromium logs all of it at one level, so a report has to write nothing at all.
+    Headless Chromium logs all of them at one level, so a report has to write nothing at all.
     """
     found = (CONSOLE.search(line) for line in log.splitlines())
     return [match[1].strip() for match in found if match and not DRIVER.match(match[1])]

@@ -33,13 +33,13 @@ def read_results(paths):
 
 
 def group_of(case):
-    """The group of a <testcase>: its class, or without its last word where that is the test itself, as CTest has it."""
+    """The test's group: the class of a <testcase>. CTest writes the full name there, so its last word is cut off."""
     group, name = case.get("classname", ""), case.get("name", "")
     return name.rpartition(".")[0] if group == name else group
 
 
 def outcome_of(case):
-    """(outcome, reason) of a <testcase>. Any failure or error outweighs the rest; what did not run is skipped."""
+    """(outcome, reason) of a <testcase>. A failure or error counts first; a test that did not run is skipped."""
     for tag, outcome in (("failure", "failed"), ("error", "failed"), ("skipped", "skipped")):
         found = case.find(tag)
         if found is not None:

@@ -18,10 +18,11 @@ PLACES = ("s_mm", "x_mm", "y_mm", "z_mm", "area_mm2", "equivalent_diameter_mm")
 
 
 def viewer_data(files, metrics):
-    """What the viewer shows of a case, as a JSON-ready document.
+    """The content of a case's 3D viewer, as a JSON-ready document.
 
-    `bounds` and `view` (axes of the first look, as rows) are common to all states. A state has points and triangles.
-    Each point has FFR, diameter (mm) and area (mm2) of the nearest place of the axis. Devices belong to state `vci`.
+    `bounds` and `view` (rows: the axes of the first view) are common to all states. A state has points and triangles.
+    Each point has FFR, and the diameter (mm) and area (mm2) at the nearest place of the axis. Devices belong to state
+    `vci`.
     """
     states = pictured(metrics["states"])
     lumens = {state: read_lumen(files.lumen(state), MOST_TRIANGLES) for state in states}

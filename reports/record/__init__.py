@@ -1,1 +1,1 @@
-"""The finished study for machines: its numbers in one JSON file, and what lies where as a research object."""
+"""The finished study for machines: its numbers in one JSON file, and a list of its files as a research object."""

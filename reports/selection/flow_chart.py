@@ -16,7 +16,8 @@ FILL, EDGE, LEFT_OUT = "#eef4f9", "#0a3d62", "#f8f1ec"
 
 
 def inclusion_figure(table, folder):
-    """Writes inclusion.{svg,png} from inclusion.csv: left out to the right above, what is known of the rest below."""
+    """Writes inclusion.{svg,png} from inclusion.csv: excluded cases at the upper right, results of the included ones
+    below."""
     rows = [(words, count, names) for words, count, names in table.itertuples(index=False)]
     figure, axes = plt.subplots(figsize=SIZE)
     axes.set(xlim=(0, 1), ylim=(0, 1))

@@ -1,4 +1,4 @@
-"""agreement.csv: predicted and computed values against what is taken as true, over the cohort.
+"""agreement.csv: predicted and computed values against true or measured ones, over the cohort.
 
 The published agreement stands beside them.
 """
@@ -15,7 +15,7 @@ from reports.measuring.metrics import COMPARISONS
 from reports.inputs.reading import number
 
 PUBLISHED_PATH = pathlib.Path(__file__).with_name("published.json")
-PUBLISHED_COMPARISONS = (("ct_vci", "ct"), ("vci", "post"))  # what the study compared: post-VCI minus CT after PCI
+PUBLISHED_COMPARISONS = (("ct_vci", "ct"), ("vci", "post"))  # the published comparison: post-VCI minus CT after PCI
 
 # name in agreement.csv -> where a state's value is in metrics.json
 QUANTITIES = {
@@ -38,7 +38,7 @@ def published():
 def paired_values(documents, quantity, a, b):
     """(case names, values of a, values of b) over the metrics documents that have both states.
 
-    With b `measured`: FFR of state a at the wire's sensor, and what the wire read. Cases without a flow have no FFR.
+    With b `measured`: FFR of state a at the wire's sensor, and the wire's own. Cases without a flow have no FFR.
     """
     cases, values_a, values_b = [], [], []
     for document in documents:

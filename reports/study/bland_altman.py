@@ -14,7 +14,7 @@ FEWEST_FOR_INTERVAL = 3
 
 @dataclasses.dataclass(frozen=True)
 class Agreement:
-    """Differences a - b over n patients. What n does not allow is None: sd and limits need 2, the interval 3."""
+    """Differences a - b over n patients. sd and limits need n >= 2, the interval n >= 3; else they are None."""
 
     n: int
     bias: float

@@ -37,7 +37,7 @@ def describe_procedure(procedure):
 
 
 def cohort_table(documents):
-    """DataFrame of cohort.csv from the metrics documents, in their order; what a case lacks is left empty."""
+    """DataFrame of cohort.csv from the metrics documents, in their order; missing values are empty."""
     rows = []
     for document in documents:
         row = {"case": document["case"], "kind": document["kind"]}

@@ -9,7 +9,8 @@ TRUTHS = ("reference", "post")  # the first that a case has
 METHODS = ("vci", "rc", "rc_stent")  # radius correction by the largest balloon, and by the stents alone
 NEARER = {"vci": "VCI", "rc": "radius correction"}
 UNDECIDED = "within the flow's error"
-PROFILE = "area_profile"  # root mean square of the area's difference along the stent: what a mean lets cancel
+# root mean square along the stent of the area's difference, since differences of both signs cancel in a mean
+PROFILE = "area_profile"
 COLUMNS = ["case", "quantity", "unit", "truth", "value"]
 COLUMNS += [f"error_{method}" for method in METHODS] + ["nearer", "nearer_by"]
 
@@ -47,7 +48,7 @@ def row_of(document, quantity, truth):
 
 
 def value_of(document, quantity, state):
-    """A quantity of a state; None where the case has no such state, or no flow of it."""
+    """A quantity of a state; None if the case lacks the state, or the state has no flow."""
     entry = document["states"].get(state)
     if entry is None or (quantity == "ffr" and entry["ffr"] is None):
         return None

@@ -57,8 +57,10 @@ def difference_table(documents):
 
 
 def patient_row(document, a, b):
-    """Mean, standard deviation, mean size and largest size over the stations of one patient; the mean also in per cent
-    of the mean after PCI."""
+    """One patient's row: mean, standard deviation, mean size and largest size of the differences over the stations.
+
+    The size is the absolute value. The mean is also given in per cent of the mean after PCI.
+    """
     stations = stations_of(document, a, b)
     row = {"case": document["case"], "n": len(stations)}
     for name, (_, _, key, unit) in QUANTITIES.items():
@@ -72,7 +74,7 @@ def patient_row(document, a, b):
 
 
 def cohort_row(of_cases):
-    """The cohort's row: means over the patients, but for two kinds of columns.
+    """The cohort's row. Its columns are means over the patients, with two exceptions.
 
     `sd` is the sample standard deviation of the patients' means. `largest` is the largest of all stations.
     """

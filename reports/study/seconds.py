@@ -1,4 +1,4 @@
-"""seconds.csv: what the virtual procedure took by stage and by step, beside the published seconds."""
+"""seconds.csv: duration of the virtual procedure by stage and by step, beside the published seconds."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""What a study ran on: operating system, Debian packages and git revision."""
+"""The software of a study: operating system, Debian packages and git revision."""
 
 import pathlib
 import subprocess

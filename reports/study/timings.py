@@ -1,4 +1,5 @@
-"""timings.csv: what each step of each case cost, from Snakemake's benchmark files and the programs' own clocks."""
+"""timings.csv: time and memory of each step of each case, from Snakemake's benchmark files and the programs' own
+clocks."""
 
 import pandas as pd
 

@@ -1,4 +1,4 @@
-"""What the page says of a case's other plans and of what its FFR hangs on."""
+"""Rows of the page on a case's other plans, and on the inputs that its FFR depends on."""
 
 from reports.whatif.tables import QUANTITIES, STATES, intervals, ranking, records
 

@@ -51,7 +51,7 @@ def records(table):
 
 
 def range_in_words(row):
-    """What an input was varied by: "-20 to +20 %", "0.5 to 2 times"."""
+    """The range of an input in words: "-20 to +20 %", "0.5 to 2 times"."""
     signed = row["planned"] == 0
     low, high = (f"{row[end]:+.3g}".replace("-", "−") if signed else f"{row[end]:.3g}" for end in ("low", "high"))
     unit = row["unit"] if isinstance(row["unit"], str) else ""

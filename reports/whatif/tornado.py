@@ -1,4 +1,4 @@
-"""Figure of a case: what its FFR and its stent area hang on, one input at a time, beside the interval over all."""
+"""Figure of a case: how its FFR and stent area depend on each input, and their interval over all inputs."""
 
 import matplotlib.pyplot as plt
 import numpy as np

@@ -2,14 +2,15 @@
 
 /usr/bin/python3 -m vci.benchmarks.baseline --out results/baseline [--edges 1.0 0.8 ...] [--only NAME ...] [--budget 60]
 
-The textbook scheme (fixed steps, conjugate gradients without preconditioner to 1e-3, stopped by velocity, the whole
-vessel) is run twice: with contact to the flat triangles, as textbooks have it, at the meshes, steps and velocity stops
-of FACETS, and with this engine's contact to the smooth surface at those of TEXTBOOK; the default at several edges. A
-run that has used the budget of CPU seconds is stopped. baseline.csv has a row each. Errors are taken against the
-default at REFERENCE mm and a tenth of its tolerance, areas read in the same way. levels.csv holds, for each scene,
-error of the mean area and textbook scheme, the cheapest row of the default and of that scheme within it and their
-ratio; where the scheme did not get there, its nearest error and all it cost to try.
-One run at a time, one thread; seconds are the whole program's.
+The textbook scheme has fixed steps and conjugate gradients without preconditioner to 1e-3. It stops by velocity and
+takes the whole vessel. It is run twice: with contact to the flat triangles, as textbooks have it, at the meshes, steps
+and velocity stops of FACETS, and with this engine's smooth contact at those of TEXTBOOK. The default is run at several
+edges. A run that has used the budget of CPU seconds is stopped.
+
+baseline.csv has a row for each run. Errors are taken against the default at REFERENCE mm and a tenth of its tolerance,
+with areas read in the same way. levels.csv has, for each scene and wanted error of the mean area, the cheapest run of
+each scheme within it, and the ratio of their times. If the textbook scheme has none, it has the smallest error and the
+time of all runs. Runs follow one another on one thread; seconds are the whole program's.
 """
 
 import argparse
@@ -103,7 +104,7 @@ def level(rows, scheme, error):
             if column == "textbook":
                 row["textbook_step_ms"] = best["fixed_step_ms"]
                 row["textbook_stop_mm_per_ms"] = best["velocity_stop_mm_per_ms"]
-        elif tried:  # not reached: all that was spent on it, and the nearest that came of it
+        elif tried:  # not reached: the time of all runs, and their smallest error
             row[f"{column}_edge_mm"] = "not reached"
             row[f"{column}_cpu_seconds"] = sum(r["cpu_seconds"] for r in tried)
             row[f"{column}_error_percent"] = min((r[key] for r in tried if key in r), key=abs, default="")

@@ -18,7 +18,7 @@ REFERENCE = {"slice_spacing_mm": 1.0, "elements_around": 16, "elements_through":
 
 @dataclasses.dataclass(frozen=True)
 class Outcome:
-    """What became of a case: plan, deployment.json and reference.json, or the reason of the first refusal."""
+    """The result of a case: plan, deployment.json and reference.json, or the reason of the first refusal."""
 
     folder: pathlib.Path
     plan: dict = None

@@ -49,7 +49,7 @@ SCENES = {
     "long diffuse": (Tube(length=40, stenosis=0.5, lesion_length=24), {"length": 18}),
 }
 BIFURCATION = "bifurcation"  # the shipped bench's first two steps: a stent across the side branch, optimised
-BUDGET = 300  # CPU seconds of a run: what takes longer is no row of a table of speeds
+BUDGET = 300  # limit of a run in CPU seconds; a slower one has no place in a table of speeds
 
 
 def surface_of(case):
@@ -97,7 +97,7 @@ def deploy(programs, case, setting, folder):
 
 
 def outcome_of(program, scene, budget=None):
-    """Runs a scene (results beside it, in vci/): outcome, CPU seconds, memory and, where it balanced, what came out."""
+    """Runs a scene (results in vci/ beside it): outcome, CPU seconds, memory and, if it balanced, its results."""
     out = scene.parent / "vci"
     code, messages, cpu = run([program, "deploy", scene, "--out", out], budget)
     if code == -signal.SIGXCPU:

@@ -81,7 +81,7 @@ def remeshed(build, case, edge, folder):
 
 
 def deployed(build, case, lumen, device, folder):
-    """What came of a deployment in `lumen`, and the surfaces before and after it. Raises ComputationError where it is
+    """The results of a deployment in `lumen`, and the surfaces before and after it. Raises ComputationError if it is
     refused."""
     folder.mkdir(parents=True, exist_ok=True)
     scene = json.loads((case / "vci" / "scene.json").read_text(encoding="utf-8"))

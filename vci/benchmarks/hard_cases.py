@@ -25,7 +25,7 @@ COLUMNS += ",steps,cpu_seconds,minimal_area_mm2"
 
 
 def calcium(times):
-    """Wall settings with calcium so many times as stiff as the healthy wall (0.8 MPa)."""
+    """Wall settings with calcium that is `times` as stiff as the healthy wall (0.8 MPa)."""
     return {"plaque": {"calcified": {"youngs_modulus_mpa": 0.8 * times}}}
 
 

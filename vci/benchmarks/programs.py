@@ -26,7 +26,7 @@ def run(command, budget=None):
 
 
 def reason_of(messages):
-    """What a refusal says, in one line: its last message without the remedy."""
+    """A refusal in one line: its last message without the remedy."""
     lines = [line.strip() for line in messages.strip().splitlines()]
     start = max((k for k, line in enumerate(lines) if line.startswith("where:")), default=len(lines))
     return "; ".join(line for line in lines[max(start - 1, 0) : start + 2] if not line.startswith("remedy"))

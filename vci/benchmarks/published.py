@@ -1,6 +1,6 @@
-"""Engine and finite-element truth beside what benches, cadavers and patients show of stents and balloons.
+"""Engine and finite-element truth beside measurements of stents and balloons on benches, in cadavers and in patients.
 
-Writes published.csv, a row a published figure.
+Writes published.csv, a row for each published figure.
 """
 
 import argparse
@@ -168,7 +168,7 @@ STENTING = [
 
 
 def calcium_slopes(folder, build):
-    """Rows of what calcium's arc, thickness and length do to the expansion of a stent."""
+    """Rows of how a stent's expansion changes with calcium's arc, thickness and length."""
     places, found = [], {"engine": [], "truth": []}
     for arc in ARCS_DEG:
         for length in LENGTHS_MM:

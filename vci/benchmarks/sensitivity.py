@@ -1,9 +1,10 @@
-"""What settings without a measured value are worth: areas by contact distance and margin of the region, a CSV.
+"""How areas depend on two settings without a measured value, the contact distance and the margin of the region; a CSV.
 
 /usr/bin/python3 -m vci.benchmarks.sensitivity --out results/sensitivity
 
-Generated scenes of vci.benchmarks.benchmark, at EDGE_MM, with one setting at a time off its default. Changes are those
-of the mean area (of the reported segment) and of the minimal area from the default's, in percent. One run at a time.
+Runs the generated scenes of vci.benchmarks.benchmark at EDGE_MM, with one setting at a time changed from its default.
+Changes of the mean area (of the reported segment) and of the minimal area are in percent of the default's. One run at a
+time.
 """
 
 import argparse

@@ -15,8 +15,8 @@ constexpr double reach = 2.0; // mm: a stent further from this wall lies against
 constexpr double slack = 0.1; // mm beyond the nearest triangle in which the projection along the normals may lie
 constexpr double nothing = 1e300;
 
-/// Gap (mm) from a wall vertex to the smooth surface of a stent, as contact measures it, 0 in contact; none where the
-/// projection lies on the stent's end or the two do not face one way.
+/// Gap (mm) from a wall vertex to the smooth surface of a stent, as contact measures it; 0 in contact. None if the
+/// projection lies on the end of the stent, or if the two do not face the same way.
 std::optional<double> gap_to(const System& system, const Body& stent, const Vectors& units, int vertex,
                              const std::vector<int>& candidates) {
   double closest = 0;

@@ -4,8 +4,8 @@
 
 namespace vci {
 
-/// Per vertex of the wall (body 0): the gap (mm) to the smooth surface of the nearest of the bodies given that
-/// faces it within 2 mm, 0 where none does.
+/// Gap (mm) per vertex of the wall (body 0) to the smooth surface of the nearest of `stents` that faces it within 2 mm;
+/// 0 if none does.
 std::vector<double> malapposition(const System& system, const std::vector<int>& stents);
 
 } // namespace vci

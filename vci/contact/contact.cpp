@@ -16,7 +16,7 @@ constexpr double search_reach = 0.5; // mm: a vertex deeper than this beyond a s
 // the steps where all contact is that stiff. Start and width are in widths of the ordinary ramp, and the stiffness is
 // relative to the ordinary one.
 constexpr double deep_from = 1.5, deep_ramp = 2, deep_stiffness = 40;
-// Times the deep response as it is at first. At this bound a vertex that is still too deep is left so.
+// Bound of the deep response over its first value. A vertex that is still too deep there stays so.
 constexpr double largest_deep_scale = 64;
 // Before the rim of a window, the stiffer response fades only where this share of the surface is left. If it faded
 // earlier, the vertices there would carry their load with a small share of their area and sink in. The ordinary

@@ -83,7 +83,7 @@ private:
 /// once it and the other surface may have moved far enough to change the result.
 class SurfaceContact {
 public:
-  /// @param trees shared with other contacts, all of them of one system; none: its own
+  /// @param trees shared with the other contacts of the same system; null: it makes its own
   SurfaceContact(int inner, int outer, const ContactSettings& settings, ContactSides sides = {},
                  std::shared_ptr<SurfaceTrees> trees = {})
       : inner_(inner), outer_(outer), settings_(settings), sides_(std::move(sides)),

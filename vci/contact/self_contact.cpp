@@ -10,12 +10,13 @@ namespace vci {
 
 namespace {
 
-constexpr double reach = 0.15;          // mm: a layer further off is not faced
-constexpr double facing_cosine = -0.2;  // of the two normals, below which layers face each other
-constexpr double turned_away = 0.5;     // above it a layer has turned away, however deep
-constexpr double begins_at_share = 0.9; // of the thickness: what a wrapped balloon leaves between layers, less chords
-constexpr int longest_walk = 20;        // triangles
-constexpr double ramp_share = 0.4;      // of the thickness
+constexpr double reach = 0.15;         // mm: a layer further off is not faced
+constexpr double facing_cosine = -0.2; // of the two normals, below which layers face each other
+constexpr double turned_away = 0.5;    // above it a layer has turned away, however deep
+// of the thickness: the gap between layers of a wrapped balloon, less the sagitta of their straight edges
+constexpr double begins_at_share = 0.9;
+constexpr int longest_walk = 20;                  // triangles
+constexpr double ramp_share = 0.4;                // of the thickness
 constexpr std::array<double, 2> sides{1.0, -1.0}; // outer, inner
 
 /// Pressure (MPa) and its stiffness (MPa/mm) at a gap: quadratic over the ramp, then linear.

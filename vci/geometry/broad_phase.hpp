@@ -22,7 +22,7 @@ public:
   /// Takes new positions. The boxes are fitted again only once a vertex has moved by 0.1 mm. Until then the search
   /// reaches further by the largest displacement, so that it finds the same triangles.
   void update(const Triangles& triangles, const Vectors& x);
-  /// Triangles no further than `reach` from p, and no further than the nearest of them plus `slack`; by index.
+  /// Triangles within `reach` of p whose distance exceeds the nearest one's by at most `slack`; by index.
   /// @param triangles, x as given to the last update
   /// @param guess a triangle that may be near, or -1; a good guess shortens the search and does not change its result
   void near(const Vec3& p, const Triangles& triangles, const Vectors& x, double reach, double slack, int guess,

@@ -1,4 +1,4 @@
-// The lumen surface with what is known at its points.
+// The lumen surface with its arrays at the points.
 #pragma once
 #include "vci/linalg/types.hpp"
 

@@ -32,9 +32,10 @@ struct SolveResult {
   double residual; ///< ||b - A x|| / ||b|| over the free vertices
 };
 
-/// Solves (A + stencils) x = b with x = 0 at fixed vertices; x leaves as the solution.
-/// Stops with converged false where the matrix turns out not to be positive; x then holds what was found before.
-/// @param memory where given, lends the second level of an earlier matrix while it serves, and keeps the new one
+/// Solves (A + stencils) x = b with x = 0 at fixed vertices. Returns the solution in x. If the matrix is not positive
+/// it stops with converged false, and x holds the last iterate.
+/// @param memory null, or keeps the preconditioner's second level from one call to the next, as long as it converges
+/// well
 SolveResult solve_pcg(const BlockMatrix& matrix, const std::vector<StencilStiffness>& stencils,
                       const std::vector<char>& fixed, const Vectors& right_hand_side, Vectors& x,
                       const PcgSettings& settings, PcgMemory* memory = nullptr);

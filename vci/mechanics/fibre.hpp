@@ -1,4 +1,4 @@
-// Forces along the edges of device grids: axial fibres, and what edge laws share.
+// Forces along the edges of device grids: axial fibres, and the code that edge laws share.
 #pragma once
 #include "vci/mechanics/force.hpp"
 

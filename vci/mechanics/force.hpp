@@ -1,4 +1,4 @@
-// What every force of the model offers: energy, force (minus its gradient) and stiffness (its Hessian).
+// The interface of every force of the model: energy, force (minus its gradient) and stiffness (its Hessian).
 #pragma once
 #include "vci/linalg/block_matrix.hpp"
 #include <algorithm>

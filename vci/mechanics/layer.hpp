@@ -4,7 +4,7 @@
 
 namespace vci {
 
-/// What a layer reports besides its forces.
+/// The read-outs of a layer besides its forces.
 class Layer {
 public:
   virtual ~Layer() = default;

@@ -26,9 +26,9 @@ struct DeploymentResult {
   int vertices = 0;                  ///< that took part in the wall
 };
 
-/// Who is told what happens. Each may be left out.
+/// Callbacks of a run. Each may be left out.
 struct Observer {
-  /// Sees the state at the end of each stage and, where every_steps > 0, every so many steps.
+  /// Receives the state at the end of each stage, and every `every_steps` steps if that is above 0.
   std::function<void(const Snapshot&)> see;
   int every_steps = 0;
   /// Takes lines of progress and warnings, without their ends.
@@ -47,9 +47,9 @@ public:
   /// Steps of the scene's procedure, and how many of them are done.
   std::size_t steps() const;
   std::size_t steps_done() const;
-  /// Runs the next step: its devices are placed, inflated and, but for stents, taken out again.
-  /// Throws common::ComputationError naming step, stage, residual and remedy where a stage does not reach force
-  /// balance, std::logic_error where no step is left, or an earlier one failed.
+  /// Runs the next step: places its devices, inflates them and, except for stents, takes them out. Throws
+  /// common::ComputationError, which names step, stage, residual and remedy, if a stage does not reach force balance.
+  /// Throws std::logic_error if no step is left, or if an earlier one failed.
   void step();
   /// Lumen points as they are now, mm, in the order of the lumen's.
   Vectors lumen() const;

@@ -11,7 +11,7 @@ namespace {
 constexpr double thinnest_balloon = 0.04; // mm, radius of a ring inside a stent
 constexpr double inside_its_stent = 0.9;  // of the stent's thinnest ring
 
-/// A device's rings where a placement wants them, on the axis as it is now.
+/// A device's rings at its placement, on the axis of the lumen as deformed.
 DeviceLayout layout_of(const RunState& run, const Placement& p, RingGrid grid, const Vectors& moved) {
   const Path path = follow_wall(run.paths.at(p.branch), run.lumen, moved);
   std::vector<Frame> frames = path.frames(grid.along(p.centre_s));

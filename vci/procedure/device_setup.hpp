@@ -1,4 +1,4 @@
-// Devices brought into the vessel and taken out of it, with the contacts that they make there.
+// Brings devices into the vessel, adds their contacts, and takes them out again.
 #pragma once
 #include "vci/procedure/run_state.hpp"
 

@@ -1,4 +1,4 @@
-// What a run reports beside its results: the parts of the model that it leaves out, and warnings.
+// Diagnostics of a run: the parts of the model that it leaves out, and warnings.
 #pragma once
 #include "vci/procedure/stent_history.hpp"
 #include "vci/scene/scene.hpp"

@@ -4,7 +4,7 @@
 
 namespace vci {
 
-/// What a stage sets before it is relaxed to force balance, and what follows.
+/// The settings of a stage, and whether its end ties the stents to the wall.
 struct Stage {
   std::string name;
   double pressure_fraction; ///< of the step's pressure

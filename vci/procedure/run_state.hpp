@@ -1,4 +1,4 @@
-// A procedure under way: the mechanical system and what belongs to it.
+// A procedure under way: the mechanical system, devices, contacts and history.
 #pragma once
 #include "vci/devices/balloon/balloon.hpp"
 #include "vci/geometry/centreline.hpp"

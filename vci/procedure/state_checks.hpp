@@ -1,4 +1,4 @@
-// What must hold after a stage (devices are inside the lumen) and after a procedure (stents are supported).
+// Conditions on the state: devices inside the lumen after a stage, stents supported after a procedure.
 #pragma once
 #include "vci/procedure/stent_history.hpp"
 #include "vci/solver/integrator.hpp"

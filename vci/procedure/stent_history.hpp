@@ -1,4 +1,4 @@
-// What a stent's rings went through: the diameters that its recoil is taken between.
+// The history of a stent's rings: the diameters from which recoil is computed.
 #pragma once
 #include "vci/contact/contact.hpp"
 #include "vci/devices/stent/stent.hpp"
@@ -19,8 +19,8 @@ struct StentHistory {
   double inflated_diameter() const;        ///< mean over its rings, mm
 };
 
-/// Notes the rings that inflated balloons fill: those of which half the vertices or more bear a balloon's contact; all
-/// of them at the stent's own delivery.
+/// Records the rings that inflated balloons fill. These are all rings at the stent's own delivery, later those with at
+/// least half of their vertices in contact with a balloon.
 /// @param balloons contact points of the balloons with the stent
 void note_inflation(StentHistory& history, const System& system, const std::vector<ContactPoint>& balloons);
 /// Notes diameter, length, smallest section and ends once balloons are out.

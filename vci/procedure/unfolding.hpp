@@ -1,4 +1,4 @@
-// What a stage with a folded balloon needs in addition.
+// Contacts and solver settings that a stage with a folded balloon adds.
 #pragma once
 #include "vci/devices/balloon/balloon.hpp"
 #include "vci/scene/scene.hpp"
@@ -9,8 +9,8 @@ namespace vci {
 void add_layers(Interactions& interactions, const System& system, const Balloon& balloon, const BalloonSpec& spec,
                 const ContactSettings& settings);
 
-/// Settings of a stage with a balloon. Only a folded one changes them. Its linear solves are more accurate, and the
-/// stage is not given up while the residual stays, since that does not fall before the folds are out.
+/// Solver settings of a stage with a balloon. A folded balloon asks for more accurate linear solves. Its stage is not
+/// given up while the residual stays, because the residual does not fall before the folds have opened.
 /// @param unfolds the balloon starts folded: shorter steps, which do not carry a layer past its neighbours
 IntegratorSettings with_folds(const IntegratorSettings& settings, const BalloonSpec& spec, bool unfolds);
 

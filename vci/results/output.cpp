@@ -89,7 +89,7 @@ void withdraw(const fs::path& out, const fs::path& scene) {
 void write_json(const fs::path& file, const nlohmann::json& document) {
   std::ofstream stream(file);
   stream << document.dump(1) << '\n';
-  stream.close(); // what is left of the text is written only now
+  stream.close(); // the rest of the text is written only now, so this is where a full disk shows
   if (!stream)
     throw common::ComputationError("a file cannot be written", file.string(), "", "check the folder and free space");
 }

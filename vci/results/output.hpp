@@ -8,9 +8,9 @@ namespace vci {
 
 class Output {
 public:
-  /// Creates the folder and takes an earlier run's results out of it, before any work, and what runs left there that a
-  /// signal ended. Throws common::InputError where files cannot be written there, and where one of the `inputs` would
-  /// be taken out.
+  /// Creates the folder and removes an earlier run's results from it, before any work. Also removes partial results of
+  /// runs that a signal ended. Throws common::InputError if files cannot be written there, or if it would remove one of
+  /// the `inputs`.
   Output(std::filesystem::path out, const std::vector<std::filesystem::path>& inputs);
   ~Output(); ///< removes what was not published
   Output(const Output&) = delete;
@@ -24,11 +24,11 @@ private:
   std::filesystem::path out_, partial_;
 };
 
-/// Takes deployment.json, without which nothing there counts as results, out of a folder whose run is refused before
-/// its inputs are known; not where it is the `scene` itself.
+/// Removes deployment.json from the folder of a run that is refused before its inputs are known, because other files
+/// there do not count as results without it. Keeps the file if it is the `scene` itself.
 void withdraw(const std::filesystem::path& out, const std::filesystem::path& scene);
 
-/// Throws common::ComputationError where not all of it is written.
+/// Throws common::ComputationError if the file is not written completely.
 void write_json(const std::filesystem::path& file, const nlohmann::json& document);
 
 } // namespace vci

@@ -1,4 +1,4 @@
-// What to deploy where, in which wall, by which settings.
+// A scene: lumen, wall, devices, steps and numerical settings.
 #pragma once
 #include "vci/devices/balloon/balloon_spec.hpp"
 #include "vci/devices/stent/stent_spec.hpp"

@@ -67,7 +67,7 @@ double large_displacement(const Vectors& dx) {
   return std::sqrt(*place);
 }
 
-/// The part of a step's matrix that changes with its length: what it adds to the diagonal, N/mm per vertex.
+/// The part of a step's matrix that depends on its length: the term added to the diagonal, N/mm per vertex.
 class Inertia {
 public:
   Inertia(const System& system, const IntegratorSettings& s) : system_(system), s_(s) {}

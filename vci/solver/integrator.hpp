@@ -29,7 +29,7 @@ struct Balance {
   Vectors pressure, contact, foundation, residual;
 };
 
-/// What couples the bodies beyond their own forces.
+/// Couplings between bodies, added to their own forces.
 struct Interactions {
   std::vector<SurfaceContact> contacts;
   std::vector<SelfContact> self_contacts; ///< of bodies whose layers lie on one another

@@ -1,4 +1,4 @@
-// What lies outside the lumen surface: the media and the tissue round it, as a ring foundation at each vertex.
+// The media and the tissue outside the lumen surface, as a ring foundation at each vertex.
 #pragma once
 #include "vci/mechanics/vertex_force.hpp"
 

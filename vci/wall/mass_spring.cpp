@@ -91,7 +91,7 @@ void MassSpring::commit(const Vectors& x) {
     const double e = s.layer_strain(length(k, x)), w = std::abs(e);
     if (w <= s.yield_strain)
       continue;
-    // as HenckyLaw::flow: the lumen's lasting stretch is what makes the layer's, seen from the widened lumen
+    // as in HenckyLaw::flow: the layer's lasting stretch follows from the lumen's, measured from the widened lumen
     const double stretch = length(k, x) / (s.rest_length * s.plastic_stretch);
     const double elastic = 1 + std::copysign(s.elastic_part(w), e), lasting = (1 + e) / elastic;
     s.yield_strain = s.elastic_part(w);

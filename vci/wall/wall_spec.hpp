@@ -7,7 +7,7 @@
 
 namespace vci {
 
-/// What stands for a layer: constant-strain triangles, or springs along their edges.
+/// The model of a layer: constant-strain triangles, or springs along their edges.
 enum class WallModel { membrane, mass_spring };
 
 struct PlaqueSpec {

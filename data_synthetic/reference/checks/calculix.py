@@ -152,9 +152,9 @@ def displacements(program, text, folder, steps, nodes):
 
 
 def printed(program, text, folder, kind, steps, nodes):
-    """What CalculiX prints, "displacements" or "forces" (steps, nodes, 2), of a set at the end of each step of `text`.
+    """Displacements or forces (steps, nodes, 2) that CalculiX prints for a set at the end of each step of `text`.
 
-    Raises InputError where the program is missing, ComputationError where it fails.
+    Raises InputError if the program is missing, ComputationError if it fails.
     """
     path = shutil.which(program)
     if path is None:

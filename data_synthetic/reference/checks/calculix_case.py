@@ -78,7 +78,7 @@ class Section:
         self.tissues[..., 0] = self.tissues[..., 0] > 0.5
 
     def material(self, angle, radius):
-        """Tissue of the element at points (n,) in rad and mm, as SliceModel.place wants it."""
+        """Tissue of the element at points (n,) in rad and mm, in the form that SliceModel.place takes."""
         turn = np.mod(angle, 2 * np.pi) * len(self.theta) / (4 * np.pi)
         column = np.minimum(turn.astype(int), len(self.theta) // 2 - 1)
         x = 2 * (turn - column) - 1

@@ -1,4 +1,4 @@
-"""The slices: where they lie, one of them solved, and the lumen's deformation from all of them."""
+"""Where the slices lie, the solution of one slice, and the lumen's deformation from all of them."""
 
 import sys
 

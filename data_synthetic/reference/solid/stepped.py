@@ -23,12 +23,17 @@ WORSE = 2.0  # growth of the residual at which Newton's method gives up
 
 
 class SteppedModel:
-    """What slices and the solid in three dimensions share. A subclass sets, in its constructor,
+    """The load stepping that slices and the solid in three dimensions share.
 
-    u (displacement, fem.Function), _constants (loads by name, fem.Constant), _plastic and _strain (state at the
-    quadrature points: the `plastic_size` components of Cp^-1, the equivalent plastic strain), _update (fem.Expression
-    of both), _cells, and calls `_prepare(residual)`. Loads are a dict of LOADS: two device laws, each with a share
-    of 0 ... 1, and a plain pressure (MPa), for tests.
+    The constructor of a subclass sets these attributes, then calls `_prepare(residual)`:
+    - u: displacement (fem.Function)
+    - _constants: loads by name (fem.Constant)
+    - _plastic, _strain: state at the quadrature points, that is the `plastic_size` components of Cp^-1, and the
+    equivalent plastic strain
+    - _update: fem.Expression of both
+    - _cells: cells on which `_update` is evaluated
+
+    Loads are a dict of LOADS: two device laws, each with a share of 0 ... 1, and a plain pressure (MPa) for tests.
     """
 
     plastic_size = 4

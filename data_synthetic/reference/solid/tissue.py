@@ -1,4 +1,4 @@
-"""The diseased branch as the solid models see it: where the tissue lies round the lumen, and what it is made of."""
+"""The diseased branch as the solid models see it: where the tissue lies round the lumen, and its type."""
 
 import numpy as np
 

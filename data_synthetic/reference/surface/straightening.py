@@ -27,7 +27,7 @@ def of_patient(branch, wall_mm, stents, middle_s_mm, settings):
 
 
 def vessel_bending_n_mm2(branch, wall_mm, middle_s_mm, settings):
-    """The setting of this name, or where it is None the bending stiffness of the healthy wall at middle_s_mm."""
+    """The setting of this name; if it is None, the bending stiffness of the healthy wall at middle_s_mm."""
     if settings["vessel_bending_n_mm2"] is not None:
         return settings["vessel_bending_n_mm2"]
     inner = float(branch.healthy(np.array(middle_s_mm)))

@@ -1,4 +1,4 @@
-"""What the slices need of a scene's devices: radius along the axis at the given pressure, stiffness, cap."""
+"""A scene's devices for the slices: radius along the axis at the given pressure, stiffness, cap."""
 
 from dataclasses import dataclass
 
@@ -27,7 +27,7 @@ class Balloon:
         return self.radius_mm * np.clip(1 - np.maximum(beyond, 0) / self.shoulder_mm, 0, 1)
 
     def reach(self):
-        """Arc lengths (mm) between which it can touch."""
+        """Arc lengths (mm) between which the device can touch the wall."""
         half = 0.5 * self.length_mm + self.shoulder_mm
         return self.centre_s_mm - half, self.centre_s_mm + half
 
@@ -100,8 +100,8 @@ def balloon(entry, name, centre_s_mm, pressure_bar, where):
 def steps(scene, where):
     """(branch name, [Step]) of a scene.
 
-    Raises InputError for what plane-strain slices of one branch cannot answer: several devices at a time, or several
-    branches.
+    Raises InputError for several devices at a time or several branches, which plane-strain slices of one branch cannot
+    compute.
     """
     found, branches = [], []
     for number, step in enumerate(scene["procedure"], start=1):

@@ -15,10 +15,10 @@ def hand_over(model, where):
 
 
 def shrink(model, nearest_mm, step_mm, where):
-    """Takes the balloon's radius down until it has left the wall, then the balloon away.
+    """Lowers the balloon's radius until it has left the wall, then removes the balloon.
 
-    Its pressure is not taken down instead: below some pressure soft plaque in a stretched wall gives way at once, and
-    no load step is small enough. nearest_mm(): least distance (mm) of the lumen from the axis.
+    Lowering its pressure instead does not work: below some pressure soft plaque in a stretched wall collapses, and no
+    load step is small enough. nearest_mm(): least distance (mm) of the lumen from the axis.
     """
     radius = model.loads()["balloon_radius"]
     while model.loads()["balloon_share"] and radius > 0 and radius > nearest_mm() - CLEAR_MM:

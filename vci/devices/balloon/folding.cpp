@@ -11,7 +11,7 @@ namespace {
 
 constexpr double edge_over_thickness = 6;                  // vertices this close follow the folds
 constexpr double nylon_modulus = 900, nylon_poisson = 0.4; // MPa; oriented polyamide 12
-constexpr int finer_grids = 8; // tried where the rounding of a valley to whole edges makes the profile wide
+constexpr int finer_grids = 8; // grids tried: whole edges make a valley wider, so a finer grid may fit the profile
 
 Vec2 at_angle(double radius, double angle) {
   return {radius * std::cos(angle), radius * std::sin(angle)};

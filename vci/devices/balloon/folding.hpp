@@ -1,4 +1,4 @@
-// A balloon as it is delivered: pleated into wings that are wrapped round the catheter's shaft.
+// A balloon before inflation: pleated into wings that are wrapped round the catheter's shaft.
 #pragma once
 #include "vci/devices/balloon/balloon_spec.hpp"
 #include "vci/devices/ring_grid.hpp"

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double surface_density = 1.1e-3 * 0.1; // g/mm^2: struts, 0.1 mm thick
 // N mm per edge: struts that bend across the ring. One strut has E w t^3 / 12, with 235 GPa and 0.09 mm by 0.08 mm.
-// Half of that is taken, since struts run aslant. There is one for each 1.2 mm of length.
+// Half of that is taken, since struts run at an angle to the axis. There is one for each 1.2 mm of length.
 constexpr double stent_hinge = 0.4, stent_hinge_thickness = 0.08;
 // A grid of fibres alone has no shear stiffness: a weak film gives it, with more hardening than a balloon's.
 constexpr HenckyLaw stent_film{0.3, 0.3, 0.0, 0.05, 0.1};

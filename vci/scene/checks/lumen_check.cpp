@@ -16,8 +16,8 @@ namespace {
 // `radius_mm` is that of the largest sphere inside at a point's place on the axis. So no wall is nearer to the axis,
 // and about that place some wall is as near; the rest may lie at any distance, as in the slit of a compressed artery
 // (1.2 x 5.0 mm). Found: 0.73 and more for cohort, benchmarks and lumens of the anatomy's tests, 0.49 in the shoulder
-// of a generated tube, up to 2.31 for whole lumens (measured.md). Another unit would be at 10. Small radii: a
-// centreline's error counts (`astray`).
+// of a generated tube, up to 2.31 for whole lumens. Another unit would be at 10. Where radii are small the error of the
+// centreline counts (`astray`).
 constexpr double nearest_share = 0.4, farthest_share = 3.0, astray = 0.2; // -, -, mm
 constexpr double about = 1.0; // mm of the axis that are looked at together, and as much on either side
 // Edges of the same lumens are up to 1.5 times the radius.
@@ -111,7 +111,8 @@ Vectors ways_from_axis(const Lumen& lumen, const std::map<std::string, Path>& pa
   for (const auto& [v, on] : wall) {
     ways[v] = on.way;
     const double r = lumen.radius[v], own = on.way.norm();
-    const double judged = apart(own, r) ? nearest.about(on) : own; // what lies far off may have a nearer neighbour
+    // a point far from the axis may have a nearer neighbour, which is compared instead
+    const double judged = apart(own, r) ? nearest.about(on) : own;
     const double off = apart(own, r) && close(judged, r) ? 0 : std::abs(std::log((judged + 1e-12) / r));
     misfits += off > 0;
     if (off > worst) {

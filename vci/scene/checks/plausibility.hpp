@@ -1,4 +1,4 @@
-// What a scene asks for against the vessel's branches, before any work.
+// Checks a scene's placements against the vessel's branches, before any work.
 #pragma once
 #include "vci/geometry/centreline.hpp"
 #include "vci/scene/scene.hpp"

@@ -12,7 +12,8 @@ namespace vci {
 
 namespace {
 
-constexpr double flattest = 1e-6; // height over longest edge; lumens of the anatomy step have 0.1, made slivers 0.2
+// height over longest edge; lumens of the anatomy step have at least 0.1, generated slivers 0.2
+constexpr double flattest = 1e-6;
 
 std::string place(const std::string& file, const char* what, std::size_t number, const Vec3& at) {
   std::ostringstream text;

@@ -1,4 +1,4 @@
-// What a lumen's triangles must be before anything is computed on them: one oriented surface.
+// Checks that a lumen's triangles are one oriented surface, before any computation on them.
 #pragma once
 #include "vci/geometry/lumen.hpp"
 

@@ -18,7 +18,7 @@ public:
   /// A number as above; null, or the fallback of infinity, stands for infinity.
   double number_or_never(const std::string& key, double low, double high, double fallback);
   std::string text(const std::string& key, std::optional<std::string> fallback = std::nullopt);
-  /// One of several names, each with what it stands for.
+  /// One of several names, each with its value in C++.
   template <class Value>
   Value choice(const std::string& key, const std::vector<std::pair<std::string, Value>>& choices, Value fallback) {
     std::vector<std::string> names;
@@ -39,7 +39,7 @@ public:
   void finish() const;
   std::string path(const std::string& key) const { return where_ + "." + key; }
   nlohmann::json used = nlohmann::json::object();
-  /// What was asked for: per key its type, limits and default, as a JSON schema has them.
+  /// The keys read so far: type, limits and default of each, as a JSON schema has them.
   nlohmann::json table = nlohmann::json::object();
 
 private:

@@ -9,12 +9,12 @@
 
 namespace vci {
 
-/// The polydata of a .vtp file. Throws common::InputError, which calls the file `what`, where there is no such file, it
-/// is something else, or VTK complains over it; VTK itself says nothing on standard error.
+/// The polydata of a .vtp file. Throws common::InputError, in which `what` is the name of the file, if the file is
+/// missing, is of another type, or makes VTK report an error. VTK itself prints nothing to standard error.
 vtkSmartPointer<vtkPolyData> read_polydata(const std::filesystem::path& file, const std::string& what);
 
-/// Calls a reader; what JSON or VTK throw over a damaged file (overflow, a size beyond memory, a value of another kind)
-/// becomes an InputError that names the file.
+/// Calls a reader. Exceptions that JSON or VTK throw over a damaged file (overflow, a size beyond memory, a value of
+/// another type) become an InputError that names the file.
 template <class Read> auto reading(const std::filesystem::path& file, Read&& read) {
   try {
     return read();

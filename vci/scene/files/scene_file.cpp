@@ -208,7 +208,7 @@ Scene scene_of(const std::filesystem::path& file) {
   scene.centreline = file.parent_path() / o.text("centreline");
   if (o.has("segment"))
     scene.segment = read_segment(o.child("segment", true), o.path("segment"));
-  if (o.has("reference")) // what a proposed plan was sized by: for the page
+  if (o.has("reference")) // written by a proposed plan for the report's page; not used here
     o.child("reference", true);
   read_intervention(o, scene);
   o.finish();

@@ -1,4 +1,4 @@
-// scene.json: what to deploy where, checked before any work.
+// Reads scene.json and checks it before any work.
 #pragma once
 #include "vci/scene/scene.hpp"
 
