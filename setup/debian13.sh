@@ -55,5 +55,6 @@ export CORES=${CORES:-$(nproc)} OMP_NUM_THREADS=${OMP_NUM_THREADS:-1}
 exec unshare --mount --pid --fork --kill-child bash -euc '
   mount --rbind /dev "$ROOT/dev"
   mount -t proc proc "$ROOT/proc"
+  mount -t sysfs sysfs "$ROOT/sys"
   exec chroot "$ROOT" /usr/bin/env -i HOME=/root LANG=C.UTF-8 PATH=/usr/sbin:/usr/bin:/sbin:/bin \
     CORES="$CORES" OMP_NUM_THREADS="$OMP_NUM_THREADS" bash -euc "cd /vci && bash setup/install.sh && $COMMAND"'
