@@ -37,6 +37,11 @@ TITLES = {
         "A row is a mesh of the same narrowed tube; errors of FFR are against an axisymmetric solution. Settled: the "
         "solve's seconds until FFR kept its value; where it did not converge FFR is a mean over iterations.",
     ),
+    "flow_tree_against_openfoam": (
+        "Blood flow: a tree beside OpenFOAM",
+        "A row is a state on the nodes of one of its meshes, with the flows of our answer given; difference: of "
+        "simpleFoam's FFR at the probe from ours. The finer mesh shows simpleFoam's own error.",
+    ),
     "flow_growth": (
         "Blood flow: cost by mesh",
         "A row is a mesh of the same narrowed tube; errors of FFR are against an axisymmetric solution. Exponents: of "
