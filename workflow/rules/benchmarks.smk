@@ -406,3 +406,21 @@ rule flow_tree_against_openfoam:
         states=SOLVED_STATES,
     shell:
         "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out} {params.states}"
+
+
+rule flow_fda_jet:
+    message:
+        "benchmark: the jet of the FDA's nozzle, laboratories and axisymmetric solution, by its own name only"
+    input:
+        code=flow_benchmark_code("fda_jet"),
+        script="tests/verification/flow/fda_jet.py",
+    output:
+        "results/benchmarks/flow_fda_jet/jet.csv",
+    log:
+        "results/benchmarks/logs/flow_fda_jet.log",
+    benchmark:
+        "results/benchmarks/logs/flow_fda_jet.tsv"
+    params:
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out}"

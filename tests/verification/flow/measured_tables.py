@@ -42,6 +42,10 @@ TABLES = {
             "our_cpu_s": "ours, CPU s",
         },
     ),
+    "flow_fda_jet": (
+        "jet.csv",
+        {"row": "z, mm", **{f"z_{z}": f"{z}" for z in (-20, -8, 0, 8, 16, 24, 32, 60, 80)}, "within": "within 2 SD"},
+    ),
     "flow_hard_cases": (
         "hard_cases.csv",
         {
