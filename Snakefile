@@ -2,9 +2,6 @@
 import os
 import sys
 
-from snakemake.utils import min_version
-
-min_version("7.19")
 sys.path.insert(0, workflow.basedir)
 
 from snakemake.exceptions import WorkflowError

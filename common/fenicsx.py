@@ -1,12 +1,113 @@
-"""Compiled forms, for every part that uses FEniCSx: its name of the compiler's options changes with the version."""
+"""What differs between FEniCSx 0.5 (Debian 12) and 0.9 (Debian 13), for every part that uses it; and compiled forms.
+
+Elements, function spaces and what is read from them have one name here, so that all other code is the same for both.
+A cell is a name as "tetrahedron" (`cell_of` a mesh). Vectors have `size` components; None: scalars.
+"""
 
 import pathlib
 import time
 
-from dolfinx import fem, jit
+import basix
+import ufl
+from dolfinx import fem, jit, plot
 
 # two programs that start together compile the same forms: one waits for the other, by default for 10 s only
 WAIT_S = 300
+
+if hasattr(fem, "functionspace"):  # 0.9
+    import basix.ufl
+    from dolfinx.fem.petsc import create_matrix, interpolation_matrix
+
+    JIT_OPTIONS, jit_options, vtk_cells, function_space = (
+        "jit_options",
+        jit.get_options,
+        plot.vtk_mesh,
+        fem.functionspace,
+    )
+
+    def lagrange(cell, degree, size=None):
+        """Lagrange element."""
+        return basix.ufl.element("Lagrange", cell, degree, shape=_shape(size))
+
+    def quadrature(cell, degree, size=None):
+        """Element of values at the points of the quadrature of a degree."""
+        return basix.ufl.quadrature_element(cell, _shape(size) or (), degree=degree)
+
+    def mixed(*elements):
+        """Product of elements."""
+        return basix.ufl.mixed_element(list(elements))
+
+    def degrees(space):
+        """Degrees of the parts of a mixed space."""
+        return [element.degree for element in space.ufl_element().sub_elements]
+
+    def degree_of(space):
+        """Degree of a space that is not mixed."""
+        return space.ufl_element().degree
+
+    def petsc_vector(function):
+        """The PETSc vector behind a fem.Function; it ends with the Function."""
+        return function.x.petsc_vec
+
+    def evaluated(expression, mesh, cells):
+        """Values of a fem.Expression at its points in cells, a cell a row."""
+        return expression.eval(mesh, cells)
+
+    def cell_dofs(space):
+        """(cells, dofs of a cell) node numbers of a space that is not mixed; of a part of one that is, its dofs."""
+        return space.dofmap.list
+
+    def _shape(size):
+        return None if size is None else (size,)
+
+else:  # 0.5
+    from dolfinx.cpp.fem import petsc as cpp_petsc
+
+    JIT_OPTIONS, jit_options, vtk_cells = "jit_params", jit.get_parameters, plot.create_vtk_mesh
+    function_space, create_matrix = fem.FunctionSpace, cpp_petsc.create_matrix
+
+    def lagrange(cell, degree, size=None):
+        return _element("Lagrange", cell, degree, size)
+
+    def quadrature(cell, degree, size=None):
+        return _element("Quadrature", cell, degree, size, quad_scheme="default")
+
+    def mixed(*elements):
+        return ufl.MixedElement(*elements)
+
+    def degrees(space):
+        return [element.degree() for element in space.ufl_element().sub_elements()]
+
+    def degree_of(space):
+        return space.ufl_element().degree()
+
+    def petsc_vector(function):
+        return function.vector
+
+    def evaluated(expression, mesh, cells):
+        return expression.eval(cells)
+
+    def cell_dofs(space):
+        lists = space.dofmap.list.array
+        return lists.reshape(-1, len(space.dofmap.cell_dofs(0)))
+
+    def interpolation_matrix(coarse, fine):
+        return cpp_petsc.interpolation_matrix(coarse._cpp_object, fine._cpp_object)
+
+    def _element(family, cell, degree, size, **more):
+        if size is None:
+            return ufl.FiniteElement(family, cell, degree, **more)
+        return ufl.VectorElement(family, cell, degree, dim=size, **more)
+
+
+def cell_of(mesh):
+    """Name of a mesh's cells."""
+    return mesh.ufl_cell().cellname()
+
+
+def quadratic_domain(cell):
+    """UFL's domain of curved cells, for dolfinx.mesh.create_mesh."""
+    return ufl.Mesh(lagrange(cell, 2, len(basix.topology(getattr(basix.CellType, cell))) - 1))
 
 
 def form(expression, flags=()):
@@ -14,7 +115,7 @@ def form(expression, flags=()):
     options = {"timeout": WAIT_S}
     if flags:
         options["cffi_extra_compile_args"] = list(flags)
-    return fem.form(expression, jit_params=options)
+    return fem.form(expression, **{JIT_OPTIONS: options})
 
 
 def drop_unfinished():
@@ -24,7 +125,7 @@ def drop_unfinished():
     Only files older than WAIT_S are removed; no form takes that long.
     """
     dropped = []
-    for source in pathlib.Path(jit.get_parameters()["cache_dir"]).expanduser().glob("libffcx_*.c"):
+    for source in pathlib.Path(jit_options()["cache_dir"]).expanduser().glob("libffcx_*.c"):
         try:
             if not source.with_suffix(".c.cached").exists() and time.time() - source.stat().st_mtime > WAIT_S:
                 source.unlink()

@@ -12,7 +12,7 @@ fail() { # what, remedy
 }
 
 command -v dpkg-query >/dev/null ||
-  fail "this is not a Debian system" "use Debian 12, or install what setup/$list lists by other means and run 'make build'"
+  fail "this is not a Debian system" "use Debian 12 or 13, or install what setup/$list lists by other means and run 'make build'"
 
 mapfile -t wanted < <(sed 's/#.*//' "$here/$list" | tr -s '[:space:]' '\n' | sed '/^$/d')
 installed=$(dpkg-query -W -f '${db:Status-Status} ${Package}\n' "${wanted[@]}" 2>/dev/null | awk '$1 == "installed" {print $2}' || true)
@@ -37,7 +37,7 @@ if [ ${#missing[@]} -gt 0 ]; then
     [ -n "$(apt-cache policy "$package" | awk '/Candidate:/ && $2 != "(none)" {print $2}')" ] || unknown+=("$package")
   done
   [ ${#unknown[@]} -eq 0 ] ||
-    fail "not in this system's package lists: ${unknown[*]}" "use Debian 12 with its main archive in /etc/apt, then run make again"
+    fail "not in this system's package lists: ${unknown[*]}" "use Debian 12 or 13 with its main archive in /etc/apt, then run make again"
   "${apt[@]}" install -y -qq --no-install-recommends "${missing[@]}" ||
     fail "apt-get could not install the packages" "read its message above; often 'apt-get -f install' or free disk space helps"
   echo "setup: done"

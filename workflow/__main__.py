@@ -1,4 +1,4 @@
-"""Command line: python3 -m workflow validate|scene|stent-alone|provenance|manifest|verify|failed|cohort."""
+"""Command line: python3 -m workflow validate|scene|stent-alone|provenance|manifest|verify|agreement|failed|cohort."""
 
 import argparse
 import pathlib
@@ -51,6 +51,13 @@ def run_failed(options):
         print(f"{step['case']} failed at {step['step']}: {step['message'].splitlines()[0]}", file=sys.stderr)
     if not found:
         sys.exit(1)
+
+
+def run_agreement(options):
+    from workflow.agreement import write_agreement
+
+    count = write_agreement(options.manifest, options.results, options.out)
+    print(f"{options.out}: {count} numbers agree with {options.manifest}")
 
 
 def run_cohort(options):
@@ -114,6 +121,13 @@ def main(arguments=None):
     failed.add_argument("--since", type=float, default=0.0, help="only from this time on, in seconds since 1970 (0)")
     failed.add_argument("--out", type=pathlib.Path, required=True, help="failed.json, for `snakemake --config failed=`")
     failed.set_defaults(run=run_failed)
+    agree = commands.add_parser(
+        "agreement", help="a page on a study beside the manifest of another system; exit code 3"
+    )
+    agree.add_argument("--manifest", type=pathlib.Path, required=True, help="config/manifests/<cohort>.json")
+    agree.add_argument("--results", type=pathlib.Path, default=results, help="root of the products (results)")
+    agree.add_argument("--out", type=pathlib.Path, required=True, help="Markdown page")
+    agree.set_defaults(run=run_agreement)
     cohort = commands.add_parser("cohort", help="draw patients and run them in shards, up to their metrics")
     cohort.add_argument("--count", type=int, required=True, help="number of patients")
     cohort.add_argument("--seed", type=int, required=True, help="patient k of a seed is the same whatever the count")

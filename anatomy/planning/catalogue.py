@@ -9,7 +9,6 @@ _STENT = (
     "crimped_diameter_mm",
     "strut_thickness_mm",
     "hoop_stiffness_n_per_mm",
-    "yield_strain",
     "axial_stiffness_n_per_mm",
     "bending_stiffness_n_mm2",
     "radial_strength_mpa",

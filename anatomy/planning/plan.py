@@ -26,11 +26,12 @@ def run(case_file, anatomy_folder, devices_folder, out):
             sections = outer_wall.referenced(sections, anatomy_folder / "lumen.vtp")
         proposed = proposal.propose(summary, sections, families, str(case_file), treat)
         steps = proposed.steps
-        reference = {"reference": sized_by(summary, proposed, outer_wall.known(case))}
-        for remark in remarks.of_proposal(summary, proposed):
+        said = list(remarks.of_proposal(summary, proposed))
+        reference = {"reference": sized_by(summary, proposed, outer_wall.known(case)) | {"remarks": said}}
+        for remark in said:
             print(f"warning: {case_file}: plan: auto: {remark}", file=sys.stderr)
-        for said in remarks.of_reference(reference["reference"]):
-            print(f"{case_file}: plan: auto: {said}", file=sys.stderr)
+        for other in remarks.of_reference(reference["reference"]):
+            print(f"{case_file}: plan: auto: {other}", file=sys.stderr)
     relative = os.path.relpath(anatomy_folder.resolve(), out.resolve().parent)
     document = {
         "schema": "vci-scene-1",

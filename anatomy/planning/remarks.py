@@ -33,7 +33,7 @@ def _severity(proposal):
     for one in proposal.treated:
         if one.target.percent < targets.SIGNIFICANT_PERCENT:
             yield (
-                f"{one.target.name} narrows the diameter by {one.target.percent:.0f} % only: below"
+                f"{one.target.name} narrows the diameter by {one.target.percent:.1f} % only: below"
                 f" {targets.SIGNIFICANT_PERCENT} % a stent is rarely indicated, look at the FFR first"
             )
 

@@ -80,9 +80,8 @@ def stent_diameter(families, distal, proximal, where):
         raise InputError(
             "no stent diameter of the catalogue fits the vessel",
             where,
-            f"distal reference {distal:.2f} mm",
-            f"sizes are {sizes[0]} to {sizes[-1]} mm, at most {OVERSIZE_MM} mm above the reference: "
-            "treat by balloon alone, or write the plan's steps",
+            f"distal reference {distal:.2f} mm, stents of {sizes[0]} to {sizes[-1]} mm",
+            _other_devices(families, distal),
         )
     for size in fitting:
         if _greatest_diameter(families, size) >= max(proximal, size):
@@ -92,6 +91,20 @@ def stent_diameter(families, distal, proximal, where):
         where,
         f"distal reference {distal:.2f} mm, proximal {proximal:.2f} mm",
         "write the plan's steps: two overlapping stents of different diameters, or a landing in less tapered lumen",
+    )
+
+
+def _other_devices(families, distal):
+    """What is left to do in a vessel that no stent fits: a balloon where there is one of its size."""
+    fitting = [size for size in families[PREDILATATION]["diameters_mm"] if size <= 1.05 * distal]
+    if distal > families[STENT]["diameters_mm"][-1] or not fitting:
+        return (
+            "check the file's units; if the vessel is of that size, add devices for it to config/devices, or treat"
+            " another lesion by the plan's steps"
+        )
+    return (
+        f"a balloon alone is left: write the plan's steps, an action predilatation with {PREDILATATION} of"
+        f" {fitting[-1]} mm (docs/design.md), or add a stent for {distal:.2f} mm to config/devices"
     )
 
 

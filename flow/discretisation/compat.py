@@ -1,4 +1,4 @@
-"""What differs between FEniCSx versions, beside common.fenicsx; written for dolfinx 0.5.2 (Debian 12)."""
+"""FEniCSx as the flow uses it: meshes, spaces, forms and matrices; common.fenicsx has what differs by its version."""
 
 import contextlib
 import io
@@ -6,11 +6,8 @@ import logging
 
 import numpy as np
 import scipy.sparse
-import ufl
-from dolfinx import fem
-from dolfinx.cpp.fem.petsc import create_matrix, interpolation_matrix
+from dolfinx import la
 from dolfinx.io import gmshio
-from dolfinx.plot import create_vtk_mesh
 from mpi4py import MPI
 
 from common import fenicsx
@@ -20,6 +17,9 @@ logging.getLogger("FFC").setLevel(logging.WARNING)
 logging.getLogger("root").setLevel(logging.WARNING)
 
 FLAGS = ("-O3", "-march=native", "-fno-math-errno")
+
+cell_dofs, degree, degrees = fenicsx.cell_dofs, fenicsx.degree_of, fenicsx.degrees
+function_space, mixed_element, petsc_vector = fenicsx.function_space, fenicsx.mixed, fenicsx.petsc_vector
 
 
 def read_gmsh(path, comm=MPI.COMM_SELF, dimension=3):
@@ -65,27 +65,12 @@ def _open(gmsh, path):
 
 def vector_element(mesh, degree):
     """Lagrange element with as many components as the mesh has coordinates."""
-    return ufl.VectorElement("Lagrange", mesh.ufl_cell(), degree)
+    return fenicsx.lagrange(fenicsx.cell_of(mesh), degree, mesh.geometry.dim)
 
 
 def scalar_element(mesh, degree):
     """Lagrange element."""
-    return ufl.FiniteElement("Lagrange", mesh.ufl_cell(), degree)
-
-
-def mixed_element(*elements):
-    """Product of elements."""
-    return ufl.MixedElement(*elements)
-
-
-def degrees(space):
-    """Degrees of the parts of a mixed space."""
-    return [element.degree() for element in space.ufl_element().sub_elements()]
-
-
-def function_space(mesh, element):
-    """Finite-element space."""
-    return fem.FunctionSpace(mesh, element)
+    return fenicsx.lagrange(fenicsx.cell_of(mesh), degree)
 
 
 def form(expression):
@@ -95,14 +80,14 @@ def form(expression):
 
 def block_matrix(compiled):
     """Empty PETSc matrix of a form on a vector space, stored by the blocks of its nodes."""
-    return create_matrix(compiled, "baij")
+    return fenicsx.create_matrix(compiled, "baij")
 
 
 def interpolation(coarse, fine):
     """Sparse matrix (nodes of fine, nodes of coarse) from one component of a space's values to that of its interpolant
     in another on the same mesh."""
     scalars = [function_space(space.mesh, scalar_element(space.mesh, degree(space))) for space in (fine, coarse)]
-    matrix = interpolation_matrix(*(scalar._cpp_object for scalar in scalars[::-1]))
+    matrix = fenicsx.interpolation_matrix(*scalars[::-1])
     matrix.assemble()
     starts, columns, values = matrix.getValuesCSR()
     found = scipy.sparse.csr_matrix((values, columns, starts), matrix.size)
@@ -113,20 +98,9 @@ def interpolation(coarse, fine):
     return found[number[0]][:, number[1]]
 
 
-def degree(space):
-    """Degree of a space that is not mixed."""
-    return space.ufl_element().degree()
-
-
-def petsc_vector(function):
-    """The PETSc vector behind a Function."""
-    return function.vector
-
-
-def cell_dofs(space):
-    """(cells, dofs of a cell) node numbers of a space that is not mixed."""
-    lists = space.dofmap.list.array
-    return lists.reshape(-1, len(space.dofmap.cell_dofs(0)))
+def new_vector(space):
+    """A PETSc vector over a space, zero."""
+    return la.create_petsc_vector(space.dofmap.index_map, space.dofmap.index_map_bs)
 
 
 def part(mixed, index, element):
@@ -134,22 +108,17 @@ def part(mixed, index, element):
 
     As collapse(), which takes forty times as long on cubic elements in 0.5.2.
     """
-    space = fem.FunctionSpace(mixed.mesh, element)
+    space = function_space(mixed.mesh, element)
     size, cells = space.dofmap.bs, cell_dofs(space)
     own = (size * cells[:, :, None] + np.arange(size)).reshape(len(cells), -1)
     dofs = np.empty(own.max() + 1, np.int32)
-    dofs[own] = mixed.sub(index).dofmap.list.array.reshape(own.shape)
+    dofs[own] = cell_dofs(mixed.sub(index)).reshape(own.shape)
     return space, dofs
 
 
 def quadratic_cells(space):
     """(points (n, 3), cells (t, 10)) of a quadratic space: its nodes, cells in the node order of geometry.tet10."""
-    topology, _, points = create_vtk_mesh(space)
+    topology, _, points = fenicsx.vtk_cells(space)
     cells = np.asarray(topology).reshape(-1, 11)[:, 1:]
     # VTK's last two middle nodes are those of the edges 13, 23; gmsh's those of 23, 13
     return points, cells[:, [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]]
-
-
-def quadratic_quadrilaterals():
-    """The coordinate element of curved quadrilaterals in the plane."""
-    return ufl.Mesh(ufl.VectorElement("Lagrange", ufl.Cell("quadrilateral", geometric_dimension=2), 2))

@@ -199,7 +199,7 @@ def residual_of(problem, richer, document):
         settings.backflow_coefficient,
     )
     forms.artificial.value = problem.artificial
-    found = compat.petsc_vector(fem.Function(richer.W)).copy()
+    found = compat.new_vector(richer.W)
     forms.assembled(found)
     outflows = boundaries.outflows(problem.state_vector())
     for tag, pressure in zip(richer.outlets, boundaries.pressures(outflows)):

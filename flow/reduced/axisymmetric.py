@@ -17,6 +17,7 @@ from dolfinx.fem import petsc as fem_petsc
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from common import fenicsx
 from common.errors import ComputationError
 from flow.discretisation import compat
 from flow.physics import viscosity as viscosities
@@ -202,4 +203,4 @@ def _domain(s, radius, rho):
     number = np.arange(len(points)).reshape(len(s), len(rho))
     steps = [(0, 0), (2, 0), (0, 2), (2, 2), (1, 0), (0, 1), (2, 1), (1, 2), (1, 1)]  # corners, middles, centre
     cells = np.stack([number[i : i + 2 * along - 1 : 2, j : j + 2 * across - 1 : 2].ravel() for i, j in steps], axis=1)
-    return dolfinx_mesh.create_mesh(MPI.COMM_SELF, cells, points, compat.quadratic_quadrilaterals())
+    return dolfinx_mesh.create_mesh(MPI.COMM_SELF, cells, points, fenicsx.quadratic_domain("quadrilateral"))

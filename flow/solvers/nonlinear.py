@@ -56,7 +56,7 @@ class FlowProblem(flow_state.FlowState):
         self.free_velocity = np.isin(space.free, space.v_map)
         self.matrix = None  # discretisation.tangent.FreeMatrix
         self.solver = linear.DirectSolver()
-        self.full_residual = compat.petsc_vector(fem.Function(space.W)).copy()
+        self.full_residual = compat.new_vector(space.W)
         self.profile = compat.petsc_vector(boundaries.profile)
         self.columns_of_outlets = [self.free_part(flux) for flux in boundaries.flux]
         self.load = boundaries.load(self.columns_of_outlets)

@@ -69,6 +69,22 @@ def reference_summary(files):
     return read_json(files.scene, "anatomy plan").get("reference")
 
 
+GIVEN = ("pre", "post")  # states whose lumen is given; the others are made from them
+
+
+def lumen_warnings(files, states):
+    """{state: [sentence]}: what `lumen process` has warned of in the lumens that are given, in the order it did.
+
+    A branch that was left closed, a filled opening or a lumen of few voxels changes every figure of the case.
+    """
+    said = {}
+    for state in GIVEN:
+        if state in states:
+            repairs = read_json(files.anatomy(state) / "anatomy.json", "lumen process").get("repairs", [])
+            said[state] = [f"{one['what']}: {one['detail']}" for one in repairs if one.get("warning")]
+    return {state: sentences for state, sentences in said.items() if sentences}
+
+
 def procedure_summary(files):
     """The scene's steps: name, action, and for each device its size, place and pressure."""
     scene = read_json(files.scene, "anatomy plan")

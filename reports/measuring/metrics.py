@@ -8,7 +8,7 @@ from common.errors import ComputationError, InputError
 from reports.inputs.case_files import IMAGED, STATES
 from reports.measuring.curvature import mean_over_length
 from reports.measuring.device_readouts import case_kind, deployment_summary, lesion_summary, patient_summary
-from reports.measuring.device_readouts import procedure_summary, reference_summary
+from reports.measuring.device_readouts import lumen_warnings, procedure_summary, reference_summary
 from reports.measuring.measured import MEASURED, at_the_wire, measured_summary
 from reports.inputs.polyline import read_centreline
 from reports.measuring.profiles import error_of, state_profiles
@@ -98,6 +98,7 @@ def case_metrics(files, margin_mm=DEFAULT_MARGIN_MM, stations=DEFAULT_STATIONS, 
         "measured": measured_summary(files, config),
         "registration": registration_summary(files, profiles["post"], segment) if "post" in states else None,
         "imaging": imaging_summary(files, states),
+        "lumen_warnings": lumen_warnings(files, states),
     }
 
 

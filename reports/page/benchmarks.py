@@ -37,6 +37,16 @@ TITLES = {
         "A row is a mesh of the same narrowed tube; errors of FFR are against an axisymmetric solution. Settled: the "
         "solve's seconds until FFR kept its value; where it did not converge FFR is a mean over iterations.",
     ),
+    "flow_tree_against_openfoam": (
+        "Blood flow: a tree beside OpenFOAM",
+        "A row is a state on the nodes of one of its meshes, with the flows of our answer given; difference: of "
+        "simpleFoam's FFR at the probe from ours. The finer mesh shows simpleFoam's own error.",
+    ),
+    "flow_fda_jet": (
+        "Blood flow: the jet of the FDA's nozzle",
+        "Velocity on the axis in m/s, z mm behind the sudden expansion at a Reynolds number of 500, by five "
+        "laboratories and by an axisymmetric solution of the equations.",
+    ),
     "flow_growth": (
         "Blood flow: cost by mesh",
         "A row is a mesh of the same narrowed tube; errors of FFR are against an axisymmetric solution. Exponents: of "

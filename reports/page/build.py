@@ -69,6 +69,8 @@ def build_report(
             agreement=agreement_rows(agreement),
             errors={kind: ERRORS[kind] for kind in ERRORS if kind in [row["error"] for row in agreement]},
             imaging=imaging_warnings(contexts),
+            lumen_warnings=lumen_warnings(contexts),
+            plan_remarks=plan_remarks(contexts),
             flow_warnings=[{"case": c["name"], "id": c["id"], **row} for c in contexts for row in c["flow_warnings"]],
             agreement_figure=optional_image(figures_dir / "agreement.svg") if agreement else None,
             nearer=nearer_rows(read_csv(study_dir / "nearer.csv")),
@@ -176,6 +178,25 @@ def imaging_warnings(contexts):
         for warning in found["warnings"]
     ]
     return sorted(rows, key=lambda row: row["code"] != OCCLUDED)
+
+
+def lumen_warnings(contexts):
+    """Rows {case, id, state, message} of what the anatomies of given lumens warn of."""
+    return [
+        {"case": c["name"], "id": c["id"], "state": state, "message": message}
+        for c in contexts
+        for state, found in c["metrics"]["lumen_warnings"].items()
+        for message in found
+    ]
+
+
+def plan_remarks(contexts):
+    """Rows {case, id, message} of what is said of proposed plans."""
+    return [
+        {"case": c["name"], "id": c["id"], "message": message}
+        for c in contexts
+        for message in (c["metrics"]["plan_reference"] or {}).get("remarks", [])
+    ]
 
 
 def mean_sd(values):

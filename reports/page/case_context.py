@@ -59,6 +59,7 @@ def case_context(files, figures_dir):
         "deployment_warnings": (deployment or {}).get("warnings", []),
         "switched_off": [as_text(item) for item in (deployment or {}).get("switched_off", [])],
         "flow": flow,
+        "probes": probe_rows(flow),
         "flow_ranges": flow_ranges(flow),
         "flow_warnings": flow_warnings(flow),
         "modified": [state for state, row in flow.items() if not _steady(row["solution"])],
@@ -84,6 +85,16 @@ def flow_ranges(flow):
         for state, row in flow.items()
         if row["solution"].get("ffr_range")
     ]
+
+
+def probe_rows(flow):
+    """Rows {name, branch, s_mm, ffr: {state: FFR}} of the probes, in the order of the first state that has them."""
+    rows = {}
+    for state, row in flow.items():
+        for probe in row["solution"].get("probes", []):
+            place = {key: probe[key] for key in ("name", "branch", "s_mm")}
+            rows.setdefault(probe["name"], {**place, "ffr": {}})["ffr"][state] = probe["ffr"]
+    return list(rows.values())
 
 
 def wire_rows(metrics):

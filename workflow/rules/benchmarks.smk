@@ -14,6 +14,7 @@ BENCHMARKS = {
     "reference_against_solid": "benchmark.csv",
     "reference_sensitivity": "sensitivity.csv",
 }
+SOLVED_STATES = [f"results/cases/quick_branch/flow/{state}" for state in ("pre", "vci")]  # of a tree, before and after
 STRAIGHT_TUBES = (*(f"single_{percent}" for percent in (62, 75, 80, 85, 90)), "tandem_60", "throat_re_1500")
 
 
@@ -376,6 +377,49 @@ rule flow_against_openfoam:
     threads: ALONE
     resources:
         sbatch_options="--exclusive",
+    params:
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out}"
+
+
+rule flow_tree_against_openfoam:
+    message:
+        "benchmark: a tree before and after PCI beside OpenFOAM's simpleFoam (package openfoam), by its own name only"
+    input:
+        code=flow_benchmark_code("against_openfoam_tree"),
+        script="tests/verification/flow/against_openfoam_tree.py",
+        boundary="results/cases/quick_branch/flow/boundary.json",
+        meshes=expand("{state}/{file}", state=SOLVED_STATES, file=["mesh_coarse.msh", "mesh.msh", "mesh.json"]),
+        answers=expand("{state}/ffr.json", state=SOLVED_STATES),
+    output:
+        "results/benchmarks/flow_tree_against_openfoam/tree.csv",
+    log:
+        "results/benchmarks/logs/flow_tree_against_openfoam.log",
+    benchmark:
+        "results/benchmarks/logs/flow_tree_against_openfoam.tsv"
+    threads: ALONE
+    resources:
+        sbatch_options="--exclusive",
+    params:
+        out=output_folder,
+        states=SOLVED_STATES,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out} {params.states}"
+
+
+rule flow_fda_jet:
+    message:
+        "benchmark: the jet of the FDA's nozzle, laboratories and axisymmetric solution, by its own name only"
+    input:
+        code=flow_benchmark_code("fda_jet"),
+        script="tests/verification/flow/fda_jet.py",
+    output:
+        "results/benchmarks/flow_fda_jet/jet.csv",
+    log:
+        "results/benchmarks/logs/flow_fda_jet.log",
+    benchmark:
+        "results/benchmarks/logs/flow_fda_jet.tsv"
     params:
         out=output_folder,
     shell:

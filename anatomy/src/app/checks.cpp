@@ -45,13 +45,13 @@ void check_no_handle(Mesh& mesh, long most) {
 }
 
 void check_no_stub(const Mesh& mesh, const std::vector<End>& ends, bool named, std::vector<Repair>& repairs) {
-  for (const RoundedEnd& end : rounded_ends(mesh, ends, least_stub)) {
-    if (end.radius < narrowest_stub || end.prominence < end.radius)
+  for (const RoundedEnd& end : rounded_ends(mesh, ends, least_stub, true)) {
+    if (end.widest < narrowest_stub || end.prominence < end.widest)
       continue;
     char value[160];
-    std::snprintf(value, sizeof value, "diameter %.2f mm, closed, stands out by %.2f mm", 2 * end.radius,
+    std::snprintf(value, sizeof value, "diameter %.2f mm, closed, stands out by %.2f mm", 2 * end.widest,
                   end.prominence);
-    if (!named && end.prominence > tube * end.radius)
+    if (!named && end.prominence > tube * end.widest)
       throw InputError("a branch of the coronary tree without an end", "at " + place(end.at), value,
                        "cut it flat or open it, or cut across it by --cut x,y,z; to leave it closed name every outlet "
                        "by --outlet");

@@ -108,7 +108,8 @@ nlohmann::ordered_json summary(const Anatomy& anatomy, const StepTimer& timer) {
     out["lesions"].push_back(lesion_entry(anatomy, anatomy.lesions[i], i + 1));
   out["repairs"] = nlohmann::ordered_json::array();
   for (const Repair& repair : anatomy.repairs)
-    out["repairs"].push_back({{"what", repair.what}, {"count", repair.count}, {"detail", repair.detail}});
+    out["repairs"].push_back(
+        {{"what", repair.what}, {"count", repair.count}, {"detail", repair.detail}, {"warning", repair.warning}});
   out["mesh"] = {{"edge_mm", anatomy.edge},
                  {"smallest_edge_mm", anatomy.quality.smallest_edge_mm},
                  {"vertices", anatomy.mesh.number_of_vertices()},

@@ -16,15 +16,15 @@ using VertexBase = CGAL::Triangulation_vertex_base_with_info_3<std::size_t, Kern
 using CellBase = CGAL::Triangulation_cell_base_with_info_3<int, Kernel>;
 using Delaunay = CGAL::Delaunay_triangulation_3<Kernel, CGAL::Triangulation_data_structure_3<VertexBase, CellBase>>;
 
-constexpr double beside_end = 1.1; // radii: what is farther from an end's axis belongs to a vessel that runs past it
-
+constexpr double beside_end = 1.1;  // radii: what is farther from an end's axis belongs to a vessel that runs past it
 constexpr double on_one_side = 0.2; // radii between the points that a ball touches: they are one patch of the wall
 
-bool beyond_an_end(const Vec3& p, const std::vector<End>& ends) {
+// At any distance before a cap: a ball there may touch the rim alone, whose normals do not tell it from one inside.
+bool before_an_end(const Vec3& p, const std::vector<End>& ends) {
   return std::any_of(ends.begin(), ends.end(), [&](const End& end) {
     const Vec3 d = p - end.centre;
     const double outside = d.dot(end.normal), aside = (d - outside * end.normal).norm();
-    return outside > 0 && d.norm() < 3 * end.radius() && aside < beside_end * end.radius();
+    return outside > 0 && aside < beside_end * end.radius();
   });
 }
 
@@ -40,7 +40,7 @@ bool crosses_an_end(const Vec3& a, const Vec3& b, const std::vector<End>& ends) 
 // have theirs anywhere, and their normals do not tell on which side it is.
 class Inside {
 public:
-  explicit Inside(const Mesh& mesh) : mesh_(mesh), box_(PMP::bbox(mesh)) {}
+  Inside(const Mesh& mesh, const std::vector<End>& ends) : mesh_(mesh), ends_(ends), box_(PMP::bbox(mesh)) {}
   bool operator()(const Delaunay::Cell_handle& cell, const Vec3& c, double radius) {
     if (c.x() < box_.xmin() || c.x() > box_.xmax() || c.y() < box_.ymin() || c.y() > box_.ymax() ||
         c.z() < box_.zmin() || c.z() > box_.zmax())
@@ -49,7 +49,7 @@ public:
     for (int i = 0; i < 4; ++i)
       for (int j = 0; j < i; ++j)
         longest = std::max(longest, (vec(cell->vertex(i)->point()) - vec(cell->vertex(j)->point())).norm());
-    if (longest > on_one_side * radius)
+    if (longest > on_one_side * radius && !before_an_end(c, ends_))
       return true;
     if (!side_)
       side_ = std::make_unique<CGAL::Side_of_triangle_mesh<Mesh, Kernel>>(mesh_);
@@ -58,6 +58,7 @@ public:
 
 private:
   const Mesh& mesh_;
+  const std::vector<End>& ends_;
   CGAL::Bbox_3 box_;
   std::unique_ptr<CGAL::Side_of_triangle_mesh<Mesh, Kernel>> side_;
 };
@@ -90,7 +91,7 @@ Balls inner_balls(const Mesh& mesh, const std::vector<End>& ends, std::size_t ev
   wall_points(mesh, every, points, normals);
   Delaunay delaunay(points.begin(), points.end());
   Balls balls;
-  Inside in_lumen(mesh);
+  Inside in_lumen(mesh, ends);
   for (auto cell : delaunay.finite_cell_handles()) {
     cell->info() = -1;
     const Vec3 c = vec(CGAL::circumcenter(delaunay.tetrahedron(cell)));
@@ -99,7 +100,7 @@ Balls inner_balls(const Mesh& mesh, const std::vector<End>& ends, std::size_t ev
       const Vec3 p = vec(cell->vertex(k)->point());
       inside = (c - p).dot(normals[cell->vertex(k)->info()]) < 0;
     }
-    if (!inside || beyond_an_end(c, ends) || !in_lumen(cell, c, (c - vec(cell->vertex(0)->point())).norm()))
+    if (!inside || !in_lumen(cell, c, (c - vec(cell->vertex(0)->point())).norm()))
       continue;
     cell->info() = static_cast<int>(balls.centre.size());
     balls.centre.push_back(c);

@@ -1,5 +1,6 @@
 // The types that all of anatomy shares. Lengths in mm.
 #pragma once
+#include "core/cgal_versions.hpp"
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Surface_mesh.h>
 #include <Eigen/Dense>
@@ -66,7 +67,7 @@ inline RegionMap region_map(Mesh& mesh) {
   return mesh.add_property_map<Face, int>("f:region", 0).first;
 }
 inline RegionMap region_map(const Mesh& mesh) {
-  return mesh.property_map<Face, int>("f:region").first;
+  return existing_map<RegionMap>(mesh, "f:region");
 }
 
 /// "(x, y, z) mm", for messages.

@@ -160,6 +160,22 @@ double mean_radius(const Mesh& mesh) {
   return 2 * std::abs(PMP::volume(mesh)) / PMP::area(mesh);
 }
 
+// The tips seen from either extremity, the most prominent first: what leans towards one stands out by little as seen
+// from there. Of two closer than `apart` (mm) the less prominent one is dropped.
+std::vector<Tip> tips_from_both(const Mesh& mesh, double prominence, double apart) {
+  std::vector<Tip> all = tips_of(mesh, prominence), tips;
+  const std::vector<Tip> from_far_end = tips_of(mesh, prominence, true);
+  all.insert(all.end(), from_far_end.begin(), from_far_end.end());
+  std::stable_sort(all.begin(), all.end(), [](const Tip& a, const Tip& b) { return a.prominence > b.prominence; });
+  for (const Tip& tip : all) {
+    const Vec3 at = vec(mesh.point(tip.vertex));
+    if (std::none_of(tips.begin(), tips.end(),
+                     [&](const Tip& kept) { return (vec(mesh.point(kept.vertex)) - at).norm() < apart; }))
+      tips.push_back(tip);
+  }
+  return tips;
+}
+
 // Balls of the surface and the ball of each tip.
 struct TipBalls {
   Balls balls;
@@ -186,9 +202,11 @@ TipBalls balls_of_tips(const Mesh& mesh, const std::vector<End>& ends, const std
 
 } // namespace
 
-std::vector<RoundedEnd> rounded_ends(const Mesh& mesh, const std::vector<End>& ends, double prominence) {
+std::vector<RoundedEnd> rounded_ends(const Mesh& mesh, const std::vector<End>& ends, double prominence,
+                                     bool from_both) {
   const double mean = mean_radius(mesh);
-  const std::vector<Tip> tips = tips_of(mesh, prominence * mean);
+  const std::vector<Tip> tips =
+      from_both ? tips_from_both(mesh, prominence * mean, mean) : tips_of(mesh, prominence * mean);
   const std::vector<EndReach> reaches = reaches_of(mesh, ends);
   const auto is_rounded = [&](const Tip& tip) { return !end_at(vec(mesh.point(tip.vertex)), reaches); };
   if (tips.size() < 2 || std::none_of(tips.begin(), tips.end(), is_rounded))
@@ -205,6 +223,8 @@ std::vector<RoundedEnd> rounded_ends(const Mesh& mesh, const std::vector<End>& e
                    vec(mesh.point(tip.vertex)),
                    cut_plane(mesh, slices, way),
                    way.radius.front(),
+                   *std::max_element(way.radius.begin(),
+                                     way.radius.begin() + static_cast<std::ptrdiff_t>(way.at(tip.prominence / 2)) + 1),
                    tip.prominence,
                    way.points.size() > 1,
                    ""};
@@ -220,13 +240,9 @@ std::vector<RoundedEnd> rounded_ends(const Mesh& mesh, const std::vector<End>& e
 }
 
 std::vector<Tip> tips_beside_ends(const Mesh& mesh, const std::vector<End>& ends, double prominence) {
-  std::vector<Tip> tips = tips_of(mesh, prominence);
-  // what leans towards one extremity stands out by little as seen from there
-  const std::vector<Tip> from_far_end = tips_of(mesh, prominence, true);
-  tips.insert(tips.end(), from_far_end.begin(), from_far_end.end());
+  std::vector<Tip> tips = tips_from_both(mesh, prominence, mean_radius(mesh));
   const std::vector<EndReach> reaches = reaches_of(mesh, ends);
   std::erase_if(tips, [&](const Tip& tip) { return end_at(vec(mesh.point(tip.vertex)), reaches) != nullptr; });
-  std::stable_sort(tips.begin(), tips.end(), [](const Tip& a, const Tip& b) { return a.prominence > b.prominence; });
   return tips;
 }
 

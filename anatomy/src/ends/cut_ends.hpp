@@ -11,17 +11,20 @@ struct RoundedEnd {
   Vec3 at;               ///< of the tip, mm
   Plane plane;           ///< across the axis behind the last ball, where the next section is like it
   double radius = 0;     ///< mm, of the last inscribed ball
+  double widest = 0;     ///< mm, of its balls within half of what it stands out by: those at a rough tip are smaller
   double prominence = 0; ///< mm along the surface
   bool reached = true;   ///< whether inscribed balls lead to it from the other tips
   std::string why_short; ///< why it is too short for a vessel of its own; empty where it is long enough
 };
 
 /// The tips that stand out by `prominence` mean radii and are not at one of `ends`, the most prominent first. The mesh
-/// must be closed, one component and without removed elements. Throws InputError where a tip has no inscribed ball.
-std::vector<RoundedEnd> rounded_ends(const Mesh& mesh, const std::vector<End>& ends, double prominence);
+/// must be closed, one component and without removed elements. from_both: tips are looked for from either extremity
+/// (repair/tips.hpp), as short ones need. Throws InputError where a tip has no inscribed ball.
+std::vector<RoundedEnd> rounded_ends(const Mesh& mesh, const std::vector<End>& ends, double prominence,
+                                     bool from_both = false);
 
-/// The tips seen from either extremity (repair/tips.hpp) that stand out by `prominence` mm and are not at the rim of
-/// one of `ends`, the most prominent first; one that is seen from both is there twice. The mesh is as for rounded_ends.
+/// The tips seen from either extremity that stand out by `prominence` mm and are not at the rim of one of `ends`, the
+/// most prominent first, a mean radius apart. The mesh is as for rounded_ends.
 std::vector<Tip> tips_beside_ends(const Mesh& mesh, const std::vector<End>& ends, double prominence);
 
 /// Cuts one off; the opening is left for cap_open_ends, and the mesh holds garbage. Throws InputError where the plane

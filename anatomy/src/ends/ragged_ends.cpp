@@ -12,12 +12,12 @@ namespace {
 namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
 
-constexpr double same_cap = 0.02;      // of a cap's area
-constexpr double off_cap = 0.25;       // edges
-constexpr double like_rim = 0.25;      // of the area within a rim that is a sawtooth
-constexpr double same_section = 0.05;  // of the area
-constexpr double aside_of_axis = 0.05; // radii
-constexpr int most_attempts = 6;       // cuts, each an edge farther in
+constexpr double same_cap = 0.02;     // of a cap's area
+constexpr double off_cap = 0.25;      // edges
+constexpr double like_rim = 0.25;     // of the area within a rim that is a sawtooth
+constexpr double same_section = 0.05; // of the area
+constexpr double off_step = 0.05;     // radii
+constexpr int most_attempts = 8;      // cuts, each an edge farther in
 
 // The vertex nearest to p of those that the plane parts from the vessel: repairs may have moved the rim's corners.
 Vertex vertex_before(const Mesh& mesh, const Plane& plane, const Vec3& p) {
@@ -57,11 +57,9 @@ struct Opened {
   double lost, depth; // mm2 of wall, mm of the vessel
 };
 
-// The mesh cut `deeper` mm beyond the planned plane. Nothing is returned where the cut leaves more than one opening, or
-// an opening unlike the rim.
-std::optional<Opened> opened(const Mesh& mesh, const OpenEnd& end, double deeper) {
-  Plane plane = end.plane;
-  plane.centre += deeper * plane.normal;
+// The mesh cut by a plane, `deeper` mm beyond the planned one. Nothing is returned where the cut leaves more than one
+// opening, or an opening unlike the rim.
+std::optional<Opened> opened(const Mesh& mesh, const OpenEnd& end, const Plane& plane, double deeper) {
   Opened out{mesh, {}, 0, end.depth + deeper};
   try {
     out.lost = cut(out.mesh, plane, vertex_before(out.mesh, plane, end.foremost), cut_remedy);
@@ -76,24 +74,32 @@ std::optional<Opened> opened(const Mesh& mesh, const OpenEnd& end, double deeper
   return out;
 }
 
-bool alike(const Opened& a, const Opened& b, const Vec3& along) {
-  const Vec3 aside = (b.loop.centre - a.loop.centre).cross(along);
+// Whether three sections are of one vessel: their areas are alike, and their centres go on by the same step. The rim
+// may be oblique, so the step need not be along the planes' normal.
+bool alike(const Opened& a, const Opened& b, const Opened& c) {
+  const Vec3 bend = (c.loop.centre - b.loop.centre) - (b.loop.centre - a.loop.centre);
   return std::abs(b.loop.area / a.loop.area - 1) < same_section &&
-         aside.norm() < aside_of_axis * std::sqrt(a.loop.area / M_PI);
+         std::abs(c.loop.area / b.loop.area - 1) < same_section &&
+         bend.norm() < off_step * std::sqrt(a.loop.area / M_PI);
 }
 
-// Cuts behind the end where the next plane, an edge farther in, finds the same section: what closed the end may reach
+// Cuts behind the end where the next two planes, an edge apart, find the same section: what closed the end may reach
 // behind its rim, and the wall beside it may be crumpled.
 Opened cut_behind(const Mesh& mesh, const OpenEnd& end) {
-  std::optional<Opened> last;
+  std::optional<Opened> first, second;
+  Plane plane = end.plane;
   for (int attempt = 0; attempt < most_attempts; ++attempt) {
-    std::optional<Opened> next = opened(mesh, end, attempt * end.spacing);
-    if (last && next && alike(*last, *next, end.plane.normal))
-      return *std::move(last);
-    last = std::move(next);
+    std::optional<Opened> third = opened(mesh, end, plane, attempt * end.spacing);
+    if (third) // behind an oblique rim the vessel leads away from the planes' normal
+      plane.centre = third->loop.centre;
+    plane.centre += end.spacing * plane.normal;
+    if (first && second && third && alike(*first, *second, *third))
+      return *std::move(first);
+    first = std::move(second);
+    second = std::move(third);
   }
   throw InputError("an open end is too ragged to be cut flat", place(end.centre),
-                   "no two like sections within " + std::to_string(end.depth + (most_attempts - 1) * end.spacing) +
+                   "no three like sections within " + std::to_string(end.depth + (most_attempts - 1) * end.spacing) +
                        " mm behind its rim",
                    cut_remedy);
 }

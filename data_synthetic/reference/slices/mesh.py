@@ -1,9 +1,10 @@
 """Annular mesh of quadratic quadrilaterals between lumen and adventitia; its nodes are moved from slice to slice."""
 
 import numpy as np
-import ufl
 from dolfinx import mesh as dmesh
 from mpi4py import MPI
+
+from common import fenicsx
 
 LUMEN, OUTSIDE = 1, 2
 
@@ -34,8 +35,8 @@ class Annulus:
         x = np.stack(
             [np.outer(np.cos(self.theta_rad), radius).ravel(), np.outer(np.sin(self.theta_rad), radius).ravel()], axis=1
         )
-        element = ufl.VectorElement("Lagrange", ufl.Cell("quadrilateral", geometric_dimension=2), 2)
-        self.mesh = dmesh.create_mesh(MPI.COMM_SELF, np.array(cells, np.int64), x, ufl.Mesh(element))
+        domain = fenicsx.quadratic_domain("quadrilateral")
+        self.mesh = dmesh.create_mesh(MPI.COMM_SELF, np.array(cells, np.int64), x, domain)
         self._input = np.array(self.mesh.geometry.input_global_indices)
         self.mesh.topology.create_connectivity(1, 2)
         inner = dmesh.locate_entities_boundary(self.mesh, 1, lambda p: np.hypot(p[0], p[1]) < 1.2)

@@ -21,7 +21,7 @@ class SliceModel(SteppedModel):
     def __init__(self, around, through, wall_c10_mpa, wall_c20_mpa, bulk_modulus_mpa, support_mpa_per_mm):
         self.annulus = Annulus(around, through)
         mesh = self.annulus.mesh
-        self._space = fem.FunctionSpace(mesh, ufl.VectorElement("Lagrange", mesh.ufl_cell(), 2))
+        self._space = fenicsx.function_space(mesh, fenicsx.lagrange("quadrilateral", 2, 2))
         self.u = fem.Function(self._space)
         self._plastic, self._strain, self._material = (self._at_points(mesh, n) for n in (4, 1, 4))
         self._make_loads(mesh)
@@ -81,7 +81,7 @@ class SliceModel(SteppedModel):
         mm to (share of plaque, shear MPa, yield MPa, hardening MPa), each (n,).
         """
         self.annulus.place(inner_mm, outer_mm)
-        x = self._where.eval(self._cells).reshape(-1, 2)
+        x = fenicsx.evaluated(self._where, self.annulus.mesh, self._cells).reshape(-1, 2)
         values = np.stack(material(np.arctan2(x[:, 1], x[:, 0]), np.hypot(x[:, 0], x[:, 1])), axis=1)
         self._material.x.array[:] = values.ravel()
         self._plastic.x.array[:] = np.tile([1.0, 1.0, 1.0, 0.0], len(x))

@@ -3,6 +3,7 @@
 import numpy as np
 import ufl
 from dolfinx import fem
+from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
 from common import fenicsx
@@ -44,8 +45,8 @@ class SteppedModel:
         """Compiles the residual and its tangent, and sets up the linear solver."""
         self._residual = fenicsx.form(residual)
         self._tangent = fenicsx.form(ufl.derivative(residual, self.u))
-        self._matrix = fem.petsc.create_matrix(self._tangent)
-        self._vector = fem.petsc.create_vector(self._residual)
+        self._matrix = fem_petsc.create_matrix(self._tangent)
+        self._vector = fem_petsc.create_vector(self._residual)
         self._solver = PETSc.KSP().create(PETSc.COMM_SELF)
         self._solver.setType("preonly")
         self._solver.getPC().setType("lu")
@@ -64,10 +65,8 @@ class SteppedModel:
 
     def _at_points(self, mesh, size):
         """Function with `size` values at each quadrature point."""
-        kind = ufl.VectorElement if size > 1 else ufl.FiniteElement
-        extra = {"dim": size} if size > 1 else {}
-        element = kind("Quadrature", mesh.ufl_cell(), laws.DEVIATORIC_DEGREE, quad_scheme="default", **extra)
-        return fem.Function(fem.FunctionSpace(mesh, element))
+        element = fenicsx.quadrature(fenicsx.cell_of(mesh), laws.DEVIATORIC_DEGREE, size if size > 1 else None)
+        return fem.Function(fenicsx.function_space(mesh, element))
 
     def set_loads(self, loads):
         """Sets the constants named in `loads` (keys from LOADS)."""
@@ -84,7 +83,7 @@ class SteppedModel:
         for iteration in range(MAX_ITERATIONS):
             with self._vector.localForm() as local:
                 local.set(0)
-            fem.petsc.assemble_vector(self._vector, self._residual)
+            fem_petsc.assemble_vector(self._vector, self._residual)
             norm = self._vector.norm()
             if not np.isfinite(norm) or norm > 1e4:
                 return False
@@ -95,7 +94,7 @@ class SteppedModel:
             first = norm if iteration == 0 else first
             scale = max(scale, norm)
             self._matrix.zeroEntries()
-            fem.petsc.assemble_matrix(self._matrix, self._tangent)
+            fem_petsc.assemble_matrix(self._matrix, self._tangent)
             self._matrix.assemble()
             step = self._vector.duplicate()
             self._solver.solve(self._vector, step)
@@ -111,7 +110,7 @@ class SteppedModel:
     def _commit(self):
         """Makes the plastic state at the present displacement the start of the next step."""
         size = self.plastic_size
-        values = self._update.eval(self._cells).reshape(-1, size + 1)
+        values = fenicsx.evaluated(self._update, self.u.function_space.mesh, self._cells).reshape(-1, size + 1)
         self._plastic.x.array[:] = values[:, :size].ravel()
         self._strain.x.array[:] = values[:, size]
 

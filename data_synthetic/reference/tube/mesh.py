@@ -4,10 +4,11 @@ import itertools
 
 import basix
 import numpy as np
-import ufl
 from dolfinx import mesh as dmesh
 from mpi4py import MPI
 from scipy.spatial import cKDTree
+
+from common import fenicsx
 
 LUMEN, OUTSIDE, ENDS = 1, 2, 3
 
@@ -39,9 +40,9 @@ class Tube:
         s = np.broadcast_to(self.station_s_mm[:, None, None], a.shape)
         self.chart_mm = np.stack([s.ravel(), a.ravel(), b.ravel()], axis=1)
         self.points_mm = self._placed(axis)
-        element = ufl.VectorElement("Lagrange", ufl.Cell("hexahedron", geometric_dimension=3), 2)
+        domain = fenicsx.quadratic_domain("hexahedron")
         cells = self._cells(stations, columns, through)
-        self.mesh = dmesh.create_mesh(MPI.COMM_SELF, cells, self.points_mm, ufl.Mesh(element))
+        self.mesh = dmesh.create_mesh(MPI.COMM_SELF, cells, self.points_mm, domain)
         self._tree = cKDTree(self.points_mm)
         self.facet_tags = self._tags(stations, columns)
 

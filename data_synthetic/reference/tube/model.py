@@ -5,6 +5,8 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
+from common import fenicsx
+
 from ..solid import laws
 from ..solid.stepped import SteppedModel
 from .mesh import ENDS, LUMEN, OUTSIDE
@@ -28,8 +30,8 @@ class TubeModel(SteppedModel):
 
     def __init__(self, tube, axis, material, settings):
         self.tube, mesh = tube, tube.mesh
-        self._space = fem.FunctionSpace(mesh, ufl.VectorElement("Lagrange", mesh.ufl_cell(), 2))
-        scalar = fem.FunctionSpace(mesh, ("Lagrange", 2))
+        self._space = fenicsx.function_space(mesh, fenicsx.lagrange("hexahedron", 2, 3))
+        scalar = fenicsx.function_space(mesh, fenicsx.lagrange("hexahedron", 2))
         self._node = tube.nodes_of(self._space.tabulate_dof_coordinates())
         self._scalar_node = tube.nodes_of(scalar.tabulate_dof_coordinates())
         self.u = fem.Function(self._space)
@@ -51,7 +53,7 @@ class TubeModel(SteppedModel):
 
     def _rest(self, chart, material):
         """Material constants and the virgin state at the quadrature points."""
-        s, a, b = chart.eval(self._cells).reshape(-1, 3).T
+        s, a, b = fenicsx.evaluated(chart, self.tube.mesh, self._cells).reshape(-1, 3).T
         self._material.x.array[:] = np.stack(material(s, np.arctan2(b, a), np.hypot(a, b)), axis=1).ravel()
         self._plastic.x.array[:] = np.tile([1.0, 1.0, 1.0, 0.0, 0.0, 0.0], len(s))
 

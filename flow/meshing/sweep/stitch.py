@@ -10,6 +10,7 @@ from flow.geometry.vectors import dot
 CLEAR = 0.5  # local edges that a remaining facet keeps from the plane of a span's end
 NEAR = 2.5  # radii of an end within which its plane cuts the wall
 LEAST_COSINE = 0.5  # between a strip's triangle and the smooth surface's normal at the ring
+FOLDS = 1e4  # what a triangle that folds counts as, in triangles of the best shape
 
 
 class StitchError(Exception):
@@ -94,34 +95,51 @@ def loops(triangles):
     return found
 
 
-def zipper(points, loop, ring):
+def zipper(points, normals, loop, ring):
     """Triangles (l + r, 3) between two closed chains of vertices that run the same way round; loop's edges a -> b get
     triangles (b, a, ring vertex).
 
-    Of all ways to join them in order, from the closest pair on, the one with the least sum of squared new edges.
+    Of all ways to join them in order, from the closest pair on, the one whose triangles are best: `_badness` summed.
     """
     gap = np.linalg.norm(points[loop][:, None] - points[ring][None], axis=2)
     i, j = np.unravel_index(np.argmin(gap), gap.shape)
     loop, ring = np.roll(loop, -i), np.roll(ring, -j)
-    square = np.roll(np.roll(gap, -i, axis=0), -j, axis=1) ** 2
     rows, columns = len(loop), len(ring)
+    # triangle (a, b) on an edge of the loop, and on one of the ring: both end at loop[a], ring[b]
+    a, b = np.meshgrid(np.arange(rows), np.arange(columns), indexing="ij")
+    on_loop = np.stack([loop[a], loop[a - 1], ring[b]], axis=-1)
+    on_ring = np.stack([loop[a], ring[b - 1], ring[b]], axis=-1)
+    cost_loop, cost_ring = (_badness(points, normals, one) for one in (on_loop, on_ring))
     cost = np.full((rows + 1, columns + 1), np.inf)
     cost[0, 0] = 0.0
+    by_loop = np.zeros(cost.shape, bool)
     for a in range(rows + 1):
         for b in range(columns + 1):
             if a + b:
-                before = min(cost[a - 1, b] if a else np.inf, cost[a, b - 1] if b else np.inf)
-                cost[a, b] = before + square[a % rows, b % columns]
+                along = cost[a - 1, b] + cost_loop[a % rows, b % columns] if a else np.inf
+                across = cost[a, b - 1] + cost_ring[a % rows, b % columns] if b else np.inf
+                by_loop[a, b], cost[a, b] = along <= across, min(along, across)
     a, b, found = rows, columns, []
     while a + b:
-        along_loop = a > 0 and (b == 0 or cost[a - 1, b] <= cost[a, b - 1])
-        if along_loop:
-            found.append([loop[a % rows], loop[a - 1], ring[b % columns]])
+        if by_loop[a, b]:
+            found.append(on_loop[a % rows, b % columns])
             a -= 1
         else:
-            found.append([loop[a % rows], ring[b - 1], ring[b % columns]])
+            found.append(on_ring[a % rows, b % columns])
             b -= 1
     return np.array(found)
+
+
+def _badness(points, normals, triangles):
+    """1 over the shape (1 of an equilateral triangle) of triangles (..., 3), either way round; FOLDS more where one
+    does not face as the surface does."""
+    a, b, c = (points[triangles[..., k]] for k in range(3))
+    area = np.cross(b - a, c - a)
+    twice = np.linalg.norm(area, axis=-1)
+    sides = sum(((one - other) ** 2).sum(axis=-1) for one, other in ((a, b), (b, c), (c, a)))
+    facing = normals[triangles].sum(axis=-2)
+    cosine = np.abs((area * facing).sum(axis=-1)) / np.maximum(twice * np.linalg.norm(facing, axis=-1), 1e-300)
+    return sides / np.maximum(2.0 * np.sqrt(3.0) * twice, 1e-300) + FOLDS * (cosine < LEAST_COSINE)
 
 
 def strips(points, normals, kept, ends):
@@ -140,7 +158,7 @@ def strips(points, normals, kept, ends):
         loop = borders[place]
         # the ring runs counter-clockwise about the axis; seen from outside the span the loop may run either way
         ring = end.ring if _turns(points[loop], end) == _turns(points[end.ring], end) else end.ring[::-1]
-        strip = zipper(points, loop, ring)
+        strip = zipper(points, normals, loop, ring)
         a, b, c = (points[strip[:, k]] for k in range(3))
         area = np.cross(b - a, c - a)
         length = np.linalg.norm(area, axis=1)

@@ -1,5 +1,7 @@
 """What is said about a proposed plan."""
 
+import json
+
 import pytest
 from narrowed_vessels import drawn, focal, plateau, worst_of
 
@@ -18,7 +20,7 @@ def test_nothing_where_nothing_is_left_open(families):
 @pytest.mark.parametrize(
     "narrowing, words",
     [
-        (focal(21, 12, 44), "44 % only"),
+        (focal(21, 12, 44), "44.0 % only"),
         (plateau(2.0, 9.0, 60), "mm past lesion1 at its proximal end"),
         (plateau(41.0, 48.0, 60), "mm past lesion1 at its distal end"),
     ],
@@ -80,4 +82,6 @@ def test_a_vessel_wider_than_the_largest_stent(families):
 def test_the_command_says_them(run_module, repo_root, written, tmp_path):
     folder, case = written(*drawn(focal(21, 12, 34))), repo_root / "config" / "cases" / "real_artery.yaml"
     done = run_module("anatomy", "plan", case, "--anatomy", folder, "--out", tmp_path / "plan.json")
-    assert done.returncode == 0 and "warning: " in done.stderr and "34 % only" in done.stderr
+    assert done.returncode == 0 and "warning: " in done.stderr and "34.0 % only" in done.stderr
+    (kept,) = json.loads((tmp_path / "plan.json").read_text())["reference"]["remarks"]
+    assert kept in done.stderr

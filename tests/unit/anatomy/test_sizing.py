@@ -37,8 +37,9 @@ def test_stent_by_the_distal_lumen(families, proximal, distal, size):
 @pytest.mark.parametrize(
     "proximal, distal, what",
     [
-        (2.0, 1.74, "no stent diameter"),
-        (6.0, 5.72, "no stent diameter"),
+        (2.0, 1.74, "no stent diameter.*a balloon alone is left.*semi_compliant of 1.5 mm"),
+        (1.3, 1.3, "no stent diameter.*check the file's units"),
+        (6.0, 5.72, "no stent diameter.*check the file's units"),
         (4.42, 2.7, "two overlapping stents"),
         (4.6, 2.3, "two overlapping stents"),
     ],

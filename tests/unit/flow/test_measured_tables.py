@@ -29,7 +29,7 @@ def test_a_table_is_that_of_the_file(tmp_path):
     _write(tmp_path)
     lines = measured_tables.PAGE.filled(TEXT, tmp_path).splitlines()
     assert lines[0] == "before" and lines[-1] == "after" and "old" not in lines
-    assert lines[2].startswith("| case | outcome |")
+    assert lines[2].startswith("| case | error |")
     assert lines[4].startswith("| single_62 |") and "| +0.0013 |" in lines[4]
     assert len(lines) == 7
 
@@ -46,27 +46,39 @@ def test_a_file_without_a_column_is_refused(tmp_path):
 
 def _write_state(folder, case, state, **changes):
     answer = {"dofs": 9, "ffr": 0.71234, "error_estimate": {"ffr": 0.0014}, "artificial_viscosity": 0}
-    answer |= {"models": {"axisymmetric": {"ffr": 0.7}}, "extensions": {"ends": [{}]}, "warnings": [], "meshes": []}
-    answer |= {"cpu_seconds": 119.4, "peak_memory_mib": 1519.2, **changes}
+    answer |= {"meshes": [], "cpu_seconds": 119.4, "peak_memory_mib": 1519.2, **changes}
     path = folder / "cases" / case / "flow" / state / "ffr.json"
     path.parent.mkdir(parents=True)
     path.write_text(json.dumps(answer))
 
 
-def test_the_study_is_a_table_of_its_states_before_the_intervention_first(tmp_path):
+def test_the_study_has_a_row_for_each_case_with_the_worst_state_after(tmp_path):
     text = TEXT.replace("flow_hard_cases", "study")
     assert measured_tables.PAGE.filled(text, tmp_path) == text
-    _write_state(tmp_path, "lad01", "ct", error_estimate=None)
-    _write_state(tmp_path, "lad01", "pre", meshes=[{"factorizations": 3}, {}, {"factorizations": 4}])
+    _write_state(tmp_path, "lad01", "ct", error_estimate={"ffr": 0.0021}, cpu_seconds=40)
+    _write_state(tmp_path, "lad01", "pre")
+    _write_state(tmp_path, "lad01", "vci", peak_memory_mib=1600)
+    _write_state(tmp_path, "lad02", "vci", error_estimate=None)
     lines = measured_tables.PAGE.filled(text, tmp_path).splitlines()
-    assert lines[2].startswith("| case | state | dofs | FFR |") and len(lines) == 8
-    assert lines[4] == "| lad01 | pre | 9 | 0.7123 | 0.0014 | 0.7000 | 0 | 1 | 0 | 7 | 119 | 1519 |"
-    assert lines[5].startswith("| lad01 | ct | 9 | 0.7123 | unknown |")
+    assert lines[2].startswith("| case | FFR before | estimate |") and len(lines) == 8
+    assert lines[4] == "| lad01 | 0.7123 | 0.0014 | 0 | 119 | 0.0021 | 119 | 1600 |"
+    assert lines[5] == "| lad02 |  |  |  |  | unknown | 119 | 1519 |"
     (tmp_path / "cases" / "lad01" / "flow" / "pre" / "ffr.json").write_text("{}")
     with pytest.raises(InputError, match="not an answer of the flow solver"):
         measured_tables.PAGE.filled(text, tmp_path)
 
 
+def test_an_estimate_is_judged_by_the_next_finer_mesh(tmp_path):
+    text = TEXT.replace("flow_hard_cases", "coverage")
+    assert measured_tables.PAGE.filled(text, tmp_path) == text
+    sequence = [(0.70, 0.02), (0.71, 0.001), (0.712, 0.001)]
+    meshes = [{"ffr": ffr, "error_estimate": estimate} for ffr, estimate in sequence] + [{"status": "no flow"}]
+    _write_state(tmp_path, "lad01", "pre", meshes=meshes)
+    _write_state(tmp_path, "lad01", "vci", meshes=meshes[:1])
+    lines = measured_tables.PAGE.filled(text, tmp_path).splitlines()
+    assert lines[4] == "| trees before PCI, meshes passed over | next finer mesh | 2 | 1 | 0.5 |" and len(lines) == 7
+
+
 def test_the_page_names_tables_that_there_are():
     names = measured_tables.PAGE.names((ROOT / "flow" / "measured.md").read_text())
-    assert names == {*measured_tables.TABLES, measured_tables.STUDY}
+    assert names == {*measured_tables.TABLES, measured_tables.STUDY, measured_tables.COVERAGE}

@@ -148,7 +148,15 @@ def write_anatomy(folder, tube):
     lesion.update(distal_reference_diameter_mm=3.2, diameter_stenosis_percent=55.0, area_stenosis_percent=80.0)
     write_json(
         folder / "anatomy.json",
-        {"schema": "vci-anatomy-1", "lesions": [lesion], "timings_s": {"centreline": 0.5, "remesh": 1.25}},
+        {
+            "schema": "vci-anatomy-1",
+            "lesions": [lesion],
+            "repairs": [
+                {"what": "stub left closed", "count": 1, "detail": "at (1, 2, 3)", "warning": True},
+                {"what": "points welded", "count": 7, "detail": "within 1e-6 mm", "warning": False},
+            ],
+            "timings_s": {"centreline": 0.5, "remesh": 1.25},
+        },
     )
 
 
@@ -168,9 +176,10 @@ def write_flow(folder, tube, wire=None):
     document.update(reduced_model={"ffr": ffr + 0.004}, seconds=12.5, peak_memory_mib=900.0)
     document["inlet_flow_m3_per_s"] = Q_M3_PER_S
     document["outlets"] = [{"name": "outlet1", "flow_m3_per_s": Q_M3_PER_S, "pressure_pa": 1e4, "ffr": ffr}]
-    document["probes"] = [{"name": "distal", "ffr": ffr}]
+    document["probes"] = [{"name": "distal", "branch": "main", "s_mm": 37.0, "ffr": ffr}]
     if wire is not None:
-        document["probes"].append({"name": "measured", "ffr": float(tube.pressure(wire) / MAP_PA)})
+        measured = {"name": "measured", "branch": "main", "s_mm": wire, "ffr": float(tube.pressure(wire) / MAP_PA)}
+        document["probes"].append(measured)
     write_json(folder / "ffr.json", document)
     write_json(folder / "mesh.json", {"schema": "vci-mesh-1", "cells": 20000, "dofs": 98000, "element_order": 2})
 
@@ -211,6 +220,8 @@ def write_procedure(folder):
     place = {"branch": "main", "centre_s_mm": 21.0}
     scene = {"schema": "vci-scene-1", "segment": {"branch": "main", "s_start_mm": SEGMENT[0], "s_end_mm": SEGMENT[1]}}
     scene["devices"] = {"sc_3.00x15": balloon, "des_3.50x18": stent}
+    remarks = ["lesion1 narrows the diameter by 49.8 % only"]
+    scene["reference"] = {"by": "healthy profile", "lesions": [], "remarks": remarks}
     scene["procedure"] = [
         {
             "name": "pre",

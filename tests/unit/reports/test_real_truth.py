@@ -153,6 +153,7 @@ def test_figures_and_page(make_case, tmp_path, compare):
         "After the real PCI",
         "where each device lies",
         "1 of 2 cases has no result",
+        "FFR at each probe",
         "error: &lt;none&gt; fits",
     ):
         assert words in page, words

@@ -85,6 +85,7 @@ def test_report_of_a_case_with_and_one_without_reference(study, tmp_path):
         "error of the <b>method</b> alone",
         "test_poiseuille",
         "its prediction is untested",
+        "<li>stub left closed: at (1, 2, 3)</li>",
         "elements 0.31 %",
         "slice spacing mm 1.0 instead of 0.75.",
         '<td class="text">balloon-extraction</td>',
@@ -94,7 +95,7 @@ def test_report_of_a_case_with_and_one_without_reference(study, tmp_path):
         "<li>stent: opened beyond its maximal diameter</li>",
     ):
         assert words in text, words
-    assert text.count('class="viewer"') == 2
+    assert text.count('class="viewer"') == 2 and text.count("49.8 % only") == text.count("stub left closed") == 4
     if shutil.which("chromium"):
         check_report(path, tmp_path / "shot.png")
         assert (tmp_path / "shot.png").stat().st_size > 20000

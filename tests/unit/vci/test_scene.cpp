@@ -74,7 +74,8 @@ TEST(Scene, FillsInDefaults) {
   const Scene scene = read(good_scene());
   EXPECT_EQ(scene.wall.model, WallModel::membrane);
   EXPECT_EQ(scene.numerics.integrator.residual_tolerance, 3e-3);
-  EXPECT_DOUBLE_EQ(scene.stents.at("s").hoop_stiffness(), 0.22 * 1.5 / 0.03) << "Laplace: radial strength";
+  EXPECT_DOUBLE_EQ(scene.stents.at("s").hoop_stiffness(), 0.22 * 1.5 / (4.5 / 95.5))
+      << "Laplace: radial strength; strain of the recoil";
   EXPECT_TRUE(std::isinf(scene.wall.plaque[3].yield_strain));
   EXPECT_EQ(scene.settings["numerics"]["region_margin_mm"], 6);
   EXPECT_FALSE(scene.balloons.at("b").folding.has_value()) << "off unless it is asked for";

@@ -171,8 +171,12 @@ def test_open_ends_a_wide_aorta_and_an_aneurysm(check, folder, tmp_path):
 
 
 @pytest.mark.long
-def test_a_closed_stub_is_refused_unless_all_outlets_are_named(check, folder, tmp_path):
-    """A side branch of 1 mm that was cut off and closed 2.4 mm from its parent's wall: no end, but an outlet."""
+@pytest.mark.parametrize("lean", [-0.8, 0])
+def test_a_closed_stub_is_refused_unless_all_outlets_are_named(check, folder, tmp_path, lean):
+    """A side branch of 1 mm that was cut off and closed 2.4 mm from its parent's wall: no end, but an outlet.
+
+    What leans (its tangent to the parent's normal) shows from one end of the tree only.
+    """
     found = aorta.Model()
     found.add_aorta(folder)
     found.add_tree(folder, "left")
@@ -180,7 +184,7 @@ def test_a_closed_stub_is_refused_unless_all_outlets_are_named(check, folder, tm
     at = int(np.searchsorted(aorta.along(axis), 120.0))
     along = axis[at + 5] - axis[at - 5]
     aside = np.cross(along, [0.3, 0.5, 0.8])
-    aside /= np.linalg.norm(aside)
+    aside = aside / np.linalg.norm(aside) + lean * along / np.linalg.norm(along)
     found.balls += [(axis[at] + x * aside, 0.5) for x in np.arange(0, radii[at] + 1.9, 0.1)]
     surface = surfaces.write(tmp_path / "stub.stl", *found.surface(0.3))
     tip = axis[at] + (radii[at] + 2.4) * aside

@@ -79,3 +79,22 @@ def test_teeth_longer_than_the_radius_are_refused_with_their_place(lumen, tmp_pa
     assert done.returncode == 2 and "not cut flat" in done.stderr
     where = float(done.stderr.split("where:  (")[1].split(",")[0])
     assert min(abs(where - 1), abs(where - 19)) < 2
+
+
+@pytest.mark.parametrize("degrees", [20, 35, 50])
+@pytest.mark.parametrize("edge, depth", [(0.4, 0.3), (0.2, 0)])
+def test_oblique_trims(lumen, tmp_path, degrees, edge, depth):
+    """The vessel leads away from the normal of such a rim: cut obliquely, an ellipse round the axis."""
+    tilt = np.radians(degrees)
+    normal = np.array([np.cos(tilt), np.sin(tilt), 0])
+    points, triangles = surfaces.tube(surfaces.straight, lambda s: 1.5 + 0 * s, 24, edge, capped=False)
+    ends = [(3 * X, -normal, 1.5), (20 * X, normal, 1.5)]
+    surface = surfaces.write(tmp_path / "t.stl", *surfaces.sawtooth(points, triangles, ends, depth, reach=4))
+    done = lumen(surface, tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    found = json.loads((tmp_path / "out" / "anatomy.json").read_text())["ends"]
+    assert len(found) == 2
+    for end in found:
+        at = np.array(end["centre_mm"])
+        assert min(abs(at[0] - 3), abs(at[0] - 20)) < depth + 3 * edge and np.linalg.norm(at[1:]) < 0.08
+        assert end["diameter_mm"] == pytest.approx(3 / np.sqrt(np.cos(tilt)), rel=0.04)

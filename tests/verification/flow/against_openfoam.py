@@ -20,6 +20,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "unit" / "flow")]
 import numpy as np  # noqa: E402
 import hard_cases  # noqa: E402
 import openfoam_case  # noqa: E402
+import openfoam_run  # noqa: E402
 import tubes  # noqa: E402
 import ufl  # noqa: E402
 
@@ -255,7 +256,7 @@ def main():
         "--rings", nargs="*", type=int, default=(ADAPTIVE, BOTH, *RINGS), help=f"of our only mesh; or {NAMES}"
     )
     options = parser.parse_args()
-    missing = openfoam_case.missing_programs()
+    missing = openfoam_run.missing_programs()
     if missing:
         raise InputError("OpenFOAM is not installed", "PATH", ", ".join(missing), "apt-get install openfoam")
     options.out.mkdir(parents=True, exist_ok=True)

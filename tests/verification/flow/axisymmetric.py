@@ -30,12 +30,21 @@ def _domain(radius, place, cells):
     fraction, share = np.meshgrid(np.linspace(0, 1, 2 * along + 1), np.linspace(0, 1, 2 * across + 1), indexing="ij")
     s = place(fraction.ravel())
     points = 1e-3 * np.stack([s, share.ravel() * radius(s)], axis=1)
-    number = np.arange(len(points)).reshape(fraction.shape)
+    return quadrilaterals(points, cells_of(np.arange(len(points)).reshape(fraction.shape)))
+
+
+def cells_of(number):
+    """Nodes (c, 9) of the cells of a grid, from the nodes' numbers (2 along + 1, 2 across + 1)."""
     # basix's order of a Q2 cell, as steps of half a cell: corners, middles of edges 01, 02, 13, 23, centre
     local = [(0, 0), (2, 0), (0, 2), (2, 2), (1, 0), (0, 1), (2, 1), (1, 2), (1, 1)]
-    nodes = [number[i : i + 2 * along - 1 : 2, j : j + 2 * across - 1 : 2].ravel() for i, j in local]
+    along, across = (size - 2 for size in number.shape)
+    return np.stack([number[i : i + along : 2, j : j + across : 2].ravel() for i, j in local], axis=1)
+
+
+def quadrilaterals(points, cells):
+    """Mesh of curved quadrilaterals (c, 9) at points (n, 2) in m."""
     element = ufl.VectorElement("Lagrange", ufl.Cell("quadrilateral", geometric_dimension=2), 2)
-    return mesh.create_mesh(MPI.COMM_WORLD, np.stack(nodes, axis=1), points, ufl.Mesh(element))
+    return mesh.create_mesh(MPI.COMM_WORLD, cells, points, ufl.Mesh(element))
 
 
 class Tube:
@@ -44,13 +53,16 @@ class Tube:
     def __init__(self, radius, length, throat, document, cells, degree=3, backflow=0.5):
         self.document, self.radius, self.radius_0, self.factor = document, radius, float(radius(0.0)) * 1e-3, None
         self.cells, self.place = cells, _graded(length, throat, cells[0])
-        self.domain = domain = _domain(radius, self.place, cells)
+        self.domain = domain = self._mesh()
         velocity = ufl.VectorElement("Q", domain.ufl_cell(), degree)
         pressure = ufl.FiniteElement("Q", domain.ufl_cell(), degree - 1)
         W = fem.FunctionSpace(domain, ufl.MixedElement([velocity, pressure]))
         self.state = fem.Function(W)
         self._boundaries(W, length * 1e-3)
         self._forms(W, backflow, 3 * degree + 1)
+
+    def _mesh(self):
+        return _domain(self.radius, self.place, self.cells)
 
     def _boundaries(self, W, length):
         locate = mesh.locate_entities_boundary

@@ -2,10 +2,11 @@
 
     /usr/bin/python3 tests/verification/flow/measured_tables.py results
 
-A table stands between the lines `<!-- table: NAME -->` and `<!-- end -->`, NAME being the folder of a benchmark, or
-`study`; where nothing of it was run the table stays.
+A table stands between the lines `<!-- table: NAME -->` and `<!-- end -->`, NAME being the folder of a benchmark,
+`study` or `coverage`; where nothing of it was run the table stays.
 """
 
+import csv
 import json
 import pathlib
 import sys
@@ -23,47 +24,35 @@ TABLES = {
         {
             "solver": "solver",
             "resolution": "mesh",
-            "cells": "cells",
-            "volume_mm3": "volume, mm3",
             "error": "error of FFR",
-            "mesh_cpu_s": "mesh, CPU s",
             "solve_cpu_s": "solve, CPU s",
-            "settled_cpu_s": "until FFR settles",
             "outcome": "outcome",
         },
+    ),
+    "flow_tree_against_openfoam": (
+        "tree.csv",
+        {
+            "state": "state",
+            "cells": "cells",
+            "ffr": "simpleFoam",
+            "our_ffr": "ours",
+            "our_estimate": "estimate",
+            "difference": "difference",
+            "cpu_s": "simpleFoam, CPU s",
+            "our_cpu_s": "ours, CPU s",
+        },
+    ),
+    "flow_fda_jet": (
+        "jet.csv",
+        {"row": "z, mm", **{f"z_{z}": f"{z}" for z in (-20, -8, 0, 8, 16, 24, 32, 60, 80)}, "within": "within 2 SD"},
     ),
     "flow_hard_cases": (
         "hard_cases.csv",
         {
             "case": "case",
-            "outcome": "outcome",
-            "ffr": "FFR",
-            "reference": "reference",
             "error": "error",
             "estimate": "estimate",
-            "ffr_axisymmetric": "axisymmetric",
-            "ffr_1d": "1D",
-            "residual_n": "residual, N",
-            "artificial": "eps",
-            "factorizations": "factorizations",
             "cpu_s": "CPU s",
-            "mib": "MiB",
-        },
-    ),
-    "flow_tolerance": (
-        "tolerance.csv",
-        {
-            "case": "case",
-            "tolerance": "tolerance",
-            "rings": "rings of the meshes",
-            "dofs": "dofs",
-            "ffr": "FFR",
-            "error": "error",
-            "estimate": "estimate",
-            "met": "met",
-            "mesh_cpu_s": "mesh, CPU s",
-            "cpu_s": "solve, CPU s",
-            "mib": "MiB",
         },
     ),
     "flow_wall_shear": (
@@ -71,10 +60,7 @@ TABLES = {
         {
             "rings": "rings",
             "wall_layers": "layers",
-            "dofs": "dofs",
-            "ffr_error": "error of FFR",
             "lesion_rms_percent": "rms, % of the peak",
-            "lesion_largest_percent": "largest, %",
             "peak_error_percent": "peak, %",
             "behind_rms_pa": "rms behind, Pa",
             "cpu_s": "CPU s",
@@ -84,57 +70,86 @@ TABLES = {
         "growth.csv",
         {
             "rings": "rings",
-            "coarse_rings": "coarse",
-            "cells": "cells",
             "dofs": "dofs",
-            "ffr": "FFR",
             "error": "error",
-            "linearisations": "linearisations",
             "fine_cpu_s": "fine mesh, CPU s",
-            "cpu_s": "both, CPU s",
             "mib": "MiB",
         },
     ),
 }
-STUDY = "study"
-STATES = ("pre", "vci", "rc", "reference", "ct")  # in the order of the rows; others of a case follow
-STUDY_COLUMNS = ("case", "state", "dofs", "FFR", "estimate", "axisymmetric", "eps", "ends extended")
-STUDY_COLUMNS += ("warnings", "factorizations", "CPU s", "MiB")
+STUDY, COVERAGE = "study", "coverage"
+BEFORE = "pre"  # the state before the intervention
+STUDY_COLUMNS = ("case", "FFR before", "estimate", "eps", "CPU s", "estimate after", "CPU s after", "MiB")
+COVERAGE_COLUMNS = ("estimates of", "against", "number", "not below the error", "least over the error")
+USED = ("ffr", "error_estimate", "artificial_viscosity", "cpu_seconds", "peak_memory_mib", "meshes")
 DIGITS = {"volume_mm3": ".1f", "error": "+.4f", "mesh_cpu_s": ".1f", "solve_cpu_s": ".1f", "settled_cpu_s": ".1f"}
 
 
+def answers(results):
+    """[(case, state, document)] of results/cases/*/flow/*/ffr.json. Raises InputError where one is of another kind."""
+    found = []
+    for path in sorted((results / "cases").glob("*/flow/*/ffr.json")):
+        try:
+            answer = json.loads(path.read_text())
+            found.append((path.parts[-4], path.parts[-2], {key: answer[key] for key in USED}))
+        except (json.JSONDecodeError, KeyError) as error:
+            raise InputError("not an answer of the flow solver", path, repr(error), "solve this state again") from error
+    return found
+
+
 def study(results):
-    """Markdown of the states in results/cases/*/flow/*/ffr.json, or None where there is none."""
-    order = {state: k for k, state in enumerate(STATES)}
-    paths = sorted((results / "cases").glob("*/flow/*/ffr.json"))
-    paths.sort(key=lambda path: (path.parts[-4], order.get(path.parts[-2], len(order)), path.parts[-2]))
-    return markdown(STUDY_COLUMNS, [state_row(path) for path in paths]) if paths else None
+    """Markdown with a row for each case: its state before the intervention, and the worst of those after it; None
+    where there is none."""
+    cases = {}
+    for case, state, answer in answers(results):
+        cases.setdefault(case, {})[state] = answer
+    rows = []
+    for case, states in cases.items():
+        before, after = states.pop(BEFORE, None), list(states.values())
+        row = [case, *[""] * 4]
+        if before:
+            row[1:] = f"{before['ffr']:.4f}", error_of(before), f"{before['artificial_viscosity']:.2g}"
+            row.append(f"{before['cpu_seconds']:.0f}")
+        row.append(max((error_of(answer) for answer in after), default=""))
+        row.append(f"{max(answer['cpu_seconds'] for answer in after):.0f}" if after else "")
+        row.append(f"{max(answer['peak_memory_mib'] for answer in [before or after[0], *after]):.0f}")
+        rows.append(row)
+    return markdown(STUDY_COLUMNS, rows) if rows else None
 
 
-def state_row(path):
-    """Fields of STUDY_COLUMNS of one ffr.json. Raises InputError where it is of another kind."""
-    try:
-        answer = json.loads(path.read_text())
-        estimate, axisymmetric = answer["error_estimate"], answer["models"]["axisymmetric"]["ffr"]
-        return [
-            path.parts[-4],
-            path.parts[-2],
-            f"{answer['dofs']}",
-            f"{answer['ffr']:.4f}",
-            f"{estimate['ffr']:.4f}" if estimate else "unknown",
-            "none" if axisymmetric is None else f"{axisymmetric:.4f}",
-            f"{answer['artificial_viscosity']:.2g}",
-            f"{len(answer['extensions']['ends'])}",
-            f"{len(answer['warnings'])}",
-            f"{sum(mesh.get('factorizations', 0) for mesh in answer['meshes'])}",
-            f"{answer['cpu_seconds']:.0f}",
-            f"{answer['peak_memory_mib']:.0f}",
-        ]
-    except (json.JSONDecodeError, KeyError, TypeError) as error:
-        raise InputError("not an answer of the flow solver", path, repr(error), "solve this state again") from error
+def error_of(answer):
+    """The estimate of an answer; `unknown`, which sorts above all numbers, where it has none."""
+    return f"{answer['error_estimate']['ffr']:.4f}" if answer["error_estimate"] else "unknown"
 
 
-PAGE = Page("flow", TABLES, DIGITS, {STUDY: study})
+def coverage(results):
+    """Markdown: how often an estimate is not below the error, or the change to the next finer mesh; None where nothing
+    was run."""
+    rows, hard = [], results / "benchmarks" / "flow_hard_cases" / "hard_cases.csv"
+    if hard.is_file():
+        with hard.open(newline="") as file:
+            pairs = [(row["estimate"], row["error"]) for row in csv.DictReader(file) if row["error"]]
+        rows += covered("straight tubes, the default's answers", "axisymmetric solution", pairs)
+    pairs = {"before": [], "after": []}
+    for _, state, answer in answers(results):
+        meshes = [mesh for mesh in answer["meshes"] if mesh.get("error_estimate") is not None]
+        for coarse, fine in zip(meshes, meshes[1:]):
+            pairs["before" if state == BEFORE else "after"].append(
+                (coarse["error_estimate"], fine["ffr"] - coarse["ffr"])
+            )
+    for when, found in pairs.items():
+        rows += covered(f"trees {when} PCI, meshes passed over", "next finer mesh", found)
+    return markdown(COVERAGE_COLUMNS, rows) if rows else None
+
+
+def covered(what, against, pairs):
+    """[row] of pairs (estimate, error), none where there is no pair."""
+    ratios = [float(estimate) / max(abs(float(error)), 1e-6) for estimate, error in pairs]
+    enough = sum(ratio >= 1 for ratio in ratios)
+    return [[what, against, f"{len(ratios)}", f"{enough}", f"{min(ratios):.1f}"]] if ratios else []
+
+
+PAGE = Page("flow", TABLES, DIGITS, {STUDY: study, COVERAGE: coverage})
 
 if __name__ == "__main__":
     PAGE.main()

@@ -6,18 +6,14 @@ Needs the programs of Debian's package `openfoam`. Lengths in mm where a name sa
 import os
 import re
 import shutil
-import subprocess
 
 import numpy as np
+from openfoam_run import POINT, call, children_cpu, faces, figures, inlet_faces, points_of, polyhedra, write
 
-from common.errors import ComputationError
-
-PROGRAMS = ("gmshToFoam", "transformPoints", "polyDualMesh", "renumberMesh", "checkMesh", "simpleFoam")
 # gradients of the velocity and the iterations they are given: the second converges where the first cycles
 GRADIENTS = {"Gauss linear": 600, "cellLimited Gauss linear 1": 1500}
 LAST = 200  # iterations over which the mean is taken where it does not converge
 SETTLED = 1e-4  # of the pressure fallen: an iteration from which on it is that near its last value is counted too
-HEADER = "FoamFile { version 2.0; format ascii; class %s; object %s; }\n"
 SCHEMES = """ddtSchemes { default steadyState; }
 gradSchemes { default Gauss linear; grad(U) %(gradient)s; }
 divSchemes
@@ -51,11 +47,6 @@ functions
     }
 }
 """
-
-
-def missing_programs():
-    """Names of the programs that are not installed."""
-    return [name for name in PROGRAMS if shutil.which(name) is None]
 
 
 def tetrahedra(radius, length_mm, throat_mm, edge_mm, path):
@@ -107,26 +98,15 @@ def mesh(folder, radius, length_mm, throat_mm, places_mm, edge_mm, flow, density
     places = " ".join(f"({s * 1e-3:.9g} 0 0)" for s in places_mm)
     values = {"places": places, "iterations": 1, "gradient": "Gauss linear"}
     for name, text in (("controlDict", CONTROL), ("fvSolution", SOLUTION), ("fvSchemes", SCHEMES)):
-        _write(folder / "system" / name, "dictionary", text % values)
-    started = _children_cpu()
+        write(folder / "system" / name, "dictionary", text % values)
+    started = children_cpu()
     own = os.times()
     tetrahedra(radius, length_mm, throat_mm, edge_mm, folder / "tube.msh")
     seconds = sum(os.times()[:2]) - sum(own[:2])
-    _call(folder, "gmshToFoam", "tube.msh")
-    boundary = folder / "constant" / "polyMesh" / "boundary"
-    boundary.write_text(re.sub(r"(wall\s*{\s*type\s*)patch", r"\1wall", boundary.read_text()))
-    _call(folder, "transformPoints", "-scale", "(0.001 0.001 0.001)")
-    _call(folder, "polyDualMesh", "60", "-overwrite", "-concaveMultiCells")
-    _onto_wall(folder, radius)
-    _call(folder, "renumberMesh", "-overwrite")
-    seconds += _children_cpu() - started
+    polyhedra(folder, "tube.msh", lambda _: _onto_wall(folder, radius))
+    seconds += children_cpu() - started
     _fields(folder, float(radius(0.0)) * 1e-3, flow, density, viscosity)
-    checked = _call(folder, "checkMesh")
-    return {
-        "cells": int(re.search(r"cells:\s+(\d+)", checked).group(1)),
-        "volume_mm3": 1e9 * float(re.search(r"Total volume = ([-+.eE\d]+?)\.? ", checked).group(1)),
-        "mesh_cpu_s": seconds,
-    }
+    return {**figures(folder), "mesh_cpu_s": seconds}
 
 
 def solve(folder, gradient, density):
@@ -137,14 +117,14 @@ def solve(folder, gradient, density):
     the outlet, solve_cpu_s, settled_cpu_s: until the pressure's fall stays within SETTLED of its last value, None where
     it does not converge}. Raises ComputationError where simpleFoam fails.
     """
-    _write(folder / "system" / "fvSchemes", "dictionary", SCHEMES % {"gradient": gradient})
+    write(folder / "system" / "fvSchemes", "dictionary", SCHEMES % {"gradient": gradient})
     control = folder / "system" / "controlDict"
     control.write_text(re.sub(r"(endTime|writeInterval) \d+", rf"\1 {GRADIENTS[gradient]}", control.read_text()))
     for old in [folder / "postProcessing", *folder.glob("[1-9]*")]:
         shutil.rmtree(old, ignore_errors=True)
-    started = _children_cpu()
-    log = _call(folder, "simpleFoam")
-    seconds = _children_cpu() - started
+    started = children_cpu()
+    log = call(folder, "simpleFoam")
+    seconds = children_cpu() - started
     converged = re.search(r"SIMPLE solution converged in (\d+) iterations", log)
     table = np.loadtxt(folder / "postProcessing" / "axis" / "0" / "p", ndmin=2)[:, 1:] * density
     last = table[-1:] if converged else table[-LAST:]
@@ -170,72 +150,23 @@ def _outflow(folder):
     return float(np.sum(np.array(values.split(), float)))
 
 
-def _write(path, kind, text):
-    path.write_text(HEADER % (kind, path.name) + text)
-
-
-def _children_cpu():
-    return sum(os.times()[2:4])
-
-
-def _call(folder, *command):
-    """Output of a program run in the case's folder, also kept as log.<program>."""
-    environment = {**os.environ, "WM_PROJECT_DIR": "/usr/share/openfoam", "OMP_NUM_THREADS": "1"}
-    done = subprocess.run(command, cwd=folder, env=environment, text=True, capture_output=True)
-    (folder / f"log.{command[0]}").write_text(done.stdout + done.stderr)
-    if done.returncode != 0:
-        raise ComputationError(f"{command[0]} failed", str(folder), f"exit code {done.returncode}", "see its log")
-    return done.stdout
-
-
-NUMBER = r"([-+.eE\d]+)"
-POINT = re.compile(rf"^\({NUMBER} {NUMBER} {NUMBER}\)$", re.M)
-
-
-def _points(folder):
-    """Points (n, 3) of the mesh in m, from its file in ASCII."""
-    return np.array(POINT.findall((folder / "constant" / "polyMesh" / "points").read_text()), float)
-
-
-def _faces(folder, patch):
-    """[array of the points' numbers] of a patch's faces."""
-    mesh = folder / "constant" / "polyMesh"
-    entry = re.search(patch + r"\s*{(.*?)}", (mesh / "boundary").read_text(), re.S).group(1)
-    count, start = (int(re.search(rf"{key}\s+(\d+)", entry).group(1)) for key in ("nFaces", "startFace"))
-    faces = re.findall(r"\d+\s*\(([\d\s]+)\)", (mesh / "faces").read_text())[start : start + count]
-    return [np.array(face.split(), int) for face in faces]
-
-
 def _onto_wall(folder, radius):
     """Moves the wall's points outwards to the true radius: the dual mesh's lie on chords."""
-    points = _points(folder)
-    chosen = np.unique(np.concatenate(_faces(folder, "wall")))
+    points = points_of(folder)
+    chosen = np.unique(np.concatenate(faces(folder, "wall")))
     distance = np.hypot(points[chosen, 1], points[chosen, 2])
     points[chosen, 1:] *= (1e-3 * radius(1e3 * points[chosen, 0]) / distance)[:, None]
     path, rows = folder / "constant" / "polyMesh" / "points", iter(points)
     path.write_text(POINT.sub(lambda _: "({:.12g} {:.12g} {:.12g})".format(*next(rows)), path.read_text()))
 
 
-def _inlet_faces(folder):
-    """Area vectors (m2) and centres (m) of the inlet's faces."""
-    points, areas, centres = _points(folder), [], []
-    for face in _faces(folder, "inlet"):
-        corners = points[face]
-        middle = corners.mean(axis=0)
-        parts = 0.5 * np.cross(corners - middle, np.roll(corners, -1, axis=0) - middle)
-        size = np.linalg.norm(parts, axis=1)
-        areas.append(parts.sum(axis=0))
-        centres.append((((corners + np.roll(corners, -1, axis=0) + middle) / 3) * size[:, None]).sum(0) / size.sum())
-    return np.array(areas), np.array(centres)
-
-
 def _fields(folder, radius, flow, density, viscosity):
     """Boundary values: a parabola of exactly `flow` (m3/s) at the inlet, pressure 0 at the outlet, no slip."""
-    areas, centres = _inlet_faces(folder)
+    areas, centres = inlet_faces(folder)
     share = np.clip(1 - (np.hypot(centres[:, 1], centres[:, 2]) / radius) ** 2, 0, None)
     speed = share * flow / (share * np.abs(areas[:, 0])).sum()
     inlet = "\n".join(f"({u:.9g} 0 0)" for u in speed)
-    _write(
+    write(
         folder / "0" / "U",
         "volVectorField",
         f"""dimensions [0 1 -1 0 0 0 0]; internalField uniform (0 0 0);
@@ -247,7 +178,7 @@ boundaryField
 }}
 """,
     )
-    _write(
+    write(
         folder / "0" / "p",
         "volScalarField",
         """dimensions [0 2 -2 0 0 0 0]; internalField uniform 0;
@@ -255,9 +186,9 @@ boundaryField
 { inlet { type zeroGradient; } outlet { type fixedValue; value uniform 0; } wall { type zeroGradient; } }
 """,
     )
-    _write(
+    write(
         folder / "constant" / "transportProperties",
         "dictionary",
         f"transportModel Newtonian; nu [0 2 -1 0 0 0 0] {viscosity / density:.9g};\n",
     )
-    _write(folder / "constant" / "turbulenceProperties", "dictionary", "simulationType laminar;\n")
+    write(folder / "constant" / "turbulenceProperties", "dictionary", "simulationType laminar;\n")

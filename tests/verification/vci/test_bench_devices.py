@@ -10,7 +10,7 @@ from anatomy.planning import catalogue
 from common import config
 
 STRENGTH_MPA = (0.20, 0.25)  # at losses of 5 and 10 % of the diameter, beyond the struts' yield
-RECOIL_PERCENT = (2, 6)
+RECOIL_ABOVE_PERCENT = (-0.1, 0.3)  # of the one stated: film and hinges give back a little more than the hoop
 
 
 def crush(program, devices, stent, folder):
@@ -45,5 +45,6 @@ def test_shipped_stents_recoil_and_crush_as_stated(binary, repo_root, tmp_path, 
         pressures = [float(rows[loss]["pressure_mpa"]) for loss in sorted(rows)]
         assert pressures == sorted(pressures) and pressures[0] < 0.6 * pressures[2]
         assert STRENGTH_MPA[0] <= pressures[2] < pressures[3] <= STRENGTH_MPA[1], name
-        assert RECOIL_PERCENT[0] <= float(rows[1]["recoil_percent"]) <= RECOIL_PERCENT[1], name
+        above = float(rows[1]["recoil_percent"]) - families[name]["recoil_percent"]
+        assert RECOIL_ABOVE_PERCENT[0] <= above <= RECOIL_ABOVE_PERCENT[1], name
         assert float(rows[1]["residual"]) <= 3e-3

@@ -112,7 +112,7 @@ TEST(Bending, BalloonWrinklesWhereItsInnerFibresGoSlack) {
 }
 
 TEST(Bending, StentOnAnArcHasItsStatedStiffnessAndFreeLess) {
-  const StentSpec spec{3.0, 12, 1.0, 4.4, 0.08, 8, 2, "b", 0.22 * 1.5 / 0.03, 0.03, 0.5, 20, 0.22, 4.5};
+  const StentSpec spec{3.0, 12, 1.0, 4.4, 0.08, 8, 2, "b", 11, 0.5, 20, 0.22, 4.5};
   const RingGrid grid = stent_grid(spec, edge);
   const double k = 0.01;
   const std::vector<Frame> frames = arc(grid, k, spec.length);

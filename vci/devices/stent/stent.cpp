@@ -48,8 +48,8 @@ Stent add_stent(System& system, const StentSpec& spec, const std::string& device
   const std::vector<double> width = ring_widths(grid);
   // hardened on the way to its nominal diameter, the stent yields there at the strain stated
   const double first_yield =
-      std::max(0.2 * spec.yield_strain,
-               spec.yield_strain - hoop_hardening * std::log(spec.nominal_diameter / spec.crimped_diameter));
+      std::max(0.2 * spec.yield_strain(),
+               spec.yield_strain() - hoop_hardening * std::log(spec.nominal_diameter / spec.crimped_diameter));
   std::vector<RingHoops::Ring> hoops;
   std::vector<RingEvenness::Ring> even;
   for (int r = 0; r < grid.rings(); ++r) {
@@ -59,7 +59,7 @@ Stent add_stent(System& system, const StentSpec& spec, const std::string& device
       hoop.rest_length += (points[r * grid.around + (k + 1) % grid.around] - points[r * grid.around + k]).norm();
     }
     const double nominal_edge = pi * spec.nominal_diameter / grid.around;
-    even.push_back({hoop.vertices, strut_evenness * spec.yield_strain * hoop.stiffness * nominal_edge});
+    even.push_back({hoop.vertices, strut_evenness * spec.yield_strain() * hoop.stiffness * nominal_edge});
     hoops.push_back(std::move(hoop));
   }
   system.add_force(body, std::make_unique<RingHoops>(std::move(hoops)));
@@ -68,7 +68,7 @@ Stent add_stent(System& system, const StentSpec& spec, const std::string& device
   for (int r = 0; r + 1 < grid.rings(); ++r)
     for (int k = 0; k < grid.around; ++k) {
       const int a = first + r * grid.around + k, b = first + r * grid.around + (k + 1) % grid.around;
-      const double tension = spec.yield_strain * spec.hoop_stiffness() * width[r];
+      const double tension = spec.yield_strain() * spec.hoop_stiffness() * width[r];
       cells.push_back({{a, b, b + grid.around, a + grid.around},
                        cell_shear * tension / (2 * pi * spec.nominal_diameter / grid.around)});
     }

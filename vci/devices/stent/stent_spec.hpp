@@ -10,15 +10,18 @@ struct StentSpec {
   int crowns, links;
   std::string balloon;                                        ///< name of the balloon that it is delivered on
   std::optional<double> stated_hoop_stiffness = std::nullopt; ///< N/mm; none: from the radial strength
-  double yield_strain = 0.03;                                 ///< of the hoop
   double axial_stiffness = 0.5;                               ///< N/mm
   double bending_stiffness = 5.5;                             ///< N mm^2
   double radial_strength_mpa = 0.22; ///< the maker's; gives the hoop stiffness where none is stated
-  double recoil_percent = 4;         ///< the maker's
+  double recoil_percent = 4.5;       ///< the maker's, of the inflated diameter, in air
+
+  /// Hoop strain at which the struts yield. A ring that was opened until it yields gives back just this elastic part
+  /// when the balloon goes: the free recoil that its maker states.
+  double yield_strain() const { return recoil_percent / (100 - recoil_percent); }
 
   /// N/mm. By Laplace's law, the expanded ring yields under just the outside pressure that its maker states.
   double hoop_stiffness() const {
-    return stated_hoop_stiffness.value_or(0.5 * radial_strength_mpa * nominal_diameter / yield_strain);
+    return stated_hoop_stiffness.value_or(0.5 * radial_strength_mpa * nominal_diameter / yield_strain());
   }
 };
 

@@ -117,7 +117,6 @@ StentSpec read_stent(const json& entry, const std::string& where) {
     throw common::InputError("more links than crowns that they could join", o.path("links"),
                              std::to_string(s.links) + " links, " + std::to_string(s.crowns) + " crowns",
                              "give connectors between two neighbouring rings, at most one for each crown");
-  s.yield_strain = o.number("yield_strain", 1e-3, 0.3, s.yield_strain);
   s.radial_strength_mpa = o.number("radial_strength_mpa", 0.01, 2, s.radial_strength_mpa);
   if (entry.contains("hoop_stiffness_n_per_mm") && entry["hoop_stiffness_n_per_mm"].is_null())
     o.ignore("hoop_stiffness_n_per_mm");
@@ -125,7 +124,7 @@ StentSpec read_stent(const json& entry, const std::string& where) {
     s.stated_hoop_stiffness = o.number("hoop_stiffness_n_per_mm", 0.1, 1e3);
   s.axial_stiffness = o.number("axial_stiffness_n_per_mm", 1e-3, 1e3, s.axial_stiffness);
   s.bending_stiffness = o.number("bending_stiffness_n_mm2", 1e-3, 1e4, s.bending_stiffness);
-  s.recoil_percent = o.number("recoil_percent", 0, 20, s.recoil_percent);
+  s.recoil_percent = o.number("recoil_percent", 0.1, 20, s.recoil_percent);
   o.finish();
   return s;
 }

@@ -238,7 +238,7 @@ def test_zipper_joins_two_rings():
     fine = np.linspace(0, 2 * np.pi, 18, endpoint=False) + 0.05
     upper = np.stack([np.cos(fine), np.sin(fine), 0 * fine + 0.4], axis=1)
     points = np.concatenate([lower, upper])
-    strip = stitch.zipper(points, np.arange(12), 12 + np.arange(18))
+    strip = stitch.zipper(points, points * [1, 1, 0], np.arange(12), 12 + np.arange(18))
     assert len(strip) == 30
     a, b, c = (points[strip[:, k]] for k in range(3))
     facing = np.cross(b - a, c - a)
@@ -246,6 +246,22 @@ def test_zipper_joins_two_rings():
     outward = np.einsum("ij,ij->i", facing[:, :2], middle[:, :2])
     assert (outward < 0).all() or (outward > 0).all()
     assert [len(loop) for loop in sorted(stitch.loops(strip), key=len)] == [12, 18]
+
+
+def test_zipper_makes_no_flat_triangles_between_a_coarse_ring_and_a_fine_ragged_rim():
+    """The triangles with the shortest edges are nearly flat there, and gmsh fills what they close with slivers."""
+    angles, fine = (np.linspace(0, 2 * np.pi, count, endpoint=False) for count in (10, 36))
+    ring = np.stack([2 * np.cos(angles), 2 * np.sin(angles), 0 * angles], axis=1)
+    ragged = 0.35 + 0.25 * np.random.default_rng(5).uniform(-1, 1, len(fine))
+    rim = np.stack([2 * np.cos(fine + 0.1), 2 * np.sin(fine + 0.1), ragged], axis=1)
+    points = np.concatenate([ring, rim])
+    strip = stitch.zipper(points, points * [1, 1, 0], 10 + np.arange(36), np.arange(10))
+    a, b, c = (points[strip[:, k]] for k in range(3))
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    longest = np.max(
+        [np.linalg.norm(b - a, axis=1), np.linalg.norm(c - b, axis=1), np.linalg.norm(a - c, axis=1)], axis=0
+    )
+    assert (area / longest).min() > 0.06, "heights in mm, of edges of 0.35 and 1.2 mm"
 
 
 def test_curving_keeps_given_middles():

@@ -1,0 +1,18 @@
+// What differs between CGAL 5.5 (Debian 12) and 6.0 (Debian 13).
+#pragma once
+#include <CGAL/version.h>
+#include <string>
+
+namespace anatomy {
+
+/// The property map of that name, which the mesh must have.
+template <class Map, class Mesh> Map existing_map(const Mesh& mesh, const std::string& name) {
+  const auto found = mesh.template property_map<typename Map::key_type, typename Map::value_type>(name);
+#if CGAL_VERSION_NR < 1060000000
+  return found.first;
+#else
+  return found.value();
+#endif
+}
+
+} // namespace anatomy

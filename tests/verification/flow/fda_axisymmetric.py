@@ -1,0 +1,61 @@
+"""The FDA's nozzle in the meridian plane: the equations and elements of axisymmetric.py, with the sudden expansion.
+
+The core, as wide as the throat behind the expansion, and the ring round it are two grids that share a row of nodes.
+Cells are graded towards the expansion and the throat's edge.
+"""
+
+import axisymmetric
+import fda_nozzle
+import numpy as np
+from dolfinx import geometry
+
+ENDS = np.cumsum([0.0, fda_nozzle.INLET_MM, fda_nozzle.CONE_MM, fda_nozzle.THROAT_MM, fda_nozzle.OUTLET_MM])
+WIDTHS = (fda_nozzle.RADIUS, fda_nozzle.RADIUS, fda_nozzle.THROAT, fda_nozzle.THROAT)  # radius of the core at ENDS
+GRADING = (0.0, 0.0, -3.0, 4.5)  # of the cells between ENDS: log of the last over the first
+COUNTS = (10, 24, 44, 80)  # cells between ENDS
+CORE, RING = 8, 12  # cells across
+
+
+def graded(count, strength):
+    """Fractions (2 count + 1,) of a length at the nodes of `count` cells; the last is exp(strength) times the first."""
+    x = np.linspace(0, 1, 2 * count + 1)
+    return np.expm1(strength * x) / np.expm1(strength) if strength else x
+
+
+class Nozzle(axisymmetric.Tube):
+    """The flow through the nozzle; document: as boundary.json; refined: factor of the numbers of cells."""
+
+    def __init__(self, document, refined=1.0):
+        self.refined = refined
+        super().__init__(lambda s: np.interp(s, ENDS[:4], WIDTHS), float(ENDS[-1]), float(ENDS[3]), document, (1, 1))
+
+    def _mesh(self):
+        counts = [round(self.refined * count) for count in COUNTS]
+        core, ring = (round(self.refined * count) for count in (CORE, RING))
+        s = [ENDS[:1]]
+        for k, count in enumerate(counts):
+            s.append(ENDS[k] + (ENDS[k + 1] - ENDS[k]) * graded(count, GRADING[k])[1:])
+        s, step = np.concatenate(s), 2 * sum(counts[:3])
+        inside = np.interp(s, ENDS[:4], WIDTHS)[:, None] * graded(core, -1.5)
+        outside = fda_nozzle.THROAT + (fda_nozzle.RADIUS - fda_nozzle.THROAT) * graded(ring, 2.5)[1:]
+        number = np.arange(inside.size).reshape(inside.shape)
+        behind = inside.size + np.arange((len(s) - step) * len(outside)).reshape(-1, len(outside))
+        x = np.concatenate([np.repeat(s, inside.shape[1]), np.repeat(s[step:], len(outside))])
+        r = np.concatenate([inside.ravel(), np.tile(outside, len(s) - step)])
+        ring_number = np.column_stack([number[step:, -1], behind])
+        cells = np.concatenate([axisymmetric.cells_of(number), axisymmetric.cells_of(ring_number)])
+        return axisymmetric.quadrilaterals(1e-3 * np.stack([x, r], axis=1), cells)
+
+    def at(self, s_mm, r_mm):
+        """(velocity along the axis (n,) in m/s, pressure (n,) in Pa) at s_mm (n,), r_mm from the axis."""
+        points = np.zeros((len(s_mm), 3))
+        points[:, 0], points[:, 1] = 1e-3 * np.asarray(s_mm), 1e-3 * r_mm
+        tree = geometry.BoundingBoxTree(self.domain, 2)
+        found = geometry.compute_colliding_cells(self.domain, geometry.compute_collisions(tree, points), points)
+        cells = np.array([found.links(k)[0] for k in range(len(points))], np.int32)
+        return self.state.sub(0).eval(points, cells)[:, 0], self.state.sub(1).eval(points, cells)[:, 0]
+
+    def solve(self, flow):
+        """Solves at the inflow `flow` (m3/s), raised step by step."""
+        for fraction in axisymmetric.FRACTIONS:
+            self._solve(fraction * flow)

@@ -1,0 +1,98 @@
+"""The jet of the FDA's nozzle at Re 500: python3 tests/verification/flow/fda_jet.py --out DIR.
+
+Writes DIR/jet.csv: velocity on the axis in m/s of the original by five laboratories, mean and standard deviation, and
+by the axisymmetric solution of fda_axisymmetric.py, with the place from which its flow along the wall is downstream,
+and FFR at a probe.
+"""
+
+import argparse
+import csv
+import pathlib
+import sys
+
+sys.path[:0] = [str(pathlib.Path(__file__).parent)]
+
+import fda_nozzle  # noqa: E402  (makes the packages of the repository known)
+import numpy as np  # noqa: E402
+from fda_axisymmetric import Nozzle  # noqa: E402
+
+OUTLET_PA, PROBE_ORIGINAL_MM = 90 * 133.322, 100.0  # behind the expansion, where the jet has spread
+PLACES = fda_nozzle.Z_ORIGINAL_MM
+Z_WALL = np.linspace(2, 118, 117)  # mm of the original: where the flow along the wall is read
+NEAR_WALL = 0.98  # of the radius
+COLUMNS = ("row", *(f"z_{z:g}" for z in PLACES), "within", "reattached", "ffr")
+
+
+def document(nozzle):
+    """boundary.json: the flow given, a pressure at the outlet."""
+    s_mm = float(nozzle.along_mm(PROBE_ORIGINAL_MM))
+    outlet = {"name": "outlet1", "region_id": 2, "branch": "main", "flow_m3_per_s": fda_nozzle.FLOW}
+    outlet |= {"resistance_pa_s_per_m3": 0.0, "pressure_pa": OUTLET_PA}
+    return {
+        "map_pa": 93 * 133.322,  # not used: the inflow is given
+        "venous_pressure_pa": 0.0,
+        "density_kg_per_m3": fda_nozzle.DENSITY,
+        "viscosity_pa_s": fda_nozzle.VISCOSITY,
+        "inlet_flow_m3_per_s": fda_nozzle.FLOW,
+        "outlets": [outlet],
+        "probes": [{"name": "distal", "branch": "main", "s_mm": s_mm, "point_mm": nozzle.branch.point(s_mm).tolist()}],
+    }
+
+
+def laboratories():
+    """The rows of the measured mean and standard deviation."""
+    measured = {"laboratories": fda_nozzle.VELOCITY_ORIGINAL, "their SD": fda_nozzle.SPREAD_ORIGINAL}
+    return [{"row": name, **velocities(values)} for name, values in measured.items()]
+
+
+def velocities(values):
+    """{column: text} of velocities of the original at PLACES."""
+    return {f"z_{z:g}": f"{value:.3f}" for z, value in zip(PLACES, values)}
+
+
+def within(values):
+    """How many of the velocities are within two standard deviations of the laboratories' mean, in words."""
+    near = np.abs(values - fda_nozzle.VELOCITY_ORIGINAL) <= 2 * fda_nozzle.SPREAD_ORIGINAL
+    return f"{near.sum()} of {len(near)}"
+
+
+def reattachment(z_mm, speed):
+    """Place behind the expansion, mm of the original, from which `speed` (n,) along the wall is downstream for good;
+    words where it never is."""
+    back = np.flatnonzero(speed < 0)
+    if len(back) == 0:
+        return "nowhere upstream"
+    k = back[-1]
+    if k == len(z_mm) - 1:
+        return f"behind {z_mm[-1]:.0f}"
+    return f"{z_mm[k] + (z_mm[k + 1] - z_mm[k]) * speed[k] / (speed[k] - speed[k + 1]):.1f}"
+
+
+def reference(nozzle, boundary):
+    """Row of the axisymmetric solution."""
+    exact, probe = Nozzle(boundary), boundary["probes"][0]["s_mm"]
+    exact.solve(fda_nozzle.FLOW)
+    on_axis = fda_nozzle.original_velocity(exact.at(nozzle.along_mm(PLACES), 1e-4)[0])
+    along = exact.at(nozzle.along_mm(Z_WALL), NEAR_WALL * fda_nozzle.RADIUS)[0]
+    inlet, distal = OUTLET_PA + exact.at((0.01, probe), 1e-4)[1]
+    found = {"row": "axisymmetric", **velocities(on_axis), "within": within(on_axis)}
+    return found | {"reattached": reattachment(Z_WALL, along), "ffr": distal / inlet}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--out", required=True, type=pathlib.Path)
+    arguments = parser.parse_args()
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    nozzle = fda_nozzle.make()
+    boundary = document(nozzle)
+    exact = reference(nozzle, boundary)
+    rows = [*laboratories(), exact | {"ffr": f"{exact['ffr']:.5f}"}]
+    with (arguments.out / "jet.csv").open("w", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS)
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+if __name__ == "__main__":
+    main()
