@@ -117,7 +117,7 @@ def _check_overlap(others, lesion, key, refuse):
 
 
 def _shift(lesion):
-    """(eccentricity, direction in degrees); 0 for the direction of a concentric one."""
+    """(eccentricity, direction in degrees). A concentric lesion has no direction; it is set to 0."""
     return lesion["eccentricity"], lesion["direction_deg"] % 360 if lesion["eccentricity"] else 0
 
 

@@ -91,7 +91,7 @@ def _given_files(configuration, case):
 
 
 def _hashes(files):
-    """{file: SHA-256}; a folder, such as a DICOM series, by each of its files."""
+    """{file: SHA-256}. A folder, such as a DICOM series, is replaced by its files."""
     files = [
         inner for file in map(pathlib.Path, files) for inner in (sorted(file.rglob("*")) if file.is_dir() else [file])
     ]

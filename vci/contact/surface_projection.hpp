@@ -14,8 +14,8 @@ struct SurfaceProjection {
 /// @param units unit normals of the vertices
 Vec3 interpolated_normal(const Triangle& t, const Vec3& weights, const Vectors& units);
 
-/// The projection onto the triangle where it was last. Returns false where it no longer lies there, or not near. It
-/// saves the search among all candidates.
+/// Projects onto the triangle of the last search, which saves a new search among all candidates. Returns false if the
+/// projection has left this triangle, or is no longer near.
 bool follow_projection(const Vec3& p, int triangle, const System& system, const Vectors& units, const Body& target,
                        SurfaceProjection& projection);
 

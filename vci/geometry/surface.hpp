@@ -31,7 +31,7 @@ Vectors vertex_area_vectors(const Triangles& triangles, const Vectors& x, int fi
 /// @param weights barycentric coordinates of the point
 /// @param units unit normals of the vertices
 double sagitta(const Triangle& t, const Vec3& weights, const Vectors& x, const Vectors& units);
-/// A bound of its size anywhere on the triangle, mm.
+/// An upper bound of the sagitta's size anywhere on the triangle, mm.
 double largest_sagitta(const Triangle& t, const Vectors& x, const Vectors& units);
 
 /// How often a closed, outward-oriented surface winds round a point: 1 inside, 0 outside. It holds where the surface

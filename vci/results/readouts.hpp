@@ -8,7 +8,7 @@ namespace vci {
 nlohmann::json readouts(const Scene& scene, const Lumen& lumen, const std::map<std::string, Path>& before,
                         const DeploymentResult& deployment);
 
-/// Limits of what a stent's result may be without a warning.
+/// Limits of a stent's result, beyond which a run warns.
 struct OutcomeLimits {
   /// Least expansion index. OCT found a median of 0.73 with quartiles of 0.63 and 0.81 (ILUMIEN II, Maehara 2015), so
   /// less than 0.6 is worse than in three of four patients. The European consensus asks for 0.8 (Raeber 2018).

@@ -61,9 +61,10 @@ def mean_pressure(lumen, loads):
 
 
 class Section:
-    """The section of a patient at s_mm that both codes solve, with one tissue an element.
+    """The section of a patient at s_mm that both codes solve. Each element has one tissue.
 
-    theta, inner, outer: (2 around,) rad and mm; tissues (around, through, 4): share of plaque, 0 or 1, its constants.
+    theta, inner, outer: (2 around,) rad and mm; tissues (around, through, 4): share of plaque, 0 or 1, and its
+    constants.
     """
 
     def __init__(self, patient, s_mm, settings):
