@@ -131,14 +131,14 @@ def zipper(points, normals, loop, ring):
 
 
 def _badness(points, normals, triangles):
-    """1 over the shape (1 of an equilateral triangle) of triangles (..., 3), either way round; FOLDS more where one
-    does not face as the surface does."""
+    """1 over the shape (1 of an equilateral triangle) of triangles (..., 3); FOLDS more where one does not face as the
+    surface does."""
     a, b, c = (points[triangles[..., k]] for k in range(3))
     area = np.cross(b - a, c - a)
     twice = np.linalg.norm(area, axis=-1)
     sides = sum(((one - other) ** 2).sum(axis=-1) for one, other in ((a, b), (b, c), (c, a)))
     facing = normals[triangles].sum(axis=-2)
-    cosine = np.abs((area * facing).sum(axis=-1)) / np.maximum(twice * np.linalg.norm(facing, axis=-1), 1e-300)
+    cosine = (area * facing).sum(axis=-1) / np.maximum(twice * np.linalg.norm(facing, axis=-1), 1e-300)
     return sides / np.maximum(2.0 * np.sqrt(3.0) * twice, 1e-300) + FOLDS * (cosine < LEAST_COSINE)
 
 

@@ -1,0 +1,27 @@
+"""Patients of the study from their case file to their volume meshes: three, each coarser than the one before."""
+
+import json
+import subprocess
+
+import pytest
+
+from flow.settings import make
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("case", ["lad03", "rca02"])
+def test_a_patients_lumen_has_three_swept_meshes(repo_root, binary, run_module, tmp_path, case):
+    made = run_module("data_synthetic", "generate", f"config/cases/{case}.yaml", "--out", tmp_path / "source")
+    assert made.returncode == 0, made.stderr
+    command = [binary("lumen"), "process", tmp_path / "source" / "lumen.vtp", "--units", "mm", "--out", tmp_path]
+    subprocess.run(command, check=True, capture_output=True)
+    meshes = [tmp_path / name for name in ("mesh.msh", "coarsest.msh", "coarse.msh")]
+    line = ["--centreline", tmp_path / "centreline.vtp"]
+    done = run_module("flow", "mesh", tmp_path / "lumen.vtp", *line, "--out", meshes[0], "--coarse", *meshes[1:])
+    assert done.returncode == 0, done.stderr
+    report = json.loads((tmp_path / "mesh.json").read_text())
+    parts = [*report["coarse"], report]
+    assert [part["swept"]["way"] for part in parts] == ["swept"] * 3
+    assert [part["rings"] for part in parts] == [*make().coarse_rings, make().rings]
+    cells = [part["cells"] for part in parts]
+    assert cells == sorted(cells) and min(part["swept"]["cells"] / part["cells"] for part in parts) > 0.3
