@@ -2,7 +2,7 @@
 
 Each mesh starts from the flow on the one before. A mesh on which no flow is found is passed over where another answers.
 On meshes before the last two continuation ends while the artificial viscosity is still large: so far they serve as well
-as a finer mesh, for a third of the cost. The last mesh keeps the eps of the best flow before.
+as a finer mesh, for a third of the cost. The last mesh keeps the eps of the best flow before, if that has any.
 """
 
 import pathlib
@@ -106,6 +106,7 @@ class Search:
             "dofs": solved.space.dofs,
             "ffr": value,
             "error_estimate": estimate["ffr"] if estimate else None,
+            **{name: estimate[name] for name in ("goal_signed", "goal_sizes") if name in (estimate or {})},
             "factorizations": solved.problem.solver.factorizations,
             "cpu_seconds": solved.cpu_seconds,
         }

@@ -33,9 +33,8 @@ def of(solved, document, tree, at_probes, coarser=None):
     too little is known.
 
     The mesh's part is the larger of `goal` (errors.error_field) and, with a Solved `coarser` of the same eps, of `mesh`
-    (Richardson's). at_probes(sampler) -> FFR at the probes, `distal` first. `goal`: the dual-weighted residual with its
-    safety factor, or the sum of the sizes of its parts where they cancel. `artificial_viscosity`: what it does to FFR,
-    added with the safety factor. The parts are those of `distal`. Where the dual solution is not found two meshes alone
+    (Richardson's). at_probes(sampler) -> FFR at the probes, `distal` first. `goal`: the size of the dual-weighted residual
+    and half the sizes of its parts (`of_parts`). `artificial_viscosity`: what it does to FFR, added with the safety factor. The parts are those of `distal`. Where the dual solution is not found two meshes alone
     estimate the error, if there are two and no artificial viscosity is left.
     """
     found, methods, parts, artificial = [], [], {}, None
@@ -47,7 +46,7 @@ def of(solved, document, tree, at_probes, coarser=None):
         along, artificial = along[:, :-1], along[:, -1]
         signed, sizes = along.sum(axis=1), np.abs(along).sum(axis=1)
         found.append(of_parts(along))
-        methods.append(f"dual-weighted residual times {SAFETY:g}, at least the sizes of its parts")
+        methods.append(f"dual-weighted residual, and {SAFETY - 1:g} times the sizes of its parts")
         parts |= {"goal": float(found[0][0]), "goal_signed": float(signed[0]), "goal_sizes": float(sizes[0])}
     except ComputationError as error:
         print(f"no dual solution for the error estimate:\n{error}", file=sys.stderr, flush=True)
@@ -70,8 +69,9 @@ def of(solved, document, tree, at_probes, coarser=None):
 
 
 def of_parts(along):
-    """Estimates (p,) by the parts (p, k) of errors.error_field."""
-    return np.maximum(SAFETY * np.abs(along.sum(axis=1)), np.abs(along).sum(axis=1))
+    """Estimates (p,) by the parts (p, k) of errors.error_field: of one sign they are SAFETY times their sum. Where they
+    cancel each may still be off by the same share of itself."""
+    return np.abs(along.sum(axis=1)) + (SAFETY - 1.0) * np.abs(along).sum(axis=1)
 
 
 def document(estimate):

@@ -6,7 +6,8 @@ is followed in ln eps: the secant through the last two flows predicts the next, 
 held. A step that fails is shortened, one that was easy lengthens the next (natural-parameter continuation; Allgower and
 Georg, Introduction to Numerical Continuation Methods, 2003, chapter 6). From SMALL and from LEAST eps = 0 is tried.
 On the coarsest of three meshes continuation ends at BEGUN, where eps = 0 is tried once. The next mesh goes on from
-there. The finest is solved at the eps of the flow that it starts from, so that both together show the mesh's error.
+there, or goes the last bit of the way again where that led to 0. The finest does the same from an answer without eps;
+else it keeps the eps of that answer, so that both together show the mesh's error.
 Where no flow without artificial viscosity is found that of the least eps answers. What the rest of eps does to FFR is a
 part of the error estimate (errors.error_field).
 """
@@ -48,15 +49,17 @@ def from_rest(problem, begin_only=False):
     return polish(problem)
 
 
-def from_guess(problem, coarse, only_known=False, onward=True):
+def from_guess(problem, coarse, onward=True):
     """Outcome at full flow from the flow on another mesh (a solved FlowProblem).
 
-    Its eps is tried first, and where this fails and not only_known those of the flows before it; onward: then eps is
-    followed towards 0. Raises ComputationError.
+    Where continuation led to that flow the last bit of the way is gone again, from the last flow there with eps > 0, and
+    where this fails from those before it: from the flow at eps = 0 Newton's method often fails, as the jets of two
+    meshes differ. onward: eps is followed towards 0 even if it was not left behind there. Raises ComputationError.
     """
     problem.boundaries.full()
     starts = coarse.passed or [(coarse.artificial, coarse.state.x.array, coarse.inflow)]
-    for eps, values, inflow in starts[: -2 if only_known else -STARTS - 1 : -1]:
+    starts = [one for one in starts if one[0] > 0] or starts
+    for eps, values, inflow in starts[: -STARTS - 1 : -1]:
         problem.set_guess(coarse.space, values, inflow)
         found = _reached(problem, eps, ON_THE_WAY if eps > 0 else TO_THE_END)
         if found.converged:
@@ -64,7 +67,9 @@ def from_guess(problem, coarse, only_known=False, onward=True):
     else:
         raise problem.stalled(found)
     _pass(problem)
-    if onward:
+    if coarse.artificial == 0:
+        follow(problem, (max(eps, SMALL), LEAST))
+    elif onward:
         follow(problem)
     return polish(problem)
 

@@ -16,6 +16,7 @@ import numpy as np
 
 GOOD_RESIDUAL = 0.5  # of the residual before: a step that reaches it is taken whatever its correction
 LEAST_FACTOR = 0.08  # of Newton's update: below it the state is too far from the solution
+FAR = 0.15  # two steps in a row with smaller factors: too far as well
 NEAR = 0.3  # the correction after a whole step over that before, below which the factorization is used again
 NEARER = 0.1  # the same, below which it serves the error estimate (errors.error_field) too
 SHRINKS = 0.5  # a correction above this share of the one before asks for a new factorization
@@ -37,13 +38,17 @@ class Step:
 def newton(problem, absolute, relative, limit, most_picard=0, exact=False):
     """Outcome from the present state down to residuals `absolute` (N) and `relative` (to the load).
 
-    Ends after `limit` factorizations or the last one allowed, and where no factor helps: there up to `most_picard`
-    steps of Picard's are tried. exact: each step by its own tangent, without acceleration.
+    Ends after `limit` factorizations, or after twice as many while whole steps serve; after the last one allowed; where
+    two factors in a row are below FAR; and where no factor helps: there up to `most_picard` steps of Picard's are tried.
+    exact: each step by its own tangent, without acceleration.
     """
     free, inlet, norm = problem.residual()
-    start, last = problem.solver.factorizations, None
+    start, last, factors = problem.solver.factorizations, None, []
     while not problem.small(norm, absolute, relative):
-        if problem.solver.factorizations - start >= limit or problem.left <= 0:
+        most = 2 * limit if factors[-1:] == [1.0] else limit
+        if problem.solver.factorizations - start >= most or problem.left <= 0:
+            break
+        if len(factors) > 1 and max(factors[-2:]) < FAR:
             break
         base, base_inflow = problem.state.x.array.copy(), problem.inflow
         problem.linearise(problem.forms.tangent)
@@ -56,6 +61,7 @@ def newton(problem, absolute, relative, limit, most_picard=0, exact=False):
 
         last, reached = _search(problem, residual_at, update, _first_factor(problem, last, update), norm)
         if last is not None:
+            factors.append(last.factor)
             free, inlet, norm = reached
             problem.report(norm, f"Newton {last.factor:.2g}")
             near = last.factor == 1 and last.after < NEAR * last.before
@@ -69,7 +75,7 @@ def newton(problem, absolute, relative, limit, most_picard=0, exact=False):
         free, inlet, norm = residual_at(0.0)
         if most_picard == 0 or problem.left <= 0:
             break
-        most_picard -= 1
+        most_picard, factors = most_picard - 1, []
         free, inlet, norm = picard(problem, free, inlet)
     free.destroy()
     return problem.outcome(norm, absolute, relative, problem.solver.factorizations - start)

@@ -221,12 +221,12 @@ class FlowProblem(flow_state.FlowState):
         self.restart()
         return continuation.from_rest(self, begin_only)
 
-    def solve_from_guess(self, coarse, only_known=False, whole=False):
+    def solve_from_guess(self, coarse, whole=False):
         """Outcome at full flow from the flow on another mesh of the same lumen (a solved FlowProblem). Raises
         ComputationError where there is none; whole: goes on to less eps, and where there is none is at rest and returns
         None."""
         try:
-            return continuation.from_guess(self, coarse, only_known, whole)
+            return continuation.from_guess(self, coarse, whole)
         except ComputationError:
             if not whole:
                 raise

@@ -26,11 +26,6 @@ class Solved:
         self.outflows = self.boundaries.outflows(self.problem.state_vector())
 
     @property
-    def known(self):
-        """Whether this is a steady flow of the unmodified model whose error is estimated: an answer in itself."""
-        return self.status == CONVERGED and self.estimate is not None
-
-    @property
     def status(self):
         """One of STATUSES."""
         return ARTIFICIAL if self.problem.artificial > 0 else CONVERGED
@@ -43,8 +38,7 @@ class Solved:
 def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0, effort=WHOLE):
     """Solved from a mesh file; the guess is that of `start` (Solved on another mesh), else of `predicted` (Predictor).
 
-    spent: factorizations already made of those allowed; effort: BEGUN, WHOLE or NEAR. Where `start` is an answer in
-    itself its own eps alone is tried. Raises ComputationError.
+    spent: factorizations already made of those allowed; effort: BEGUN, WHOLE or NEAR. Raises ComputationError.
     """
     space = spaces.read(path)
     ffr.check_inside(document["probes"], tree, space)
@@ -62,7 +56,7 @@ def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0, e
     try:
         outcome = None
         if start is not None:
-            outcome = problem.solve_from_guess(start.problem, start.known, effort == WHOLE)
+            outcome = problem.solve_from_guess(start.problem, effort == WHOLE)
         if outcome is None:
             outcome = problem.solve(resistances_at, predicted, effort == BEGUN)
     except ComputationError as error:

@@ -22,7 +22,7 @@ class _Mesh:
         self.problem = types.SimpleNamespace(artificial=eps, solver=solver, release=lambda: None)
         self.destroyed = False
 
-    status, known = solved_mesh.Solved.status, solved_mesh.Solved.known
+    status = solved_mesh.Solved.status
 
     def destroy(self):
         self.destroyed = True

@@ -59,7 +59,7 @@ def test_parts_that_cancel_are_not_taken_for_an_exact_answer(goal):
     goal(0.003, -0.004, 0.0)
     estimate = _of(_solved(8000, 0.75))
     assert estimate["goal_signed"] == pytest.approx(-0.001) and estimate["goal_sizes"] == pytest.approx(0.007)
-    assert estimate["ffr"] == pytest.approx(0.007)
+    assert estimate["ffr"] == pytest.approx(0.001 + 0.5 * 0.007)
     goal(0.003, 0.004)  # of one sign: their sum
     assert _of(_solved(8000, 0.75))["ffr"] == pytest.approx(0.007 * error_estimate.SAFETY)
 

@@ -121,12 +121,21 @@ def test_the_factorizations_allowed_bound_the_way():
     assert problem.solver.factorizations <= 14
 
 
-def test_a_flow_of_another_mesh_without_any_is_the_start():
+def test_the_last_bit_of_the_way_is_gone_again_on_a_finer_mesh():
     coarse, fine = _smooth(), _smooth()
     continuation.from_rest(coarse)
     coarse.space = fine.space
     found = continuation.from_guess(fine, coarse)
-    assert found.converged and fine.artificial == 0.0 and [one[0] for one in fine.passed] == [0.0]
+    assert found.converged and fine.artificial == 0.0
+    assert fine.passed[0][0] == coarse.passed[-2][0] > 0 and len(fine.passed) == 2
+
+
+@pytest.mark.parametrize("onward", (True, False))
+def test_what_the_other_mesh_left_behind_from_a_large_eps_is_left_behind_from_there(onward):
+    coarse, fine = _smooth(), _smooth()
+    coarse.passed = [(0.02, np.array([1.98]), 0.0), (0.0, np.array([2.0]), 0.0)]
+    found = continuation.from_guess(fine, coarse, onward)
+    assert found.converged and [one[0] for one in fine.passed] == [0.02, 0.0]
 
 
 def test_a_flow_of_another_mesh_that_no_path_led_to_is_the_start():
@@ -155,12 +164,3 @@ def test_where_the_last_flow_of_another_mesh_leads_to_none_those_before_do():
     coarse.passed = [(eps, np.array([2.1]), 0.0) for eps in (0.02, 0.004, 0.0)]
     found = continuation.from_guess(fine, coarse)
     assert found.converged and fine.passed[0][0] <= 0.02 and fine.artificial >= 0.01
-
-
-def test_only_the_flow_near_by_is_wanted_of_an_answer():
-    coarse = _smooth()
-    continuation.from_rest(coarse)
-    nowhere = _ends(0.5)
-    with pytest.raises(ComputationError, match="stalled"):
-        continuation.from_guess(nowhere, coarse, only_known=True)
-    assert nowhere.solver.factorizations <= continuation.HARD

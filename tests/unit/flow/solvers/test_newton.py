@@ -59,3 +59,28 @@ def test_no_more_factorizations_than_allowed():
     problem.allowed = 2
     found = newton.newton(problem, 1e-12, 1.0, 12)
     assert not found.converged and problem.solver.factorizations == 2
+
+
+def test_whole_steps_that_serve_may_take_twice_as_many_factorizations():
+    """x^2 = 0 has a double root: each whole step halves the error."""
+
+    def found(limit):
+        problem = Equations(lambda x: x**2, lambda x: np.diag(2 * x), [1.0])
+        return newton.newton(problem, 1e-6, 1.0, limit, exact=True)
+
+    assert found(10).iterations == 10 and found(5).iterations == 10 and found(5).converged
+    assert not found(4).converged and found(4).iterations == 8
+
+
+@pytest.mark.parametrize(
+    ("factors", "made"), [((0.1, 0.14, 1, 1), 2), ((0.1, 0.3, 0.1, 0.3), 4), ((0.14, 0.16, 0.1, 0.1, 1), 4)]
+)
+def test_two_tiny_steps_in_a_row_are_the_last(monkeypatch, factors, made):
+    problem, left = Equations(lambda x: x, lambda x: np.eye(1), [1.0]), list(factors)
+
+    def search(problem, residual_at, update, factor, norm):
+        factor = left.pop(0)
+        return newton.Step(1.0, 1.0, update, 0.0, factor), residual_at(0.1 * factor)
+
+    monkeypatch.setattr(newton, "_search", search)
+    assert newton.newton(problem, 1e-9, 1.0, 4).iterations == made
