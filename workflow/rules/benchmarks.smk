@@ -410,7 +410,7 @@ rule flow_tree_against_openfoam:
 
 rule flow_fda_jet:
     message:
-        "benchmark: the jet of the FDA's nozzle, laboratories and axisymmetric solution, by its own name only"
+        "benchmark: the jet of the FDA's nozzle by laboratories, axisymmetric solution and default settings, by its own name only"
     input:
         code=flow_benchmark_code("fda_jet"),
         script="tests/verification/flow/fda_jet.py",

@@ -1,26 +1,31 @@
 """The jet of the FDA's nozzle at Re 500: python3 tests/verification/flow/fda_jet.py --out DIR.
 
 Writes DIR/jet.csv: velocity on the axis in m/s of the original by five laboratories, mean and standard deviation, and
-by the axisymmetric solution of fda_axisymmetric.py, with the place from which its flow along the wall is downstream,
-and FFR at a probe.
+by the axisymmetric solution of fda_axisymmetric.py and by `flow mesh` and `flow solve` with default settings, with the
+place from which the flow along the wall is downstream, FFR at a probe and its estimated error.
 """
 
 import argparse
 import csv
+import json
 import pathlib
 import sys
 
 sys.path[:0] = [str(pathlib.Path(__file__).parent)]
 
 import fda_nozzle  # noqa: E402  (makes the packages of the repository known)
+import growth  # noqa: E402
+import hard_cases  # noqa: E402
 import numpy as np  # noqa: E402
+import vtk  # noqa: E402
 from fda_axisymmetric import Nozzle  # noqa: E402
+from vtk.util import numpy_support  # noqa: E402
 
 OUTLET_PA, PROBE_ORIGINAL_MM = 90 * 133.322, 100.0  # behind the expansion, where the jet has spread
 PLACES = fda_nozzle.Z_ORIGINAL_MM
 Z_WALL = np.linspace(2, 118, 117)  # mm of the original: where the flow along the wall is read
 NEAR_WALL = 0.98  # of the radius
-COLUMNS = ("row", *(f"z_{z:g}" for z in PLACES), "within", "reattached", "ffr")
+COLUMNS = ("row", *(f"z_{z:g}" for z in PLACES), "within", "reattached", "ffr", "estimate")
 
 
 def document(nozzle):
@@ -79,6 +84,41 @@ def reference(nozzle, boundary):
     return found | {"reattached": reattachment(Z_WALL, along), "ffr": distal / inlet}
 
 
+def ours(nozzle, boundary, folder):
+    """Row of the answer of `flow solve`, meshed and solved in `folder`."""
+    fda_nozzle.write(nozzle, folder)
+    (folder / "boundary.json").write_text(json.dumps(boundary))
+    line, meshes = ["--centreline", "centreline.vtp"], ["mesh.msh", "--coarse", *hard_cases.COARSE]
+    growth.command(folder, "mesh", "lumen.vtp", *line, "--out", *meshes)
+    growth.command(folder, "solve", *meshes, *line, "--boundary", "boundary.json", "--out", ".")
+    answer, report = (json.loads((folder / name).read_text()) for name in ("ffr.json", "mesh.json"))
+    rings = dict(
+        zip((*hard_cases.COARSE, "mesh.msh"), (*(part["rings"] for part in report["coarse"]), report["rings"]))
+    )
+    on_axis = fda_nozzle.original_velocity(along_x(folder / "solution.vtu", nozzle.along_mm(PLACES), 1e-3))
+    wall = along_x(folder / "solution.vtu", nozzle.along_mm(Z_WALL), NEAR_WALL * fda_nozzle.RADIUS)
+    name = f"{rings[answer['mesh']]} rings, eps {answer['artificial_viscosity']:.2g}"
+    found = {"row": name, **velocities(on_axis), "within": within(on_axis), "reattached": reattachment(Z_WALL, wall)}
+    return found | {"ffr": f"{answer['ffr']:.5f}", "estimate": f"{answer['error_estimate']['ffr']:.4f}"}
+
+
+def along_x(path, x_mm, radius_mm):
+    """Velocity (n,) in m/s along x at x_mm (n,), radius_mm from the axis, of a solution.vtu in mm."""
+    reader, probe, points = vtk.vtkXMLUnstructuredGridReader(), vtk.vtkProbeFilter(), vtk.vtkPoints()
+    reader.SetFileName(str(path))
+    for x in x_mm:
+        points.InsertNextPoint(x, radius_mm, 0.0)
+    at = vtk.vtkPolyData()
+    at.SetPoints(points)
+    probe.SetInputData(at)
+    probe.SetSourceConnection(reader.GetOutputPort())
+    probe.Update()
+    found = probe.GetOutput().GetPointData()
+    if not numpy_support.vtk_to_numpy(found.GetArray(probe.GetValidPointMaskArrayName())).all():
+        raise SystemExit(f"{path}: a point {radius_mm} mm from the axis lies outside")
+    return numpy_support.vtk_to_numpy(found.GetArray("velocity_m_per_s"))[:, 0]
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", required=True, type=pathlib.Path)
@@ -87,7 +127,7 @@ def main():
     nozzle = fda_nozzle.make()
     boundary = document(nozzle)
     exact = reference(nozzle, boundary)
-    rows = [*laboratories(), exact | {"ffr": f"{exact['ffr']:.5f}"}]
+    rows = [*laboratories(), exact | {"ffr": f"{exact['ffr']:.5f}"}, ours(nozzle, boundary, arguments.out)]
     with (arguments.out / "jet.csv").open("w", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS)
         writer.writeheader()

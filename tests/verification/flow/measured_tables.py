@@ -44,7 +44,8 @@ TABLES = {
     ),
     "flow_fda_jet": (
         "jet.csv",
-        {"row": "z, mm", **{f"z_{z}": f"{z}" for z in (-20, -8, 0, 8, 16, 24, 32, 60, 80)}, "within": "within 2 SD"},
+        {"row": "z, mm", **{f"z_{z}": f"{z}" for z in (-20, -8, 0, 8, 16, 24, 32, 60, 80)}, "within": "within 2 SD"}
+        | {"ffr": "FFR", "estimate": "estimate"},
     ),
     "flow_hard_cases": (
         "hard_cases.csv",
