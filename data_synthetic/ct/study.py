@@ -35,6 +35,8 @@ COLUMNS = [
     "sd_mm2",
     "lower_limit_mm2",
     "upper_limit_mm2",
+    "mean_radius_difference_mm",
+    "sd_radius_mm",
     "resistance_ratio",
     "true_minimal_area_mm2",
     "found_minimal_area_mm2",
