@@ -45,6 +45,9 @@ def study(make_case, tmp_path):
         dirs = [str(folder) for folder in folders]
         for name in ("agreement", "cohort", "contrast", "nearer"):
             main([name, "--metrics", *metrics, "--out", str(tmp_path / "study" / f"{name}.csv")])
+        arms = [folder / "half_maximum" / "metrics.json" for folder in folders]
+        found = [str(path) for path in arms if path.exists()]
+        main(["agreement", "--metrics", *found, "--out", str(tmp_path / "study" / "half_maximum.csv")])
         tables = ["--stations", str(tmp_path / "stations.csv"), "--out", str(tmp_path / "study" / "differences.csv")]
         main(["differences", "--metrics", *metrics, *tables])
         main(["timings", "--case-dir", *dirs, "--out", str(tmp_path / "study" / "timings.csv")])
