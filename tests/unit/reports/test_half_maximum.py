@@ -1,7 +1,6 @@
 """The arm at half maximum: its own lumens, the network's FFR, and its place beside the study's own segmentation."""
 
 import json
-import shutil
 
 import pytest
 
@@ -16,18 +15,9 @@ FFR = {"ct": 0.97, "ct_vci": 0.93, "ct_rc": 0.94}
 
 
 @pytest.fixture
-def with_arm(make_case):
-    """A case whose lumens at half maximum are those of other states: that of the CT after looks like the wide `rc`."""
+def with_arm(make_case, add_arm):
     folder = make_case("tube", states=STATES)
-    for state, like in (("ct", "rc"), ("ct_vci", "reference"), ("ct_rc", "ct")):
-        shutil.copytree(folder / like / "anatomy", folder / "half_maximum" / state / "anatomy")
-    for path in (folder / "ct").glob("*/segmentation.json"):
-        found = folder / "half_maximum" / path.relative_to(folder)
-        found.parent.mkdir(parents=True)
-        found.write_text(json.dumps(json.loads(path.read_text()) | {"method": "half_maximum"}))
-    document = {"model": "1D network, calibrated", "error": 0.003}
-    document["lumens"] = {state: {"ffr": value} for state, value in FFR.items()}
-    (folder / "half_maximum" / "ffr.json").write_text(json.dumps(document))
+    add_arm(folder)
     return folder
 
 
