@@ -15,7 +15,7 @@ from reports.study.nearer import FEWEST, LEVEL
 from reports.inputs.case_files import PREDICTED_FROM_CT, STATES
 from reports.figures.style import COLOURS, ERRORS, LABELS, SHORT
 from reports.page.agreement import MOST_DIGITS, agreement_groups, contrast_rows, left_out
-from reports.page.assets import TEMPLATES, image_uri, optional_image, script, three_scripts
+from reports.page.assets import TEMPLATES, image_uri, optional_image, script, three_script, three_version
 from reports.page.benchmarks import benchmarks
 from reports.page.case_context import case_context
 from reports.page.digits import decimals
@@ -96,7 +96,8 @@ def build_report(
             colours=COLOURS,
             viewer=script_json({"cases": {c["id"]: c["viewer"] for c in contexts}, "colours": colour_table()}),
             style=(TEMPLATES / "style.css").read_text(),
-            scripts=[*three_scripts(), *(script(TEMPLATES / name) for name in ("viewer.js", "stage.js", "page.js"))],
+            three_version=three_version(),
+            scripts=[three_script(), *(script(TEMPLATES / name) for name in ("viewer.js", "stage.js", "page.js"))],
         )
     )
     with replacing(out) as partial:
