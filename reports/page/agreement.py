@@ -33,7 +33,9 @@ def agreement_groups(agreement, nearer, half_maximum):
         )
         if rows:
             of_nearer = nearer_rows([row for row in nearer if row["patients"] == name])
-            found.append({"name": name, "rows": rows, "nearer": of_nearer, "segmentations": segmentations(rows, others)})
+            found.append(
+                {"name": name, "rows": rows, "nearer": of_nearer, "segmentations": segmentations(rows, others)}
+            )
     return found
 
 
@@ -110,6 +112,10 @@ def left_out(patients):
     found = []
     for row in patients:
         if not meets_criterion(row["ffr_before"]):
-            why = "FFR before PCI not computed" if row["ffr_before"] is None else f"FFR before PCI {row['ffr_before']:.2f}"
+            why = (
+                "FFR before PCI not computed"
+                if row["ffr_before"] is None
+                else f"FFR before PCI {row['ffr_before']:.2f}"
+            )
             found.append((row["case"], why))
     return found

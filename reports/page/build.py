@@ -48,9 +48,7 @@ def build_report(
     agreement = read_csv(study_dir / "agreement.csv")
     timings = read_csv(study_dir / "timings.csv")
     patients = read_csv(study_dir / "patients.csv")
-    by_group = agreement_groups(
-        agreement, read_csv(study_dir / "nearer.csv"), read_csv(study_dir / "half_maximum.csv")
-    )
+    by_group = agreement_groups(agreement, read_csv(study_dir / "nearer.csv"), read_csv(study_dir / "half_maximum.csv"))
     differences, seconds = read_csv(study_dir / "differences.csv"), read_csv(study_dir / "seconds.csv")
     for context in contexts:
         context["timings"] = [row for row in timings if row["case"] == context["name"]]

@@ -26,7 +26,9 @@ QUANTITIES = {
     "mean_curvature": "curvature.mean_per_mm",
 }
 UNITS = {"ffr": "1", "mean_area": "mm2", "minimum_area": "mm2", "mean_curvature": "1/mm"}
-COLUMNS = ["patients", "quantity", "unit", "error", "comparison"] + [field.name for field in dataclasses.fields(Agreement)]
+COLUMNS = ["patients", "quantity", "unit", "error", "comparison"] + [
+    field.name for field in dataclasses.fields(Agreement)
+]
 COLUMNS += ["same_decision", "largest_estimate"]
 PUBLISHED_COLUMNS = ["published_n", "published_bias", "published_sd", "published_loa_lower", "published_loa_upper"]
 

@@ -30,5 +30,5 @@ def groups(documents):
 
 
 def analysed(documents):
-    """Those of the documents that a figure shows: of the included patients, or of the others where nobody is included."""
+    """Those of the documents that a figure shows: of the included patients, or of the others where there is none."""
     return groups(documents)[0][1] if documents else []

@@ -13,7 +13,19 @@ LEVEL = 0.05  # of each row's test, two-sided
 FEWEST = 6  # the smallest p of n pairs is 2 / 2^n: 0.0625 of five, 0.03125 of six
 RADIUS_CORRECTION = {"vci": "rc", "ct_vci": "ct_rc"}  # of the same lumen before the procedure
 NEARER, FARTHER, UNDECIDED = "nearer", "farther", "no difference shown"
-COLUMNS = ["patients", "quantity", "unit", "error", "truth", "n", "error_vci", "error_rc", "patients_vci_nearer", "p", "vci_is"]
+COLUMNS = [
+    "patients",
+    "quantity",
+    "unit",
+    "error",
+    "truth",
+    "n",
+    "error_vci",
+    "error_rc",
+    "patients_vci_nearer",
+    "p",
+    "vci_is",
+]
 
 
 def nearer_table(documents):

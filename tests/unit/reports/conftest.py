@@ -303,7 +303,7 @@ def build_case(
 
 
 def write_arm(folder):
-    """The lumens at half maximum of a case with CT, which are those of other states: that after PCI is the wide `rc`."""
+    """The lumens at half maximum of a case with CT, which are those of other states; after PCI it is the wide `rc`."""
     for state, like in (("ct", "rc"), ("ct_vci", "reference"), ("ct_rc", "ct")):
         shutil.copytree(folder / like / "anatomy", folder / "half_maximum" / state / "anatomy")
     for path in (folder / "ct").glob("*/segmentation.json"):

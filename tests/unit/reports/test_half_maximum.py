@@ -32,7 +32,9 @@ def test_only_the_lumens_from_ct_are_the_arms(with_arm):
     area = {name: found["states"]["ct"]["area"]["mean_mm2"] for name, found in (("own", own), ("arm", arm))}
     assert area["arm"] == pytest.approx(own["states"]["rc"]["area"]["mean_mm2"]) and area["arm"] > area["own"] + 0.1
     assert arm["states"]["vci"] == own["states"]["vci"] and arm["states"]["pre"] == own["states"]["pre"]
-    assert arm["imaging"]["reference"]["method"] == "half_maximum" and own["imaging"]["reference"]["method"] == "psf_edge"
+    assert (
+        arm["imaging"]["reference"]["method"] == "half_maximum" and own["imaging"]["reference"]["method"] == "psf_edge"
+    )
 
 
 def test_ffr_is_the_networks_and_has_no_profile(with_arm):
@@ -55,7 +57,9 @@ def test_without_the_networks_answer_areas_alone_are_compared(with_arm):
 
 def test_both_segmentations_stand_beside_each_other(with_arm, tmp_path):
     out = with_arm / "half_maximum" / "metrics.json"
-    main(["metrics", "--case", "tube", "--case-dir", str(with_arm), "--segmentation", "half_maximum", "--out", str(out)])
+    main(
+        ["metrics", "--case", "tube", "--case-dir", str(with_arm), "--segmentation", "half_maximum", "--out", str(out)]
+    )
     own, arm = rows_of(case_metrics(CaseFiles("tube", with_arm))), rows_of(json.loads(out.read_text()))
     (group,) = agreement_groups(own, [], arm)
     rows = {(row["prediction"], row["name"]): row for row in group["segmentations"]}

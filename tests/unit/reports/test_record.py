@@ -48,7 +48,9 @@ def test_numbers_are_those_of_the_tables(results, tmp_path):
     assert found["states"]["pre"]["ffr_distal"] == {"n": 1, "mean": 0.7, "sd": None}
     excluded = found["states_excluded"]["vci"]["ffr_distal"]
     assert excluded == {"n": 1, "mean": 0.98, "sd": None}, "apart from the included"
-    assert [row["case"] for row in found["patients"]] == ["a", "c", "mild"] and found["patients"][1]["pre_ffr_distal"] is None
+    assert [row["case"] for row in found["patients"]] == ["a", "c", "mild"] and found["patients"][1][
+        "pre_ffr_distal"
+    ] is None
     assert (found["evidence"]["passed"], found["evidence"]["failed"]) == (1, 1)
     assert found["failed"] == [{"case": "b"}]
     assert found["plans"] == {"a": []} and found["cohort"] == "small"
