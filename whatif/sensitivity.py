@@ -42,7 +42,7 @@ class Answers:
         return calibrated.network_loss(found, document, self.case.flow.expansion_loss)
 
     def held(self, state):
-        """The stretch that stents hold open in a state, whatever the image before showed: (branch, start, end) in mm."""
+        """(branch, start, end) in mm of the stretch that stents hold open, whatever the image showed; None before."""
         if state == BEFORE:
             return None
         segment = self.case.scene["segment"]

@@ -1,12 +1,10 @@
 """Input functions of the rules: a case's files, its settings as parameters, its states."""
 
-import json
 import os
 import pathlib
 import shlex
 
 from common import config
-from common.errors import InputError
 
 SYNTHETIC_STATES = ("pre", "vci", "rc", "reference")
 SURFACE_STATES = ("pre", "vci", "rc")  # without a reference
