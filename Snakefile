@@ -8,6 +8,8 @@ from snakemake.exceptions import WorkflowError
 
 from common.errors import UserError
 from workflow.configuration import COARSE_MESHES, Configuration
+from workflow.failed import cases_of_failed_arms, without_failed
+from workflow.half_maximum import STATES as ARM_STATES, HalfMaximum
 from workflow.imports import code, command_code, flow_benchmark_code, module_code
 from workflow.inputs import (
     Inputs,
@@ -26,7 +28,6 @@ from workflow.inputs import (
     stent_options,
     study_folder,
     test_results,
-    without_failed,
 )
 
 try:
@@ -34,10 +35,13 @@ try:
     COHORT = config.get("cohort", "nine")
     FAILED = config.get("failed")  # failed.json of `workflow failed`: the study is made of the other cases
     CASES = without_failed(STUDY.selected(COHORT, config.get("cases")), FAILED)
+    FAILED_ARMS = cases_of_failed_arms(FAILED)
 except UserError as error:
     raise WorkflowError(str(error)) from None
 
 INPUTS = Inputs(STUDY)
+HALF_MAXIMUM = HalfMaximum(INPUTS)
+HALF_MAXIMUM_CASES = [case for case in HALF_MAXIMUM.cases(CASES) if case not in FAILED_ARMS]
 # Rules take a case's file as `ancient` and the sections they use as parameters: other sections may change freely.
 CASE_FILE = str(STUDY.case_file("{case}"))
 VCI = os.path.join(config.get("build", "build"), "vci")
@@ -54,6 +58,7 @@ wildcard_constraints:
 localrules:
     all,
     benchmarks,
+    half_maximum_settings,
     settings,
 
 
@@ -70,4 +75,5 @@ include: "workflow/rules/ct.smk"
 include: "workflow/rules/flow.smk"
 include: "workflow/rules/whatif.smk"
 include: "workflow/rules/study.smk"
+include: "workflow/rules/half_maximum.smk"
 include: "workflow/rules/benchmarks.smk"

@@ -59,6 +59,7 @@ def _parser():
     study.add_argument("cases", type=pathlib.Path, nargs="+", help="synthetic cases, config/cases/<case>.yaml")
     study.add_argument("--voxels", type=float, nargs="+", default=[0.35, 0.5], help="voxel edges in mm")
     study.add_argument("--seeds", type=int, default=3, help="number of noise seeds")
+    study.add_argument("--methods", nargs="+", help="of segmentation (all three)")
     study.add_argument("--settings", type=pathlib.Path, help="YAML or JSON with the keys of the section `ct`")
     study.add_argument("--out", type=pathlib.Path, required=True, help="table (CSV)")
     return parser
@@ -102,7 +103,8 @@ def main(arguments=None):
     elif options.command == "ct-study":
         from .ct import study
 
-        study.run(options.cases, options.voxels, options.seeds, options.out, settings_path=options.settings)
+        methods = options.methods or study.METHODS
+        study.run(options.cases, options.voxels, options.seeds, options.out, methods, options.settings)
     else:
         from .reference import run
 

@@ -6,7 +6,7 @@ import sys
 
 from common.errors import InputError, guarded
 from common.files import write_json
-from reports.inputs.case_files import STATES, CaseFiles
+from reports.inputs.case_files import ARMS, STATES, CaseFiles
 from reports.inputs.reading import read_json
 
 
@@ -31,7 +31,7 @@ def metrics_list(paths):
 def run_metrics(args):
     from reports.measuring.metrics import case_metrics
 
-    files = CaseFiles(args.case, args.case_dir)
+    files = CaseFiles(args.case, args.case_dir, args.segmentation)
     write_json(args.out, case_metrics(files, args.margin_mm, args.stations, args.states, args.config))
 
 
@@ -70,7 +70,8 @@ def run_patients(args):
         documents, {document["case"]: load_case(configs[document["case"]]) for document in documents}
     )
     states = {document["case"]: list(document["states"]) for document in documents}
-    steps = inclusion_table(table, states, list(dict.fromkeys(step["case"] for step in failed_steps(args.failed))))
+    failed = dict.fromkeys(step["case"] for step in failed_steps(args.failed))
+    steps = inclusion_table(table, states, [case for case in failed if case not in states])
     write_csv(args.out, table)
     write_csv(args.inclusion, steps)
     inclusion_figure(steps, args.figures_dir)
@@ -193,6 +194,7 @@ def parser():
     command.add_argument("--stations", type=int, default=101, help="places along the segment (101; at least 50)")
     command.add_argument("--states", nargs="+", choices=STATES, help="only these (default: all with results)")
     command.add_argument("--config", type=path, help="config/cases/<case>.yaml, for the patient's measurements")
+    command.add_argument("--segmentation", choices=ARMS, default="", help="another one of the CT (the study's own)")
     command.add_argument("--out", required=True, type=path, help="metrics.json")
     command.set_defaults(run=run_metrics)
 
@@ -203,7 +205,8 @@ def parser():
         ("cohort", "one row a case -> cohort.csv"),
     ):
         command = commands.add_parser(name, help=text)
-        command.add_argument("--metrics", required=True, nargs="+", type=path, help="metrics.json of each case")
+        count = "*" if name == "agreement" else "+"  # no case may have the CT whose lumens are compared
+        command.add_argument("--metrics", required=True, nargs=count, type=path, help="metrics.json of each case")
         command.add_argument("--out", required=True, type=path, help="the CSV file")
         command.set_defaults(run=run_table)
 

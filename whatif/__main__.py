@@ -1,4 +1,4 @@
-"""Command line: `python3 -m whatif plans | deploy | flow | deployment`."""
+"""Command line: `python3 -m whatif plans | deploy | lumens | flow | deployment`."""
 
 import argparse
 import pathlib
@@ -31,6 +31,12 @@ def run_deploy(options):
     deploy(case_of(options), plans[options.plan], options.devices, options.out)
 
 
+def run_lumens(options):
+    from whatif.lumens import ffr_of
+
+    write_json(options.out, ffr_of(case_of(options), options.lumens, options.states))
+
+
 def run_sensitivity(options):
     from whatif import sensitivity
 
@@ -54,6 +60,10 @@ def parser():
     one.add_argument("--plans", type=path, required=True, help="plans.json")
     one.add_argument("--devices", type=path, default=path("config/devices"), help="folder of device families")
     one.set_defaults(run=run_deploy)
+    lumens = commands.add_parser("lumens", help="FFR of given lumens by the calibrated network -> a JSON file")
+    lumens.add_argument("lumens", nargs="+", help="folders below the case's, each with an anatomy/")
+    lumens.add_argument("--states", nargs="+", required=True, help="states with an FFR: the reduced model's error")
+    lumens.set_defaults(run=run_lumens)
     for name, text in (
         ("flow", "FFR over what the flow rests on -> two CSV files"),
         ("deployment", "FFR and stent area over pressures, places and stiffnesses -> two CSV files; minutes"),
@@ -67,7 +77,7 @@ def parser():
         command.add_argument("--programs", type=path, default=path("build"), help="folder of vci and lumen (build)")
         command.add_argument("--edge", type=float, default=0.4, help="of the deployed lumen, as `lumen process` (0.4)")
         command.add_argument("--spacing", type=float, default=0.5, help="of its sections, mm (0.5)")
-        command.add_argument("--out", type=path, required=True, help="the CSV file; of deploy a folder")
+        command.add_argument("--out", type=path, required=True, help="the file; of deploy a folder")
     return top
 
 

@@ -5,7 +5,7 @@ import pathlib
 import tempfile
 
 from common.errors import ComputationError, InputError
-from whatif import calibrated, engine, sampling
+from whatif import calibrated, engine, sampling, segmentation
 from whatif.case import BEFORE, PLANNED, patient_of
 from whatif.flow_inputs import Input, boundary_at, inputs_of
 
@@ -26,6 +26,7 @@ class Answers:
         self.case = case
         self.patient, self.measured, _ = patient_of(case_file)
         self.inputs = inputs_of(self.patient, case.flow, len(case.boundary["outlets"]))
+        self.inputs.append(segmentation.radius_input())
         self.solved = {state: case.answer(state) for state in (BEFORE, PLANNED)}
         self.lumens = {state: case.lumen(case.anatomy(state)) for state in self.solved}
         self.planned = {state: self.loss(state, {}) for state in self.lumens}
@@ -35,7 +36,17 @@ class Answers:
         document = boundary_at(self.case, self.patient, self.measured, values)
         # probes are where the study has them, whatever the inputs are
         document["probes"] = self.case.boundary["probes"]
-        return calibrated.network_loss(lumen or self.lumens[state], document, self.case.flow.expansion_loss)
+        found = segmentation.at_radius(
+            lumen or self.lumens[state], values.get(segmentation.NAME, 0.0), self.held(state)
+        )
+        return calibrated.network_loss(found, document, self.case.flow.expansion_loss)
+
+    def held(self, state):
+        """(branch, start, end) in mm of the stretch that stents hold open, whatever the image showed; None before."""
+        if state == BEFORE:
+            return None
+        segment = self.case.scene["segment"]
+        return segment["branch"], segment["s_start_mm"], segment["s_end_mm"]
 
     def ffr(self, state, values, lumen=None):
         """FFR of a state, its 3D answer's loss multiplied by how much the network's grows."""

@@ -1,9 +1,12 @@
 """Which cases of a run failed, at which step and why: the page of the others says so."""
 
+import json
 import pathlib
 import re
 
+from common.errors import InputError
 from common.files import write_json
+from workflow.half_maximum import NAME as ARM
 
 STOPPED = (130, 143)  # exit codes of a step that Ctrl-C or SIGTERM ended: it did not fail
 LAST = 6  # lines of a log that stand for a message where it has none of our own
@@ -41,6 +44,43 @@ def write_failed(out, results=pathlib.Path("results"), since=0.0):
         pathlib.Path(out).parent.mkdir(parents=True, exist_ok=True)
         write_json(out, {"failed": found})
     return found
+
+
+def without_failed(cases, path):
+    """The cases that have no failed step in failed.json at `path`; all cases if no path is given.
+
+    A step of the arm at half maximum takes down that arm alone. Raises InputError if the file cannot be read, or if no
+    case is left.
+    """
+    if not path:
+        return cases
+    failed = {case for case, step in _steps(path) if not _of_arm(step)}
+    left = [case for case in cases if case not in failed]
+    if not left:
+        raise InputError("every case failed", path, " ".join(cases), "read their logs: there is no page to make")
+    return left
+
+
+def cases_of_failed_arms(path):
+    """Cases of which a step of the arm at half maximum failed, by failed.json at `path`; none if no path is given.
+
+    Raises InputError if the file cannot be read.
+    """
+    return {case for case, step in _steps(path) if _of_arm(step)} if path else set()
+
+
+def _steps(path):
+    """[(case, step)] of a failed.json. Raises InputError."""
+    try:
+        return [(step["case"], step["step"]) for step in json.loads(pathlib.Path(path).read_text())["failed"]]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        remedy = "make it by `workflow failed`"
+        raise InputError("not a list of failed steps", "--config failed=", path, remedy) from error
+
+
+def _of_arm(step):
+    """Whether a failed step is one of the arm at half maximum."""
+    return step.partition("/")[0] == ARM
 
 
 def _code(mark):

@@ -1,12 +1,10 @@
 """Input functions of the rules: a case's files, its settings as parameters, its states."""
 
-import json
 import os
 import pathlib
 import shlex
 
 from common import config
-from common.errors import InputError
 
 SYNTHETIC_STATES = ("pre", "vci", "rc", "reference")
 SURFACE_STATES = ("pre", "vci", "rc")  # without a reference
@@ -338,24 +336,6 @@ def case_folder(wildcards, input):
 def stent_options(wildcards, input):
     """Command-line options of `data_synthetic phantom` for the stents; none before the procedure."""
     return f"--scene {input.scene} --centreline {input.centreline}" if "scene" in input.keys() else ""
-
-
-def without_failed(cases, path):
-    """The cases that failed.json at `path` does not name; all cases if no path is given.
-
-    Raises InputError if the file cannot be read, or if no case is left.
-    """
-    if not path:
-        return cases
-    try:
-        failed = {step["case"] for step in json.loads(pathlib.Path(path).read_text())["failed"]}
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        remedy = "make it by `workflow failed`"
-        raise InputError("not a list of failed steps", "--config failed=", path, remedy) from error
-    left = [case for case in cases if case not in failed]
-    if not left:
-        raise InputError("every case failed", path, " ".join(cases), "read their logs: there is no page to make")
-    return left
 
 
 def failed_option(wildcards, input):

@@ -19,7 +19,7 @@ ALWAYS = {
     "plans",
     "sensitivity",
 }  # what each case has beside its states
-WITH_CT = {"ct", "ct_pre"}
+WITH_CT = {"ct", "ct_pre", "half_maximum"}
 VARIABLES = ("GLIBC_TUNABLES", "OMP_NUM_THREADS", "OPENBLAS_CORETYPE")  # on which a number's last bits may depend
 
 

@@ -13,6 +13,7 @@ import time
 # Rough guesses for a patient of the nine on an idle core; only the first minutes of a run lean on them.
 TYPICAL = {"flow_solve": 60, "flow_mesh": 15, "reference": 60, "ct_phantom": 15, "ct_segment": 20, "other_plans": 70}
 TYPICAL |= {"deploy": 8, "ct_deploy": 8, "generate": 8, "case_figures": 10, "ct_figure": 5, "procedure_figure": 8}
+TYPICAL |= {"half_maximum_segment": 20, "half_maximum_deploy": 8}
 TYPICAL |= {"flow_sensitivity": 8, "settings": 0, "all": 0}
 OTHERS = 3  # seconds of any other rule
 EVERY_S, FEWEST = 60.0, 10  # seconds between two estimates; finished steps before the first

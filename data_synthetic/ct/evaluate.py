@@ -79,7 +79,8 @@ def compare(true, found, places, extents=None):
     extents: {branch: (start, end)}, to compare this part of a branch alone.
 
     Returns a dictionary. Differences are found minus true: mean_difference_mm2, sd_mm2, and the limits at +-1.96 sd,
-    lower_limit_mm2 and upper_limit_mm2. resistance_ratio is the sum of A^-2 in `found` over that in `true`. Sections
+    lower_limit_mm2 and upper_limit_mm2; mean_radius_difference_mm and sd_radius_mm of the circles of these areas.
+    resistance_ratio is the sum of A^-2 in `found` over that in `true`. Sections
     that are cut off in `found` count as lost_sections. The number of `sections` and the smallest areas are given too.
     """
     if extents:
@@ -89,6 +90,7 @@ def compare(true, found, places, extents=None):
     a, b = area[known].T
     difference = b - a
     mean, sd = float(difference.mean()), float(difference.std(ddof=1))
+    radius = np.sqrt(b / np.pi) - np.sqrt(a / np.pi)
     return {
         "sections": int(known.sum()),
         "lost_sections": int((~known).sum()),
@@ -96,6 +98,8 @@ def compare(true, found, places, extents=None):
         "sd_mm2": sd,
         "lower_limit_mm2": mean - 1.96 * sd,
         "upper_limit_mm2": mean + 1.96 * sd,
+        "mean_radius_difference_mm": float(radius.mean()),
+        "sd_radius_mm": float(radius.std(ddof=1)),
         "resistance_ratio": float(np.sum(b**-2.0) / np.sum(a**-2.0)),
         "true_minimal_area_mm2": float(a.min()),
         "found_minimal_area_mm2": float(b.min()),

@@ -35,6 +35,8 @@ COLUMNS = [
     "sd_mm2",
     "lower_limit_mm2",
     "upper_limit_mm2",
+    "mean_radius_difference_mm",
+    "sd_radius_mm",
     "resistance_ratio",
     "true_minimal_area_mm2",
     "found_minimal_area_mm2",
@@ -78,12 +80,15 @@ class Subject:
 def run(cases, voxels_mm, seeds, out, methods=METHODS, settings_path=None):
     """Writes the table `out` (CSV): one row per case, state (unstented, stented), voxel, noise seed and method.
 
-    Raises InputError for a case that is not synthetic, voxels out of range or no seed.
+    Raises InputError for a case that is not synthetic, voxels out of range, no seed or an unknown method.
     """
     settings = config.load_section(settings_path, "ct")
     bad = [v for v in voxels_mm if not 0.2 <= v <= 1]
     if bad:
         raise InputError("voxels out of range", "--voxels", bad[0], "0.2 to 1 mm")
+    unknown = [method for method in methods if method not in METHODS]
+    if unknown:
+        raise InputError("no such method of segmentation", "--methods", unknown[0], f"of {', '.join(METHODS)}")
     if seeds < 1:
         raise InputError("no noise seed", "--seeds", seeds, "at least 1")
     loaded = [(path.stem, patient.load(path), str(path)) for path in cases]

@@ -6,6 +6,7 @@ import numpy as np
 from reports.study.agreement import QUANTITIES, paired_values, published
 from reports.study.bland_altman import bland_altman
 from reports.study.differences import compared
+from reports.study.inclusion import analysed
 from reports.figures.differences import differences_figure
 from reports.figures.style import COLOURS, ERRORS, LABELS, save
 from reports.measuring.measured import FFR_THRESHOLD
@@ -35,11 +36,13 @@ PUBLISHED_COLOUR = "#b9b9b9"
 
 def study_figures(documents, folder):
     """Writes agreement.{svg,png}, where a case has a truth to agree with, differences.{svg,png}, where that is a lumen,
-    and ffr_before_after.{svg,png}."""
-    if any(document.get("measured") or {"reference", "post"} & set(document["states"]) for document in documents):
-        agreement_figure(documents, folder)
-    if compared(documents):
-        differences_figure(documents, folder)
+    and ffr_before_after.{svg,png}. The first two show the included patients (`analysed`), the last all."""
+    known = [one for one in documents if one.get("measured") or {"reference", "post"} & set(one["states"])]
+    if known:
+        agreement_figure(analysed(known), folder)
+    along = [one for one in documents if compared([one])]
+    if along:
+        differences_figure(analysed(along), folder)
     ffr_figure(documents, folder)
 
 

@@ -4,13 +4,15 @@ import dataclasses
 import pathlib
 
 from common.errors import InputError
-from reports.inputs.reading import entry, read_json
+from reports.inputs.reading import entry, number, read_json
 
 # rc: radius correction by the largest balloon. rc_stent: by the stents alone.
 # ct: the lumen found in the reference's CT. ct_vci, ct_rc: predictions from the lumen found in the CT before.
 # post: the lumen found after the real procedure.
 STATES = ("pre", "vci", "rc", "rc_stent", "reference", "ct", "ct_vci", "ct_rc", "post")
 PREDICTED_FROM_CT = ("ct_vci", "ct_rc")
+FROM_CT = ("ct", *PREDICTED_FROM_CT)
+ARMS = ("half_maximum",)  # further segmentations of the CT volumes; each has a folder in the case's
 
 
 def pictured(states):
@@ -23,10 +25,14 @@ IMAGED = ("pre", "reference")  # states of which there may be a CT volume
 
 @dataclasses.dataclass(frozen=True)
 class CaseFiles:
-    """The files of one case below its folder."""
+    """The files of one case below its folder.
+
+    arm: one of ARMS; then the states of FROM_CT are those that this segmentation leads to. Their FFR is a network's.
+    """
 
     case: str
     folder: pathlib.Path
+    arm: str = ""
 
     def __post_init__(self):
         if not self.folder.is_dir():
@@ -54,6 +60,8 @@ class CaseFiles:
 
     def anatomy(self, state):
         """The anatomy folder of a state; that of `pre` is the case's first."""
+        if self.arm and state in FROM_CT:
+            return self.folder / self.arm / state / "anatomy"
         return self.folder / "anatomy" if state == "pre" else self.folder / state / "anatomy"
 
     def lumen(self, state):
@@ -62,7 +70,7 @@ class CaseFiles:
 
     def segmentation(self, state):
         """The segmentation.json of a state's CT."""
-        return self.folder / "ct" / state / "segmentation.json"
+        return self.folder / self.arm / "ct" / state / "segmentation.json"
 
     def source_reading(self):
         """(kind, path) of the record of a real patient's lumen: segmentation.json of a CT, contours.json of contours;
@@ -82,10 +90,21 @@ class CaseFiles:
         return self.folder / "post" / "registration.json"
 
     def has_flow(self, state):
-        """Whether there is a flow of a state: of `post` not where only areas are compared."""
+        """Whether there is a flow of a state: of `post` not where only areas are compared, of an arm's lumens never."""
+        if self.arm and state in FROM_CT:
+            return False
         if state != "post":
             return True
         return entry(read_json(self.registration, "anatomy register"), "compare", self.registration) == "flow"
+
+    def network_answer(self, state):
+        """What stands for ffr.json of an arm's lumen: FFR by the calibrated network and its error; None without."""
+        path = self.folder / self.arm / "ffr.json"
+        if not self.arm or state not in FROM_CT or not path.exists():
+            return None
+        document = read_json(path, "whatif lumens")
+        ffr, error = (number(document, key, path) for key in (f"lumens.{state}.ffr", "error"))
+        return {"ffr": ffr, "model": entry(document, "model", path), "error_estimate": {"ffr": error}}
 
     def struts(self):
         """The struts of the stents after deployment, in the order of their names; balloons leave the vessel."""

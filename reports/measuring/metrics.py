@@ -207,9 +207,9 @@ def ffr_document(profile, used):
     solution = profile.solution
     return {
         "distal": float(solution["ffr"]),
-        "past_segment": None if profile.segment.ends_within else float(profile.ffr[-1]),
+        "past_segment": None if profile.ffr is None or profile.segment.ends_within else float(profile.ffr[-1]),
         "at_wire": at_the_wire(solution),
-        "profile": profile.ffr[used].tolist(),
+        "profile": None if profile.ffr is None else profile.ffr[used].tolist(),
         "model": solution.get("model"),
         "error_estimate": error_of(solution),
         "reduced_model": (solution.get("reduced_model") or {}).get("ffr"),
@@ -219,11 +219,11 @@ def ffr_document(profile, used):
 def differences(a, b, used):
     """bias, sd and rmse of a - b along the segment for each quantity; rmse^2 = bias^2 + sd^2 (sd over all stations).
 
-    The FFR's are None where one of the two has no flow.
+    The FFR's are None where one of the two has no flow; those along the segment also where a network answers.
     """
     document, flow = {}, a.solution is not None and b.solution is not None
     for name in QUANTITIES:
-        if name == "ffr" and not flow:
+        if name == "ffr" and (a.ffr is None or b.ffr is None):
             document[name] = None
             continue
         delta = (getattr(a, name) - getattr(b, name))[used]

@@ -22,7 +22,7 @@ ANSWERED = ("converged", "converged with artificial viscosity")
 class StateProfiles:
     """One state over the segment, one value a station; `inside` marks the stations that have sections around them.
 
-    ffr and solution are None where no flow of the state is computed.
+    ffr and solution are None where no flow of the state is computed; ffr alone where a network answers.
     """
 
     segment: object
@@ -99,7 +99,7 @@ def state_profiles(files, state, segment, line, pre_sections, relative):
     s_mm = carried.stations(relative)
     sections = read_sections(files.anatomy(state) / "sections.csv", segment.branch)
     s_sections = sections["s_mm"].to_numpy()
-    ffr = solution = None
+    ffr, solution = None, files.network_answer(state)
     if files.has_flow(state):
         flow_line, of_flow = read_pullback(files.flow(state) / "pullback.csv", segment.branch)
         ends = np.array([carried.s_start_mm, carried.s_end_mm])

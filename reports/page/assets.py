@@ -1,14 +1,14 @@
 """Files that the report carries inside itself: images, style, scripts and three.js."""
 
 import base64
+import json
 import pathlib
 
 from common.errors import InputError
 from reports.inputs.reading import existing
 
 TEMPLATES = pathlib.Path(__file__).with_name("templates")
-THREE = pathlib.Path("/usr/share/javascript/three")
-THREE_FILES = ("three.min.js", "examples/js/controls/TrackballControls.js")
+THREE = pathlib.Path(__file__).with_name("three")
 TYPES = {".svg": "image/svg+xml", ".png": "image/png"}
 
 
@@ -25,12 +25,17 @@ def optional_image(path):
 
 def script(path):
     """A script's text, fit to stand inside <script>; InputError if it holds the closing tag."""
-    text = existing(path, "setup (Debian package libjs-three)").read_text()
+    text = existing(path, "the repository").read_text()
     if "</script" in text.lower():
         raise InputError("a script cannot be put in a page", path, "</script", "use another version of it")
     return text
 
 
-def three_scripts():
-    """The viewer's library: three.js and its trackball controls, from Debian's libjs-three."""
-    return [script(THREE / name) for name in THREE_FILES]
+def three_version():
+    """The version of three.js that the bundle is pinned to."""
+    return json.loads((THREE / "package.json").read_text())["dependencies"]["three"]
+
+
+def three_script():
+    """The viewer's library: three.js and its trackball controls in one script (three/README.md)."""
+    return script(THREE / "three.min.js")

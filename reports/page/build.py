@@ -9,28 +9,20 @@ import pandas as pd
 from common.files import replacing, sha256
 from reports.study.agreement import published
 from reports.study.bland_altman import sample_sd
-from reports.study.contrast import PROFILE
 from reports.study.differences import COHORT
+from reports.study.inclusion import groups
 from reports.study.nearer import FEWEST, LEVEL
 from reports.inputs.case_files import PREDICTED_FROM_CT, STATES
 from reports.figures.style import COLOURS, ERRORS, LABELS, SHORT
-from reports.page.assets import TEMPLATES, image_uri, optional_image, script, three_scripts
+from reports.page.agreement import MOST_DIGITS, agreement_groups, contrast_rows, left_out
+from reports.page.assets import TEMPLATES, image_uri, optional_image, script, three_script, three_version
 from reports.page.benchmarks import benchmarks
 from reports.page.case_context import case_context
+from reports.page.digits import decimals
 from reports.page.evidence import evidence_rows, read_results
 from reports.page.geometry import colour_table
 from reports.inputs.reading import existing, read_json
 
-QUANTITY_NAMES = {
-    "ffr": "FFR",
-    "mean_area": "Mean CSA",
-    "minimum_area": "Smallest CSA",
-    "mean_curvature": "Mean curvature",
-}
-CONTRAST_NAMES = QUANTITY_NAMES | {PROFILE: "CSA along the stent, rms"}
-QUANTITY_DIGITS = {"ffr": 3, "mean_area": 2, "minimum_area": 2, "mean_curvature": 3}  # at least
-MOST_DIGITS = 6
-UNITS = {"1": "", "mm2": "mm²", "1/mm": "/mm"}
 MISSING = "–"
 LOW_MARK = "▼"  # of FFR after PCI below reports.selection.patients.LOW_AFTER
 OCCLUDED = "occluded_by_voxels"
@@ -55,6 +47,8 @@ def build_report(
     contexts = [case_context(files, figures_dir) for files in cases]
     agreement = read_csv(study_dir / "agreement.csv")
     timings = read_csv(study_dir / "timings.csv")
+    patients = read_csv(study_dir / "patients.csv")
+    by_group = agreement_groups(agreement, read_csv(study_dir / "nearer.csv"), read_csv(study_dir / "half_maximum.csv"))
     differences, seconds = read_csv(study_dir / "differences.csv"), read_csv(study_dir / "seconds.csv")
     for context in contexts:
         context["timings"] = [row for row in timings if row["case"] == context["name"]]
@@ -66,14 +60,14 @@ def build_report(
             cases=contexts,
             failed=failed,
             summary=summary(contexts),
-            agreement=agreement_rows(agreement),
+            agreement=by_group,
+            left_out=left_out(patients),
             errors={kind: ERRORS[kind] for kind in ERRORS if kind in [row["error"] for row in agreement]},
             imaging=imaging_warnings(contexts),
             lumen_warnings=lumen_warnings(contexts),
             plan_remarks=plan_remarks(contexts),
             flow_warnings=[{"case": c["name"], "id": c["id"], **row} for c in contexts for row in c["flow_warnings"]],
             agreement_figure=optional_image(figures_dir / "agreement.svg") if agreement else None,
-            nearer=nearer_rows(read_csv(study_dir / "nearer.csv")),
             nearer_level=LEVEL,
             nearer_fewest=FEWEST,
             nearer_ffr_error=largest_ffr_error(contexts),
@@ -81,7 +75,7 @@ def build_report(
             differences=differences,
             differences_figure=optional_image(figures_dir / "differences.svg") if differences else None,
             cohort_name=COHORT,
-            patients=read_csv(study_dir / "patients.csv"),
+            patients=patients,
             low_mark=LOW_MARK,
             inclusion=image_uri(figures_dir / "inclusion.svg"),
             seconds=seconds,
@@ -93,13 +87,15 @@ def build_report(
             software=read_json(software, "reports software") if software else None,
             provenance=provenance_summary(provenance) if provenance else None,
             states=STATES,
+            states_shown=[state for state in STATES if any(state in c["metrics"]["states"] for c in contexts)],
             labels=LABELS,
             short=SHORT,
             from_ct=PREDICTED_FROM_CT,
             colours=COLOURS,
             viewer=script_json({"cases": {c["id"]: c["viewer"] for c in contexts}, "colours": colour_table()}),
             style=(TEMPLATES / "style.css").read_text(),
-            scripts=[*three_scripts(), *(script(TEMPLATES / name) for name in ("viewer.js", "stage.js", "page.js"))],
+            three_version=three_version(),
+            scripts=[three_script(), *(script(TEMPLATES / name) for name in ("viewer.js", "stage.js", "page.js"))],
         )
     )
     with replacing(out) as partial:
@@ -144,18 +140,7 @@ def script_json(document):
 
 
 def summary(contexts):
-    """Means over the cohort, for the first lines of the report."""
-    means = {}
-    for state in STATES:
-        of_state = [c["metrics"]["states"][state] for c in contexts if state in c["metrics"]["states"]]
-        if of_state:
-            means[state] = {
-                "n": len(of_state),
-                "ffr": mean_sd([entry["ffr"]["distal"] for entry in of_state if entry["ffr"] is not None]),
-                "area": mean_sd([entry["area"]["mean_mm2"] for entry in of_state]),
-                "minimum": mean_sd([entry["area"]["minimum_mm2"] for entry in of_state]),
-                "curvature": mean_sd([entry["curvature"]["mean_per_mm"] for entry in of_state]),
-            }
+    """Means over each group of patients, and counts over the cohort, for the first lines of the report."""
     seconds = [c["deployment"]["seconds"] for c in contexts if c["deployment"]]
     return {
         "count": len(contexts),
@@ -164,9 +149,25 @@ def summary(contexts):
         "with_post": sum("post" in c["metrics"]["states"] for c in contexts),
         "measured": sum(c["metrics"]["measured"] is not None for c in contexts),
         "with_ct": sum("ct" in c["metrics"]["states"] for c in contexts),
-        "means": means,
+        "means": {name: means(found) for name, found in groups([c["metrics"] for c in contexts])},
         "seconds": mean_sd(seconds) if seconds else None,
     }
+
+
+def means(documents):
+    """{state: {n, ffr, area, minimum, curvature}} of metrics documents, each a (mean, sd) over those with the state."""
+    found = {}
+    for state in STATES:
+        of_state = [document["states"][state] for document in documents if state in document["states"]]
+        if of_state:
+            found[state] = {
+                "n": len(of_state),
+                "ffr": mean_sd([entry["ffr"]["distal"] for entry in of_state if entry["ffr"] is not None]),
+                "area": mean_sd([entry["area"]["mean_mm2"] for entry in of_state]),
+                "minimum": mean_sd([entry["area"]["minimum_mm2"] for entry in of_state]),
+                "curvature": mean_sd([entry["curvature"]["mean_per_mm"] for entry in of_state]),
+            }
+    return found
 
 
 def imaging_warnings(contexts):
@@ -204,52 +205,6 @@ def mean_sd(values):
     return (sum(values) / len(values), sample_sd(values)) if values else (None, None)
 
 
-def agreement_rows(rows):
-    """The rows of agreement.csv with the names, digits and units of the page."""
-    return [
-        {
-            **row,
-            "name": QUANTITY_NAMES[row["quantity"]],
-            "digits": row_digits(row),
-            "unit": unit_name(row),
-        }
-        for row in rows
-    ]
-
-
-def row_digits(row):
-    """Decimals of a row of agreement.csv: the quantity's, or more where bias or sd are too small for two digits."""
-    shown = [decimals(row[key], 2) for key in ("bias", "sd") if row[key]]
-    return max(QUANTITY_DIGITS[row["quantity"]], min(MOST_DIGITS, max(shown, default=0)))
-
-
-def unit_name(row):
-    """A row's unit as the page writes it."""
-    return UNITS[row["unit"] if isinstance(row["unit"], str) else "1"]
-
-
-def nearer_rows(rows):
-    """The rows of nearer.csv with the names and units of the page."""
-    return [{**row, "name": QUANTITY_NAMES[row["quantity"]], "unit": unit_name(row)} for row in rows]
-
-
-def contrast_rows(rows, contexts):
-    """The rows of contrast.csv by case: [{name, id, description, quantities}]."""
-    by_case = []
-    for context in contexts:
-        of_case = [
-            {**row, "name": CONTRAST_NAMES[row["quantity"]], "unit": unit_name(row)}
-            for row in rows
-            if row["case"] == context["name"]
-        ]
-        if of_case:
-            description = context["metrics"]["patient"].get("description")
-            by_case.append(
-                {**{key: context[key] for key in ("name", "id")}, "description": description, "rows": of_case}
-            )
-    return by_case
-
-
 def largest_ffr_error(contexts):
     """The largest error estimate of all FFRs past the lesion; None where none is known."""
     flows = [entry["ffr"] for c in contexts for entry in c["metrics"]["states"].values() if entry["ffr"]]
@@ -276,11 +231,6 @@ def signed(value, digits=2):
     if float(text) == 0.0:
         return text
     return ("−" if value < 0 else "+") + text
-
-
-def decimals(value, digits):
-    """Decimals that show a number with `digits` significant digits; 0 for numbers that need none."""
-    return max(0, digits - 1 - math.floor(math.log10(abs(value)))) if value else digits - 1
 
 
 def to_digits(value, digits=2):

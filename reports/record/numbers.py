@@ -8,10 +8,11 @@ from reports.inputs.reading import existing, read_json
 from reports.page.evidence import evidence_rows, read_results
 from reports.study.agreement import published
 from reports.study.cohort import STATE_VALUES
+from reports.study.inclusion import EXCLUDED, INCLUDED
 from reports.whatif.tables import intervals, ranking, records
 
 SCHEMA = "vci-report-1"
-TABLES = ("agreement", "nearer", "contrast", "differences", "inclusion", "patients")
+TABLES = ("agreement", "half_maximum", "nearer", "contrast", "differences", "inclusion", "patients")
 
 
 def report_numbers(case_files, study_dir, cohort, junit, failed=()):
@@ -33,7 +34,8 @@ def report_numbers(case_files, study_dir, cohort, junit, failed=()):
         "source": published(),
         "provenance_sha256": sha256(provenance),
         "software": read_json(provenance, "workflow provenance")["software"],
-        "states": state_means(table(study_dir, "cohort")),
+        "states": state_means(of_group(study_dir, INCLUDED)),
+        "states_excluded": state_means(of_group(study_dir, EXCLUDED)),
         **{name: records(found) for name, found in tables.items()},
         "plans": {files.case: ranking(files.folder) for files in case_files},
         "sensitivity": {files.case: interval_rows(files.folder) for files in case_files},
@@ -47,6 +49,13 @@ def report_numbers(case_files, study_dir, cohort, junit, failed=()):
 def table(study_dir, name):
     """A table of the study; without rows where there was nothing to compare."""
     return pd.read_csv(existing(study_dir / f"{name}.csv", f"reports {name}"))
+
+
+def of_group(study_dir, name):
+    """The rows of cohort.csv of a group of patients."""
+    cohort, patients = table(study_dir, "cohort"), table(study_dir, "patients")
+    chosen = patients["case"][patients["included"].eq(True)]
+    return cohort[cohort["case"].isin(chosen) == (name == INCLUDED)]
 
 
 def state_means(cohort):

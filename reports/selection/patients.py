@@ -5,6 +5,7 @@ import pandas as pd
 from reports.inputs.reading import number
 from reports.measuring.measured import FFR_THRESHOLD
 from reports.study.cohort import describe_procedure
+from reports.study.inclusion import meets_criterion
 
 # Included are those with FFR before PCI below 0.80. Below 0.90 after it more adverse events were found (Rimac et al.,
 # Am Heart J 2017;183:1-9, a meta-analysis of 7470 patients).
@@ -41,16 +42,11 @@ def patient_row(document, case):
         "calcium": "; ".join(in_words(one["calcium"]) for one in vessel.get("lesions", []) if "calcium" in one),
         "procedure": describe_procedure(document["procedure"]),
         "ffr_before": ffr.get("pre"),
-        "included": included(ffr.get("pre")),
+        "included": meets_criterion(ffr.get("pre")),
         "ffr_vci": ffr.get("vci"),
         "ffr_after": after,
         "low_after": None if "vci" not in ffr else ffr["vci"] < LOW_AFTER,
     }
-
-
-def included(ffr_before):
-    """Whether a patient meets the criterion; None where FFR before is not known."""
-    return None if ffr_before is None else ffr_before < FFR_THRESHOLD
 
 
 def in_words(calcium):

@@ -10,6 +10,7 @@ import pathlib
 import pandas as pd
 
 from reports.study.bland_altman import Agreement, bland_altman
+from reports.study.inclusion import groups
 from reports.measuring.measured import MEASURED, same_side, wire_pair
 from reports.measuring.metrics import COMPARISONS
 from reports.inputs.reading import number
@@ -25,8 +26,10 @@ QUANTITIES = {
     "mean_curvature": "curvature.mean_per_mm",
 }
 UNITS = {"ffr": "1", "mean_area": "mm2", "minimum_area": "mm2", "mean_curvature": "1/mm"}
-COLUMNS = ["quantity", "unit", "error", "comparison"] + [field.name for field in dataclasses.fields(Agreement)]
-COLUMNS.append("same_decision")
+COLUMNS = ["patients", "quantity", "unit", "error", "comparison"] + [
+    field.name for field in dataclasses.fields(Agreement)
+]
+COLUMNS += ["same_decision", "largest_estimate"]
 PUBLISHED_COLUMNS = ["published_n", "published_bias", "published_sd", "published_loa_lower", "published_loa_upper"]
 
 
@@ -59,7 +62,14 @@ def paired_values(documents, quantity, a, b):
 
 
 def agreement_table(documents):
-    """DataFrame of agreement.csv, a row for each comparison and quantity that at least one case allows."""
+    """DataFrame of agreement.csv, a row for each group of patients, comparison and quantity that a case allows."""
+    rows = [{"patients": name, **row} for name, found in groups(documents) for row in agreement_rows(found)]
+    table = pd.DataFrame(rows, columns=COLUMNS + PUBLISHED_COLUMNS)
+    return table.astype({"published_n": "Int64"})
+
+
+def agreement_rows(documents):
+    """The rows of one group of patients."""
     rows, paper = [], published()
     for a, b, error in COMPARISONS:
         for quantity in QUANTITIES:
@@ -72,9 +82,16 @@ def agreement_table(documents):
             row.update(dataclasses.asdict(bland_altman(values_a, values_b)))
             if quantity == "ffr":
                 row["same_decision"] = same_side(values_a, values_b)
+                row["largest_estimate"] = largest_estimate([one for one in documents if one["case"] in cases], (a, b))
             if (a, b) in PUBLISHED_COMPARISONS and source:
                 row["published_n"] = paper["n"]
                 row.update({f"published_{key}": source[key] for key in ("bias", "sd", "loa_lower", "loa_upper")})
             rows.append(row)
-    table = pd.DataFrame(rows, columns=COLUMNS + PUBLISHED_COLUMNS)
-    return table.astype({"published_n": "Int64"})
+    return rows
+
+
+def largest_estimate(documents, states):
+    """The largest error estimate of the computed FFRs of these states; None if one of them has none."""
+    entries = [document["states"][state]["ffr"] for document in documents for state in states if state != MEASURED]
+    estimates = [entry.get("error_estimate") for entry in entries]
+    return None if None in estimates else max(estimates)

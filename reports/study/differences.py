@@ -6,6 +6,7 @@ import pandas as pd
 
 from reports.measuring.metrics import COMPARISONS
 from reports.study.bland_altman import sample_sd
+from reports.study.inclusion import groups
 
 PREDICTED, AFTER_PCI = ("vci", "rc", "rc_stent", "ct_vci", "ct_rc"), ("reference", "ct", "post")
 # name of the difference -> where a profile is in metrics.json, its key in `differences` there, suffix of the unit
@@ -13,7 +14,7 @@ QUANTITIES = {
     "diff_area": ("area", "profile_mm2", "area_mm2", "mm2"),
     "diff_curvature": ("curvature", "profile_per_mm", "curvature_per_mm", "per_mm"),
 }
-COHORT = "all cases"  # in the column `case`: mean and standard deviation over the patients
+COHORT = "all cases"  # in the column `case`: mean and standard deviation over the patients of a group
 
 
 def compared(documents):
@@ -47,13 +48,19 @@ def station_table(documents):
 
 
 def difference_table(documents):
-    """DataFrame of differences.csv: a row a patient and comparison, and one of the cohort after each comparison's."""
+    """DataFrame of differences.csv: a row a patient and comparison, and one of its group after each comparison's."""
+    rows = [{"patients": name, **row} for name, found in groups(documents) for row in group_rows(found)]
+    return pd.DataFrame(rows, columns=None if rows else ["patients", "case", "error", "comparison"])
+
+
+def group_rows(documents):
+    """The rows of one group of patients."""
     rows = []
     for a, b, error in compared(documents):
         of_cases = [patient_row(document, a, b) for document in documents if {a, b} <= set(document["states"])]
         keys = {"error": error, "comparison": f"{a}_minus_{b}"}
         rows += [{"case": row.pop("case"), **keys, **row} for row in [*of_cases, cohort_row(of_cases)]]
-    return pd.DataFrame(rows, columns=None if rows else ["case", "error", "comparison"])
+    return rows
 
 
 def patient_row(document, a, b):

@@ -7,20 +7,40 @@ from scipy.stats import wilcoxon
 from reports.measuring.metrics import COMPARISONS
 from reports.study.agreement import QUANTITIES, UNITS, paired_values
 from reports.study.differences import AFTER_PCI
+from reports.study.inclusion import groups
 
 LEVEL = 0.05  # of each row's test, two-sided
 FEWEST = 6  # the smallest p of n pairs is 2 / 2^n: 0.0625 of five, 0.03125 of six
 RADIUS_CORRECTION = {"vci": "rc", "ct_vci": "ct_rc"}  # of the same lumen before the procedure
 NEARER, FARTHER, UNDECIDED = "nearer", "farther", "no difference shown"
-COLUMNS = ["quantity", "unit", "error", "truth", "n", "error_vci", "error_rc", "patients_vci_nearer", "p", "vci_is"]
+COLUMNS = [
+    "patients",
+    "quantity",
+    "unit",
+    "error",
+    "truth",
+    "n",
+    "error_vci",
+    "error_rc",
+    "patients_vci_nearer",
+    "p",
+    "vci_is",
+]
 
 
 def nearer_table(documents):
-    """DataFrame of nearer.csv: a row for each quantity and lumen after PCI that some patient has for both methods.
+    """DataFrame of nearer.csv: a row for each group of patients, quantity and lumen after PCI that some patient has for
+    both methods.
 
     error_vci, error_rc: mean size of the error over the patients.
     p: of Wilcoxon's signed-rank test of the sizes (scipy.stats.wilcoxon), two-sided; None of fewer than six patients.
     """
+    rows = [{"patients": name, **row} for name, found in groups(documents) for row in nearer_rows(found)]
+    return pd.DataFrame(rows, columns=COLUMNS)
+
+
+def nearer_rows(documents):
+    """The rows of one group of patients."""
     pairs = [(a, b, error) for a, b, error in COMPARISONS if a in RADIUS_CORRECTION and b in AFTER_PCI]
     rows = []
     for a, truth, kind in pairs:
@@ -30,7 +50,7 @@ def nearer_table(documents):
             if cases:
                 row = {"quantity": quantity, "unit": UNITS[quantity], "error": kind, "truth": truth}
                 rows.append(row | verdict([vci[case] for case in cases], [rc[case] for case in cases]))
-    return pd.DataFrame(rows, columns=COLUMNS)
+    return rows
 
 
 def errors_by_case(documents, quantity, state, truth):

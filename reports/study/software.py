@@ -24,7 +24,6 @@ PACKAGES = (
     "python3-scipy",
     "python3-matplotlib",
     "snakemake",
-    "libjs-three",
 )
 OS_RELEASE = pathlib.Path("/etc/os-release")
 

@@ -24,26 +24,26 @@ class Workspace:
     def __init__(self, folder):
         self.folder = folder
 
-    def snakemake(self, *arguments, cohort="quick", cases="", environment=()):
-        """Runs Snakemake; returns the CompletedProcess."""
-        selection = [f"cohort={cohort}", f"cases={cases}"]
+    def snakemake(self, *arguments, cohort="quick", cases="", environment=(), more=()):
+        """Runs Snakemake with its configuration's `more` key=value pairs; returns the CompletedProcess."""
+        selection = [f"cohort={cohort}", f"cases={cases}", *more]
         command = [SNAKEMAKE, "--cores", "2", "--nocolor", *arguments, "--config", *selection]
         variables = {**os.environ, **dict(environment)}
         return subprocess.run(command, cwd=self.folder, env=variables, text=True, capture_output=True)
 
-    def jobs(self, *arguments, cohort="quick"):
+    def jobs(self, *arguments, cohort="quick", more=()):
         """The jobs a dry run plans: dicts with name, wildcards, input, output, log, benchmark, reason."""
         record = self.folder / "jobs.jsonl"
         record.unlink(missing_ok=True)
         handler = ["--log-handler-script", str(ROOT / "tests" / "workflow" / "job_log.py")]
-        run = self.snakemake("--dry-run", *handler, *arguments, cohort=cohort)
+        run = self.snakemake("--dry-run", *handler, *arguments, cohort=cohort, more=more)
         assert run.returncode == 0, run.stdout + run.stderr
         return [json.loads(line) for line in record.read_text().splitlines()] if record.exists() else []
 
-    def planned(self, *arguments, cohort="quick"):
+    def planned(self, *arguments, cohort="quick", more=()):
         """{"rule" or "rule case" or "rule case state"} that a dry run would execute, without the rule all."""
         found = set()
-        for job in self.jobs(*arguments, cohort=cohort):
+        for job in self.jobs(*arguments, cohort=cohort, more=more):
             words = [job["name"], *(job["wildcards"].get(key) for key in ("case", "state", "section"))]
             found.add(" ".join(word for word in words if word))
         return found - {"all"}

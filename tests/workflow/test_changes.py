@@ -13,11 +13,18 @@ CASE = "quick_focal"
 OTHER = "quick_branch"
 FROM_CT = ("ct_vci", "ct_rc")
 STATES = ("pre", "vci", "rc", "reference", "ct", *FROM_CT)
+ANATOMIES = ("state_anatomy", "half_maximum_anatomy")  # of lumens found in CT
 
 
 def varied(case):
     """What follows a change of a case's lumens, procedure or flow beside its metrics."""
-    return {f"other_plans {case}", f"flow_sensitivity {case}", f"sensitivity_figure {case}"}
+    jobs = {f"other_plans {case}", f"flow_sensitivity {case}", f"sensitivity_figure {case}"}
+    return jobs | {f"half_maximum_ffr {case}"} | arm_measured(case)
+
+
+def arm_measured(case):
+    """What follows a change of the lumens at half maximum, or of those that they are compared with."""
+    return {f"half_maximum_metrics {case}", "half_maximum_agreement"}
 
 
 def end_of_case(case):
@@ -32,21 +39,26 @@ def flow_of(case, states=STATES):
 
 def ct_of(case, states=("pre", "reference")):
     """The CT of the states; the reference's is a state of its own, `ct`, and from that before all is predicted anew."""
-    jobs = {f"{rule} {case} {state}" for rule in ("ct_phantom", "ct_segment") for state in states}
+    rules = ("ct_phantom", "ct_segment", "half_maximum_segment")
+    jobs = {f"{rule} {case} {state}" for rule in rules for state in states}
     if "pre" in states:
-        jobs |= {f"state_anatomy {case} ct_pre"} | predicted_from_ct(case)
-    return jobs | ({f"state_anatomy {case} ct"} | flow_of(case, ["ct"]) if "reference" in states else set())
+        jobs |= {f"{rule} {case} ct_pre" for rule in ANATOMIES} | predicted_from_ct(case)
+    if "reference" in states:
+        jobs |= {f"{rule} {case} ct" for rule in ANATOMIES} | flow_of(case, ["ct"])
+    return jobs
 
 
 def predicted_from_ct(case):
     """Everything that follows a new plan, or a new lumen, in the CT before the procedure."""
-    return {f"carry_plan {case}", f"ct_scene {case}"} | deployed_from_ct(case)
+    rules = ("carry_plan", "ct_scene", "half_maximum_carry_plan", "half_maximum_scene")
+    return {f"{rule} {case}" for rule in rules} | deployed_from_ct(case)
 
 
 def deployed_from_ct(case):
     """Everything that follows a new scene or program for the lumen of the CT before the procedure."""
-    jobs = {f"ct_deploy {case}", f"ct_radius_correct {case}"} | flow_of(case, FROM_CT)
-    return jobs | {f"state_anatomy {case} {state}" for state in FROM_CT}
+    rules = ("ct_deploy", "ct_radius_correct", "half_maximum_deploy", "half_maximum_radius_correct")
+    jobs = {f"{rule} {case}" for rule in rules} | flow_of(case, FROM_CT)
+    return jobs | {f"{rule} {case} {state}" for rule in ANATOMIES for state in FROM_CT}
 
 
 def after_plan(case):
@@ -166,7 +178,7 @@ def test_section_of_a_case(finished, section, key, rules):
     """One section of the settings, of one case alone."""
     finished.append(f"config/cases/{CASE}.yaml", f"  {section}:\n    {key}\n")
     expected = {rule.format(CASE) for rule in rules} | end_of_case(CASE)
-    assert finished.planned() == expected | (flow_of(CASE) if section == "flow" else set())
+    assert finished.planned() == expected | (flow_of(CASE) if section == "flow" else arm_measured(CASE))
 
 
 def test_section_of_the_study(finished):

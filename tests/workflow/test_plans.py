@@ -1,16 +1,20 @@
 """What Snakemake plans: whole cohorts, single targets, single cases; no product of two rules."""
 
 import collections
+import json
 import os
 
 import pytest
+
+SEGMENTATIONS = ("ct_segment", "half_maximum_segment")
 
 
 def test_dry_run_of_a_fresh_clone_plans_every_state(fresh):
     planned = fresh.planned()
     for case in ("quick_focal", "quick_branch"):
         assert {f"flow_solve {case} {state}" for state in ("pre", "vci", "rc", "reference", "ct", "ct_vci")} <= planned
-        assert {f"ct_segment {case} {state}" for state in ("pre", "reference")} <= planned
+        found = {f"{rule} {case} {state}" for rule in SEGMENTATIONS for state in ("pre", "reference")}
+        assert found | {f"half_maximum_metrics {case}"} <= planned
     assert "report" in planned
 
 
@@ -26,12 +30,12 @@ def test_every_rule_keeps_a_log_and_a_benchmark(fresh):
     jobs = [job for job in fresh.jobs(cohort="three") if job["name"] != "all"]
     assert [job["name"] for job in jobs if not job["log"]] == []
     without = {job["name"] for job in jobs if not job["benchmark"]}
-    assert without == {"settings"}, "only writing down settings is not worth a benchmark"
+    assert without == {"settings", "half_maximum_settings"}, "only writing down settings is not worth a benchmark"
 
 
 def test_every_rule_has_its_code_or_program_among_its_inputs(fresh):
     for job in fresh.jobs():
-        if job["name"] in ("all", "settings"):
+        if job["name"] in ("all", "settings", "half_maximum_settings"):
             continue
         programs = [name for name in job["input"] if name.endswith(".py") or name in ("build/vci", "build/lumen")]
         assert programs, f"{job['name']} would not run again after a change of its program"
@@ -136,9 +140,24 @@ def test_a_surface_case_has_no_reference(fresh):
 def test_a_case_without_ct_has_none(fresh):
     fresh.append("config/cases/quick_focal.yaml", "  ct: {enabled: false}\n")
     planned = fresh.planned()
-    assert not {job for job in planned if (" ct_" in job or job.startswith("ct_")) and "quick_focal" in job}
+    of_ct = (" ct_", "ct_", "half_maximum")
+    assert not {job for job in planned if "quick_focal" in job and (of_ct[0] in job or job.startswith(of_ct[1:]))}
+    assert "half_maximum_metrics quick_branch" in planned
     assert "carry_plan quick_focal" not in planned
     assert "flow_solve quick_focal ct" not in planned and "flow_solve quick_branch ct" in planned
+
+
+def test_lumens_at_half_maximum_only_where_the_study_finds_them_otherwise(fresh):
+    """And only that arm is left out where a step of it failed."""
+    failed = {"failed": [{"case": "quick_branch", "step": "half_maximum/deploy"}]}
+    (fresh.folder / "failed.json").write_text(json.dumps(failed))
+    planned = fresh.planned(more=["failed=failed.json"])
+    assert "half_maximum_metrics quick_focal" in planned and "metrics quick_branch" in planned
+    assert not {job for job in planned if job.startswith("half_maximum") and "quick_branch" in job}
+    fresh.append("config/cases/quick_focal.yaml", "  ct: {segmentation: {method: half_maximum}}\n")
+    planned = fresh.planned()
+    assert not {job for job in planned if job.startswith("half_maximum") and "quick_focal" in job}
+    assert "ct_segment quick_focal pre" in planned and "half_maximum_metrics quick_branch" in planned
 
 
 def test_radius_correction_by_the_stents_alone_where_it_is_asked_for(fresh):

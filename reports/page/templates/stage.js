@@ -3,12 +3,15 @@
   "use strict";
 
   const INNER_COLOUR = 0xb5473c;
+  // Colours as the legend has them: no conversion of what is given, nor of what is drawn.
+  THREE.ColorManagement.enabled = false;
 
   class Stage {
     constructor(data) {
       this.data = data;
       this.views = new Map();
       this.renderer = new THREE.WebGLRenderer({ antialias: true, alpha: true });
+      this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
       this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
       this.renderer.autoClear = false;
       this.canvas = this.renderer.domElement;
@@ -137,7 +140,7 @@
   /* The stage, or null where the browser offers no WebGL. */
   window.vciStage = function () {
     const trial = document.createElement("canvas");
-    if (!trial.getContext("webgl")) return null;
+    if (!trial.getContext("webgl2")) return null;
     return new Stage(JSON.parse(document.getElementById("viewer-data").textContent));
   };
 })();

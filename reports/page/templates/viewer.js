@@ -59,7 +59,7 @@
       for (const [name, packed] of Object.entries(data.states)) this.states[name] = this.makeState(name, packed);
       if (Object.keys(this.states).length < 2) this.roles.mode.value = "single";
       this.camera = new THREE.PerspectiveCamera(25, 1, 0.1, 2000);
-      this.light = new THREE.DirectionalLight(0xffffff, 0.6);
+      this.light = new THREE.DirectionalLight(0xffffff, 0.6 * Math.PI);
       this.titles = [0, 1].map(() => this.addLabel("title"));
       this.readout = this.addLabel("readout");
       element.querySelectorAll(".tools, .hint").forEach((item) => { item.hidden = false; });
@@ -79,16 +79,16 @@
       for (const key of Object.keys(ranges).filter((name) => packed[name])) values[key] = unpack(packed[key], ranges[key][0], ranges[key][1]);
       const shape = geometry(packed, bounds);
       shape.setAttribute("color", new THREE.BufferAttribute(new Float32Array(values.area.length * 3), 3));
-      const far = new THREE.MeshLambertMaterial({ vertexColors: THREE.VertexColors, side: THREE.BackSide });
+      const far = new THREE.MeshLambertMaterial({ vertexColors: true, side: THREE.BackSide });
       const near = new THREE.MeshPhongMaterial({
-        vertexColors: THREE.VertexColors, transparent: true, depthWrite: false, shininess: 25, specular: 0x333333,
+        vertexColors: true, transparent: true, depthWrite: false, shininess: 25, specular: 0x333333,
       });
       const wall = new THREE.Group();
       const front = new THREE.Mesh(shape, near);
       front.renderOrder = 2;  // after the stent behind it
       wall.add(new THREE.Mesh(shape, far), front);
       const scene = new THREE.Scene();
-      scene.add(wall, new THREE.HemisphereLight(0xffffff, 0xb8b8c4, 0.5));
+      scene.add(wall, new THREE.HemisphereLight(0xffffff, 0xb8b8c4, 0.5 * Math.PI));
       const devices = new THREE.Group();
       if (name === "vci") {
         for (const device of this.data.devices) {
@@ -131,7 +131,7 @@
           state.shape.getAttribute("color").needsUpdate = true;
         }
         [state.far, state.near].forEach((material) => {
-          material.vertexColors = plain ? THREE.NoColors : THREE.VertexColors;
+          material.vertexColors = !plain;
           material.color.set(plain ? PLAIN_COLOUR : 0xffffff);
           material.needsUpdate = true;
         });

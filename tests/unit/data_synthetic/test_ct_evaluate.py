@@ -30,6 +30,9 @@ def test_compare_says_bias_limits_and_resistance(ct_tubes):
     assert result["resistance_ratio"] == pytest.approx(1.05**-4, rel=1e-3)
     assert result["mean_difference_mm2"] == pytest.approx((0.1025 * area).mean(), rel=0.01)
     assert result["sd_mm2"] == pytest.approx((0.1025 * area).std(ddof=1), rel=0.02)
+    radius = 0.05 * np.sqrt(area / np.pi)
+    assert result["mean_radius_difference_mm"] == pytest.approx(radius.mean(), rel=0.01)
+    assert result["sd_radius_mm"] == pytest.approx(radius.std(ddof=1), rel=0.02)
     half = evaluate.compare(vtp.arrays(true), vtp.arrays(found), places, {"main": (2, 6)})
     assert half["sections"] == 9 and half["mean_difference_mm2"] < result["mean_difference_mm2"]
 

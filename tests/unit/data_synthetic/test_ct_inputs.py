@@ -7,7 +7,7 @@ import vtk
 from anatomy.ct import segment
 from common import vtp
 from common.errors import InputError
-from data_synthetic.ct import phantom, struts, vessel
+from data_synthetic.ct import phantom, struts, study, vessel
 
 
 def write_lines(path, lines, names=None):
@@ -70,3 +70,10 @@ def test_a_centreline_without_names_is_refused(tmp_path):
     path = write_lines(tmp_path / "line.vtp", [[(0, 0, 0), (1, 0, 0)]])
     with pytest.raises(InputError, match="not a centreline"):
         vtp.read_named_lines(path, "")
+
+
+def test_a_method_that_the_study_does_not_know_is_named(tmp_path):
+    with pytest.raises(InputError, match="sharp"):
+        study.run([], [0.35], 1, tmp_path / "table.csv", methods=["psf_edge", "sharp"])
+    study.run([], [0.35], 1, tmp_path / "table.csv", methods=["half_maximum"])
+    assert (tmp_path / "table.csv").read_text().startswith("case,state")

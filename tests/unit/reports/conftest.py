@@ -5,6 +5,7 @@ Test data: no number here is a result of the study.
 
 import json
 import pathlib
+import shutil
 
 import numpy as np
 import pandas as pd
@@ -29,6 +30,7 @@ OPENING = {
     "ct_rc": 0.01,
     "post": 0.08,
 }  # share of the radius that the lesion takes
+ARM_FFR = {"ct": 0.97, "ct_vci": 0.93, "ct_rc": 0.94}  # of the lumens at half maximum
 
 
 class Tube:
@@ -300,6 +302,18 @@ def build_case(
     return folder
 
 
+def write_arm(folder):
+    """The lumens at half maximum of a case with CT, which are those of other states; after PCI it is the wide `rc`."""
+    for state, like in (("ct", "rc"), ("ct_vci", "reference"), ("ct_rc", "ct")):
+        shutil.copytree(folder / like / "anatomy", folder / "half_maximum" / state / "anatomy")
+    for path in (folder / "ct").glob("*/segmentation.json"):
+        found = json.loads(path.read_text()) | {"method": "half_maximum"}
+        write_json(folder / "half_maximum" / path.relative_to(folder), found)
+    document = {"model": "1D network, calibrated", "error": 0.003}
+    document["lumens"] = {state: {"ffr": ffr} for state, ffr in ARM_FFR.items()}
+    write_json(folder / "half_maximum" / "ffr.json", document)
+
+
 def shortened(folder, first_mm, last_mm, state="post"):
     """Leaves of a state's axis, sections and pull-back what lies between two arc lengths, counted from 0 again."""
     anatomy, flow = folder / state / "anatomy", folder / "flow" / state
@@ -329,6 +343,12 @@ def shortened(folder, first_mm, last_mm, state="post"):
 def ended():
     """ended(folder, first_mm, last_mm, state="post"): see shortened."""
     return shortened
+
+
+@pytest.fixture
+def add_arm():
+    """add_arm(folder): see write_arm."""
+    return write_arm
 
 
 @pytest.fixture

@@ -5,7 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from reports.page.build import agreement_rows, lower_first, signed
+from reports.page.agreement import agreement_rows
+from reports.page.build import lower_first, signed
 from reports.study.nearer import nearer_table, verdict
 from reports.study.agreement import agreement_table
 

@@ -21,8 +21,9 @@ def results(tmp_path):
     results = tmp_path / "results"
     files = {"report/index.html": "page", "report/report.json": "{}", "cases/a/metrics.json": "{}", "cases/b/x": ""}
     files |= {"figures/a_lumen.png": "picture", "figures/b_lumen.png": "picture", "figures/agreement.svg": "<svg/>"}
-    for name in ("agreement", "nearer", "contrast", "differences", "inclusion", "patients", "cohort"):
-        files[f"study/{name}.csv"] = "case,vci_ffr_distal,pre_ffr_distal\na,0.9,0.7\nc,0.8,\n"
+    for name in ("agreement", "half_maximum", "nearer", "contrast", "differences", "inclusion", "patients", "cohort"):
+        rows = "case,included,vci_ffr_distal,pre_ffr_distal\na,True,0.9,0.7\nc,True,0.8,\nmild,False,0.98,0.85\n"
+        files[f"study/{name}.csv"] = rows
     provenance = {
         "schema": "vci-provenance-1",
         "software": {"revision": "abc", "system": "Debian", "packages": {"python3": "3.11"}},
@@ -45,7 +46,11 @@ def test_numbers_are_those_of_the_tables(results, tmp_path):
         "sd": pytest.approx(0.0707, abs=1e-4),
     }
     assert found["states"]["pre"]["ffr_distal"] == {"n": 1, "mean": 0.7, "sd": None}
-    assert [row["case"] for row in found["patients"]] == ["a", "c"] and found["patients"][1]["pre_ffr_distal"] is None
+    excluded = found["states_excluded"]["vci"]["ffr_distal"]
+    assert excluded == {"n": 1, "mean": 0.98, "sd": None}, "apart from the included"
+    assert [row["case"] for row in found["patients"]] == ["a", "c", "mild"] and found["patients"][1][
+        "pre_ffr_distal"
+    ] is None
     assert (found["evidence"]["passed"], found["evidence"]["failed"]) == (1, 1)
     assert found["failed"] == [{"case": "b"}]
     assert found["plans"] == {"a": []} and found["cohort"] == "small"

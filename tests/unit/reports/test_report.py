@@ -2,6 +2,7 @@
 
 import base64
 import json
+import re
 import shutil
 
 import numpy as np
@@ -32,19 +33,27 @@ needs_chromium = pytest.mark.skipif(shutil.which("chromium") is None, reason="th
 
 
 @pytest.fixture
-def study(make_case, tmp_path):
+def study(make_case, add_arm, tmp_path):
     """study(cases...) -> path of the report of cases (name, options)."""
 
-    def make(*cases, junit=()):
+    def make(*cases, junit=(), arm=False):
         folders = []
         for name, options in cases:
             folders.append(make_case(name, **options))
             out = str(folders[-1] / "metrics.json")
-            main(["metrics", "--case", name, "--case-dir", str(folders[-1]), "--out", out])
+            of_case = ["metrics", "--case", name, "--case-dir", str(folders[-1])]
+            main([*of_case, "--out", out])
+            if arm:
+                add_arm(folders[-1])
+                found = str(folders[-1] / "half_maximum" / "metrics.json")
+                main([*of_case, "--segmentation", "half_maximum", "--out", found])
         metrics = [str(folder / "metrics.json") for folder in folders]
         dirs = [str(folder) for folder in folders]
         for name in ("agreement", "cohort", "contrast", "nearer"):
             main([name, "--metrics", *metrics, "--out", str(tmp_path / "study" / f"{name}.csv")])
+        arms = [folder / "half_maximum" / "metrics.json" for folder in folders]
+        found = [str(path) for path in arms if path.exists()]
+        main(["agreement", "--metrics", *found, "--out", str(tmp_path / "study" / "half_maximum.csv")])
         tables = ["--stations", str(tmp_path / "stations.csv"), "--out", str(tmp_path / "study" / "differences.csv")]
         main(["differences", "--metrics", *metrics, *tables])
         main(["timings", "--case-dir", *dirs, "--out", str(tmp_path / "study" / "timings.csv")])
@@ -121,6 +130,20 @@ def test_report_with_ct_keeps_four_errors_apart_and_shows_the_warnings(study):
     ), "too like the others in three dimensions"
     if shutil.which("chromium"):
         check_report(path)
+
+
+def test_both_segmentations_stand_on_the_page_and_who_is_not_included(study):
+    states = ("pre", "vci", "rc", "reference", "ct", "ct_vci", "ct_rc")
+    path = study(("tube", {"states": states}), ("mild", {"states": states, "change": -0.2}), arm=True)
+    text = path.read_text()
+    assert "How the lumen is found in the image" in text and "with an error of up to 0.0030" in text
+    assert "The statistics are of the 1 included patient:" in text
+    assert re.search(r'Not included is <a href="#case-mild">mild</a> \(FFR before PCI 0\.[89]\d\)', text)
+    assert text.count("<details><summary>The same for the patients that are not included") == 1
+    table = text.split("How the lumen is found in the image")[1].split("</table>")[0]
+    clinical = next(row for row in table.split("<tr>") if "<th>FFR</th>" in row)
+    # predicted minus after PCI, of the network's FFR, and the published one beside it
+    assert "<td>−0.040</td>" in clinical and "−0.02 ± 0.05" in clinical
 
 
 def test_warnings_of_the_flow_are_shown_with_case_and_state(study, tmp_path):

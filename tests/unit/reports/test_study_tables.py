@@ -13,10 +13,15 @@ from reports.study.seconds import by_case, seconds_table, stage_seconds
 from reports.study.timings import timings_table
 
 
-def documents(make_case, changes):
-    return [
-        case_metrics(CaseFiles(f"tube{k}", make_case(f"tube{k}", change=change))) for k, change in enumerate(changes)
+def documents(make_case, changes, **options):
+    """metrics.json of cases, all with an FFR before that includes them."""
+    found = [
+        case_metrics(CaseFiles(f"tube{k}", make_case(f"tube{k}", change=change, **options)))
+        for k, change in enumerate(changes)
     ]
+    for document in found:
+        document["states"]["pre"]["ffr"]["distal"] = 0.7
+    return found
 
 
 def test_agreement_of_three_cases(make_case):
@@ -35,10 +40,7 @@ def test_agreement_of_three_cases(make_case):
 
 def test_four_errors_are_kept_apart(make_case):
     states = ("pre", "vci", "rc", "reference", "ct", "ct_vci", "ct_rc")
-    cases = [
-        case_metrics(CaseFiles(f"ct{k}", make_case(f"ct{k}", states=states, change=change)))
-        for k, change in enumerate([0.0, 0.02, -0.03])
-    ]
+    cases = documents(make_case, [0.0, 0.02, -0.03], states=states)
     table = agreement_table(cases).set_index(["quantity", "comparison"])
     assert len(table) == 28
     kinds = table["error"].xs("mean_area", level="quantity").to_dict()

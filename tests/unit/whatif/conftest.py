@@ -23,6 +23,7 @@ class Vessel:
         branch = {"name": "main", "parent": None, "s_on_parent_mm": None, "length_mm": LENGTH_MM}
         self.before = {"schema": "vci-anatomy-1", "ends": [end], "branches": [branch], "lesions": []}
         self.boundary = boundary.make(self.before, self.tree, PATIENT, self.flow)
+        self.scene = {"segment": {"branch": "main", "s_start_mm": 10.0, "s_end_mm": 28.0}}
         self.radii = {"pre": 1.0, "vci": 1.4, "rc": 1.5}
         self.answers = {state: {"ffr": ffr} for state, ffr in (("pre", 0.70), ("vci", 0.90), ("rc", 0.92))}
 

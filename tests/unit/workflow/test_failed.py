@@ -8,8 +8,7 @@ import pytest
 
 from common.errors import InputError
 from workflow.__main__ import main
-from workflow.failed import failed_steps, message
-from workflow.inputs import without_failed
+from workflow.failed import cases_of_failed_arms, failed_steps, message, without_failed
 
 ERROR = "error: too narrow\n  where:  main\n  value:  0.2 mm\n  remedy: another plan"
 
@@ -78,3 +77,13 @@ def test_the_study_is_made_of_the_other_cases(step, tmp_path, capsys):
     out.write_text(json.dumps({"other": 1}))
     with pytest.raises(InputError, match="workflow failed"):
         without_failed(["a", "b"], out)
+
+
+def test_a_failed_step_at_half_maximum_takes_down_that_arm_alone(step, tmp_path):
+    out = tmp_path / "failed.json"
+    step("a/logs/half_maximum/deploy.log", "exit 3")
+    step("b/logs/half_maximum/deploy.log", "exit 3")
+    step("b/logs/half_maximum_no_arm.log", "exit 3")
+    main(["failed", "--results", str(tmp_path / "results"), "--out", str(out)])
+    assert without_failed(["a", "b", "c"], out) == ["a", "c"]
+    assert cases_of_failed_arms(out) == {"a", "b"} and cases_of_failed_arms(None) == set()

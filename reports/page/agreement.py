@@ -1,0 +1,121 @@
+"""The tables of agreement as the page shows them: names, digits and units; each group of patients apart."""
+
+from reports.page.digits import decimals
+from reports.study.contrast import PROFILE
+from reports.study.inclusion import GROUPS, meets_criterion
+
+QUANTITY_NAMES = {
+    "ffr": "FFR",
+    "mean_area": "Mean CSA",
+    "minimum_area": "Smallest CSA",
+    "mean_curvature": "Mean curvature",
+}
+CONTRAST_NAMES = QUANTITY_NAMES | {PROFILE: "CSA along the stent, rms"}
+QUANTITY_DIGITS = {"ffr": 3, "mean_area": 2, "minimum_area": 2, "mean_curvature": 3}  # at least
+MOST_DIGITS = 6
+UNITS = {"1": "", "mm2": "mm²", "1/mm": "/mm"}
+# errors that depend on how the lumen is found in CT -> comparison of each prediction
+BY_SEGMENTATION = {
+    "vci": {"imaging_before": "ct_vci_minus_vci", "imaging_after": "ct_minus_reference", "clinical": "ct_vci_minus_ct"},
+    "rc": {"imaging_before": "ct_rc_minus_rc", "imaging_after": "ct_minus_reference", "clinical": "ct_rc_minus_ct"},
+}
+
+
+def agreement_groups(agreement, nearer, half_maximum):
+    """[{name, rows, nearer, segmentations}] of the groups of patients that have anything to agree with.
+
+    agreement, nearer, half_maximum: rows of those tables. segmentations: rows of the four errors by both.
+    """
+    found = []
+    for name in GROUPS:
+        rows, others = (
+            [row for row in agreement_rows(table) if row["patients"] == name] for table in (agreement, half_maximum)
+        )
+        if rows:
+            of_nearer = nearer_rows([row for row in nearer if row["patients"] == name])
+            found.append(
+                {"name": name, "rows": rows, "nearer": of_nearer, "segmentations": segmentations(rows, others)}
+            )
+    return found
+
+
+def segmentations(rows, others):
+    """[{prediction, name, unit, digits, method, errors {error: (own, other)}, published}] of one group of patients.
+
+    rows: of the study's own segmentation; others: of that at half maximum, without which there is none. The
+    entries are rows of agreement.csv.
+    """
+    own, other = ({(row["quantity"], row["comparison"]): row for row in table} for table in (rows, others))
+    found = []
+    for prediction, comparisons in BY_SEGMENTATION.items():
+        for quantity, name in QUANTITY_NAMES.items():
+            errors = {
+                error: (own.get((quantity, comparison)), other.get((quantity, comparison)))
+                for error, comparison in comparisons.items()
+            }
+            known = [row for pair in errors.values() for row in pair if row]
+            if any(pair[1] for pair in errors.values()):
+                row = {"prediction": prediction, "name": name, "unit": known[0]["unit"], "errors": errors}
+                row["method"] = own.get((quantity, f"{prediction}_minus_reference"))
+                found.append(row)
+    return found
+
+
+def agreement_rows(rows):
+    """The rows of agreement.csv with the names, digits and units of the page."""
+    return [
+        {
+            **row,
+            "name": QUANTITY_NAMES[row["quantity"]],
+            "digits": row_digits(row),
+            "unit": unit_name(row),
+        }
+        for row in rows
+    ]
+
+
+def row_digits(row):
+    """Decimals of a row of agreement.csv: the quantity's, or more where bias or sd are too small for two digits."""
+    shown = [decimals(row[key], 2) for key in ("bias", "sd") if row[key]]
+    return max(QUANTITY_DIGITS[row["quantity"]], min(MOST_DIGITS, max(shown, default=0)))
+
+
+def unit_name(row):
+    """A row's unit as the page writes it."""
+    return UNITS[row["unit"] if isinstance(row["unit"], str) else "1"]
+
+
+def nearer_rows(rows):
+    """The rows of nearer.csv with the names and units of the page."""
+    return [{**row, "name": QUANTITY_NAMES[row["quantity"]], "unit": unit_name(row)} for row in rows]
+
+
+def contrast_rows(rows, contexts):
+    """The rows of contrast.csv by case: [{name, id, description, quantities}]."""
+    by_case = []
+    for context in contexts:
+        of_case = [
+            {**row, "name": CONTRAST_NAMES[row["quantity"]], "unit": unit_name(row)}
+            for row in rows
+            if row["case"] == context["name"]
+        ]
+        if of_case:
+            description = context["metrics"]["patient"].get("description")
+            by_case.append(
+                {**{key: context[key] for key in ("name", "id")}, "description": description, "rows": of_case}
+            )
+    return by_case
+
+
+def left_out(patients):
+    """[(case, why it is not included)] of the rows of patients.csv."""
+    found = []
+    for row in patients:
+        if not meets_criterion(row["ffr_before"]):
+            why = (
+                "FFR before PCI not computed"
+                if row["ffr_before"] is None
+                else f"FFR before PCI {row['ffr_before']:.2f}"
+            )
+            found.append((row["case"], why))
+    return found

@@ -1,0 +1,20 @@
+/* What the page's viewer uses of three.js, as the global THREE. */
+export {
+  BackSide,
+  BufferAttribute,
+  BufferGeometry,
+  ColorManagement,
+  DirectionalLight,
+  Group,
+  HemisphereLight,
+  LinearSRGBColorSpace,
+  Mesh,
+  MeshLambertMaterial,
+  MeshPhongMaterial,
+  PerspectiveCamera,
+  Raycaster,
+  Scene,
+  Vector3,
+  WebGLRenderer,
+} from "three";
+export { TrackballControls } from "three/examples/jsm/controls/TrackballControls.js";

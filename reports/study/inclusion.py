@@ -1,0 +1,34 @@
+"""Which patients the statistics are made of: as in the source, those with FFR below 0.80 before PCI.
+
+The others are never mixed with them: their rows stand apart, under a name of their own.
+"""
+
+from reports.inputs.reading import number
+from reports.measuring.measured import FFR_THRESHOLD
+
+INCLUDED, EXCLUDED = "included", "excluded"
+GROUPS = (INCLUDED, EXCLUDED)
+
+
+def ffr_before(document):
+    """FFR past the lesion before PCI, of a metrics document; None where it was not computed."""
+    entry = document["states"].get("pre")
+    return number(entry, "ffr.distal", f"metrics of {document['case']}, pre") if entry and entry["ffr"] else None
+
+
+def meets_criterion(ffr):
+    """Whether FFR before PCI includes a patient; None where it is not known."""
+    return None if ffr is None else ffr < FFR_THRESHOLD
+
+
+def groups(documents):
+    """[(name of GROUPS, metrics documents)], without a group that has no patient."""
+    split = {name: [] for name in GROUPS}
+    for document in documents:
+        split[INCLUDED if meets_criterion(ffr_before(document)) else EXCLUDED].append(document)
+    return [(name, found) for name, found in split.items() if found]
+
+
+def analysed(documents):
+    """Those of the documents that a figure shows: of the included patients, or of the others where there is none."""
+    return groups(documents)[0][1] if documents else []

@@ -1,0 +1,67 @@
+"""Statistics are of the included patients, those of the others stand apart."""
+
+import pytest
+
+from reports.study.agreement import agreement_table
+from reports.study.differences import COHORT, difference_table
+from reports.study.inclusion import analysed, groups
+from reports.study.nearer import nearer_table
+from reports.page.agreement import left_out
+
+
+def patient(case, before, vci, reference=0.9):
+    """metrics.json of a patient whose quantities before, predicted and after PCI are these; before None: no flow."""
+
+    def state(value):
+        area = {"mean_mm2": value, "minimum_mm2": value, "profile_mm2": [value, value]}
+        curvature = {"mean_per_mm": value, "profile_per_mm": [value, value]}
+        return {"ffr": {"distal": value, "error_estimate": value / 100}, "area": area, "curvature": curvature}
+
+    states = {"vci": state(vci), "rc": state(vci), "reference": state(reference)}
+    states = {"pre": state(before or 0.5), **{name: one | {"s_mm": [0.0, 1.0]} for name, one in states.items()}}
+    if before is None:
+        states["pre"]["ffr"] = None
+    along = {"bias": vci - reference, "sd": 0.0, "rmse": abs(vci - reference)}
+    differences = {f"{a}_minus_reference": {"area_mm2": along, "curvature_per_mm": along} for a in ("vci", "rc")}
+    stations = {"relative_position": [0.0, 1.0]}
+    return {"case": case, "states": states, "differences": differences, "stations": stations, "measured": None}
+
+
+@pytest.fixture
+def documents():
+    """Two included patients; one at 0.80 and one without a flow before PCI are not."""
+    return [
+        patient("a", 0.70, 0.92),
+        patient("mild", 0.80, 0.60),
+        patient("b", 0.799, 0.94),
+        patient("unknown", None, 0.70),
+    ]
+
+
+def test_nobody_of_the_others_is_in_the_statistics(documents):
+    table = agreement_table(documents).set_index(["patients", "quantity", "comparison"])
+    row = table.loc[("included", "ffr", "vci_minus_reference")]
+    assert row["n"] == 2 and row["bias"] == pytest.approx(0.03) and row["largest_estimate"] == pytest.approx(0.0094)
+    assert table.loc[("excluded", "ffr", "vci_minus_reference"), "bias"] == pytest.approx(-0.25)
+    found = nearer_table(documents).set_index(["patients", "quantity", "truth"])
+    assert found.loc[("included", "mean_area", "reference"), "error_vci"] == pytest.approx(0.03)
+    assert found.loc[("excluded", "mean_area", "reference"), "n"] == 2
+
+
+def test_each_group_has_its_own_mean_along_the_stent(documents):
+    table = difference_table(documents)
+    table = table[table["comparison"] == "vci_minus_reference"].set_index(["patients", "case"])
+    assert list(table.index.get_level_values("case")) == ["a", "b", COHORT, "mild", "unknown", COHORT]
+    assert table.loc[("included", COHORT), "diff_area_mean_mm2"] == pytest.approx(0.03)
+    assert table.loc[("excluded", COHORT), "n"] == 2
+
+
+def test_figures_show_the_included_or_else_the_others(documents):
+    assert [one["case"] for one in analysed(documents)] == ["a", "b"]
+    assert [one["case"] for one in analysed(documents[1:2])] == ["mild"]
+    assert analysed([]) == [] and [name for name, _ in groups(documents[:1])] == ["included"]
+
+
+def test_who_is_left_out_and_why():
+    rows = [{"case": "a", "ffr_before": 0.799}, {"case": "mild", "ffr_before": 0.8}, {"case": "x", "ffr_before": None}]
+    assert left_out(rows) == [("mild", "FFR before PCI 0.80"), ("x", "FFR before PCI not computed")]

@@ -1,0 +1,32 @@
+"""FFR of given lumens of a finished case, such as those that another segmentation finds, by the calibrated network."""
+
+from common.errors import InputError
+from whatif import calibrated
+from whatif.case import PLANNED
+
+SCHEMA = "vci-network-ffr-1"
+MODEL = "1D network, calibrated"
+
+
+def ffr_of(case, names, states):
+    """The document of ffr.json for the lumens whose folders `names` lie in the case's, each with an `anatomy/`.
+
+    states: those with a 3D answer, which the error is measured in. `at` of each lumen says where the calibration was
+    used: below the planned procedure's loss, between the losses after and before, or beyond that before.
+    Raises InputError.
+    """
+    if PLANNED not in states:
+        raise InputError("no planned procedure to calibrate on", "--states", " ".join(states), f"name {PLANNED} too")
+    found, lumens = calibrated.calibrate(case, states), {}
+    for name in names:
+        lumen = case.lumen(case.folder / name / "anatomy")
+        loss = calibrated.network_loss(lumen, case.boundary, case.flow.expansion_loss)
+        lumens[name.rpartition("/")[2]] = {"ffr": found.ffr(loss), "at": place(found.model, loss)}
+    return {"schema": SCHEMA, "model": MODEL, "error": found.error, "error_from": list(found.states), "lumens": lumens}
+
+
+def place(model, loss):
+    """Where a loss of the network's lies among those that it was calibrated on (`model`, ascending from 0)."""
+    if loss > model[-1]:
+        return "beyond"
+    return "below" if loss <= model[1] else "between"

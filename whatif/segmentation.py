@@ -1,0 +1,38 @@
+"""A lumen that was found in an image is off by the segmentation's error: sections at the true radius instead.
+
+The error is what the study measures of its own segmentation in the CT of known lumens without a stent, found minus
+true, over sections (data_synthetic/measured.md, "Lumens found in CT"). So the true radius is the found one minus that.
+It is put on all sections alike, which is the most that errors of this size can do to a loss of pressure.
+"""
+
+import numpy as np
+
+from common.errors import InputError
+from whatif.flow_inputs import Input
+
+BIAS_MM, SD_MM = 0.007, 0.023  # of 72 sections of `quick_branch`, voxels of 0.35 mm
+NAME = "lumen_radius"
+
+
+def radius_input():
+    """The Input: the true radius minus the found one, the bias and one standard deviation to both sides of it."""
+    return Input(NAME, "radius of the lumen found in CT, 1 SD", -BIAS_MM - SD_MM, 0.0, -BIAS_MM + SD_MM, "mm")
+
+
+def at_radius(lumen, off_mm, held=None):
+    """(anatomy, sections) of a lumen with all radii `off_mm` larger. Raises InputError where nothing would be left.
+
+    held: (branch, start, end) in mm along it, a stretch that a stent holds at its own width; None: nothing is held.
+    """
+    anatomy, sections = lumen
+    if not off_mm:
+        return lumen
+    radius = np.sqrt(sections["area_mm2"].to_numpy(float) / np.pi)
+    moved = np.ones(len(sections), bool)
+    if held is not None:
+        branch, start, end = held
+        moved = ~((sections["branch"] == branch) & sections["s_mm"].between(start, end)).to_numpy()
+    radius[moved] += off_mm
+    if radius.min() <= 0:
+        raise InputError("no lumen is left", "radius of the lumen", f"{radius.min():.3g} mm", "a smaller error")
+    return anatomy, sections.assign(area_mm2=np.pi * radius**2)

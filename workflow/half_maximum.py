@@ -1,0 +1,48 @@
+"""The arm of the study that finds the lumens in CT at half maximum: its cases, settings and files for the rules."""
+
+import json
+
+from workflow.inputs import CT_STATES
+
+NAME = "half_maximum"  # the method of segmentation, and the arm's folder in that of a case
+STATES = ("ct_pre", *CT_STATES)  # the arm's own lumens
+
+
+class HalfMaximum:
+    """Answers the rules' questions on the arm, from the `Inputs` of the study."""
+
+    def __init__(self, inputs):
+        self.inputs = inputs
+
+    def cases(self, cases):
+        """Those of the cases that have a CT, whose lumens the study itself finds by another method."""
+        of = self.inputs.configuration.settings
+        return [
+            case
+            for case in cases
+            if "ct" in self.inputs.states(case) and of(case)["ct"]["segmentation"]["method"] != NAME
+        ]
+
+    def settings(self, wildcards):
+        """The section `ct` of the case as JSON text, with the segmentation at half maximum."""
+        settings = self.inputs.configuration.settings(wildcards.case)["ct"]
+        changed = settings | {"segmentation": settings["segmentation"] | {"method": NAME}}
+        return json.dumps(changed, sort_keys=True)
+
+    def lumen(self, wildcards):
+        """As `Inputs.state_lumen`, in the arm's folder."""
+        folder = f"{self.inputs.results}/cases/{wildcards.case}"
+        return self.inputs.state_lumen(wildcards).replace(folder, f"{folder}/{NAME}", 1)
+
+    def compared(self, wildcards):
+        """Files of the states of true lumens that the arm's are compared with, as the metrics read them."""
+        names = ("{anatomy}/centreline.vtp", "{anatomy}/sections.csv", "{anatomy}/anatomy.json")
+        flow = ("flow/{state}/ffr.json", "flow/{state}/pullback.csv")
+        seen = tuple(f"/{state}/" for state in CT_STATES)
+        files = self.inputs.of_states(*names, *flow)(wildcards)
+        return [file for file in files if not any(state in file for state in seen)]
+
+    def ffr(self, wildcards):
+        """FFR of the arm's lumens; none where the flow is not one that the network can be calibrated on."""
+        varied = self.inputs.varied([wildcards.case])
+        return [f"{self.inputs.results}/cases/{wildcards.case}/{NAME}/ffr.json"] if varied else []
