@@ -25,8 +25,8 @@ def _balloon_alone(one):
     device = one.balloon["devices"][0]
     return (
         f"{one.target.name} takes a balloon alone, of {device['diameter_mm']:g} mm: {one.no_stent.what}"
-        f" ({one.no_stent.value}). The vessel recoils more than with a stent, and may dissect. Check the file's units; a"
-        " stent of that width in config/devices would be planned"
+        f" ({one.no_stent.value}). The vessel recoils more than with a stent, and may dissect. Check the file's units;"
+        " a stent of that width in config/devices would be planned"
     )
 
 
