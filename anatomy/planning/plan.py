@@ -29,9 +29,9 @@ def run(case_file, anatomy_folder, devices_folder, out):
         said = list(remarks.of_proposal(summary, proposed))
         reference = {"reference": sized_by(summary, proposed, outer_wall.known(case)) | {"remarks": said}}
         for remark in said:
-            print(f"warning: {case_file}: plan: auto: {remark}", file=sys.stderr)
+            print(f"warning: {case_file}: plan: {remark}", file=sys.stderr)
         for other in remarks.of_reference(reference["reference"]):
-            print(f"{case_file}: plan: auto: {other}", file=sys.stderr)
+            print(f"{case_file}: plan: {other}", file=sys.stderr)
     relative = os.path.relpath(anatomy_folder.resolve(), out.resolve().parent)
     document = {
         "schema": "vci-scene-1",
