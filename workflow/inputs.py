@@ -63,7 +63,8 @@ class Inputs:
         steps = config.listed_steps(description["plan"])
         branches = {device["branch"] for step in steps for device in step["devices"]}
         one_at_a_time = all(len(step["devices"]) == 1 for step in steps)
-        one_branch = len(branches) <= 1 and description["plan"] != {"treat": "all"}
+        treats_all = isinstance(description["plan"], dict) and description["plan"]["treat"] == "all"
+        one_branch = len(branches) <= 1 and not treats_all
         return description["kind"] == "synthetic" and one_at_a_time and one_branch
 
     def device_files(self, wildcards):

@@ -29,7 +29,8 @@ def read_rows(path, units):
         content = gzip.open(path).read() if path.suffix == ".gz" else path.read_bytes()
         lines = content.decode("utf-8-sig").splitlines()
     except (OSError, EOFError, UnicodeDecodeError) as error:
-        raise InputError("the contour table is not text", path, error, "export it as CSV") from error
+        remedy = "a spreadsheet: export it as CSV; a compressed table: copy it again, it is damaged"
+        raise InputError("the contour table is not text", path, error, remedy) from error
     rows, named = [], False
     for number, line in enumerate(lines, start=1):
         line = line.strip()

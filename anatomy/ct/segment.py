@@ -195,7 +195,9 @@ def _tube(at, line, parent, method, blood, sigma_mm, spacing_mm, rays):
             step = profiles.s_mm[1]
             value = f"{step * (len(radii) - inside):.1f} mm of it outside, {step * FEWEST_OUTSIDE:.1f} mm are needed"
             remedy = "move its end point along the branch, away from the parent, or leave the branch out"
-            raise ComputationError("a branch hardly leaves its parent", f"end point {line.end + 1}", value, remedy)
+            raise ComputationError(
+                "a branch hardly leaves its parent", f"outlet {line.end} of those given", value, remedy
+            )
         # Read again from outside the parent, so that no filter mixes in what lies within it.
         outside = edges.Profiles(
             profiles.s_mm[inside:],

@@ -146,7 +146,8 @@ def _dicom(folder, wanted):
 def _stacked(slices, folder):
     heads = [head for _, head in slices]
     if heads[0].get("Modality") != "CT":
-        raise InputError("not a CT series", folder, heads[0].get("Modality"), "a CT angiogram")
+        value = f"modality {heads[0].get('Modality')}"
+        raise InputError("not a CT series", folder, value, "the folder of a CT angiogram, whose modality is CT")
     names = [*["ImageOrientationPatient"] * 6, *["PixelSpacing"] * 2, "Rows", "Columns"]
     geometry = [(*map(float, h.ImageOrientationPatient), *map(float, h.PixelSpacing), h.Rows, h.Columns) for h in heads]
     lowest, highest = np.min(geometry, axis=0), np.max(geometry, axis=0)

@@ -23,7 +23,8 @@ def find(lines, tubes, profiles, ends, blood_hu, settings, point_spread_assumed)
                     profile.s_mm[[a, b - 1]],
                     least,
                     f"contrast on the axis falls to {least:.2f} of the blood's (limit"
-                    f" {settings['occluded_below']}): the throat is too narrow for this image, its radius a guess",
+                    f" {settings['occluded_below']}): the throat is too narrow for this image, its radius a guess;"
+                    " smaller voxels and a sharper kernel show more of it",
                 )
             )
         reach = tube.radii_mm[..., None] + NEAR_MM
@@ -37,13 +38,15 @@ def find(lines, tubes, profiles, ends, blood_hu, settings, point_spread_assumed)
                     tube,
                     profile.s_mm[[a, b - 1]],
                     most,
-                    f"brighter than blood beside the lumen on up to {100 * most:.0f} % of the rays: blooming, the"
-                    " area is doubtful",
+                    f"brighter than blood beside the lumen on up to {100 * most:.0f} % of the rays: by blooming the"
+                    " area is doubtful; a sharper kernel blooms less",
                 )
             )
         miss = float(np.linalg.norm(tube.axis.points_mm[-1] - ends[line.end][1]))
         if miss > 0.5:
-            message = f"the axis ends {miss:.2f} mm from the end point {ends[line.end][0]}: does it lie on the axis?"
+            message = (
+                f"the axis ends {miss:.2f} mm from the end point {ends[line.end][0]}: move it to the vessel's middle"
+            )
             found.append(_entry("end_off_axis", tube, [tube.axis.length_mm] * 2, miss, message))
     found += _widening(tubes[0])
     found += _close_pairs(lines, tubes)
@@ -99,7 +102,8 @@ def _close_pairs(lines, tubes):
             if near:
                 at = first.s_mm[[near[0][0], near[-1][0]]]
                 least = float(min(gap for _, gap in near))
-                message = f"within {max(least, 0):.2f} mm of {second.name}: the image may have merged them, look there"
+                message = f"within {max(least, 0):.2f} mm of {second.name}: the image may have merged them; look there,"
+                message += " and give a centreline if the axis changes the vessel"
                 found.append(_entry("close_vessels", first, at, least, message))
     return found
 

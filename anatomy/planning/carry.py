@@ -38,7 +38,8 @@ def carried(branch, s_mm, before, after, where):
     """
     if branch not in after:
         found = ", ".join(after)
-        raise InputError("a treated branch is missing", where, branch, f"branches found: {found}; image it better")
+        remedy = f"branches found: {found}; a reading that shows the branch, its outlet among the end points"
+        raise InputError("a treated branch is missing", where, branch, remedy)
     line, other = _axis(before[branch]), _axis(after[branch])
     within = float(np.clip(s_mm, line[0][0], line[0][-1]))
     point = np.array([np.interp(within, line[0], line[1][:, k]) for k in range(3)])
@@ -49,7 +50,8 @@ def carried(branch, s_mm, before, after, where):
     radius = float(np.interp(within, line[0], line[2]))
     if distance[nearest] > radius:
         value = f"{distance[nearest]:.2f} mm at {s_mm:.1f} mm of {branch}, where the vessel's radius is {radius:.2f} mm"
-        raise InputError("a place of the plan lies off the other axis", where, value, "compare both centrelines")
+        remedy = "draw both anatomies (anatomy picture): the other axis may take another way, or lie in another frame"
+        raise InputError("a place of the plan lies off the other axis", where, value, remedy)
     s_other = other[0][nearest] + share[nearest] * (other[0][nearest + 1] - other[0][nearest])
     return round(float(s_other + s_mm - within), 3)
 

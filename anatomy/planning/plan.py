@@ -19,19 +19,19 @@ def run(case_file, anatomy_folder, devices_folder, out):
     case = config.load_case(case_file)
     families = config.load_devices(devices_folder)
     summary = read_summary(anatomy_folder)
-    steps, treat, reference = case["plan"], proposal.wanted(case["plan"]), {}
-    if treat:
+    steps, asked, reference = case["plan"], proposal.wanted(case["plan"]), {}
+    if asked:
         sections = read_sections(anatomy_folder)
         if outer_wall.known(case):
             sections = outer_wall.referenced(sections, anatomy_folder / "lumen.vtp")
-        proposed = proposal.propose(summary, sections, families, str(case_file), treat)
+        proposed = proposal.propose(summary, sections, families, str(case_file), *asked)
         steps = proposed.steps
         said = list(remarks.of_proposal(summary, proposed))
         reference = {"reference": sized_by(summary, proposed, outer_wall.known(case)) | {"remarks": said}}
         for remark in said:
-            print(f"warning: {case_file}: plan: auto: {remark}", file=sys.stderr)
+            print(f"warning: {case_file}: plan: {remark}", file=sys.stderr)
         for other in remarks.of_reference(reference["reference"]):
-            print(f"{case_file}: plan: auto: {other}", file=sys.stderr)
+            print(f"{case_file}: plan: {other}", file=sys.stderr)
     relative = os.path.relpath(anatomy_folder.resolve(), out.resolve().parent)
     document = {
         "schema": "vci-scene-1",

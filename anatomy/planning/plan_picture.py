@@ -43,9 +43,12 @@ def run(anatomy_folder, plan_file, out):
 def _read(path):
     try:
         plan = json.loads(path.read_text())
-        return plan if plan["procedure"] and plan["devices"] else plan["no device"]
+        devices = [plan["devices"][one["device"]] for step in plan["procedure"] for one in step["devices"]]
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError("no readable plan", path, error, "run `anatomy plan` first") from error
+        raise InputError("no readable plan", path, error, "give a plan.json that `anatomy plan` has written") from error
+    if not devices:
+        raise InputError("a plan without a device", path, "procedure: no devices", "list the plan's steps in the case")
+    return plan
 
 
 def _by_branch(plan):

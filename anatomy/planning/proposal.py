@@ -1,4 +1,8 @@
-"""A plan proposed from the lesions and the device catalogue: `plan: auto`, or `plan: {treat: culprit | all}`."""
+"""A plan proposed from the lesions and the device catalogue: `plan: auto`, or `plan: {treat: culprit | all}`.
+
+Lesions below least_stenosis_percent (50 % unless the case says otherwise) are left. Where no stent of the catalogue is
+as wide as the vessel, a balloon alone is proposed.
+"""
 
 import dataclasses
 
@@ -13,10 +17,15 @@ GAP_MM = 3.0  # of lumen between two stents below which they are planned as one 
 
 @dataclasses.dataclass
 class Treated:
-    """A target (targets.Target) with its stents (sizing.Stent), the distal one first."""
+    """A target (targets.Target) with its stents (sizing.Stent), the distal one first; or with a balloon alone.
+
+    balloon: its step; no_stent: the InputError that says why no stent fits.
+    """
 
     target: object
     stents: list
+    balloon: dict = None
+    no_stent: object = None
 
     @property
     def ends(self):
@@ -35,17 +44,19 @@ class Proposal:
 
 
 def wanted(plan):
-    """CULPRIT or ALL for a case's `plan` that asks for a proposal, None for listed steps."""
+    """(CULPRIT or ALL, least diameter stenosis in per cent) for a case's `plan` that asks for a proposal, else None."""
     if plan == "auto":
-        return CULPRIT
-    return plan["treat"] if isinstance(plan, dict) else None
+        return CULPRIT, targets.SIGNIFICANT_PERCENT
+    least = plan.get("least_stenosis_percent", targets.SIGNIFICANT_PERCENT) if isinstance(plan, dict) else None
+    return (plan["treat"], least) if isinstance(plan, dict) else None
 
 
-def propose(summary, sections, families, where, treat=CULPRIT):
+def propose(summary, sections, families, where, treat=CULPRIT, least_percent=targets.SIGNIFICANT_PERCENT):
     """Proposal for the lesions of a measured lumen (`summary`, `sections`: measured.read_summary, read_sections).
 
-    CULPRIT: for the most severe lesion that stents of the catalogue fit, a significant one if there is any. Raises
-    InputError if there is no lesion, or if the catalogue or the branch does not fit any.
+    CULPRIT: for the most severe lesion that stents of the catalogue fit; if there is none, that a balloon fits. ALL:
+    for each lesion. Lesions below least_percent by diameter are left. Raises InputError if there is no other, or if the
+    catalogue or the branch does not fit any.
     """
     if not summary["lesions"]:
         requested = "auto" if treat == CULPRIT else f"{{treat: {treat}}}"
@@ -62,19 +73,50 @@ def propose(summary, sections, families, where, treat=CULPRIT):
             raise InputError(
                 "plan: auto needs a device family", where, family, f"add {family}.yaml to config/devices (--devices)"
             )
+    lesions = targets.found(summary, sections, least_percent)
+    if not lesions:
+        raise _too_mild(targets.every(summary, sections)[0], where, treat, least_percent)
     treated, left_out = [], []
-    for target in targets.found(summary, sections):
+    for target in lesions:
         try:
             treated.append(_stented(target, families, where))
         except InputError as error:
             left_out.append((target, error))
             continue
-        if treat == CULPRIT or target.percent < targets.SIGNIFICANT_PERCENT:
+        if treat == CULPRIT:
             break
+    if treat == ALL or not treated:
+        treated, left_out = _with_balloons(treated, left_out, families, where)
+        treated = treated[:1] if treat == CULPRIT else treated
     if not treated:
         raise left_out[0][1]
     treated = _without_short_gaps(treated, families, where)
     return Proposal([step for one in _in_order(treated) for step in _steps(one, families, where)], treated, left_out)
+
+
+def _too_mild(target, where, treat, least_percent):
+    """The InputError for a vessel whose most severe lesion (a Target) is milder than what is to be treated."""
+    percent = max(int(target.percent), 1)
+    return InputError(
+        "no lesion severe enough to plan for",
+        where,
+        f"{target.name}, the most severe, narrows {target.profile.branch} at {target.s_mla:.1f} mm by"
+        f" {target.percent:.1f} % of its diameter; lesions of {least_percent:g} % and more are treated",
+        "below 50 % a stent is rarely indicated, unless the FFR says so; to plan it all the same, write plan: {treat:"
+        f" {treat}, least_stenosis_percent: {percent}}}, or list the plan's steps (docs/design.md)",
+    )
+
+
+def _with_balloons(treated, left_out, families, where):
+    """(treated, left out) with a balloon alone for what no stent is as wide as, the most severe first."""
+    done, left = list(treated), []
+    for target, error in left_out:
+        balloon = sizing.alone(families, target, where) if isinstance(error, sizing.NoWidth) else None
+        if balloon:
+            done.append(Treated(target, [], balloon, error))
+        else:
+            left.append((target, error))
+    return sorted(done, key=lambda one: -one.target.percent), left
 
 
 def _narrowest(summary, sections):
@@ -106,8 +148,9 @@ def _stented(target, families, where):
 
 def _without_short_gaps(treated, families, where):
     """The same, those on one branch whose stents overlap or leave less than GAP_MM between them planned as one."""
-    for k, one in enumerate(treated):
-        for other in treated[k + 1 :]:
+    stented = [one for one in treated if one.stents]
+    for k, one in enumerate(stented):
+        for other in stented[k + 1 :]:
             gap = max(one.ends[0] - other.ends[1], other.ends[0] - one.ends[1])
             if one.target.profile is other.target.profile and gap < GAP_MM:
                 rest = [kept for kept in treated if kept is not one and kept is not other]
@@ -123,7 +166,10 @@ def _in_order(treated):
 
 
 def _steps(one, families, where):
-    """Predilatation of each stent's part, then the stents, then their post-dilatations; distal ones first."""
+    """Predilatation of each stent's part, then the stents, then their post-dilatations; distal ones first. Or the
+    balloon alone."""
+    if one.balloon:
+        return [one.balloon]
     branch, target = one.target.profile.branch, one.target
     before, stents, after = [], [], []
     for stent in one.stents:

@@ -14,8 +14,20 @@ def of_proposal(summary, proposal):
     """Sentences on a proposal (proposal.Proposal) for the lumen of `summary`; none where nothing is to be said."""
     said = [*_severity(proposal), *_left(summary, proposal)]
     for one in proposal.treated:
-        said += [*_covered(one), *_row(one), *_landing(one), *_diffuse(one), *_sides(one)]
+        if one.stents:
+            said += [*_covered(one), *_row(one), *_landing(one), *_diffuse(one), *_sides(one)]
+        else:
+            said.append(_balloon_alone(one))
     return said
+
+
+def _balloon_alone(one):
+    device = one.balloon["devices"][0]
+    return (
+        f"{one.target.name} takes a balloon alone, of {device['diameter_mm']:g} mm: {one.no_stent.what}"
+        f" ({one.no_stent.value}). The vessel recoils more than with a stent, and may dissect. Check the file's units;"
+        " a stent of that width in config/devices would be planned"
+    )
 
 
 def of_reference(reference):
@@ -31,7 +43,7 @@ def of_reference(reference):
 
 def _severity(proposal):
     for one in proposal.treated:
-        if one.target.percent < targets.SIGNIFICANT_PERCENT:
+        if round(one.target.percent) < targets.SIGNIFICANT_PERCENT:
             yield (
                 f"{one.target.name} narrows the diameter by {one.target.percent:.1f} % only: below"
                 f" {targets.SIGNIFICANT_PERCENT} % a stent is rarely indicated, look at the FFR first"
@@ -43,7 +55,7 @@ def _left(summary, proposal):
     failed = {lesion["name"]: error for target, error in proposal.left_out for lesion in target.lesions}
     names = " and ".join(one.target.name for one in proposal.treated)
     for lesion in summary["lesions"]:
-        mild = lesion["diameter_stenosis_percent"] < targets.SIGNIFICANT_PERCENT
+        mild = round(lesion["diameter_stenosis_percent"]) < targets.SIGNIFICANT_PERCENT
         if lesion in treated or (mild and lesion["name"] not in failed):
             continue
         which = (

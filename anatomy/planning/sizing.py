@@ -6,6 +6,9 @@ The rules are those of the EAPCI consensus on intracoronary imaging (Raeber et a
   the distal one.
 - In a vessel that tapers by more than that, only the stent's proximal part is post-dilated. A stent too short for a
   balloon in that part is dilated whole, by no more than the distal reference bears.
+
+A vessel that no stent fits takes a balloon alone, of 0.8 to 1.05 of the lumen distal to the lesion. The consensus on
+balloons without a stent asks for 0.8 to 1 (Jeger et al., JACC Cardiovasc Interv 2020;13:1391-1402).
 """
 
 import dataclasses
@@ -15,6 +18,8 @@ from common.errors import InputError
 from . import catalogue
 
 OVERSIZE_MM = 0.5  # of the stent over the distal reference at most
+LEAST_BALLOON, MOST_BALLOON = 0.8, 1.05  # of the distal lumen: a balloon alone; the upper one before a stent, too
+BEYOND_MM = 2.0  # of a balloon alone past the stretch at both ends: as a stent's margin
 TAPER_MM = 0.5  # from the proximal to the distal reference that one balloon may dilate alike
 PREDILATATION, STENT, POSTDILATATION = "semi_compliant", "des", "non_compliant"
 
@@ -41,6 +46,10 @@ class Stent:
     def tapers(self):
         """Whether the proximal reference is too wide for a balloon that dilates the distal one, too."""
         return max(self.proximal, self.diameter) - self.distal > TAPER_MM
+
+
+class NoWidth(InputError):
+    """No stent of the catalogue is as wide as the distal reference; a balloon may be."""
 
 
 class TooTapered(InputError):
@@ -77,11 +86,12 @@ def stent_diameter(families, distal, proximal, where):
     if distal > sizes[-1] and _greatest_diameter(families, sizes[-1]) >= distal:
         fitting = sizes[-1:]
     if not fitting:
-        raise InputError(
+        raise NoWidth(
             "no stent diameter of the catalogue fits the vessel",
             where,
             f"distal reference {distal:.2f} mm, stents of {sizes[0]} to {sizes[-1]} mm",
-            _other_devices(families, distal),
+            "check the file's units; if the vessel is of that size, add devices for it to config/devices, or treat"
+            " another lesion by the plan's steps",
         )
     for size in fitting:
         if _greatest_diameter(families, size) >= max(proximal, size):
@@ -94,20 +104,6 @@ def stent_diameter(families, distal, proximal, where):
     )
 
 
-def _other_devices(families, distal):
-    """What is left to do in a vessel that no stent fits: a balloon where there is one of its size."""
-    fitting = [size for size in families[PREDILATATION]["diameters_mm"] if size <= 1.05 * distal]
-    if distal > families[STENT]["diameters_mm"][-1] or not fitting:
-        return (
-            "check the file's units; if the vessel is of that size, add devices for it to config/devices, or treat"
-            " another lesion by the plan's steps"
-        )
-    return (
-        f"a balloon alone is left: write the plan's steps, an action predilatation with {PREDILATATION} of"
-        f" {fitting[-1]} mm (docs/design.md), or add a stent for {distal:.2f} mm to config/devices"
-    )
-
-
 def _greatest_diameter(families, size):
     designs = families[STENT]["designs"]
     return next(d for d in designs if size <= d["up_to_diameter_mm"])["maximal_diameter_mm"]
@@ -116,7 +112,7 @@ def _greatest_diameter(families, size):
 def predilatation(families, stent, stretch, where):
     """(diameter, length) of the balloon before a stent, mm: 5 % above the distal reference at most."""
     family = families[PREDILATATION]
-    diameter = _at_most(family["diameters_mm"], 1.05 * stent.distal, "predilatation diameter", where)
+    diameter = _at_most(family["diameters_mm"], MOST_BALLOON * stent.distal, "predilatation diameter", where)
     longest = _at_most(family["lengths_mm"], stent.span.length, "predilatation length", where)
     return diameter, min([x for x in family["lengths_mm"] if stretch <= x <= longest], default=longest)
 
@@ -133,6 +129,29 @@ def postdilatation(families, stent, where):
     covered = stent.span.length / 2 if proximal_part else stent.span.length
     length = _at_most(family["lengths_mm"], covered, "post-dilatation length", where)
     return diameter, length, round(stent.span.start + length / 2, 3) if proximal_part else stent.span.centre, wanted
+
+
+def alone(families, target, where):
+    """A plan's step: the widest balloon that opens a target (targets.Target) without a stent; None if none fits.
+
+    Semi-compliant if there is one of that width, else non-compliant. It reaches BEYOND_MM past the stretch where the
+    branch has room, and is inflated to the lumen distal to it, as far as its pressures allow.
+    """
+    lowest, highest = target.profile.limits_mm
+    wanted = target.end - target.start + 2 * BEYOND_MM
+    for name in (PREDILATATION, POSTDILATATION):
+        family = families[name]
+        long = [length for length in family["lengths_mm"] if length <= highest - lowest]
+        if not long:
+            continue
+        length = next((length for length in long if length >= wanted), long[-1])
+        middle = min(max(0.5 * (target.start + target.end), lowest + length / 2), highest - length / 2)
+        distal = target.profile.lumen_beyond(middle + length / 2, 1)
+        wide = [size for size in family["diameters_mm"] if LEAST_BALLOON * distal <= size <= MOST_BALLOON * distal]
+        if wide:
+            size = (name, wide[-1], length, target.profile.branch, round(middle, 3))
+            return step(families, "predilatation", *size, max(distal, wide[-1]), where)
+    return None
 
 
 def step(families, action, family, diameter, length, branch, centre, wanted, where):

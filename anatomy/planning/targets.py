@@ -1,10 +1,12 @@
 """Which narrowings are treated, and from where to where.
 
-A lesion of SIGNIFICANT_PERCENT by diameter and more is usually treated. What has to come under the stent is its stretch
-of significant narrowing, 30 % by diameter (half by area) and more: the threshold of Dietz et al. (Heart 2006;92:80-84),
-who stented such stretches alone, with less restenosis than with full coverage; narrowing below 45 % left beside the
-stent did not matter. Of a lesion below 60 % it is the stretch of more than half its own narrowing. Milder disease that
-runs on from there is left.
+A lesion of SIGNIFICANT_PERCENT by diameter and more is usually treated. The SYNTAX score counts those (Sianos et al.,
+EuroIntervention 2005;1:219-27). The case may ask for milder ones, or for severe ones alone.
+
+What has to come under the stent is its stretch of significant narrowing, 30 % by diameter (half by area) and more: the
+threshold of Dietz et al. (Heart 2006;92:80-84), who stented such stretches alone, with less restenosis than with full
+coverage; narrowing below 45 % left beside the stent did not matter. Of a lesion below 60 % it is the stretch of more
+than half its own narrowing. Milder disease that runs on from there is left.
 """
 
 import dataclasses
@@ -59,12 +61,8 @@ def stretch(profile, lesion, percent):
     return float(profile.s[first]), float(profile.s[last])
 
 
-def found(summary, sections):
-    """Targets, the most severe first: of the lesions of SIGNIFICANT_PERCENT and more, of all lesions without such.
-
-    Those with less than APART_DIAMETERS between their stretches are one target (Sianos et al., EuroIntervention
-    2005;1:219-27): a stent for one would end before the other. Mild ones are not joined.
-    """
+def every(summary, sections):
+    """Targets of all lesions, the most severe first, none of them joined."""
     profiles = {}
 
     def of(lesion):
@@ -75,8 +73,16 @@ def found(summary, sections):
         percent = float(profile.stenosis_at(lesion["s_mla_mm"]))
         return Target(profile, [lesion], *stretch(profile, lesion, percent), lesion["s_mla_mm"], percent)
 
-    every = sorted(map(of, summary["lesions"]), key=lambda target: -target.percent)
-    return together([target for target in every if target.percent >= SIGNIFICANT_PERCENT]) or every
+    return sorted(map(of, summary["lesions"]), key=lambda target: -target.percent)
+
+
+def found(summary, sections, least_percent=SIGNIFICANT_PERCENT):
+    """Targets, the most severe first: of the lesions of least_percent by diameter and more, to the whole per cent.
+
+    Those with less than APART_DIAMETERS between their stretches are one target (Sianos et al., EuroIntervention
+    2005;1:219-27): a stent for one would end before the other.
+    """
+    return together([target for target in every(summary, sections) if target.percent >= least_percent - 0.5])
 
 
 def together(targets):

@@ -14,7 +14,7 @@ LARGEST_RESIDUAL = (
 )
 WITH_LANDMARKS = 0.6  # of the usual radius, where the user says what belongs together
 LARGEST_MISS = 1.0  # of the usual radius, that landmarks may be off
-LANDMARKS = "give `registration: landmarks`, places that are seen in both lumens"
+LANDMARKS = "give `registration: landmarks` (pre_mm, post_mm of each): places that are seen in both lumens"
 
 
 def shares(target, tree, placement):

@@ -350,6 +350,31 @@ def _(folder):
     return lumen("process", surfaces.write(folder / "tube.vtp", points + [700, -600, 400], triangles))
 
 
+@given("edges of two millimetres")
+def _(folder):
+    return lumen("process", tube(folder / "tube.stl"), "--edge", "2")
+
+
+@given("sections every twentieth of a millimetre")
+def _(folder):
+    return lumen("process", tube(folder / "tube.stl"), "--spacing", "0.05")
+
+
+@given("sections every two millimetres")
+def _(folder):
+    return lumen("process", tube(folder / "tube.stl"), "--spacing", "2")
+
+
+@given("an inlet extended by half a radius")
+def _(folder):
+    return lumen("process", tube(folder / "tube.stl"), "--extend-inlet", "0.5")
+
+
+@given("an inlet extended by twenty radii")
+def _(folder):
+    return lumen("process", tube(folder / "tube.stl"), "--extend-inlet", "20")
+
+
 @given("an end named by a point two millimetres off")
 def _(folder):
     return lumen("process", tube(folder / "tube.stl"), "--inlet", "15,1,1", "--outlet", "-1,1,1")

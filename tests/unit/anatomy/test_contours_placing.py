@@ -307,3 +307,20 @@ def test_frames_carried_along_a_line_do_not_turn_about_it():
     seen = np.arctan2((normal * second).sum(axis=1), (normal * first).sum(axis=1))
     expected = b / (a**2 + b**2) * (s[1] - s[0])
     assert (seen[1] - seen[0] - expected + np.pi) % (2 * np.pi) - np.pi == pytest.approx(0, abs=0.01)
+
+
+@pytest.mark.parametrize("bend_mm, fits", [(1.53, True), (1.47, False)])
+def test_an_axis_may_bend_as_sharply_as_the_lumen_is_wide(bend_mm, fits):
+    """Round rings of 1.5 mm on an arc: on its inside they stand still where the arc's radius is theirs."""
+    around = np.linspace(0, 2 * np.pi, 64, endpoint=False)
+    along = np.linspace(0, np.pi / 2, 30)
+    out = bend_mm + 1.5 * np.cos(around)
+    ring_list = np.array([np.column_stack([out * np.cos(a), out * np.sin(a), 1.5 * np.sin(around)]) for a in along])
+    if fits:
+        points, triangles, _ = loft.surface(ring_list, along)
+        assert abs(loft.volume_mm3(points, triangles)) == pytest.approx(
+            np.pi * 1.5**2 * bend_mm * np.pi / 2, rel=0.01
+        )
+    else:
+        with pytest.raises(InputError, match="(?s)run into each other.*bends within the lumen.*smoother centreline"):
+            loft.surface(ring_list, along)

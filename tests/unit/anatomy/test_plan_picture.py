@@ -33,7 +33,8 @@ def test_names_devices_lesions_and_side_branches(planned, tmp_path, monkeypatch)
 def test_refusals(planned, tmp_path):
     with pytest.raises(InputError, match="picture format"):
         plan_picture.run(*planned, tmp_path / "a.gif")
-    planned[1].write_text('{"procedure": []}')
-    with pytest.raises(InputError, match="no readable plan"):
-        plan_picture.run(*planned, tmp_path / "a.png")
+    for text, what in (('{"procedure": []}', "without a device.*list the plan's steps"), ("[]", "no readable plan")):
+        planned[1].write_text(text)
+        with pytest.raises(InputError, match=f"(?s){what}"):
+            plan_picture.run(*planned, tmp_path / "a.png")
     assert not (tmp_path / "a.png").exists()

@@ -8,9 +8,9 @@ from anatomy.planning import plan, proposal
 from common.errors import InputError
 
 
-def proposed(families, *narrowings, treat="culprit", **shape):
+def proposed(families, *narrowings, treat="culprit", least_percent=50, **shape):
     summary, sections = drawn(*narrowings, **shape)
-    done = proposal.propose(summary, sections, families, "case", treat)
+    done = proposal.propose(summary, sections, families, "case", treat, least_percent)
     plan.procedure(done.steps, families, summary, "case")  # what is proposed is allowed
     return done
 
@@ -90,6 +90,35 @@ def test_the_culprit_is_the_worst_lesion_that_a_stent_fits(families):
         proposed(families, focal(14, 8, 45), focal(40, 8, 80), **narrow)
 
 
+def test_a_balloon_alone_where_no_stent_is_as_wide_as_the_vessel(families):
+    """Of 6.36 mm, as a published test case has it, and of 1.6 mm."""
+    for wide, size in ((6.36, ("non_compliant", 5.5)), (1.6, ("semi_compliant", 1.5))):
+        done = proposed(families, focal(21, 12, 60), healthy=lambda s, wide=wide: wide + 0 * s)
+        (device,) = done.steps[0]["devices"]
+        assert actions(done) == ["predilatation"] and (device["device"], device["diameter_mm"]) == size
+        assert done.left_out == [] and "no stent diameter" in done.treated[0].no_stent.what
+
+
+def test_a_stent_comes_before_a_balloon_alone_and_all_takes_both(families):
+    """75 % where the vessel is 1.6 mm wide, 60 % where it is 3 mm."""
+    two, narrow = (focal(14, 8, 60), focal(40, 8, 75)), {"healthy": lambda s: np.where(s < 30, 3.0, 1.6)}
+    assert actions(proposed(families, *two, **narrow)) == ["predilatation", "stent", "postdilatation"]
+    done = proposed(families, *two, treat="all", **narrow)
+    assert actions(done) == ["predilatation", "predilatation", "stent", "postdilatation"]
+    assert [len(one.stents) for one in done.treated] == [0, 1] and not done.left_out
+
+
+def test_a_mild_lesion_is_planned_where_the_case_asks_for_it(families):
+    """42.9 %, as a left tree from CT has it at an ostium."""
+    said = r"(?s)no lesion severe enough.*lesion1.*at 21.0 mm by 42.9 %.*treat: culprit, least_stenosis_percent: 42\}"
+    with pytest.raises(InputError, match=said):
+        proposed(families, focal(21, 12, 42.9))
+    assert actions(proposed(families, focal(21, 12, 42.9), least_percent=42)).count("stent") == 1
+    two = focal(14, 8, 45), focal(38, 8, 42)
+    assert len(proposed(families, *two, treat="all", least_percent=40).treated) == 2
+    assert len(proposed(families, *two, least_percent=40).treated) == 1
+
+
 def test_nothing_to_propose(families):
     summary, sections = drawn()
     with pytest.raises(
@@ -98,6 +127,14 @@ def test_nothing_to_propose(families):
         proposal.propose({**summary, "lesions": []}, sections, families, "case")
 
 
-@pytest.mark.parametrize("plan_key, treat", [("auto", "culprit"), ({"treat": "all"}, "all"), ([], None)])
-def test_what_a_case_asks_for(plan_key, treat):
-    assert proposal.wanted(plan_key) == treat
+@pytest.mark.parametrize(
+    "plan_key, asked",
+    [
+        ("auto", ("culprit", 50)),
+        ({"treat": "all"}, ("all", 50)),
+        ({"treat": "culprit", "least_stenosis_percent": 30}, ("culprit", 30)),
+        ([], None),
+    ],
+)
+def test_what_a_case_asks_for(plan_key, asked):
+    assert proposal.wanted(plan_key) == asked

@@ -213,3 +213,42 @@ def test_how_much_a_vessel_may_have_changed_its_course(bow_mm, fits):
     else:
         with pytest.raises(InputError, match="at most 0.3 of 1.[0-9]* mm"):
             registered(pre, post)
+
+
+@pytest.mark.parametrize("last, fits", [(92, True), (86, False)])
+def test_how_much_of_a_vessel_must_be_seen_afterwards(last, fits):
+    """36 mm of a main vessel of 60 mm without its branches: 63 % of both axes lie on the other's; of 33 mm 59 %."""
+    post = moved(vessel(), keep={"main": slice(20, last), "side1": None, "side2": None})
+    if fits:
+        found, match, _ = registered(vessel(), post)
+        assert wrong_by(found, vessel())[0] < 0.3 and match.missing == ["side1", "side2"]
+    else:
+        with pytest.raises(InputError, match="(?s)does not fit.*59 % of both lumens' axes.*60 % are wanted.*landmarks"):
+            registered(vessel(), post)
+
+
+@pytest.mark.parametrize("bow_mm, fits", [(2.1, True), (2.5, False)])
+def test_landmarks_allow_a_vessel_twice_the_change_of_its_course(bow_mm, fits):
+    """The vessel of the test before, bowed beyond what axes alone allow; three places say how it lies."""
+    line, at = vessel().branches["main"].points, [5, 60, 110]
+    bowed = line + bow_mm * np.sin(1.5 * np.linspace(0, 2 * np.pi, len(line)))[:, None] * np.array([0.0, 0.0, 1.0])
+    pre, post = tree_of({"main": line}, {}), tree_of({"main": TURN.apply(bowed) + SHIFT}, {})
+    marks = line[at], TURN.apply(bowed[at]) + SHIFT
+    if fits:
+        _, match, _ = registered(pre, post, marks)
+        assert match.trimmed_mm > 0.5 * match.usual_radius_mm, "a hard case"
+    else:
+        with pytest.raises(InputError, match="at most 0.6 of 1.[0-9]* mm"):
+            registered(pre, post, marks)
+
+
+@pytest.mark.parametrize("moved_mm, fits", [(2.2, True), (2.4, False)])
+def test_a_landmark_may_be_off_by_a_usual_radius(moved_mm, fits):
+    """One of three lies elsewhere in the second lumen; the best fit leaves it 0.99 or 1.08 radii off."""
+    marks = np.array([[0, 0, 0], [40, 0, 0], [0, 40, 5.0]])
+    after = TURN.apply(marks + [[0, 0, 0], [moved_mm, 0, 0], [0, 0, 0]]) + SHIFT
+    if fits:
+        assert registered(vessel(), moved(vessel()), (marks, after))[1].missing == []
+    else:
+        with pytest.raises(InputError, match="(?s)a landmark does not fit.*landmark 2.*1.4[0-9] mm off, at most 1.35"):
+            registered(vessel(), moved(vessel()), (marks, after))

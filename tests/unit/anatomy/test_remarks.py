@@ -10,7 +10,7 @@ from anatomy.planning import proposal, remarks
 
 def said(families, *narrowings, treat="culprit", **shape):
     summary, sections = drawn(*narrowings, **shape)
-    return remarks.of_proposal(summary, proposal.propose(summary, sections, families, "case", treat))
+    return remarks.of_proposal(summary, proposal.propose(summary, sections, families, "case", treat, 40))
 
 
 def test_nothing_where_nothing_is_left_open(families):
@@ -44,9 +44,14 @@ def test_lesion_that_is_left(families):
     assert said(families, focal(12, 8, 75), focal(40, 8, 45)) == []
 
 
+def test_balloon_alone(families):
+    (remark,) = said(families, focal(21, 12, 64), healthy=lambda s: 6.36 + 0 * s)
+    assert "lesion1 takes a balloon alone, of 5.5 mm: no stent diameter" in remark and "6.36 mm" in remark
+
+
 def test_lesion_that_cannot_be_treated_says_why(families):
     two = focal(12, 8, 75), focal(44, 6, 60)
-    taper = {"healthy": lambda s: 3.3 - 0.9 * (s > 30) - 0.7 * (s > 38)}
+    taper = {"healthy": lambda s: 3.3 - 0.9 * (s > 30) - 1.1 * (s > 38)}
     (remark,) = said(families, *two, treat="all", **taper)
     assert "lesion2" in remark and "no stent diameter of the catalogue fits the vessel" in remark
 

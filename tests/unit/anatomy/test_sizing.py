@@ -37,7 +37,7 @@ def test_stent_by_the_distal_lumen(families, proximal, distal, size):
 @pytest.mark.parametrize(
     "proximal, distal, what",
     [
-        (2.0, 1.74, "no stent diameter.*a balloon alone is left.*semi_compliant of 1.5 mm"),
+        (2.0, 1.74, "no stent diameter.*1.74 mm, stents of 2.25 to 4.5 mm"),
         (1.3, 1.3, "no stent diameter.*check the file's units"),
         (6.0, 5.72, "no stent diameter.*check the file's units"),
         (4.42, 2.7, "two overlapping stents"),
@@ -85,3 +85,32 @@ def test_between_two_stents_the_vessels_reference_counts(families):
     distal, proximal = sizing.sized(target.profile, landing.spans(target, [28], "case"), families, "case")
     joint = 0.5 * (proximal.span.end + distal.span.start)
     assert distal.proximal == proximal.distal == pytest.approx(4.0 - 0.02 * joint, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    "distal, balloon",
+    [
+        (1.74, ("semi_compliant", 1.5)),
+        (1.43, ("semi_compliant", 1.5)),  # 1.05 of the lumen
+        (1.42, None),
+        (5.8, ("non_compliant", 5.5)),
+        (6.87, ("non_compliant", 5.5)),  # 0.8 of it
+        (6.88, None),
+    ],
+)
+def test_a_balloon_alone_is_as_wide_as_the_lumen(families, distal, balloon):
+    (target,) = targets.found(*drawn(focal(21, 8, 80), healthy=lambda s: distal + 0 * s))
+    found = sizing.alone(families, target, "case")
+    if balloon is None:
+        assert found is None
+    else:
+        (device,) = found["devices"]
+        assert found["action"] == "predilatation" and (device["device"], device["diameter_mm"]) == balloon
+        assert (device["length_mm"], device["centre_s_mm"]) == (12, 21)  # a stretch of 4.5 mm, and 2 mm past its ends
+        assert device["pressure_bar"] == {1.43: 8, 1.74: 14}.get(distal, 20)
+
+
+def test_a_balloon_alone_stays_inside_its_branch(families):
+    (target,) = targets.found(*drawn(plateau(1.5, 7.5, 80), healthy=lambda s: 1.6 + 0 * s))
+    (device,) = sizing.alone(families, target, "case")["devices"]
+    assert device["centre_s_mm"] == 7.5 and device["length_mm"] == 12

@@ -136,12 +136,18 @@ def test_what_tells_the_flow(edited, flow, refused):
 
 @pytest.mark.parametrize(
     "plan, refused",
-    [({"treat": "all"}, None), ({"treat": "culprit"}, None), ({"treat": "some"}, "some"), ({}, "treat")],
+    [
+        ({"treat": "all"}, None),
+        ({"treat": "culprit", "least_stenosis_percent": 1}, None),
+        ({"treat": "culprit", "least_stenosis_percent": 0.5}, "at least 1"),
+        ({"treat": "some"}, "some"),
+        ({}, "treat"),
+    ],
 )
 def test_proposed_plans(edited, plan, refused):
     folder = edited("cases/real_artery.yaml", {"plan": plan})
     if refused is None:
-        assert config.load_case(folder / "cases" / "real_artery.yaml")["plan"] == plan
+        assert config.load_case(folder / "cases" / "real_artery.yaml")["plan"] == {"least_stenosis_percent": 50} | plan
         assert config.listed_steps(plan) == []
         return
     with pytest.raises(InputError, match=refused):

@@ -197,6 +197,16 @@ lumen:
     assert inputs.segmentations(wildcards) == ["results/cases/ivus_plaque/source/contours.json"]
 
 
+@pytest.mark.parametrize(
+    "plan, has",
+    [("{treat: culprit}", True), ("{treat: all}", False), ("{treat: all, least_stenosis_percent: 70}", False)],
+)
+def test_a_plan_for_all_lesions_has_no_reference(folder, plan, has):
+    """It may go into several branches, which is not known before the lumen is measured."""
+    edit(folder / "cases/lcx01.yaml", "plan: auto", f"plan: {plan}")
+    assert Inputs(Configuration(folder)).has_reference("lcx01") == has
+
+
 def test_devices_of_a_plan(folder):
     found = Configuration(folder)
     listed = [file.rsplit("/", 1)[1] for file in found.device_files("quick_focal")]
