@@ -28,6 +28,7 @@ from workflow.inputs import (
     test_results,
     without_failed,
 )
+from workflow.resources import NODE, by_size, fixed
 
 try:
     STUDY = Configuration(config.get("folder", "config"))
