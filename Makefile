@@ -74,7 +74,7 @@ sanitize: setup ## C++ unit tests and a short fuzz of the deployment engine with
 	VCI_BUILD_DIR=build-sanitize VCI_FUZZ_MUTANTS=6 OMP_NUM_THREADS=1 $(PYTHON) -m pytest -q \
 	  tests/verification/vci/test_fuzz.py tests/verification/vci/test_fuzz_targets.py
 
-fuzz: setup ## fuzz the readers for FUZZ_SECONDS (60) each: deployment engine (libFuzzer, needs clang), contours, YAML
+fuzz: setup ## fuzz the readers for FUZZ_SECONDS (60) each: engine, surfaces, masks (libFuzzer, needs clang), contours, YAML
 	@tests/fuzz/run.sh $(FUZZ_SECONDS) $(CORES)
 
 test-python: build
