@@ -76,7 +76,7 @@ rule ct_lumen:
     benchmark:
         "results/cases/{case}/benchmarks/ct_lumen.tsv"
     resources:
-        **by_size((2000, 50), (10, 0.2), "volume"),
+        **by_size((1500, 20), (10, 0.2), "volume"),
     params:
         options=INPUTS.ct_options,
         out=output_folder,
