@@ -86,6 +86,11 @@ test-long: build ## the longest verification runs, which make test leaves out; o
 	OMP_NUM_THREADS=1 $(PYTHON) -m pytest -q -n $(CORES) --dist loadscope --durations=15 -m long \
 	  --junitxml=results/tests/python_long.xml
 
+.PHONY: coverage
+coverage: setup ## which lines the tests run, into README.md; TESTS=folder: of these tests in Python alone, printed
+	@setup/install.sh packages-coverage.txt
+	@tests/coverage/run.sh $(CORES) $(TESTS)
+
 lint: setup ## check formatting and run the linters
 	@setup/lint.sh
 
@@ -99,4 +104,4 @@ docs: ## write the documentation as a site, build/site/index.html; installs Sphi
 	@echo "documentation: $(BUILD)/site/index.html"
 
 clean: ## remove what was built and computed
-	rm -rf $(BUILD) build-sanitize build-fuzz results .snakemake
+	rm -rf $(BUILD) build-sanitize build-fuzz build-coverage results .snakemake
