@@ -74,7 +74,7 @@ sanitize: setup ## C++ unit tests and a short fuzz of the deployment engine with
 	VCI_BUILD_DIR=build-sanitize VCI_FUZZ_MUTANTS=6 OMP_NUM_THREADS=1 $(PYTHON) -m pytest -q \
 	  tests/verification/vci/test_fuzz.py tests/verification/vci/test_fuzz_targets.py
 
-fuzz: setup ## fuzz the readers for FUZZ_SECONDS (60) each: deployment engine (libFuzzer, needs clang), contours, YAML
+fuzz: setup ## fuzz the readers for FUZZ_SECONDS (60) each: engine, surfaces, masks (libFuzzer, needs clang), contours, YAML
 	@tests/fuzz/run.sh $(FUZZ_SECONDS) $(CORES)
 
 test-python: build
@@ -85,6 +85,11 @@ test-python: build
 test-long: build ## the longest verification runs, which make test leaves out; once a day, and before a release
 	OMP_NUM_THREADS=1 $(PYTHON) -m pytest -q -n $(CORES) --dist loadscope --durations=15 -m long \
 	  --junitxml=results/tests/python_long.xml
+
+.PHONY: coverage
+coverage: setup ## which lines the tests run, into README.md; TESTS=folder: of these tests in Python alone, printed
+	@setup/install.sh packages-coverage.txt
+	@tests/coverage/run.sh $(CORES) $(TESTS)
 
 lint: setup ## check formatting and run the linters
 	@setup/lint.sh
@@ -99,4 +104,4 @@ docs: ## write the documentation as a site, build/site/index.html; installs Sphi
 	@echo "documentation: $(BUILD)/site/index.html"
 
 clean: ## remove what was built and computed
-	rm -rf $(BUILD) build-sanitize build-fuzz results .snakemake
+	rm -rf $(BUILD) build-sanitize build-fuzz build-coverage results .snakemake

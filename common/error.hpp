@@ -1,5 +1,6 @@
 // Errors that a user sees: one message that says what is wrong, where, the value, and the remedy.
 #pragma once
+#include <algorithm>
 #include <exception>
 #include <iostream>
 #include <stdexcept>
@@ -7,12 +8,19 @@
 
 namespace common {
 
+/// The one message. A zero byte of a damaged file would end it before its remedy, so it is shown as a question mark.
+inline std::string error_message(const std::string& what, const std::string& where, const std::string& value,
+                                 const std::string& remedy) {
+  std::string text = "error: " + what + "\n  where:  " + where + "\n  value:  " + value + "\n  remedy: " + remedy;
+  std::replace(text.begin(), text.end(), '\0', '?');
+  return text;
+}
+
 /// Bad input: the program ends with exit code 2.
 class InputError : public std::runtime_error {
 public:
   InputError(const std::string& what, const std::string& where, const std::string& value, const std::string& remedy)
-      : std::runtime_error("error: " + what + "\n  where:  " + where + "\n  value:  " + value +
-                           "\n  remedy: " + remedy) {}
+      : std::runtime_error(error_message(what, where, value, remedy)) {}
 };
 
 /// A computation that did not converge or whose result is not to be trusted: exit code 3.
@@ -20,8 +28,7 @@ class ComputationError : public std::runtime_error {
 public:
   ComputationError(const std::string& what, const std::string& where, const std::string& value,
                    const std::string& remedy)
-      : std::runtime_error("error: " + what + "\n  where:  " + where + "\n  value:  " + value +
-                           "\n  remedy: " + remedy) {}
+      : std::runtime_error(error_message(what, where, value, remedy)) {}
 };
 
 /// Runs a command and turns exceptions into one message and the exit code of docs/design.md.

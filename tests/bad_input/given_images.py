@@ -109,6 +109,30 @@ def _(folder):
     return lumen("check", path)
 
 
+def as_text(folder, kind, beside):
+    """A mask as NRRD whose labels are written as text, in the header's file or beside it."""
+    labels = labels_of_a_tube()
+    text = " ".join(map(str, labels.ravel(order="F"))) + "\n"
+    head = mask(folder / "mask.nrrd", labels).read_bytes().split(b"\n\n")[0].decode()
+    head = head.replace("type: short", f"type: {kind}").replace("encoding: raw", "encoding: text")
+    if beside:
+        (folder / "mask.txt").write_text(text)
+        (folder / "mask.nhdr").write_text(f"{head}\ndata file: mask.txt\n\n")
+    else:
+        (folder / "mask.nrrd").write_text(f"{head}\n\n{text}")
+    return folder / ("mask.nhdr" if beside else "mask.nrrd")
+
+
+@given("NRRD with labels as text behind the header")
+def _(folder):
+    return lumen("check", as_text(folder, "short", beside=False))
+
+
+@given("NRRD with labels of one byte as text in a file of their own")
+def _(folder):
+    return lumen("check", as_text(folder, "uchar", beside=True))
+
+
 @given("MetaImage whose voxels are in a file that is gone")
 def _(folder):
     head = mask(folder / "mask.mha").read_bytes().split(b"LOCAL\n")[0]
@@ -237,6 +261,11 @@ def _(folder):
 @given("a mask of a left-handed frame")
 def _(folder):
     return lumen("process", mask(folder / "mask.nii", matrix=np.diag([-1, 1, 1, 1]) @ MATRIX))
+
+
+@given("NRRD with labels as text in a file of their own")
+def _(folder):
+    return lumen("process", as_text(folder, "short", beside=True))
 
 
 @given("a mask with an island beside the vessel")

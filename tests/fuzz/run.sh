@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Fuzzes each reader of the deployment engine with libFuzzer, and the readers in Python with mutants: run.sh SECONDS JOBS.
+# Fuzzes each reader in C++ with libFuzzer, and the readers in Python with mutants: run.sh SECONDS JOBS.
 # What it finds stays in build-fuzz/found.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 seconds=$1 jobs=$2
-targets=(vci_fuzz_scene vci_fuzz_lumen vci_fuzz_centreline)
+targets=(vci_fuzz_scene vci_fuzz_lumen vci_fuzz_centreline anatomy_fuzz_surface)
 if ! clang++ -fsanitize=fuzzer,address,undefined -x c++ -o /dev/null - 2>/dev/null \
   <<<'extern "C" int LLVMFuzzerTestOneInput(const unsigned char*, unsigned long) { return 0; }'; then
   echo "make fuzz: clang++ with libFuzzer is missing" >&2
@@ -14,15 +14,19 @@ fi
 [ -f build-fuzz/build.ninja ] || CC=clang CXX=clang++ cmake -S . -B build-fuzz -G Ninja \
   -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g1" -DVCI_FUZZ=ON -DVCI_TESTS=OFF
 ninja -C build-fuzz -j "$jobs" "${targets[@]}"
-PYTHONPATH=. /usr/bin/python3 tests/fuzz/fuzz_corpus.py --out build-fuzz/seeds
+for corpus in fuzz_corpus surface_corpus; do
+  PYTHONPATH=. /usr/bin/python3 "tests/fuzz/$corpus.py" --out build-fuzz/seeds
+done
 mkdir -p build-fuzz/found
 failed=0
 for target in "${targets[@]}"; do
-  reader=${target#vci_fuzz_}
+  reader=${target#*_fuzz_}
   mkdir -p "build-fuzz/corpus/$reader" # goes on from what earlier runs reached
+  words=()
+  [ ! -f "build-fuzz/seeds/$reader.dict" ] || words=(-dict="build-fuzz/seeds/$reader.dict")
   echo "fuzzing the reader of a $reader for $seconds s; log: build-fuzz/$reader.log"
   if ! "build-fuzz/$target" -max_total_time="$seconds" -timeout=5 -report_slow_units=1 -print_final_stats=1 \
-    -dict="build-fuzz/seeds/$reader.dict" -artifact_prefix="build-fuzz/found/$reader-" \
+    "${words[@]}" -artifact_prefix="build-fuzz/found/$reader-" \
     "build-fuzz/corpus/$reader" "build-fuzz/seeds/$reader" 2>"build-fuzz/$reader.log"; then
     echo "$reader: a fault, kept in build-fuzz/found: $(grep -m1 -E 'ERROR|SUMMARY' "build-fuzz/$reader.log" || true)" >&2
     failed=1

@@ -1,10 +1,12 @@
 """What Snakemake plans: whole cohorts, single targets, single cases; no product of two rules."""
 
 import collections
+import graphlib
 import json
 import os
 
 import pytest
+import yaml
 
 SEGMENTATIONS = ("ct_segment", "half_maximum_segment")
 
@@ -208,3 +210,30 @@ def test_contours_after_the_procedure_are_compared_by_their_areas(fresh):
     assert run.returncode == 0, text
     assert "ivus_stent: lumen of the contours after the real procedure" in text
     assert "ivus_stent: flow of rc" in text and "flow of post" not in text
+
+
+@pytest.mark.parametrize("cohort", ["nine", "hard", "real"])
+def test_groups_of_the_slurm_profile_never_wait_for_their_own_steps(fresh, cohort):
+    """A step outside a group may not stand between two steps of that group: neither could ever start."""
+    profile = yaml.safe_load((fresh.folder / "config/profiles/slurm/config.yaml").read_text())
+    groups = dict(entry.split("=") for entry in profile["groups"])
+    jobs = fresh.jobs(cohort=cohort)
+    makers = {file: k for k, job in enumerate(jobs) for file in job["output"]}
+    before = {k: {makers[file] for file in job["input"] if file in makers} for k, job in enumerate(jobs)}
+    whole = {k: k for k in before}  # a job's group, by its first job
+
+    def first(k):
+        return k if whole[k] == k else first(whole[k])
+
+    for k, others in before.items():
+        for other in others:
+            group = groups.get(jobs[k]["name"])
+            if group and group == groups.get(jobs[other]["name"]):
+                whole[first(k)] = first(other)
+    graph = {first(k): set() for k in before}
+    for k, others in before.items():
+        graph[first(k)] |= {first(other) for other in others} - {first(k)}
+    assert list(graphlib.TopologicalSorter(graph).static_order())
+    submitted = {first(k) for k, job in enumerate(jobs) if job["name"] not in ("all", "settings")}
+    cases = {job["wildcards"]["case"] for job in jobs if "case" in job["wildcards"]}
+    assert len(submitted) <= 1 + 12 * len(cases), "most steps take seconds, less than to submit them"

@@ -1,6 +1,6 @@
 # Speed against error and hard cases of each part: not part of the study, minutes to hours; the report shows those that
-# were run. One at a time, since they measure seconds: `threads` takes every core of this machine; a cluster, for which
-# Snakemake knows no number of cores, gives a node to each (`sbatch_options`).
+# were run. One at a time, since they measure seconds: `threads` takes every core of this machine, a cluster gives a node
+# to each (NODE).
 ALONE = workflow.global_resources["_cores"] or 1
 BENCHMARKS = {
     "deployment_speed": "benchmark.csv",
@@ -40,7 +40,7 @@ rule deployment_speed:
         "results/benchmarks/logs/deployment_speed.tsv"
     threads: ALONE
     resources:
-        sbatch_options="--exclusive",
+        **NODE,
     params:
         build=programs_folder,
         out=output_folder,
@@ -64,7 +64,7 @@ rule deployment_baseline:
         "results/benchmarks/logs/deployment_baseline.tsv"
     threads: ALONE
     resources:
-        sbatch_options="--exclusive",
+        **NODE,
     params:
         build=programs_folder,
         out=output_folder,
@@ -87,7 +87,7 @@ rule deployment_hard_cases:
         "results/benchmarks/logs/deployment_hard_cases.tsv"
     threads: ALONE
     resources:
-        sbatch_options="--exclusive",
+        **NODE,
     params:
         build=programs_folder,
         out=output_folder,
@@ -109,7 +109,7 @@ rule deployment_sensitivity:
         "results/benchmarks/logs/deployment_sensitivity.tsv"
     threads: ALONE
     resources:
-        sbatch_options="--exclusive",
+        **NODE,
     params:
         build=programs_folder,
         out=output_folder,
@@ -135,7 +135,7 @@ rule deployment_against_published:
         "results/benchmarks/logs/deployment_against_published.tsv"
     threads: ALONE
     resources:
-        sbatch_options="--exclusive",
+        **NODE,
     params:
         build=programs_folder,
         out=output_folder,
@@ -159,7 +159,7 @@ rule flow_hard_cases:
         "results/benchmarks/logs/flow_hard_cases.tsv"
     threads: ALONE
     resources:
-        sbatch_options="--exclusive",
+        **NODE,
     params:
         out=output_folder,
     shell:
@@ -182,7 +182,7 @@ rule flow_growth:
         "results/benchmarks/logs/flow_growth.tsv"
     threads: ALONE
     resources:
-        sbatch_options="--exclusive",
+        **NODE,
     params:
         out=output_folder,
     shell:
@@ -203,7 +203,7 @@ rule flow_tolerance:
         "results/benchmarks/logs/flow_tolerance.tsv"
     threads: ALONE
     resources:
-        sbatch_options="--exclusive",
+        **NODE,
     params:
         out=output_folder,
         cases=" ".join(f"{case}:{tolerance}" for case in STRAIGHT_TUBES for tolerance in (0.005, 0.002)),
@@ -225,7 +225,7 @@ rule flow_wall_shear:
         "results/benchmarks/logs/flow_wall_shear.tsv"
     threads: ALONE
     resources:
-        sbatch_options="--exclusive",
+        **NODE,
     params:
         out=output_folder,
     shell:
@@ -246,7 +246,7 @@ rule anatomy_speed:
         "results/benchmarks/logs/anatomy_speed.tsv"
     threads: ALONE
     resources:
-        sbatch_options="--exclusive",
+        **NODE,
     shell:
         "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {output}"
 
@@ -275,7 +275,7 @@ rule anatomy_campaign:
         "results/benchmarks/logs/anatomy_campaign.tsv"
     threads: ALONE
     resources:
-        sbatch_options="--exclusive",
+        **NODE,
     params:
         build=programs_folder,
         out=output_folder,
@@ -300,7 +300,7 @@ rule reference_against_solid:
         "results/benchmarks/logs/reference_against_solid.tsv"
     threads: ALONE
     resources:
-        sbatch_options="--exclusive",
+        **NODE,
     params:
         out=output_folder,
     shell:
@@ -324,7 +324,7 @@ rule reference_sensitivity:
         "results/benchmarks/logs/reference_sensitivity.tsv"
     threads: ALONE
     resources:
-        sbatch_options="--exclusive",
+        **NODE,
     params:
         out=output_folder,
     shell:
@@ -354,7 +354,7 @@ rule reference_against_calculix:
         "results/benchmarks/logs/reference_against_calculix.tsv"
     threads: ALONE
     resources:
-        sbatch_options="--exclusive",
+        **NODE,
     params:
         out=output_folder,
     shell:
@@ -376,7 +376,7 @@ rule flow_against_openfoam:
         "results/benchmarks/logs/flow_against_openfoam.tsv"
     threads: ALONE
     resources:
-        sbatch_options="--exclusive",
+        **NODE,
     params:
         out=output_folder,
     shell:
@@ -400,7 +400,7 @@ rule flow_tree_against_openfoam:
         "results/benchmarks/logs/flow_tree_against_openfoam.tsv"
     threads: ALONE
     resources:
-        sbatch_options="--exclusive",
+        **NODE,
     params:
         out=output_folder,
         states=SOLVED_STATES,

@@ -132,6 +132,8 @@ rule reference:
         "results/cases/{case}/logs/reference/finite_elements.log",
     benchmark:
         "results/cases/{case}/benchmarks/reference/finite_elements.tsv"
+    resources:
+        **fixed(1500, 10),
     params:
         anatomy=anatomy_folder,
         out=output_folder,

@@ -66,6 +66,8 @@ rule flow_solve:
         "results/cases/{case}/logs/{state}/flow_solve.log",
     benchmark:
         "results/cases/{case}/benchmarks/{state}/flow_solve.tsv"
+    resources:
+        **by_size((1000, 600), (5, 2), "mesh"),
     params:
         out=output_folder,
     shell:
@@ -93,6 +95,8 @@ rule flow_audit:
         "results/cases/{case}/logs/{state}/flow_audit.log",
     benchmark:
         "results/cases/{case}/benchmarks/{state}/flow_audit.tsv"
+    resources:
+        **by_size((1000, 600), (30, 20), "mesh"),
     shell:
         "workflow/run.sh {log} /usr/bin/python3 -m flow audit {input.mesh} --coarse {input.coarse}"
         " --boundary {input.boundary} --centreline {input.centreline} --anatomy {input.anatomy}"

@@ -75,6 +75,8 @@ rule ct_lumen:
         "results/cases/{case}/logs/ct_lumen.log",
     benchmark:
         "results/cases/{case}/benchmarks/ct_lumen.tsv"
+    resources:
+        **by_size((1500, 20), (10, 0.2), "volume"),
     params:
         options=INPUTS.ct_options,
         out=output_folder,
@@ -98,6 +100,8 @@ rule anatomy:
         "results/cases/{case}/logs/anatomy.log",
     benchmark:
         "results/cases/{case}/benchmarks/pre/anatomy.tsv"
+    resources:
+        **by_size((1500, 25), (4, 0.1), "lumen"),
     params:
         surface=INPUTS.lumen_options,
         edge=INPUTS.value("anatomy", "edge_mm"),
@@ -195,6 +199,8 @@ rule post_anatomy:
         "results/cases/{case}/logs/post/own.log",
     benchmark:
         "results/cases/{case}/benchmarks/post/own.tsv"
+    resources:
+        **by_size((1500, 25), (4, 0.1), "lumen"),
     params:
         surface=INPUTS.of_post(INPUTS.lumen_options),
         edge=INPUTS.value("anatomy", "edge_mm"),

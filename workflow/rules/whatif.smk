@@ -28,6 +28,8 @@ rule other_plans:
         "results/cases/{case}/logs/whatif/other_plans.log",
     benchmark:
         "results/cases/{case}/benchmarks/whatif/other_plans.tsv"
+    resources:
+        **fixed(1500, 15),
     params:
         case_dir=case_folder,
         states=lambda wildcards: " ".join(INPUTS.states_with_flow(wildcards.case)),
@@ -148,6 +150,8 @@ rule procedure_sensitivity:
         "results/cases/{case}/logs/whatif/procedure_sensitivity.log",
     benchmark:
         "results/cases/{case}/benchmarks/whatif/procedure_sensitivity.tsv"
+    resources:
+        **fixed(1500, 120),
     params:
         patient=INPUTS.section("patient"),
         case_dir=case_folder,

@@ -154,15 +154,20 @@ void check_nrrd_fields(const std::string& path, const Fields& fields) {
                  "float",
                  "double"});
   const std::string type = trimmed(field(fields, {"type"}));
-  if (!type.ends_with("char") && !type.ends_with("int8") && !type.ends_with("int8_t"))
+  const bool one_byte = type.ends_with("char") || type.ends_with("int8") || type.ends_with("int8_t");
+  if (!one_byte)
     check("endian", {"little", "big"});
-  check("encoding", {"raw", "txt", "text", "ascii", "gz", "gzip"});
+  const std::string data = trimmed(field(fields, {"data file", "datafile"}));
+  // VTK's reader takes the header for the voxels where both are one text, and of one byte each character for a label.
+  if (one_byte || data.empty())
+    check("encoding", {"raw", "gz", "gzip"});
+  else
+    check("encoding", {"raw", "txt", "text", "ascii", "gz", "gzip"});
   for (const double n : numbers(field(fields, {"sizes"}), 3, "sizes", path))
     if (!(n >= 1 && n <= largest_axis && n == std::floor(n)))
       throw InputError("the header of the mask cannot be read", path + ": sizes", field(fields, {"sizes"}),
                        "give a three-dimensional image of whole numbers of voxels, " + std::to_string(largest_axis) +
                            " along an axis at most");
-  const std::string data = trimmed(field(fields, {"data file", "datafile"}));
   if (data.empty() && path.ends_with(".nhdr"))
     throw InputError("the header of the mask cannot be read", path + ": data file", "missing",
                      "name the file with the voxels there, or export the mask as one file (.nrrd)");

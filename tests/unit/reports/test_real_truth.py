@@ -44,6 +44,8 @@ def test_a_wire_stands_beside_what_is_computed_at_its_sensor(make_case, tube):
 def test_agreement_with_post_and_wire(make_case):
     folders = [make_case(f"real{k}", states=STATES, change=c, wire=WIRE_MM) for k, c in enumerate((0.0, 0.02, -0.03))]
     documents = [metrics_of(folder) for folder in folders]
+    for document in documents:  # all are included
+        document["states"]["pre"]["ffr"]["distal"] = 0.7
     table = agreement_table(documents).set_index(["quantity", "comparison"])
     row = table.loc[("ffr", "pre_minus_measured")]
     computed = [document["states"]["pre"]["ffr"]["at_wire"] for document in documents]
@@ -133,6 +135,7 @@ def test_figures_and_page(make_case, tmp_path, compare):
     assert "Pressure wire before PCI: 0.62" in pullback and "Pressure wire after PCI: 0.91" in pullback
     assert ("After the real PCI" in pullback) == (compare == "flow")
     write_csv(study / "agreement.csv", agreement_table([document]))
+    write_csv(study / "half_maximum.csv", agreement_table([]))
     write_csv(study / "differences.csv", difference_table([document]))
     write_csv(study / "nearer.csv", nearer_table([document]))
     write_csv(study / "contrast.csv", contrast_table([document]))

@@ -178,6 +178,8 @@ def test_a_mild_narrowing_and_a_modified_flow_are_said(study, tmp_path, ffr, eps
             entry = entry[key]
         entry[keys[-1]] = value
         file.write_text(json.dumps(document))
+    agreement = str(tmp_path / "study" / "agreement.csv")
+    main(["agreement", "--metrics", str(folder / "metrics.json"), "--out", agreement])
     places = ["--study-dir", str(tmp_path / "study"), "--figures-dir", str(tmp_path / "figures")]
     main(["report", "--case-dir", str(folder), *places, "--out", str(path)])
     text = path.read_text()

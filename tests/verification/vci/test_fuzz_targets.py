@@ -1,35 +1,20 @@
 """The fuzz targets of tests/fuzz, in one process each, over the seeds of libFuzzer and seeded mutants of them."""
 
 import os
-import re
 import subprocess
 
 import pytest
 
 from fuzz_corpus import READERS, mutants, seeds
+from fuzz_runs import answered
 
 MUTANTS = int(os.environ.get("VCI_FUZZ_TARGET_MUTANTS", 400))
 SEED = os.environ.get("VCI_FUZZ_SEED", "")
-SECONDS = 120  # of a target over all its files; under the sanitizers some ten
 
 
 @pytest.fixture(scope="module")
 def files():
     return seeds()
-
-
-def answered(target, folder, contents):
-    """How many of the files {name: bytes} a target reads; it refuses the others. Any other exception, a crash, a
-    sanitizer's report, a leak, or five seconds over one file fail."""
-    folder.mkdir()
-    for name, content in contents.items():
-        (folder / name).write_bytes(content)
-    command = [str(target), *(str(folder / name) for name in sorted(contents))]
-    result = subprocess.run(command, text=True, errors="replace", capture_output=True, timeout=SECONDS)
-    assert result.returncode == 0, result.stderr[-3000:]
-    files, read = re.fullmatch(r"(\d+) files, (\d+) read, 0 failed\n", result.stdout).groups()
-    assert int(files) == len(contents)
-    return int(read)
 
 
 @pytest.mark.parametrize("reader", READERS)

@@ -1,0 +1,16 @@
+"""The anatomy's readers of surfaces and masks, in one process, over sound files and seeded mutants of them."""
+
+import os
+
+from fuzz_runs import answered
+from surface_corpus import mutants, seeds
+
+MUTANTS = int(os.environ.get("VCI_FUZZ_TARGET_MUTANTS", 400))
+SEED = os.environ.get("VCI_FUZZ_SEED", "")
+
+
+def test_each_format_answers_or_refuses(binary, tmp_path):
+    target, files = binary("anatomy_fuzz_surface"), seeds()
+    assert answered(target, tmp_path / "seeds", files) == len(files)
+    damaged = {f"mutant_{k}": content for k, content in enumerate(mutants(files, MUTANTS, SEED))}
+    assert answered(target, tmp_path / "mutants", damaged) < MUTANTS
