@@ -8,8 +8,8 @@ import numpy as np
 from common.errors import ComputationError
 from flow.errors import error_field
 
-# Share of itself by which each part of the dual-weighted residual may be off: where they do not cancel it found .5 to .8
-# of the true error. At .5 the estimate was below it at Re 1,500, and at 80 and 85 % on four rings.
+# Share of itself by which each part of the dual-weighted residual may be off. Where they do not cancel it found .5 to
+# .8 of the true error. With a share of .5 the estimate was below it at Re 1,500, and at 80 and 85 % on four rings.
 DOUBT = 0.75
 SAFETY = 1.5  # times what an artificial viscosity does
 # Assumed order of the FFR error in the mesh width. FFR's error does not fall steadily with the rings and changes its
@@ -36,8 +36,9 @@ def of(solved, document, tree, at_probes, coarser=None):
     too little is known.
 
     The mesh's part is the larger of `goal` (errors.error_field) and, with a Solved `coarser` of the same eps, of `mesh`
-    (Richardson's). at_probes(sampler) -> FFR at the probes, `distal` first. `goal`: the size of the dual-weighted residual
-    and DOUBT times those of its parts (`of_parts`). `artificial_viscosity`: what it does to FFR, added with the safety factor. The parts are those of `distal`. Where the dual solution is not found two meshes alone
+    (Richardson's). at_probes(sampler) -> FFR at the probes, `distal` first. `goal`: the size of the dual-weighted
+    residual and DOUBT times those of its parts (`of_parts`). `artificial_viscosity`: what it does to FFR, added with
+    the safety factor. The parts are those of `distal`. Where the dual solution is not found two meshes alone
     estimate the error, if there are two and no artificial viscosity is left.
     """
     found, methods, parts, artificial = [], [], {}, None

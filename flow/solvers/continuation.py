@@ -52,9 +52,9 @@ def from_rest(problem, begin_only=False):
 def from_guess(problem, coarse, onward=True):
     """Outcome at full flow from the flow on another mesh (a solved FlowProblem).
 
-    Where continuation led to that flow the last bit of the way is gone again, from the last flow there with eps > 0, and
-    where this fails from those before it: from the flow at eps = 0 Newton's method often fails, as the jets of two
-    meshes differ. onward: eps is followed towards 0 even if it was not left behind there. Raises ComputationError.
+    Where continuation led to that flow the last bit of the way is gone again: from the last flow there with eps > 0, or
+    from those before it if this fails. From the flow at eps = 0 Newton's method often fails, as the jets of two meshes
+    differ. onward: eps is followed towards 0 even if it was not left behind there. Raises ComputationError.
     """
     problem.boundaries.full()
     starts = coarse.passed or [(coarse.artificial, coarse.state.x.array, coarse.inflow)]

@@ -38,9 +38,9 @@ class Step:
 def newton(problem, absolute, relative, limit, most_picard=0, exact=False):
     """Outcome from the present state down to residuals `absolute` (N) and `relative` (to the load).
 
-    Ends after `limit` factorizations, or after twice as many while whole steps serve; after the last one allowed; where
-    two factors in a row are below FAR; and where no factor helps: there up to `most_picard` steps of Picard's are tried.
-    exact: each step by its own tangent, without acceleration.
+    Ends after `limit` factorizations, or after twice as many while whole steps serve, or after the last one allowed. It
+    ends where two factors in a row are below FAR, and where no factor helps. There up to `most_picard` steps of
+    Picard's are tried. exact: each step by its own tangent, without acceleration.
     """
     free, inlet, norm = problem.residual()
     start, last, factors = problem.solver.factorizations, None, []
