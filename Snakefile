@@ -29,7 +29,7 @@ from workflow.inputs import (
     study_folder,
     test_results,
 )
-from workflow.resources import NODE, by_size, fixed
+from workflow.rules.resources import NODE, by_size, fixed
 
 try:
     STUDY = Configuration(config.get("folder", "config"))

@@ -1,6 +1,6 @@
 """What steps ask a cluster for: by the size of their inputs and by the attempt."""
 
-from workflow.resources import by_size, fixed
+from workflow.rules.resources import by_size, fixed
 
 
 def asked(resources, attempt=1, **input):
