@@ -234,6 +234,8 @@ def test_groups_of_the_slurm_profile_never_wait_for_their_own_steps(fresh, cohor
     for k, others in before.items():
         graph[first(k)] |= {first(other) for other in others} - {first(k)}
     assert list(graphlib.TopologicalSorter(graph).static_order())
-    submitted = {first(k) for k, job in enumerate(jobs) if job["name"] not in ("all", "settings", "half_maximum_settings")}
+    submitted = {
+        first(k) for k, job in enumerate(jobs) if job["name"] not in ("all", "settings", "half_maximum_settings")
+    }
     cases = {job["wildcards"]["case"] for job in jobs if "case" in job["wildcards"]}
     assert len(submitted) <= 1 + 12 * len(cases), "most steps take seconds, less than to submit them"
