@@ -24,7 +24,11 @@ setup: ## install the Debian packages that are missing
 $(BUILD)/build.ninja: CMakeLists.txt | setup
 	cmake -S . -B $(BUILD) -G Ninja -DCMAKE_BUILD_TYPE=Release
 
-build: setup $(BUILD)/build.ninja ## compile the programs and the Python module into build/
+$(BUILD)/three.min.js: $(wildcard reports/page/three/*) | setup
+	@mkdir -p $(BUILD)
+	reports/page/three/bundle.sh $@
+
+build: setup $(BUILD)/build.ninja $(BUILD)/three.min.js ## compile programs and Python module, bundle the page's viewer, into build/
 	@ninja -C $(BUILD) -j $(CORES) vci lumen vci_python
 
 validate: setup ## check every configuration file

@@ -154,7 +154,7 @@ def run_report(args):
 
     places = args.study_dir, args.figures_dir, args.out
     told = args.software, args.cohort, args.benchmarks, args.provenance, failed_steps(args.failed)
-    build_report(case_list(args), *places, args.junit, *told)
+    build_report(case_list(args), *places, args.junit, *told, args.three)
 
 
 def run_numbers(args):
@@ -282,6 +282,7 @@ def parser():
     command.add_argument("--provenance", type=path, help="JSON of `workflow provenance`")
     command.add_argument("--benchmarks", type=path, help="results/benchmarks, with a folder for each that was run")
     command.add_argument("--failed", type=path, help="failed.json of `workflow failed`: cases that have no result")
+    command.add_argument("--three", type=path, default=path("build/three.min.js"), help="three.js (build/three.min.js)")
     command.add_argument("--out", required=True, type=path, help="results/report/index.html")
     command.set_defaults(run=run_report)
 

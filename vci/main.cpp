@@ -1,6 +1,7 @@
 // The program vci: deploy, radius-correct, inflate, crush, settings.
 #include "common/command_line.hpp"
 #include "common/error.hpp"
+#include "common/processor.hpp"
 #include "vci/bench/bench.hpp"
 #include "vci/bench/crush.hpp"
 #include "vci/procedure/diagnostics.hpp"
@@ -147,6 +148,7 @@ int run_crush(const fs::path& scene_file, const std::string& device) {
 } // namespace
 
 int main(int argc, char** argv) {
+  common::same_digits_on_every_processor(argv);
   CLI::App app{"Virtual coronary intervention: what balloon and stent do to a narrowed artery", "vci"};
   app.require_subcommand(1);
   std::string scene, out, device, frames;

@@ -1,7 +1,7 @@
 """A plan proposed from the lesions and the device catalogue: `plan: auto`, or `plan: {treat: culprit | all}`.
 
-Lesions below least_stenosis_percent (50 % unless the case says otherwise) are left. Where no stent of the catalogue is
-as wide as the vessel, a balloon alone is proposed.
+If the case sets least_stenosis_percent, lesions below it are left. If no stent of the catalogue is as wide as the
+vessel, a balloon alone is proposed.
 """
 
 import dataclasses
@@ -44,19 +44,19 @@ class Proposal:
 
 
 def wanted(plan):
-    """(CULPRIT or ALL, least diameter stenosis in per cent) for a case's `plan` that asks for a proposal, else None."""
+    """(CULPRIT or ALL, least diameter stenosis in per cent or None) for a case's `plan` that asks for a proposal; None
+    for listed steps."""
     if plan == "auto":
-        return CULPRIT, targets.SIGNIFICANT_PERCENT
-    least = plan.get("least_stenosis_percent", targets.SIGNIFICANT_PERCENT) if isinstance(plan, dict) else None
-    return (plan["treat"], least) if isinstance(plan, dict) else None
+        return CULPRIT, None
+    return (plan["treat"], plan.get("least_stenosis_percent")) if isinstance(plan, dict) else None
 
 
-def propose(summary, sections, families, where, treat=CULPRIT, least_percent=targets.SIGNIFICANT_PERCENT):
+def propose(summary, sections, families, where, treat=CULPRIT, least_percent=None):
     """Proposal for the lesions of a measured lumen (`summary`, `sections`: measured.read_summary, read_sections).
 
     CULPRIT: for the most severe lesion that stents of the catalogue fit; if there is none, that a balloon fits. ALL:
-    for each lesion. Lesions below least_percent by diameter are left. Raises InputError if there is no other, or if the
-    catalogue or the branch does not fit any.
+    for each lesion of targets.found; if all are mild, for the most severe. Raises InputError if there is no lesion of
+    least_percent by diameter and more, or if the catalogue or the branch does not fit any.
     """
     if not summary["lesions"]:
         requested = "auto" if treat == CULPRIT else f"{{treat: {treat}}}"
@@ -76,6 +76,8 @@ def propose(summary, sections, families, where, treat=CULPRIT, least_percent=tar
     lesions = targets.found(summary, sections, least_percent)
     if not lesions:
         raise _too_mild(targets.every(summary, sections)[0], where, treat, least_percent)
+    mild = least_percent is None and lesions[0].percent < targets.SIGNIFICANT_PERCENT
+    one_alone = treat == CULPRIT or mild
     treated, left_out = [], []
     for target in lesions:
         try:
@@ -83,11 +85,11 @@ def propose(summary, sections, families, where, treat=CULPRIT, least_percent=tar
         except InputError as error:
             left_out.append((target, error))
             continue
-        if treat == CULPRIT:
+        if one_alone:
             break
-    if treat == ALL or not treated:
+    if not treated or not one_alone:
         treated, left_out = _with_balloons(treated, left_out, families, where)
-        treated = treated[:1] if treat == CULPRIT else treated
+        treated = treated[:1] if one_alone else treated
     if not treated:
         raise left_out[0][1]
     treated = _without_short_gaps(treated, families, where)
@@ -102,8 +104,7 @@ def _too_mild(target, where, treat, least_percent):
         where,
         f"{target.name}, the most severe, narrows {target.profile.branch} at {target.s_mla:.1f} mm by"
         f" {target.percent:.1f} % of its diameter; lesions of {least_percent:g} % and more are treated",
-        "below 50 % a stent is rarely indicated, unless the FFR says so; to plan it all the same, write plan: {treat:"
-        f" {treat}, least_stenosis_percent: {percent}}}, or list the plan's steps (docs/design.md)",
+        f"write plan: {{treat: {treat}, least_stenosis_percent: {percent}}}, or leave the limit out",
     )
 
 

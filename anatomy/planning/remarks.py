@@ -43,7 +43,7 @@ def of_reference(reference):
 
 def _severity(proposal):
     for one in proposal.treated:
-        if round(one.target.percent) < targets.SIGNIFICANT_PERCENT:
+        if one.target.percent < targets.SIGNIFICANT_PERCENT:
             yield (
                 f"{one.target.name} narrows the diameter by {one.target.percent:.1f} % only: below"
                 f" {targets.SIGNIFICANT_PERCENT} % a stent is rarely indicated, look at the FFR first"
@@ -55,7 +55,7 @@ def _left(summary, proposal):
     failed = {lesion["name"]: error for target, error in proposal.left_out for lesion in target.lesions}
     names = " and ".join(one.target.name for one in proposal.treated)
     for lesion in summary["lesions"]:
-        mild = round(lesion["diameter_stenosis_percent"]) < targets.SIGNIFICANT_PERCENT
+        mild = lesion["diameter_stenosis_percent"] < targets.SIGNIFICANT_PERCENT
         if lesion in treated or (mild and lesion["name"] not in failed):
             continue
         which = (

@@ -1,7 +1,7 @@
 """Which narrowings are treated, and from where to where.
 
 A lesion of SIGNIFICANT_PERCENT by diameter and more is usually treated. The SYNTAX score counts those (Sianos et al.,
-EuroIntervention 2005;1:219-27). The case may ask for milder ones, or for severe ones alone.
+EuroIntervention 2005;1:219-27). If all are milder the most severe is treated. The case may set another limit.
 
 What has to come under the stent is its stretch of significant narrowing, 30 % by diameter (half by area) and more: the
 threshold of Dietz et al. (Heart 2006;92:80-84), who stented such stretches alone, with less restenosis than with full
@@ -76,13 +76,17 @@ def every(summary, sections):
     return sorted(map(of, summary["lesions"]), key=lambda target: -target.percent)
 
 
-def found(summary, sections, least_percent=SIGNIFICANT_PERCENT):
-    """Targets, the most severe first: of the lesions of least_percent by diameter and more, to the whole per cent.
+def found(summary, sections, least_percent=None):
+    """Targets, the most severe first: of the lesions of least_percent by diameter and more. Without it, of those of
+    SIGNIFICANT_PERCENT and more, or of all lesions if there is none.
 
     Those with less than APART_DIAMETERS between their stretches are one target (Sianos et al., EuroIntervention
-    2005;1:219-27): a stent for one would end before the other.
+    2005;1:219-27): a stent for one would end before the other. If all lesions are mild none are joined.
     """
-    return together([target for target in every(summary, sections) if target.percent >= least_percent - 0.5])
+    all_lesions = every(summary, sections)
+    least = SIGNIFICANT_PERCENT if least_percent is None else least_percent
+    chosen = together([target for target in all_lesions if target.percent >= least])
+    return chosen or (all_lesions if least_percent is None else [])
 
 
 def together(targets):

@@ -23,9 +23,9 @@ def optional_image(path):
     return image_uri(path) if path.exists() else None
 
 
-def script(path):
+def script(path, made_by="the repository"):
     """A script's text, fit to stand inside <script>; InputError if it holds the closing tag."""
-    text = existing(path, "the repository").read_text()
+    text = existing(path, made_by).read_text()
     if "</script" in text.lower():
         raise InputError("a script cannot be put in a page", path, "</script", "use another version of it")
     return text
@@ -36,6 +36,6 @@ def three_version():
     return json.loads((THREE / "package.json").read_text())["dependencies"]["three"]
 
 
-def three_script():
-    """The viewer's library: three.js and its trackball controls in one script (three/README.md)."""
-    return script(THREE / "three.min.js")
+def three_script(path):
+    """The viewer's library: three.js and its trackball controls in one script, as three/bundle.sh makes it."""
+    return script(path, "make build")

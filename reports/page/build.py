@@ -2,6 +2,7 @@
 
 import json
 import math
+import pathlib
 
 import jinja2
 import pandas as pd
@@ -39,10 +40,11 @@ def build_report(
     benchmark_dir=None,
     provenance=None,
     failed=(),
+    three=pathlib.Path("build/three.min.js"),
 ):
     """Writes the report of the CaseFiles `cases` to `out`. Raises InputError for anything that is missing.
 
-    failed: entries of failed.json (workflow.failed), of cases that have no result.
+    failed: entries of failed.json (workflow.failed), of cases that have no result. three: the viewer's library.
     """
     contexts = [case_context(files, figures_dir) for files in cases]
     agreement = read_csv(study_dir / "agreement.csv")
@@ -95,7 +97,7 @@ def build_report(
             viewer=script_json({"cases": {c["id"]: c["viewer"] for c in contexts}, "colours": colour_table()}),
             style=(TEMPLATES / "style.css").read_text(),
             three_version=three_version(),
-            scripts=[three_script(), *(script(TEMPLATES / name) for name in ("viewer.js", "stage.js", "page.js"))],
+            scripts=[three_script(three), *(script(TEMPLATES / name) for name in ("viewer.js", "stage.js", "page.js"))],
         )
     )
     with replacing(out) as partial:

@@ -2,6 +2,7 @@
 
 import gzip
 import json
+import zlib
 
 import masks
 import nibabel
@@ -72,6 +73,31 @@ def _(folder):
     whole[42:48] = 3 * b"\xff\x7f"
     (folder / "mask.nii").write_bytes(whole)
     return lumen("check", folder / "mask.nii")
+
+
+def compressed(folder, damage=lambda packed: packed):
+    """A MetaImage whose voxels are compressed and then damaged."""
+    path = mask(folder / "mask.mha")
+    head, voxels = path.read_bytes().split(b"ElementDataFile = LOCAL\n", 1)
+    packed = damage(zlib.compress(voxels))
+    head += b"CompressedData = True\nCompressedDataSize = %d\nElementDataFile = LOCAL\n" % len(packed)
+    path.write_bytes(head + packed)
+    return path
+
+
+@given("a compressed MetaImage with damaged voxels")
+def _(folder):
+    return lumen("check", compressed(folder, lambda packed: b"\0" + packed[1:]))
+
+
+@given("a compressed MetaImage that was cut off")
+def _(folder):
+    return lumen("check", compressed(folder, lambda packed: packed[:-40]))
+
+
+@given("a compressed MetaImage")
+def _(folder):
+    return lumen("process", compressed(folder))
 
 
 @given("a gzip bomb in place of a mask")

@@ -65,7 +65,7 @@ def copy_repository(folder):
     """A Workspace with the repository's files and stand-ins for the programs (never run in a dry run)."""
     shutil.copytree(ROOT, folder, ignore=LEFT_OUT)
     (folder / "build").mkdir()
-    for program in ("vci", "lumen"):
+    for program in ("vci", "lumen", "three.min.js"):
         (folder / "build" / program).write_text(f"{program}\n")
     return Workspace(folder)
 

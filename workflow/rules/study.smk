@@ -335,6 +335,7 @@ rule report:
         provenance="results/study/provenance.json",
         code=code("reports", "reports.page.build"),
         templates=INPUTS.templates(),
+        three=os.path.join(config.get("build", "build"), "three.min.js"),
         solved=solved_plans(CASES),
         tests=test_results(),
         failed=FAILED or [],
@@ -355,7 +356,7 @@ rule report:
     shell:
         "workflow/run.sh {log} /usr/bin/python3 -m reports report --case-dir {params.case_dirs} --study-dir {params.study}"
         " --figures-dir {params.figures} --software {input.software} --provenance {input.provenance} {params.cohort} {params.failed} {params.benchmarks}"
-        " --junit {input.tests} --out {output}"
+        " --junit {input.tests} --three {input.three} --out {output}"
 
 
 rule numbers:

@@ -2,6 +2,7 @@
 #include "app/process.hpp"
 #include "app/vtk_output.hpp"
 #include "common/command_line.hpp"
+#include "common/processor.hpp"
 #include "files/surface_file.hpp"
 #include "trees/table.hpp"
 #include <algorithm>
@@ -124,6 +125,7 @@ void check(const Options& options, const std::string& repaired, const std::strin
 } // namespace
 
 int main(int argc, char** argv) {
+  common::same_digits_on_every_processor(argv);
   CLI::App app{"lumen: checks, repairs, remeshes and measures a coronary lumen surface (lengths in mm)", "lumen"};
   app.require_subcommand(1);
   Options options;

@@ -6,9 +6,12 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <memory>
+#include <new>
 #include <set>
 #include <sstream>
 #include <vector>
+#include <zlib.h>
 
 namespace anatomy {
 namespace {
@@ -54,6 +57,15 @@ Fields header_of(const std::string& path, char separator, const std::string& las
       break;
   }
   return fields;
+}
+
+// Bytes up to the end of the line that begins with the key `last`.
+std::streamoff length_of_header(const std::string& path, const std::string& last) {
+  std::ifstream file(path, std::ios::binary);
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with(last))
+      break;
+  return file.tellg();
 }
 
 std::string field(const Fields& fields, const std::vector<std::string>& names) {
@@ -104,6 +116,39 @@ void check_length(const std::filesystem::path& header, const std::string& data, 
                          std::to_string(bytes),
                      error ? "keep the file of the voxels beside its header, or export both as one file (.nrrd, .mha)"
                            : "copy or export the mask again");
+}
+
+// VTK's reader of MetaImage unpacks damaged voxels for ever. `begin`: of the packed voxels in the file.
+void check_packing(const std::filesystem::path& path, std::streamoff begin, std::uintmax_t bytes) {
+  const auto refuse = [&](const std::string& value) {
+    throw InputError("the mask is damaged", path.string(), value + ", the header promises " + std::to_string(bytes),
+                     "copy or export the mask again");
+  };
+  std::ifstream file(path, std::ios::binary);
+  file.seekg(begin);
+  z_stream stream{};
+  if (inflateInit2(&stream, MAX_WBITS + 32) != Z_OK) // of zlib or of gzip
+    throw std::bad_alloc();
+  const std::unique_ptr<z_stream, decltype(&inflateEnd)> ends(&stream, inflateEnd);
+  std::vector<unsigned char> packed(1 << 16), voxels(1 << 18);
+  std::uintmax_t found = 0;
+  for (int state = Z_OK; state != Z_STREAM_END;) {
+    if (stream.avail_in == 0) {
+      file.read(reinterpret_cast<char*>(packed.data()), static_cast<std::streamsize>(packed.size()));
+      stream.next_in = packed.data();
+      stream.avail_in = static_cast<uInt>(file.gcount());
+      if (stream.avail_in == 0)
+        refuse("its packed voxels end after " + std::to_string(found) + " bytes");
+    }
+    stream.next_out = voxels.data();
+    stream.avail_out = static_cast<uInt>(voxels.size());
+    state = inflate(&stream, Z_NO_FLUSH);
+    found += voxels.size() - stream.avail_out;
+    if (state != Z_OK && state != Z_STREAM_END)
+      refuse("its packed voxels cannot be unpacked beyond " + std::to_string(found) + " bytes");
+  }
+  if (found != bytes)
+    refuse(std::to_string(found) + " bytes of voxels");
 }
 
 // VTK's reader takes what a header lacks or has in a form of its own from memory, or waits for it.
@@ -214,8 +259,15 @@ void check_meta_length(const std::string& path, std::uintmax_t bytes) {
   const std::string data = trimmed(field(fields, {"ElementDataFile"}));
   const bool packed =
       trimmed(field(fields, {"CompressedData"})) == "True" || trimmed(field(fields, {"BinaryData"})) == "False";
-  if (data.find_first_of(" %") == std::string::npos && data != "LIST") // else one file a slice
-    check_length(path, data == "LOCAL" ? "" : data, bytes, packed);
+  if (data.find_first_of(" %") != std::string::npos || data == "LIST") // one file a slice
+    return;
+  check_length(path, data == "LOCAL" ? "" : data, bytes, packed);
+  if (trimmed(field(fields, {"CompressedData"})) != "True" || !field(fields, {"HeaderSize"}).empty())
+    return;
+  if (data == "LOCAL")
+    check_packing(path, length_of_header(path, "ElementDataFile"), bytes);
+  else
+    check_packing(std::filesystem::path(path).parent_path() / data, 0, bytes);
 }
 
 void check_nifti_length(const std::string& path, std::uintmax_t bytes) {

@@ -52,8 +52,8 @@ def test_reference_is_lumen_and_plaque(diseased):
 def test_stents_are_sized_by_the_vessel(diseased, families):
     """1.6 mm of lumen everywhere distal: a balloon by the lumen alone, a stent of 2.75 or 3 mm in a vessel of 3 mm."""
     summary, sections, file = diseased
-    assert proposal.propose(summary, sections, families, "case", least_percent=8).treated[0].stents == []
-    done = proposal.propose(summary, outer_wall.referenced(sections, file), families, "case", least_percent=40)
+    assert proposal.propose(summary, sections, families, "case").treated[0].stents == []
+    done = proposal.propose(summary, outer_wall.referenced(sections, file), families, "case")
     assert {stent.diameter for one in done.treated for stent in one.stents} <= {2.75, 3.0}
     assert done.treated[0].target.percent == pytest.approx(47, abs=2)
 
@@ -70,7 +70,7 @@ def test_known_where_contours_have_it(lumen, known):
 def test_the_plan_says_which_reference_it_used(diseased, families):
     """By the outer wall 47 %; by the profile through a lumen that is narrow all along, less: both are said."""
     summary, sections, file = diseased
-    done = proposal.propose(summary, outer_wall.referenced(sections, file), families, "case", least_percent=40)
+    done = proposal.propose(summary, outer_wall.referenced(sections, file), families, "case")
     reference = plan.sized_by(summary, done, by_outer_wall=True)
     assert reference["by"] == "outer wall"
     lesion = reference["lesions"][0]

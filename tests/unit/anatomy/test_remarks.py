@@ -10,7 +10,7 @@ from anatomy.planning import proposal, remarks
 
 def said(families, *narrowings, treat="culprit", **shape):
     summary, sections = drawn(*narrowings, **shape)
-    return remarks.of_proposal(summary, proposal.propose(summary, sections, families, "case", treat, 40))
+    return remarks.of_proposal(summary, proposal.propose(summary, sections, families, "case", treat))
 
 
 def test_nothing_where_nothing_is_left_open(families):

@@ -17,7 +17,7 @@ def test_a_stretch_ends_where_the_narrowing_falls_below_30_percent(vessel):
 
 
 def test_a_mild_lesion_is_covered_to_half_its_narrowing(vessel):
-    (target,) = targets.found(*vessel(plateau(15, 25, 20)), least_percent=10)
+    (target,) = found(vessel, plateau(15, 25, 20))
     assert target.start == pytest.approx(15.25, abs=0.26) and target.end == pytest.approx(24.75, abs=0.26)
 
 
@@ -28,17 +28,17 @@ def test_mild_disease_behind_a_severe_lesion_is_left(vessel, percent, end):
     assert target.end == pytest.approx(end, abs=0.4) and target.start == pytest.approx(20.3, abs=0.4)
 
 
-def test_lesions_of_half_the_diameter_or_of_what_the_case_asks_for(vessel):
+def test_significant_lesions_only_or_all_where_there_is_none(vessel):
+    three = focal(12, 8, 60), focal(30, 8, 75), focal(43, 8, 40)
+    assert [target.name for target in found(vessel, *three)] == ["lesion1", "lesion2"]
+    assert [target.percent for target in found(vessel, focal(12, 8, 30), focal(20, 6, 45))] == pytest.approx([45, 30])
+
+
+def test_lesions_of_what_the_case_asks_for(vessel):
     three = vessel(focal(12, 8, 60), focal(30, 8, 75), focal(43, 8, 40))
-    assert [target.name for target in targets.found(*three)] == ["lesion1", "lesion2"]
     assert [target.name for target in targets.found(*three, 70)] == ["lesion1"]
-    assert [target.percent for target in targets.found(*three, 40)] == pytest.approx([75, 60, 40], abs=0.1)
-    assert len(targets.every(*three)) == 3
-
-
-@pytest.mark.parametrize("percent, counts", [(49.6, True), (49.4, False)])
-def test_a_lesion_counts_by_its_whole_per_cent(vessel, percent, counts):
-    assert len(found(vessel, focal(21, 12, percent))) == counts
+    assert [target.percent for target in targets.found(*three, 39)] == pytest.approx([75, 60, 40], abs=0.1)
+    assert targets.found(*three, 80) == [] and len(targets.every(*three)) == 3
 
 
 @pytest.mark.parametrize("second, together", [(27.5, True), (30.0, False)])

@@ -22,9 +22,7 @@ REAL = {  # file of the shared data: its ends, by its source
     "multimoda/ivus_rest_lumen_straight_mm.stl": 2,
 }
 CASE = "kind: surface\ndescription: {name}\npatient: {{lvm_g: 150, sbp_mmhg: 120, dbp_mmhg: 80}}\n"
-CASE += (
-    "lumen: {{path: {path}, units: mm}}\nplan: {{treat: culprit, least_stenosis_percent: 8}}\n"  # every lesion there is
-)
+CASE += "lumen: {{path: {path}, units: mm}}\nplan: auto\n"
 
 
 def real_surfaces():

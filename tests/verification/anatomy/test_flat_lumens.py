@@ -19,7 +19,7 @@ def deployed(run, surface, folder, binary, plan):
     run(binary("lumen"), "process", surface, "--out", folder / "anatomy")
     case = folder / "case.yaml"
     text = campaign_steps.CASE.format(name="flat", path=surface)
-    case.write_text(text if plan is None else f"{text.partition('plan:')[0]}plan: {plan}\n")
+    case.write_text(text.replace("plan: auto", f"plan: {plan}"))
     steps = dict(campaign_steps.steps_of(case, folder, binary("vci").parent))
     for step in ("plan", "scene", "deployment"):
         run(*steps[step])
@@ -51,10 +51,10 @@ def test_a_surface_of_the_shared_data(shared_data, binary, run, tmp_path):
     surface = shared_data / "multimoda" / "ivus_prestent_lumen_straight_mm.stl"
     if not surface.is_file():
         pytest.skip(f"{surface} is absent (see SOURCES.md)")
-    check(*deployed(run, surface, tmp_path, binary, None))
+    check(*deployed(run, surface, tmp_path, binary, "auto"))
 
 
-@pytest.mark.parametrize("plan", [None, BY_HAND], ids=["proposed", "by hand"])
+@pytest.mark.parametrize("plan", ["auto", BY_HAND], ids=["auto", "by hand"])
 def test_the_shipped_contours(repo_root, binary, run, tmp_path, plan):
     before = repo_root / "config" / "patients" / "ivus_stent" / "before.csv"
     run(sys.executable, "-m", "anatomy", "contours", before, "--out", tmp_path / "source")

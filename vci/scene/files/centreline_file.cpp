@@ -64,8 +64,10 @@ Vectors points_of_line(vtkPolyData* data, vtkIdType line, const std::filesystem:
     throw common::InputError("a cell that names a point which is not there", file.string(),
                              "cell " + std::to_string(line), "the file is damaged: write it anew");
   Vectors points(size);
-  for (vtkIdType k = 0; k < size; ++k)
+  for (vtkIdType k = 0; k < size; ++k) {
     data->GetPoint(ids[k], points[k].data());
+    points[k] = points[k].unaryExpr(&to_nanometre);
+  }
   return points;
 }
 

@@ -70,7 +70,8 @@ LumenFile lumen_of(const std::filesystem::path& file) {
   for (vtkIdType i = 0; i < n; ++i) {
     Vec3 p;
     lumen.data->GetPoint(i, p.data());
-    const double r = radius->GetTuple1(i), t = plaque->GetTuple1(i), k = type->GetTuple1(i);
+    p = p.unaryExpr(&to_nanometre);
+    const double r = to_nanometre(radius->GetTuple1(i)), t = to_nanometre(plaque->GetTuple1(i)), k = type->GetTuple1(i);
     if (!p.allFinite() || p.norm() > 1e6 || !(r > 0.02 && r < 20) || !(t >= -0.1 && t < 20) || !(k >= 0 && k <= 3))
       throw common::InputError("a point of the lumen is not plausible (position, radius_mm, plaque)", file.string(),
                                "point " + std::to_string(i) + ": radius " + std::to_string(r) + ", plaque " +
@@ -83,7 +84,7 @@ LumenFile lumen_of(const std::filesystem::path& file) {
   }
   if (vtkDataArray* reference = lumen.data->GetPointData()->GetArray("reference_radius_mm"))
     for (vtkIdType i = 0; i < n; ++i)
-      lumen.reference_radius.push_back(reference->GetTuple1(i));
+      lumen.reference_radius.push_back(to_nanometre(reference->GetTuple1(i)));
   vtkCellArray* polys = lumen.data->GetPolys();
   for (vtkIdType k = 0; k < m; ++k) {
     vtkIdType size;

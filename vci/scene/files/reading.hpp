@@ -2,6 +2,7 @@
 #pragma once
 #include "common/error.hpp"
 
+#include <cmath>
 #include <filesystem>
 #include <string>
 #include <vtkPolyData.h>
@@ -12,6 +13,11 @@ namespace vci {
 /// The polydata of a .vtp file. Throws common::InputError, in which `what` is the name of the file, if the file is
 /// missing, is of another type, or makes VTK report an error. VTK itself prints nothing to standard error.
 vtkSmartPointer<vtkPolyData> read_polydata(const std::filesystem::path& file, const std::string& what);
+
+/// A length in mm to the nanometre, so that the last digits of the program that wrote a file do not matter.
+inline double to_nanometre(double mm) {
+  return std::round(mm * 1e6) / 1e6;
+}
 
 /// Calls a reader. Exceptions that JSON or VTK throw over a damaged file (overflow, a size beyond memory, a value of
 /// another type) become an InputError that names the file.

@@ -1,0 +1,51 @@
+"""A deployment has the same bits on every processor, whoever wrote the last digits of its input."""
+
+import os
+import subprocess
+
+import numpy as np
+
+from common import vtp
+from vci.benchmarks.scenes import Tube, write_scene
+
+
+def deployed(binary, folder, tunables=None, off=0.0):
+    """Points (n, 3) of a deployed tube whose points are `off` mm off at random; tunables: GLIBC_TUNABLES."""
+    folder.mkdir()
+    tube = Tube(length=20, lesion_length=7, edge=0.8)
+    mesh = tube.mesh
+
+    def moved():
+        points, *others = mesh()
+        return points + off * np.random.default_rng(1).uniform(-1, 1, points.shape), *others
+
+    tube = tube if not off else Moved(tube, moved)
+    scene = write_scene(folder, tube)
+    environment = {key: value for key, value in os.environ.items() if key != "GLIBC_TUNABLES"}
+    environment |= {"GLIBC_TUNABLES": tunables} if tunables else {}
+    command = [binary("vci"), "deploy", scene, "--out", folder / "out"]
+    subprocess.run(command, check=True, capture_output=True, env=environment)
+    return vtp.points(vtp.read_triangles(folder / "out" / "lumen.vtp", ""))
+
+
+class Moved:
+    """A Tube with another mesh."""
+
+    def __init__(self, tube, mesh):
+        self.tube, self.mesh = tube, mesh
+
+    def __getattr__(self, name):
+        return getattr(self.tube, name)
+
+
+def test_the_processor_does_not_matter(binary, tmp_path):
+    """The C library's functions are those without fused multiply-add, whatever else the user tunes."""
+    usual = deployed(binary, tmp_path / "usual")
+    plain = deployed(binary, tmp_path / "plain", "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2")
+    other = deployed(binary, tmp_path / "other", "glibc.malloc.check=0")
+    assert np.array_equal(usual, plain) and np.array_equal(usual, other)
+
+
+def test_the_last_digits_of_the_input_do_not_matter(binary, tmp_path):
+    usual, off = deployed(binary, tmp_path / "usual"), deployed(binary, tmp_path / "off", off=1e-13)
+    assert np.array_equal(usual, off)
