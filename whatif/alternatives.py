@@ -100,8 +100,15 @@ def _harder(steps, families):
 def _toggled(steps, families, action):
     """(words, function): the steps without those of `action`; if there are none, with one added at each stent."""
     if any(step["action"] == action for step in steps):
-        return f"without {action}", lambda: [copy.deepcopy(step) for step in steps if step["action"] != action]
+        return f"without {action}", lambda: _without(steps, action)
     return f"with {action}", lambda: _added(steps, families, action)
+
+
+def _without(steps, action):
+    left = [copy.deepcopy(step) for step in steps if step["action"] != action]
+    if not left:
+        raise NotOffered("the plan has no other step")
+    return left
 
 
 def _added(steps, families, action):

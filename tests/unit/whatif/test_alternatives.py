@@ -74,6 +74,13 @@ def test_a_plan_of_balloons_has_no_stent_to_change(plan, families):
     assert found["predilatation"][1] == []
 
 
+def test_a_balloon_alone_has_no_alternative(plan, families):
+    steps = [step for step in alternatives.requests(plan) if step["action"] == "predilatation"]
+    found = alternatives.all_of(steps, families)
+    assert steps and all(other is None and reason for _, other, reason in found.values())
+    assert found["predilatation"][2] == "the plan has no other step"
+
+
 def test_a_device_without_a_size_in_its_name_is_refused(plan):
     plan["procedure"][0]["devices"][0]["device"] = "balloon"
     with pytest.raises(InputError, match="tells no size"):
