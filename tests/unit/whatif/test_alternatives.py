@@ -71,14 +71,7 @@ def test_what_the_catalogue_does_not_have_is_not_offered(plan, families):
 def test_a_plan_of_balloons_has_no_stent_to_change(plan, families):
     found = alternatives.all_of(alternatives.requests(plan)[:1], families)
     assert found["longer"][2] == "the plan has no stent" and found["postdilatation"][1] is None
-    assert found["predilatation"][1] == []
-
-
-def test_a_balloon_alone_has_no_alternative(plan, families):
-    steps = [step for step in alternatives.requests(plan) if step["action"] == "predilatation"]
-    found = alternatives.all_of(steps, families)
-    assert steps and all(other is None and reason for _, other, reason in found.values())
-    assert found["predilatation"][2] == "the plan has no other step"
+    assert found["predilatation"][1:] == (None, "the plan has no other step")
 
 
 def test_a_device_without_a_size_in_its_name_is_refused(plan):
