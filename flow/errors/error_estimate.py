@@ -10,7 +10,7 @@ from flow.errors import error_field
 
 # Share of itself by which each part of the dual-weighted residual may be off. Where they do not cancel it found .5 to
 # .8 of the true error. With a share of .5 the estimate was below it at Re 1,500, and at 80 and 85 % on four rings.
-DOUBT = 0.75
+PART_UNCERTAINTY = 0.75
 SAFETY = 1.5  # times what an artificial viscosity does
 # Assumed order of the FFR error in the mesh width. FFR's error does not fall steadily with the rings and changes its
 # sign (measured.md), so the difference of two meshes is no bound: it says how much FFR still depends on the mesh.
@@ -37,9 +37,9 @@ def of(solved, document, tree, at_probes, coarser=None):
 
     The mesh's part is the larger of `goal` (errors.error_field) and, with a Solved `coarser` of the same eps, of `mesh`
     (Richardson's). at_probes(sampler) -> FFR at the probes, `distal` first. `goal`: the size of the dual-weighted
-    residual and DOUBT times those of its parts (`of_parts`). `artificial_viscosity`: what it does to FFR, added with
-    the safety factor. The parts are those of `distal`. Where the dual solution is not found two meshes alone
-    estimate the error, if there are two and no artificial viscosity is left.
+    residual and PART_UNCERTAINTY times those of its parts (`of_parts`). `artificial_viscosity`: what it does to FFR,
+    added with the safety factor. The parts are those of `distal`. Where the dual solution is not found two meshes
+    alone estimate the error, if there are two and no artificial viscosity is left.
     """
     found, methods, parts, artificial = [], [], {}, None
     if coarser and coarser.problem.artificial != solved.problem.artificial:
@@ -50,7 +50,7 @@ def of(solved, document, tree, at_probes, coarser=None):
         along, artificial = along[:, :-1], along[:, -1]
         signed, sizes = along.sum(axis=1), np.abs(along).sum(axis=1)
         found.append(of_parts(along))
-        methods.append(f"dual-weighted residual, and {DOUBT:g} times the sizes of its parts")
+        methods.append(f"dual-weighted residual, and {PART_UNCERTAINTY:g} times the sizes of its parts")
         parts |= {"goal": float(found[0][0]), "goal_signed": float(signed[0]), "goal_sizes": float(sizes[0])}
     except ComputationError as error:
         print(f"no dual solution for the error estimate:\n{error}", file=sys.stderr, flush=True)
@@ -73,8 +73,8 @@ def of(solved, document, tree, at_probes, coarser=None):
 
 
 def of_parts(along):
-    """Estimates (p,) by the parts (p, k) of errors.error_field, each of which may be off by DOUBT of itself."""
-    return np.abs(along.sum(axis=1)) + DOUBT * np.abs(along).sum(axis=1)
+    """Estimates (p,) by the parts (p, k) of errors.error_field. Each may be off by PART_UNCERTAINTY of itself."""
+    return np.abs(along.sum(axis=1)) + PART_UNCERTAINTY * np.abs(along).sum(axis=1)
 
 
 def document(estimate):

@@ -6,8 +6,8 @@ is followed in ln eps: the secant through the last two flows predicts the next, 
 held. A step that fails is shortened, one that was easy lengthens the next (natural-parameter continuation; Allgower and
 Georg, Introduction to Numerical Continuation Methods, 2003, chapter 6). From SMALL and from LEAST eps = 0 is tried.
 On the coarsest of three meshes continuation ends at BEGUN, where eps = 0 is tried once. The next mesh goes on from
-there, or goes the last bit of the way again where that led to 0. The finest does the same from an answer without eps;
-else it keeps the eps of that answer, so that both together show the mesh's error.
+there. If the mesh before has reached eps = 0, a finer mesh repeats the last step of that path, from the last flow with
+eps > 0. If it has not, the finest mesh keeps its eps, so that both together show the mesh's error.
 Where no flow without artificial viscosity is found that of the least eps answers. What the rest of eps does to FFR is a
 part of the error estimate (errors.error_field).
 """
@@ -52,9 +52,9 @@ def from_rest(problem, begin_only=False):
 def from_guess(problem, coarse, onward=True):
     """Outcome at full flow from the flow on another mesh (a solved FlowProblem).
 
-    Where continuation led to that flow the last bit of the way is gone again: from the last flow there with eps > 0, or
-    from those before it if this fails. From the flow at eps = 0 Newton's method often fails, as the jets of two meshes
-    differ. onward: eps is followed towards 0 even if it was not left behind there. Raises ComputationError.
+    The start is the last flow with eps > 0 on that mesh's path, or one before it if this fails. From the flow at
+    eps = 0 Newton's method often fails, as the jets of two meshes differ. onward: eps is followed towards 0 even if
+    that mesh did not reach 0. Raises ComputationError.
     """
     problem.boundaries.full()
     starts = coarse.passed or [(coarse.artificial, coarse.state.x.array, coarse.inflow)]

@@ -111,11 +111,11 @@ def left_out(patients):
     """[(case, why it is not included)] of the rows of patients.csv."""
     found = []
     for row in patients:
-        if not meets_criterion(row["ffr_before"]):
+        if not meets_criterion(row["ffr_criterion"]):
             why = (
-                "FFR before PCI not computed"
-                if row["ffr_before"] is None
-                else f"FFR before PCI {row['ffr_before']:.2f}"
+                "FFR before PCI not known"
+                if row["ffr_criterion"] is None
+                else f"FFR before PCI {row['ffr_criterion']:.2f}"
             )
             found.append((row["case"], why))
     return found

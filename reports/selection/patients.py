@@ -5,14 +5,24 @@ import pandas as pd
 from reports.inputs.reading import number
 from reports.measuring.measured import FFR_THRESHOLD
 from reports.study.cohort import describe_procedure
-from reports.study.inclusion import meets_criterion
+from reports.study.inclusion import ffr_before, meets_criterion
 
 # Included are those with FFR before PCI below 0.80. Below 0.90 after it more adverse events were found (Rimac et al.,
 # Am Heart J 2017;183:1-9, a meta-analysis of 7470 patients).
 LOW_AFTER = 0.90
 TRUTHS = ("reference", "post")
 COLUMNS = ["case", "artery", "branch", "stenosis_percent", "lesion_length_mm", "reference_diameter_mm", "lesions"]
-COLUMNS += ["plaque", "calcium", "procedure", "ffr_before", "included", "ffr_vci", "ffr_after", "low_after"]
+COLUMNS += [
+    "plaque",
+    "calcium",
+    "procedure",
+    "ffr_before",
+    "ffr_criterion",
+    "included",
+    "ffr_vci",
+    "ffr_after",
+    "low_after",
+]
 STEPS = ["step", "count", "cases"]
 
 
@@ -42,7 +52,8 @@ def patient_row(document, case):
         "calcium": "; ".join(in_words(one["calcium"]) for one in vessel.get("lesions", []) if "calcium" in one),
         "procedure": describe_procedure(document["procedure"]),
         "ffr_before": ffr.get("pre"),
-        "included": meets_criterion(ffr.get("pre")),
+        "ffr_criterion": ffr_before(document),
+        "included": meets_criterion(ffr_before(document)),
         "ffr_vci": ffr.get("vci"),
         "ffr_after": after,
         "low_after": None if "vci" not in ffr else ffr["vci"] < LOW_AFTER,
@@ -59,12 +70,12 @@ def inclusion_table(patients, states, failed=()):
 
     patients: patients_table; states: {case: its states}; failed: names of further cases, which have no result.
     """
-    known = patients[patients["ffr_before"].notna()]
+    known = patients[patients["ffr_criterion"].notna()]
     taken = known[known["included"].astype(bool)]
     names = list(taken["case"])
     steps = [
         ("cases of the cohort", [*patients["case"], *failed]),
-        ("FFR before PCI not computed", [*patients["case"][patients["ffr_before"].isna()], *failed]),
+        ("FFR before PCI not known", [*patients["case"][patients["ffr_criterion"].isna()], *failed]),
         (f"FFR before PCI of {FFR_THRESHOLD:.2f} and more", list(known["case"][~known["included"].astype(bool)])),
         (f"included: FFR before PCI below {FFR_THRESHOLD:.2f}", names),
         ("lumen after PCI known", [case for case in names if set(TRUTHS) & set(states[case])]),

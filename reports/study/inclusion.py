@@ -11,7 +11,13 @@ GROUPS = (INCLUDED, EXCLUDED)
 
 
 def ffr_before(document):
-    """FFR past the lesion before PCI, of a metrics document; None where it was not computed."""
+    """FFR before PCI of a metrics document: the pressure wire's, else the computed one past the lesion.
+
+    None where there is neither.
+    """
+    measured = document.get("measured")
+    if measured and measured["ffr_pre"] is not None:
+        return measured["ffr_pre"]
     entry = document["states"].get("pre")
     return number(entry, "ffr.distal", f"metrics of {document['case']}, pre") if entry and entry["ffr"] else None
 

@@ -63,5 +63,20 @@ def test_figures_show_the_included_or_else_the_others(documents):
 
 
 def test_who_is_left_out_and_why():
-    rows = [{"case": "a", "ffr_before": 0.799}, {"case": "mild", "ffr_before": 0.8}, {"case": "x", "ffr_before": None}]
-    assert left_out(rows) == [("mild", "FFR before PCI 0.80"), ("x", "FFR before PCI not computed")]
+    rows = [
+        {"case": "a", "ffr_criterion": 0.799},
+        {"case": "mild", "ffr_criterion": 0.8},
+        {"case": "x", "ffr_criterion": None},
+    ]
+    assert left_out(rows) == [("mild", "FFR before PCI 0.80"), ("x", "FFR before PCI not known")]
+
+
+def test_the_pressure_wire_decides(documents):
+    computed, measured = documents[1], documents[0]
+    computed["measured"], measured["measured"] = {"ffr_pre": 0.79}, {"ffr_pre": 0.81}
+    assert [(name, [one["case"] for one in found]) for name, found in groups(documents[:2])] == [
+        ("included", ["mild"]),
+        ("excluded", ["a"]),
+    ]
+    computed["measured"] = {"ffr_pre": None}
+    assert [name for name, _ in groups([computed])] == ["excluded"]

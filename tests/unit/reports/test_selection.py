@@ -21,7 +21,8 @@ def document(case, before, vci, after=None, state="reference"):
     lesion["reference_diameter_mm"] = 3.1
     use = {"kind": "stent", "nominal_diameter_mm": 3.0, "length_mm": 18, "pressure_bar": 12}
     procedure = [{"action": "stent", "devices": [use]}]
-    return {"case": case, "lesion": lesion if case == "a" else None, "procedure": procedure, "states": ffr}
+    about = {"case": case, "lesion": lesion if case == "a" else None, "procedure": procedure}
+    return about | {"measured": None, "states": ffr}
 
 
 @pytest.fixture

@@ -48,9 +48,11 @@ def test_second_order_error_is_found_exactly(goal):
 def test_meshes_that_agree_do_not_hide_the_residual(goal):
     goal(-0.004)
     estimate = _of(_solved(8000, 0.75), _solved(1000, 0.75))
-    assert estimate["ffr"] == pytest.approx(0.004 * (1 + error_estimate.DOUBT))
+    assert estimate["ffr"] == pytest.approx(0.004 * (1 + error_estimate.PART_UNCERTAINTY))
     assert estimate["goal_signed"] == -0.004
-    assert estimate["probes"] == pytest.approx([0.004 * (1 + error_estimate.DOUBT), 0.008 * (1 + error_estimate.DOUBT)])
+    assert estimate["probes"] == pytest.approx(
+        [0.004 * (1 + error_estimate.PART_UNCERTAINTY), 0.008 * (1 + error_estimate.PART_UNCERTAINTY)]
+    )
     assert estimate["probes"][0] == estimate["ffr"]
     assert "probes" not in error_estimate.document(estimate) and error_estimate.document(None) is None
 
@@ -59,9 +61,9 @@ def test_parts_that_cancel_are_not_taken_for_an_exact_answer(goal):
     goal(0.003, -0.004, 0.0)
     estimate = _of(_solved(8000, 0.75))
     assert estimate["goal_signed"] == pytest.approx(-0.001) and estimate["goal_sizes"] == pytest.approx(0.007)
-    assert estimate["ffr"] == pytest.approx(0.001 + error_estimate.DOUBT * 0.007)
+    assert estimate["ffr"] == pytest.approx(0.001 + error_estimate.PART_UNCERTAINTY * 0.007)
     goal(0.003, 0.004)  # of one sign: their sum
-    assert _of(_solved(8000, 0.75))["ffr"] == pytest.approx(0.007 * (1 + error_estimate.DOUBT))
+    assert _of(_solved(8000, 0.75))["ffr"] == pytest.approx(0.007 * (1 + error_estimate.PART_UNCERTAINTY))
 
 
 def test_stretches_are_a_diameter_long():
@@ -81,7 +83,9 @@ def test_meshes_of_the_same_size_say_nothing(goal):
 def test_remaining_artificial_viscosity_is_counted(goal):
     goal(0.001, artificial=-0.02)
     estimate = _of(_solved(1000, 0.75, 0.18))
-    assert estimate["ffr"] == pytest.approx(0.001 * (1 + error_estimate.DOUBT) + 0.02 * error_estimate.SAFETY)
+    assert estimate["ffr"] == pytest.approx(
+        0.001 * (1 + error_estimate.PART_UNCERTAINTY) + 0.02 * error_estimate.SAFETY
+    )
     assert estimate["probes"][1] == pytest.approx(2 * estimate["ffr"])
     assert estimate["artificial_viscosity"] == pytest.approx(-0.02)
     assert "artificial_viscosity" not in _of(_solved(1000, 0.75))
@@ -91,7 +95,7 @@ def test_flows_with_other_artificial_viscosities_are_not_compared(goal):
     goal(0.001)
     same, other = (_of(_solved(8000, 0.75), _solved(1000, 0.7, eps)) for eps in (0.0, 0.02))
     assert same["mesh"] == pytest.approx(0.05 / 3) and same["ffr"] == same["mesh"]
-    assert other["ffr"] == pytest.approx(0.001 * (1 + error_estimate.DOUBT)) and "mesh" not in other
+    assert other["ffr"] == pytest.approx(0.001 * (1 + error_estimate.PART_UNCERTAINTY)) and "mesh" not in other
 
 
 def test_two_meshes_know_nothing_of_an_artificial_viscosity(monkeypatch):
