@@ -11,6 +11,9 @@ from scipy.spatial.transform import Rotation
 from .tree import STEP_MM
 
 SCALE = 0.25  # of the usual radius: larger residuals hardly pull, such as those of a stretch that a stent straightened
+# Of all landmarks together against all of the axes. It is enough to decide what the axes leave open, such as a turn about
+# a straight vessel, and too little to push axes aside that lie well.
+LANDMARK_WEIGHT = 0.1
 RADIUS_WEIGHT = 0.5  # of a difference of radii against one of places: it says where along a straight vessel one is
 
 
@@ -68,12 +71,14 @@ def cost(target, tree, placement):
 
 
 def refined(target, tree, start, landmarks):
-    """The Placement near `start` that lays the axes on each other with a robust loss (Cauchy's): what has changed its
-    place or its radius, or is missing, hardly counts. landmarks: (pre (m, 3), post (m, 3)); together they weigh as much
-    as all of the axes."""
+    """The Placement near `start` that lays the axes on each other with a robust loss, and the landmarks without one.
+
+    What has changed its place or its radius, or is missing, hardly counts among the axes. landmarks: (pre (m, 3),
+    post (m, 3)) in mm; the user has named them, so that none is taken for an outlier.
+    """
     points, radius = tree.points, tree.radius
     middle = points.mean(axis=0)
-    weight = np.sqrt(len(points) / max(len(landmarks[0]), 1))
+    weight = np.sqrt(LANDMARK_WEIGHT * len(points) / max(len(landmarks[0]), 1))
 
     def placed(move):
         rotation = Rotation.from_rotvec(move[:3] / target.usual_radius_mm) * start.rotation
@@ -84,8 +89,13 @@ def refined(target, tree, start, landmarks):
         across, distance, nearest = target.offsets(placement.apply(points))
         radii = RADIUS_WEIGHT * (radius - target.radius[nearest])
         near = distance < 2 * target.usual_radius_mm
-        marks = weight * (placement.apply(landmarks[1]) - landmarks[0]) if len(landmarks[0]) else np.zeros(0)
-        return np.concatenate([(across * near[:, None]).ravel(), radii * near, marks.ravel()]) / target.usual_radius_mm
+        axes = np.concatenate([(across * near[:, None]).ravel(), radii * near]) / target.usual_radius_mm
+        marks = (placement.apply(landmarks[1]) - landmarks[0]).ravel() if len(landmarks[0]) else np.zeros(0)
+        return np.concatenate([robust(axes), weight * marks / target.usual_radius_mm])
 
-    found = least_squares(residuals, np.zeros(6), loss="cauchy", f_scale=SCALE, diff_step=1e-4, max_nfev=60)
-    return placed(found.x)
+    return placed(least_squares(residuals, np.zeros(6), diff_step=1e-4, max_nfev=60).x)
+
+
+def robust(residuals):
+    """Residuals (n,) whose squares are Cauchy's loss of the given ones: SCALE^2 ln(1 + (r / SCALE)^2)."""
+    return SCALE * np.sign(residuals) * np.sqrt(np.log1p((residuals / SCALE) ** 2))

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .placement import Target, cost, fitted, refined
+from .placement import LANDMARK_WEIGHT, Target, cost, fitted, refined
 
 LEAST_SHARED = 0.5  # of the shorter route: below it two stretches that look alike are no evidence
 TRIED = 12  # placements that are refined
@@ -74,12 +74,11 @@ def stretch(pre, post, n, m, usual_radius, landmarks):
     first = np.concatenate([pre, landmarks[0]])
     second = np.concatenate([post, landmarks[1]])
     weights = np.ones(len(first))
-    weights[len(pre) :] = len(pre) / max(marks, 1)
-    own = weights.copy()
+    weights[len(pre) :] = LANDMARK_WEIGHT * len(pre) / max(marks, 1)
     for _ in range(1 + REWEIGHTED):
         placement = fitted(second, first, weights)
         squared = np.sum((placement.apply(second) - first) ** 2, axis=1) / usual_radius**2
-        weights = own / (1.0 + 4.0 * squared) ** 2
+        weights[: len(pre)] = 1.0 / (1.0 + 4.0 * squared[: len(pre)]) ** 2
     near = 2.0 * np.minimum(squared[: len(pre)], 1.0).sum()
     missing = n + m - 2 * len(pre)
     return (near + missing) / (n + m) + (np.sqrt(squared[len(pre) :]).mean() if marks else 0.0), placement

@@ -242,6 +242,29 @@ def test_landmarks_allow_a_vessel_twice_the_change_of_its_course(bow_mm, fits):
             registered(pre, post, marks)
 
 
+@pytest.mark.parametrize("bow_mm", [1.5, 1.8])
+def test_one_landmark_helps_where_the_axes_do_not_fit(bow_mm):
+    """A robust loss on the landmark itself once made its pull vanish, so that .25 of the axes lay on each other."""
+    line, at = vessel().branches["main"].points, [30]
+    bowed = line + bow_mm * np.sin(1.5 * np.linspace(0, 2 * np.pi, len(line)))[:, None] * np.array([0.0, 0.0, 1.0])
+    pre, post = tree_of({"main": line}, {}), tree_of({"main": TURN.apply(bowed) + SHIFT}, {})
+    if bow_mm > 1.5:
+        with pytest.raises(InputError):
+            registered(pre, post)
+    found, match, _ = registered(pre, post, (line[at], TURN.apply(bowed[at]) + SHIFT))
+    assert match.trimmed_mm < 0.45 * match.usual_radius_mm
+    assert np.linalg.norm(found.placement.apply(TURN.apply(bowed) + SHIFT) - line, axis=1).mean() < 1.2
+
+
+def test_a_landmark_does_not_push_aside_axes_that_fit():
+    """It is a millimetre off across the vessel: the axes stay within a fifth of that."""
+    pre, post = vessel(), moved(vessel())
+    at = pre.branches["main"].points[[40]]
+    marks = at + [[0.0, 0.0, 1.0]], TURN.apply(at) + SHIFT
+    found, _, _ = registered(pre, post, marks)
+    assert wrong_by(found, pre)[0] < 0.2
+
+
 @pytest.mark.parametrize("moved_mm, fits", [(2.2, True), (2.4, False)])
 def test_a_landmark_may_be_off_by_a_usual_radius(moved_mm, fits):
     """One of three lies elsewhere in the second lumen; the best fit leaves it 0.99 or 1.08 radii off."""
