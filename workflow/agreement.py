@@ -77,7 +77,7 @@ def page(expected, found, rows):
         *(_largest([row for row in rows if row["key"] == key]) for key in NAMES if any(r["key"] == key for r in rows)),
         "",
         "## All numbers",
-        "Over the stented segment, and FFR past the lesion. Bold is further off than allowed.",
+        "Over the treated segment, and FFR past the lesion. Bold is further off than allowed.",
         "",
         f"| case | state | | {_short(there)} | {_short(here)} | difference | allowed |",
         "| --- | --- | --- | --- | --- | --- | --- |",

@@ -12,7 +12,7 @@ from reports.inputs.reading import existing, read_polydata
 
 HALF_MM, PIXEL_MM = 5.0, 0.05
 WINDOW_HU = (-200.0, 800.0)
-PLACES = ("Proximal end", "Tightest place before", "Distal end")  # of the stented segment and its margins
+PLACES = ("Proximal end", "Tightest place before", "Distal end")  # of the treated segment and its margins
 # state of the image -> states whose lumens are drawn on it: the true one, and that found in it
 IMAGES = {"pre": ("pre", "ct_pre"), "reference": ("reference", "ct")}
 FOUND = ("ct_pre", "ct")
@@ -20,7 +20,7 @@ TRUE_COLOUR, FOUND_COLOUR, PLAQUE_COLOUR = "#5fe3c0", "#ff8ad8", "#e6c229"  # on
 
 
 def ct_figure(files, metrics, folder):
-    """Writes <case>_ct.{svg,png}: a row an image, a column a place across the stented segment. Returns their paths."""
+    """Writes <case>_ct.{svg,png}: a row an image, a column a place across the treated segment. Returns their paths."""
     before = metrics["states"]["pre"]["area"]["profile_mm2"]
     stations = dict(zip(PLACES, (0, int(np.argmin(before)), len(before) - 1)))
     with plt.rc_context({"figure.constrained_layout.use": False}):  # images of one size leave it too much room

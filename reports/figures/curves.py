@@ -1,4 +1,4 @@
-"""A case's curves: pull-back of FFR along the branch, area and curvature along the stented segment."""
+"""A case's curves: pull-back of FFR along the branch, area and curvature along the treated segment."""
 
 import math
 
@@ -63,7 +63,7 @@ def legend_below(figure):
 
 
 def shade_segment(axes, segment):
-    """Marks the stented segment (without its margins)."""
+    """Marks the treated segment (without its margins)."""
     margin = segment["margin_mm"]
     axes.axvspan(segment["s_start_mm"] + margin, segment["s_end_mm"] - margin, color=SEGMENT_COLOUR, zorder=0)
     middle = 0.5 * (segment["s_start_mm"] + segment["s_end_mm"])

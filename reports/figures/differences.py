@@ -1,4 +1,4 @@
-"""Figure of Diff^A and Diff^C along the stented segment, of every patient and of the cohort."""
+"""Figure of Diff^A and Diff^C along the treated segment, of every patient and of the cohort."""
 
 import matplotlib.pyplot as plt
 import numpy as np

@@ -1,4 +1,4 @@
-"""Metrics of one case: area, curvature and FFR of every state over the stented segment, and their differences."""
+"""Metrics of one case: area, curvature and FFR of every state over the treated segment, and their differences."""
 
 import sys
 
@@ -150,7 +150,7 @@ def say_if_partly_covered(profile, segment):
     covered, length = covered_mm(profile, segment)
     if profile.segment.ends_within:
         said = (
-            f"the lumen after the procedure covers {covered:.1f} of the {length:.1f} mm of the stented segment and its"
+            f"the lumen after the procedure covers {covered:.1f} of the {length:.1f} mm of the treated segment and its"
         )
         print(f"{said} margins: every state is compared over that part only", file=sys.stderr, flush=True)
 

@@ -1,4 +1,4 @@
-"""Area, curvature and FFR of one state along its stented segment."""
+"""Area, curvature and FFR of one state along its treated segment."""
 
 import dataclasses
 

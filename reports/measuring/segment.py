@@ -1,4 +1,4 @@
-"""The stented segment: given on the pre-PCI axis, carried to every other state, sampled at equal relative position."""
+"""The treated segment: given on the pre-PCI axis, carried to every other state, sampled at equal relative position."""
 
 import dataclasses
 
@@ -64,7 +64,7 @@ def stented_segment(scene_path, pre_line_path, margin_mm):
     low, high = line.s_mm[0], line.s_mm[-1]
     if not low <= start < end <= high:
         remedy = f"give a segment within {low:.2f} to {high:.2f} mm of branch {branch}"
-        raise InputError("the stented segment is not on its branch", scene_path, f"{start} to {end} mm", remedy)
+        raise InputError("the treated segment is not on its branch", scene_path, f"{start} to {end} mm", remedy)
     start, end = max(low, start - margin_mm), min(high, end + margin_mm)
     return StentedSegment(line, branch, float(start), float(end), line.at(start), line.at(end))
 

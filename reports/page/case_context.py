@@ -13,8 +13,8 @@ from reports.whatif.rows import planner_context
 
 CURVES = (
     ("pullback", "FFR along the stented branch, from the inlet to the outlet, with the band of its estimated error"),
-    ("area", "Cross-sectional area (CSA) of the lumen along the stented segment and its margins"),
-    ("curvature", "Curvature of the centreline along the stented segment and its margins"),
+    ("area", "Cross-sectional area (CSA) of the lumen along the treated segment and its margins"),
+    ("curvature", "Curvature of the centreline along the treated segment and its margins"),
 )
 
 

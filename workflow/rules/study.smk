@@ -6,7 +6,7 @@ STUDY_FIGURES += ["differences"] if INPUTS.any_lumen_after(CASES) else []
 
 rule metrics:
     message:
-        "{wildcards.case}: area, curvature and FFR over the stented segment"
+        "{wildcards.case}: area, curvature and FFR over the treated segment"
     input:
         INPUTS.of_states(
             "{anatomy}/lumen.vtp",
