@@ -165,7 +165,10 @@ def _overlap(a, length_a, b, length_b):
 
 
 def _segment(steps, devices, stents):
-    """Extent of the stents on the first stent's branch; of the balloons where there is no stent."""
+    """Extent of the stents on the first stent's branch; of the balloons where there is no stent.
+
+    What protrudes into the parent is left out: there the branch has no sections of its own.
+    """
     placed = [device for device, _ in stents] or [device for step in steps for device in step["devices"]]
     branch = placed[0]["branch"]
     spans = [
@@ -178,6 +181,6 @@ def _segment(steps, devices, stents):
     ]
     return {
         "branch": branch,
-        "s_start_mm": round(min(start for start, _ in spans), 3),
+        "s_start_mm": round(max(0.0, min(start for start, _ in spans)), 3),
         "s_end_mm": round(max(end for _, end in spans), 3),
     }

