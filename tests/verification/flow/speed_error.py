@@ -40,9 +40,7 @@ def solved(folder, rings):
     line = ["--centreline", "centreline.vtp"]
     growth.command(folder, "mesh", "lumen.vtp", *line, "--out", *names, *sizes)
     out = f"r{fine}"
-    growth.command(
-        folder, "solve", *names, "--boundary", "boundary.json", *line, "--out", out, "--ffr-tolerance", 0
-    )
+    growth.command(folder, "solve", *names, "--boundary", "boundary.json", *line, "--out", out, "--ffr-tolerance", 0)
     return json.loads((folder / out / "ffr.json").read_text())["meshes"]
 
 
