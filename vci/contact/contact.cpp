@@ -27,6 +27,16 @@ constexpr double deep_fade_share = 0.1;
 // stiffness removed along the slip the steps do not converge; with none removed the contact creeps.
 constexpr double slip_tangent_reduction = 0.7;
 
+// A vertex through which no normal of a surface passes meets the nearest point of a fold. The gap along the normal
+// there is no distance where the vertex lies beside the fold: it is about 0, however far away the vertex is. Beyond
+// `near_fold` (mm) such a vertex has a contact only within 60 degrees of the normal.
+constexpr double near_fold = 0.1, least_cosine = 0.5;
+
+bool lies_beside(const Vec3& way, const Vec3& normal) {
+  const double distance = way.norm();
+  return distance > near_fold && std::abs(way.dot(normal)) < least_cosine * distance;
+}
+
 /// Quadratic over the width w, then linear; nothing below a = 0.
 PenaltyResponse ramp(double a, double stiffness, double w) {
   if (a <= 0)
@@ -187,6 +197,8 @@ void SurfaceContact::measure(const System& system, const Normals& normals, int f
       continue; // the surfaces do not face each other here
     const Vec3 q = projection.weights[0] * system.x[t[0]] + projection.weights[1] * system.x[t[1]] +
                    projection.weights[2] * system.x[t[2]];
+    if (!projection.along_normals && lies_beside(q - p, n))
+      continue;
     const double gap =
         sign * (n.dot(q - p) + (settings_.smooth ? sagitta(t, projection.weights, system.x, units) : 0.0));
     fade.deep *= deep_scale[place];

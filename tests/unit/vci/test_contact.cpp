@@ -1,4 +1,5 @@
 // Closest points, the broad phase and the one-sided contact law.
+#include "contact_checks.hpp"
 #include "vci/contact/contact.hpp"
 #include "vci/geometry/closest_point.hpp"
 #include <algorithm>
@@ -65,6 +66,40 @@ TEST(BroadPhase, FindsWhatASearchOverAllTrianglesFinds) {
   }
   EXPECT_GT(none, 5u) << "some points have nothing near";
   EXPECT_GT(hits, 20u) << "the search must find something to be a test";
+}
+
+TEST(SurfaceContact, AVertexBesideAFoldHasNoContact) {
+  // A crumpled sheet, and small triangles anywhere near it. The gap of a contact along the normal is a distance.
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> number(-1, 1);
+  System system;
+  contact_checks::add_sheet(system, 9, 0.4, {0, 0, 0}, true);
+  for (Vec3& p : system.x)
+    p += Vec3(0.1 * number(random), 0.1 * number(random), 0.5 * number(random));
+  Vectors points;
+  Triangles triangles;
+  for (int k = 0; k < 2000; ++k) {
+    const Vec3 p(1.6 + 1.2 * number(random), 1.6 + 1.2 * number(random), number(random));
+    const int v = static_cast<int>(points.size());
+    for (int corner = 0; corner < 3; ++corner)
+      points.push_back(p + 0.05 * Vec3(number(random), number(random), number(random)));
+    triangles.push_back({v, v + 1, v + 2});
+  }
+  system.add_body("crumbs", points, triangles, 1, std::vector<char>(points.size(), 0));
+  ContactSettings settings;
+  settings.smooth = false;
+  SurfaceContact contact(1, 0, settings);
+  std::vector<ContactPoint> found;
+  contact.detect(system, area_vectors(system), found);
+  int far = 0;
+  for (const ContactPoint& point : found) {
+    Vec3 way = Vec3::Zero();
+    for (int k = 0; k < 4; ++k)
+      way += point.stencil.weight[k] * system.x[point.stencil.vertex[k]];
+    far += way.norm() > 0.1;
+    EXPECT_TRUE(way.norm() <= 0.1 || std::abs(point.gap) > 0.499 * way.norm()) << way.norm() << ", gap " << point.gap;
+  }
+  EXPECT_GT(far, 100) << "a vertex that is far through the sheet still has its contact";
 }
 
 TEST(ContactRamp, IsSmoothOneSidedAndDerivesFromItsEnergy) {
