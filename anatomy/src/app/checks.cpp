@@ -13,13 +13,13 @@ namespace {
 namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
 
-constexpr double least_move = 1e-3;       // mm
-constexpr double most_off_surface = 1e-2; // mm from the given surface, more is warned of
-constexpr double smallest_angle = 30;     // degrees
-constexpr double rough = 0.15;            // edges, rms: flat ends are found to 12 degrees
-constexpr double least_stub = 0.4;        // mean radii that a stub stands out by, measured as its tip's prominence
-constexpr double tube = 1.5;              // of its radius that it stands out by: a sac is as wide as it is long
-constexpr double narrowest_stub = 0.3;    // mm, radius
+constexpr double least_move = 1e-3;    // mm
+constexpr double much_of_cap = 0.1;    // radii that a cap was moved by: as a tilt of 6 degrees, half a per cent of area
+constexpr double smallest_angle = 30;  // degrees
+constexpr double rough = 0.15;         // edges, rms: flat ends are found to 12 degrees
+constexpr double least_stub = 0.4;     // mean radii that a stub stands out by, measured as its tip's prominence
+constexpr double tube = 1.5;           // of its radius that it stands out by: a sac is as wide as it is long
+constexpr double narrowest_stub = 0.3; // mm, radius
 
 } // namespace
 
@@ -85,7 +85,7 @@ void report_move(std::vector<Repair>& repairs, const Move& move, std::size_t end
   if (move.distance > least_move)
     repairs.push_back({"caps flattened", ends,
                        "moved up to " + std::to_string(move.distance) + " mm at " + place(move.to),
-                       move.distance > most_off_surface});
+                       move.share > much_of_cap});
 }
 
 void warn_of_corner(std::vector<Repair>& repairs, const Quality& quality) {

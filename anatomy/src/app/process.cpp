@@ -175,12 +175,12 @@ Anatomy process(const Options& options, StepTimer& timer) {
   out.sections = cut_sections(prepared.mesh, out.branches, out.ends, prepared.splits);
   smooth_noisy_areas(out.branches, out.sections, out.repairs);
   std::size_t said = out.repairs.size();
-  warn_of_few_voxels(out.branches, out.sections, prepared.voxels, out.repairs);
   timer.start("lesions");
   out.profiles = reference_profiles(out.branches, out.sections, out.repairs);
-  say_warnings(out.repairs, said);
   out.lesions = find_lesions(out.branches, out.sections, out.profiles);
   set_area_errors(out.lesions, prepared.voxels);
+  note_few_voxels(out.branches, out.sections, out.lesions, prepared.voxels, out.repairs);
+  say_warnings(out.repairs, said);
   timer.start("grade");
   retag(prepared.mesh, out.ends, before);
   out.mesh = graded_mesh(start, kept, prepared.mesh, EdgeField(options.edge, out.branches, out.profiles));

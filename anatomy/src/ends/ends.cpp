@@ -94,8 +94,11 @@ Move flatten_caps(Mesh& mesh) {
       const Vec3 p = vec(mesh.point(v));
       const double off = end.normal.dot(Vec3(p - end.centre));
       mesh.point(v) = point(p - off * end.normal);
-      if (std::abs(off) > largest.distance)
-        largest = {std::abs(off), vec(mesh.point(v))};
+      largest.share = std::max(largest.share, std::abs(off) / end.radius());
+      if (std::abs(off) > largest.distance) {
+        largest.distance = std::abs(off);
+        largest.to = vec(mesh.point(v));
+      }
     }
   }
   return largest;

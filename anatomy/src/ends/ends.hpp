@@ -16,6 +16,7 @@ void drop_scraps_of_caps(Mesh& mesh, const std::set<int>& single, std::vector<Re
 /// How far the largest move went, and where to.
 struct Move {
   double distance = 0; ///< mm
+  double share = 0;    ///< the largest in radii of its own cap
   Vec3 to = Vec3::Zero();
 };
 

@@ -1,4 +1,5 @@
 #include "measure/coarse_mask.hpp"
+#include <algorithm>
 
 namespace anatomy {
 namespace {
@@ -18,11 +19,12 @@ double area_error(double area, const Voxels& voxels) {
 
 } // namespace
 
-void warn_of_few_voxels(const std::vector<Branch>& branches, const std::vector<Section>& sections, const Voxels& voxels,
-                        std::vector<Repair>& notes) {
+void note_few_voxels(const std::vector<Branch>& branches, const std::vector<Section>& sections,
+                     const std::vector<Lesion>& lesions, const Voxels& voxels, std::vector<Repair>& notes) {
   const Section* narrowest = nullptr;
-  std::size_t count = 0;
+  std::size_t count = 0, measured = 0;
   for (const Section& section : sections) {
+    measured += section.flag != "end";
     if (section.flag == "end" || area_error(section.area, voxels) == 0)
       continue;
     ++count;
@@ -41,7 +43,8 @@ void warn_of_few_voxels(const std::vector<Branch>& branches, const std::vector<S
                 voxels.of_mask ? "segment an image of smaller voxels"
                                : "the surface was contoured on a grid of that spacing; if that was a segmented "
                                  "image's, give the labels themselves or an image of smaller voxels");
-  notes.push_back({"lumen of few voxels", count, detail, true});
+  const bool lesion = std::any_of(lesions.begin(), lesions.end(), [](const Lesion& l) { return l.mla_error > 0; });
+  notes.push_back({"lumen of few voxels", count, detail, lesion || 2 * count > measured});
 }
 
 std::string line_of(const Voxels& voxels) {

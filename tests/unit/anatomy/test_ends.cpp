@@ -1,3 +1,4 @@
+#include "app/checks.hpp"
 #include "common/error.hpp"
 #include "ends/cap_open_ends.hpp"
 #include "ends/ends.hpp"
@@ -238,6 +239,19 @@ TEST(Ends, AScrapBesideACapIsWallAgain) {
   EXPECT_TRUE(shapes::reported(repairs, "scrap of a cap taken as wall"));
   EXPECT_EQ(region[scrap], 0);
   expect_the_cones_ends(measured_ends(mesh));
+}
+
+TEST(Ends, ACapThatIsMovedByATenthOfItsRadiusIsWarnedOf) {
+  for (const auto& [share, warned] : {std::pair{0.09, false}, {0.11, true}}) {
+    std::vector<Repair> repairs;
+    Move move;
+    move.distance = 1.5 * share;
+    move.share = share;
+    report_move(repairs, move, 2);
+    ASSERT_EQ(repairs.size(), 1u);
+    EXPECT_EQ(repairs[0].what, "caps flattened");
+    EXPECT_EQ(repairs[0].warning, warned) << share;
+  }
 }
 
 } // namespace

@@ -93,6 +93,18 @@ def test_a_lumen_of_few_voxels_is_said_with_its_place(lumen, tmp_path, voxels):
         assert said == pytest.approx(voxels * np.sqrt(ratio.min()), rel=0.02)
 
 
+def test_few_voxels_at_the_end_of_a_healthy_vessel_are_noted(lumen, tmp_path):
+    """From 1.6 to 0.9 mm in radius: below two voxels of 0.5 mm over the last few mm, where nothing is narrowed."""
+    matrix = masks.affine([0.5] * 3)
+    labels, *_ = vessel(matrix, (122, 36, 38), ((10.3, 15.1, 16.7), (110.2, 19.4, 20.9)), (1.6, 0.9))
+    done = lumen(masks.nrrd(tmp_path / "mask.nrrd", labels, matrix), tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    summary = json.loads((tmp_path / "out" / "anatomy.json").read_text())
+    (note,) = [one for one in summary["repairs"] if one["what"] == "lumen of few voxels"]
+    assert all(lesion["mla_error_percent"] == 0 for lesion in summary["lesions"]) and not note["warning"]
+    assert "warning: lumen of few voxels" not in done.stderr
+
+
 @pytest.mark.parametrize("grid, voxels", [(0.35, 1.6), (0.2, 2.8), (None, 1.6)], ids=["coarse", "fine", "no grid"])
 def test_a_surface_of_few_voxels_says_its_error(process, tmp_path, grid, voxels):
     """A throat in a file that does not say it was segmented; the same drawn without a grid has no such error."""
