@@ -25,6 +25,7 @@ from workflow.inputs import (
     output_folder,
     programs_folder,
     solved_plans,
+    start_option,
     stent_options,
     study_folder,
     test_results,

@@ -115,8 +115,18 @@ def solve_command(arguments):
     from flow import solve
 
     case = _case(arguments)
-    answer = solve.run([*arguments.coarse, arguments.mesh], case, arguments.out)
+    start = _start(arguments, case) if arguments.start and case.settings.model == "3d" else None
+    answer = solve.run([*arguments.coarse, arguments.mesh], case, arguments.out, start)
     print(solve.in_words(answer))
+
+
+def _start(arguments, case):
+    """inputs.solution.Start of the state that `flow solve` starts from. Raises InputError."""
+    from flow.geometry import centreline
+    from flow.inputs import solution
+
+    folder, line = arguments.start
+    return solution.read(folder, case.original, centreline.read(line))
 
 
 def audit_command(arguments):
@@ -198,6 +208,12 @@ def parser():
     solve = commands.add_parser("solve", help=solve_command.__doc__)
     _add_solved(solve)
     solve.add_argument("--out", required=True, help="folder for solution.vtu, ffr.json, pullback.csv")
+    solve.add_argument(
+        "--start",
+        nargs=2,
+        metavar=("FOLDER", "CENTRELINE"),
+        help="a solved state of the same vessel and its centreline.vtp, whose flow is the first guess (model 3d)",
+    )
     solve.set_defaults(run=solve_command)
 
     audit = commands.add_parser("audit", help=audit_command.__doc__)

@@ -50,13 +50,20 @@ class Search:
         self.document, self.settings, self.tree, self.predicted = document, settings, tree, predicted
         self.meshes, self.spent = [], 0
 
-    def run(self, paths):
+    def run(self, paths, start=None):
         """The Solved that answers: on the first mesh of `paths`, coarse first, that is good enough, or the better one.
 
+        start: inputs.solution.Start, the flow of another state of the vessel. The mesh of the same place in the
+        sequence as the one that answered there is solved from it; where that finds no flow all go the usual way.
         Raises ComputationError where no mesh has a flow.
         """
-        answer = None
-        for path in paths:
+        answer, left = self.from_state(paths, start), paths
+        if answer:
+            if within(answer.estimate, self.settings):
+                return answer
+            answer.problem.release()
+            left = paths[paths.index(answer.path) + 1 :]
+        for path in left:
             effort = BEGUN if path in paths[:-2] else NEAR if answer and path == paths[-1] else WHOLE
             try:
                 solved = self.on_mesh(path, answer, effort)
@@ -79,11 +86,27 @@ class Search:
         print(f"{answer.path} answers", file=sys.stderr, flush=True)
         return answer
 
-    def on_mesh(self, path, before, effort):
-        """Solved on a mesh, from the flow on the one before, with which its error is estimated too; effort: as
-        solvers.solved_mesh has it. Raises ComputationError."""
+    def from_state(self, paths, start):
+        """Solved from the flow of another state; None where there is none, it kept an artificial viscosity, or Newton's
+        method does not lead from it to a flow."""
+        names = [pathlib.Path(path).name for path in paths]
+        if start is None or start.artificial > 0 or start.mesh not in names:
+            return None
+        path = paths[names.index(start.mesh)]
+        try:
+            return self.on_mesh(path, None, WHOLE, start)
+        except ComputationError as error:
+            made = getattr(error, "factorizations", 0)
+            self.spent += made
+            self.meshes.append({"mesh": start.mesh, "status": "no flow", "factorizations": made})
+            print(f"{path}: no flow from that of the other state", file=sys.stderr, flush=True)
+            return None
+
+    def on_mesh(self, path, before, effort, start=None):
+        """Solved on a mesh, from the flow on the one before, with which its error is estimated too, or from that of
+        another state; effort: as solvers.solved_mesh has it. Raises ComputationError."""
         begin, case = time.process_time(), (self.document, self.settings, self.tree, self.predicted)
-        solved = solve_mesh(path, *case, before, self.spent, effort)
+        solved = solve_mesh(path, *case, before, self.spent, effort, start)
         solved.estimate = error_estimate.of(solved, self.document, self.tree, self.at_probes, before)
         self.spent += solved.problem.solver.factorizations
         solved.cpu_seconds = time.process_time() - begin

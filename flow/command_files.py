@@ -67,6 +67,8 @@ def _solved(arguments):
     meshes = [arguments.mesh, *arguments.coarse]
     read = [*meshes, arguments.boundary, arguments.centreline, arguments.mesh_report]
     read += [pathlib.Path(path).with_suffix(".json") for path in meshes]
+    if getattr(arguments, "start", None):
+        read += [pathlib.Path(arguments.start[0]) / name for name in output.FILES] + [arguments.start[1]]
     return [*read, arguments.lumen, *beside_centreline(arguments)]
 
 

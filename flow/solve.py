@@ -19,10 +19,10 @@ from flow.solvers import solved_mesh
 LARGE = 0.05  # difference of the models' FFR that is said
 
 
-def run(paths, case, folder):
+def run(paths, case, folder, start=None):
     """Solves and writes solution.vtu, pullback.csv and ffr.json to `folder`; returns the document of ffr.json.
 
-    paths: of the meshes, the coarsest first; case: reduced.extended.Extended.
+    paths: of the meshes, the coarsest first; case: reduced.extended.Extended; start: inputs.solution.Start.
     """
     begin, begin_cpu = time.perf_counter(), _cpu_seconds()
     spaces.check_coarser(paths)
@@ -33,7 +33,7 @@ def run(paths, case, folder):
     print(f"1D network: FFR {models['network']['ffr']:.4f}", file=sys.stderr, flush=True)
     if settings.model == "3d":
         search = adaptive.Search(document, settings, tree, predicted)
-        solved = search.run(paths)
+        solved = search.run(paths, start)
         estimate = solved.estimate
         reference = ffr.reference_pa(document, tree, solved.sampler)
         probes = ffr.at_probes(document["probes"], tree, solved.sampler, reference)

@@ -199,6 +199,15 @@ class Inputs:
             "anatomy": f"{folder}/anatomy.json",
         }
 
+    def start_files(self, wildcards):
+        """What a state's flow starts from: that of the predicted lumen, which its lumen resembles. None for the
+        prediction and for the state before."""
+        if wildcards.state in ("pre", "vci"):
+            return {}
+        case = f"{self.results}/cases/{wildcards.case}"
+        start = [f"{case}/flow/vci/{name}" for name in ("solution.vtu", "ffr.json")]
+        return {"start": start, "start_centreline": f"{case}/vci/anatomy/centreline.vtp"}
+
     def state_lumen(self, wildcards):
         """The lumen that a state's anatomy step measures.
 
@@ -322,6 +331,13 @@ def output_folder(wildcards, output):
 def frames_option(wildcards, output):
     """Command-line option of `vci deploy` for the states at each stage's end; empty if the rule has no `frames`."""
     return f"--frames {output.frames}" if "frames" in output.keys() else ""
+
+
+def start_option(wildcards, input):
+    """Command-line option of `flow solve` for the state that it starts from; empty if there is none."""
+    if "start" not in input.keys():
+        return ""
+    return f"--start {os.path.dirname(input.start[0])} {input.start_centreline}"
 
 
 def anatomy_folder(wildcards, input):

@@ -54,11 +54,12 @@ def from_guess(problem, coarse, onward=True):
 
     The start is the last flow with eps > 0 on that mesh's path, or one before it if this fails. From the flow at
     eps = 0 Newton's method often fails, as the jets of two meshes differ. onward: eps is followed towards 0 even if
-    that mesh did not reach 0. Raises ComputationError.
+    that mesh did not reach 0. A mesh that was solved from another state has a flow with eps = 0 alone: where this fails
+    it is the guess at eps = BEGUN. Raises ComputationError.
     """
     problem.boundaries.full()
     starts = coarse.passed or [(coarse.artificial, coarse.state.x.array, coarse.inflow)]
-    starts = [one for one in starts if one[0] > 0] or starts
+    starts = [one for one in starts if one[0] > 0] or [(BEGUN, *starts[-1][1:]), starts[-1]]
     for eps, values, inflow in starts[: -STARTS - 1 : -1]:
         problem.set_guess(coarse.space, values, inflow)
         found = _reached(problem, eps, ON_THE_WAY if eps > 0 else TO_THE_END)

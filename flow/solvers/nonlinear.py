@@ -17,10 +17,13 @@ from petsc4py import PETSc
 
 from common.errors import ComputationError
 from flow.discretisation import compat, flow_state
-from flow.solvers import continuation, linear, predicted_start, ramp, anderson
+from flow.solvers import anderson, continuation, linear, newton, predicted_start, ramp
 from flow.discretisation import tangent
 from flow.physics import viscosity
 from flow.discretisation.forms import NavierStokes
+
+
+FROM_STATE = 6  # factorizations from the flow of another state, after which the usual way is taken
 
 
 @dataclasses.dataclass
@@ -233,6 +236,20 @@ class FlowProblem(flow_state.FlowState):
             self.passed.clear()
             self.restart()
             return None
+
+    def solve_from_state(self, start):
+        """Outcome at full flow from that of another state of the vessel (inputs.solution.Start), without artificial
+        viscosity. Raises ComputationError where Newton's method does not lead there."""
+        self.boundaries.full()
+        self.forms.artificial.value = 0.0
+        self.take(*start.at(self.space.nodes()[0]), start.inflow)
+        settings = self.settings
+        found = newton.newton(self, settings.residual_absolute, settings.residual_relative, FROM_STATE)
+        if not found.converged:
+            raise self.stalled(found)
+        self.passed.append((0.0, self.state.x.array.copy(), self.inflow))
+        found.iterations = self.solver.factorizations
+        return found
 
     def stalled(self, found):
         """ComputationError that says where and with which residual (of Outcome `found`, if any) the way ended."""

@@ -35,10 +35,11 @@ class Solved:
         self.boundaries.destroy()
 
 
-def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0, effort=WHOLE):
-    """Solved from a mesh file; the guess is that of `start` (Solved on another mesh), else of `predicted` (Predictor).
+def solve_mesh(path, document, settings, tree, predicted, before=None, spent=0, effort=WHOLE, start=None):
+    """Solved from a mesh file; the guess is that of `before` (Solved on another mesh), else of `predicted` (Predictor).
 
-    spent: factorizations already made of those allowed; effort: BEGUN, WHOLE or NEAR. Raises ComputationError.
+    spent: factorizations already made of those allowed; effort: BEGUN, WHOLE or NEAR; start: inputs.solution.Start,
+    the flow of another state, in place of both. Raises ComputationError.
     """
     space = spaces.read(path)
     ffr.check_inside(document["probes"], tree, space)
@@ -56,7 +57,9 @@ def solve_mesh(path, document, settings, tree, predicted, start=None, spent=0, e
     try:
         outcome = None
         if start is not None:
-            outcome = problem.solve_from_guess(start.problem, effort == WHOLE)
+            outcome = problem.solve_from_state(start)
+        elif before is not None:
+            outcome = problem.solve_from_guess(before.problem, effort == WHOLE)
         if outcome is None:
             outcome = problem.solve(resistances_at, predicted, effort == BEGUN)
     except ComputationError as error:

@@ -13,6 +13,7 @@ CASE = "quick_focal"
 OTHER = "quick_branch"
 FROM_CT = ("ct_vci", "ct_rc")
 STATES = ("pre", "vci", "rc", "reference", "ct", *FROM_CT)
+STARTED = ("rc", "reference", "ct", *FROM_CT)  # their flows start from that of `vci`
 ANATOMIES = ("state_anatomy", "half_maximum_anatomy")  # of lumens found in CT
 
 
@@ -33,8 +34,10 @@ def end_of_case(case):
 
 
 def flow_of(case, states=STATES):
-    """Mesh and solution of the states."""
-    return {f"{rule} {case} {state}" for rule in ("flow_mesh", "flow_solve") for state in states} | varied(case)
+    """Mesh and solution of the states; the flows of the others start from that of the prediction."""
+    solved = {*states, *STARTED} if "vci" in states else states
+    meshed = {f"flow_mesh {case} {state}" for state in states}
+    return meshed | {f"flow_solve {case} {state}" for state in solved} | varied(case)
 
 
 def ct_of(case, states=("pre", "reference")):

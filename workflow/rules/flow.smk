@@ -52,6 +52,7 @@ rule flow_solve:
         "{wildcards.case}: flow of {wildcards.state}"
     input:
         unpack(INPUTS.anatomy_files),
+        unpack(INPUTS.start_files),
         mesh="results/cases/{case}/flow/{state}/mesh.msh",
         coarse=COARSE_FILES,
         summary="results/cases/{case}/flow/{state}/mesh.json",
@@ -70,11 +71,12 @@ rule flow_solve:
         **by_size((1000, 600), (5, 2), "mesh"),
     params:
         out=output_folder,
+        start=start_option,
     shell:
         "workflow/run.sh {log} /usr/bin/python3 -m flow solve {input.mesh} --coarse {input.coarse}"
         " --boundary {input.boundary} --centreline {input.centreline} --anatomy {input.anatomy}"
         " --sections {input.sections} --lumen {input.lumen} --mesh-report {input.summary} --settings {input.settings}"
-        " --out {params.out}"
+        " {params.start} --out {params.out}"
 
 
 rule flow_audit:

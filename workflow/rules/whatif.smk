@@ -97,6 +97,8 @@ use rule flow_solve as plan_solve with:
         mesh="results/cases/{case}/plans/{plan}/flow/mesh.msh",
         coarse=[f"results/cases/{{case}}/plans/{{plan}}/flow/{name}" for name in COARSE_MESHES],
         summary="results/cases/{case}/plans/{plan}/flow/mesh.json",
+        start=["results/cases/{case}/flow/vci/solution.vtu", "results/cases/{case}/flow/vci/ffr.json"],
+        start_centreline="results/cases/{case}/vci/anatomy/centreline.vtp",
         boundary="results/cases/{case}/flow/boundary.json",
         settings="results/cases/{case}/settings/flow.json",
         code=command_code("flow", "solve_command"),

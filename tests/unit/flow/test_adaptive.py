@@ -32,13 +32,13 @@ class _Mesh:
 def search(monkeypatch):
     """search({mesh: (ffr, eps, estimate) or None: no flow}) -> Solved, Search, [(mesh, mesh it starts from)]."""
 
-    def run(meshes, **values):
+    def run(meshes, state=None, **values):
         tried, efforts = [], []
 
-        def solve_mesh(path, document, chosen, tree, predicted, start, spent, effort):
-            tried.append((path, start and start.path))
+        def solve_mesh(path, document, chosen, tree, predicted, before, spent, effort, start):
+            tried.append((path, "state" if start else before and before.path))
             efforts.append(effort)
-            if meshes[path] is None:
+            if meshes[path] is None or start and start.leads_nowhere:
                 error = ComputationError("stalled", path, 0, "none")
                 error.factorizations = 3
                 raise error
@@ -49,7 +49,7 @@ def search(monkeypatch):
         monkeypatch.setattr(adaptive.Search, "at_probes", lambda self, sampler: [sampler])
         found = adaptive.Search(None, settings.make(**values), None, None)
         found.efforts = efforts
-        return found.run(list(meshes) if len(meshes) > 2 else PATHS), found, tried
+        return found.run(list(meshes) if len(meshes) > 2 else PATHS, state), found, tried
 
     return run
 
@@ -137,3 +137,29 @@ def test_without_factorizations_left_the_fine_mesh_is_not_begun(search):
 def test_without_any_flow_the_solve_is_refused(search):
     with pytest.raises(ComputationError, match="stalled"):
         search({"coarse.msh": None, "fine.msh": None})
+
+
+def _state(mesh, artificial=0.0, leads_nowhere=False):
+    """What adaptive asks of an inputs.solution.Start."""
+    return types.SimpleNamespace(mesh=mesh, artificial=artificial, leads_nowhere=leads_nowhere)
+
+
+ALL_GOOD = {name: (0.8, 0.0, GOOD) for name in THREE}
+
+
+@pytest.mark.parametrize(
+    ("state", "estimates", "tries"),
+    [
+        (_state("coarse.msh"), {}, [("coarse.msh", "state")]),
+        (_state("coarse.msh"), {"coarse.msh": WIDE}, [("coarse.msh", "state"), ("fine.msh", "coarse.msh")]),
+        (_state("coarse.msh", leads_nowhere=True), {}, [("coarse.msh", "state"), ("coarsest.msh", None)]),
+        (_state("coarse.msh", artificial=0.003), {}, [("coarsest.msh", None)]),
+        (_state("other.msh"), {}, [("coarsest.msh", None)]),
+    ],
+    ids=["answers", "goes on to the finer mesh", "leads nowhere", "kept some eps", "of other meshes"],
+)
+def test_the_mesh_that_answered_in_another_state_starts_from_it(search, state, estimates, tries):
+    flows = ALL_GOOD | {name: (0.8, 0.0, estimate) for name, estimate in estimates.items()}
+    solved, found, tried = search(flows, state)
+    assert tried == tries and solved.path == tries[-1][0]
+    assert found.spent == 3 * len(tries) and [mesh["mesh"] for mesh in found.meshes] == [one[0] for one in tries]

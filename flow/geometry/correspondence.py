@@ -1,0 +1,49 @@
+"""Which place of one lumen is a given place of another state of the same vessel, by the two centrelines.
+
+A point keeps its branch, its relative position along it, the direction in which it lies off the axis, and its distance
+in vessel radii. So a lumen that a stent has straightened or widened is laid on the one before.
+"""
+
+import numpy as np
+
+
+class Correspondence:
+    """From the lumen of `tree` to that of `other` (both geometry.centreline.Tree, with the same branches)."""
+
+    def __init__(self, tree, other):
+        self.tree = tree
+        own, there = [], []
+        for branch in tree:
+            match = other[branch.name]
+            s_mm = branch.s_mm * match.length_mm / branch.length_mm
+            own.append((branch.points, _tangents(branch.points), branch.radius_mm))
+            there.append((match.point(s_mm), _tangents(match.point(s_mm)), match.radius(s_mm)))
+        self.points, tangents, radii = (np.concatenate(part) for part in zip(*own))
+        self.others, other_tangents, other_radii = (np.concatenate(part) for part in zip(*there))
+        self.tangents, self.ratio = tangents, other_radii / radii
+        self.turns = _least_turns(tangents, other_tangents)
+
+    def __call__(self, points_mm):
+        """For points (n, 3) in mm: the places (n, 3) in the other lumen, the turns (n, 3, 3) of directions into it, and
+        the other radius over this one (n,)."""
+        nearest, _ = self.tree.nearest(points_mm)
+        offset = points_mm - self.points[nearest]
+        along = np.einsum("ij,ij->i", offset, self.tangents[nearest])[:, None] * self.tangents[nearest]
+        ratio, turns = self.ratio[nearest], self.turns[nearest]
+        moved = along + ratio[:, None] * (offset - along)
+        return self.others[nearest] + np.einsum("nij,nj->ni", turns, moved), turns, ratio
+
+
+def _tangents(points):
+    """Unit tangents (n, 3) of a polyline."""
+    change = np.gradient(points, axis=0)
+    return change / np.linalg.norm(change, axis=1, keepdims=True)
+
+
+def _least_turns(before, after):
+    """Rotations (n, 3, 3) that take unit vectors (n, 3) into others by the shortest way (Rodrigues' formula)."""
+    cross, cosine = np.cross(before, after), np.einsum("ij,ij->i", before, after)
+    skew = np.zeros((len(before), 3, 3))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        skew[:, i, j], skew[:, j, i] = -cross[:, k], cross[:, k]
+    return np.eye(3) + skew + skew @ skew / (1.0 + np.maximum(cosine, -0.99))[:, None, None]

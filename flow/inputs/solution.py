@@ -1,0 +1,77 @@
+"""The flow of another state of the same vessel, as a first guess: `flow solve --start FOLDER`."""
+
+import dataclasses
+import pathlib
+
+import numpy as np
+import vtk
+from vtk.util.numpy_support import vtk_to_numpy
+
+from common import json_reader
+from common.errors import InputError
+from flow.geometry import correspondence, locate, tet10
+
+REMEDY = "give the folder that `flow solve` wrote"
+M_PER_MM = 1e-3
+WIDEST = 2.0  # times that a velocity may grow by the ratio of the areas
+
+
+@dataclasses.dataclass
+class Start:
+    """A solved state: nodes (n, 3) in mm and cells (m, 10) of its mesh, velocity (n, 3) and pressure (n,) in SI.
+
+    places: geometry.correspondence.Correspondence from the lumen to be solved. mesh: name of the mesh file that
+    answered; inflow in m3/s; artificial: eps of the answer.
+    """
+
+    nodes_mm: np.ndarray
+    cells: np.ndarray
+    velocity: np.ndarray
+    pressure: np.ndarray
+    inflow: float
+    artificial: float
+    mesh: str
+    places: correspondence.Correspondence
+
+    def at(self, points):
+        """Guesses of velocity (n, 3) and pressure (n,) at points (n, 3) in m of the lumen to be solved.
+
+        The same flow passes another area there, so velocities go with the ratio of the areas.
+        """
+        where, turns, ratio = self.places(points / M_PER_MM)
+        cell, lam, _ = locate.Locator(self.nodes_mm, self.cells).find(where)
+        weights, nodes = tet10.basis(lam), self.cells[cell]
+        velocity = np.einsum("mn,mnd->md", weights, self.velocity[nodes])
+        velocity = np.einsum("nji,nj->ni", turns, velocity) * np.clip(ratio**2, 1 / WIDEST, WIDEST)[:, None]
+        return velocity, np.einsum("mn,mn->m", weights, self.pressure[nodes])
+
+
+def read(folder, tree, other):
+    """Start from the folder of a solve; tree, other: centrelines of the lumen to be solved and of that state's.
+
+    Raises InputError for files that are missing or of another kind, and where the branches are not the same.
+    """
+    path, answer = pathlib.Path(folder) / "solution.vtu", pathlib.Path(folder) / "ffr.json"
+    for file in (path, answer):
+        if not file.is_file():
+            raise InputError("no such file", file, "missing", REMEDY)
+    names, others = ({branch.name for branch in one} for one in (tree, other))
+    if names != others:
+        value = f"{', '.join(sorted(others))}; the lumen has {', '.join(sorted(names))}"
+        raise InputError("the state to start from has other branches", "--start", value, "leave --start out")
+    document = json_reader.read(answer, "ffr.json").data
+    if "mesh" not in document:
+        raise InputError("no flow in three dimensions to start from", answer, "no mesh", "solve it with model 3d")
+    reader = vtk.vtkXMLUnstructuredGridReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    grid = reader.GetOutput()
+    values = {name: grid.GetPointData().GetArray(name) for name in ("velocity_m_per_s", "pressure_pa")}
+    if grid.GetNumberOfCells() == 0 or grid.GetMaxCellSize() != 10 or not all(values.values()):
+        raise InputError("not a solution of the flow", path, f"{grid.GetNumberOfCells()} cells", REMEDY)
+    cells = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, 10).astype(int)
+    points = vtk_to_numpy(grid.GetPoints().GetData()).astype(float)
+    fields = [vtk_to_numpy(values[name]).astype(float) for name in values]
+    inflow, artificial = document["inlet_flow_m3_per_s"], document["artificial_viscosity"]
+    places = correspondence.Correspondence(tree, other)
+    return Start(points, cells, *fields, inflow, artificial, document["mesh"], places)
