@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 from .tree import STEP_MM
 
 SCALE = 0.25  # of the usual radius: larger residuals hardly pull, such as those of a stretch that a stent straightened
-# Of all landmarks together against all of the axes. It is enough to decide what the axes leave open, such as a turn about
-# a straight vessel, and too little to push axes aside that lie well.
+# Of all landmarks together against all of the axes. It is enough to decide what the axes leave open, such as a turn
+# about a straight vessel, and too little to push axes aside that lie well.
 LANDMARK_WEIGHT = 0.1
 RADIUS_WEIGHT = 0.5  # of a difference of radii against one of places: it says where along a straight vessel one is
 
