@@ -408,6 +408,34 @@ rule flow_tree_against_openfoam:
         "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out} {params.states}"
 
 
+rule flow_speed_error:
+    message:
+        "benchmark: FFR's error against CPU seconds over the mesh sequence, beside OpenFOAM, by its own name only"
+    input:
+        code=flow_benchmark_code("speed_error"),
+        script="tests/verification/flow/speed_error.py",
+        tube="results/benchmarks/flow_against_openfoam/benchmark.csv",
+        tree="results/benchmarks/flow_tree_against_openfoam/tree.csv",
+        boundary="results/cases/quick_branch/flow/boundary.json",
+        lumens=["results/cases/quick_branch/anatomy/lumen.vtp", "results/cases/quick_branch/vci/anatomy/lumen.vtp"],
+    output:
+        "results/benchmarks/flow_speed_error/speed_error.csv",
+        "results/benchmarks/flow_speed_error/speed_error.png",
+    log:
+        "results/benchmarks/logs/flow_speed_error.log",
+    benchmark:
+        "results/benchmarks/logs/flow_speed_error.tsv"
+    threads: ALONE
+    resources:
+        **NODE,
+    params:
+        out=output_folder,
+        states="results/cases/quick_branch/pre results/cases/quick_branch/vci",
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 {input.script} --out {params.out} {params.states}"
+        " --openfoam-tube {input.tube} --openfoam-tree {input.tree}"
+
+
 rule flow_fda_jet:
     message:
         "benchmark: the jet of the FDA's nozzle by laboratories, axisymmetric solution and default settings, by its own name only"

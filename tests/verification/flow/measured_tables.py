@@ -42,6 +42,19 @@ TABLES = {
             "our_cpu_s": "ours, CPU s",
         },
     ),
+    "flow_speed_error": (
+        "speed_error.csv",
+        {
+            "case": "case",
+            "solver": "solver",
+            "mesh": "mesh",
+            "size": "unknowns or cells",
+            "cpu_s": "CPU s",
+            "error": "error",
+            "estimate": "estimate",
+            "answers": "default stops",
+        },
+    ),
     "flow_fda_jet": (
         "jet.csv",
         {"row": "z, mm", **{f"z_{z}": f"{z}" for z in (-20, -8, 0, 8, 16, 24, 32, 60, 80)}, "within": "within 2 SD"}

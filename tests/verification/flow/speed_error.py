@@ -1,0 +1,166 @@
+"""Error of FFR against CPU seconds over the mesh sequence: tests/verification/flow/speed_error.py --out DIR STATE ...
+
+The narrowed tube `single_62` is judged by the axisymmetric solution. A STATE (results/cases/<case>/<state>) is judged
+by its own mesh of FINEST rings, whose estimate is in the table. The meshes of the default are all solved, from coarse
+to fine, then the one of FINEST rings. A mesh's CPU seconds are those of the solves up to it, as the default goes the
+same way. `answers` marks the mesh at which the default would stop. Rows of OpenFOAM come from the tables of
+against_openfoam.py (the same tube with its inflow given) and against_openfoam_tree.py, where they converged.
+
+Writes DIR/speed_error.csv (COLUMNS; size: unknowns of ours, cells of OpenFOAM's) and speed_error.png.
+"""
+
+import argparse
+import csv
+import json
+import pathlib
+import sys
+
+sys.path[:0] = [str(pathlib.Path(__file__).parent)]
+
+import growth  # noqa: E402
+import hard_cases  # noqa: E402  (makes the packages of the repository known)
+
+from common.errors import guarded  # noqa: E402
+
+TUBE = "single_62"
+SETTLED = 1e-4  # of FFR: scatter of simpleFoam over its last iterations, from which on it did not converge
+DEFAULT = growth.DEFAULT
+SEQUENCE = (*DEFAULT.coarse_rings, DEFAULT.rings)
+FINEST = DEFAULT.rings + 1
+COLUMNS = ("case", "solver", "mesh", "size", "cpu_s", "ffr", "error", "estimate", "answers")
+
+
+def solved(folder, rings):
+    """Rows of `meshes` in ffr.json on meshes of so many rings (from coarse to fine), all of them solved."""
+    *coarse, fine = rings
+    names = [f"r{fine}.msh", "--coarse", *(f"r{fine}_{count}.msh" for count in coarse)]
+    sizes = ["--rings", fine, "--coarse-rings", *coarse]
+    for name, radii in growth.SPACING.items():
+        sizes += [f"--stations-{name}", radii * DEFAULT.rings / fine]
+    line = ["--centreline", "centreline.vtp"]
+    growth.command(folder, "mesh", "lumen.vtp", *line, "--out", *names, *sizes)
+    out = f"r{fine}"
+    growth.command(folder, "solve", *names, "--boundary", "boundary.json", *line, "--out", out, "--ffr-tolerance", 0)
+    return json.loads((folder / out / "ffr.json").read_text())["meshes"]
+
+
+def sequence(case, folder, reference=None):
+    """Rows of the table for the lumen in `folder`; reference: FFR, else that of the finest mesh."""
+    meshes = [*zip(SEQUENCE, solved(folder, SEQUENCE))]
+    finest = solved(folder, (*SEQUENCE[-2:], FINEST))[-1]
+    meshes.append((FINEST, finest))
+    truth = finest["ffr"] if reference is None else reference
+    rows, cpu, answered = [], 0.0, False
+    for rings, mesh in meshes:
+        if "ffr" not in mesh or mesh["ffr"] is None:  # no flow was found on it
+            continue
+        cpu += mesh["cpu_seconds"]
+        answers = not answered and (mesh["error_estimate"] or 1) <= DEFAULT.ffr_tolerance
+        answered |= answers
+        own = reference is None and rings == FINEST
+        rows.append(
+            {
+                "case": case,
+                "solver": "vci",
+                "mesh": f"{rings} rings",
+                "size": mesh["dofs"],
+                "cpu_s": f"{cpu:.1f}",
+                "ffr": f"{mesh['ffr']:.5f}",
+                "error": "" if own else f"{mesh['ffr'] - truth:+.5f}",
+                "estimate": "" if mesh["error_estimate"] is None else f"{mesh['error_estimate']:.5f}",
+                "answers": "yes" if answers else "",
+            }
+        )
+    return rows, truth
+
+
+def of_tube(table):
+    """Rows of simpleFoam on the tube, from the table of against_openfoam.py."""
+    return [
+        other(TUBE, row["resolution"], row["cells"], row["solve_cpu_s"], row["ffr"], float(row["error"]))
+        for row in read(table)
+        if row["solver"] == "OpenFOAM" and row["outcome"] == "converged"
+    ]
+
+
+def of_tree(table, case, truth):
+    """Rows of simpleFoam on a state `case` ("<case> <state>"), from the table of against_openfoam_tree.py."""
+    return [
+        other(case, row["mesh"], row["cells"], row["cpu_s"], row["ffr"], float(row["ffr"]) - truth)
+        for row in read(table)
+        if row["state"] == case and float(row["scatter"]) < SETTLED
+    ]
+
+
+def other(case, mesh, cells, cpu, ffr, error):
+    """A row of simpleFoam."""
+    row = {"case": case, "solver": "simpleFoam", "mesh": mesh, "size": cells, "cpu_s": cpu, "ffr": ffr}
+    return row | {"error": f"{error:+.5f}", "estimate": "", "answers": ""}
+
+
+def read(path):
+    """Rows of a table."""
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def draw(rows, path):
+    """A panel a case: size of the error against CPU seconds; hollow: the estimate; ringed: where the default stops."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    cases = list(dict.fromkeys(row["case"] for row in rows))
+    figure, axes = pyplot.subplots(1, len(cases), figsize=(4 * len(cases), 4), sharey=True, squeeze=False)
+    for panel, case in zip(axes[0], cases):
+        ours = [row for row in rows if row["case"] == case and row["solver"] == "vci"]
+        theirs = [row for row in rows if row["case"] == case and row["solver"] != "vci"]
+        curve(panel, [r for r in ours if r["error"]], "error", "o-", color="#0a5a94", label="vci, error")
+        style = {"color": "#0a5a94", "markerfacecolor": "none", "alpha": 0.7, "label": "vci, estimate"}
+        curve(panel, [r for r in ours if r["estimate"]], "estimate", "s--", **style)
+        curve(panel, theirs, "error", "^", color="#c4622d", label="OpenFOAM's simpleFoam, error")
+        for row in ours:
+            at = float(row["cpu_s"]), abs(float(row["error"] or row["estimate"]))
+            panel.annotate(row["mesh"], at, textcoords="offset points", xytext=(5, 5), fontsize=7)
+            if row["answers"]:
+                panel.plot(*at, "o", markersize=14, markerfacecolor="none", color="black", label="default stops here")
+        style = {"color": "grey", "linewidth": 0.8, "linestyle": ":", "label": "tolerance of the default"}
+        panel.axhline(DEFAULT.ffr_tolerance, **style)
+        panel.set(xlabel="CPU seconds", title=case, xscale="log", yscale="log")
+        panel.grid(True, which="both", alpha=0.25)
+    axes[0][0].set_ylabel("error of FFR")
+    labels = {label: handle for panel in axes[0] for handle, label in zip(*panel.get_legend_handles_labels())}
+    figure.legend(labels.values(), labels, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncol=3, fontsize=8)
+    figure.savefig(path, dpi=150, bbox_inches="tight")
+    pyplot.close(figure)
+
+
+def curve(panel, rows, column, style, **options):
+    """Draws the sizes of a column against CPU seconds."""
+    if rows:
+        panel.plot([float(r["cpu_s"]) for r in rows], [abs(float(r[column])) for r in rows], style, **options)
+
+
+@guarded
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("states", nargs="*", type=pathlib.Path, metavar="STATE")
+    parser.add_argument("--out", required=True, type=pathlib.Path, help="folder of table, figure and the runs")
+    parser.add_argument("--openfoam-tube", type=pathlib.Path, help="table of against_openfoam.py")
+    parser.add_argument("--openfoam-tree", type=pathlib.Path, help="table of against_openfoam_tree.py")
+    options = parser.parse_args()
+    hard_cases.write(TUBE, options.out / TUBE)
+    rows, _ = sequence(TUBE, options.out / TUBE, hard_cases.STRAIGHT[TUBE].reference(hard_cases.FLOW))
+    rows += of_tube(options.openfoam_tube) if options.openfoam_tube else []
+    for state in options.states:
+        case, folder = f"{state.parent.name} {state.name}", options.out / f"{state.parent.name}_{state.name}"
+        hard_cases.copy(state, folder)
+        own, truth = sequence(case, folder)
+        rows += own + (of_tree(options.openfoam_tree, case, truth) if options.openfoam_tree else [])
+    growth.write(options.out / "speed_error.csv", COLUMNS, rows)
+    draw(rows, options.out / "speed_error.png")
+
+
+if __name__ == "__main__":
+    main()
