@@ -43,12 +43,12 @@ class Search:
     """The answer of one lumen to `settings.ffr_tolerance`.
 
     document: boundary.json; predicted: reduced.coupled.Predictor; meshes: record of what was found on each mesh,
-    each once.
+    each once; started: what became of the start from another state, None where there was none.
     """
 
     def __init__(self, document, settings, tree, predicted):
         self.document, self.settings, self.tree, self.predicted = document, settings, tree, predicted
-        self.meshes, self.spent = [], 0
+        self.meshes, self.spent, self.started = [], 0, None
 
     def run(self, paths, start=None):
         """The Solved that answers: on the first mesh of `paths`, coarse first, that is good enough, or the better one.
@@ -94,13 +94,16 @@ class Search:
             return None
         path = paths[names.index(start.mesh)]
         try:
-            return self.on_mesh(path, None, WHOLE, start)
+            solved = self.on_mesh(path, None, WHOLE, start)
         except ComputationError as error:
             made = getattr(error, "factorizations", 0)
             self.spent += made
-            self.meshes.append({"mesh": start.mesh, "status": "no flow", "factorizations": made})
+            self.started = {"mesh": start.mesh, "led_to_flow": False, "factorizations": made}
             print(f"{path}: no flow from that of the other state", file=sys.stderr, flush=True)
             return None
+        made = solved.problem.solver.factorizations
+        self.started = {"mesh": start.mesh, "led_to_flow": True, "factorizations": made}
+        return solved
 
     def on_mesh(self, path, before, effort, start=None):
         """Solved on a mesh, from the flow on the one before, with which its error is estimated too, or from that of

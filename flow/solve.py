@@ -46,6 +46,7 @@ def run(paths, case, folder, start=None):
         answer["ffr_tolerance"] = settings.ffr_tolerance
         answer["tolerance_met"] = adaptive.within(estimate, settings)
         answer["mesh"], answer["meshes"] = pathlib.Path(solved.path).name, search.meshes
+        answer["start"] = search.started
         warnings = adaptive.missed(estimate, settings, [probe["name"] for probe in probes])
     else:
         solved = reduced_answer.Reduced(predicted, paths[0])

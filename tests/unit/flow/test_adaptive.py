@@ -162,4 +162,8 @@ def test_the_mesh_that_answered_in_another_state_starts_from_it(search, state, e
     flows = ALL_GOOD | {name: (0.8, 0.0, estimate) for name, estimate in estimates.items()}
     solved, found, tried = search(flows, state)
     assert tried == tries and solved.path == tries[-1][0]
-    assert found.spent == 3 * len(tries) and [mesh["mesh"] for mesh in found.meshes] == [one[0] for one in tries]
+    failed, started = state.leads_nowhere, tries[0][1] == "state"
+    assert found.spent == 3 * len(tries)
+    assert [mesh["mesh"] for mesh in found.meshes] == [one[0] for one in tries[failed:]], "each mesh once"
+    of_state = {"mesh": "coarse.msh", "led_to_flow": not failed, "factorizations": 3}
+    assert found.started == (of_state if started else None)

@@ -49,6 +49,7 @@ def test_the_answer_is_the_same_for_less(states):
     started = _solve(folder, "--start", other / "flow", other / "centreline.vtp", out="started")
     assert started["ffr"] == pytest.approx(alone["ffr"], abs=2e-6)
     assert started["iterations"] < alone["iterations"]
+    assert alone["start"] is None and started["start"]["led_to_flow"]
     assert [mesh["status"] for mesh in started["meshes"]] == ["converged"]
 
 
