@@ -118,6 +118,7 @@ Closed closed_surface(const Options& options, StepTimer& timer) {
     tag_from_soup(out.mesh, soup);
   timer.start("ends");
   out.named = named_ends(options, caps);
+  open_given_caps(out.mesh, caps);
   fill_tears(out.mesh, points_of(out.named), out.repairs);
   const std::vector<OpenEnd> open = cap_open_ends(out.mesh, out.repairs);
   orient_outward(out.mesh, out.repairs);
@@ -132,7 +133,6 @@ Closed closed_surface(const Options& options, StepTimer& timer) {
   timer.start("aorta");
   out.named.openings = tags_of_openings(out.mesh, soup);
   out.named.tagged = !caps.empty() || !soup.region.empty();
-  tag_given_caps(out.mesh, caps);
   if (options.like.empty()) // an earlier state has its aorta cut off
     out.aorta = aorta_of(out.mesh, choice_of(options), options.units, out.repairs);
   if (!out.aorta)

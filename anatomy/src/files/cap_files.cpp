@@ -8,7 +8,7 @@ namespace {
 using common::InputError;
 
 GivenCap measured(const std::string& path, const Soup& soup) {
-  GivenCap cap{path, Vec3::Zero(), Vec3::Zero(), 0, 1, soup};
+  GivenCap cap{path, Vec3::Zero(), 0, soup};
   double weight = 0;
   Vec3 total = Vec3::Zero();
   for (const Triangle& t : soup.triangles) {
@@ -22,8 +22,6 @@ GivenCap measured(const std::string& path, const Soup& soup) {
   }
   cap.centre /= weight;
   cap.area = total.norm();
-  cap.normal = total / cap.area;
-  cap.flatness = cap.area / weight;
   if (!(cap.area > 0))
     throw InputError("the cap has no area", path, std::to_string(soup.triangles.size()) + " triangles",
                      "export the face that closes this end as triangles, or name the end by a point (inlet_point_mm, "

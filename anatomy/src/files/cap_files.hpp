@@ -6,9 +6,8 @@ namespace anatomy {
 
 struct GivenCap {
   std::string path;
-  Vec3 centre = Vec3::Zero(), normal = Vec3::Zero(); ///< of its area; the sense of the normal is not used
-  double area = 0;                                   ///< mm2
-  double flatness = 1;                               ///< its area seen along the normal, over that of its triangles
+  Vec3 centre = Vec3::Zero(); ///< of its area, mm
+  double area = 0;                                   ///< mm2, seen along the normal
   Soup triangles;
 };
 

@@ -222,17 +222,47 @@ def test_caps_given_as_files(summary_of, lumen, tmp_path, wall):
     assert done.returncode == 2 and ("at a given cap" in done.stderr or "near the given point" in done.stderr)
 
 
-def test_a_dome_as_cap_file_is_refused_as_such(lumen, tmp_path):
-    """The very triangles of a rounded end: as a cap they are not flat, and without the option they are cut."""
-    points, triangles = surfaces.tube(surfaces.arc(0.1), lambda s: 1.6 - 0.01 * s, 20)
+def cap_files(folder, points, triangles):
+    """(surface, cap of the first end, cap of the last) of a tube, the caps with the surface's own triangles."""
     first, last = ((triangles == len(points) - k).any(axis=1) for k in (2, 1))
-    points = points.copy()
+    caps = [surfaces.write(folder / f"{k}.stl", points, triangles[at]) for k, at in enumerate((first, last))]
+    return surfaces.write(folder / "wall.stl", points, triangles), *caps
+
+
+def test_a_dome_as_cap_file_is_opened_at_its_rim(summary_of, tmp_path):
+    """The very triangles of a rounded end: the user's word is that the vessel ends where they begin."""
+    points, triangles = surfaces.tube(surfaces.arc(0.1), lambda s: 1.6 - 0.01 * s, 20)
+    flat = points[-2].copy()
     points[-2] -= [1.2, 0, 0]
-    surface = surfaces.write(tmp_path / "wall.stl", points, triangles)
-    caps = [surfaces.write(tmp_path / f"{k}.stl", points, triangles[at]) for k, at in enumerate((first, last))]
-    done = lumen(surface, tmp_path / "out", "--cap", caps[0], "--cap", caps[1])
-    assert done.returncode == 2 and "not flat" in done.stderr and "0.stl" in done.stderr
-    assert lumen(surface, tmp_path / "out", "--inlet", "0,0,0").returncode == 0
+    surface, inlet, outlet = cap_files(tmp_path, points, triangles)
+    summary = summary_of(surface, "--cap", inlet, "--cap", outlet)
+    assert len(summary["ends"]) == 2
+    assert summary["ends"][0]["centre_mm"] == pytest.approx(flat, abs=0.02)
+    assert summary["ends"][0]["area_mm2"] == pytest.approx(np.pi * 1.6**2, rel=0.02)
+
+
+@pytest.mark.parametrize("off_mm", [0.13, 0.3, 0.5])
+def test_a_cap_file_whose_rim_is_a_saddle_names_one_end(summary_of, tmp_path, off_mm):
+    """Its rim is up to a third of the radius off its plane. A rim that folds when it is flattened is cut behind its notches."""
+    points, triangles = surfaces.tube(surfaces.straight, lambda s: 1.5 + 0 * s, 20)
+    rim = np.isclose(points[:, 0], 20) & (np.hypot(points[:, 1], points[:, 2]) > 1)
+    angle = np.arctan2(points[rim, 2], points[rim, 1])
+    points[rim, 0] += off_mm * np.sin(2 * angle)
+    surface, inlet, outlet = cap_files(tmp_path, points, triangles)
+    summary = summary_of(surface, "--cap", inlet, "--cap", outlet)
+    assert [end["kind"] for end in summary["ends"]] == ["inlet", "outlet"]
+    assert summary["ends"][1]["centre_mm"] == pytest.approx([20, 0, 0], abs=2 * off_mm)
+    assert summary["ends"][1]["area_mm2"] == pytest.approx(np.pi * 1.5**2, rel=0.02)
+
+
+def test_a_cap_file_of_a_band_of_wall_is_refused(lumen, tmp_path):
+    """Without it the surface has two openings more: it does not close an end."""
+    points, triangles = surfaces.tube(surfaces.straight, lambda s: 1.5 + 0 * s, 20)
+    surface, inlet, _ = cap_files(tmp_path, points, triangles)
+    band = np.abs(points[triangles][:, :, 0].mean(axis=1) - 10) < 2
+    ring = surfaces.write(tmp_path / "band.stl", points, triangles[band])
+    done = lumen(surface, tmp_path / "out", "--cap", inlet, "--cap", ring)
+    assert done.returncode == 2 and "does not close one end" in done.stderr and "band.stl" in done.stderr
 
 
 def test_flow_extensions(summary_of, tmp_path):
