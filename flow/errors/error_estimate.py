@@ -12,6 +12,7 @@ from flow.errors import error_field
 # .8 of the true error. With a share of .5 the estimate was below it at Re 1,500, and at 80 and 85 % on four rings.
 PART_UNCERTAINTY = 0.75
 SAFETY = 1.5  # times what an artificial viscosity does
+SMALL_SHARE = 0.2  # of the tolerance: an artificial viscosity that takes no more of it may stay
 # Assumed order of the FFR error in the mesh width. FFR's error does not fall steadily with the rings and changes its
 # sign (measured.md), so the difference of two meshes is no bound: it says how much FFR still depends on the mesh.
 ORDER = 2.0
@@ -70,6 +71,15 @@ def of(solved, document, tree, at_probes, coarser=None):
     method = ", ".join(methods)
     own = {"probes": total.tolist(), "basis": basis}
     return {"ffr": float(total[0]), **parts, **own, "method": method}
+
+
+def may_stay(solved, document, tree, tolerance):
+    """Whether the artificial viscosity of a Solved takes at most SMALL_SHARE of the tolerance of FFR at `distal`."""
+    try:
+        effect = error_field.of_artificial_viscosity(solved, document, tree)[0]
+    except ComputationError:  # the factors do not fit the memory, say: then it is followed on
+        return False
+    return SAFETY * abs(effect) <= SMALL_SHARE * tolerance
 
 
 def of_parts(along):

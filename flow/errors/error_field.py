@@ -94,13 +94,28 @@ class Field:
 def of(solved, document, tree):
     """(parts (p, k + 1) at the document's probes, Field) of a solvers.solved_mesh.Solved with a steady flow: what the
     mesh does in each of k stretches, and last what the artificial viscosity does."""
-    problem = solved.problem
-    loads = [sources(problem, document, tree), scipy.sparse.csc_matrix(-problem.forms.artificial_force()[:, None])]
+    loads = [sources(solved.problem, document, tree), _of_artificial_viscosity(solved.problem)]
     field = Field(solved, scipy.sparse.hstack(loads, "csc"))
+    return _at_probes(field, document, tree), field
+
+
+def of_artificial_viscosity(solved, document, tree):
+    """Changes of FFR (p,) that the artificial viscosity of a Solved makes at the document's probes: the last of the
+    parts of `of`, for one solve with the last factors."""
+    return _at_probes(Field(solved, _of_artificial_viscosity(solved.problem)), document, tree)[:, -1]
+
+
+def _of_artificial_viscosity(problem):
+    """Sparse load (dofs of W, 1): the force that it takes away, so that the response is what it does to the flow."""
+    return scipy.sparse.csc_matrix(-problem.forms.artificial_force()[:, None])
+
+
+def _at_probes(field, document, tree):
+    """Parts (p, k) of a Field at the document's probes, laid on the axis."""
     on = [(tree[probe["branch"]], np.array(probe["point_mm"])) for probe in document["probes"]]
     places = [(branch, branch.project(point)[0]) for branch, point in on]
     points = np.array([branch.point(s_mm) for branch, s_mm in places])
-    return field.parts(document, tree, [], points, np.array([branch.radius(s_mm) for branch, s_mm in places])), field
+    return field.parts(document, tree, [], points, np.array([branch.radius(s_mm) for branch, s_mm in places]))
 
 
 def sources(problem, document, tree):

@@ -77,11 +77,12 @@ def from_guess(problem, coarse, onward=True):
 
 def follow(problem, tries=TRIES):
     """Goes on along the branch from the last flows passed, as far as eps = 0 where it leads there; tries: the eps at
-    which 0 is tried; eps falls no further than the last of them.
+    which 0 is tried; eps falls no further than the last of them. After the first try that fails it also ends where eps
+    may stay (FlowProblem.may_stay).
 
     The state is the last flow passed.
     """
-    step, least = None, tries[-1]
+    step, least, failed = None, tries[-1], False
     while problem.left > HARD and problem.artificial > 0:
         eps, values, last_inflow = problem.passed[-1]
         if eps <= tries[0]:
@@ -89,9 +90,9 @@ def follow(problem, tries=TRIES):
                 _pass(problem)
                 return
             _back(problem)
-            tries = [one for one in tries if one < eps]
-            if not tries:
-                return
+            tries, failed = [one for one in tries if one < eps], True
+        if failed and (not tries or problem.may_stay()):
+            return
         direction, inflow, change, length = _secant(problem)
         step = min(step or length, LONGEST_STEP)
         problem.state.x.array[:] = values + step * direction

@@ -67,6 +67,7 @@ class FlowProblem(flow_state.FlowState):
         self.bordered = None
         self.inertia = None  # solvers.marching.Inertia while the flow is marched in time
         self.passed = []  # (eps, values, inflow) of the flows on the path; the last is the answer's
+        self.may_stay = lambda: False  # whether the eps of the present flow does so little to FFR that it may answer
 
     @property
     def left(self):
@@ -238,16 +239,16 @@ class FlowProblem(flow_state.FlowState):
             return None
 
     def solve_from_state(self, start):
-        """Outcome at full flow from that of another state of the vessel (inputs.solution.Start), without artificial
-        viscosity. Raises ComputationError where Newton's method does not lead there."""
+        """Outcome at full flow from that of another state of the vessel (inputs.solution.Start), with that state's
+        artificial viscosity. Raises ComputationError where Newton's method does not lead there."""
         self.boundaries.full()
-        self.forms.artificial.value = 0.0
+        self.forms.artificial.value = start.artificial
         self.take(*start.at(self.space.nodes()[0]), start.inflow)
         settings = self.settings
         found = newton.newton(self, settings.residual_absolute, settings.residual_relative, FROM_STATE)
         if not found.converged:
             raise self.stalled(found)
-        self.passed.append((0.0, self.state.x.array.copy(), self.inflow))
+        self.passed.append((start.artificial, self.state.x.array.copy(), self.inflow))
         found.iterations = self.solver.factorizations
         return found
 

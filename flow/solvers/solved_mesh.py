@@ -35,11 +35,12 @@ class Solved:
         self.boundaries.destroy()
 
 
-def solve_mesh(path, document, settings, tree, predicted, before=None, spent=0, effort=WHOLE, start=None):
+def solve_mesh(path, document, settings, tree, predicted, may_stay, before=None, spent=0, effort=WHOLE, start=None):
     """Solved from a mesh file; the guess is that of `before` (Solved on another mesh), else of `predicted` (Predictor).
 
-    spent: factorizations already made of those allowed; effort: BEGUN, WHOLE or NEAR; start: inputs.solution.Start,
-    the flow of another state, in place of both. Raises ComputationError.
+    may_stay(Solved) -> whether so little artificial viscosity may answer; spent: factorizations already made of those
+    allowed; effort: BEGUN, WHOLE or NEAR; start: inputs.solution.Start, the flow of another state, in place of both.
+    Raises ComputationError.
     """
     space = spaces.read(path)
     ffr.check_inside(document["probes"], tree, space)
@@ -47,6 +48,7 @@ def solve_mesh(path, document, settings, tree, predicted, before=None, spent=0, 
     boundaries = outlets.Boundaries(space, document)
     outlets.check_places(space, document, predicted.tree, path)
     problem = nonlinear.FlowProblem(space, boundaries, document, settings, spent)
+    problem.may_stay = lambda: may_stay(Solved(path, space, boundaries, problem, None))
     print(f"{path}: {space.dofs} dofs", file=sys.stderr, flush=True)
     network = predicted.network
     order = [network.names.index(name) for name in boundaries.names]

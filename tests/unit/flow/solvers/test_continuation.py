@@ -22,6 +22,7 @@ class _Flow(Equations):
         self.forms.picard = None  # its step is Newton's, undamped
         self.boundaries = types.SimpleNamespace(full=lambda: None)
         self.passed, self.log, self.tried, self.load = [], io.StringIO(), [], 1.0
+        self.may_stay = lambda: False
         self.settings = settings.make()
 
     artificial = FlowProblem.artificial
@@ -91,6 +92,18 @@ def test_where_the_branch_ends_its_least_flow_answers():
     assert found.converged and 0.02 <= problem.artificial < 0.03
     assert abs(problem.state.x.array[0] - 2) == pytest.approx(np.sqrt(problem.artificial - 0.02), abs=1e-4)
     assert [one[0] for one in problem.passed] == sorted((one[0] for one in problem.passed), reverse=True)
+
+
+def test_an_artificial_viscosity_that_does_little_stays_once_none_was_tried():
+    """The branch ends at eps = .0005; without the word of the error estimate it is followed to LEAST."""
+    followed, short, smooth = _ends(0.0005), _ends(0.0005), _smooth()
+    short.may_stay = smooth.may_stay = lambda: True
+    for problem in (followed, short, smooth):
+        assert continuation.from_rest(problem).converged
+    assert followed.artificial == continuation.LEAST
+    assert continuation.LEAST < short.artificial <= continuation.SMALL
+    assert short.solver.factorizations < followed.solver.factorizations
+    assert smooth.artificial == 0.0, "a flow without any is tried first"
 
 
 def test_a_branch_that_ends_early_is_refused():
