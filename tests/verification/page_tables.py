@@ -24,14 +24,16 @@ def markdown(headings, rows):
 
 
 class Page:
-    """The measured.md of `folder`.
+    """The measured.md of `folder`, or the page that `folder` names.
 
     tables: {benchmark: (its table's file, {column there: heading})}; digits: {column: format of its numbers}; made:
     {name: function of the folder `results` that gives a table's Markdown, or None where nothing was run}.
     """
 
     def __init__(self, folder, tables, digits, made=None):
-        self.path, self.tables, self.digits, self.made = ROOT / folder / "measured.md", tables, digits, made or {}
+        page = ROOT / folder
+        self.path = page if page.suffix == ".md" else page / "measured.md"
+        self.tables, self.digits, self.made = tables, digits, made or {}
 
     def text(self, column, value):
         """A value as the page writes it; words stay."""

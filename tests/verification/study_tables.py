@@ -1,0 +1,168 @@
+"""Tables of docs/nine-patients.md from the results of `make study`.
+
+    /usr/bin/python3 tests/verification/study_tables.py results
+
+A table stands between the lines `<!-- table: NAME -->` and `<!-- end -->`; where its file is not there the table stays.
+"""
+
+import csv
+import pathlib
+import sys
+
+import pandas as pd
+
+sys.path[:0] = [str(pathlib.Path(__file__).parent)]
+
+from page_tables import Page, markdown  # noqa: E402
+
+AFTER = ("reference", "vci", "rc")
+DIGITS = {"ffr": 3, "mean_area": 2, "minimum_area": 2, "mean_curvature": 3}
+WORDS = {"ffr": "FFR", "mean_area": "mean area, mm2", "minimum_area": "smallest area, mm2"}
+WORDS |= {"mean_curvature": "mean curvature, 1/mm"}
+COMPARED = {
+    "vci_minus_reference": "VCI, method",
+    "rc_minus_reference": "radius correction, method",
+    "ct_vci_minus_vci": "VCI, imaging before",
+    "ct_minus_reference": "imaging after",
+    "ct_vci_minus_ct": "VCI, all together",
+    "ct_rc_minus_ct": "radius correction, all together",
+}
+
+
+def read(results, name):
+    """Rows of a table of results/study; None where it is not there."""
+    path = results / "study" / f"{name}.csv"
+    if not path.is_file():
+        return None
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def number(text, digits, sign=""):
+    """A number as the page writes it; empty where there is none."""
+    return f"{float(text):{sign}.{digits}f}" if text else ""
+
+
+def small(text, least):
+    """A bias with at least two significant digits: those of `least` decimals, or more where it would read as 0."""
+    value = float(text)
+    digits = least
+    while value and abs(value) < 10 ** (1 - digits) and digits < 5:
+        digits += 1
+    return f"{value:+.{digits}f}"
+
+
+def patients(results):
+    """Markdown with a row a patient: FFR before and after, areas after."""
+    rows = read(results, "cohort")
+    if rows is None:
+        return None
+    headings = ["patient", "FFR before", *(f"FFR, {state}" for state in AFTER)]
+    headings += [f"{area}, {state}" for area in ("mean area", "smallest") for state in AFTER] + ["expansion index"]
+    table = []
+    for row in rows:
+        line = [row["case"], number(row["pre_ffr_distal"], 3)]
+        line += [number(row[f"{state}_ffr_distal"], 3) for state in AFTER]
+        line += [number(row[f"{state}_{area}_area_mm2"], 2) for area in ("mean", "minimum") for state in AFTER]
+        table.append([*line, number(row["deployment_expansion_index"], 2)])
+    return markdown(headings, table)
+
+
+def spread(results):
+    """Markdown: mean and SD over the patients of FFR, mean area and curvature in each state."""
+    rows = read(results, "cohort")
+    if rows is None:
+        return None
+    data = pd.DataFrame(rows).apply(pd.to_numeric, errors="coerce")
+    kinds = {"FFR": ("ffr_distal", 3), "mean area, mm2": ("mean_area_mm2", 1)}
+    kinds |= {"smallest area, mm2": ("minimum_area_mm2", 1), "mean curvature, 1/mm": ("mean_curvature_per_mm", 3)}
+    states = [state for state in ("pre", *AFTER, "ct", "ct_vci") if f"{state}_ffr_distal" in data]
+    table = []
+    for words, (column, digits) in kinds.items():
+        found = [data[f"{state}_{column}"].dropna() for state in states]
+        means = [f"{one.mean():.{digits}f}" if len(one) else "" for one in found]
+        deviations = [f" ± {one.std():.{digits}f}" if len(one) > 1 else "" for one in found]
+        table.append([words, *(mean + deviation for mean, deviation in zip(means, deviations))])
+    return markdown(["over the patients", *states], table)
+
+
+def half_maximum(results):
+    """`agreement` of the lumens that were found in the CT at half maximum."""
+    return agreement(results, "half_maximum")
+
+
+def agreement(results, name="agreement"):
+    """Markdown: bias and SD of each comparison over the included patients, with the published one."""
+    rows = read(results, name)
+    if rows is None:
+        return None
+    table = []
+    for row in rows:
+        if row["patients"] != "included" or row["comparison"] not in COMPARED:
+            continue
+        digits = DIGITS[row["quantity"]]
+        published = ""
+        if row["published_bias"]:
+            published = f"{small(row['published_bias'], digits)} ± {number(row['published_sd'], digits)}"
+        low, high = (number(row[f"loa_{end}"], digits, "+") for end in ("lower", "upper"))
+        line = [WORDS[row["quantity"]], COMPARED[row["comparison"]], row["n"], small(row["bias"], digits)]
+        table.append([*line, number(row["sd"], digits + 1), f"{low} to {high}" if low else "", published])
+    return markdown(["quantity", "error", "n", "bias", "SD", "limits of agreement", "published"], table)
+
+
+def nearer(results):
+    """Markdown: whether VCI or radius correction is nearer to the truth."""
+    rows = read(results, "nearer")
+    if rows is None:
+        return None
+    table = []
+    for row in rows:
+        if row["patients"] == "included":
+            digits = DIGITS[row["quantity"]] + 1
+            line = [WORDS[row["quantity"]], row["truth"], number(row["error_vci"], digits)]
+            line += [number(row["error_rc"], digits), f"{row['patients_vci_nearer']} of {row['n']}"]
+            table.append([*line, number(row["p"], 3), row["vci_is"]])
+    headings = ["quantity", "truth", "error of VCI", "error of radius correction", "VCI nearer", "p", "VCI is"]
+    return markdown(headings, table)
+
+
+def seconds(results):
+    """Markdown: seconds of a deployment by stage and step, beside the published ones."""
+    rows = read(results, "seconds")
+    if rows is None:
+        return None
+    table = []
+    for row in rows:
+        own = f"{float(row['mean_s']):.2f}" + (f" ± {float(row['sd_s']):.2f}" if row["sd_s"] else "")
+        published = number(row["published_mean_s"], 2)
+        published += f" ± {float(row['published_sd_s']):.2f}" if row["published_sd_s"] else ""
+        table.append([row["by"], row["name"], row["n"], own, published])
+    return markdown(["by", "name", "n", "seconds", "published"], table)
+
+
+def cost(results):
+    """Markdown: processor seconds by kind of step over all patients."""
+    rows = read(results, "timings")
+    if rows is None:
+        return None
+    data = pd.DataFrame([row for row in rows if row["source"] == "workflow" and row["cpu_s"]])
+    data["kind"] = data["step"].str.split("/").str[-1]
+    for column in ("cpu_s", "peak_memory_mib"):
+        data[column] = pd.to_numeric(data[column], errors="coerce")
+    found = data.groupby("kind").agg(runs=("cpu_s", "size"), cpu=("cpu_s", "sum"), largest=("cpu_s", "max"))
+    found["memory"] = data.groupby("kind")["peak_memory_mib"].max()
+    found = found.sort_values("cpu", ascending=False)
+    table = [
+        [kind, f"{row.runs:.0f}", f"{row.cpu:.0f}", f"{row.largest:.0f}", f"{row.memory:.0f}"]
+        for kind, row in found.head(10).iterrows()
+    ]
+    table.append(["all steps", f"{found.runs.sum():.0f}", f"{found.cpu.sum():.0f}", "", f"{found.memory.max():.0f}"])
+    return markdown(["step", "runs", "CPU s", "longest, CPU s", "peak memory, MiB"], table)
+
+
+MADE = {"patients": patients, "spread": spread, "agreement": agreement, "nearer": nearer, "seconds": seconds}
+MADE |= {"half_maximum": half_maximum, "cost": cost}
+PAGE = Page("docs/nine-patients.md", {}, {}, MADE)
+
+if __name__ == "__main__":
+    PAGE.main()
