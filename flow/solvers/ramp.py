@@ -1,9 +1,9 @@
 """From rest to the full flow by Newton's method, at a few increasing fractions of the flow.
 
 At each of FRACTIONS the outlet resistances let the reduced models carry that fraction of their flow. On a mesh that
-resolves the jet's shear layer (meshing.sweep), this finds the steady flow in a straight tube in some ten factorizations.
-At Re 1,500 solvers.continuation does not find it. In trees, and where a fraction fails, continuation
-takes fewer factorizations.
+resolves the jet's shear layer (meshing.sweep), this finds the flow in a straight tube in some ten factorizations. At Re
+1,500 solvers.continuation does not find it. In trees, and where a fraction fails, continuation takes fewer
+factorizations.
 """
 
 import numpy as np
