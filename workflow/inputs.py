@@ -72,8 +72,10 @@ class Inputs:
         return self.configuration.device_files(wildcards.case)
 
     def lumen(self, wildcards, key="lumen"):
-        """The lumen before the procedure: generated, made of contours or a CT, or the user's file; with the key `post`
-        that after it."""
+        """The file of the lumen before the procedure, or with the key `post` after it.
+
+        It is generated, made from contours or a CT, or the user's own.
+        """
         given = self.configuration.cases[wildcards.case].get(key)
         if given and "path" in given:
             return self.configuration.lumen_file(wildcards.case, key)

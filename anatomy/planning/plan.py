@@ -70,7 +70,11 @@ def mean_arterial_pressure_pa(patient):
 
 
 def procedure(steps, families, summary, where):
-    """{segment, devices, procedure} of a plan's steps in a measured lumen; `where` is for messages."""
+    """{segment, devices, procedure} of a plan's steps in a measured lumen.
+
+    summary: document of anatomy.json; where: the plan's place, for messages. Raises InputError for a device or pressure
+    that does not fit.
+    """
     devices, done, stents, used = {}, [], [], {}
     for i, step in enumerate(steps):
         placed = []

@@ -16,13 +16,16 @@ import numpy as np
 from .profile import Profile
 
 SIGNIFICANT_PERCENT = 50  # diameter stenosis from which a lesion is usually treated
-STRETCH_PERCENT = 30  # diameter stenosis from which a narrowing has to come under the stent
-APART_DIAMETERS = 3  # of the vessel between two narrowings below which they are one lesion (SYNTAX score)
+STRETCH_PERCENT = 30  # diameter stenosis from which a stent must cover a narrowing
+APART_DIAMETERS = 3  # narrowings less than this many vessel diameters apart are one lesion (SYNTAX score)
 
 
 @dataclasses.dataclass
 class Target:
-    """What one stent, or several that overlap, are to cover: lesions (names) of a branch, start and end in mm."""
+    """The stretch of a branch for one stent, or for several that overlap: its lesions, start and end in mm.
+
+    s_mla is the place (mm) of the smallest area, percent the diameter stenosis of the worst lesion.
+    """
 
     profile: Profile
     lesions: list

@@ -71,10 +71,10 @@ def cost(target, tree, placement):
 
 
 def refined(target, tree, start, landmarks):
-    """The Placement near `start` that lays the axes on each other with a robust loss, and the landmarks without one.
+    """The Placement near `start` that fits the axes by a robust loss and the landmarks by least squares.
 
-    What has changed its place or its radius, or is missing, hardly counts among the axes. landmarks: (pre (m, 3),
-    post (m, 3)) in mm; the user has named them, so that none is taken for an outlier.
+    Axes that have moved, changed their radius or are missing hardly count in the robust loss. landmarks: (pre (m, 3),
+    post (m, 3)) in mm. The user has named the landmarks, so none is treated as an outlier.
     """
     points, radius = tree.points, tree.radius
     middle = points.mean(axis=0)
