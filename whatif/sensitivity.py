@@ -1,4 +1,4 @@
-"""How much FFR and areas hang on inputs that are not known exactly: of the flow alone, and of the procedure with it."""
+"""How much FFR and areas depend on uncertain inputs: of the flow alone, and of flow and procedure together."""
 
 import copy
 import pathlib

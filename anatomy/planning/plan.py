@@ -46,7 +46,7 @@ def run(case_file, anatomy_folder, devices_folder, out):
 
 
 def sized_by(summary, proposed, by_outer_wall):
-    """The plan's `reference`: what the vessel's healthy size is taken from, and the treated lesions by it.
+    """The plan's `reference`: the source of the vessel's healthy size, and the treated lesions by that source.
 
     `anatomy_percent`: the same lesion by the healthy profile through the lumen, as anatomy.json has it.
     """

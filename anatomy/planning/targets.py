@@ -80,11 +80,11 @@ def every(summary, sections):
 
 
 def found(summary, sections, least_percent=None):
-    """Targets, the most severe first: of the lesions of least_percent by diameter and more. Without it, of those of
-    SIGNIFICANT_PERCENT and more, or of all lesions if there is none.
+    """Targets of the lesions with a diameter stenosis of at least least_percent, the most severe first.
 
-    Those with less than APART_DIAMETERS between their stretches are one target (Sianos et al., EuroIntervention
-    2005;1:219-27): a stent for one would end before the other. If all lesions are mild none are joined.
+    Without least_percent the limit is SIGNIFICANT_PERCENT; if no lesion reaches that, all lesions are targets. Lesions
+    with less than APART_DIAMETERS between their stretches are one target (Sianos et al., EuroIntervention
+    2005;1:219-27), as a stent for one would end before the other. If all lesions are mild none are joined.
     """
     all_lesions = every(summary, sections)
     least = SIGNIFICANT_PERCENT if least_percent is None else least_percent

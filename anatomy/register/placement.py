@@ -10,11 +10,11 @@ from scipy.spatial.transform import Rotation
 
 from .tree import STEP_MM
 
-SCALE = 0.25  # of the usual radius: larger residuals hardly pull, such as those of a stretch that a stent straightened
-# Of all landmarks together against all of the axes. It is enough to decide what the axes leave open, such as a turn
-# about a straight vessel, and too little to push axes aside that lie well.
+SCALE = 0.25  # of the usual radius: larger residuals hardly count, as where a stent has straightened the vessel
+# Weight of all landmarks together over that of the axes. It is enough to decide a placement that the axes leave open,
+# such as a turn about a straight vessel. It is too little to spoil a good fit of the axes.
 LANDMARK_WEIGHT = 0.1
-RADIUS_WEIGHT = 0.5  # of a difference of radii against one of places: it says where along a straight vessel one is
+RADIUS_WEIGHT = 0.5  # of a difference of radii over one of places; radii fix the place along a straight vessel
 
 
 @dataclasses.dataclass(frozen=True)

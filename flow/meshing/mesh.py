@@ -19,7 +19,7 @@ OTHER_SIZES = (1.0, 1.1, 0.9, 0.8)  # of the coarse mesh's cells per radius, tri
 
 
 def fingerprint(surface, tree):
-    """SHA-256 of what a mesh is made from, the surface's and centrelines' coordinates and the tags, in hexadecimal."""
+    """SHA-256, in hexadecimal, of the input of a mesh: coordinates of surface and centrelines, and the tags."""
     found = hashlib.sha256()
     for array in (
         surface.points,
@@ -130,7 +130,7 @@ ATTEMPTS = (
 
 
 def _checked(mesh, swept):
-    """Quality figures, or ComputationError where one is below what is needed."""
+    """Quality figures of a mesh. Raises ComputationError where one is below its limit."""
     folded = overlapping(mesh.tetrahedra[:, :4])
     if folded:
         raise ComputationError(
