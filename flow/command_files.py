@@ -1,4 +1,4 @@
-"""Which files each command reads and which it writes: an earlier output goes before anything else is looked at."""
+"""The files that each command reads and writes. An earlier output is removed first, before the input is read."""
 
 import pathlib
 

@@ -78,8 +78,10 @@ def build(surface, tree, cells_per_radius, settings, rings=None, coarsening=1.0)
 
 
 def coarser(fine, surface, tree, cells_per_radius, settings, rings, coarsening):
-    """As `build`, of fewer cells than `fine`: where junctions with slivers leave isotropic tetrahedra that are more,
-    with other sizes in the junctions. Raises ComputationError."""
+    """As `build`, but with fewer cells than `fine`. Raises ComputationError.
+
+    If slivers in junctions have led to isotropic tetrahedra, and thus to more cells, other sizes are tried there.
+    """
     for factor in OTHER_SIZES:
         built, report = build(surface, tree, factor * cells_per_radius, settings, rings, coarsening)
         if report["cells"] < fine:
@@ -90,7 +92,7 @@ def coarser(fine, surface, tree, cells_per_radius, settings, rings, coarsening):
 
 
 def _unlayered(settings):
-    """What of the settings is left undone where nothing is swept, printed too."""
+    """The warning, printed too, that wall_layers has no effect where nothing is swept; empty for a single layer."""
     if settings.wall_layers == 1:
         return ""
     lost = f"no wall_layers, {settings.wall_layers} were asked for: they are of swept stretches, and nothing is swept"

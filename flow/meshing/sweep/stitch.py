@@ -7,7 +7,7 @@ from scipy.sparse.csgraph import connected_components
 from flow.geometry.surface import WALL
 from flow.geometry.vectors import dot
 
-CLEAR = 0.5  # local edges that a remaining facet keeps from the plane of a span's end
+CLEAR = 0.5  # local edges: least distance of a remaining facet from the plane of a span's end
 NEAR = 2.5  # radii of an end within which its plane cuts the wall
 LEAST_COSINE = 0.5  # between a strip's triangle and the smooth surface's normal at the ring
 FOLDS = 1e4  # cost of a triangle that folds, in triangles of the best shape
