@@ -147,7 +147,7 @@ def _checked(mesh, swept):
 
 
 def write(mesh, path):
-    """Writes a gmsh 4.1 binary file with physical groups (module docstring of meshing.mesh)."""
+    """Writes a gmsh 4.1 binary file with the physical groups of geometry.tags."""
     import gmsh
 
     gmsh.initialize(["gmsh"], False)
