@@ -6,9 +6,9 @@
 
 namespace common {
 
-/// Starts the program again with the C library's functions (sin, exp, ...) of processors without fused multiply-add.
-/// glibc chooses by the processor, and the last digits differ; a hard deployment can hang on them. Where the user has
-/// set hwcaps, or the program cannot be started again, all stays as it is.
+/// Starts the program again with the C library's functions (sin, exp, ...) for processors without fused multiply-add.
+/// glibc chooses them by the processor, so last digits differ, and the outcome of a hard deployment may depend on them.
+/// If the user has set hwcaps, or the program cannot be started again, nothing changes.
 inline void same_digits_on_every_processor(char** argv) {
   const char* given = std::getenv("GLIBC_TUNABLES");
   std::string tunables = given ? given : "";

@@ -25,7 +25,8 @@ template <class Visit> void each_nested(vtkXMLDataElement* parent, Visit&& visit
     visit(parent->GetNestedElement(k));
 }
 
-/// How many of something an element says that it has; none where it does not say.
+/// The number in an attribute of an element, such as NumberOfPoints; 0 without the attribute. Throws Damaged for text
+/// that is no number, and for a negative number.
 std::uint64_t count_of(vtkXMLDataElement* element, const char* attribute) {
   long long count = 0;
   if (element->GetAttribute(attribute) && !element->GetScalarAttribute(attribute, count))

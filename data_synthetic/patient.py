@@ -1,4 +1,4 @@
-"""Reads a synthetic case and refuses what cannot be built, by its key."""
+"""Reads a synthetic case, and refuses a vessel that cannot be built with a message that names the key."""
 
 import pathlib
 

@@ -247,7 +247,7 @@ def main(argv=None):
 
 
 def _ended(number, _):
-    """SIGTERM ends as an error does: what is half made is removed."""
+    """Ends at SIGTERM like at an error, so that half-made files are removed."""
     sys.exit(128 + number)
 
 

@@ -22,7 +22,7 @@ STEP_ERROR = 3e-3  # of one step, over the root mean square of the velocity
 FIRST_STEP, SHORTEST_STEP = 1e-4, 1e-7  # s
 LONGEST_STEP = 0.1  # in D/U
 SMALLEST_CHANGE, LARGEST_CHANGE = 0.4, 1.6  # of the step's length
-WORTH_A_CHANGE = (0.8, 1.25)  # other factors are taken, for which the matrix is factorized anew
+WORTH_A_CHANGE = (0.8, 1.25)  # the length changes only by factors outside these, as each change costs a factorization
 PER_UNIT = 10  # samples of the series in a D/U, evenly spaced
 BATCHES = 8
 CONFIDENCE = 0.95
@@ -34,10 +34,10 @@ def time_unit(radius_mm, flow_m3_per_s):
 
 
 def march(problem, read, unit_s, units, most_steps):
-    """Series of the march from the problem's state, over `units` D/U or as far as `most_steps` lead: a table with
-    time_s and ffr_0, ffr_1, ... of the probes.
+    """Series of the march from the problem's state, over `units` D/U or `most_steps` steps, whichever ends first.
 
-    read(sampler) -> FFR at the probes. Raises ComputationError where a step fails however short.
+    A DataFrame with time_s and ffr_0, ffr_1, ... of the probes. read(sampler) -> FFR at the probes. Raises
+    ComputationError where even a step of SHORTEST_STEP fails.
     """
     problem.boundaries.full()
     problem.forms.artificial.value = 0.0
@@ -66,7 +66,7 @@ def march(problem, read, unit_s, units, most_steps):
 
 
 def _lengths(stepper, longest, most):
-    """Steps with `stepper` and yields each step's length in s: such that its error is near STEP_ERROR."""
+    """Steps with `stepper` and yields each step's length in s, chosen for an error near STEP_ERROR."""
     dt, problem = min(FIRST_STEP, longest), stepper.problem
     while stepper.steps < most:
         try:

@@ -1,4 +1,4 @@
-"""Which files each command reads and which it writes: an earlier output goes before anything else is looked at."""
+"""The files that each command reads and writes. An earlier output is removed first, before the input is read."""
 
 import pathlib
 
@@ -8,7 +8,7 @@ from flow.inputs.lumen_summary import OF_A_PLAN
 
 
 def clear(arguments):
-    """Removes what an earlier run of the command of parsed arguments wrote (flow.output.clear). Raises InputError."""
+    """Removes the files that an earlier run with these arguments wrote (flow.output.clear). Raises InputError."""
     of = {"boundary": boundary, "mesh": mesh, "solve": solve, "audit": audit, "rank": rank}
     written, read = of[arguments.command](arguments)
     output.clear(written, [pathlib.Path(path) for path in (*read, arguments.settings) if path])

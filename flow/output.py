@@ -14,7 +14,7 @@ FILES = ("ffr.json", "pullback.csv", "solution.vtu")
 
 
 def clear(files, inputs):
-    """Removes an earlier output, `files`: after a run that is refused it would be taken for this one's.
+    """Removes an earlier output, `files`. After a refused run it would be taken for this run's output.
 
     inputs: paths of the files that the command reads. Raises InputError, and removes nothing, where one is
     among `files`, or where they cannot be written.

@@ -41,7 +41,7 @@ def add_options(parser, command):
 
 
 def _number(text):
-    """The number that a text is, else the text: `make` says what is allowed, for a range as for a kind."""
+    """The number in a text, else the text itself, since `make` refuses wrong kinds and ranges with one message."""
     for kind in (int, float):
         try:
             value = kind(text)

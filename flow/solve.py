@@ -16,7 +16,7 @@ from flow.physics import viscosity, wall_shear
 from flow.reduced import answer as reduced_answer, flow_range
 from flow.solvers import solved_mesh
 
-LARGE = 0.05  # difference of the models' FFR that is said
+LARGE = 0.05  # larger differences of the models' FFR get a warning
 
 
 def run(paths, case, folder, start=None):
@@ -77,7 +77,7 @@ def _distal(document, tree):
 
 
 def _cpu_seconds():
-    """Of this process and of the programs that it ran (gmsh)."""
+    """CPU seconds of this process and of the programs that it ran (gmsh)."""
     spent = [resource.getrusage(whose) for whose in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     return sum(one.ru_utime + one.ru_stime for one in spent)
 

@@ -1,11 +1,11 @@
 """FFR of a lumen by the 1D network, calibrated on the 3D answers of the same patient before and after the procedure.
 
-Losses are of FFR at the probe `distal`, 1 - FFR. What the network loses in a lumen is carried to what the 3D model
-would lose: in proportion up to the planned procedure's, linearly from there to the loss before it, in proportion
-beyond. The network misses bends and developing profiles; it misses alike in lumens that are alike.
+A loss is 1 - FFR at the probe `distal`. The network's loss in a lumen is converted to the 3D model's: in proportion up
+to the loss after the planned procedure, linearly from there to the loss before the procedure, in proportion beyond. The
+network leaves out bends and developing profiles, and its error is alike in lumens that are alike.
 
-The error is what the calibration misses in the patient's other lumens after a procedure, those with a 3D answer that it
-was not made of; at least the largest error estimate of all 3D answers.
+The error is the largest difference to the 3D answers in the patient's other lumens after a procedure, which the
+calibration has not used. It is at least the largest error estimate of all 3D answers.
 """
 
 import dataclasses

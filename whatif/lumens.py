@@ -26,7 +26,7 @@ def ffr_of(case, names, states):
 
 
 def place(model, loss):
-    """Where a loss of the network's lies among those that it was calibrated on (`model`, ascending from 0)."""
+    """Place of a loss by the network among the losses of its calibration (`model`, ascending from 0), in a word."""
     if loss > model[-1]:
         return "beyond"
     return "below" if loss <= model[1] else "between"

@@ -1,8 +1,8 @@
-"""A lumen that was found in an image is off by the segmentation's error: sections at the true radius instead.
+"""The radius of a lumen found in an image, varied by the segmentation's error.
 
-The error is what the study measures of its own segmentation in the CT of known lumens without a stent, found minus
-true, over sections (data_synthetic/measured.md, "Lumens found in CT"). So the true radius is the found one minus that.
-It is put on all sections alike, which is the most that errors of this size can do to a loss of pressure.
+The study measures the error of its own segmentation in the CT of known lumens without a stent, found minus true, over
+sections (data_synthetic/measured.md, "Lumens found in CT"). So the true radius is the found one minus the error. All
+sections get the same error, since this changes the pressure loss more than any other errors of this size.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ NAME = "lumen_radius"
 
 
 def radius_input():
-    """The Input: the true radius minus the found one, the bias and one standard deviation to both sides of it."""
+    """The Input of true minus found radius, from one standard deviation below its mean to one above."""
     return Input(NAME, "radius of the lumen found in CT, 1 SD", -BIAS_MM - SD_MM, 0.0, -BIAS_MM + SD_MM, "mm")
 
 

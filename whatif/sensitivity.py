@@ -1,4 +1,4 @@
-"""How much FFR and areas hang on inputs that are not known exactly: of the flow alone, and of the procedure with it."""
+"""How much FFR and areas depend on uncertain inputs: of the flow alone, and of flow and procedure together."""
 
 import copy
 import pathlib
@@ -49,7 +49,7 @@ class Answers:
         return segment["branch"], segment["s_start_mm"], segment["s_end_mm"]
 
     def ffr(self, state, values, lumen=None):
-        """FFR of a state, its 3D answer's loss multiplied by how much the network's grows."""
+        """FFR of a state: the 3D answer's loss, times the network's loss at `values` over its loss as planned."""
         if not self.planned[state] > 0:
             return self.solved[state]["ffr"]
         grown = self.loss(state, values, lumen) / self.planned[state]

@@ -72,8 +72,10 @@ class Inputs:
         return self.configuration.device_files(wildcards.case)
 
     def lumen(self, wildcards, key="lumen"):
-        """The lumen before the procedure: generated, made of contours or a CT, or the user's file; with the key `post`
-        that after it."""
+        """The file of the lumen before the procedure, or with the key `post` after it.
+
+        It is generated, made from contours or a CT, or the user's own.
+        """
         given = self.configuration.cases[wildcards.case].get(key)
         if given and "path" in given:
             return self.configuration.lumen_file(wildcards.case, key)
@@ -200,8 +202,10 @@ class Inputs:
         }
 
     def start_files(self, wildcards):
-        """What a state's flow starts from: that of the predicted lumen, which its lumen resembles. None for the
-        prediction and for the state before."""
+        """Files of the flow that a state's flow starts from: the predicted lumen's, which is similar.
+
+        Empty for the prediction itself and for the state before.
+        """
         if wildcards.state in ("pre", "vci"):
             return {}
         case = f"{self.results}/cases/{wildcards.case}"
@@ -249,7 +253,7 @@ class Inputs:
         return [f"{case}/ct/{state}/segmentation.json" for state in states]
 
     def ends(self, wildcards):
-        """The vessels' end points that a reader of the image would click: those of the state's own anatomy."""
+        """The file with the end points that a reader of the image would click, taken from the state's own anatomy."""
         return self.anatomy_files(wildcards)["anatomy"]
 
     def of_states(self, *names):

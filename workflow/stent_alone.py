@@ -1,4 +1,4 @@
-"""The plan of the stents alone: what radius correction knows where it takes only the stent's size."""
+"""The plan with the stents' steps alone, for a radius correction by the stents' size (state rc_stent)."""
 
 import json
 

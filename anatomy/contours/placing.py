@@ -43,9 +43,9 @@ def centres(frames, on_outer_wall):
 
 
 def straight(pullback):
-    """Placing along the z axis, x and y as in the image: the vessel's axis is that of its outer wall where it is known.
+    """Placing along the z axis, with x and y as in the image. The vessel's axis is its outer wall's if that is known.
 
-    The catheter's own way through the vessel, round which each image is drawn, is unknown without a centreline.
+    Each image is centred on the catheter, whose path through the vessel is unknown without a centreline.
     """
     centre = rings.between(pullback.z_mm, centres(pullback.frames, on_outer_wall=True))
 

@@ -1,4 +1,4 @@
-"""Outlines as rings: the same number of corresponding points on each, exact in area, and what lies between frames."""
+"""Outlines as rings of equally many corresponding points, exact in area, and their interpolation between frames."""
 
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator

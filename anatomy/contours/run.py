@@ -60,7 +60,7 @@ def loft_of(pull, place):
 
 
 def _areas(pull, z_mm):
-    """Areas in mm2 at z: those of the outlines at the frames, monotone between them."""
+    """Areas in mm2 at z: of the outlines at the frames, interpolated monotonically between them."""
     return rings.between(pull.z_mm, np.array([area_mm2(rings.smooth(frame.lumen)) for frame in pull.frames]))(z_mm)
 
 
@@ -74,7 +74,7 @@ def _perimeter(outline):
 
 
 def _plaque(pull, files, healthy_wall_mm, lumen):
-    """({array name: values at the surface's points}, what was found of it); no arrays without an outer wall."""
+    """({array name: values at the surface's points}, summary of the plaque); no arrays without an outer wall."""
     frames, of_frames = pull.frames, lumen["frame_rings"]
     kinds = np.array([plaque.types_of_frame(frame, ring) for frame, ring in zip(frames, of_frames)])
     if not files.get("outer_wall"):

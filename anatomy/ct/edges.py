@@ -36,7 +36,10 @@ class Profiles:
 
 
 def sample(at, axis, spacing_mm, rays):
-    """Profiles of an image (at(points) -> HU) along `rays` rays in sections spacing_mm apart, ends included."""
+    """Profiles along `rays` rays round the axis, in sections spacing_mm apart from end to end.
+
+    at(points (..., 3) in mm) -> HU of the image.
+    """
     count = max(int(round(axis.length_mm / spacing_mm)), 12) + 1
     s = np.linspace(0, axis.length_mm, count)
     theta = np.linspace(0, 2 * np.pi, rays, endpoint=False)

@@ -42,7 +42,7 @@ def load_ends(path):
 
 
 def checked_ends(given, where):
-    """[(name, centre (3,))] of pairs of name and point. Raises InputError for what is no point, or names one twice."""
+    """[(name, centre (3,))] of pairs of name and point. Raises InputError for a bad point, or a name given twice."""
     found = []
     if len(given) < 2:
         remedy = "at least two: the inlet first, then an outlet for each branch"

@@ -87,7 +87,7 @@ def _along_axes(values, affine, path):
     rotation *= np.sign((rotation * affine[:3, :3]).sum(axis=0))
     if np.abs(rotation - np.eye(3)).max() < 1e-4:
         rotation = np.eye(3)
-    # The header holds 32-bit numbers; a nanometre is more than they carry.
+    # The header holds 32-bit numbers, which do not resolve a nanometre.
     origin = np.round(rotation.T @ affine[:3, 3], 6)
     return Volume(Image(np.ascontiguousarray(turned), origin, np.round(spacing, 6)), rotation)
 

@@ -46,7 +46,7 @@ def run(case_file, anatomy_folder, devices_folder, out):
 
 
 def sized_by(summary, proposed, by_outer_wall):
-    """The plan's `reference`: what the vessel's healthy size is taken from, and the treated lesions by it.
+    """The plan's `reference`: the source of the vessel's healthy size, and the treated lesions by that source.
 
     `anatomy_percent`: the same lesion by the healthy profile through the lumen, as anatomy.json has it.
     """
@@ -70,7 +70,11 @@ def mean_arterial_pressure_pa(patient):
 
 
 def procedure(steps, families, summary, where):
-    """{segment, devices, procedure} of a plan's steps in a measured lumen; `where` is for messages."""
+    """{segment, devices, procedure} of a plan's steps in a measured lumen.
+
+    summary: document of anatomy.json; where: the plan's place, for messages. Raises InputError for a device or pressure
+    that does not fit.
+    """
     devices, done, stents, used = {}, [], [], {}
     for i, step in enumerate(steps):
         placed = []

@@ -97,7 +97,7 @@ def propose(summary, sections, families, where, treat=CULPRIT, least_percent=Non
 
 
 def _too_mild(target, where, treat, least_percent):
-    """The InputError for a vessel whose most severe lesion (a Target) is milder than what is to be treated."""
+    """The InputError for a vessel whose most severe lesion (a Target) is below the limit for treatment."""
     percent = max(int(target.percent), 1)
     return InputError(
         "no lesion severe enough to plan for",
@@ -109,7 +109,7 @@ def _too_mild(target, where, treat, least_percent):
 
 
 def _with_balloons(treated, left_out, families, where):
-    """(treated, left out) with a balloon alone for what no stent is as wide as, the most severe first."""
+    """(treated, left out), with a balloon alone for each lesion that is too wide for any stent; most severe first."""
     done, left = list(treated), []
     for target, error in left_out:
         balloon = sizing.alone(families, target, where) if isinstance(error, sizing.NoWidth) else None

@@ -16,13 +16,16 @@ import numpy as np
 from .profile import Profile
 
 SIGNIFICANT_PERCENT = 50  # diameter stenosis from which a lesion is usually treated
-STRETCH_PERCENT = 30  # diameter stenosis from which a narrowing has to come under the stent
-APART_DIAMETERS = 3  # of the vessel between two narrowings below which they are one lesion (SYNTAX score)
+STRETCH_PERCENT = 30  # diameter stenosis from which a stent must cover a narrowing
+APART_DIAMETERS = 3  # narrowings less than this many vessel diameters apart are one lesion (SYNTAX score)
 
 
 @dataclasses.dataclass
 class Target:
-    """What one stent, or several that overlap, are to cover: lesions (names) of a branch, start and end in mm."""
+    """The stretch of a branch for one stent, or for several that overlap: its lesions, start and end in mm.
+
+    s_mla is the place (mm) of the smallest area, percent the diameter stenosis of the worst lesion.
+    """
 
     profile: Profile
     lesions: list
@@ -77,11 +80,11 @@ def every(summary, sections):
 
 
 def found(summary, sections, least_percent=None):
-    """Targets, the most severe first: of the lesions of least_percent by diameter and more. Without it, of those of
-    SIGNIFICANT_PERCENT and more, or of all lesions if there is none.
+    """Targets of the lesions with a diameter stenosis of at least least_percent, the most severe first.
 
-    Those with less than APART_DIAMETERS between their stretches are one target (Sianos et al., EuroIntervention
-    2005;1:219-27): a stent for one would end before the other. If all lesions are mild none are joined.
+    Without least_percent the limit is SIGNIFICANT_PERCENT; if no lesion reaches that, all lesions are targets. Lesions
+    with less than APART_DIAMETERS between their stretches are one target (Sianos et al., EuroIntervention
+    2005;1:219-27), as a stent for one would end before the other. If all lesions are mild none are joined.
     """
     all_lesions = every(summary, sections)
     least = SIGNIFICANT_PERCENT if least_percent is None else least_percent

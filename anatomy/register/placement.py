@@ -10,11 +10,11 @@ from scipy.spatial.transform import Rotation
 
 from .tree import STEP_MM
 
-SCALE = 0.25  # of the usual radius: larger residuals hardly pull, such as those of a stretch that a stent straightened
-# Of all landmarks together against all of the axes. It is enough to decide what the axes leave open, such as a turn
-# about a straight vessel, and too little to push axes aside that lie well.
+SCALE = 0.25  # of the usual radius: larger residuals hardly count, as where a stent has straightened the vessel
+# Weight of all landmarks together over that of the axes. It is enough to decide a placement that the axes leave open,
+# such as a turn about a straight vessel. It is too little to spoil a good fit of the axes.
 LANDMARK_WEIGHT = 0.1
-RADIUS_WEIGHT = 0.5  # of a difference of radii against one of places: it says where along a straight vessel one is
+RADIUS_WEIGHT = 0.5  # of a difference of radii over one of places; radii fix the place along a straight vessel
 
 
 @dataclasses.dataclass(frozen=True)
@@ -71,10 +71,10 @@ def cost(target, tree, placement):
 
 
 def refined(target, tree, start, landmarks):
-    """The Placement near `start` that lays the axes on each other with a robust loss, and the landmarks without one.
+    """The Placement near `start` that fits the axes by a robust loss and the landmarks by least squares.
 
-    What has changed its place or its radius, or is missing, hardly counts among the axes. landmarks: (pre (m, 3),
-    post (m, 3)) in mm; the user has named them, so that none is taken for an outlier.
+    Axes that have moved, changed their radius or are missing hardly count in the robust loss. landmarks: (pre (m, 3),
+    post (m, 3)) in mm. The user has named the landmarks, so none is treated as an outlier.
     """
     points, radius = tree.points, tree.radius
     middle = points.mean(axis=0)

@@ -1,4 +1,4 @@
-"""python3 -m anatomy register: the lumen after the procedure in the frame of the one before, and what its ends are."""
+"""python3 -m anatomy register: moves the lumen after the procedure to the frame of the one before, names its ends."""
 
 import copy
 import pathlib

@@ -1,4 +1,4 @@
-"""The axes of a lumen as points of equal distance: what a registration compares."""
+"""The axes of a lumen as points of equal distance, by which a registration compares two lumens."""
 
 import dataclasses
 import pathlib
@@ -48,7 +48,7 @@ class Tree:
 
     @property
     def usual_radius_mm(self):
-        """The usual inscribed radius of the main vessel: the measure of what is far."""
+        """The median inscribed radius of the main vessel, in which distances between axes are judged."""
         return float(np.median(self.branches["main"].radius))
 
 

@@ -7,8 +7,10 @@ from flow.geometry import locate
 
 
 class FlowState:
-    """state (Function on space.W) and inflow (m3/s); what a subclass sets: space, boundaries, forms
-    (discretisation.forms)."""
+    """state (Function on space.W) and inflow (m3/s).
+
+    A subclass sets space, boundaries and forms (discretisation.forms).
+    """
 
     @property
     def artificial(self):

@@ -1,4 +1,4 @@
-"""The compiled forms of physics.navier_stokes on a function space: residual, tangents, what the energy balance needs.
+"""The compiled forms of physics.navier_stokes on a function space: residual, tangents, terms of the energy balance.
 
 The artificial viscosity eps h |u| is 0 in the answer wherever solvers.continuation can take it away. With eps = 0
 nothing is computed for it.

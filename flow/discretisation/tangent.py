@@ -3,8 +3,8 @@
     [A  B']      A: velocity block, assembled at each linearisation; B: -(q, div u), which no state changes
     [B  0 ]
 
-Entry by entry PETSc looks up each of a cell's 34 x 34 values in its row, which takes twice as long as computing them.
-By blocks it looks up 100 places a cell; where each value of A goes among the free dofs is found out once.
+Entry by entry PETSc would look up each of a cell's 34 x 34 values in its row, which takes twice as long as computing
+them. By blocks it looks up 100 places a cell. The place of each value of A among the free dofs is computed once.
 """
 
 import numpy as np
@@ -39,8 +39,10 @@ class FreeMatrix:
         self.matrix = PETSc.Mat().createAIJ(pattern.shape, csr=given, comm=PETSc.COMM_SELF)
 
     def _pattern(self):
-        """CSR of `matrix` whose data are the places of the values among the entries of A, from 1 on, and among those of
-        B and then 0, from -1 down."""
+        """CSR pattern of `matrix`. Its data say where each value comes from.
+
+        1, 2, ... count the entries of A; -1, -2, ... count the entries of B; the number after the last is a zero.
+        """
         space, row = self.space, self.divergence.copy()
         row.data = -1 - np.arange(row.nnz, dtype=np.int32)
         corners = compat.cell_dofs(space.Q)

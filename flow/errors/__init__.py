@@ -1,1 +1,1 @@
-"""Errors: what the mesh has done to FFR, by the dual-weighted residual and by two meshes."""
+"""Errors: the discretisation error of FFR, estimated by the dual-weighted residual and by two meshes."""

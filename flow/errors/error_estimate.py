@@ -1,4 +1,4 @@
-"""Error estimate of FFR: what the mesh, and an artificial viscosity that is left, may have done to it."""
+"""Error estimate of FFR: the error by the mesh, and by an artificial viscosity that is left."""
 
 import dataclasses
 import sys
@@ -8,21 +8,22 @@ import numpy as np
 from common.errors import ComputationError
 from flow.errors import error_field
 
-# Share of itself by which each part of the dual-weighted residual may be off. Where they do not cancel it found .5 to
-# .8 of the true error. With a share of .5 the estimate was below it at Re 1,500, and at 80 and 85 % on four rings.
+# Share by which each part of the dual-weighted residual may be off. Where the parts do not cancel, their sum was .5 to
+# .8 of the true error. With a share of .5 the estimate fell below the true error at Re 1,500, and for lesions of 80 and
+# 85 % on four rings.
 PART_UNCERTAINTY = 0.75
-SAFETY = 1.5  # times what an artificial viscosity does
-SMALL_SHARE = 0.2  # of the tolerance: an artificial viscosity that takes no more of it may stay
-# Assumed order of the FFR error in the mesh width. FFR's error does not fall steadily with the rings and changes its
-# sign (measured.md), so the difference of two meshes is no bound: it says how much FFR still depends on the mesh.
+SAFETY = 1.5  # factor on the effect of the artificial viscosity
+SMALL_SHARE = 0.2  # of the tolerance: an artificial viscosity with a smaller effect may stay
+# Assumed order of the FFR error in the mesh width. The true error changes its sign and does not fall steadily with the
+# rings (measured.md). So the difference of two meshes is no bound; it shows how much FFR still depends on the mesh.
 ORDER = 2.0
-LEAST_RATIO = 1.05  # of the mesh widths: below it two meshes say nothing
-HIDDEN = ("probes", "basis")  # of an estimate, not written with it
+LEAST_RATIO = 1.05  # of the mesh widths: at a smaller ratio the difference of two meshes is not used
+HIDDEN = ("probes", "basis")  # keys of an estimate that are not written to ffr.json
 
 
 @dataclasses.dataclass
 class Basis:
-    """What an estimate was made of: with it errors.pointwise makes it at other places.
+    """The flows and fields behind an estimate, from which errors.pointwise makes estimates at other places.
 
     field: errors.error_field.Field of the steady flow, or None; pair: ((sampler, outflows) of the finer and of the
     coarser mesh, share of their difference), or None.
@@ -33,18 +34,17 @@ class Basis:
 
 
 def of(solved, document, tree, at_probes, coarser=None):
-    """{"ffr": total at the probe `distal`, "probes": totals at all, ...} of a solvers.solved_mesh.Solved, or None where
-    too little is known.
+    """Estimate of a solvers.solved_mesh.Solved: {"ffr": total at the probe `distal`, "probes": totals at all, ...}.
 
-    The mesh's part is the larger of `goal` (errors.error_field) and, with a Solved `coarser` of the same eps, of `mesh`
-    (Richardson's). at_probes(sampler) -> FFR at the probes, `distal` first. `goal`: the size of the dual-weighted
-    residual and PART_UNCERTAINTY times those of its parts (`of_parts`). `artificial_viscosity`: what it does to FFR,
-    added with the safety factor. The parts are those of `distal`. Where the dual solution is not found two meshes
-    alone estimate the error, if there are two and no artificial viscosity is left.
+    at_probes(sampler) -> FFR at the probes, `distal` first. The error by the mesh is the larger of two entries: `goal`,
+    by the dual-weighted residual (`of_parts`), and `mesh`, by Richardson's extrapolation from a Solved `coarser` of the
+    same eps. The effect of the artificial viscosity on FFR, `artificial_viscosity`, is added times SAFETY. These
+    entries are the values at `distal`. If the linear solves for `goal` fail, `mesh` alone is the estimate. It is None
+    where there is no `mesh` either, or an artificial viscosity is left.
     """
     found, methods, parts, artificial = [], [], {}, None
     if coarser and coarser.problem.artificial != solved.problem.artificial:
-        coarser = None  # flows of two models
+        coarser = None  # another eps is another model, so the difference would not be the mesh's alone
     basis = Basis(None, _pair(solved, coarser))
     try:
         along, basis.field = error_field.of(solved, document, tree)
@@ -64,7 +64,7 @@ def of(solved, document, tree, at_probes, coarser=None):
         return None
     total = np.max(found, axis=0)
     if solved.problem.artificial > 0:
-        if artificial is None:  # two meshes know nothing of the artificial viscosity
+        if artificial is None:  # two meshes of the same eps do not show its effect
             return None
         parts["artificial_viscosity"] = float(artificial[0])
         total = total + SAFETY * np.abs(artificial)
@@ -83,18 +83,22 @@ def may_stay(solved, document, tree, tolerance):
 
 
 def of_parts(along):
-    """Estimates (p,) by the parts (p, k) of errors.error_field. Each may be off by PART_UNCERTAINTY of itself."""
+    """Estimates (p,) by the parts (p, k) of errors.error_field: the size of their sum, and PART_UNCERTAINTY times the
+    sum of their sizes, as each part may be off by that share."""
     return np.abs(along.sum(axis=1)) + PART_UNCERTAINTY * np.abs(along).sum(axis=1)
 
 
 def document(estimate):
-    """The estimate at the probe `distal` alone, as in ffr.json; None stays."""
+    """The estimate as ffr.json has it, at the probe `distal` alone; None for None."""
     return estimate and {key: value for key, value in estimate.items() if key not in HIDDEN}
 
 
 def two_meshes(fine, coarse, at_probes):
-    """({"mesh", "ffr_coarse", "ffr_fine"} at the probes, words): Richardson's estimate |fine - coarse| / (r^2 - 1), r^3
-    the ratio of the numbers of cells; (None, "") below a ratio of 1.05."""
+    """({"mesh", "ffr_coarse", "ffr_fine"} at the probes, method in words) of two Solved.
+
+    `mesh` is Richardson's estimate |fine - coarse| / (r^2 - 1), with r^3 the ratio of the numbers of cells. Gives
+    (None, "") where r is at most LEAST_RATIO.
+    """
     ratio = _ratio(fine, coarse)
     if ratio <= LEAST_RATIO:
         return None, ""
@@ -105,13 +109,13 @@ def two_meshes(fine, coarse, at_probes):
 
 
 def _ratio(fine, coarse):
-    """Of the widths of two meshes' cells."""
+    """Ratio of the cells' widths, coarse over fine, by the numbers of cells."""
     cells = [len(item.space.nodes()[1]) for item in (coarse, fine)]
     return (cells[1] / cells[0]) ** (1 / 3)
 
 
 def _pair(fine, coarse):
-    """`pair` of a Basis; coarse may be None."""
+    """`pair` of a Basis; None where coarse is None or not coarser by LEAST_RATIO."""
     ratio = _ratio(fine, coarse) if coarse else 0.0
     if ratio <= LEAST_RATIO:
         return None

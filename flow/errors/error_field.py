@@ -1,18 +1,19 @@
-"""What the mesh has done to FFR everywhere: the residual of the flow, weighted by dual solutions.
+"""The error that the mesh makes in FFR everywhere: the residual of the flow, weighted by dual solutions.
 
 Becker and Rannacher 2001, Acta Numerica 10. The dual solution z of a place says how much its FFR J changes with each
-equation: K^T z = dJ/dw, K being Newton's tangent. A Newton step -K^-1 R would change J by -R(w; z), so computed minus
-true is +R(w; z - i z), i z being z in the space itself, where R is zero (Galerkin). z is recovered as cubic velocity
-and quadratic pressure (errors.recovery). Its parts differ in sign along a vessel, and each is known to a half or so:
-where they nearly cancel the sum says nothing. So the parts of stretches one diameter long are told apart: part k is the
-residual r_k of stretch k times z - i z.
+equation: K^T z = dJ/dw, where K is Newton's tangent. A Newton step -K^-1 R would change J by -R(w; z). So computed
+minus true is +R(w; z - i z). Here i z is the interpolant of z in the space itself, on which R is zero (Galerkin). z is
+recovered as cubic velocity and quadratic pressure (errors.recovery).
 
-That is linear in z: part k = G_k z, G_k being the transposed of recovery less interpolation applied to r_k. So
-part k = dJ/dw e_k with K e_k = G_k: e_k is what stretch k does to the whole flow, computed minus true, and one solve
-for each stretch gives the parts at every probe, outlet and point of the pull-back.
+The contributions change sign along a vessel, and each is known to about a half. Where they nearly cancel, the sum says
+nothing. So they are kept apart for stretches one diameter long: part k is the residual r_k of stretch k times z - i z.
 
-The artificial viscosity is one part more. It adds the force A(w) = eps rho h (|u| grad w, grad v) to the equations, so
-K e = -A(w) is what it does to the flow: eps times the derivative of the flow with respect to eps.
+Part k is linear in z: it is G_k z, with G_k = (recovery - interpolation)^T r_k. So part k = dJ/dw e_k with K e_k = G_k.
+The field e_k is the error, computed minus true, that stretch k makes in the whole flow. One solve for each stretch
+gives the parts at every probe, outlet and point of the pull-back.
+
+The artificial viscosity gives one more part. It adds the force A(w) = eps rho h (|u| grad w, grad v) to the equations.
+So the solution of K e = -A(w) is its effect on the flow: eps times the flow's derivative with respect to eps.
 """
 
 import numpy as np
@@ -34,10 +35,10 @@ WINDOW = 5.0  # radii of a mean's ball, where its weight is exp(-25)
 
 
 class Field:
-    """What each of k loads does to a steady flow, as far as FFR goes.
+    """The changes of a steady flow by k loads, kept where FFR needs them.
 
     pressure (q, k) in Pa over the pressure's dofs, at `places` (q, 3) in m; outflows (o, k) in m3/s. The flow itself:
-    flow_pressure (q,), sampler (geometry.locate.FieldSampler), flow_outflows (o,).
+    flow_pressure (q,) in Pa, sampler (geometry.locate.FieldSampler), flow_outflows (o,) in m3/s.
     """
 
     def __init__(self, solved, loads):
@@ -53,10 +54,10 @@ class Field:
         self.pressure, self.outflows = np.concatenate(pressure, axis=1), np.concatenate(outflows, axis=1)
 
     def parts(self, document, tree, names, points_mm, radii_mm):
-        """Parts (o + m, k) of FFR's change: at the mesh's outlets `names`, and of its mean over a ball of about the
-        vessel's radius round each of the points (m, 3).
+        """Change (o + m, k) of FFR by each load: at the mesh's outlets `names`, then round the points (m, 3).
 
-        Where the inflow is given FFR is over the pressure at the inlet's centre, which changes too.
+        At a point it is the change of the mean over a ball of about the vessel's radius. Where the inflow is given, the
+        pressure at the inlet's centre is FFR's denominator, and its change counts too.
         """
         chosen = [self.boundaries.names.index(name) for name in names]
         means = self._means(points_mm, radii_mm)
@@ -70,7 +71,7 @@ class Field:
         return (found - np.outer(values / reference, at_inlet @ self.pressure)) / reference
 
     def _means(self, points_mm, radii_mm):
-        """Sparse (m, q) whose product with a pressure is its mean round points (m, 3)."""
+        """Sparse (m, q) matrix; times a pressure (q,) it gives the means round the points, with a Gaussian weight."""
         points, radii = M_PER_MM * points_mm, M_PER_MM * radii_mm
         near = cKDTree(self.places).query_ball_point(points, WINDOW * radii, return_sorted=True)
         rows = np.repeat(np.arange(len(near)), [len(one) for one in near])
@@ -81,8 +82,10 @@ class Field:
         return scipy.sparse.diags(1.0 / np.asarray(means.sum(axis=1)).ravel()) @ means
 
     def interpolation_pa(self, points_mm):
-        """Sizes (m,) in Pa of the error of the flow's pressure read at points (m, 3), where it is linear in the cell,
-        to a recovered one that is quadratic."""
+        """Sizes (m,) in Pa of the interpolation error of the flow's pressure at points (m, 3).
+
+        The pressure is linear in each cell; the error is its difference to a recovered quadratic pressure.
+        """
         sampler, points = self.sampler, M_PER_MM * points_mm
         cell, lam, _ = sampler.locator.find(points)
         nodes, cells = sampler.points, sampler.cells
@@ -92,26 +95,31 @@ class Field:
 
 
 def of(solved, document, tree):
-    """(parts (p, k + 1) at the document's probes, Field) of a solvers.solved_mesh.Solved with a steady flow: what the
-    mesh does in each of k stretches, and last what the artificial viscosity does."""
+    """(parts (p, k + 1) at the document's probes, Field) of a solvers.solved_mesh.Solved with a steady flow.
+
+    The first k parts are the errors of FFR by the mesh in each stretch, the last the effect of the artificial
+    viscosity. Raises ComputationError where a linear solve fails.
+    """
     loads = [sources(solved.problem, document, tree), _of_artificial_viscosity(solved.problem)]
     field = Field(solved, scipy.sparse.hstack(loads, "csc"))
     return _at_probes(field, document, tree), field
 
 
 def of_artificial_viscosity(solved, document, tree):
-    """Changes of FFR (p,) that the artificial viscosity of a Solved makes at the document's probes: the last of the
-    parts of `of`, for one solve with the last factors."""
+    """Effects (p,) of the artificial viscosity of a Solved on FFR at the document's probes, the last part of `of`.
+
+    It costs one solve with the last factors. Raises ComputationError where that fails.
+    """
     return _at_probes(Field(solved, _of_artificial_viscosity(solved.problem)), document, tree)[:, -1]
 
 
 def _of_artificial_viscosity(problem):
-    """Sparse load (dofs of W, 1): the force that it takes away, so that the response is what it does to the flow."""
+    """Sparse load (dofs of W, 1) whose response is the effect of the artificial viscosity on the flow."""
     return scipy.sparse.csc_matrix(-problem.forms.artificial_force()[:, None])
 
 
 def _at_probes(field, document, tree):
-    """Parts (p, k) of a Field at the document's probes, laid on the axis."""
+    """Parts (p, k) of a Field at the document's probes, projected onto the centrelines."""
     on = [(tree[probe["branch"]], np.array(probe["point_mm"])) for probe in document["probes"]]
     places = [(branch, branch.project(point)[0]) for branch, point in on]
     points = np.array([branch.point(s_mm) for branch, s_mm in places])
@@ -170,7 +178,7 @@ def places(space):
 
 
 def _placed(part, rows, size):
-    """A sparse matrix (n, k) as the given rows of one of (size, k)."""
+    """Sparse (size, k) matrix with the rows of `part` (n, k) at the row numbers `rows` (n,)."""
     part = part.tocoo()
     return scipy.sparse.csc_matrix((part.data, (rows[part.row], part.col)), (size, part.shape[1]))
 
@@ -187,7 +195,7 @@ def _mass(space):
 
 
 def carried(space, richer, values):
-    """Values over W of the richer space on the same mesh of a state's values."""
+    """A state's values over W of `space`, interpolated to W of the richer space on the same mesh."""
     result = np.zeros(richer.dofs)
     for source, target, of_source, of_target in (
         (space.V, richer.V, space.v_map, richer.v_map),

@@ -1,7 +1,7 @@
 """Estimated error of FFR at the outlets and along the pull-back of the flow that answers.
 
-As at the probes (errors.error_estimate), from the same flows (error_estimate.Basis), with a part more for what is read
-at a point: the pressure is linear in each cell, which counts in a throat.
+It is made as at the probes (errors.error_estimate), from the same flows (error_estimate.Basis). At a point of the
+pull-back the interpolation error is added: the pressure is linear in each cell, which matters in a throat.
 """
 
 import numpy as np
@@ -29,7 +29,7 @@ def write(solved, case, answer, table):
 
 
 def unknown(answer, table):
-    """As `write` where no error is known."""
+    """Writes what `write` writes where no error is known: None and NaN."""
     for outlet in answer["outlets"]:
         outlet["error_estimate"] = None
     table[COLUMN], answer["pullback_error_estimate"] = np.nan, None
@@ -38,8 +38,8 @@ def unknown(answer, table):
 class Places:
     """The outlets `names` (o) and the points of the pull-back's table (m) at which the FFR of a lumen is read.
 
-    points_mm, radii_mm: of the ends (e) of vessels that the mesh prolongs, where their outlets' FFR is read, then of
-    the pull-back; ends: numbers (e,) of their outlets.
+    Where the mesh prolongs a vessel, FFR of its outlet is read at the vessel's end (e of them). points_mm (e + m, 3),
+    radii_mm (e + m,): of these ends, then of the pull-back; ends: numbers (e,) of their outlets.
     """
 
     def __init__(self, solved, case, names, table):
@@ -70,13 +70,13 @@ class Places:
         return [self._at_ends(errors) for errors in (mesh, artificial)]
 
     def _at_ends(self, errors):
-        """Errors (o + m,) of (o + e + m,): outlets whose vessel the mesh prolongs have that of the vessel's end."""
+        """Errors (o + m,) from (o + e + m,): outlets of prolonged vessels take the error at the vessel's end."""
         count = len(self.names)
         errors[self.ends] = errors[count : count + len(self.ends)]
         return np.delete(errors, count + np.arange(len(self.ends)))
 
     def exact(self):
-        """Numbers of the outlets whose FFR is given: their pressure is, and what it is the share of."""
+        """Numbers of the outlets whose FFR is given, because both their pressure and the inlet's are."""
         if self.case.document.get("inlet_flow_m3_per_s") is not None:
             return []
         resistance = dict(zip(self.boundaries.names, self.boundaries.resistance))
@@ -84,8 +84,10 @@ class Places:
 
 
 def of(solved, places):
-    """(errors (o + m,) at `places`, NaN where nothing is known; method in words, then empty) of the FFR of a
-    solvers.solved_mesh.Solved with its estimate."""
+    """(errors (o + m,) of FFR at `places`, method in words) of a solvers.solved_mesh.Solved with its estimate.
+
+    Where no error is known the errors are NaN and the words empty.
+    """
     basis = (solved.estimate or {}).get("basis")
     found, methods, artificial = [], [], 0.0
     if basis and basis.field:

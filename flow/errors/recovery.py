@@ -1,9 +1,9 @@
 """A smoother field through nodal values: cubic or quadratic polynomials fitted to the patch round each corner.
 
-Round every corner of the mesh a polynomial is fitted by least squares to the values at the nodes of the cells that meet
-there; at a node of the richer element the polynomials of its cells' corners are averaged. (Superconvergent patch
-recovery of Zienkiewicz and Zhu 1992, Int J Numer Meth Engng 33, applied to the values as in dual-weighted residuals:
-Becker and Rannacher 2001, Acta Numerica 10.) Patches with as many nodes and targets are fitted together.
+Superconvergent patch recovery of Zienkiewicz and Zhu 1992, Int J Numer Meth Engng 33, applied to the values as in
+dual-weighted residuals (Becker and Rannacher 2001, Acta Numerica 10). The patch of a corner is the cells that meet
+there. A polynomial is fitted by least squares to the values at the patch's nodes. At a node of the richer element the
+polynomials of its cells' corners are averaged. Patches with equal numbers of nodes and targets are fitted together.
 """
 
 import numpy as np
@@ -13,14 +13,14 @@ import scipy.sparse
 EXPONENTS = np.array([[i, j, k] for i in range(4) for j in range(4 - i) for k in range(4 - i - j)])
 TERMS = {degree: EXPONENTS[EXPONENTS.sum(axis=1) <= degree] for degree in (2, 3)}
 PLENTY = 1.5  # times the polynomial's terms: with fewer nodes the patch is enlarged by the cells beside it
-# Singular values below this share say nothing about the polynomial. In a lattice a patch may have too few levels of
-# nodes for a cubic: exactly so it is 0, with rounded coordinates 1e-7 to 1e-5, which would make spikes of 1e4.
+# Singular values below this share of the largest are dropped. In a lattice a patch may have too few levels of nodes for
+# a cubic. A singular value is then 0 but for rounding, 1e-7 to 1e-5, and its inverse would make spikes of 1e4.
 NEGLIGIBLE = 1e-3
-AT_ONCE = 1_000_000  # numbers, of one kind, of the patches that are fitted together
+AT_ONCE = 1_000_000  # numbers in an array of the patches that are fitted together; bounds the memory
 
 
 class Patches:
-    """The cells (t, 10) of quadratic tetrahedra with nodes (n, 3), by the corners that they share."""
+    """The patches of a mesh of quadratic tetrahedra: nodes (n, 3), cells (t, 10)."""
 
     def __init__(self, nodes, cells):
         self.nodes, self.corner = nodes, cells[:, :4]
@@ -28,10 +28,10 @@ class Patches:
         self.cells_at = _incidence(number.reshape(-1, 4), len(corners)).T.tocsr()  # (corners, cells)
 
     def recover(self, fields, wanted=None):
-        """[(m, k) values at `targets`] of fields [(degree, sources (t, a), values (n, k), targets (m, 3), of (t, b))].
+        """[values (m, k) at targets] of fields [(degree, sources (t, a), values (n, k), targets (m, 3), of (t, b))].
 
-        sources: the cells' nodes at which `values` are known; of: the numbers of the targets that lie in each cell.
-        wanted: cells in which alone the targets' values count; the others' are left undone.
+        sources: the cells' nodes at which `values` are known; of: numbers of the targets in each cell. wanted: the only
+        cells whose targets' values the caller uses; the values at other targets may be wrong.
         """
         patches, found = self._own(wanted), []
         for degree, sources, values, targets, of in fields:
@@ -50,16 +50,19 @@ class Patches:
         return found
 
     def transposed(self, fields, groups):
-        """What `recover` of unknown nodal values, weighted with loads at the targets and summed by groups, depends on:
-        for each of fields [(degree, sources (t, a), loads (m, c), targets (m, 3), of (t, b), group (m,))] the list over
-        c of sparse matrices (n, groups), whose product with values (n,) at the nodes is that sum."""
+        """The transposed of `recover`, applied to loads at the targets and summed by groups of targets.
+
+        fields: [(degree, sources (t, a), loads (m, c), targets (m, 3), of (t, b), group (m,))]. For each field it gives
+        a list over c of sparse matrices (n, groups). A column times nodal values (n,) is the sum, over the targets of
+        that group, of load times recovered value.
+        """
         patches, found = self._own(), []
         for degree, sources, loads, targets, of, group in fields:
             components, entries = loads.shape[1], []
             shared = loads / self._counts(of, len(loads))[:, None]
             for near, at in self._alike(patches, degree, sources, of, len(targets), components):
                 known, at_targets, inverse = _fitted(self.nodes[near], targets[at], TERMS[degree])
-                # what each patch gives to each of the groups that it has targets of
+                # one column for each pair of a patch and a group that has targets in it
                 number = (np.arange(len(at))[:, None] * groups + group[at]).ravel()
                 order = np.argsort(number, kind="stable")
                 pairs, first = np.unique(number[order], return_index=True)
@@ -71,7 +74,7 @@ class Patches:
         return found
 
     def _own(self, wanted=None):
-        """Sparse (patches, cells) of the patches that are this rank's; only those that reach the cells `wanted`."""
+        """Sparse (patches, cells) matrix of all patches, or of those that reach the cells `wanted`."""
         patches = self.cells_at
         if wanted is not None:
             beside = np.isin(self.corner, self.corner[wanted]).any(axis=1)
@@ -79,8 +82,11 @@ class Patches:
         return patches
 
     def _alike(self, patches, degree, sources, of, targets, components):
-        """(nodes (p, n), targets (p, m)) of patches that have as many of both: their sources, enough for the degree;
-        the numbers of the targets in their cells. components: of the values at each."""
+        """Yields (nodes (p, n), targets (p, m)) of patches with equal numbers of source nodes and of targets.
+
+        A patch with too few nodes for the degree is enlarged by the cells beside it. components: numbers at each
+        target, which bound how many patches are yielded at once.
+        """
         terms = len(TERMS[degree])
         sources, at = _incidence(sources, len(self.nodes)), _ascending(patches @ _incidence(of, targets))
         near = _ascending(patches @ sources)
@@ -102,8 +108,8 @@ class Patches:
         return np.bincount((self.cells_at @ _incidence(of, count)).indices, minlength=count)
 
     def _matrices(self, entries, groups, components):
-        """List over components of sparse (n, groups) over all ranks; entries: nodes (p, n), groups (p,), values
-        (p, n, components)."""
+        """List over components of sparse (n, groups) matrices, the sums of entries [(nodes (p, n), groups (p,), values
+        (p, n, components))]."""
         size = len(self.nodes), groups
         rows = np.concatenate([near.ravel() for near, *_ in entries])
         columns = np.concatenate([np.repeat(of_group, near.shape[1]) for near, of_group, _ in entries])
@@ -112,7 +118,7 @@ class Patches:
 
 
 def _add(sums, counts, entries):
-    """Adds entries [(numbers (n,), values (n, k))] to the sums (m, k) and counts (m,) of those numbers."""
+    """Adds entries [(numbers (n,), values (n, k))] to sums (m, k), and their occurrences to counts (m,), in place."""
     if not entries:
         return
     at, values = (np.concatenate(parts) for parts in zip(*entries))
@@ -134,17 +140,18 @@ def _ascending(matrix):
 
 
 def _rows(matrix, chosen, size):
-    """Columns (p, size) of the entries of the rows `chosen` (p,), each of which has so many."""
+    """Column numbers (p, size) of the entries in the rows `chosen` (p,), each of which has `size` entries."""
     return matrix.indices[matrix.indptr[chosen][:, None] + np.arange(size)]
 
 
 def _fitted(points, targets, terms):
-    """Monomials (p, n, t) at points (p, n, 3) and (p, m, t) at targets (p, m, 3) of p patches, and the pseudo-inverse
-    (p, t, t) of the first's products: values (n, k) at the points are fitted by monomials (inverse (monomials' values))
-    at the targets."""
+    """(A, B, C) of p patches: monomials A (p, n, t) at the points (p, n, 3) and B (p, m, t) at the targets (p, m, 3).
+
+    C (p, t, t) is the pseudo-inverse of A^T A. Values v at the points give B C A^T v at the targets.
+    """
     middle = points.mean(axis=1, keepdims=True)
     off = points - middle
-    # in the patch's own directions and lengths: cells are several times longer than wide
+    # scaled along the patch's principal axes, since cells are several times longer than wide
     square, axes = np.linalg.eigh(off.transpose(0, 2, 1) @ off)
     turn = axes / np.sqrt(np.maximum(square / points.shape[1], 1e-300))[:, None]
     known, wanted = _monomials(off @ turn, terms), _monomials((targets - middle) @ turn, terms)
@@ -155,7 +162,7 @@ def _fitted(points, targets, terms):
 
 
 def _monomials(x, terms):
-    """(p, n, terms) of coordinates x (p, n, 3)."""
+    """Monomials (p, n, t) with exponents `terms` (t, 3) of coordinates x (p, n, 3)."""
     powers = np.ones((4,) + x.shape)
     for degree in range(1, 4):
         powers[degree] = powers[degree - 1] * x

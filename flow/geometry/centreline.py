@@ -10,12 +10,12 @@ from common import vtp
 from common.errors import InputError
 from flow.geometry.surface import INLET
 
-# distance of the nearest node of the wall over the radius: in the study 1.00 to 1.05, with the centreline of before or
-# after an intervention .52 and 1.82
+# limits of the distance of the nearest node of the wall over the radius: in the study 1.00 to 1.05; with the centreline
+# of the state before or after an intervention .52 and 1.82
 NEAREST, FURTHEST = 0.7, 1.5
 AT_CAP = 1.5  # radii of a cap within which its branch ends (study: .015)
-SAME_LENGTH = 0.01  # of a branch's length, by which s_mm may be off its arc length (study: .0005)
-BETWEEN_MM = 0.3  # that it may be further away in any case, where a throat is no wider than the nodes are apart
+SAME_LENGTH = 0.01  # largest difference of s_mm from the arc length, over the branch's length (study: .0005)
+BETWEEN_MM = 0.3  # always allowed beyond the radius, since in a throat the nodes may be as far apart as it is wide
 
 
 @dataclasses.dataclass
@@ -78,10 +78,10 @@ class Tree:
 
 
 def check_wall(tree, wall_mm, where):
-    """Raises InputError unless the tree runs inside a wall with the nodes wall_mm (n, 3), as far from it as its radii
-    say, those of the largest spheres inside: another state's or another patient's would not.
+    """Raises InputError unless the tree fits the wall with the nodes wall_mm (n, 3), as another state's would not.
 
-    Where a branch is still inside another one the wall may be further away.
+    The distance to the wall must fit the tree's radii, those of the largest inscribed spheres. Where a branch is still
+    inside another one the wall may be further away.
     """
     nodes = cKDTree(wall_mm)
     for branch in tree:
@@ -99,8 +99,10 @@ def check_wall(tree, wall_mm, where):
 
 
 def check_ends(tree, surface, where):
-    """Raises InputError unless the main branch starts at the inlet of a geometry.surface.Surface and each branch ends
-    at an outlet of its own, which all have one: a line that covers part of the lumen would not."""
+    """Raises InputError unless the tree covers the whole lumen of a geometry.surface.Surface.
+
+    The main branch must start at the inlet, and the branches must end at the outlets, one at each.
+    """
     caps, free = surface.cap_circles(), set(surface.caps)
     remedy = "give the surface and the centreline of one lumen, both in mm"
     places = [("start of", tree.main, 0)] + [("end of", branch, -1) for branch in tree]
@@ -149,8 +151,8 @@ def read(path):
 
 
 def _check(branch, where):
-    """Raises InputError unless numbers are finite, radii positive, no two points after another the same, and s_mm the
-    arc length from the first."""
+    """Raises InputError unless numbers are finite, radii positive, successive points different, and s_mm the arc length
+    from the first point."""
     remedy = "make it with the anatomy step"
     if len(branch.points) < 2:
         raise InputError("branch of a centreline without a length", where, f"{len(branch.points)} points", remedy)

@@ -1,7 +1,7 @@
-"""Which place of one lumen is a given place of another state of the same vessel, by the two centrelines.
+"""Maps places of one lumen to another state of the same vessel, by the two centrelines.
 
-A point keeps its branch, its relative position along it, the direction in which it lies off the axis, and its distance
-in vessel radii. So a lumen that a stent has straightened or widened is laid on the one before.
+A point keeps its branch, its relative position along it, its direction from the axis, and its distance in vessel radii.
+So a lumen that a stent has straightened or widened is mapped to the lumen before.
 """
 
 import numpy as np

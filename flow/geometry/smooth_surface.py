@@ -6,9 +6,8 @@ n0, n1 and sin t_i = d.n_i / |d|,
 
     m = (p0 + p1) / 2 + [ (d.n1) n1 / ((1 + cos t1) cos t1) - (d.n0) n0 / ((1 + cos t0) cos t0) ] / 4
 
-At a cap's rim the triangles of one side only would tilt the normal; the rim's own curvature gives it instead
-(normal of the
-circle through three neighbouring vertices, in the cap's plane, as if the vessel went on straight behind the cap).
+At a cap's rim the mean over the wall's triangles, all on one side, would tilt the normal. There it is the normal of the
+circle through three neighbouring rim vertices, in the cap's plane, as if the vessel went on straight behind the cap.
 """
 
 import numpy as np
@@ -17,12 +16,14 @@ from flow.geometry import vectors
 from flow.geometry.surface import WALL
 from flow.geometry.vectors import dot
 
-LARGEST_OFFSET = 0.2  # of the edge: at a kink the normals say nothing about the surface between the vertices
+LARGEST_OFFSET = 0.2  # of the edge: at a kink the normals do not determine the surface between the vertices
 
 
 def wall_normals(surface):
-    """Unit normals of the wall at its vertices (n, 3), zero elsewhere; exact on a sphere (Max 1999, J Graph
-    Tools 4)."""
+    """Unit normals of the wall at its vertices (n, 3), zero elsewhere; exact on a sphere.
+
+    Max 1999, J Graph Tools 4.
+    """
     wall = surface.triangles[surface.region == WALL]
     points, normals = surface.points, np.zeros_like(surface.points)
     for k in range(3):

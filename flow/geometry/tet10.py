@@ -72,8 +72,8 @@ def jacobian_bounds(nodes):
 def overlapping(tetrahedra):
     """Number of faces with both of their cells on the same side; tetrahedra (n, 4), each of positive volume.
 
-    Where a mesh was folded, a cell is turned over: by itself it is as good as any, but it overlaps its neighbours, and
-    what flows through their common faces is lost.
+    Where a mesh was folded, a cell is turned over. By itself it is as good as any, but it overlaps its neighbours, and
+    the flow through their common faces is lost.
     """
     faces = np.concatenate([tetrahedra[:, face] for face in OUTWARD_FACES])
     first = faces.argmin(axis=1)

@@ -1,7 +1,7 @@
-"""Vectors in the same bits on every processor: what a mesh's coordinates are computed with.
+"""Vector operations with the same bits on every processor, by which the coordinates of a mesh are computed.
 
-numpy hands products of matrices (`@`, dot, the norm of one vector, det, inv) to OpenBLAS, and sines, cosines and powers
-of arrays to routines of its own for AVX-512; both round differently from one kind of processor to another.
+numpy hands products of matrices (`@`, dot, the norm of one vector, det, inv) to OpenBLAS. For sines, cosines and powers
+of arrays it has its own routines for AVX-512. Both round differently on different kinds of processor.
 """
 
 import math

@@ -5,7 +5,7 @@
     MAP = DBP + 0.4 (SBP - DBP)
     R_i = (MAP - P_v) / Q_i
 
-The diameters are those of the outlets before the intervention; one set of resistances serves all states of a patient.
+D_i are the outlets' diameters before the intervention; one set of resistances serves all states of a patient.
 """
 
 import math
@@ -19,7 +19,7 @@ from flow.physics import viscosity
 PA_PER_MMHG = 133.322
 M3_PER_S_PER_ML_PER_MIN = 1e-6 / 60.0
 ROUNDING_MM = 1e-6
-FACTOR = 10.0  # by which R_i Q_i may be off MAP - P_v: beyond it R_i is of other units, or of another outlet
+FACTOR = 10.0  # largest ratio of R_i Q_i to MAP - P_v, either way: beyond it R_i has other units or is another outlet's
 
 
 def mean_arterial_pressure_mmhg(sbp_mmhg, dbp_mmhg):
@@ -104,10 +104,11 @@ def make(anatomy, centreline, patient, settings, measured=None, ranged=False):
 
 
 def probes(anatomy, centreline, distance_mm):
-    """Where FFR is read: `distal` past the most severe lesion, `lesion<k>` past each, `end_<branch>` at each end.
+    """The probes of FFR: `distal` past the most severe lesion, `lesion<k>` past each, `end_<branch>` at each end.
 
-    A probe stays 1.5 diameters inside its branch's end, where the outlet condition does not reach it: `distance_mm` is
-    what is left of the distance past the lesion's end. Without a lesion `distal` is at the end of the main branch.
+    A probe stays 1.5 diameters inside its branch's end, where the outlet condition does not disturb it. If that limits
+    its distance past the lesion's end, the entry `distance_mm` is shorter than asked for. Without a lesion `distal` is
+    at the end of the main branch.
     """
 
     def probe(name, branch, s_mm):
@@ -177,7 +178,7 @@ def check(document, where="boundary.json", branches=None):
 
 
 def _check_pressures(document, where):
-    """P_v below MAP, and so the pressure at an outlet where it is given and the flow is not: blood flows to it."""
+    """Raises InputError unless P_v is below MAP, and so is an outlet's given pressure if the inflow is not given."""
     map_pa, remedy = document["map_pa"], f"below map_pa, which is {document['map_pa']:g}, in Pa"
     if document["venous_pressure_pa"] >= map_pa:
         where_it_is = f"{where}: venous_pressure_pa"
@@ -189,8 +190,10 @@ def _check_pressures(document, where):
 
 
 def _check_flow(outlet, document, where):
-    """Raises InputError where an outlet's resistance would not let about its planned flow pass at MAP: at the inlet's
-    MAP and with P_v behind it alone, since benchmarks give other pressures or the flow itself."""
+    """Raises InputError if an outlet's resistance does not fit its planned flow at MAP, within FACTOR.
+
+    It is checked only with the inlet at MAP and P_v behind the outlet; benchmarks give other pressures or the inflow.
+    """
     if outlet.get("pressure_pa") is not None or document.get("inlet_flow_m3_per_s") is not None:
         return
     pressure, given = document["map_pa"] - document["venous_pressure_pa"], outlet["resistance_pa_s_per_m3"]

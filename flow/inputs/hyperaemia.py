@@ -69,12 +69,11 @@ def _source(flow, territory, part, by):
 
 
 def plausible(patient, hyperaemia_fraction):
-    """[{what, factor}]: by how much the flow may be off for each reason by itself; none where it was measured.
+    """[{what, factor}]: plausible flows over the estimated one, with one cause varied at a time; empty if measured.
 
-    What a measured flow leaves open is told by reduced.flow_range.around_inflow.
-
-    The mass by a fifth, hyperaemia by the standard deviation between people; a named territory by one of the left
-    ventricle's 17 segments; one that is not named may be any.
+    The mass varies by a fifth, hyperaemia by the standard deviation between people, a named territory by one of the
+    left ventricle's 17 segments. A territory that is not named may be any. For a measured flow see
+    reduced.flow_range.around_inflow.
     """
     if patient.get("hyperaemic_inflow_ml_per_min") is not None:
         return []

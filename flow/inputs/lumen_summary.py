@@ -3,8 +3,8 @@
 from common import json_reader, schema
 from common.errors import InputError
 
-OF_A_PLAN = ("lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json")  # what the anatomy step leaves of a lumen
-SAME_LENGTH = 0.005  # relative; those of one anatomy step are equal
+OF_A_PLAN = ("lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json")  # files of the anatomy step for one lumen
+SAME_LENGTH = 0.005  # relative; lengths from one anatomy step are equal
 
 
 def read(path, *needed):

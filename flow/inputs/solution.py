@@ -13,7 +13,7 @@ from flow.geometry import correspondence, locate, tet10
 
 REMEDY = "give the folder that `flow solve` wrote"
 M_PER_MM = 1e-3
-WIDEST = 2.0  # times that a velocity may grow by the ratio of the areas
+WIDEST = 2.0  # largest factor on a velocity by the ratio of the areas
 
 
 @dataclasses.dataclass
@@ -36,7 +36,7 @@ class Start:
     def at(self, points):
         """Guesses of velocity (n, 3) and pressure (n,) at points (n, 3) in m of the lumen to be solved.
 
-        The same flow passes another area there, so velocities go with the ratio of the areas.
+        The same flow passes another area there, so velocities are scaled by the ratio of the areas.
         """
         where, turns, ratio = self.places(points / M_PER_MM)
         cell, lam, _ = locate.Locator(self.nodes_mm, self.cells).find(where)

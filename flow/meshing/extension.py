@@ -17,16 +17,18 @@ from flow.geometry.surface import INLET, WALL, Surface
 from flow.meshing.sweep import spans, stations
 
 SPACING_MM = 0.25  # of the centreline's points in an extension
-# Of the healthy radius: milder narrowings than NARROW ask for no room behind them, STRONG ones for all of it, others
-# for a share in between. A vessel cut off 2 diameters behind .58, .54, .5 and .45 of it has an FFR .0006, .0015, .0029
-# and .0056 off that with 8 diameters (axisymmetric model, 170 to 190 mL/min); with its share at most .0015 off.
+# Shares of the healthy radius. Narrowings milder than NARROW need no room behind them, STRONG ones the whole clearance,
+# others a share. A vessel cut off 2 diameters behind narrowings to .58, .54, .5 and .45 has an FFR .0006, .0015, .0029
+# and .0056 off its value with 8 diameters (axisymmetric model, 170 to 190 mL/min). With its share: .0015 at most.
 NARROW, STRONG = 0.6, 0.4
 
 
 @dataclasses.dataclass
 class Extension:
-    """Of the cap region_id at an end of a branch: length_mm along direction (3,), because the narrowing's end (outlet)
-    or start (inlet) lies distance_mm from the cap; None where the length was asked for."""
+    """A straight tube at the cap region_id of a branch's end: length_mm along the unit vector direction (3,).
+
+    distance_mm: from the cap to the narrowing's end (outlet) or start (inlet); None if the settings give the length.
+    """
 
     region_id: int
     branch: str
@@ -36,7 +38,7 @@ class Extension:
 
 
 def needed(surface, tree, settings):
-    """[Extension] of the caps that lie too close to a narrowing, or whose extension the settings ask for."""
+    """[Extension] for the caps that lie too close to a narrowing, or for which the settings give a length."""
     found = []
     for axis in spans.axes(surface, tree).values():
         for cap, at_end in zip(axis.cap_ids, (False, True)):
@@ -54,11 +56,11 @@ def needed(surface, tree, settings):
 
 
 def _missing(branch, from_end, clearance_mm):
-    """(length in mm that a branch's end, or start, lacks of its distance from a narrowing, that distance in mm) for the
-    narrowing that asks for most; the length is not positive where none does.
+    """(missing length, distance) in mm between a branch's end, or start, and a narrowing.
 
-    A narrowing is below NARROW of the healthy radius (meshing.sweep.stations) somewhere and reaches to 0.95 of it.
-    Behind it a share of clearance_mm is wanted, as strong as its jet; before it all.
+    They are for the narrowing that misses most; the length is not positive if none is missing. A narrowing is below
+    NARROW of the healthy radius (meshing.sweep.stations) somewhere and reaches to 0.95 of it. Behind it a share of
+    clearance_mm is wanted, the larger the stronger the narrowing; before it all of clearance_mm.
     """
     s, share = branch.s_mm, stations.healthy_share(branch)
     if from_end:

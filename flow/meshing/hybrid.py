@@ -95,7 +95,7 @@ def _assemble(surface, slicer, found, disc, sizes, moved):
 
 @dataclasses.dataclass
 class Cut:
-    """What a span takes from the wall: its ends, its caps, facets that its sections hit."""
+    """The part of the wall that a span replaces: its ends, its caps, the facets that its sections hit."""
 
     ends: list
     caps: list

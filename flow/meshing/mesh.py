@@ -19,7 +19,7 @@ OTHER_SIZES = (1.0, 1.1, 0.9, 0.8)  # of the coarse mesh's cells per radius, tri
 
 
 def fingerprint(surface, tree):
-    """SHA-256 of what a mesh is made from, the surface's and centrelines' coordinates and the tags, in hexadecimal."""
+    """SHA-256, in hexadecimal, of the input of a mesh: coordinates of surface and centrelines, and the tags."""
     found = hashlib.sha256()
     for array in (
         surface.points,
@@ -78,8 +78,10 @@ def build(surface, tree, cells_per_radius, settings, rings=None, coarsening=1.0)
 
 
 def coarser(fine, surface, tree, cells_per_radius, settings, rings, coarsening):
-    """As `build`, of fewer cells than `fine`: where junctions with slivers leave isotropic tetrahedra that are more,
-    with other sizes in the junctions. Raises ComputationError."""
+    """As `build`, but with fewer cells than `fine`. Raises ComputationError.
+
+    If slivers in junctions have led to isotropic tetrahedra, and thus to more cells, other sizes are tried there.
+    """
     for factor in OTHER_SIZES:
         built, report = build(surface, tree, factor * cells_per_radius, settings, rings, coarsening)
         if report["cells"] < fine:
@@ -90,7 +92,7 @@ def coarser(fine, surface, tree, cells_per_radius, settings, rings, coarsening):
 
 
 def _unlayered(settings):
-    """What of the settings is left undone where nothing is swept, printed too."""
+    """The warning, printed too, that wall_layers has no effect where nothing is swept; empty for a single layer."""
     if settings.wall_layers == 1:
         return ""
     lost = f"no wall_layers, {settings.wall_layers} were asked for: they are of swept stretches, and nothing is swept"
@@ -130,7 +132,7 @@ ATTEMPTS = (
 
 
 def _checked(mesh, swept):
-    """Quality figures, or ComputationError where one is below what is needed."""
+    """Quality figures of a mesh. Raises ComputationError where one is below its limit."""
     folded = overlapping(mesh.tetrahedra[:, :4])
     if folded:
         raise ComputationError(
@@ -145,7 +147,7 @@ def _checked(mesh, swept):
 
 
 def write(mesh, path):
-    """Writes a gmsh 4.1 binary file with physical groups (module docstring of meshing.mesh)."""
+    """Writes a gmsh 4.1 binary file with the physical groups of geometry.tags."""
     import gmsh
 
     gmsh.initialize(["gmsh"], False)

@@ -1,4 +1,4 @@
-"""Whether a mesh was made from a surface: its report has the SHA-256 of the coordinates that it was made from."""
+"""Whether a mesh was made from a given surface, by the SHA-256 of the coordinates in its report."""
 
 from common import json_reader
 from common.errors import InputError

@@ -10,9 +10,8 @@ TALLEST = 4.0  # mm around the centreline that the background grid covers
 class SizeField:
     """h(x) = R_eff(s) / cells_per_radius at the nearest centreline point s.
 
-    R_eff = min over upstream throats of R(s_t) + spread (s - s_t), never above R(s): behind a narrowing the
-    shear layer of the
-    jet keeps the throat's scale and widens slowly.
+    R_eff is the least of R(s) and, over all upstream throats s_t, of R(s_t) + spread (s - s_t). Behind a narrowing the
+    jet's shear layer keeps the throat's scale and widens slowly.
     """
 
     def __init__(self, tree, cells_per_radius, jet_spread):

@@ -14,8 +14,11 @@ MOST_SPLITS = 100
 
 
 def split(points, tetrahedra, edges, least):
-    """(points, tetrahedra) with further points behind the given ones (n, 3), so that gamma of the tetrahedra (t, 4), of
-    positive volume, is at least `least` where that can be reached. edges (e, 2): of the surface, which stay."""
+    """(points, tetrahedra) in which gamma of each tetrahedron is at least `least`, where that can be reached.
+
+    tetrahedra (t, 4) of positive volume; new points follow the given ones (n, 3). edges (e, 2): of the surface, never
+    split.
+    """
     fixed = {tuple(edge) for edge in np.sort(edges, axis=1).tolist()}
     for _ in range(MOST_SPLITS):
         found = gamma(points[tetrahedra])

@@ -1,8 +1,8 @@
 """Linear tetrahedra inside the lumen surface by gmsh, in a process of its own.
 
-gmsh raises C++ exceptions that Python cannot catch. So its part is a program of its own, flow/gmsh_fill.py. That reads
-a surface and a size field from one .npz file and writes nodes and tetrahedra to another. It reads no options of the
-user's.
+gmsh raises C++ exceptions that Python cannot catch. So it runs in a program of its own, flow/meshing/gmsh_fill.py. It
+reads a surface and a size field from one .npz file, and writes nodes and tetrahedra to another. The user's gmsh
+options are not read.
 """
 
 import pathlib

@@ -1,1 +1,4 @@
-"""Physics: viscosity, outlets, what is read of a flow (FFR, wall shear stress, energy)."""
+"""Physics: weak form, viscosity, outlets, and quantities read from a flow (FFR, wall shear stress, energy).
+
+A new outlet model goes into outlets.py; docs/extending.md lists the other places.
+"""

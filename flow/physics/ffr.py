@@ -13,15 +13,15 @@ from flow.geometry import locate
 
 M_PER_MM = 1e-3
 SPACING_MM = 0.5
-AROUND_MM = 1.0  # of a probe: where its FFR's slope is taken
-RISING = 5e-4  # of FFR a mm: beyond it the third decimal depends on where the probe is
+AROUND_MM = 1.0  # the slope of FFR is taken within this of a probe
+RISING = 5e-4  # of FFR a mm: with a steeper slope the third decimal depends on the probe's place
 FAR = 2.0  # a probe further than this many local radii from the centreline belongs to another vessel (study: up to .25)
-ALONG = 4.0  # local radii along it from where `s_mm` has it: another place, or other units (study: up to .66)
-ASIDE = 0.5  # local radii of a probe's shift beyond which it is said: deployment moves a vessel's axis by up to .15
+ALONG = 4.0  # a probe this many local radii along the vessel from `s_mm` is misplaced (study: up to .66)
+ASIDE = 0.5  # local radii: larger shifts of a probe get a warning; deployment moves a vessel's axis by up to .15
 
 
 def reference_pa(document, tree, sampler):
-    """What FFR is the share of, in Pa."""
+    """The pressure in Pa that FFR is over: MAP, or with a given inflow the pressure at the inlet's centre."""
     if document.get("inlet_flow_m3_per_s") is None:
         return document["map_pa"]
     return float(sampler(tree.main.point(0.0)[None] * M_PER_MM)[1][0])

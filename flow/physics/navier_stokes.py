@@ -82,7 +82,7 @@ def dilatation(u, v, fluid, on):
 
 
 def backflow(w, u, v, fluid, on):
-    """-beta rho <(w.n)_- u, v> on the outlets: with beta = 1/2 what comes back in brings no energy."""
+    """-beta rho <(w.n)_- u, v> on the outlets: with beta = 1/2 blood that flows back in brings no energy."""
     inward = 0.5 * (ufl.dot(w, on.n) - abs(ufl.dot(w, on.n)))
     return -fluid.density * fluid.backflow * inward * ufl.inner(u, v) * on.outlets
 

@@ -1,7 +1,7 @@
 """The boundaries' unknowns: inflow at given mean pressure, outlet pressures behind resistances, coupled exactly.
 
-Instead the inflow may be given (`inlet_flow_m3_per_s` of the document) and the pressure of outlets (`pressure_pa`, in
-place of P_v, with resistance 0).
+The inflow may be given instead (`inlet_flow_m3_per_s` of the document), and so may the pressure of outlets
+(`pressure_pa` in place of P_v, with resistance 0).
 """
 
 import numpy as np
@@ -11,17 +11,16 @@ from flow.geometry.tags import PHYSICAL_INLET, physical_tag
 
 M_PER_MM = 1e-3
 
-# Largest difference of out- and inflow, of the flow, that is trusted. Solves by factorization have 1e-14 to 1e-13; the
-# iterative solver goes on until it is met.
+# Largest difference of out- and inflow, over the inflow, that is trusted. Solves by factorization have 1e-14 to 1e-13.
 LARGEST_IMBALANCE = 1e-8
 
 
 def check_places(space, document, tree, where):
-    """Raises InputError unless each outlet of the mesh file `where`, on a LumenSpace, lies at the end of its branch:
-    nearer to it than to the tree's other ends and its inlet.
+    """Raises InputError unless each outlet of the mesh file `where`, on a LumenSpace, lies at the end of its branch.
 
-    tree: geometry.centreline.Tree with the mesh's extensions. Outlets that are numbered otherwise in the mesh than in
-    the boundary values would exchange their resistances unnoticed.
+    It must be nearer to that end than to the tree's other ends and its inlet. tree: geometry.centreline.Tree with the
+    mesh's extensions. If mesh and boundary values number the outlets differently, resistances would be exchanged
+    unnoticed.
     """
     ends = {f"the end of {branch.name}": branch.point(branch.length_mm) for branch in tree}
     ends["the inlet"] = tree.main.point(0.0)
@@ -60,7 +59,7 @@ class Boundaries:
         self.full()
 
     def full(self):
-        """Sets the conditions asked for."""
+        """Sets the conditions of the boundary values, after `lower`."""
         self.resistance, self.downstream = self.full_resistance.copy(), self.full_downstream.copy()
         self.inflow = self.full_inflow
 
@@ -76,7 +75,7 @@ class Boundaries:
             self.downstream = self.map_pa - fraction * (self.map_pa - self.downstream)
 
     def load(self, columns):
-        """Norm in N of the pressure load at rest: MAP on the inlet, P_v, or what is given, on the outlets.
+        """Norm in N of the pressure load at rest: MAP on the inlet, P_v or the given pressure on the outlets.
 
         columns: [flux of outlet i in the free dofs].
         """
@@ -84,11 +83,11 @@ class Boundaries:
         return float(np.linalg.norm(parts + [self.map_pa * self.inlet_area]))
 
     def outflows(self, vector):
-        """Flow through each outlet in m3/s of a state's vector."""
+        """Flow (n,) in m3/s through the outlets, of a state's PETSc vector over W."""
         return np.array([flux.dot(vector) for flux in self.flux])
 
     def pressures(self, outflows):
-        """P_i (n,) at outflows (n,)."""
+        """Outlet pressures P_i (n,) in Pa at outflows (n,) in m3/s."""
         return self.downstream + self.resistance * outflows
 
     def destroy(self):

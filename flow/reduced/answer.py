@@ -1,4 +1,4 @@
-"""The answer of a reduced model alone (setting `model`): the same files as the 3D model's, without its equations."""
+"""The answer of a reduced model alone (setting `model`). It fills the same files as the 3D model."""
 
 import sys
 
@@ -14,11 +14,11 @@ NAMES = {
     "network": "1D network",
 }
 
-# measured.md: the largest |3D minus model| in trees, rounded up, where the model's FFR is at least MILD and below it
+# the largest |3D minus model| in trees, rounded up (measured.md): (where the model's FFR is at least MILD, below it)
 ELSEWHERE = {"axisymmetric": (0.045, 0.1), "network": (0.05, 0.05)}
 MILD = 0.85
 
-# of each model, what its error was found to be (measured.md)
+# the measured error of each model in words (measured.md)
 MEASURED = {
     "axisymmetric": "within .0002 of an independent solution in straight round tubes with lesions of 62 to 90 %",
     "network": "up to .01 above an independent solution in straight round tubes with one lesion of 62 to 90 %, .02"
@@ -27,7 +27,7 @@ MEASURED = {
 
 
 def unknown_error(model):
-    """Warnings, printed too: that no error of this answer is known, and what was measured of the model elsewhere."""
+    """[warning], printed too: this answer's error is not known; it quotes the model's error measured elsewhere."""
     trees = f"up to {max(ELSEWHERE[model]):.2f} above the 3D model in trees, which bend and branch"
     said = f"the error of this FFR is not known; the {model} model was {MEASURED[model]}, and {trees}"
     print(said, file=sys.stderr, flush=True)
@@ -49,20 +49,21 @@ class Sampler:
 
 
 class Reduced:
-    """What flow.solve writes files of: space and sampler of a Predictor on a mesh."""
+    """The space and sampler of a Predictor on a mesh, from which flow.solve writes its files."""
 
     def __init__(self, predicted, path):
         self.space = spaces.read(path)
         self.sampler = Sampler(predicted, self.space)
 
     def destroy(self):
-        """As solvers.solved_mesh.Solved; the Predictor's is its owner's to call."""
+        """Does nothing: the caller destroys the Predictor. solvers.solved_mesh.Solved has the same method."""
 
 
 def collect(model, predicted, solved, case, reference):
-    """(document of ffr.json without timings, pullback table) of the reduced model `model`, solved: a Reduced.
+    """(document of ffr.json without timings, pullback table) of the reduced model `model`.
 
-    case: reduced.extended.Extended. Raises ComputationError where the axisymmetric model has no answer.
+    predicted: reduced.coupled.Predictor; solved: Reduced; case: reduced.extended.Extended; reference: pressure in Pa
+    that FFR is over. Raises ComputationError where the axisymmetric model has no answer.
     """
     if model == "axisymmetric" and predicted.tube is None:
         raise ComputationError("the axisymmetric model has no answer", "model", predicted.reason, "use another model")

@@ -1,13 +1,14 @@
-"""Axisymmetric Navier-Stokes flow through one branch: the predictor beside the 3D model, and where it starts from.
+"""Axisymmetric Navier-Stokes flow through one branch: a fast model, whose flow is also the 3D solver's first guess.
 
-The branch is a straight tube of its cross-sections' radius R(s) = sqrt(A / pi). What leaves by its side branches leaves
+The branch is a straight tube of its cross-sections' radius R(s) = sqrt(A / pi). The flow into a side branch leaves
 through the wall over the ostium's length. In the meridian plane (x, r), u = (u_x, u_r), with weight r:
 
     rho ((u.grad) u + 1/2 (div u) u, v) + mu (grad u, grad v) + mu (u_r / r, v_r / r) - (p, div v) - (q, div u)
       - beta rho <(u.n)_- u, v> at the outlet = 0,      div u = du_x/dx + du_r/dr + u_r / r
 
-Inflow: a parabola. Traction-free outlet, so that pressures are over its. Q2-Q1 elements on curved quadrilaterals.
-Curvature, eccentric lesions and what branches do to the flow are left out: measured.md has the errors.
+The inflow is a parabola. The outlet is traction-free, so pressures are relative to the outlet's. Elements are Q2-Q1 on
+curved quadrilaterals. Bends, eccentric lesions and the disturbance by side branches are left out; measured.md has the
+errors.
 """
 
 import numpy as np
@@ -27,7 +28,8 @@ ACROSS = 10  # cells along a radius
 INLET, OUTLET = 1, 2
 QUADRATURE_DEGREE = 7
 FIRST_FRACTION, SHORTEST_STEP = 0.1, 0.02  # of the flow
-MOST_STEPS, ON_THE_WAY, ACCURATE = 10, 1e-3, 1e-8  # Newton steps at one flow; size of the last over the state's
+MOST_STEPS = 10  # of Newton's method at one flow
+ON_THE_WAY, ACCURATE = 1e-3, 1e-8  # size of the last update over the state's, below the full flow and at it
 
 
 class Tube:
@@ -52,7 +54,7 @@ class Tube:
         self.ksp.getPC().setFactorSolverType("mumps")
 
     def _number(self):
-        """Dofs of u_x, u_r (sections, across) on the grid, and of p at the cells' corners."""
+        """Sets the dof numbers of u_x and u_r on the grid (sections, across), and of p at the cells' corners."""
         V, v_map = self.W.sub(0).collapse()
         Q, q_map = self.W.sub(1).collapse()
 
@@ -69,7 +71,7 @@ class Tube:
         self.p = np.asarray(q_map)[place(Q, 2)]
 
     def _hold(self, leaks):
-        """Dofs whose values are given, and those values of a unit inflow and of unit leaks."""
+        """Sets the dofs whose values are given, and their values for an inflow and for leaks of 1 m3/s each."""
         self.fixed = np.unique(
             np.concatenate([self.u_x[0], self.u_r[0], self.u_x[:, -1], self.u_r[:, -1], self.u_r[:, 0]])
         )
@@ -117,7 +119,8 @@ class Tube:
     def solve(self, inflow, leaked):
         """The flow at `inflow` and flows `leaked` through the side branches (m3/s). Raises ComputationError.
 
-        From the flow of the last call, or from rest in steps that are halved where Newton's method fails.
+        Newton's method starts from the flow of the last call. Without one, or where this fails, the flow is raised from
+        rest in steps, which are halved where Newton's method fails.
         """
         held = inflow * self.of_inflow + sum((q * one for q, one in zip(leaked, self.of_leaks)), 0.0 * self.of_inflow)
         reached, step = (0.0, FIRST_FRACTION) if self.solved_at is None else (self.solved_at / inflow, 1.0)
@@ -127,7 +130,7 @@ class Tube:
             fraction = min(reached + step, 1.0) if self.solved_at is None else 1.0
             if reached > 0:
                 values *= fraction / reached
-                values[self.p] *= fraction / reached  # losses of the jet go with the square
+                values[self.p] *= fraction / reached  # twice in all: a jet's losses grow with the square of the flow
             values[self.fixed] = fraction * held[self.fixed]
             if self._newton(ACCURATE if fraction == 1.0 else ON_THE_WAY):
                 if fraction == 1.0:
@@ -147,7 +150,7 @@ class Tube:
                 )
 
     def _newton(self, accuracy):
-        """Whether Newton's method from the present state gets an update below `accuracy` of the state."""
+        """Whether Newton's method converges from the present state: an update below `accuracy` of the velocity."""
         values, last = self.state.x.array, np.inf
         for _ in range(MOST_STEPS):
             b = fem_petsc.assemble_vector(self.residual)
@@ -171,12 +174,15 @@ class Tube:
         return False
 
     def axis_pressure(self):
-        """(s (m,) m, pressure (m,) Pa) on the axis, over that at the inlet."""
+        """(s (m,) in m, pressure minus the inlet's (m,) in Pa) on the axis."""
         values = self.state.x.array[self.p[:, 0]]
         return self.s[::2], values - values[0]
 
     def fields(self):
-        """(s (k,), rho (j,), u_x (k, j), u_r (k, j), pressure over the inlet's (k, j)) on the grid."""
+        """(s (k,), rho (j,), u_x (k, j), u_r (k, j), pressure minus the inlet's (k, j)) on the grid, in SI units.
+
+        rho is the distance from the axis over the radius.
+        """
         values = self.state.x.array
         corner = values[self.p] - values[self.p[0, 0]]
         pressure = np.empty(self.u_x.shape)

@@ -1,7 +1,8 @@
 """The 1D network with the axisymmetric model in the branch of the probe `distal`: a fast FFR, and a flow to start from.
 
-The axisymmetric flow is found at the network's flows; what its pressure differs by along the branch is added to the
-network's, in proportion to the square of the branch's flow, until the flows no longer change.
+The axisymmetric model is solved at the network's flows. The two differ in the loss of pressure along the branch; the
+difference is added to the network's loss, in proportion to the square of the flow. This is repeated until the flows no
+longer change.
 """
 
 import sys
@@ -17,15 +18,19 @@ from flow.reduced.axisymmetric import Tube
 from flow.meshing.sweep import stations
 
 M_PER_MM = 1e-3
-FINER = 0.5  # distance of the sections over those of the swept mesh
-MOST_ROUNDS, SAME_FLOW = 12, 1e-5  # of the coupling; change over the whole flow
-LEFT = 1.0  # radii of the parent from its axis at which a side branch is outside
-SHORTEST = 4.0  # radii of a branch that the axisymmetric model is worth the effort for
+FINER = 0.5  # distance of the tube's sections over the distance in the swept mesh
+MOST_ROUNDS, SAME_FLOW = 12, 1e-5  # rounds of the coupling; largest change of a flow over the whole at its end
+LEFT = 1.0  # a side branch has left its parent this many radii of the parent from the parent's axis
+SHORTEST = 4.0  # least length, in radii, of a branch that gets an axisymmetric model
 
 
 class Predictor:
-    """Flows (outlets,) m3/s, {branch: (s m, pressure Pa)} and velocities of the coupled models; network: solved at
-    `alone`, the flows of the network by itself. coupled: whether there is an axisymmetric model at all."""
+    """Flows (outlets,) in m3/s, pressures {branch: (s in m, pressure in Pa)} and velocities of the coupled models.
+
+    alone, alone_pressures: flows and pressures of the network by itself. coupled: whether the axisymmetric model is
+    used. If it finds no flow, `reason` says why, and the network's flow stands. Raises ComputationError where the
+    network has no solution.
+    """
 
     def __init__(self, network, tree, document, settings, coupled=True):
         self.network, self.tree, self.document = network, tree, document
@@ -72,7 +77,7 @@ class Predictor:
         )
 
     def _leaves_parent(self):
-        """Arc length in mm at which the branch is outside its parent."""
+        """Arc length in mm at which the branch has left its parent; 0 for the root."""
         for parent, children in self.network.children.items():
             for where, child in children:
                 if child == self.branch.name:
@@ -126,7 +131,7 @@ class Predictor:
         return {"network": network, "axisymmetric": axisymmetric}
 
     def fields(self, points):
-        """(velocity (m, 3) m/s, pressure (m,) Pa) at points (m, 3) in m: parabolas, in the tube its flow."""
+        """(velocity (m, 3) m/s, pressure (m,) Pa) at points (m, 3) in m: the tube's flow there, parabolas elsewhere."""
         velocity, pressure = np.zeros_like(points), np.zeros(len(points))
         owner = self._owners(points / M_PER_MM)
         for number, branch in enumerate(self.tree):
@@ -150,7 +155,7 @@ class Predictor:
         return axial, radial, drop + np.interp(s[0], *self.pressures[self.branch.name])
 
     def _owners(self, points_mm):
-        """Number (m,) of the branch whose axis, outside its parent, is nearest."""
+        """Number (m,) of the branch with the nearest axis. The part of an axis inside the parent does not count."""
         kept, number = [], []
         parent_of = {child: name for name, children in self.network.children.items() for _, child in children}
         for k, branch in enumerate(self.tree):

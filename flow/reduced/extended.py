@@ -1,5 +1,4 @@
-"""What a solve knows of a mesh's extensions (meshing.extension): reduced models go through them, FFR is read
-without."""
+"""The extensions of a mesh (meshing.extension): reduced models include them, FFR is read where the lumen ends."""
 
 import pathlib
 import sys
@@ -15,14 +14,16 @@ from flow.meshing import extension
 from flow.reduced import coupled as predictor, network as network_model
 from flow.geometry.surface import INLET
 
-UNIT = 1e-6  # by which the length of a direction may differ from 1
-SAME = ("made_from_sha256", "extensions")  # in the reports of two meshes that one solve may be given
+UNIT = 1e-6  # largest difference of a direction's length from 1
+SAME = ("made_from_sha256", "extensions")  # keys that must agree in the reports of two meshes for one solve
 
 
 def read(path, mesh, coarse=()):
-    """([meshing.extension.Extension], [warning]) of the report of `flow mesh` on a mesh file: warnings, printed too, of
-    meshes that could not be swept. coarse: files of the coarser meshes. Raises InputError, also for the report of
-    another mesh, or another lumen's coarse one."""
+    """([meshing.extension.Extension], [warning]) from the report `path` of `flow mesh` on the file `mesh`.
+
+    A warning, printed too, names each mesh that could not be swept. coarse: files of the coarser meshes. Raises
+    InputError, also where the report is of another mesh, or a coarse mesh is of another lumen.
+    """
     report = json_reader.read(path, "mesh.json").data
     try:
         schema.validate(json_reader.Document(path, report), schema.read("mesh_report"))
@@ -52,8 +53,10 @@ def read(path, mesh, coarse=()):
 
 
 def _check_coarse(report, path, coarse):
-    """Raises InputError unless a coarse mesh, which may answer, is the report's, or one that by the report beside it
-    was made of the same lumen with the same extensions."""
+    """Raises InputError unless a coarse mesh is of the same lumen, as it may give the answer.
+
+    The report lists it, or its own report has the same lumen and extensions.
+    """
     own, known = pathlib.Path(coarse).with_suffix(".json"), report.get("coarse", [])
     if not known and own.is_file():
         other = json_reader.read(own, "mesh.json").data
@@ -68,7 +71,7 @@ def _check_coarse(report, path, coarse):
 
 
 def _is(part, mesh):
-    """Whether a mesh file is that of a report's entry by its SHA-256; reports of former versions have none."""
+    """Whether a mesh file has the SHA-256 of a report's entry; true for reports of former versions, which lack it."""
     return "file_sha256" not in part or part["file_sha256"] == sha256(mesh)
 
 
@@ -78,8 +81,10 @@ def _named(report):
 
 
 def beside(mesh, coarse=()):
-    """([meshing.extension.Extension], [warning]) by the report beside a mesh; where there is none, no extensions and
-    the warning, printed too, that none are known of. Raises InputError."""
+    """([meshing.extension.Extension], [warning]) by the report beside a mesh, as `read`. Raises InputError.
+
+    Without a report there are no extensions, and a warning, printed too, says so.
+    """
     path = pathlib.Path(mesh).with_suffix(".json")
     if path.is_file():
         return read(path, mesh, coarse)
@@ -89,9 +94,9 @@ def beside(mesh, coarse=()):
 
 
 class Extended:
-    """The tree and the network with the extensions, and the 1D network without, of one lumen.
+    """A lumen's tree with the extensions (`tree`) and without (`original`), and its 1D network without (`network`).
 
-    warnings: what is to be said of how the extensions became known.
+    warnings: those of `read` or `beside`. Raises InputError where an extension is of another lumen.
     """
 
     def __init__(self, extensions, tree, anatomy, sections, document, settings, warnings=()):
@@ -108,12 +113,11 @@ class Extended:
         self._longer = prolonged_network(anatomy, sections, extensions)
 
     def network_at(self, document):
-        """The 1D network without extensions at other boundary values."""
+        """The 1D network without extensions at boundary values `document`."""
         return network_model.Network(*self._given, document, self.settings.expansion_loss)
 
     def predictor(self):
-        """flow.reduced.coupled.Predictor of the tree with its extensions; the network alone where model is
-        `network`."""
+        """flow.reduced.coupled.Predictor of the tree with its extensions, uncoupled if the model is `network`."""
         network = network_model.Network(*self._longer, self.document, self.settings.expansion_loss)
         return self._predictor(network, self.tree)
 
@@ -122,9 +126,10 @@ class Extended:
         return predictor.Predictor(network, tree, self.document, self.settings, coupled)
 
     def report(self, models):
-        """Entry `extensions` of ffr.json; models: of it, with the extensions.
+        """Entry `extensions` of ffr.json; models: its entry `models`, computed with the extensions.
 
-        ffr_change: of each reduced model, what the extensions do to its FFR: the error there would be without them.
+        ffr_change: FFR with the extensions minus FFR without, for each reduced model. It shows the error of a mesh
+        without extensions.
         """
         if not self.extensions:
             return {"ends": [], "ffr_change": {}}
@@ -145,7 +150,7 @@ class Extended:
 
 
 def prolonged_network(anatomy, sections, extensions):
-    """(anatomy, sections) of flow.reduced.Network with the extensions, each of its end section's area."""
+    """(anatomy, sections) with the extensions, for flow.reduced.network.Network. Each has its end section's area."""
     for one in extensions:
         rows = sections[sections["branch"] == one.branch].sort_values("s_mm")
         if one.region_id == INLET:

@@ -1,7 +1,7 @@
 """FFR's range over the flows that are plausible, and resistances for a measured inflow, by the 1D network.
 
-The network is calibrated on the answer: its loss of FFR at the probe `distal` at another flow is multiplied by what the
-answer's loss is over the network's at the planned flow.
+The network is calibrated on the answer. Its loss of FFR at the probe `distal` at another flow is multiplied by a ratio:
+the answer's loss over the network's, both at the planned flow.
 """
 
 import copy
@@ -11,11 +11,11 @@ from scipy.optimize import brentq
 
 from common.errors import InputError
 
-LEAST_LOSS = 1e-3  # of FFR: below it losses are compared by difference, their ratio says nothing
+LEAST_LOSS = 1e-3  # of FFR: smaller losses are compared by their difference, as their ratio would be noise
 PA_PER_MMHG = 133.322
-# What a measured inflow leaves open: (what, flow over the measured one, mmHg added to MAP, exponent of the split). A
-# tenth is about what repeated measurements of a coronary flow differ by, 10 mmHg what a cuff may be off; the exponents
-# are those of the area (2) and of Murray's law (3). Chosen, not fitted.
+# Plausible variations beside a measured inflow: (name, flow over the measured one, mmHg added to MAP, exponent of the
+# split). Repeated measurements of a coronary flow differ by about a tenth, and a cuff may be off by 10 mmHg. Exponent 2
+# splits by area, 3 by Murray's law. Chosen, not fitted.
 VARIED_INFLOW = (
     ("measured flow -10 %", 0.9, 0.0, None),
     ("measured flow +10 %", 1.1, 0.0, None),
@@ -24,7 +24,7 @@ VARIED_INFLOW = (
     ("split by diameter^2", 1.0, 0.0, 2.0),
     ("split by diameter^3", 1.0, 0.0, 3.0),
 )
-FASTEST = 50.0  # times the planned flow up to which a measured one is looked for
+FASTEST = 50.0  # resistances are divided by at most this to let a measured inflow pass
 
 
 def scaled(document, factor):
@@ -51,8 +51,9 @@ def around_inflow(document, network_at, exponent):
     """The plausible_flows of a measured inflow: [{what, map_pa, resistances_pa_s_per_m3}].
 
     document: as planned, before with_inflow; network_at: of the vessel before the procedure; exponent: of the split by
-    diameter. What the inflow leaves open is its own error, the pressure behind FFR, and how it parts. The left
-    ventricle's mass does not enter: it would only have told the flow. A flow that does not pass is left out.
+    diameter. Varied are the inflow, within its own error, the aortic pressure, and the split among the outlets. The
+    left ventricle's mass is not varied, since it serves only to estimate the flow. A flow that the vessel does not let
+    pass is left out.
     """
     found = []
     for what, factor, pressure, power in VARIED_INFLOW:
@@ -80,7 +81,7 @@ def around_inflow(document, network_at, exponent):
 def of_answer(answer_ffr, document, network_at, probe):
     """{low, high, at: [{what, factor, ffr}]} of FFR at the probe, or None where boundary values name no other flow.
 
-    answer_ffr: of the planned flow. network_at(document) -> flow.reduced.network.Network; probe: (branch, s_mm).
+    answer_ffr: FFR at the planned flow. network_at(document) -> flow.reduced.network.Network; probe: (branch, s_mm).
     """
     flows = document.get("plausible_flows", [])
     if not flows or any(outlet.get("pressure_pa") is not None for outlet in document["outlets"]):
@@ -106,7 +107,7 @@ def loss_at(network, probe):
 def with_inflow(document, network_at):
     """Boundary values whose resistances let the planned flow, measured in this narrowed vessel, pass the network.
 
-    Raises InputError where the network's narrowing does not let so much pass at any resistance.
+    Raises InputError where the network does not let the flow pass even with resistances FASTEST times lower.
     """
     wanted = document["q_hyperaemic_m3_per_s"]
 

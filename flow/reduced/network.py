@@ -4,9 +4,9 @@ Along a segment, with area A(s) and Q constant, static pressure p and U = Q / A:
 
     p(s) = p(0) - 8 pi mu Q int ds / A^2 - rho/2 (U(s)^2 - U(0)^2) - sum over expansions K rho/2 (U_t - U(s))^2
 
-mu is the viscosity (physics.viscosity) at the wall's shear rate 4 U / R of a parabolic profile. K = 1.14 behind the
-narrowest section t of an expansion (Borda-Carnot with the jet's profile). Total pressure is carried over at a junction,
-so that a branch point costs nothing of its own. Outlets close the system: p_i = P_v + R_i Q_i.
+mu is the viscosity (physics.viscosity) at the wall's shear rate 4 U / R of a parabolic profile. Behind the narrowest
+section t of an expansion K is the setting expansion_loss (1.14: Borda-Carnot with the jet's profile). Total pressure is
+equal on both sides of a junction, so a branch point itself loses nothing. The outlets have p_i = P_v + R_i Q_i.
 """
 
 import numpy as np
@@ -18,14 +18,14 @@ from flow.physics.viscosity import of as viscosity_of
 
 M_PER_MM = 1e-3
 CREEPING = 1e-10  # m3/s
-NEAR_END = 2.0  # radii of a branch's end within which its last section lies
-# radius of a section's area over that of the largest sphere inside: in the study 1.00 to 1.15, at ostia up to 1.4
+NEAR_END = 2.0  # largest distance of the last section from the branch's end, in radii
+# limits of a section's radius, sqrt(A / pi), over the largest inscribed sphere's: in the study 1.00 to 1.15, ostia 1.4
 NARROWEST, WIDEST = 0.8, 2.5
-PROMINENCE = 1.1  # an area dip below 1/1.1 of both sides counts as a narrowing of its own
+PROMINENCE = 1.1  # a section of less than 1/1.1 of the area on both sides is a narrowing of its own
 
 
 class Segment:
-    """Piece of a branch between junctions: s (n,) m, area (n,) m2; `outlet` index or None; downstream outlets."""
+    """Piece of a branch between junctions: s (n,) in m, area (n,) in m2, indices of the outlets downstream."""
 
     def __init__(self, branch, s, area, outlets):
         self.branch, self.s, self.area, self.outlets = branch, s, area, outlets
@@ -49,10 +49,10 @@ class Segment:
 
 
 def _throats(area):
-    """For each section the index of the narrowing whose jet it lies in (-1: none), both ends of a dip being prominent.
+    """For each section the index of the narrowing whose jet it lies in, -1 for none.
 
-    A walk with hysteresis: falling to `low` until the area has grown by PROMINENCE, then rising to `high` until it has
-    shrunk by PROMINENCE; the sections from `low` to `high` lie in the jet of `low`.
+    A walk with hysteresis. It follows the falling area to `low` until the area has grown by PROMINENCE, then the rising
+    area to `high` until it has shrunk by PROMINENCE. Sections from `low` to `high` lie in the jet of `low`.
     """
     throat = np.full(len(area), -1)
     low = high = 0
@@ -75,7 +75,7 @@ def _throats(area):
 
 
 class Network:
-    """The tree's segments between branch points."""
+    """The tree's segments between branch points. Raises InputError where anatomy, sections and outlets disagree."""
 
     def __init__(self, anatomy, sections, document, expansion_loss):
         self.document, self.expansion_loss = document, expansion_loss
@@ -148,9 +148,9 @@ class Network:
         return result
 
     def add_loss(self, branch, s, pressure, flow):
-        """Adds to a branch's loss from its start, beside what was added before, `pressure` (n,) Pa at s (n,) m.
+        """Adds `pressure` (n,) in Pa at s (n,) in m to the loss from a branch's start, on top of earlier additions.
 
-        That is at the branch's flow `flow`; it goes with the square of the flow.
+        It holds at the branch's flow `flow` (m3/s), and grows with the square of the flow.
         """
         if branch in self.added:
             pressure = pressure + self.added[branch][1] * (flow / self.added[branch][2]) ** 2
@@ -180,9 +180,9 @@ class Network:
         return np.array([result[outlet["branch"]][1][-1] for outlet in self.outlets])
 
     def solve(self):
-        """Outlet flows (outlets,) in m3/s that balance the outlets' conditions. Raises ComputationError.
+        """Outlet flows (outlets,) in m3/s that satisfy the outlets' conditions. Raises ComputationError.
 
-        Where the inflow is given the inlet's pressure is found too: `inlet_pa`, else MAP.
+        Sets `inlet_pa`: MAP, or where the inflow is given the pressure that drives it.
         """
         map_pa, given = self.document["map_pa"], self.document.get("inlet_flow_m3_per_s")
         resistance = np.array([outlet["resistance_pa_s_per_m3"] for outlet in self.outlets])
@@ -213,7 +213,10 @@ class Network:
         return np.array([outlet.get("pressure_pa", self.document["venous_pressure_pa"]) for outlet in self.outlets])
 
     def _most(self, resistance, behind, given):
-        """Flows (outlets,) that none exceeds: through the resistances alone, or of a creeping flow without them."""
+        """Upper bounds (outlets,) of the flows in m3/s: through the resistances alone, or the given inflow.
+
+        Without a resistance the bound is that of creeping flow through the vessels.
+        """
         if given:
             return np.full(len(resistance), given)
         creeping = np.full(len(resistance), CREEPING)
@@ -221,20 +224,20 @@ class Network:
         return (self.document["map_pa"] - behind) / np.where(resistance > 0, resistance, of_vessels / len(resistance))
 
     def resistances_at(self, flows, fraction):
-        """Outlet resistances at which this model's flows are `fraction` of `flows`."""
+        """Outlet resistances (outlets,) in Pa s/m3 at which this model's flows are `fraction` of `flows`."""
         if fraction == 1.0:
             return np.array([outlet["resistance_pa_s_per_m3"] for outlet in self.outlets])
         return (self.outlet_pressures(fraction * flows) - self._behind()) / (fraction * flows)
 
 
 def read_sections(path):
-    """sections.csv as a table. Raises InputError."""
+    """sections.csv as a DataFrame with branch, s_mm and area_mm2. Raises InputError."""
     remedy = "run the anatomy step"
     try:
         table = pd.read_csv(path)
     except FileNotFoundError as error:
         raise InputError("no such file of cross-sections", path, "missing", remedy) from error
-    except (OSError, ValueError) as error:  # an empty file, other than text, rows of several lengths
+    except (OSError, ValueError) as error:  # an empty file, no text, or rows of unequal length
         raise InputError("not a table of cross-sections", path, error, remedy) from error
     lacking = [column for column in ("branch", "s_mm", "area_mm2") if column not in table.columns]
     if lacking:
@@ -250,11 +253,11 @@ def read_sections(path):
 
 
 def check_sections(table, tree, path):
-    """Raises InputError for sections that are not of the tree's lumen: that end before their branch does, or beyond it,
-    or are not as wide as the centreline says (the radius of the largest sphere inside).
+    """Raises InputError for sections that are not of the tree's lumen.
 
-    A sphere touches the wall somewhere within its own radius along the branch: behind a sudden expansion it is held by
-    the rim of the narrow part. So the narrowest section in that reach is what its radius is compared with.
+    They must end near their branch's end, and their radii must fit the centreline's, the largest inscribed spheres'. A
+    sphere touches the wall within its own radius along the branch: behind a sudden expansion the rim of the narrow part
+    holds it. So its radius is compared with the narrowest section in that reach.
     """
     remedy = "give the sections of the centreline's lumen, both in mm"
     for branch in tree:

@@ -1,15 +1,15 @@
-"""Several plans of one patient ranked by a reduced model's FFR, the model's measured error beside.
+"""Several plans of one patient ranked by a reduced model's FFR, with the model's measured error.
 
-The model goes through the extensions that the plan's mesh would get (meshing.extension), as it does in every ffr.json.
+The model includes the extensions that the plan's mesh would get (meshing.extension), as in every ffr.json.
 
-The error is the largest difference of the 3D model's answers to the reduced model's in this patient (any ffr.json with
-both). It is at least the largest error estimate of those answers. Without any, it is what was measured in other
+The error is the largest difference between 3D model and reduced model in this patient, over each ffr.json with both. It
+is at least the largest error estimate of the 3D answers. Without any 3D answer, it is the error measured in other
 patients (measured.md).
 
-The model errs alike in lumens that are alike. So two plans are told apart where they differ by more than those
-differences vary. How much they vary is known to the sum of two error estimates only. With fewer than two differences,
-the plans must differ by more than the error. Where an answer's own error is not known, what was measured elsewhere
-stands for it.
+The model errs alike in similar lumens. So two plans count as different if their FFRs differ by more than those
+differences vary. The variation itself is known only to the sum of two error estimates. With fewer than two differences,
+the plans must differ by more than the error. Where the error of a 3D answer is not known, the reduced model's error in
+other patients takes its place.
 """
 
 import pathlib
@@ -27,18 +27,21 @@ from flow.reduced import extended, network as network_model
 from flow.reduced.answer import ELSEWHERE, MILD
 
 COLUMNS = ("rank", "plan", "ffr", "error", "model", "as_good_as_best", "inlet_flow_m3_per_s", "cpu_seconds")
-SAME_MM = 1e-6  # as coordinates are written
+SAME_MM = 1e-6  # precision to which coordinates are written
 
 
 def elsewhere(model, value):
-    """What was measured in other patients of a model whose FFR is `value`."""
+    """The error in FFR of a model, measured in other patients, at a model FFR of `value`."""
     mild, severe = ELSEWHERE[model]
     return mild if value >= MILD else severe
 
 
 def model_error(model, documents, lowest):
-    """(error, what two plans must differ by) in FFR of a model; documents: [(path, document of ffr.json)]; lowest: of
-    the plans' FFR by the model."""
+    """(error of a model, difference from which two plans count as different), both in FFR.
+
+    documents: [(path, document of ffr.json)]; lowest: the lowest FFR of the plans by the model. Raises InputError for a
+    document without a 3D answer.
+    """
     found, unsure = [], []
     for path, document in documents:
         models = document.get("models", {})
@@ -55,8 +58,10 @@ def model_error(model, documents, lowest):
 
 
 def check_patient(path, answer, document):
-    """Raises InputError unless the probes of an ffr.json (`answer`) were put on its lumen from boundary values
-    `document`: each lies `shift_mm` from where the boundary values have it."""
+    """Raises InputError unless an ffr.json (`answer`) has the probes of boundary values `document`.
+
+    Each must lie `shift_mm` from its point in the boundary values.
+    """
     given = {probe["name"]: np.array(probe["point_mm"], float) for probe in document["probes"]}
     try:
         apart = {
@@ -71,7 +76,10 @@ def check_patient(path, answer, document):
 
 
 def plan(folder, document, settings, model):
-    """{"ffr", "inlet_flow_m3_per_s", "cpu_seconds"} by the model of the lumen whose anatomy step wrote to `folder`."""
+    """{"ffr", "inlet_flow_m3_per_s", "cpu_seconds"} by the model; folder: the anatomy step's, of the plan's lumen.
+
+    Raises InputError for a folder without the files, or whose files do not belong together.
+    """
     folder = pathlib.Path(folder)
     for name in lumen_summary.OF_A_PLAN:
         if not (folder / name).is_file():
@@ -95,7 +103,10 @@ def plan(folder, document, settings, model):
 
 
 def rank(plans, document, settings, model, measured):
-    """Table with COLUMNS, best first. plans: {name: folder}; measured: [(path, document of ffr.json)]."""
+    """Table with COLUMNS, best first. plans: {name: folder}; measured: [(path, document of ffr.json)].
+
+    Raises InputError for a plan or a document of another patient.
+    """
     for path, answer in measured:
         schema.validate(json_reader.Document(path, answer), schema.read("measured_ffr"))
         check_patient(path, answer, document)

@@ -1,19 +1,19 @@
-"""Anderson acceleration of steps with an old factorization: what the last steps showed of the tangent is learnt.
+"""Anderson acceleration of steps with an old factorization: the last steps correct its inverse by secants.
 
-Anderson 1965, J ACM 12:547; as a multi-secant method Fang and Saad 2009, Numer Linear Algebra Appl 16:197. With the
-corrections f(x) = -P^-1 F(x) of the old tangent P, and the differences dX, dF of the last states and of their
-corrections, the step is f - (dX + dF) y, y minimizing |f - dF y|: secants of the true inverse where they are known, the
-old tangent's elsewhere.
+Anderson 1965, J ACM 12:547; as a multi-secant method Fang and Saad 2009, Numer Linear Algebra Appl 16:197. The old
+tangent P asks for the correction f(x) = -P^-1 F(x). dX and dF are the differences of the last states and of their
+corrections. The step is f - (dX + dF) y, where y minimizes |f - dF y|. In the directions dF it uses secants of the true
+inverse, in all others the inverse of P.
 """
 
 import numpy as np
 
 MOST = 12  # differences kept
-INDEPENDENT = 1e-6  # singular values of dF below this share of the largest say nothing
+INDEPENDENT = 1e-6  # smaller singular values of the Gram matrix of dF, over the largest, are dropped as noise
 
 
 class Acceleration:
-    """Differences of states and corrections, arrays (n,); weights (n,): of the inner product."""
+    """Keeps the last differences of states and corrections, arrays (n,). weights (n,) define the inner product."""
 
     def __init__(self, weights):
         self.weights = weights
@@ -40,5 +40,5 @@ class Acceleration:
         return result
 
     def pause(self):
-        """The next state does not follow from the last one; the differences stay."""
+        """Takes no difference between the last state and the next, which may be far apart. Keeps the others."""
         self.last = None

@@ -3,8 +3,8 @@
     [A  B] [x]   [f]          x = A^-1 f - (A^-1 B) y,   (D - C A^-1 B) y = g - C A^-1 f
     [C  D] [y] = [g]
 
-A is sparse (velocity and pressure dofs that no boundary fixes), the border has one row and column for the inflow and
-one for each outlet. `DirectSolver` factorizes A by MUMPS.
+A is sparse; its unknowns are the velocity and pressure dofs that no boundary fixes. The border has a row and a column
+for the inflow and for each outlet with a resistance. `DirectSolver` factorizes A by MUMPS.
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ from common.errors import ComputationError
 
 
 class DirectSolver:
-    """MUMPS factorization of A, its symbolic part reused; one KSP for all steps (a new one each step leaks factors)."""
+    """MUMPS factorization of A. One KSP serves all steps: it reuses the symbolic part, and a new one would leak."""
 
     def __init__(self):
         self.ksp = PETSc.KSP().create(PETSc.COMM_SELF)
@@ -40,14 +40,15 @@ class DirectSolver:
         self.factorizations += 1
 
     def solve(self, right, solution):
-        """solution <- A^-1 right."""
+        """solution <- A^-1 right (PETSc vectors). Raises ComputationError when MUMPS cannot."""
         self.ksp.solve(right, solution)
         if self.ksp.getConvergedReason() < 0:
             reason = self.ksp.getConvergedReason()
             raise ComputationError("linear solve failed", "MUMPS", f"reason {reason}", "check the mesh and resistances")
 
     def solve_all(self, rights, solutions):
-        """`solve` of several: the factors pass through memory once for all of them, which is what a solve costs."""
+        """`solve` for lists of vectors at once. Reading the factors from memory is the cost of a solve; here they are
+        read once for all. Raises ComputationError."""
         if len(rights) == 1:
             self.solve(rights[0], solutions[0])
             return
@@ -67,7 +68,7 @@ class DirectSolver:
             raise ComputationError("linear solve failed", "MUMPS", "not finite", "check the mesh and resistances")
 
     def release(self):
-        """Frees the factors; the next matrix is factorized as the first was."""
+        """Frees the factors. The next factorization repeats the symbolic part."""
         self.ksp.reset()
 
     def destroy(self):
@@ -76,9 +77,10 @@ class DirectSolver:
 
 
 class Bordered:
-    """The bordered system with the A that `solver` holds; columns and rows are lists of vectors, corner is D.
+    """The bordered system with the A that `solver` holds.
 
-    The columns are solved for once, so that each further right side costs one solve with A.
+    columns, rows: lists of vectors, B and the rows of C; corner: D. A^-1 B is computed once, so that each right side
+    costs one solve with A.
     """
 
     def __init__(self, solver, columns, rows, corner):
@@ -91,11 +93,11 @@ class Bordered:
                 self.schur[i, j] -= row.dot(vector)
 
     def solve(self, f, g):
-        """(x, y): vector, array."""
+        """(x, y), a new vector and an array, for the right side f (vector), g (array)."""
         return self.solve_all([f], [g])[0]
 
     def solve_all(self, rights, given):
-        """[(x, y)] as `solve` of several f and g."""
+        """[(x, y)] as `solve` gives them, for lists of f (`rights`) and g (`given`)."""
         found = [f.duplicate() for f in rights]
         self.solver.solve_all(rights, found)
         result = []

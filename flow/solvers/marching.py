@@ -4,10 +4,10 @@ Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), ch
 
     du/dt = (1 + 2 w) / (1 + w) u / dt - (1 + w) u_1 / dt + w^2 / (1 + w) u_2 / dt
 
-(u_1, u_2: one and two steps ago); the first step is backward Euler's. Everything else, the boundaries' unknowns
-included, is the steady problem's, implicit. Each step is solved by Newton's method with an old factorization, renewed
-where it no longer serves. The step's length follows from its error, which the difference to the extrapolated flow
-shows: it grows towards a steady flow and settles where the flow goes on changing.
+(u_1, u_2: one and two steps ago). The first step is backward Euler's. All other terms, and the boundaries' unknowns,
+are implicit as in the steady problem. Newton's method solves each step with an old factorization, and renews it where
+it converges too slowly. The difference to the extrapolated flow gives the error of a step, by which the caller
+(flow.audit) chooses the next length.
 """
 
 import numpy as np
@@ -19,14 +19,15 @@ from flow.discretisation import compat
 
 RELATIVE = 1e-5  # residual of a step over the pressure load
 MOST_CORRECTIONS = 24  # of one step
-LIKE = (0.3, 3.0)  # ratio of the weights of du/dt within which an old factorization is used
+LIKE = (0.3, 3.0)  # an old factorization serves while the weight of du/dt over its own lies between these
 MOST_RENEWALS = 3  # of the factorization in one step
-SLOW, MOST_SLOW = 0.5, 2  # more corrections than that which leave more of the residual ask for a new factorization
-MANY = 8  # corrections in a step, after which the next step has a new one
+# More than MOST_SLOW corrections that each leave over SLOW of the residual ask for a new factorization.
+SLOW, MOST_SLOW = 0.5, 2
+MANY = 8  # a step with more corrections lets the next one factorize anew
 
 
 class Inertia:
-    """rho du/dt of a FlowProblem as `weight` mass u - mass past."""
+    """rho du/dt of a FlowProblem as mass (weight u - past): mass is rho times the mass matrix, weight in 1/s."""
 
     def __init__(self, problem):
         self.mass, self.v_map = compat.block_matrix(problem.forms.mass), problem.space.v_map
@@ -52,9 +53,9 @@ class Inertia:
 
 
 class Stepper:
-    """Steps in time of a FlowProblem from its present state, which is taken to have been at rest in time before.
+    """Steps a FlowProblem in time from its present state.
 
-    time in s; steps, factorizations: how many so far; error: of the last step, see `step`.
+    time: in s since the start; steps: number of steps done.
     """
 
     def __init__(self, problem):
@@ -66,9 +67,9 @@ class Stepper:
         self.factorized_weight, self.acceleration = None, problem.acceleration()
 
     def step(self, dt):
-        """Goes on by dt (s); returns the size of the step's error in m/s (root mean square), None for the first two.
+        """Goes on by dt (s). Returns the step's error in m/s (root mean square), None for the first two steps.
 
-        Raises ComputationError where Newton's method fails; then the state is that before the step.
+        Raises ComputationError where Newton's method fails, and restores the state before the step.
         """
         problem = self.problem
         self._extrapolate(dt)
@@ -88,7 +89,10 @@ class Stepper:
         return error
 
     def _extrapolate(self, dt):
-        """Sets the formula's weights, and the state to the parabola (line, constant) through the last flows."""
+        """Sets the formula's weights, and extrapolates the state by a parabola through the last three flows.
+
+        With two flows it is a line, with one a constant.
+        """
         problem, inertia = self.problem, self.inertia
         at = -np.cumsum([0.0, *self.lengths])  # times of the values, from now
         values, count = self.values, len(self.values)
@@ -107,15 +111,18 @@ class Stepper:
         problem.state.x.array[inlet] = problem.inflow * problem.boundaries.profile.x.array[inlet]
 
     def _error(self, gap, dt):
-        """Error of BDF2's step from the gap to the parabola through the three flows before."""
+        """Error of BDF2's step in m/s, from the gap between the new flow and the extrapolated parabola."""
         one, two = self.lengths
-        # a cubic in time is missed by dt (dt + one) / 6 of its third derivative times these, from opposite sides
+        # both miss a flow that is cubic in time, on opposite sides: by u''' dt (dt + one) / 6 times these factors
         formula, parabola = dt * (one + dt) / (one + 2 * dt), dt + one + two
         velocity = gap[self.problem.space.v_map]
         return formula / (formula + parabola) * float(np.sqrt(3 * np.mean(velocity**2)))
 
     def _solve(self):
-        """Newton's method with the last factorization, accelerated, while it serves. Raises ComputationError."""
+        """Newton's method with the last factorization and Anderson acceleration; factorizes anew where that is slow.
+
+        Raises ComputationError where the residual stays above RELATIVE of the load.
+        """
         problem, renewals, slow, good = self.problem, 0, 0, RELATIVE * self.problem.load
         free, inlet, norm = problem.residual()
         self.acceleration.pause()
@@ -149,7 +156,7 @@ class Stepper:
         )
 
     def _serves(self):
-        """Whether the last factorization is of about this step's length."""
+        """Whether the last factorization is of a step of about this length."""
         return self.factorized_weight is not None and LIKE[0] < self.inertia.weight / self.factorized_weight < LIKE[1]
 
     def _renew(self):
@@ -163,7 +170,7 @@ class Stepper:
         self.problem.forget()
 
     def resume(self):
-        """Makes the problem that of the next step, after `pause`."""
+        """Makes the problem unsteady again after `pause`."""
         self.problem.inertia, self.factorized_weight = self.inertia, None
 
     def destroy(self):

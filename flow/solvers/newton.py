@@ -1,13 +1,13 @@
 """Newton's method with the error-oriented damping of Deuflhard (Newton Methods for Nonlinear Problems, 2004, NLEQ-ERR).
 
-A step factor is judged by the correction that the same factorized tangent asks for after the step: it must be smaller
-than the correction before. The residual, whose largest parts lie in the small cells of a throat, often has to rise on
-the way to a jet's steady flow; the corrections, in m/s at the nodes, need not. Where the residual falls to half, as
-from a creeping flow whose tangent knows no jet, that is good enough. The factor of the next step is that at which the
-two corrections would differ by as much as they did.
+After a step the same factorized tangent asks for a further correction. The step's factor is good if that correction is
+smaller than the one before. The residual would mislead: its largest parts lie in the small cells of a throat, and often
+have to rise on the way to a jet's steady flow. The corrections, in m/s at the nodes, need not rise. A step that halves
+the residual is taken anyway, as from a creeping flow, whose tangent knows no jet. The first factor tried in a step
+follows from how much the tangent changed over the step before (`_first_factor`).
 
-Where a whole step leaves a much smaller correction the flow is near, and steps with the same factorization and
-Anderson acceleration (solvers.anderson) go on while the corrections shrink: each costs a residual and a solve.
+Where a whole step leaves a much smaller correction, the solution is near. Then steps with the same factorization and
+Anderson acceleration (solvers.anderson) go on while the corrections shrink. Each costs a residual and a solve only.
 """
 
 import dataclasses
@@ -15,18 +15,21 @@ import dataclasses
 import numpy as np
 
 GOOD_RESIDUAL = 0.5  # of the residual before: a step that reaches it is taken whatever its correction
-LEAST_FACTOR = 0.08  # of Newton's update: below it the state is too far from the solution
+LEAST_FACTOR = 0.08  # of Newton's update: if only smaller factors are good, the state is too far from the solution
 FAR = 0.15  # two steps in a row with smaller factors: too far as well
-NEAR = 0.3  # the correction after a whole step over that before, below which the factorization is used again
-NEARER = 0.1  # the same, below which it serves the error estimate (errors.error_field) too
+# Ratio of the corrections after and before a whole step. Below NEAR the factorization is used again, below NEARER it
+# also serves the error estimate (errors.error_field).
+NEAR = 0.3
+NEARER = 0.1
 SHRINKS = 0.5  # a correction above this share of the one before asks for a new factorization
 MOST_ACCELERATED = 10  # steps with one factorization
-MARGIN = 0.03  # of the limits: down to it accelerated steps go on, as one of Newton's steps would end far below them
+# Accelerated steps go on to this share of the limits: the Newton step that they replace would end as far below.
+MARGIN = 0.03
 
 
 @dataclasses.dataclass
 class Step:
-    """A damped step: sizes of the corrections before and after it in m/s, the later correction, its factor."""
+    """A damped step: sizes in m/s of the corrections before and after it, the correction after it, and its factor."""
 
     before: float
     after: float
@@ -36,11 +39,11 @@ class Step:
 
 
 def newton(problem, absolute, relative, limit, most_picard=0, exact=False):
-    """Outcome from the present state down to residuals `absolute` (N) and `relative` (to the load).
+    """Outcome of iterations from the present state to residuals `absolute` (N) and `relative` (over the load).
 
-    Ends after `limit` factorizations, or after twice as many while whole steps serve, or after the last one allowed. It
-    ends where two factors in a row are below FAR, and where no factor helps. There up to `most_picard` steps of
-    Picard's are tried. exact: each step by its own tangent, without acceleration.
+    Ends after `limit` factorizations (twice as many while whole steps are good), or when the settings allow no more. It
+    also ends where two factors in a row are below FAR. Where no factor is good, up to `most_picard` steps of Picard's
+    method are tried. exact: every step factorizes its own tangent, and none is accelerated.
     """
     free, inlet, norm = problem.residual()
     start, last, factors = problem.solver.factorizations, None, []
@@ -93,10 +96,10 @@ def picard(problem, free, inlet):
 
 
 def _go_on(problem, reached, moved, last, limits):
-    """`problem.residual()` after accelerated steps with the last factorization; frees that of `reached`.
+    """`problem.residual()` after accelerated steps with the last factorization; frees the vector of `reached`.
 
     reached: `problem.residual()` after the Step `last`; moved: state and update before it; limits: of the residual.
-    Where a step does not serve the state is that before it.
+    A step that raises both residual and correction is taken back, and ends the iteration.
     """
     acceleration = problem.acceleration()
     acceleration.step(*moved)
@@ -122,7 +125,7 @@ def _go_on(problem, reached, moved, last, limits):
 
 
 def _first_factor(problem, last, update):
-    """The factor to try first, from what the step before showed of the tangent's change."""
+    """The factor to try first: the smaller, the more the tangent changed over the step `last` (None: 1)."""
     if last is None:
         return 1.0
     change = problem.speed(last.correction - update)
@@ -130,7 +133,7 @@ def _first_factor(problem, last, update):
 
 
 def _search(problem, residual_at, update, factor, norm_before):
-    """(Step, `residual_at` its factor), or (None, None) where none of at least LEAST_FACTOR is good."""
+    """(Step, `residual_at` its factor), or (None, None) where no factor of at least LEAST_FACTOR is good."""
     before = problem.speed(update)
     factor = max(factor, LEAST_FACTOR)
     while factor >= LEAST_FACTOR:

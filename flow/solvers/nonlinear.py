@@ -1,11 +1,11 @@
-"""The discrete flow problem with its boundaries, Newton's method, and the paths that lead to its start.
+"""The discrete flow problem with its boundaries, and the ways to its solution by Newton's method.
 
 Unknowns: the dofs x that no boundary fixes, the inflow Q (the inlet's velocity is Q g), the outlet pressures
 P_i (held at P_v + R_i Q_i, so their equations leave no residual). The inflow's equation is the momentum equation
-tested with g: F(w; g) = MAP, in Pa; it enters the norm times the inlet's area, in N as the other residuals.
+tested with g: F(w; g) = MAP, in Pa. Times the inlet's area, it enters the norm in N like the other residuals.
 
-The flow is found from the reduced models' (solvers.predicted_start), or an artificial viscosity is taken away
-(solvers.continuation); in a single tube the flow is raised in steps before (solvers.ramp).
+Newton's method first starts from the flow of the reduced models (solvers.predicted_start). If that fails in a single
+tube, the flow is raised in steps (solvers.ramp). The last way lowers an artificial viscosity (solvers.continuation).
 """
 
 import dataclasses
@@ -23,12 +23,13 @@ from flow.physics import viscosity
 from flow.discretisation.forms import NavierStokes
 
 
-FROM_STATE = 6  # factorizations from the flow of another state, after which the usual way is taken
+FROM_STATE = 6  # factorizations from the flow of another state; without convergence the usual way is taken then
 
 
 @dataclasses.dataclass
 class Outcome:
-    """What a solve did: status, iterations (factorizations), residual norms and their history."""
+    """What a solve did: whether it converged, iterations (factorizations), residual norms (N; over the load), history
+    of the former."""
 
     converged: bool
     iterations: int
@@ -40,7 +41,7 @@ class Outcome:
 class FlowProblem(flow_state.FlowState):
     """The discrete equations of one lumen: state w (Function on space.W) and inflow.
 
-    spent: factorizations made on other meshes, of those that the settings allow.
+    spent: factorizations made on other meshes; they count against max_newton_iterations.
     """
 
     def __init__(self, space, boundaries, document, settings, spent=0, log=None):
@@ -75,9 +76,9 @@ class FlowProblem(flow_state.FlowState):
         return self.allowed - self.spent - self.solver.factorizations
 
     def free_part(self, vector):
-        """New vector of the free dofs' values of one over W.
+        """New vector with the free dofs' values of `vector`, which is over W.
 
-        By the array: each vector that getSubVector makes and that is not given back keeps its memory, scatter and all.
+        It copies the array: a vector of PETSc's getSubVector leaks, with its scatter, unless it is given back.
         """
         part = self.free_vector()
         part.array[:] = vector.array_r[self.space.free]
@@ -90,7 +91,7 @@ class FlowProblem(flow_state.FlowState):
     def residual(self):
         """(free part as vector, inflow equation in Pa, norm in N) at the present state.
 
-        Where the flow is given the inflow's equation is Q = that, times MAP over it.
+        Where the inflow is given as Q0, its equation is (Q / Q0 - 1) MAP = 0.
         """
         vector = self.full_residual
         self.forms.assembled(vector)
@@ -115,8 +116,8 @@ class FlowProblem(flow_state.FlowState):
         return norm
 
     def linearise(self, form):
-        """Factorizes the matrix of the velocity block `form` (discretisation.forms) at the present state; `correction`
-        solves with it."""
+        """Factorizes the matrix with the velocity block `form` (discretisation.forms) at the present state, for
+        `correction`. Raises ComputationError."""
         if self.matrix is None:
             self.matrix = tangent.FreeMatrix(self.space, self.forms)
         self.matrix.assemble(form, self.inertia)
@@ -137,7 +138,7 @@ class FlowProblem(flow_state.FlowState):
         self.linearised_as = (form is self.forms.tangent, self.artificial)
 
     def outdate(self):
-        """Says that the last linearisation is of a state too far away for `responses`."""
+        """Marks the last linearisation as of a state too far away for `responses`, which then factorizes anew."""
         self.linearised_as = None
 
     def forget(self):
@@ -156,8 +157,10 @@ class FlowProblem(flow_state.FlowState):
         self.matrix = None
 
     def correction(self, residual, inlet):
-        """(update of the free dofs as array, of the inflow) by the last linearisation; residual and inlet as `residual`
-        returns them."""
+        """(update of the free dofs (n,), of the inflow in m3/s) by the last linearisation.
+
+        residual, inlet: as `residual` returns them.
+        """
         right = np.zeros(len(self.bordered.rows))
         right[0] = inlet
         x, y = self.bordered.solve(residual, right)
@@ -166,9 +169,12 @@ class FlowProblem(flow_state.FlowState):
         return update, -float(y[0])
 
     def responses(self, loads):
-        """Values (n, k) over W of w with K w = load for each of loads (n, k); a goal times its w is what the load does
-        to the goal. K is Newton's tangent: its last factorization serves, which is of a state near by (solvers.newton).
-        Where the inflow is given it does not change."""
+        """Values (n, k) over W of the solutions w of K w = load, for loads (n, k) over W.
+
+        K is Newton's tangent. w is the change of the flow by the load, to first order, and a goal's derivative times w
+        the change of the goal. A last factorization of a state near by (solvers.newton) is used again. A given inflow
+        does not change. Raises ComputationError.
+        """
         if self.bordered is None or self.linearised_as != (True, self.artificial):
             self.linearise(self.forms.tangent)
         space, profile = self.space, self.boundaries.profile.x.array
@@ -187,13 +193,15 @@ class FlowProblem(flow_state.FlowState):
         return values
 
     def acceleration(self):
-        """Empty solvers.anderson.Acceleration of the free dofs and the inflow: velocities in m/s weigh as pressures
-        over rho."""
+        """Empty solvers.anderson.Acceleration of the free dofs and the inflow.
+
+        Its inner product weighs velocities (m/s) by 1, pressures by 1 / rho and the inflow by 0.
+        """
         weights = np.where(self.free_velocity, 1.0, 1.0 / self.forms.density)
         return anderson.Acceleration(np.append(weights, 0.0))
 
     def small(self, norm, absolute, relative):
-        """Whether the residual meets both limits; the relative one is to the pressure load."""
+        """Whether the residual `norm` (N) meets both limits: absolute in N, relative over the pressure load."""
         return norm <= absolute and norm <= relative * self.load
 
     def outcome(self, norm, absolute, relative, iterations):
@@ -205,11 +213,11 @@ class FlowProblem(flow_state.FlowState):
         print(f"  residual {norm:.3e} N, {kind}, inflow {self.inflow * 6e7:.2f} mL/min", file=self.log, flush=True)
 
     def solve(self, resistances_at, predicted, begin_only=False):
-        """Outcome at full flow from the flow that a reduced model predicts, and where this fails from rest.
+        """Outcome at full flow: from the flow that a reduced model predicts, and where this fails, from rest.
 
-        resistances_at(fraction) -> (n,) outlet resistances; predicted: reduced.coupled.Predictor, of use as
-        solvers.predicted_start says; begin_only: in a single tube from that flow alone, else as solvers.continuation
-        has it. Raises ComputationError when no flow with eps <= continuation.LARGEST is found.
+        resistances_at(fraction) -> (n,) outlet resistances; predicted: reduced.coupled.Predictor. begin_only: a finer
+        mesh follows; a single tube then tries the predicted flow alone, a tree ends as continuation.from_rest says.
+        Raises ComputationError when no flow with eps <= continuation.LARGEST is found.
         """
         found = predicted_start.try_from(self, predicted)
         if found and found.converged:
@@ -226,9 +234,11 @@ class FlowProblem(flow_state.FlowState):
         return continuation.from_rest(self, begin_only)
 
     def solve_from_guess(self, coarse, whole=False):
-        """Outcome at full flow from the flow on another mesh of the same lumen (a solved FlowProblem). Raises
-        ComputationError where there is none; whole: goes on to less eps, and where there is none is at rest and returns
-        None."""
+        """Outcome at full flow from the flow on another mesh of the same lumen, `coarse` (a solved FlowProblem).
+
+        whole: also lowers eps further; where no flow is found, returns to rest and gives None. Otherwise raises
+        ComputationError there.
+        """
         try:
             return continuation.from_guess(self, coarse, whole)
         except ComputationError:
@@ -239,8 +249,10 @@ class FlowProblem(flow_state.FlowState):
             return None
 
     def solve_from_state(self, start):
-        """Outcome at full flow from that of another state of the vessel (inputs.solution.Start), with that state's
-        artificial viscosity. Raises ComputationError where Newton's method does not lead there."""
+        """Outcome at full flow, with the artificial viscosity of another state of the vessel, from that state's flow.
+
+        start: inputs.solution.Start. Raises ComputationError where Newton's method does not converge from there.
+        """
         self.boundaries.full()
         self.forms.artificial.value = start.artificial
         self.take(*start.at(self.space.nodes()[0]), start.inflow)
@@ -253,7 +265,7 @@ class FlowProblem(flow_state.FlowState):
         return found
 
     def stalled(self, found):
-        """ComputationError that says where and with which residual (of Outcome `found`, if any) the way ended."""
+        """ComputationError with the eps and residual (of Outcome `found`, else of the state) where solving ended."""
         norm = found.residual_absolute if found else self.residual_norm()
         return ComputationError(
             "the flow solver stalled",

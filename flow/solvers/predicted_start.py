@@ -1,21 +1,21 @@
-"""From the reduced models' flow to the steady one, where that flow is near enough.
+"""Newton's method from the flow of the reduced models, where that flow is near enough to the steady one.
 
-In a single tube it is the axisymmetric flow and Newton's method starts from it. In a tree it is parabolas, rough at the
-branch points; two steps of Picard's method make a flow of it. That is near enough where the vessel loses little
-pressure, as after an intervention; elsewhere such tries cost more factorizations than they save.
+In a single tube Newton's method starts from the axisymmetric flow. In a tree the predicted velocities are parabolas,
+which are rough at the branch points; two steps of Picard's method smooth them first. That is near enough where the
+vessel loses little pressure, as after an intervention. Elsewhere the attempt costs more factorizations than it saves.
 """
 
 import numpy as np
 
 from flow.solvers import newton
 
-STEPS = 8  # Newton's, after which the way from rest is taken
+STEPS = 8  # of Newton's method; without convergence the flow is sought from rest then
 PICARD_STEPS = 2  # in a tree
-MILD = 0.95  # least FFR by the 1D network
+MILD = 0.95  # least FFR by the 1D network at which a tree is tried
 
 
 def try_from(problem, predicted):
-    """Outcome at full flow, or None where none was tried; predicted: reduced.coupled.Predictor."""
+    """Outcome at full flow, or None where the predicted flow is not tried; predicted: reduced.coupled.Predictor."""
     if not (predicted.whole or predicted.ffr(predicted.alone_pressures) >= MILD):
         return None
     problem.boundaries.full()

@@ -1,8 +1,9 @@
-"""From rest to the full flow in steps of the flow by Newton's method.
+"""From rest to the full flow by Newton's method, at a few increasing fractions of the flow.
 
-The outlet resistances are those at which the reduced models draw FRACTIONS of their flow. On a mesh that resolves the
-jet's shear layer (meshing.sweep) the steady flow in a straight tube is found so in some ten factorizations. At Re 1,500
-solvers.continuation does not find it. Where one fraction fails, and in trees, continuation takes fewer factorizations.
+At each of FRACTIONS the outlet resistances let the reduced models carry that fraction of their flow. On a mesh that
+resolves the jet's shear layer (meshing.sweep), this finds the flow in a straight tube in some ten factorizations. At Re
+1,500 solvers.continuation does not find it. In trees, and where a fraction fails, continuation takes fewer
+factorizations.
 """
 
 import numpy as np
@@ -12,20 +13,20 @@ from flow.solvers import newton
 FRACTIONS = (0.1, 0.2, 0.35, 0.6, 1.0)
 HARD, HARD_AT_LAST = 4, 8  # factorizations at one fraction and at the last, after which the ramp is given up
 MOST_PICARD = 1  # steps of Picard's method at one fraction
-ON_THE_WAY = 5e-2  # residual of one flow fraction over that at its start
+ON_THE_WAY = 5e-2  # residual at which a fraction below 1 is left, over its residual at the start
 
 
 def climb(problem, resistances_at):
-    """Outcome at the full flow, or of the fraction that is not reached.
+    """Outcome at the full flow, or at the first fraction where Newton's method fails.
 
-    resistances_at(fraction) -> (n,) outlet resistances.
+    resistances_at(fraction) -> (n,) outlet resistances in Pa s/m3.
     """
     settings, before = problem.settings, None
     problem.forms.artificial.value = 0.0
     for fraction in FRACTIONS:
         problem.boundaries.lower(fraction, resistances_at)
         print(f"flow fraction {fraction:.3g}", file=problem.log, flush=True)
-        if before and before > FRACTIONS[0]:  # the jet keeps its shape; not from a creeping flow
+        if before and before > FRACTIONS[0]:  # a jet keeps its shape as the flow grows; the first, slow flow has no jet
             problem.scale_to(fraction / before)
         absolute, relative, limit = settings.residual_absolute, settings.residual_relative, HARD_AT_LAST
         if fraction < FRACTIONS[-1]:

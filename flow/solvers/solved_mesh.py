@@ -1,4 +1,4 @@
-"""The flow on one mesh: FlowProblem and its Outcome, what answered, and how it is found."""
+"""The flow on one mesh: how it is found, and the record of it that later steps read."""
 
 import sys
 
@@ -8,10 +8,10 @@ from flow.geometry import centreline, locate
 from flow.physics import ffr, outlets
 from flow.solvers import nonlinear
 
-# how far a flow is looked for: on a mesh that only begins the way; by all ways; where the mesh before has an answer,
-# from that flow alone
+# Effort on a mesh. BEGUN: finer meshes follow, so a large eps may be left. WHOLE: every way is tried. NEAR: only from
+# the flow on the mesh before, which can answer itself.
 BEGUN, WHOLE, NEAR = "begun", "whole", "near"
-# of an answer: steady flow; steady flow with eps > 0, of a modified model
+# Status of an answer. With eps > 0 left it is the steady flow of a modified model.
 CONVERGED, ARTIFICIAL = STATUSES = ("converged", "converged with artificial viscosity")
 
 
@@ -36,11 +36,11 @@ class Solved:
 
 
 def solve_mesh(path, document, settings, tree, predicted, may_stay, before=None, spent=0, effort=WHOLE, start=None):
-    """Solved from a mesh file; the guess is that of `before` (Solved on another mesh), else of `predicted` (Predictor).
+    """Solved from a mesh file. The first guess is the flow of `start`, else of `before`, else of `predicted`.
 
-    may_stay(Solved) -> whether so little artificial viscosity may answer; spent: factorizations already made of those
-    allowed; effort: BEGUN, WHOLE or NEAR; start: inputs.solution.Start, the flow of another state, in place of both.
-    Raises ComputationError.
+    start: inputs.solution.Start, of another state; before: Solved on another mesh; predicted: coupled.Predictor.
+    may_stay(Solved) -> whether its artificial viscosity has so little effect that it may answer. spent: factorizations
+    made on other meshes; effort: BEGUN, WHOLE or NEAR. Raises ComputationError where no flow is found, and InputError where mesh, centreline and boundary values do not belong together.
     """
     space = spaces.read(path)
     ffr.check_inside(document["probes"], tree, space)

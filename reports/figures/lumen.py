@@ -111,7 +111,7 @@ def paint_order(surface, axes3):
 
 
 def add_triangles(axes, seen, mask, colours, opacity):
-    """Adds the masked triangles, furthest first; drawn as pixels also in the SVG, which thousands would make huge."""
+    """Adds the masked triangles, furthest first. The SVG has them as pixels too, since thousands would make it huge."""
     rows = np.flatnonzero(mask)
     rows = rows[np.argsort(seen["depth"][rows], kind="stable")]
     faces = colours[rows].copy()

@@ -98,7 +98,7 @@ class CaseFiles:
         return entry(read_json(self.registration, "anatomy register"), "compare", self.registration) == "flow"
 
     def network_answer(self, state):
-        """What stands for ffr.json of an arm's lumen: FFR by the calibrated network and its error; None without."""
+        """FFR of an arm's lumen and its error by the calibrated network, in place of ffr.json; None without one."""
         path = self.folder / self.arm / "ffr.json"
         if not self.arm or state not in FROM_CT or not path.exists():
             return None

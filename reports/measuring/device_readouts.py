@@ -73,7 +73,7 @@ GIVEN = ("pre", "post")  # states whose lumen is given; the others are made from
 
 
 def lumen_warnings(files, states):
-    """{state: [sentence]}: what `lumen process` has warned of in the lumens that are given, in the order it did.
+    """{state: [sentence]}: the warnings of `lumen process` on the given lumens, in its order.
 
     A branch that was left closed, a filled opening or a lumen of few voxels changes every figure of the case.
     """

@@ -184,7 +184,7 @@ def imaging_warnings(contexts):
 
 
 def lumen_warnings(contexts):
-    """Rows {case, id, state, message} of what the anatomies of given lumens warn of."""
+    """Rows {case, id, state, message} of the warnings in the anatomies of given lumens."""
     return [
         {"case": c["name"], "id": c["id"], "state": state, "message": message}
         for c in contexts
@@ -194,7 +194,7 @@ def lumen_warnings(contexts):
 
 
 def plan_remarks(contexts):
-    """Rows {case, id, message} of what is said of proposed plans."""
+    """Rows {case, id, message} of the remarks on proposed plans."""
     return [
         {"case": c["name"], "id": c["id"], "message": message}
         for c in contexts

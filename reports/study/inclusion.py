@@ -1,6 +1,6 @@
-"""Which patients the statistics are made of: as in the source, those with FFR below 0.80 before PCI.
+"""The patients that enter the statistics: as in the source, those with FFR below 0.80 before PCI.
 
-The others are never mixed with them: their rows stand apart, under a name of their own.
+The other patients are never mixed with them. They have rows of their own, under another name.
 """
 
 from reports.inputs.reading import number

@@ -61,7 +61,10 @@ SPRINGS = {"springs, Lame": {}, "springs, Van Gelder": {"spring_mapping": "van_g
 
 
 def runs_of(edges):
-    """(scheme, edge in mm, its columns, settings of the scene) of every run; the reference last."""
+    """Yields every run of a scene: (scheme, edge in mm, {column of the table: value}, settings of the scene).
+
+    The reference is the last.
+    """
     for edge in edges:
         yield "default", edge, {}, {}
     for scheme, (surface, runs) in SCHEMES.items():

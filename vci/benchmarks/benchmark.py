@@ -170,7 +170,11 @@ def settings_of(options):
 
 
 def run_case(options, case):
-    """A case's rows, its reference the last: the finest edge that balances at a tenth of the first tolerance."""
+    """A case's rows, with errors against its reference.
+
+    The reference is the finest edge that balances at a tenth of the first tolerance. If none does, it is the finest run
+    that balanced.
+    """
 
     def row_at(setting):
         folder = options.out / name_of(case).replace(" ", "_") / f"edge_{setting[0]:g}"

@@ -7,7 +7,7 @@ from matplotlib import pyplot  # noqa: E402
 
 
 def pareto(points):
-    """Of (cost, error) pairs those that no cheaper one undercuts, by cost."""
+    """The (cost, error) pairs for which no cheaper pair has a smaller error, sorted by cost."""
     front = []
     for cost, error in sorted(points):
         if not front or error < front[-1][1]:

@@ -11,8 +11,8 @@ namespace vci {
 
 namespace {
 
-constexpr double reach = 2.0; // mm: a stent further from this wall lies against another part of it
-constexpr double slack = 0.1; // mm beyond the nearest triangle in which the projection along the normals may lie
+constexpr double reach = 2.0; // mm: a stent further away lies against another part of the wall
+constexpr double slack = 0.1; // mm: triangles this much further than the nearest may hold the projection along normals
 constexpr double nothing = 1e300;
 
 /// Gap (mm) from a wall vertex to the smooth surface of a stent, as contact measures it; 0 in contact. None if the

@@ -12,8 +12,8 @@ namespace {
 constexpr double search_reach = 0.5; // mm: a vertex deeper than this beyond a surface is not found any more
 
 // A few vertices carry far more load than the others, at the edge of calcium or at the rim of a window. A second,
-// stiffer response stops them. It begins deeper than ordinary contact reaches, because areas depend on the length of
-// the steps where all contact is that stiff. Start and width are in widths of the ordinary ramp, and the stiffness is
+// stiffer response stops them. It begins deeper than ordinary contact reaches: if all contact were that stiff, areas
+// would depend on the length of the steps. Start and width are in widths of the ordinary ramp, and the stiffness is
 // relative to the ordinary one.
 constexpr double deep_from = 1.5, deep_ramp = 2, deep_stiffness = 40;
 // Bound of the deep response over its first value. A vertex that is still too deep there stays so.
@@ -27,9 +27,9 @@ constexpr double deep_fade_share = 0.1;
 // stiffness removed along the slip the steps do not converge; with none removed the contact creeps.
 constexpr double slip_tangent_reduction = 0.7;
 
-// A vertex through which no normal of a surface passes meets the nearest point of a fold. The gap along the normal
-// there is no distance where the vertex lies beside the fold: it is about 0, however far away the vertex is. Beyond
-// `near_fold` (mm) such a vertex has a contact only within 60 degrees of the normal.
+// If no normal of a surface passes through a vertex, the vertex is measured against the nearest point of a fold. A
+// vertex beside the fold then has a gap along the normal of about 0, however far away it is. So beyond `near_fold` (mm)
+// such a vertex is in contact only within 60 degrees of the normal.
 constexpr double near_fold = 0.1, least_cosine = 0.5;
 
 bool lies_beside(const Vec3& way, const Vec3& normal) {
@@ -105,7 +105,7 @@ const BroadPhase& SurfaceTrees::at(const System& system, int body) {
   return place->second;
 }
 
-/// What a search found for a vertex: far from the surface, or candidates.
+/// Stores the result of a search for a vertex: the candidate triangles, or only how far away the surface is.
 void SurfaceContact::face(const System& system, const Vectors& units, int v, const Body& target, bool vertex_inside,
                           const std::vector<NearTriangle>& found, double travel, Facing& facing) const {
   const Vec3& p = system.x[v];
@@ -130,7 +130,7 @@ void SurfaceContact::face(const System& system, const Vectors& units, int v, con
     facing.triangles.push_back(f.triangle);
 }
 
-/// A vertex that still meets the triangle it met need not be searched for at every turn.
+/// Whether a vertex still projects onto the triangle of the last search, which saves a new one.
 bool SurfaceContact::keeps_projection(const System& system, const Vectors& units, const Vec3& p, const Body& target,
                                       double travel, const Facing& facing) const {
   SurfaceProjection projection;

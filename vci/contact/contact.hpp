@@ -19,11 +19,11 @@ struct ContactSettings {
   bool time_averaged = false; ///< eq 18: the law's mean over the gaps of a step, where the velocity is followed
 };
 
-/// Contact fades out before a surface's edge: the share of each stiffness that is left, 1 inside and 0 at the edge.
-/// A contact that ended abruptly would switch on and off for ever. The ordinary stiffness fades over the last row of
-/// triangles. Before the rim of a window, the deep stiffness fades only at the very end of that row.
+/// The share of each stiffness that is left near a surface's edge: 1 inside, 0 at the edge. A contact that ended
+/// abruptly would switch on and off for ever. The ordinary stiffness fades over the last row of triangles. Before the
+/// rim of a window, the deep stiffness fades only at the very end of that row.
 struct ContactFade {
-  double ordinary = 1, deep = 1; ///< of the deep one also times what stiffen_deep_contacts() set
+  double ordinary = 1, deep = 1; ///< `deep` includes the factor of stiffen_deep_contacts()
 };
 
 /// The penalty law at a gap. With the overlap a = delta - gap, the pressure is kappa a^2 / (2 w) below a = w and
@@ -46,16 +46,16 @@ struct ContactPoint {
   double force;  ///< N along the normal
   Vec3 friction; ///< friction force, N: opposes the slip, at most mu times the normal force
   Vec3* slip;    ///< elastic part of the tangential displacement since first touch, mm; kept by the contact
-  double* deep_scale = nullptr; ///< of the deep response of this vertex; kept by the contact. None: it cannot change
+  double* deep_scale = nullptr; ///< factor on this vertex's deep response, kept by the contact; null: always 1
 };
 
 /// Regularised Coulomb friction with an elastic slip, which is mapped back where it passes the limit. Sets the slip,
-/// the friction force and the stencil's tangential stiffness. That is the secant of the trial state and never negative;
-/// for a sliding point it is reduced along the slip.
+/// the friction force and the stencil's tangential stiffness. The stiffness is the secant of the trial state, so it is
+/// never negative; for a sliding point it is reduced along the slip.
 void add_friction(ContactPoint& point, const ContactSettings& settings);
 
-/// How two surfaces lie, and which of their vertices are excluded from their contact (flags; empty: none). A projection
-/// onto a triangle of excluded vertices does not count, like one beyond an open edge.
+/// How two surfaces lie to each other, and which of their vertices take no part in their contact (flags; empty: none).
+/// A projection onto a triangle of excluded vertices does not count, like one beyond an open edge.
 struct ContactSides {
   bool nested = true; ///< false: side by side, the outward normals face each other
   std::vector<char> inner_excluded, outer_excluded;
@@ -67,10 +67,10 @@ struct Normals {
   Normals(Vectors areas); // NOLINT(google-explicit-constructor) ; area vectors are all there is to say
 };
 
-/// The boxes round the surfaces of several contacts, one tree a body.
+/// Trees of bounding boxes, one for each body's surface, shared by several contacts.
 class SurfaceTrees {
 public:
-  /// That of a body, fitted to the system's positions as far as a search needs.
+  /// The tree of a body, fitted to the system's positions as far as a search needs.
   const BroadPhase& at(const System& system, int body);
   void forget(int body) { trees_.erase(body); }
 
@@ -83,7 +83,7 @@ private:
 /// once it and the other surface may have moved far enough to change the result.
 class SurfaceContact {
 public:
-  /// @param trees shared with the other contacts of the same system; null: it makes its own
+  /// @param trees shared with the other contacts of the same system; null: the contact makes its own
   SurfaceContact(int inner, int outer, const ContactSettings& settings, ContactSides sides = {},
                  std::shared_ptr<SurfaceTrees> trees = {})
       : inner_(inner), outer_(outer), settings_(settings), sides_(std::move(sides)),
@@ -98,7 +98,8 @@ private:
   /// How far a vertex and the surface that it faces may move together before an earlier result must be computed again.
   struct MotionBound {
     Vec3 place;
-    double travel, length; ///< of the surface when found; mm
+    double travel; ///< mm: the surface's total travel when the result was found
+    double length; ///< mm: the bound
     bool exceeded(const Vec3& p, double travelled) const { return (p - place).norm() + travelled - travel > length; }
   };
   struct Facing {
@@ -142,7 +143,7 @@ Tie tie_of(const ContactPoint& point, const Vectors& x, double stiffness_mpa_per
 void add_tie_forces(const std::vector<Tie>& ties, const Vectors& x, Vectors& force);
 void add_contact_forces(const std::vector<ContactPoint>& points, Vectors& force);
 /// Doubles the deep response of the vertices that lie deeper than a limit (mm), until a bound. Returns whether any was
-/// doubled. This is the update of a penalty: repeated in balance, it brings the penetration below the limit.
+/// doubled. Repeated after each balance, this penalty update brings the penetration below the limit.
 bool stiffen_deep_contacts(const std::vector<ContactPoint>& points, double limit);
 /// Adds a step's displacements to the slip of the contact points; detect() maps it back to the friction limit.
 void add_slip(const std::vector<ContactPoint>& points, const Vectors& displacement);

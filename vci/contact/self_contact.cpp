@@ -10,10 +10,10 @@ namespace vci {
 
 namespace {
 
-constexpr double reach = 0.15;         // mm: a layer further off is not faced
-constexpr double facing_cosine = -0.2; // of the two normals, below which layers face each other
-constexpr double turned_away = 0.5;    // above it a layer has turned away, however deep
-// of the thickness: the gap between layers of a wrapped balloon, less the sagitta of their straight edges
+constexpr double reach = 0.15;         // mm: a layer further away is ignored
+constexpr double facing_cosine = -0.2; // layers face each other if the cosine between their normals is below this
+constexpr double turned_away = 0.5;    // if the cosine is above this, a layer has turned away, however deep it is
+// share of the thickness: the gap between layers of a wrapped balloon, less the sagitta of their straight edges
 constexpr double begins_at_share = 0.9;
 constexpr int longest_walk = 20;                  // triangles
 constexpr double ramp_share = 0.4;                // of the thickness
@@ -81,7 +81,7 @@ bool SelfContact::own(int vertex, const Triangle& t, int first) const {
                      [&](int v) { return std::binary_search(near.begin(), near.end(), v - first); });
 }
 
-/// Goes on to the closest point of the layer that the vertex faces, from triangle to triangle.
+/// Walks from triangle to triangle to the closest point of the layer that the vertex faces.
 void SelfContact::follow(const System& system, int vertex, Layer& layer) const {
   const Body& body = system.body(body_);
   const Vec3& p = system.x[body.first + vertex];
@@ -108,7 +108,7 @@ void SelfContact::follow(const System& system, int vertex, Layer& layer) const {
   layer.distance = std::sqrt(best.distance_squared);
 }
 
-/// Measures the gap to the layer faced; false where it has gone or turned away.
+/// Measures the gap to the faced layer. False if the layer has moved out of reach or turned away.
 bool SelfContact::keeps(const System& system, int vertex, double side, Layer& layer) const {
   follow(system, vertex, layer);
   const Body& body = system.body(body_);
@@ -119,7 +119,8 @@ bool SelfContact::keeps(const System& system, int vertex, double side, Layer& la
   return layer.distance < reach && cosine < (layer.gap > 0 ? facing_cosine : turned_away);
 }
 
-/// The nearest layer on each side that faces the vertex, unless it is held by one that is nearer or that it is through.
+/// Finds the nearest layer on each side that faces the vertex. A layer that it already faces stays if it is nearer, or
+/// if the vertex has passed through it.
 void SelfContact::search(const System& system, int vertex, std::vector<NearTriangle>& found) {
   const Body& body = system.body(body_);
   const Vec3 &p = system.x[body.first + vertex], &normal = units_[body.first + vertex];

@@ -21,7 +21,7 @@ public:
 
 private:
   struct Layer {
-    int triangle = -1;        ///< that the vertex faces; -1: none
+    int triangle = -1;        ///< the one that the vertex faces; -1: none
     Vec3 slip = Vec3::Zero(); ///< stays 0 without friction; every contact point needs one
     Vec3 weights = Vec3::Zero();
     double distance = 0, gap = 0; ///< mm; the gap is negative once the vertex is through
@@ -38,8 +38,8 @@ private:
   double stiffness_;
   std::vector<double> thickness_;
   std::array<std::vector<Layer>, 2> layers_; ///< of each vertex on its outer and its inner side
-  std::vector<std::vector<int>> near_;       ///< per vertex: those within an edge, ascending
-  std::vector<std::vector<int>> around_;     ///< per triangle: those that share a vertex
+  std::vector<std::vector<int>> near_;       ///< per vertex: itself and its neighbours along edges, ascending
+  std::vector<std::vector<int>> around_;     ///< per triangle: the triangles that share a vertex with it
   std::unique_ptr<BroadPhase> boxes_;
   Vectors units_, last_; ///< unit normals; positions at the last call
   double travel_ = 0;    ///< sum of the largest displacements since the last search, mm

@@ -16,12 +16,12 @@ Vec3 interpolated_normal(const Triangle& t, const Vec3& weights, const Vectors& 
 
 namespace {
 
-/// The point of a triangle from which p lies along the interpolated normal: unlike the closest point it moves
+/// The point of a triangle from which p lies along the interpolated normal. Unlike the closest point, it moves
 /// continuously across edges on both sides of a folded surface. The weights may lie outside the triangle. Returns false
-/// where they do so by far, or where normals and triangle disagree.
+/// if they lie far outside, or if the normals lean too far from the triangle's.
 bool project_along_normals(const Vec3& p, const Triangle& t, const System& system, const Vectors& units,
                            Vec3& weights) {
-  constexpr double settled = 1e-5; // of the weights; each turn leaves a hundredth of their error or less
+  constexpr double settled = 1e-5; // change of the weights; an iteration leaves a hundredth of their error or less
   const Vec3 &a = system.x[t[0]], ab = system.x[t[1]] - a, ac = system.x[t[2]] - a;
   const Vec3 face = ab.cross(ac), pa = p - a;
   const double square = face.squaredNorm(), least = 0.2 * std::sqrt(square), height = pa.dot(face);

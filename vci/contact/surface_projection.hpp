@@ -19,14 +19,14 @@ Vec3 interpolated_normal(const Triangle& t, const Vec3& weights, const Vectors& 
 bool follow_projection(const Vec3& p, int triangle, const System& system, const Vectors& units, const Body& target,
                        SurfaceProjection& projection);
 
-/// The point of that triangle's edge nearest to where the normals lead. At a sharp fold a vertex may lie over neither
-/// side along the normals. The closest point then jumps from one side to the other, and a contact that follows it has
-/// no balance between the two. Returns false where the normals lead far beyond the edge.
+/// Projects onto the edge of the triangle, as near as possible to the point along the normals. At a sharp fold a vertex
+/// may lie over neither side along the normals. The closest point then jumps between the sides, and a contact there
+/// would find no balance. Returns false if the point along the normals lies far beyond the edge.
 bool stay_on_edge(const Vec3& p, int triangle, const System& system, const Vectors& units, const Body& target,
                   SurfaceProjection& projection);
 
-/// The projection along the interpolated normals where a triangle near by has such a point, else the closest point.
-/// @param distance set to that of the closest point, mm
+/// The projection along the interpolated normals if a triangle near by has such a point, else the closest point.
+/// @param distance set to the distance of the closest point, mm
 SurfaceProjection project_onto(const Vec3& p, const std::vector<int>& candidates, const System& system,
                                const Vectors& units, const Body& target, double& distance);
 

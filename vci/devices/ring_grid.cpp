@@ -7,7 +7,7 @@ namespace vci {
 
 namespace {
 
-/// Area vector (mm^2) of each ring: that of its polygon, times the ratio of a circle to the regular polygon within it.
+/// Area vector (mm^2) of each ring: its polygon times the ratio of a circle to the regular polygon inscribed in it.
 Vectors ring_areas(const System& system, int body, const RingGrid& grid) {
   const Vectors centres = ring_centres(system, body, grid);
   const int first = system.body(body).first;

@@ -28,19 +28,19 @@ Vectors straight_grid(const RingGrid& grid, double radius);
 
 /// Edges round the rings, ring by ring.
 std::vector<std::array<int, 2>> hoop_edges(const RingGrid& grid);
-/// Axial length (mm) that each ring stands for.
+/// Axial length (mm) of the device that each ring represents.
 std::vector<double> ring_widths(const RingGrid& grid);
 
 /// Mean radius (mm) of each ring about its own centre, from the area its polygon encloses.
 std::vector<double> ring_radii(const System& system, int body, const RingGrid& grid);
-/// Diameter (mm) of the circle as long as each ring.
+/// Diameter (mm) of the circle with the perimeter of each ring.
 std::vector<double> perimeter_diameters(const System& system, int body, const RingGrid& grid);
 /// Area (mm^2) that each ring encloses, projected along the line through the rings' centres. This is the section of the
 /// tube, even where the ring lies obliquely in it.
 std::vector<double> ring_sections(const System& system, int body, const RingGrid& grid);
 Vectors ring_centres(const System& system, int body, const RingGrid& grid);
 
-/// Indices and positions of a body alone as those of a system in which its first vertex is `first`.
+/// Converts indices and positions of a body alone to those in a system, where the body's first vertex is `first`.
 void shift(std::vector<EdgePair>& edges, int first);
 Vectors shifted(const Vectors& points, int first);
 

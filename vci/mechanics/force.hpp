@@ -29,7 +29,7 @@ public:
   virtual void commit(const Vectors& x) { (void)x; }
 };
 
-/// Where a stencil's blocks are: those of the matrix's upper half.
+/// The places of a stencil's blocks in the matrix, which stores its upper half.
 template <std::size_t N> class StencilSlots {
 public:
   StencilSlots() = default;
@@ -51,7 +51,7 @@ public:
       for (std::size_t j = i; j < N; ++j)
         matrix.block(slot_[k++]).noalias() += block(order_[i], order_[j]);
   }
-  /// Adds blocks by rank of their vertices; those of the upper half count.
+  /// Adds blocks in ascending order of their vertices. Blocks of the lower half are ignored.
   void add_upper(BlockMatrix& matrix, const Mat3 (&block)[N][N]) const {
     std::size_t k = 0;
     for (std::size_t i = 0; i < N; ++i)

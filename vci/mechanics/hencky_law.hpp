@@ -11,9 +11,9 @@ namespace vci {
 ///   phi = (w_y + H (w - w_y)) / w, w > w_y    plaque, film: yields with linear hardening
 /// which derive from the energy per reference area E psi(w), psi' = phi w.
 ///
-/// A layer at depth, radius R behind a lumen of radius a, stretches less than the lumen does: incompressible tissue
-/// between them gives lambda_R^2 = (lambda^2 + q) / (1 + q), q = (R/a)^2 - 1 (of a ring; taken for both principal
-/// stretches). The formulas above hold for the layer's strain; the response is that of the lumen's.
+/// A layer at depth, at radius R behind a lumen of radius a, stretches less than the lumen. Incompressible tissue
+/// between them gives lambda_R^2 = (lambda^2 + q) / (1 + q), q = (R/a)^2 - 1. This holds for a ring, and is used for
+/// both principal stretches. The formulas above are in the layer's strain; Response is in the lumen's.
 struct HenckyLaw {
   double stiffness; ///< modulus times thickness per reference length of the lumen, N/mm
   double poisson_ratio = 0.45;
@@ -35,10 +35,10 @@ struct HenckyLaw {
   Response response_at(const Vec2& square, bool flows = false) const;
   Response response(const Vec2& log_strain) const { return response_at((2 * log_strain).array().exp()); }
   bool yields_at(const Vec2& square) const { return strain_squared(at_depth(square)) > yield_strain * yield_strain; }
-  /// Elastic part of w that stays after yield: E times it is the stress reached.
+  /// Elastic part of w after yield: E times it is the stress reached.
   double elastic_part(double w) const { return yield_strain + hardening * (w - yield_strain); }
-  /// The permanent part of the lumen's strain after yield at that strain. From then on the law takes the strain beyond
-  /// it.
+  /// Lets the law yield at a strain of the lumen. Returns the permanent part of that strain; from then on the law takes
+  /// only the strain beyond it.
   Vec2 flow(const Vec2& log_strain);
 
 private:

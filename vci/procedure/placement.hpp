@@ -15,9 +15,9 @@ struct DeviceLayout {
 constexpr double start_clearance = 0.03; ///< mm between a device and what surrounds it at the start
 
 /// A device may leave an implanted stent through its side: a device of a side branch through the stent of the main
-/// branch, or the other way round. It pushes the struts aside. So the vertices of the stent in that window are excluded
-/// from contact, and those of the device that will lie outside. Inside, the two touch as nested tubes. The flags are
-/// empty where the device stays within the stent.
+/// branch, or the other way round. It pushes the struts aside. So two groups of vertices are excluded from contact: the
+/// stent's in that window, and the device's that will lie outside. Inside, the two touch as nested tubes. The flags are
+/// empty if the device stays within the stent.
 ContactSides leaving_through(const System& system, const Stent& stent, const DeviceLayout& device);
 
 /// Radii (mm) of a device's rings that keep clear of every surface present, at most the crimped one.

@@ -6,7 +6,7 @@ namespace vci {
 
 namespace {
 
-// A crimped stent opens only beyond its yield pressure (some 7 bar); below it would never reach the wall.
+// A crimped stent opens only beyond its yield pressure (some 7 bar). With a lower pressure it would not reach the wall.
 constexpr double stent_opening_fraction = 0.75;
 
 } // namespace

@@ -11,9 +11,9 @@ struct Outside {
   int vertex = -1;
 };
 
-/// Of all bodies but the wall (body 0). Vertices further than 2 mm from the wall count as inside, since a device that
-/// far outside would have other vertices in between. Beside the wall's open ends nothing counts as outside, and neither
-/// does what lies in the mouth of a side branch.
+/// The vertex furthest outside, of all bodies but the wall (body 0). Vertices further than 2 mm from the wall count as
+/// inside, since a device that far outside would have other vertices in between. Vertices beside the wall's open ends
+/// and in the mouth of a side branch count as inside too.
 /// @param trees the boxes kept round the bodies
 /// @param points, triangles of the whole lumen as it stands, closed
 Outside furthest_outside(const System& system, SurfaceTrees& trees, const Vectors& points, const Triangles& triangles);

@@ -30,7 +30,7 @@ std::vector<fs::path> results_in(const fs::path& folder) {
   return found;
 }
 
-/// Temporary folders of runs that were ended by a signal: their process is no more.
+/// Removes the temporary folders of runs that a signal has ended: no process has their number any more.
 void remove_left_behind(const fs::path& folder) {
   const std::string start = partial;
   for (const auto& entry : std::vector<fs::directory_entry>(fs::directory_iterator(folder), fs::directory_iterator())) {

@@ -5,11 +5,10 @@
 
 namespace vci {
 
-/// Where the deepest penetration is: " (balloon in stent at (x, y, z))", mm; empty where nothing is deeper than contact
-/// begins.
+/// The place of the deepest penetration, as " (balloon in stent at (x, y, z))" in mm; empty if there is none.
 std::string deepest_place(const RelaxResult& result, const System& system);
 
-/// Residual, steps, and where the largest force is left. @param where step and stage
+/// The error, with the residual, the steps, and the place of the largest force left. @param where step and stage
 common::ComputationError no_balance(const std::string& where, const RelaxResult& result,
                                     const IntegratorSettings& settings, const System& system);
 

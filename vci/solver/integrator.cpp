@@ -10,14 +10,14 @@ namespace vci {
 namespace {
 
 constexpr double smallest_step = 0.03; // ms
-constexpr int sticking_steps = 8;      // that keep the whole friction stiffness after one that turned back
+constexpr int sticking_steps = 8;      // with the whole friction stiffness, after a step that turned back
 constexpr double quasi_static = 0.5;   // ms: longer steps drop the velocity
-// Steps that do not come nearer to balance for this share of `stalled_steps` are damped from then on: oscillating
-// vertices are held back, and linear solves must reach this tolerance in the preconditioner's norm, too.
+// After a third of `stalled_steps` without progress, oscillating vertices are held back for the rest of the stage.
+// Linear solves must then also reach careful_tolerance in the preconditioner's norm.
 constexpr int careful_share = 3;
 constexpr double careful_tolerance = 0.1;
 constexpr double rounding =
-    1e-9; // N: less counts as balance, since an unloaded wall has no applied force to compare with
+    1e-9; // N: a smaller residual is balance, even of an unloaded wall, whose applied force is 0
 
 struct Forces {
   Vectors elastic, foundation, pressure, contact, total;
@@ -187,7 +187,8 @@ private:
     return gave_up();
   }
 
-  /// Counts the steps without progress. Damps the steps after some of them, and gives up after more.
+  /// Counts the steps without progress. After some it starts to damp, after more it gives up: true then, and at the
+  /// maximal number of steps.
   bool gave_up() {
     if (forces_.residual < 0.9 * best_residual_) {
       best_residual_ = forces_.residual;
@@ -206,8 +207,8 @@ private:
     return true;
   }
 
-  /// Near the end displacements are small, and the residual steers the step. Contacts that switch on and off make it
-  /// jump; shorter steps settle them. A slow rise is a balloon that slides or bends, and needs no shorter steps.
+  /// Near the end displacements are small, and the residual steers the step. Contacts that switch on and off make the
+  /// residual jump; shorter steps settle them. A balloon that slides or bends makes it rise slowly; longer steps serve.
   void follow_residual() {
     h_ *= forces_.residual > 1.4 * previous_residual_ ? 0.5 : 1.8;
     h_ = std::clamp(h_, 10 * smallest_step, s_.maximal_step);
@@ -249,7 +250,7 @@ private:
     const bool inertial = h_ <= quasi_static;
     if (damping_ && !inertial)
       damping_->damp(dx_, last_dx_, typical);
-    // A vertex that overshoots is clipped by itself: the step is good for the others.
+    // A vertex that overshoots is clipped alone, since the step is good for the others.
     for (int i = 0; i < system_.vertices(); ++i) {
       const double length = dx_[i].norm();
       if (length > limit())

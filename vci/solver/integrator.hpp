@@ -13,7 +13,7 @@ struct IntegratorSettings {
   double initial_step = 0.3;           ///< ms
   double maximal_step = 200.0;         ///< ms
   int maximal_steps = 1500;
-  int stalled_steps = 150; ///< without a residual lower by a tenth: the stage gives up
+  int stalled_steps = 150; ///< a stage gives up when its residual has not fallen by a tenth for so many steps
   PcgSettings pcg{0.2, 300, 24, true};
   double damping = 2.5;           ///< MPa ms/mm, per unit area
   double stiffness_damping = 0.0; ///< ms
@@ -35,7 +35,7 @@ struct Interactions {
   std::vector<SelfContact> self_contacts; ///< of bodies whose layers lie on one another
   std::vector<Tie> ties;
   std::shared_ptr<SurfaceTrees> trees = std::make_shared<SurfaceTrees>(); ///< for the contacts to share
-  /// Where given, called with the number of steps done and the forces where they led (none in textbook integration).
+  /// If set, called after each step with the number of steps done and the forces (empty in textbook integration).
   std::function<void(int, const Balance&)> after_step;
   /// Ends the contacts of a body.
   void forget(int body);
@@ -51,13 +51,13 @@ struct Imbalance {
 
 struct RelaxResult {
   bool converged = false;
-  bool stalled = false; ///< gave up: no better residual for so many steps
+  bool stalled = false; ///< gave up after stalled_steps without a lower residual
   Imbalance imbalance;  ///< only where it did not converge
   int steps = 0, cg_iterations = 0, contacts = 0;
-  int careful_from = -1; ///< the step from which on steps were taken with care, having come no nearer; -1: none was
+  int careful_from = -1; ///< the step after which oscillating vertices were damped, for want of progress; -1: none
   double residual = 0;
   double maximal_penetration = 0, mean_penetration = 0; ///< mm, over the contact points; gaps above 0 count as 0
-  std::array<int, 2> deepest{-1, -1}; ///< the vertex of the maximal penetration and one of the surface it is in
+  std::array<int, 2> deepest{-1, -1}; ///< the vertex of the maximal penetration, and a vertex of the surface it crosses
 };
 
 /// Steps towards the balance of forces, by one PCG solve each:
@@ -66,7 +66,7 @@ struct RelaxResult {
 ///   ||f|| / ||f_pressure + f_contact + f_foundation||
 /// It also ends when the residual has not fallen by a tenth for stalled_steps. The step h follows the displacement that
 /// one vertex in a hundred exceeds. Once h > 0.5 ms the motion is quasi-static, and the velocity is dropped.
-/// @param balance where given, takes the forces of the state reached
+/// @param balance if given, receives the forces at balance
 RelaxResult relax(System& system, Interactions& interactions, const IntegratorSettings& settings,
                   Balance* balance = nullptr);
 

@@ -9,7 +9,7 @@ namespace {
 constexpr double outlier = 2;         // times the typical displacement
 constexpr double turned = -0.3;       // cosine between two steps of a vertex
 constexpr int to_and_fro = 4;         // turns running
-constexpr double least_share = 0.125; // so that a vertex is not stopped on its way
+constexpr double least_share = 0.125; // above 0, so that a vertex can still reach its place
 
 } // namespace
 

@@ -5,9 +5,9 @@
 namespace vci {
 
 /// Steps (M / h^2 + D / h + K) dx = f + M v / h, all of one length h. D is the damping of the forces that have one.
-/// After each step the velocity is dx / h times settings.velocity_kept. It is done when the root mean square of the
+/// After each step the velocity is dx / h times settings.velocity_kept. A stage ends when the root mean square of the
 /// velocity over the free vertices is at most settings.velocity_stop.
-/// Slow vertices do not mean that the forces balance. So the result also holds the residual that relax() stops by.
+/// Slow vertices do not mean that the forces balance. So the result also holds the residual, as relax() measures it.
 RelaxResult relax_textbook(System& system, Interactions& interactions, const IntegratorSettings& settings,
                            Balance* balance = nullptr);
 

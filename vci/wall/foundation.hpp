@@ -9,9 +9,9 @@ namespace vci {
 /// u is the vertex's displacement along the reference normal, so a = a0 + u. The plaque between the lumen and the media
 /// (radius b) keeps its area: b^2 = b0^2 + a^2 - a0^2. The media is stretched by lambda = b / b0.
 ///
-/// The three parts are the media, the tissue round it, and the prestress. The lumen as given balances the mean blood
-/// pressure p0 by a hoop tension p0 a0. That tension stays the same in a wider ring, but holds less pressure there:
-/// p0 a0 / a. Inwards (u < 0) the law goes on with its slope at 0.
+/// The three parts are the media, the tissue round it, and the prestress. In the given lumen a hoop tension p0 a0
+/// balances the mean blood pressure p0. The tension stays the same in a wider ring, but holds only the pressure
+/// p0 a0 / a there. Inwards (u < 0) the law is linear, with its slope at 0.
 struct RingLaw {
   double media_stiffness;      ///< E_m t_m, N/mm
   double stiffening;           ///< beta
@@ -41,7 +41,7 @@ public:
   explicit RingFoundation(std::vector<Element> elements, Triangles triangles = {});
 
   ForceKind kind() const override { return ForceKind::foundation; }
-  /// For a pressure of fixed direction; one that follows the surface has none.
+  /// The energy for a pressure of fixed direction; a pressure that follows the surface has none.
   double energy(const Vectors& x) const override;
   /// The stiffness leaves out how the normals turn.
   void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const override;

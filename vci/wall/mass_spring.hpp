@@ -11,13 +11,13 @@ namespace vci {
 std::array<double, 3> spring_stiffness(const std::array<Vec3, 3>& corners, double modulus_times_thickness,
                                        double poisson_ratio, SpringMapping mapping);
 
-/// Three springs per triangle, so that each keeps its triangle's yield; those of two triangles along an edge add.
-/// With e = l / L - 1 (of a layer at depth: from its stretch, see HenckyLaw), energy k L^2 s psi(e), s the lasting
-/// stretch:
+/// Three springs per triangle, so that each keeps its triangle's yield. An edge between two triangles has two springs,
+/// whose forces add. With e = l / L - 1 (for a layer at depth by its own stretch, see HenckyLaw) and the lasting
+/// stretch s, the energy is k L^2 s psi(e):
 ///   psi' = e (1 + beta e^2);  beyond yield psi' = e_y + H (e - e_y), which moves the rest length.
-/// Each spring is critically damped, c = 2 sqrt(k m), m the mean mass of its two vertices and k the sum along
-/// the edge; only integrations that ask for damping (Force::add_damping) see it. Equation 17 of the source damps its
-/// springs too, but has not the dimension of a damping as it is printed.
+/// Each spring is critically damped by c = 2 sqrt(k m): m is the mean mass of its two vertices, k the sum of the
+/// springs along the edge. Only integrations that ask for damping (Force::add_damping) use it. Equation 17 of the
+/// source damps its springs too, but as printed it has not the dimension of a damping.
 class MassSpring : public EdgeForce, public Layer {
 public:
   MassSpring(const Triangles& triangles, const Vectors& reference, const std::vector<HenckyLaw>& laws,
@@ -33,7 +33,7 @@ protected:
 
 private:
   struct Spring {
-    double stiffness, rest_length, along_edge; ///< N/mm, mm, N/mm of all springs along the same edge
+    double stiffness, rest_length, along_edge; ///< N/mm, mm; N/mm, the sum of the springs along the same edge
     double plastic_stretch, layer_set;         ///< lasting stretch seen at the lumen, and the layer's own
     double stiffening, yield_strain, hardening, depth;
     double layer_strain(double length) const;

@@ -40,7 +40,7 @@ struct Part {
   std::vector<char> fixed;
 };
 
-/// @param wall takes which vertices and triangles of the lumen take part
+/// @param wall receives the numbers of the lumen's vertices and triangles in the moving part
 Part moving_part(const Lumen& lumen, const std::vector<char>& free, Wall& wall) {
   std::vector<char> cap(lumen.points.size(), 0);
   for (std::size_t k = 0; k < lumen.triangles.size(); ++k)
@@ -73,7 +73,7 @@ Part moving_part(const Lumen& lumen, const std::vector<char>& free, Wall& wall) 
   return part;
 }
 
-/// Plaque of a triangle: means of its corners. The stiffest type at a corner names the law.
+/// Plaque of a triangle: means over its corners. The stiffest type among them gives the yield law.
 struct Plaque {
   double thickness = 0, modulus = 0, radius = 0; ///< mm, MPa, mm (of the lumen)
   int type = 0;                                  ///< 0: none that counts
@@ -99,7 +99,7 @@ Plaque plaque_of(const Triangle& t, const Lumen& lumen, const Wall& wall, const 
   return plaque;
 }
 
-/// Adds the healthy intima, and the two layers that stand for plaque where there is some.
+/// Adds the healthy intima, and on triangles with plaque the two layers that represent it.
 /// Returns the intima, for its stretch.
 const Layer* add_layers(System& system, int body, const Part& part, const Lumen& lumen, const Wall& wall,
                         const WallSpec& spec) {

@@ -1,4 +1,4 @@
-// Makes a layer of the wall by the wall's model.
+// Makes a layer of the wall: a membrane or springs, as the wall's specification says.
 #pragma once
 #include "vci/mechanics/hencky_law.hpp"
 #include "vci/mechanics/layer.hpp"

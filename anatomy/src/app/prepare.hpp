@@ -1,4 +1,4 @@
-// From a file to a closed, repaired lumen with its ends: what all commands of `lumen` begin with.
+// From a file to a closed, repaired lumen with its ends, the first steps of all commands of `lumen`.
 #pragma once
 #include "app/output.hpp"
 #include "ends/find_ends.hpp"

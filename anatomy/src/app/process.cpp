@@ -65,7 +65,8 @@ void retag(Mesh& mesh, const std::vector<End>& ends, const std::vector<End>& bef
       }
 }
 
-// The end where the file's own tags have the inlet; a cut may have moved it along the vessel.
+// The centre of the end nearest to the inlet that the file's own tags name. A cut may have moved the inlet along the
+// vessel.
 std::optional<Vec3> inlet_by_tag(const std::vector<End>& ends, vtkPolyData* input) {
   const std::optional<Vec3> tagged = tagged_inlet(input);
   if (!tagged || ends.empty())

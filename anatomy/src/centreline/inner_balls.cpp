@@ -36,8 +36,8 @@ bool crosses_an_end(const Vec3& a, const Vec3& b, const std::vector<End>& ends) 
   });
 }
 
-// Whether the circumcentre (or what rounding makes of it) is in the lumen. Four points of a flat patch, as of a cap,
-// have theirs anywhere, and their normals do not tell on which side it is.
+// Whether the circumcentre, which rounding may have moved, is in the lumen. For four points of a flat patch, as of a
+// cap, it may be anywhere, and their normals do not tell on which side it is.
 class Inside {
 public:
   Inside(const Mesh& mesh, const std::vector<End>& ends) : mesh_(mesh), ends_(ends), box_(PMP::bbox(mesh)) {}

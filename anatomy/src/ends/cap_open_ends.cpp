@@ -24,7 +24,7 @@ double onto_plane(Mesh& mesh, const Loop& loop) {
   return farthest;
 }
 
-// 1 where the faces look outward, -1 where they look inward: the sign of the volume, every opening closed by a fan.
+// 1 if the faces look outward, -1 if inward: the sign of the volume, with a fan closing every opening.
 double sense_of(const Mesh& mesh, const std::vector<Loop>& loops) {
   double volume = 0;
   for (Face f : mesh.faces())
@@ -34,7 +34,7 @@ double sense_of(const Mesh& mesh, const std::vector<Loop>& loops) {
   return volume < 0 ? -1 : 1;
 }
 
-// From where no corner of the rim reaches into the ball: the one farthest inward tells the height.
+// The point on the opening's axis level with the rim's innermost corner. From there no corner reaches into the ball.
 Vec3 innermost(const Mesh& mesh, const Loop& loop, const Vec3& inward) {
   double deepest = 0;
   for (Vertex v : CGAL::vertices_around_face(loop.halfedge, mesh))

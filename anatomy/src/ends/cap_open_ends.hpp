@@ -4,13 +4,14 @@
 
 namespace anatomy {
 
-/// Fills every opening that is narrower than the vessel behind it (`least_width` of evidence.hpp), as a flat part of a
-/// closed surface would be wall there. An opening near one of the points (mm) is the user's to name, and stays.
+/// Fills every opening that is narrower than the vessel behind it, by `least_width` of evidence.hpp. By the same rule a
+/// flat part of a closed surface is wall. An opening near one of the points `named` (mm) stays open. Throws InputError
+/// if a hole cannot be filled.
 void fill_tears(Mesh& mesh, const std::vector<Vec3>& named, std::vector<Repair>& repairs);
 
 /// Closes every open end with a flat cap (its rim is moved onto its least-squares plane first) and tags the cap's faces
-/// 1, 2, ... after the regions in use. Rims that this would crumple are closed as they are, without a tag. Returns what
-/// cut_ragged needs. Throws InputError if a rim is too ragged for that, or cannot be closed.
+/// 1, 2, ... after the regions in use. Where this would crumple the wall, the rim is closed as it is, without a tag.
+/// Returns the ends for cut_ragged. Throws InputError if a rim is too ragged to be cut, or cannot be closed.
 std::vector<OpenEnd> cap_open_ends(Mesh& mesh, std::vector<Repair>& repairs);
 
 } // namespace anatomy

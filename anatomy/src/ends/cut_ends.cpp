@@ -13,25 +13,25 @@ namespace {
 namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
 
-constexpr double least_prominence = 2;   // mean radii that a vessel must stand out by to have an end of its own
-constexpr double least_own = 3;          // of its own radii: a sac is as wide as it is long
+constexpr double least_prominence = 2;   // mean radii: a vessel that stands out by less has no end of its own
+constexpr double least_own = 3;          // the same in its own radii: a sac is as wide as it is long
 constexpr double behind_last_ball = 0.5; // radii from its centre to the cut: the plane may tilt by 26 degrees
 constexpr double next_plane = 0.25;      // radii between planes that are tried
 constexpr double still_widening = 1.15;  // growth of the balls' radius over one radius of a tip that tapers
-constexpr double like_section = 1.25;    // ratio of areas, of a vessel that tapers by 6 degrees on each side
-constexpr double covers = 1.15;          // of the section's reach from its centre
-constexpr double beside_end = 0.4;       // radii from an end's rim to a tip that is the rim's
-constexpr double about_as_near = 0.1;    // radii, of balls beside a tip that has none of its own
-constexpr double still_at_tip = 1;       // radii from a ball's surface; to the rim of a flat end it has 0.41
-constexpr double longest_edge = 0.3;     // mean radii, for balls that hang together; else the half of it, ...
+constexpr double like_section = 1.25;    // largest ratio of areas: a vessel that tapers by 6 degrees on each side
+constexpr double covers = 1.15;          // half width of the cut over the section's reach from its centre
+constexpr double beside_end = 0.4;       // radii: a tip this near to an end's rim belongs to the rim
+constexpr double about_as_near = 0.1;    // radii: a ball this much further from a tip than the nearest counts as near
+constexpr double still_at_tip = 1;       // radii from a ball's surface to the tip; at the rim of a flat end it is 0.41
+constexpr double longest_edge = 0.3;     // mean radii; halved until the inscribed balls connect all tips
 constexpr double finest_edge = 0.075;
-constexpr double beyond_tip = 2; // radii of its ball from a tip, where a ball's vessel has gone on from it
+constexpr double beyond_tip = 2; // radii of the ball: if the vessel goes on this far from the tip, the ball leads away
 constexpr double reach = 3;      // radii within which a point names a tip or a place on the axis
 
-// Places round which what stands out of the wall is an end's rim: each end's centre, and how far it reaches from there.
+// An end and the distance from its centre within which a tip is part of the end's rim.
 struct EndReach {
   const End* end;
-  double reach; // mm: to the farthest point of the rim, which of an oval is well beyond its radius, and a little more
+  double reach; // mm: a little more than to the rim's farthest point, which in an oval is well beyond the radius
 };
 
 std::vector<EndReach> reaches_of(const Mesh& mesh, const std::vector<End>& ends) {
@@ -57,13 +57,13 @@ const End* end_at(const Vec3& p, const std::vector<EndReach>& reaches) {
   return nullptr;
 }
 
-// Between a ball's surface and p, in its radii.
+// Distance between a ball's surface and p, in radii of the ball.
 double gap(const Vec3& p, const Balls& balls, std::size_t i) {
   return std::abs((balls.centre[i] - p).norm() - balls.radius[i]) / balls.radius[i];
 }
 
-// The largest of the balls whose surface is within `near` radii of p and that lead on into a vessel; their number if
-// there is none.
+// The largest ball whose surface is within `near` radii of p and that leads on into a vessel. If there is none, the
+// number of all balls.
 std::size_t largest_ball_at(const Vec3& p, const Balls& balls, double near) {
   std::vector<std::size_t> touching;
   for (std::size_t i = 0; i < balls.centre.size(); ++i)
@@ -78,7 +78,7 @@ std::size_t largest_ball_at(const Vec3& p, const Balls& balls, double near) {
   return balls.centre.size();
 }
 
-// Those whose surface is less than a radius from p, the nearest first.
+// The balls whose surface is less than a radius from p, the nearest first.
 std::vector<std::size_t> nearest_balls(const Vec3& p, const Balls& balls) {
   std::vector<std::size_t> found;
   for (std::size_t i = 0; i < balls.centre.size(); ++i)
@@ -89,9 +89,10 @@ std::vector<std::size_t> nearest_balls(const Vec3& p, const Balls& balls) {
   return found;
 }
 
-// The largest inner ball that touches the vertex and leads on into the vessel. At the rim of a flat end the balls fill
-// the corner without touching it, and those that touch a vertex of a rough wall may stand alone: then the largest of
-// those that come nearest, in their own radii. Where none leads on there is no vessel, as in a ball.
+// The largest inner ball that touches the vertex and leads on into the vessel. At the rim of a flat end no ball touches
+// the corner, and at a vertex of a rough wall the touching balls may stand alone. Then it is the largest of the balls
+// that come nearest, in their own radii. If none leads on there is no vessel, as in a surface like a sphere, and it is
+// the nearest.
 std::size_t last_ball(const Mesh& mesh, const Balls& balls, Vertex tip) {
   const Vec3 p = vec(mesh.point(tip));
   if (const std::size_t touching = largest_ball_at(p, balls, 1e-6); touching < balls.centre.size())
@@ -103,14 +104,14 @@ std::size_t last_ball(const Mesh& mesh, const Balls& balls, Vertex tip) {
   std::vector<bool> seen(balls.centre.size(), false);
   for (std::size_t i : nearest)
     if (leads_away(balls, i, p, beyond_tip * balls.radius[i], seen)) {
-      // a larger one may count as leading on only from farther away, and then none is found
+      // a larger ball must lead further away; if it fails, ball i counts as seen and is not found again
       const std::size_t largest = largest_ball_at(p, balls, gap(p, balls, i) + about_as_near);
       return largest < balls.centre.size() ? largest : i;
     }
   return nearest.front();
 }
 
-// The inscribed ball at a vessel's tip: that of the end which lies there, else the last one in the tip.
+// The inscribed ball at a vessel's tip: the ball of the end that lies there, else the last one in the tip.
 std::size_t ball_of(const Mesh& mesh, const Balls& balls, const std::vector<EndReach>& reaches, Vertex tip) {
   const End* end = end_at(vec(mesh.point(tip)), reaches);
   return end ? ball_at(balls, *end) : last_ball(mesh, balls, tip);
@@ -120,8 +121,8 @@ Plane plane_across(const Mesh& mesh, const BallWay& way, double where) {
   return {way.centre(where), direction_of(mesh, way, where), way.radius[way.at(where)]};
 }
 
-// The first plane across the vessel, half a radius or more behind its last ball, where the section half a radius
-// further in is like it. Its square covers the section.
+// The first plane across the vessel, half a radius or more behind its last ball, whose section is like the section half
+// a radius further in. Its square covers the section. The middle of the vessel if there is no such plane.
 Plane cut_plane(const Mesh& mesh, const Slices& slices, const BallWay& way) {
   Plane plane = plane_across(mesh, way, 0.5 * way.length());
   for (double where = behind_last_ball * way.radius.front(); where < 0.5 * way.length();
@@ -142,9 +143,9 @@ Plane cut_plane(const Mesh& mesh, const Slices& slices, const BallWay& way) {
   return plane;
 }
 
-// The same surface with no wall edge longer than `longest`. Where vessels meet on a coarse surface, the normal at a
-// vertex is that of none of them, and the inscribed balls of such vertices are not neighbours. More vertices connect
-// them. The mesh's vertices keep their numbers.
+// The same surface with no wall edge longer than `longest`. Where vessels meet on a coarse surface, a vertex normal
+// fits none of them, and the inscribed balls of such vertices are not neighbours. More vertices connect the balls. The
+// mesh's vertices keep their numbers.
 Mesh sampled(const Mesh& mesh, double longest) {
   Mesh out = mesh;
   const RegionMap region = region_map(out);
@@ -160,8 +161,8 @@ double mean_radius(const Mesh& mesh) {
   return 2 * std::abs(PMP::volume(mesh)) / PMP::area(mesh);
 }
 
-// The tips seen from either extremity, the most prominent first: what leans towards one stands out by little as seen
-// from there. Of two closer than `apart` (mm) the less prominent one is dropped.
+// The tips seen from either extremity, the most prominent first. A branch that leans towards one extremity stands out
+// little as seen from there. Of two tips closer than `apart` (mm) the less prominent one is dropped.
 std::vector<Tip> tips_from_both(const Mesh& mesh, double prominence, double apart) {
   std::vector<Tip> all = tips_of(mesh, prominence), tips;
   const std::vector<Tip> from_far_end = tips_of(mesh, prominence, true);
@@ -188,7 +189,7 @@ bool hang_together(const TipBalls& tips) {
   return std::all_of(tips.at.begin(), tips.at.end(), [&](std::size_t ball) { return ways.cost[ball] < unreached; });
 }
 
-// Of the surface sampled finely enough for its balls to hang together, if any sampling is.
+// The balls of the surface, sampled finely enough for them to connect all tips, or as finely as is tried.
 TipBalls balls_of_tips(const Mesh& mesh, const std::vector<End>& ends, const std::vector<EndReach>& reaches,
                        const std::vector<Tip>& tips) {
   for (double longest = longest_edge;; longest /= 2) {

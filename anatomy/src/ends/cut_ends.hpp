@@ -9,17 +9,17 @@ namespace anatomy {
 struct RoundedEnd {
   Vertex tip;
   Vec3 at;               ///< of the tip, mm
-  Plane plane;           ///< across the axis behind the last ball, where the next section is like it
+  Plane plane;           ///< across the axis behind the last ball, where the next section is alike
   double radius = 0;     ///< mm, of the last inscribed ball
-  double widest = 0;     ///< mm, of its balls within half of what it stands out by: those at a rough tip are smaller
+  double widest = 0;     ///< mm, the largest ball within half the prominence, as balls at a rough tip are too small
   double prominence = 0; ///< mm along the surface
   bool reached = true;   ///< whether inscribed balls lead to it from the other tips
-  std::string why_short; ///< why it is too short for a vessel of its own; empty where it is long enough
+  std::string why_short; ///< why it is too short to be a vessel; empty if it is long enough
 };
 
 /// The tips that stand out by `prominence` mean radii and are not at one of `ends`, the most prominent first. The mesh
 /// must be closed, one component and without removed elements. from_both: tips are looked for from either extremity
-/// (repair/tips.hpp), as short ones need. Throws InputError where a tip has no inscribed ball.
+/// (repair/tips.hpp), which finds short ones. Throws InputError if a tip has no inscribed ball.
 std::vector<RoundedEnd> rounded_ends(const Mesh& mesh, const std::vector<End>& ends, double prominence,
                                      bool from_both = false);
 
@@ -27,13 +27,13 @@ std::vector<RoundedEnd> rounded_ends(const Mesh& mesh, const std::vector<End>& e
 /// most prominent first, a mean radius apart. The mesh is as for rounded_ends.
 std::vector<Tip> tips_beside_ends(const Mesh& mesh, const std::vector<End>& ends, double prominence);
 
-/// Cuts one off; the opening is left for cap_open_ends, and the mesh holds garbage. Throws InputError where the plane
-/// does not separate the tip.
+/// Cuts one off. It leaves the opening for cap_open_ends, and garbage in the mesh. Throws InputError if the plane does
+/// not separate the tip.
 void cut_rounded(Mesh& mesh, const RoundedEnd& end, std::vector<Repair>& repairs);
 
 /// Cuts the vessel across its axis at the point of the axis nearest to each of `points` (mm) and drops the smaller
 /// side. `tagged` is the same mesh with its `ends` tagged; both are as for rounded_ends. Throws InputError if a point
-/// is farther from the axis than three radii, or the plane does not separate the vessel.
+/// is more than three radii from the axis, or the plane does not separate the vessel.
 void cut_across(Mesh& mesh, const Mesh& tagged, const std::vector<End>& ends, const std::vector<Vec3>& points,
                 std::vector<Repair>& repairs);
 

@@ -78,7 +78,7 @@ void drop_scraps_of_caps(Mesh& mesh, const std::set<int>& single, std::vector<Re
     largest[region[faces[0]]] = std::max(largest[region[faces[0]]], measured(mesh, faces).area);
   for (const auto& [id, faces] : patches)
     if (const End end = measured(mesh, faces);
-        end.area < largest[region[faces[0]]] && // its shadow: scraps are crumpled
+        end.area < largest[region[faces[0]]] && // projected area, since scraps are crumpled
         (end.radius() < smallest_end || single.contains(region[faces[0]]))) {
       repairs.push_back({"scrap of a cap taken as wall", faces.size(), "at " + place(centroid(mesh, faces[0]))});
       for (Face f : faces)

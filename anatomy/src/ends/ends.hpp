@@ -8,16 +8,16 @@ namespace anatomy {
 /// Tags faces with the soup's region_id, by the nearest triangle of the soup.
 void tag_from_soup(Mesh& mesh, const Soup& soup);
 
-/// Tags scraps of caps as wall. The removal of self-intersections leaves them beside a rim, apart from a larger cap of
-/// the same tag and below smallest_end in radius. A tag in `single` keeps its largest cap only, whatever the radius of
-/// the others.
+/// Tags scraps of caps as wall. The removal of self-intersections leaves such scraps beside a rim. A scrap is not
+/// connected to a larger cap of the same tag, and its radius is below smallest_end. A tag in `single` keeps only its
+/// largest cap, whatever the radius of the others.
 void drop_scraps_of_caps(Mesh& mesh, const std::set<int>& single, std::vector<Repair>& repairs);
 
-/// How far the largest move went, and where to.
+/// The largest move of a vertex.
 struct Move {
-  double distance = 0; ///< mm
-  double share = 0;    ///< the largest in radii of its own cap
-  Vec3 to = Vec3::Zero();
+  double distance = 0;    ///< mm
+  double share = 0;       ///< the largest move in radii of its own cap, maybe of another vertex
+  Vec3 to = Vec3::Zero(); ///< mm, the place after the move by `distance`
 };
 
 /// Moves the vertices of each tagged cap onto the cap's plane; returns the largest move.

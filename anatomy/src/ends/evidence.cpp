@@ -11,10 +11,10 @@ using FacePrimitive = CGAL::AABB_face_graph_triangle_primitive<Mesh>;
 using FaceTree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, FacePrimitive>>;
 
 constexpr double largest_growth = 2;   // of the area over half a radius: 40 degrees on each side
-constexpr double part_of_rough = 1.25; // likewise: of a rough cap often only a part is found in one plane
-constexpr double off_plane = 0.07;     // of its diameter
+constexpr double part_of_rough = 1.25; // the same on a rough surface, where one plane may hold only a part of a cap
+constexpr double off_plane = 0.07;     // largest height of a flat part over its diameter
 constexpr double cos_tilt = 0.5;       // 60 degrees
-constexpr double section_depth = 0.5;  // radii: an outlet that was cut off close to its parent is no longer than that
+constexpr double section_depth = 0.5;  // radii: an outlet that was cut off close to its parent is no longer
 constexpr double behind_rim = 0.25;    // radii: a rounded rim is neither cap nor wall
 constexpr double largest_ball = 20;    // mm: wider than any aorta
 constexpr int most_steps = 40;
@@ -45,7 +45,7 @@ std::string no_end_since(const PatchPlane& plane, const Evidence& evidence, bool
   return "";
 }
 
-// A large ball is shrunk until no part of the surface reaches into it.
+// Shrinks a large ball until no part of the surface reaches into it.
 double Tubes::ball(const Vec3& from, const Vec3& inward) const {
   double radius = largest_ball;
   for (int step = 0; step < most_steps; ++step) {
@@ -86,7 +86,7 @@ double Tubes::tilt(const std::vector<Face>& patch, const PatchPlane& plane) cons
 
 Evidence Tubes::evidence(const std::vector<Face>& patch, const PatchPlane& plane) const {
   Evidence out;
-  // from its innermost vertex: its own noise does not reach into the ball then
+  // from the height of the innermost vertex, so that the part's own noise does not reach into the ball
   out.ball = ball(plane.centre + plane.lowest * plane.normal, -plane.normal);
   if (plane.width < least_width * 2 * out.ball)
     return out;

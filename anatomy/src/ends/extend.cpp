@@ -12,7 +12,7 @@ struct Extruder {
   const Mesh& from;
   Mesh to;
   RegionMap region, new_region;
-  std::vector<std::map<Vertex, Vertex>> rings; ///< of one end: the rim first, then its copies
+  std::vector<std::map<Vertex, Vertex>> rings; ///< for one end: the rim first, then its copies
 
   explicit Extruder(const Mesh& mesh) : from(mesh), region(region_map(mesh)) { new_region = region_map(to); }
 

@@ -4,9 +4,9 @@
 
 namespace anatomy {
 
-/// A copy of the closed, tagged mesh whose caps have moved out along their normals by `radii[e]` times the radius of
-/// ends[e] (0: stays), with a straight wall behind them; `ends` get their new centres and `extension`. The mesh must
-/// have no removed elements. Throws InputError if an extension meets another part of the surface.
+/// A copy of the closed, tagged mesh with straight extensions. The cap of ends[e] moves out along its normal by
+/// `radii[e]` times the end's radius (0: stays). `ends` get their new centres and `extension`. The mesh must have no
+/// removed elements. Throws InputError if an extension meets another part of the surface.
 Mesh extended(const Mesh& mesh, std::vector<End>& ends, const std::vector<double>& radii);
 
 } // namespace anatomy

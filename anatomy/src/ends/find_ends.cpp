@@ -18,11 +18,11 @@ constexpr double smallest_radius = 0.25; // mean radii: bumps of a few triangles
 constexpr double off_plane = 0.03;       // mean radii
 constexpr double off_plane_of_noise = 0.1;
 constexpr double noise_reach = 3;   // standard deviations of the wall's roughness
-constexpr double reach_of_flat = 3; // radii: so near a point names an end
-constexpr double reach_of_tip = 4;  // radii from the tip, which lies a radius beyond its vessel's last ball
+constexpr double reach_of_flat = 3; // radii within which a point names an end
+constexpr double reach_of_tip = 4;  // the same from a tip, which lies a radius beyond its vessel's last ball
 constexpr int most_walls_shown = 12;
-constexpr double stands_out = 2;       // mean radii, of a tip that may be an end without being named
-constexpr double stands_out_named = 1; // of one that is named
+constexpr double stands_out = 2;       // mean radii: least prominence of a tip that may be an end without a name
+constexpr double stands_out_named = 1; // the same with a name
 
 // A candidate and what is needed to make it an end or wall.
 struct Place {
@@ -32,7 +32,7 @@ struct Place {
   bool named = false;
 
   bool is_rounded() const { return faces.empty(); }
-  // From a point, relative to the distance at which it still names this place.
+  // Distance from a point over the largest distance at which a point names this place.
   double distance(const Vec3& p) const {
     return is_rounded() ? (p - rounded.at).norm() / (reach_of_tip * rounded.radius)
                         : (p - shown.centre).norm() / (reach_of_flat * 0.5 * shown.diameter);
@@ -79,7 +79,7 @@ void tag(Mesh& mesh, const std::vector<Face>& faces, int value) {
     region[f] = value;
 }
 
-// The tagged caps and openings, and the flat parts of the wall, unless the tagged ones are known to be all the ends.
+// The tagged caps and openings. The flat parts of the wall too, unless the tagged ones are known to be all the ends.
 std::vector<Place> flat_places(const Mesh& mesh, const NamedEnds& named, double least_radius) {
   const Tubes tubes(mesh);
   std::vector<Place> places;
@@ -103,7 +103,7 @@ std::string line_of(const Candidate& one) {
   return text;
 }
 
-// The places that are ends and are named or not, as an error lists them.
+// The ends that are named, or those that are not, as an error message lists them.
 std::string list_of(const std::vector<Place>& places, bool named) {
   std::string text;
   for (const Place& one : places)
@@ -127,7 +127,7 @@ void name_nearest(const Vec3& p, const std::string& option, std::vector<Place>& 
   best->named = true;
 }
 
-// Leaves as ends what the points name; of an inlet that is not named the largest of the rest.
+// Leaves as ends those that the points name. If the inlet has no point, it is the largest of the other ends.
 void keep_named(std::vector<Place>& places, const NamedEnds& named, std::vector<Repair>& repairs) {
   for (const Vec3& p : named.outlets)
     name_nearest(p, "--outlet", places);
@@ -204,7 +204,7 @@ std::vector<End> tagged_ends(Mesh& mesh, const std::vector<Place>& places) {
   return measured_ends(mesh);
 }
 
-// Cuts where the user asks; what that opens is an opening.
+// Cuts where the user asks, and notes the caps of these cuts among the openings.
 void cut_asked(Mesh& mesh, NamedEnds& named, double least_radius, std::vector<Repair>& repairs) {
   Mesh tagged = mesh;
   const std::vector<End> ends = tagged_ends(tagged, flat_places(mesh, named, least_radius));

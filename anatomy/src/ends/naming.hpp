@@ -16,12 +16,12 @@ struct Naming {
   std::vector<int> branch; ///< empty: the tree decides
 };
 
-/// The naming of an earlier state (anatomy.json), each end matched to the nearest one of that state, whose extension
-/// it takes. Throws InputError if the number differs or two ends match the same one.
+/// The naming of an earlier state, whose anatomy.json is `like`. Each end takes name and extension of the nearest end
+/// there. Throws InputError if the numbers of ends differ or two ends match the same one.
 Naming naming_like(std::vector<End>& ends, const nlohmann::json& like);
 
-/// The inlet as by inlet_of; with `outlets` the outlets in the order of the points (the first is main's). Throws
-/// InputError if a point is not near an end, or if not each outlet has one point.
+/// The naming by points (mm) that the user gave. The inlet is as by inlet_of. Each of `outlets` names the end near it;
+/// the first is the outlet of `main`. Throws InputError if a point is not near an end, or if an outlet has no point.
 Naming naming_given(const std::vector<End>& ends, const std::optional<Vec3>& inlet, const std::vector<Vec3>& outlets);
 
 } // namespace anatomy

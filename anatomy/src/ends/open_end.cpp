@@ -12,11 +12,11 @@ using common::InputError;
 
 constexpr double largest_move = 0.25; // radii: a rim farther from its plane is not flat, however fine its triangles
 constexpr double largest_loss = 1;    // radii of the vessel
-constexpr double flat = 0.05;         // edges: no farther from its plane, a rim is as flat as a file can say
-constexpr double crushed = 0.2;       // of a triangle's area left to it, on its own side
+constexpr double flat = 0.05;         // edges: a rim within this of its plane is as flat as a file's digits can say
+constexpr double crushed = 0.2;       // least share of its area that a triangle must keep, without turning over
 constexpr double behind_notch = 0.5;  // edges
-constexpr double before_rim = 0.5;    // radii, of the fan's apex
-constexpr double diagonal = 0.8;      // of the cutting square's half width: what surely lies on it
+constexpr double before_rim = 0.5;    // radii, from the rim to the fan's apex
+constexpr double diagonal = 0.8;      // the rim must lie within this share of the cutting square's half width
 // The rim as seen from its plane.
 struct Rim {
   std::set<Vertex> corners;

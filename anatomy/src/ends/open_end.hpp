@@ -10,11 +10,11 @@ struct OpenEnd {
   Vec3 centre = Vec3::Zero();
   double area = 0;              ///< within the rim, projected on its plane, mm2
   double spacing = 0;           ///< mean edge at the rim, mm
-  Plane plane;                  ///< parallel to the rim's, half an edge behind its deepest notch
-  Vec3 foremost = Vec3::Zero(); ///< of the rim's corners the one farthest before the plane, mm
-  double depth = 0;             ///< mm, from there to the plane: what a cut there loses of the vessel
+  Plane plane;                  ///< parallel to the rim's plane, half an edge behind the rim's deepest notch
+  Vec3 foremost = Vec3::Zero(); ///< mm, the rim's corner farthest before the plane
+  double depth = 0;             ///< mm, from `foremost` to the plane: the length of vessel that a cut there loses
   bool ragged = false;          ///< flattening would turn or crush triangles beside the rim
-  int tag = 0;                  ///< of its flat cap; 0 where it is ragged, thus filled as it is
+  int tag = 0;                  ///< of its flat cap; 0 for a ragged end, which is closed as it is
 };
 
 constexpr const char* cut_remedy = "cut the end by a plane across the vessel";
@@ -24,8 +24,8 @@ constexpr const char* cut_remedy = "cut the end by a plane across the vessel";
 /// of the vessel than the rim's radius.
 OpenEnd open_end(const Mesh& mesh, const Loop& loop);
 
-/// Closes a ragged end for the time being, before its rim and thus clear of the wall behind it: by a fan, or where its
-/// loop passes a corner twice as CGAL finds best. Returns the faces, none where it cannot.
+/// Closes a ragged end for the time being by a fan. The fan's apex lies before the rim, clear of the wall behind it. If
+/// the loop passes a corner twice, CGAL fills the hole instead. Returns the new faces, none if it cannot be closed.
 std::vector<Face> closed_as_it_is(Mesh& mesh, const Loop& loop, const OpenEnd& end);
 
 } // namespace anatomy

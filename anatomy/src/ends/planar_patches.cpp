@@ -7,7 +7,7 @@ namespace anatomy {
 namespace {
 
 constexpr double cos_faces = 0.5; // 60 degrees: noise of a third of the edges' length turns faces as far
-constexpr int most_fits = 4;      // of the plane to what grew from it; those that need more end as small patches
+constexpr int most_fits = 4;      // fits of the plane to the patch grown so far; small patches may need more
 
 // The connected faces round `seed` that lie in a plane; `taken` is not changed.
 std::vector<Face> grown(const Mesh& mesh, Face seed, const PatchPlane& plane, double off_plane,

@@ -4,20 +4,21 @@
 
 namespace anatomy {
 
-/// Connected untagged faces within `off_plane` (mm) of their least-squares plane, that face outwards of it by less than
-/// 60 degrees and have at least `least_area` (mm2) together. They do not overlap. Faces of the mesh count on from zero.
+/// Patches of connected untagged faces within `off_plane` (mm) of a common plane. Each face's normal is within 60
+/// degrees of the plane's. A patch has at least `least_area` (mm2), and patches do not overlap. The mesh must hold no
+/// removed faces.
 std::vector<std::vector<Face>> planar_patches(const Mesh& mesh, double off_plane, double least_area);
 
-/// A plane through faces: the mean of their area, its direction and its spread.
+/// The plane of some faces: through their centroid, along their mean normal.
 struct PatchPlane {
   Vec3 centre = Vec3::Zero(), normal = Vec3::Zero(); ///< mm; unit, outward
   double area = 0;                                   ///< mm2, seen along the normal
-  double width = 0;                                  ///< mm: the minor axis of the ellipse with their second moments
-  double lowest = 0, highest = 0;                    ///< mm, of their vertices over the plane
+  double width = 0;                                  ///< mm: minor axis of the ellipse with the faces' second moments
+  double lowest = 0, highest = 0;                    ///< mm, heights of the faces' vertices over the plane
 };
 PatchPlane plane_of(const Mesh& mesh, const std::vector<Face>& faces);
 
-/// The faces of each tag but that of the wall (0).
+/// The faces of each tag except the wall's (0).
 std::map<int, std::vector<Face>> tagged_faces(const Mesh& mesh);
 
 } // namespace anatomy

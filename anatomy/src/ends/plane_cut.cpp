@@ -47,7 +47,7 @@ template <class Marked> std::vector<Face> side_of(const Mesh& mesh, const Marked
                    "radius " + std::to_string(plane.radius) + " mm", remedy);
 }
 
-// The faces on both sides of the loop that the plane cuts nearest to its centre.
+// The plane cuts the mesh along loops. Returns the faces on either side of the loop nearest to the plane's centre.
 std::pair<std::vector<Face>, std::vector<Face>> sides(Mesh& mesh, const Plane& plane, const std::string& remedy) {
   Mesh square;
   const Vec3 u = half_width * plane.radius * plane.normal.unitOrthogonal(), v = plane.normal.cross(u);
@@ -62,7 +62,7 @@ std::pair<std::vector<Face>, std::vector<Face>> sides(Mesh& mesh, const Plane& p
   visitor.region = region_map(mesh);
   visitor.mesh = &mesh;
   PMP::corefine(mesh, square, CGAL::parameters::edge_is_constrained_map(marked).visitor(visitor));
-  // the cut's own loop is the one nearest to the axis
+  // the other loops are cuts through neighbouring vessels
   Edge nearest;
   double least = 1e300;
   for (Edge e : mesh.edges())
@@ -100,10 +100,10 @@ double cut(Mesh& mesh, const Plane& plane, Vertex tip, const std::string& remedy
     std::swap(drop, other);
   if (tip != Mesh::null_vertex() && (!holds(mesh, drop, tip) || holds(mesh, other, tip)))
     refuse(plane, remedy);
-  if (PMP::area(drop, mesh) > 0.5 * PMP::area(mesh)) // both sides hang together somewhere else
+  if (PMP::area(drop, mesh) > 0.5 * PMP::area(mesh)) // both sides are connected somewhere else
     refuse(plane, remedy);
   const double lost = dropped(mesh, drop);
-  PMP::keep_largest_connected_components(mesh, 1); // bumps of a rough wall that the plane cuts off stand alone now
+  PMP::keep_largest_connected_components(mesh, 1); // drops bumps of a rough wall that the plane has cut off
   return lost;
 }
 

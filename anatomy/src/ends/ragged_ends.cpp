@@ -12,14 +12,14 @@ namespace {
 namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
 
-constexpr double same_cap = 0.02;     // of a cap's area
+constexpr double same_cap = 0.02;     // largest change of a cap's area by repairs
 constexpr double off_cap = 0.25;      // edges
-constexpr double like_rim = 0.25;     // of the area within a rim that is a sawtooth
+constexpr double like_rim = 0.25;     // largest difference of a section's area to the rim's, which is a sawtooth
 constexpr double same_section = 0.05; // of the area
 constexpr double off_step = 0.05;     // radii
 constexpr int most_attempts = 8;      // cuts, each an edge farther in
 
-// The vertex nearest to p of those that the plane parts from the vessel: repairs may have moved the rim's corners.
+// The vertex nearest to p on the side that the plane cuts off. Repairs may have moved the rim's corners.
 Vertex vertex_before(const Mesh& mesh, const Plane& plane, const Vec3& p) {
   Vertex best = Mesh::null_vertex();
   double least = 1e300;
@@ -50,7 +50,7 @@ bool is_damaged(const Mesh& mesh, const OpenEnd& end) {
          off > off_cap * end.spacing;
 }
 
-// The mesh without an end, and the opening that this left.
+// The mesh after an end was cut off, and the opening of the cut.
 struct Opened {
   Mesh mesh;
   Loop loop;
@@ -74,8 +74,8 @@ std::optional<Opened> opened(const Mesh& mesh, const OpenEnd& end, const Plane& 
   return out;
 }
 
-// Whether three sections are of one vessel: their areas are alike, and their centres go on by the same step. The rim
-// may be oblique, so the step need not be along the planes' normal.
+// Whether three sections are of one vessel: their areas are alike, and the steps between their centres are equal. The
+// rim may be oblique, so the steps need not be along the planes' normal.
 bool alike(const Opened& a, const Opened& b, const Opened& c) {
   const Vec3 bend = (c.loop.centre - b.loop.centre) - (b.loop.centre - a.loop.centre);
   return std::abs(b.loop.area / a.loop.area - 1) < same_section &&
@@ -83,8 +83,8 @@ bool alike(const Opened& a, const Opened& b, const Opened& c) {
          bend.norm() < off_step * std::sqrt(a.loop.area / M_PI);
 }
 
-// Cuts behind the end where the next two planes, an edge apart, find the same section: what closed the end may reach
-// behind its rim, and the wall beside it may be crumpled.
+// Cuts behind the end where the next two planes, an edge apart, find the same section. Nearer to the rim the temporary
+// closure may reach inside, and the wall may be crumpled.
 Opened cut_behind(const Mesh& mesh, const OpenEnd& end) {
   std::optional<Opened> first, second;
   Plane plane = end.plane;

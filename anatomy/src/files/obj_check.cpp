@@ -23,7 +23,7 @@ using Kinds = std::array<Kind, 3>;
                            "export the surface again, or as STL");
 }
 
-// One corner of a face, for example 3/1/2; what is no number is left to the reader.
+// Checks one corner of a face, for example 3/1/2. Text that is no number is left to the reader.
 void check_corner(const std::string& corner, Kinds& kinds, const std::string& path, std::size_t line) {
   const char *at = corner.data(), *const end = at + corner.size();
   for (Kind& kind : kinds) {

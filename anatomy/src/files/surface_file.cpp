@@ -40,7 +40,7 @@ template <class Reader> vtkSmartPointer<vtkPolyData> read_with(const std::string
   return reader->GetOutput();
 }
 
-// What is no file, by what lies there instead.
+// Refuses a path that is no file, with a message of what is there instead.
 void check_there(const std::string& path) {
   namespace fs = std::filesystem;
   std::error_code ignored; // of links that lead to themselves
@@ -56,7 +56,7 @@ void check_there(const std::string& path) {
                    "check the path; a case file's is relative to the repository, after data/ to VCI_DATA_DIR");
 }
 
-// What is often saved in the place of a file, told by its first bytes.
+// Refuses other content that is often saved in the place of a surface, by its first bytes.
 void check_kind(const std::string& path) {
   struct Other {
     std::string begin, what, remedy;
@@ -78,7 +78,7 @@ void check_kind(const std::string& path) {
 
 constexpr std::uintmax_t stl_head = 84, stl_triangle = 50; // bytes
 
-// Text that was cut off loses its last line: VTK's reader takes what there is.
+// Refuses a text file without its last line. It was cut off, and VTK's reader would take the rest for the whole.
 void check_stl_text(std::ifstream& file, std::uintmax_t size, const std::string& path) {
   const std::uintmax_t length = std::min<std::uintmax_t>(size, 1024);
   std::string tail(length, ' ');
@@ -91,7 +91,7 @@ void check_stl_text(std::ifstream& file, std::uintmax_t size, const std::string&
                      "export it again");
 }
 
-// VTK's reader takes memory for as many triangles as a binary file says it has, and reads no more than that.
+// VTK's reader allocates memory for the number of triangles that a binary file claims, and reads no more than these.
 void check_stl_length(const std::string& path) {
   std::array<unsigned char, stl_head> head{};
   std::ifstream file(path, std::ios::binary);

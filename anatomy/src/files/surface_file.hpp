@@ -11,10 +11,10 @@ namespace anatomy {
 vtkSmartPointer<vtkPolyData> read_triangles(const std::string& path, const std::string& units);
 
 /// Reads a surface as triangles, in mm. Point and cell arrays of a VTP are kept.
-/// units: "mm", "cm" or "m", the file's length unit. label: of a mask (mask_file.hpp), 0 for its only one. What is left
-/// out of a mask is appended to `repairs`.
+/// units: "mm", "cm" or "m", the file's length unit. label: of a mask (mask_file.hpp), 0 for its only one. Parts of a
+/// mask that are left out are noted in `repairs`.
 /// Throws InputError: unknown suffix or unit, missing or unreadable file, no triangles, coordinates that are not
-/// finite, a label for what is no mask, or a size that is not a coronary lumen's (with the likely unit).
+/// finite, a label for a file that is no mask, or a size that is not a coronary lumen's (with the likely unit).
 vtkSmartPointer<vtkPolyData> read_surface(const std::string& path, const std::string& units, int label,
                                           std::vector<Repair>& repairs);
 

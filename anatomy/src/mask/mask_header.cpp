@@ -25,7 +25,7 @@ bool is_text(const std::string& line) {
                       [](unsigned char c) { return std::iscntrl(c) && c != '\t' && c != '\r'; });
 }
 
-// VTK's reader waits for ever for the empty line that ends a NRRD header, and at what is no text before it.
+// An empty line ends a NRRD header. VTK's reader never returns if it is missing, or if a line before it is no text.
 void check_header_ends(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string line;
@@ -38,7 +38,7 @@ void check_header_ends(const std::string& path) {
   throw InputError("the header of the mask is incomplete", path, "no empty line ends it", "export the mask again");
 }
 
-// "key <separator> value" lines up to the first empty line, the key `last`, or what is no text.
+// The "key <separator> value" lines up to the first empty line, the key `last`, or a line that is no text.
 Fields header_of(const std::string& path, char separator, const std::string& last) {
   std::ifstream file(path, std::ios::binary);
   Fields fields;
@@ -151,7 +151,7 @@ void check_packing(const std::filesystem::path& path, std::streamoff begin, std:
     refuse(std::to_string(found) + " bytes of voxels");
 }
 
-// VTK's reader takes what a header lacks or has in a form of its own from memory, or waits for it.
+// For a field that is missing or of unknown form, VTK's reader uses uninitialised memory, or never returns.
 void check_nrrd_fields(const std::string& path, const Fields& fields) {
   const auto check = [&](const std::string& name, const std::set<std::string>& known) {
     if (const std::string value = trimmed(field(fields, {name})); !known.contains(value))

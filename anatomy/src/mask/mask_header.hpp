@@ -16,8 +16,8 @@ Eigen::Matrix4d nrrd_affine(const std::string& path);
 /// The same of a MetaImage header (TransformMatrix, Offset, ElementSpacing and their older names).
 Eigen::Matrix4d meta_affine(const std::string& path);
 
-/// Throws InputError if a file is too short to hold `bytes` of voxels, packed as its header (or .gz) says: VTK's
-/// readers fill what is missing with what was in memory, and believe any size.
+/// Throws InputError if a file is too short to hold `bytes` of voxels, packed as its header (or .gz) says. VTK's
+/// readers believe any size, and leave missing voxels uninitialised.
 void check_nrrd_length(const std::string& path, std::uintmax_t bytes);
 void check_meta_length(const std::string& path, std::uintmax_t bytes);
 void check_nifti_length(const std::string& path, std::uintmax_t bytes);

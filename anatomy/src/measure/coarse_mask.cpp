@@ -5,11 +5,11 @@ namespace anatomy {
 namespace {
 
 constexpr double lost_voxels = 1.1; // a lumen this thin is a chain of voxels that touch at their corners only
-constexpr double of_lost = 50;      // per cent that the area of such a lumen may be off by
-constexpr double of_mask = 25;      // of a lumen of 1.1 to 2 voxels in radius (anatomy/measured.md)
-constexpr double of_surface = 35;   // the same where another program contoured and smoothed the voxels
+constexpr double of_lost = 50;      // possible error of such a lumen's area, per cent
+constexpr double of_mask = 25;      // the same for a radius of 1.1 to 2 voxels (anatomy/measured.md)
+constexpr double of_surface = 35;   // the same if another program contoured and smoothed the voxels
 
-// Per cent that an area (mm2) may be off by; 0 where the voxels are small enough.
+// Possible error of an area (mm2) in per cent; 0 if the voxels are small enough.
 double area_error(double area, const Voxels& voxels) {
   const double radius = std::sqrt(area / M_PI);
   if (radius >= fewest_voxels * voxels.edge)

@@ -6,20 +6,20 @@ namespace anatomy {
 
 /// The voxels that a lumen was segmented on.
 struct Voxels {
-  double edge = 0;      ///< mm, the longest of a voxel; 0: none are known of
-  bool of_mask = false; ///< whether the file says so; else they were found by the vertices of a surface
+  double edge = 0;      ///< mm, a voxel's longest edge; 0: not known
+  bool of_mask = false; ///< whether a mask file gives it; else it was inferred from the vertices of a surface
 };
 
-/// Appends a note where sections have a radius below fewest_voxels edges of a voxel, with the place and the radius of
-/// the narrowest. A narrowing below that is often the lesion itself, so it is measured, not refused. The note is a
-/// warning where the result may change: at a lesion's smallest area (after set_area_errors), or in half the lumen.
+/// Appends a note if sections have a radius below fewest_voxels voxel edges, with the place and radius of the
+/// narrowest. Such a section is often the lesion itself, so it is measured, not refused. The note is a warning if the
+/// result may change: at a lesion's smallest area (after set_area_errors), or in half the lumen.
 void note_few_voxels(const std::vector<Branch>& branches, const std::vector<Section>& sections,
                      const std::vector<Lesion>& lesions, const Voxels& voxels, std::vector<Repair>& notes);
 
-/// What these voxels mean for thin lumens, as a line of text; empty where none are known of.
+/// The error of areas that these voxels cause in thin lumens, as a line of text; empty if no voxels are known.
 std::string line_of(const Voxels& voxels);
 
-/// Sets how far each lesion's smallest area may be off by its voxels.
+/// Sets each lesion's mla_error, the possible error of its smallest area by the voxels.
 void set_area_errors(std::vector<Lesion>& lesions, const Voxels& voxels);
 
 constexpr double fewest_voxels = 2;

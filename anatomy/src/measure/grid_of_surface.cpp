@@ -7,14 +7,14 @@ namespace {
 
 using Complex = std::complex<double>;
 constexpr double finest = 0.15, coarsest = 1.2; // mm: of images that show coronary lumens
-constexpr double bin = 0.02;                    // mm: of the finest spacing this blurs 3 % of the wave
-constexpr double beside = 0.25;                 // of a wave's frequency: how far the waves beside it reach
-constexpr double stands_out = 4;     // of the median beside it; contoured surfaces have 4.4 to 24, others up to 2.8
+constexpr double bin = 0.02;                    // mm: it lowers the wave of the finest spacing by 3 %
+constexpr double beside = 0.25;                 // of a wave's frequency: its neighbours are the waves within this
+constexpr double stands_out = 4;     // over the neighbours' median: contoured surfaces have 4.4 to 24, others up to 2.8
 constexpr double least_share = 0.02; // of the vertices, in step with the wave
-constexpr double least_extent = 8; // mm: across a vessel its own width makes waves; one axis alone may be that of rings
+constexpr double least_extent = 8;   // mm: along a shorter axis the vessel's own width makes waves
 constexpr std::size_t fewest = 1000; // vertices: fewer make high waves by chance
 
-// How many vertices are in each bin along one coordinate.
+// Number of vertices in each bin along one coordinate.
 std::vector<double> density(const Mesh& mesh, int axis) {
   double low = 1e300, high = -1e300;
   for (Vertex v : mesh.vertices()) {
@@ -27,7 +27,8 @@ std::vector<double> density(const Mesh& mesh, int axis) {
   return count;
 }
 
-// Share of the vertices in step with each wave; waves from the finest spacing's on, apart by a fifth of the resolution.
+// Share of the vertices in step with each wave, from the coarsest spacing to the finest. Their frequencies are a fifth
+// of the resolution apart.
 struct Spectrum {
   double first = 1 / coarsest, step;
   std::vector<double> share;
@@ -76,7 +77,7 @@ double grid_of_surface(const Mesh& mesh) {
     largest = std::max(largest, spacing);
     ++axes;
   }
-  return axes > 1 ? largest : 0;
+  return axes > 1 ? largest : 0; // along a single axis the wave may be of rings of vertices round the vessel
 }
 
 } // namespace anatomy

@@ -8,13 +8,13 @@ constexpr double shortest = 1.0; // mm
 
 using Part = std::vector<Calibre>;
 
-// Per cent by diameter that a section lacks to its reference.
+// Diameter stenosis of a section against the reference, per cent.
 double stenosis(const Calibre& sample, const ReferenceProfile& profile) {
   return 100 * (1 - sample.diameter / profile.diameter(sample.s));
 }
 
-// Where a stretch falls apart into two narrowings: the section of least stenosis in relation to the lesser of the two,
-// if half of that is recovered there. A mouth's sections are widened by it and show no recovery. 0: nowhere.
+// The section at which a stretch splits into two narrowings; 0: none. There the stenosis is least in relation to the
+// lesser narrowing's, and at most half of it. Sections at a side branch's mouth do not count, as the mouth widens them.
 std::size_t recovery(const Part& part, const ReferenceProfile& profile) {
   std::vector<double> lacking(part.size()), behind(part.size());
   for (std::size_t i = 0; i < part.size(); ++i)

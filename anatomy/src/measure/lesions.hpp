@@ -10,12 +10,12 @@ struct Lesion {
   double mla = 0, mld = 0;                                            ///< mm2, mm
   double reference = 0, proximal_reference = 0, distal_reference = 0; ///< diameters, mm
   double diameter_stenosis = 0, area_stenosis = 0;                    ///< per cent
-  double mla_error = 0; ///< per cent of mla that it may be off by where the voxels are coarse (coarse_mask.hpp)
+  double mla_error = 0; ///< possible error by coarse voxels, per cent of mla (coarse_mask.hpp)
 };
 
-/// Stretches at least 1 mm long whose diameter stenosis exceeds `shoulder` per cent and reaches `least_stenosis` per
-/// cent, most severe first. A stretch is parted where the lumen between two narrowings recovers `recovered` of the
-/// lesser one's stenosis.
+/// Stretches at least 1 mm long whose diameter stenosis exceeds `shoulder` per cent throughout and reaches
+/// `least_stenosis` per cent, most severe first. A stretch is split if the lumen between two narrowings recovers
+/// `recovered` of the lesser one's stenosis.
 std::vector<Lesion> find_lesions(const std::vector<Branch>& branches, const std::vector<Section>& sections,
                                  const std::vector<ReferenceProfile>& profiles);
 

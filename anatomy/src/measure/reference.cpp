@@ -7,15 +7,15 @@ namespace {
 
 constexpr double flow_exponent = 2.55;
 constexpr double upper = 0.75;          // quantile of the diameters where the first fit lies: narrowings do not move it
-constexpr double middle = 0.5;          // where it lies if a dilatation has
+constexpr double middle = 0.5;          // the same beside a dilatation, which would move the upper quantile
 constexpr double band = 0.03;           // of the diameter: sections this near to the profile count as healthy
 constexpr std::size_t fewest = 8;       // sections for a profile
 constexpr double least_widening = 1.15; // of a dilatation: an ostium's sections may be 8 % too wide
-constexpr double many_more = 1.25;      // healthy sections beside a dilatation than the envelope finds
-constexpr double ectatic = 1.5;         // of the widest lumen on both sides of it (definition of coronary ectasia)
-constexpr double least_share = 0.1;     // of D^m without side branches, the least that is left behind them
+constexpr double many_more = 1.25;      // ratio of healthy sections, by the median fit over those by the envelope
+constexpr double ectatic = 1.5;         // width over the widest lumen beside it (definition of coronary ectasia)
+constexpr double least_share = 0.1;     // of D^m without side branches: least value behind them
 
-// What the branches that leave before s carry, in mm^m.
+// Sum of d_k^m over the side branches that leave before s, in mm^m.
 double carried_off(const std::vector<std::pair<double, double>>& sides, double s) {
   double sum = 0;
   for (const auto& [at, diameter] : sides)
@@ -84,8 +84,8 @@ std::optional<std::pair<double, double>> dilatation(const ReferenceProfile& prof
   return std::pair{first->s, (last - 1)->s};
 }
 
-// The sections without those of an ectasia. That is one stretch with at least `fewest` sections before and behind it,
-// `ectatic` times as wide as any of these. Its flanks are left out as well.
+// The sections without an ectasia. An ectasia is one stretch with at least `fewest` sections before and behind it, and
+// `ectatic` times as wide as any of them. Its flanks are left out as well.
 std::vector<Calibre> without_ectasia(std::vector<Calibre> measured, const Branch& branch, std::vector<Repair>& notes) {
   const std::size_t all = measured.size();
   const auto wider = [](const Calibre& a, const Calibre& b) { return a.diameter < b.diameter; };
@@ -111,7 +111,7 @@ std::vector<Calibre> without_ectasia(std::vector<Calibre> measured, const Branch
   return measured;
 }
 
-// The upper envelope, unless it follows a dilatation: a stretch wider than the vessel is on both sides of it.
+// The fit to the upper envelope, unless that follows a dilatation, a stretch wider than the vessel on both sides of it.
 ReferenceProfile beside_dilatations(const std::vector<Calibre>& measured, const Branch& branch,
                                     std::vector<Repair>& notes) {
   const ReferenceProfile envelope = fitted(measured, {}), low = fitted(measured, {}, middle);

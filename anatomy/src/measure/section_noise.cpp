@@ -11,12 +11,12 @@ constexpr std::size_t fewest = 5;        // sections for an estimate
 constexpr Eigen::Index shortest_run = 8; // sections for a profile
 constexpr double caution = 1.4; // times C_p's price of a degree of freedom, against chance fits (Kim & Gu 2004)
 constexpr double bends_twice =
-    5;                   // degrees of freedom, by which few sections raise it as AIC is corrected (Hurvich & Tsai 1989)
+    5; // degrees of freedom, whose price rises with few sections as in corrected AIC (Hurvich & Tsai 1989)
 constexpr int width = 3; // bands of the penalty beside the diagonal
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-// Equivalent radii along one branch by sample, weight 0 where they are clipped at an ostium or missing.
+// Equivalent radii along one branch by sample; weight 0 if a section is clipped at an ostium or missing.
 struct Profile {
   std::vector<Section*> section;
   Eigen::VectorXd radius, weight;
@@ -85,9 +85,9 @@ Eigen::VectorXd line_through(const Eigen::VectorXd& y, const Eigen::VectorXd& w)
   return (mean_y + slope * from_mean).matrix();
 }
 
-// The smooth profile for the penalty with the least Mallows' C_p. Samples nearer than `stride` share their noise, which
-// would pass for shape: the penalty is chosen by every stride-th one, and serves all. However stiff, the penalty leaves
-// a parabola; a plain taper competes with it.
+// The smooth profile for the penalty with the least Mallows' C_p. Samples nearer than `stride` share vertices, so their
+// common noise would pass for shape. Only every stride-th sample chooses the penalty, which then serves all. The
+// stiffest penalty still leaves a parabola, so a straight taper competes as well.
 Eigen::VectorXd smoothed(const Profile& profile, Eigen::Index stride, double sigma) {
   const Eigen::VectorXd& y = profile.radius;
   Eigen::VectorXd w = profile.weight;

@@ -32,7 +32,7 @@ double reach(const std::vector<Vec2>& loop, const Vec2& from, const Vec2& d) {
   return farthest;
 }
 
-// Chords through the centroid, every 3 degrees.
+// Smallest and largest chord through the centroid, of chords every 3 degrees.
 void set_diameters(Section& section, const std::vector<Vec2>& loop) {
   const Vec2 c = centroid(loop);
   section.min_diameter = 1e300;

@@ -5,11 +5,11 @@
 namespace anatomy {
 
 struct Section {
-  std::size_t branch = 0; ///< index in the tree
-  std::size_t sample = 0; ///< index of the axis sample it is cut at
-  double area = 0, min_diameter = 0, max_diameter = 0;
-  std::string flag;    ///< ok, ostium, end
-  double scatter = -1; ///< mm: of the mean radius, by the outline's own roughness; negative where that cannot be told
+  std::size_t branch = 0;                              ///< index in the tree
+  std::size_t sample = 0;                              ///< index of the axis sample it is cut at
+  double area = 0, min_diameter = 0, max_diameter = 0; ///< mm2, mm, mm
+  std::string flag;                                    ///< ok, ostium, end
+  double scatter = -1; ///< mm: noise of the mean radius by the outline's own roughness; negative if not known
   double equivalent_diameter() const { return std::sqrt(4 * area / M_PI); }
 };
 
@@ -17,8 +17,8 @@ struct Section {
 /// the sample's plane cuts `surface`.
 /// - Flag `ostium`: the loop runs over another branch's wall, and is clipped there at ostium_clip inscribed radii.
 /// - Flag `end`: within 1.5 R of a cap, in an extension, or the loop meets a cap.
-/// @param splits into how many pieces each measured edge is divided in `surface`; with it noise is told from shape
-/// Throws ComputationError where no loop contains the axis away from the ends.
+/// @param splits pieces into which each measured edge is divided in `surface`; it helps to tell noise from shape
+/// Throws ComputationError if no loop contains the axis away from the ends.
 std::vector<Section> cut_sections(const Mesh& surface, const std::vector<Branch>& branches,
                                   const std::vector<End>& ends, int splits = 1);
 

@@ -260,7 +260,7 @@ struct AngleOptimiser {
 void widen_corners(Mesh& mesh, const Mesh& surface, const WallTree& wall, double wanted, int passes, bool careful) {
   AngleOptimiser optimiser{mesh, surface, wall, wanted, careful, {}};
   optimiser.mesh.set_recycle_garbage(false); // so that no new face takes the index of a removed one
-  // what could not be widened at first may be once its neighbours have changed
+  // a corner that could not be widened at first may give way once its neighbours have changed
   for (int pass = 0; pass < passes && (pass == 0 || optimiser.smallest() < wanted - slack); ++pass) {
     optimiser.hopeless.clear();
     for (std::size_t k = 0; k < most_changes; ++k) {

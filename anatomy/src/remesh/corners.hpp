@@ -6,10 +6,10 @@
 namespace anatomy {
 
 /// Raises the corners below `wanted` degrees of wall triangles that touch no cap. Round each, the worst first, edges
-/// are flipped, collapsed or split, and vertices are moved on `wall`, that of the smooth `surface`. The change that
-/// raises the smallest corner of the neighbourhood most is kept. So none of the mesh's corners outside caps and rims
-/// ever falls below its smallest. Where some are narrow still, that is repeated up to `passes` times: their neighbours
-/// have changed. Tags are kept; the mesh is compact on return.
+/// are flipped, collapsed or split, and vertices are moved on `wall`, the wall of the smooth `surface`. The change that
+/// raises the smallest corner of the neighbourhood most is kept. So no corner outside caps and rims falls below the
+/// smallest one at the start. If narrow corners remain, this is repeated up to `passes` times, as their neighbours have
+/// changed. Tags are kept; the mesh is compact on return.
 /// @param careful do not keep a change after which the neighbourhood crosses itself, as some do on a rough wall
 void widen_corners(Mesh& mesh, const Mesh& surface, const WallTree& wall, double wanted, int passes = 3,
                    bool careful = false);

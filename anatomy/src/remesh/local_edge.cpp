@@ -100,13 +100,13 @@ struct Remesher {
                                  .projection_functor([&](Vertex v) { return on_wall(mesh, v, wall); }));
     mesh.remove_property_map(rim);
     mesh.collect_garbage();
-    // CGAL leaves what it splits on the border of the faces where it was; what lies on the wall stays to the bit
+    // CGAL does not project the vertices by which it splits the faces' border; vertices on the wall keep their bits
     for (Vertex v : mesh.vertices())
       if (const Point p = on_wall(mesh, v, wall); CGAL::squared_distance(p, mesh.point(v)) > off_wall * off_wall)
         mesh.point(v) = p;
   }
 
-  // Nested: each level is resized with all that is finer, so that its seams are far from theirs.
+  // Nested: each level is resized together with all finer ones, so that the seams of two levels are far apart.
   void resize(double coarsest) {
     for (double target = coarsest;; target *= level_step) {
       const std::vector<Face> faces = faces_up_to(target == field.edge() ? target : target / std::sqrt(level_step));
@@ -119,7 +119,7 @@ struct Remesher {
       remesh(faces, coarsest, 3, false);
   }
 
-  // From a mesh of uniform edge: first what is to be finer, then upwards, each level with all that is to be coarser.
+  // From a mesh of uniform edge: first the finer levels, then upwards, each level together with all coarser ones.
   void resize_both_ways(double uniform) {
     resize(level_step * uniform);
     for (double target = uniform / level_step;; target = std::min(target / level_step, field.edge())) {

@@ -14,7 +14,8 @@ constexpr std::size_t most_edges = 250;
 
 using Ring = std::vector<Vertex>;
 
-// Triangles of the best filling of a ring, so that of each all but one side are the ring's or an earlier one's.
+// Adds the triangles of the best filling of a ring, ordered so that at least two sides of each are the ring's or an
+// earlier triangle's.
 bool add_filling(const Mesh& mesh, const Ring& ring, std::vector<std::array<Vertex, 3>>& triangles) {
   if (ring.size() < 3)
     return true;
@@ -33,7 +34,7 @@ bool add_filling(const Mesh& mesh, const Ring& ring, std::vector<std::array<Vert
   return found.size() == ring.size() - 2;
 }
 
-// A large ring in parts: chords over every few edges, what they cut off, and the ring of the chords.
+// Fills a large ring in parts: the pieces that chords over every few edges cut off, and the ring of the chords.
 std::vector<Face> filled_in_parts(Mesh& mesh, const Ring& ring) {
   const std::size_t step = (ring.size() + most_edges - 1) / most_edges;
   std::vector<std::array<Vertex, 3>> triangles;

@@ -4,9 +4,10 @@
 
 namespace anatomy {
 
-/// Cuts out and closes every handle that lies within a patch of the surface with one rim, of at most 0.35 mean radii
-/// of the vessel round a place on the handle: a tunnel through the wall's roughness, not vessels that fuse. Appends
-/// what was done. The closed mesh must be one component without removed elements; larger handles stay.
+/// Cuts out and closes every small handle, a tunnel through the wall's roughness. It must lie within a patch of the
+/// surface with one rim, of at most 0.35 mean radii of the vessel round a place on the handle. Larger handles, as of
+/// vessels that fuse, stay. Notes the change in `repairs`. The closed mesh must be one component without removed
+/// elements.
 void remove_small_handles(Mesh& mesh, std::vector<Repair>& repairs);
 
 } // namespace anatomy

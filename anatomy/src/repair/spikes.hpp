@@ -5,9 +5,9 @@
 namespace anatomy {
 
 /// Moves a vertex of the wall that stands out alone onto the quadratic surface through the two rings of vertices round
-/// it. To stand out is to be off by half an edge, eight times the scatter of those round it, and 0.15 mean radii.
-/// Reports the number, the largest height and its place. `mesh` is closed and tagged; caps and what is beside them are
-/// left alone.
+/// it. A vertex stands out if its height over that surface exceeds half an edge, eight times the scatter of its
+/// neighbours, and 0.15 mean radii. Reports the number, the largest height and its place. `mesh` is closed and tagged;
+/// caps and their neighbourhood are left alone.
 void flatten_spikes(Mesh& mesh, std::vector<Repair>& repairs);
 
 struct Roughness {

@@ -10,7 +10,7 @@ Soup welded(const Soup& soup, double tolerance, std::vector<Repair>& repairs);
 /// Drops triangles with two equal corners and all but one of triangles with the same corners.
 void drop_degenerate_and_duplicate(Soup& soup, std::vector<Repair>& repairs);
 
-/// Drops fins: triangles that hang on a non-manifold edge by having another edge of their own free.
+/// Drops fins: triangles with a non-manifold edge and a free one.
 void drop_fins(Soup& soup, std::vector<Repair>& repairs);
 
 } // namespace anatomy

@@ -13,12 +13,12 @@ struct Offshoot {
   std::vector<std::pair<Vec3, double>> balls; ///< centre and radius (mm) of all of it
 };
 
-/// The lumen's opening by a ball (mathematical morphology): all that balls larger than a given one fill, as far as it
-/// hangs together with the largest of them.
+/// The lumen's opening by a ball (mathematical morphology): the space of all balls larger than a given one that are
+/// connected to the largest.
 class Trunk {
 public:
-  /// None where no ball is larger than `least_radius` (mm). Balls that reach through the wall are not believed: four
-  /// points of one round rim have no circumsphere but by rounding.
+  /// None if no ball is larger than `least_radius` (mm). Balls that reach through the wall do not count: for four
+  /// points of one round rim the circumsphere is a matter of rounding.
   static std::optional<Trunk> of(const Balls& balls, const WallTree& wall, double least_radius);
 
   double radius() const { return balls_.radius[largest_]; } ///< mm, of its largest ball

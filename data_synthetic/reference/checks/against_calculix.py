@@ -71,7 +71,10 @@ def deck():
 
 
 def calculix_positions(program, folder):
-    """Positions (steps, 2 around, 2) of the lumen's nodes by CalculiX, run in `folder`. Raises as calculix does."""
+    """Positions (steps, nodes round the lumen, 2) in mm by CalculiX, run in `folder`.
+
+    Raises InputError and ComputationError, as `calculix.displacements` does.
+    """
     theta, inner, _ = ring()
     moved = calculix.displacements(program, deck(), folder, len(PRESSURES_MPA), len(theta))
     return np.stack([inner * np.cos(theta), inner * np.sin(theta)], axis=1) + moved

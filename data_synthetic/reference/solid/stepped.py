@@ -115,7 +115,10 @@ class SteppedModel:
         self._strain.x.array[:] = values[:, size]
 
     def _predicted(self, change):
-        """Displacement expected of a change of the loads (array): that of the last step if it was of the same kind."""
+        """Displacement expected from a change of the loads (array).
+
+        It is the last step's, scaled, if the loads changed in proportion to that step; otherwise 0.
+        """
         if self._last_step is None:
             return 0.0
         loads, moved = self._last_step

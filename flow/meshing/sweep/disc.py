@@ -1,7 +1,7 @@
 """The template of a cross-section: the unit disc in rings of 6, 12, 18, ... points, triangulated.
 
-Boundary layers split the outermost ring: the circles between have as many points as the rim, so that the wall's
-triangles stay what they are.
+Boundary layers split the outermost ring. The circles between have as many points as the rim, so that the wall's
+triangles do not change.
 """
 
 import dataclasses

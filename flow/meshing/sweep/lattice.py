@@ -1,9 +1,9 @@
 """One span as tetrahedra: the disc on every station and halfway between, prisms split by the smallest vertex.
 
-The disc's point (rho, angle) goes to centre + m(rho) r(angle) in the plane of each section, r being the radius of the
-smooth surface there. m gathers the rings at the edge of the jet behind a narrowing, which is the wall in the throat and
-where there is no jet (`rings_at`). Middle points of edges lie on the same lattice at twice the resolution, towards the
-axis ever nearer to the straight edge's, so that the wall is curved and the core is not.
+The disc's point (rho, angle) goes to centre + m(rho) r(angle) in the plane of each section, where r is the radius of
+the smooth surface. m makes the rings narrow at the edge of the jet behind a narrowing (`rings_at`). In the throat, and
+without a jet, this edge is the wall. Middle points of edges lie on the same lattice at twice the resolution. Towards
+the axis they approach the straight edges' middles, so that the wall is curved and the core is not.
 """
 
 import dataclasses
@@ -82,11 +82,11 @@ class Sections:
 
 
 def rings_at(rho, rings, edge):
-    """m (m, n): radii at template radii rho (n,), edge (m,) being the jet's radius over the vessel's.
+    """m (m, n): radii at template radii rho (n,). edge (m,): the jet's radius over the vessel's.
 
-    Up to FITTED rings all but the outer one and a half lie within `edge`, which stays below LARGEST_EDGE: narrower
-    towards it by g (GRADING); the last ring but one lies at the part LAST of the way from there to the wall. Of more
-    rings two thirds do, the others are equally wide.
+    `edge` is limited to LARGEST_EDGE. Up to FITTED rings all but the outer one and a half lie within it, and get
+    narrower towards it by GRADING. The last ring but one lies at the share LAST of the way from there to the wall. Of
+    more rings two thirds lie within `edge`; the others are equally wide.
     """
     if rings > FITTED:
         inner, grading = np.floor(INSIDE * rings) / rings, FINE_GRADING
@@ -149,8 +149,10 @@ def build(sections, disc, edge):
 
 
 def turned_over(lattice, disc):
-    """Numbers (k,) of the gaps between stations in which a tetrahedron's corners lie the other way round than in a
-    straight tube: there it overlaps its neighbours."""
+    """Numbers (k,) of the gaps between stations with a tetrahedron that is turned over against a straight tube's.
+
+    Such a tetrahedron overlaps its neighbours.
+    """
     rho, angle = disc.vertices.T
     per_level, stations = len(rho), len(lattice.points) // len(rho)
     plane = rho[:, None] * np.stack(circle(angle), axis=1)

@@ -9,8 +9,8 @@ from flow.geometry.jet import jet_radius
 from flow.meshing.sweep import lattice, spans, stations
 
 SAMPLING_RADII = 0.2  # distance of the sections that are tried, in radii
-SHEAR_SPREAD = 0.03  # growth per length of the radius about which a jet's shear layer lies
-CLOSER = 3  # times stations are laid halfway where the wall changes too fast from one to the next
+SHEAR_SPREAD = 0.03  # growth per length of the radius of a jet's shear layer
+CLOSER = 3  # how often stations are added halfway where the wall changes too fast from one to the next
 
 
 @dataclasses.dataclass
@@ -41,7 +41,7 @@ def find(surface, tree, slicer, disc):
         if len(inner) < 2:
             continue
         _, ok, _, _ = lattice.Sections(slicer, axis, inner).radii(angles)
-        near_cap = np.zeros(len(s), bool)  # the rim itself stands for the sections that a cap's rim may cut
+        near_cap = np.zeros(len(s), bool)  # a cap's rim may cut sections so near; the rim itself replaces them
         near_cap |= (axis.cap_ids[0] is not None) & (s <= 0.5 * axis.radius(0.0))
         near_cap |= (axis.cap_ids[1] is not None) & (axis.length_mm - s <= 0.5 * axis.radius(axis.length_mm))
         allowed[np.flatnonzero(allowed)[~ok]] = False
@@ -52,8 +52,10 @@ def find(surface, tree, slicer, disc):
 
 
 def sweep(span, slicer, disc, settings, coarsening):
-    """Lays the stations and the lattice, with stations halfway where cells were turned over; leaves the lattice None
-    where a section is not star-shaped, or cells stay turned over."""
+    """Places the stations and builds the lattice of a span, with further stations where cells were turned over.
+
+    The lattice stays None if a section is not star-shaped, or if cells stay turned over.
+    """
     branch = span.axis.branch
     at = stations.place(branch, settings, span.start_mm, span.end_mm, coarsening)
     for _ in range(1 + CLOSER):

@@ -1,4 +1,4 @@
-"""Where a span's cross-sections lie: close at a throat, further along its jet, far apart where the flow is plain."""
+"""Places of a span's cross-sections: close at a throat, wider along its jet, far apart where the vessel is healthy."""
 
 import numpy as np
 

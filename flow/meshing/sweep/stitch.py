@@ -1,4 +1,4 @@
-"""The lumen's wall around the spans: what no span sweeps, zipped to the spans' end rings."""
+"""The lumen's wall between the spans: the part that no span sweeps, zipped to the spans' end rings."""
 
 import numpy as np
 from scipy.sparse import coo_matrix
@@ -7,10 +7,10 @@ from scipy.sparse.csgraph import connected_components
 from flow.geometry.surface import WALL
 from flow.geometry.vectors import dot
 
-CLEAR = 0.5  # local edges that a remaining facet keeps from the plane of a span's end
+CLEAR = 0.5  # local edges: least distance of a remaining facet from the plane of a span's end
 NEAR = 2.5  # radii of an end within which its plane cuts the wall
 LEAST_COSINE = 0.5  # between a strip's triangle and the smooth surface's normal at the ring
-FOLDS = 1e4  # what a triangle that folds counts as, in triangles of the best shape
+FOLDS = 1e4  # cost of a triangle that folds, in triangles of the best shape
 
 
 class StitchError(Exception):

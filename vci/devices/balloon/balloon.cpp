@@ -13,16 +13,16 @@ namespace {
 
 constexpr double surface_density = 1.1e-3 * 0.1; // g/mm^2: folded nylon, 0.1 mm thick
 constexpr double tip_share = 0.35;               // of the nominal diameter, where the balloon's ends are welded
-// N/mm at the nominal diameter: bent, the taut balloon has pi R^3 times this.
-// An isotropic film would follow from the makers' charts, as (1 - nu/2) d(p R)/d ln R from nominal to rated burst
-// pressure, with nu 0.4. Balloons of 3 mm would have 14 (semi-compliant), 15 (delivery) or 43 (non-compliant). The
-// value is lower, since polyamide-12 balloons are softer along than around (Geith et al., PLoS ONE 15 (2020) e0234340),
-// and folds remain. What the choice is worth: measured.md.
+// N/mm at the nominal diameter. The bending stiffness of the taut balloon is pi R^3 times this. For an isotropic film
+// the makers' charts give (1 - nu/2) d(p R)/d ln R from nominal to rated burst pressure, with nu 0.4. That is 14
+// (semi-compliant), 15 (delivery) or 43 (non-compliant) for balloons of 3 mm. The value here is lower, since
+// polyamide-12 balloons are softer along than around (Geith et al., PLoS ONE 15 (2020) e0234340), and folds remain.
+// measured.md says how much areas depend on it.
 constexpr double balloon_axial_stiffness = 8.0;
 constexpr double balloon_hinge = 0.002; // N mm per edge, keeps the grid from wrinkling
-constexpr double crease_yield = 0.02; // rad per edge: creases of the limp membrane become permanent, and flatten again
-constexpr double shaft_anchor = 0.02; // N/mm per vertex of the end rings
-constexpr double neck_hold = 0.4;     // N/mm per end ring of a folded balloon, whose rings have more vertices
+constexpr double crease_yield = 0.02;   // rad per edge: creases of the limp membrane stay, and can be flattened again
+constexpr double shaft_anchor = 0.02;   // N/mm per vertex of the end rings
+constexpr double neck_hold = 0.4;       // N/mm per end ring of a folded balloon, whose rings have more vertices
 // A grid of fibres alone has no shear stiffness: a weak film gives it.
 constexpr HenckyLaw balloon_film{0.3, 0.3, 0.0, 0.05, 0.02};
 

@@ -12,8 +12,9 @@ namespace vci {
 namespace {
 
 constexpr double surface_density = 1.1e-3 * 0.1; // g/mm^2: struts, 0.1 mm thick
-// N mm per edge: struts that bend across the ring. One strut has E w t^3 / 12, with 235 GPa and 0.09 mm by 0.08 mm.
-// Half of that is taken, since struts run at an angle to the axis. There is one for each 1.2 mm of length.
+// N mm per edge: bending of the struts across the ring. A strut has the bending stiffness E w t^3 / 12, with E = 235
+// GPa, w = 0.09 mm and t = 0.08 mm. Half of it counts, since struts run at an angle to the axis. One strut is assumed
+// for each 1.2 mm of length.
 constexpr double stent_hinge = 0.4, stent_hinge_thickness = 0.08;
 // A grid of fibres alone has no shear stiffness: a weak film gives it, with more hardening than a balloon's.
 constexpr HenckyLaw stent_film{0.3, 0.3, 0.0, 0.05, 0.1};
@@ -46,7 +47,7 @@ Stent add_stent(System& system, const StentSpec& spec, const std::string& device
   const int body =
       system.add_body("stent", points, grid.triangles(), surface_density, std::vector<char>(points.size(), 0));
   const std::vector<double> width = ring_widths(grid);
-  // hardened on the way to its nominal diameter, the stent yields there at the strain stated
+  // The stated yield strain holds at the nominal diameter. The first yield is lower, as the ring hardens on the way.
   const double first_yield =
       std::max(0.2 * spec.yield_strain(),
                spec.yield_strain() - hoop_hardening * std::log(spec.nominal_diameter / spec.crimped_diameter));
