@@ -87,8 +87,10 @@ class Search:
         return answer
 
     def from_state(self, paths, start):
-        """Solved from the flow of another state, with the artificial viscosity that it kept; None where there is no such
-        state, or Newton's method does not lead from it to a flow."""
+        """Solved from the flow of another state, with the artificial viscosity that it kept.
+
+        None where no state is given, or Newton's method does not converge from it.
+        """
         names = [pathlib.Path(path).name for path in paths]
         if start is None or start.mesh not in names:
             return None

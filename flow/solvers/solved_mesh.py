@@ -40,7 +40,8 @@ def solve_mesh(path, document, settings, tree, predicted, may_stay, before=None,
 
     start: inputs.solution.Start, of another state; before: Solved on another mesh; predicted: coupled.Predictor.
     may_stay(Solved) -> whether its artificial viscosity has so little effect that it may answer. spent: factorizations
-    made on other meshes; effort: BEGUN, WHOLE or NEAR. Raises ComputationError where no flow is found, and InputError where mesh, centreline and boundary values do not belong together.
+    made on other meshes; effort: BEGUN, WHOLE or NEAR. Raises ComputationError where no flow is found, and InputError
+    where mesh, centreline and boundary values do not belong together.
     """
     space = spaces.read(path)
     ffr.check_inside(document["probes"], tree, space)
