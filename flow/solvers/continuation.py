@@ -8,8 +8,11 @@ Georg, Introduction to Numerical Continuation Methods, 2003, chapter 6). From SM
 On the coarsest of three meshes continuation ends at BEGUN, where eps = 0 is tried once. The next mesh goes on from
 there. If the mesh before has reached eps = 0, a finer mesh repeats the last step of that path, from the last flow with
 eps > 0. If it has not, the finest mesh keeps its eps, so that both together show the mesh's error.
-Where no flow without artificial viscosity is found that of the least eps answers. What the rest of eps does to FFR is a
-part of the error estimate (errors.error_field).
+If no flow without artificial viscosity is found, the flow of the least eps answers. The effect of the rest of eps on FFR
+is a part of the error estimate (errors.error_field).
+
+The flow of another state of the vessel is tried at that state's eps first. If Newton's method does not converge there,
+the path begins at BEGUN, from the same guess.
 """
 
 import numpy as np
@@ -31,6 +34,7 @@ SMALL, LEAST = TRIES = 0.01, 0.003
 BEGUN = 0.02  # where continuation ends on a mesh that a finer one goes on from
 LARGEST = 0.05  # a flow of larger eps is no answer
 STARTS = 3  # of the other mesh's flows, the least eps first, from which a flow is tried
+FROM_STATE = 6  # factorizations at one eps from the flow of another state
 
 
 def from_rest(problem, begin_only=False):
@@ -72,6 +76,32 @@ def from_guess(problem, coarse, onward=True):
         follow(problem, (max(eps, SMALL), LEAST))
     elif onward:
         follow(problem)
+    return polish(problem)
+
+
+def from_state(problem, guess, artificial):
+    """Outcome at full flow from that of another state of the vessel, which had eps = `artificial`.
+
+    guess() makes that state's flow the present one. Raises ComputationError where Newton's method converges neither at
+    that eps nor at BEGUN.
+    """
+    problem.boundaries.full()
+    settings = problem.settings
+    guess()
+    problem.forms.artificial.value = artificial
+    found = newton.newton(problem, settings.residual_absolute, settings.residual_relative, FROM_STATE)
+    if found.converged:
+        _pass(problem)
+        found.iterations = problem.solver.factorizations
+        return found
+    if artificial >= BEGUN:
+        raise problem.stalled(found)
+    guess()
+    found = _reached(problem, BEGUN, ON_THE_WAY, limit=FROM_STATE)
+    if not found.converged:
+        raise problem.stalled(found)
+    _pass(problem)
+    follow(problem)
     return polish(problem)
 
 

@@ -23,7 +23,6 @@ from flow.physics import viscosity
 from flow.discretisation.forms import NavierStokes
 
 
-FROM_STATE = 6  # factorizations from the flow of another state; without convergence the usual way is taken then
 
 
 @dataclasses.dataclass
@@ -249,20 +248,12 @@ class FlowProblem(flow_state.FlowState):
             return None
 
     def solve_from_state(self, start):
-        """Outcome at full flow, with the artificial viscosity of another state of the vessel, from that state's flow.
+        """Outcome at full flow from the flow of another state of the vessel.
 
-        start: inputs.solution.Start. Raises ComputationError where Newton's method does not converge from there.
+        start: inputs.solution.Start. Raises ComputationError where solvers.continuation finds no flow from there.
         """
-        self.boundaries.full()
-        self.forms.artificial.value = start.artificial
-        self.take(*start.at(self.space.nodes()[0]), start.inflow)
-        settings = self.settings
-        found = newton.newton(self, settings.residual_absolute, settings.residual_relative, FROM_STATE)
-        if not found.converged:
-            raise self.stalled(found)
-        self.passed.append((start.artificial, self.state.x.array.copy(), self.inflow))
-        found.iterations = self.solver.factorizations
-        return found
+        guess = (*start.at(self.space.nodes()[0]), start.inflow)
+        return continuation.from_state(self, lambda: self.take(*guess), start.artificial)
 
     def stalled(self, found):
         """ComputationError with the eps and residual (of Outcome `found`, else of the state) where solving ended."""

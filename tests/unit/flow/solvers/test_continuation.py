@@ -177,3 +177,34 @@ def test_where_the_last_flow_of_another_mesh_leads_to_none_those_before_do():
     coarse.passed = [(eps, np.array([2.1]), 0.0) for eps in (0.02, 0.004, 0.0)]
     found = continuation.from_guess(fine, coarse)
     assert found.converged and fine.passed[0][0] <= 0.02 and fine.artificial >= 0.01
+
+
+def _from(problem, value, artificial):
+    """Outcome from another state's flow `value`, which had eps = artificial."""
+
+    def guess():
+        problem.state.x.array = np.array([value])
+
+    return continuation.from_state(problem, guess, artificial)
+
+
+@pytest.mark.parametrize(("value", "artificial"), [(2.01, 0.0), (1.99, 0.004)])
+def test_another_state_that_is_near_is_solved_at_its_eps(value, artificial):
+    problem = _smooth()
+    found = _from(problem, value, artificial)
+    assert found.converged and problem.artificial == artificial
+    assert problem.state.x.array == pytest.approx([2.0 - artificial], abs=1e-8)
+    assert len(problem.passed) == 1 and found.iterations == problem.solver.factorizations
+
+
+def test_another_state_that_is_not_near_begins_the_path(monkeypatch):
+    """At eps = 0 its flow is too far away for Newton's method, at BEGUN it is not."""
+    monkeypatch.setattr(continuation, "FROM_STATE", 2)
+    problem = _steep(3.0)
+    assert _from(problem, 2.13, 0.0).converged and problem.artificial == 0.0
+    assert problem.passed[0][0] == continuation.BEGUN and problem.state.x.array == pytest.approx([3.0], abs=1e-6)
+
+
+def test_another_state_from_which_no_flow_is_found_is_refused():
+    with pytest.raises(ComputationError, match="stalled"):
+        _from(_ends(0.03), 4.0, 0.0)
