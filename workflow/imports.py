@@ -1,4 +1,4 @@
-"""Which files of this repository a Python command depends on: a change re-runs exactly the rules that use it."""
+"""Which files of this repository a Python command depends on. A changed file re-runs only the rules that use it."""
 
 import ast
 import functools
@@ -61,7 +61,7 @@ def module_code(name):
 
 
 def _files(found, pending):
-    """Files of the modules `found`, of the names in `pending`, and of all that those import, sorted.
+    """Files of the modules `found`, of the modules named in `pending`, and of all modules that these import, sorted.
 
     Raises ValueError for a name in `pending` that is no module of this repository.
     """
@@ -104,7 +104,7 @@ def _imported(name, top_level_only):
 
 @functools.lru_cache(maxsize=None)
 def _imported_by(name, function):
-    """Names of this repository's modules that a function of the module `name`, and those that it calls, import."""
+    """Names of this repository's modules imported in a function of the module `name` and in functions that it calls."""
     tree = ast.parse(_file(name).read_text())
     bodies = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
     if function not in bodies:
