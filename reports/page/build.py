@@ -1,4 +1,4 @@
-"""Puts the report together: context from the study's files, jinja2 templates, one HTML file."""
+"""Builds the report, one HTML file, from the study's files and jinja2 templates."""
 
 import json
 import math
@@ -25,7 +25,7 @@ from reports.page.geometry import colour_table
 from reports.inputs.reading import existing, read_json
 
 MISSING = "–"
-LOW_MARK = "▼"  # of FFR after PCI below reports.selection.patients.LOW_AFTER
+LOW_MARK = "▼"  # marks an FFR after PCI below reports.selection.patients.LOW_AFTER
 OCCLUDED = "occluded_by_voxels"
 
 
@@ -42,7 +42,7 @@ def build_report(
     failed=(),
     three=pathlib.Path("build/three.min.js"),
 ):
-    """Writes the report of the CaseFiles `cases` to `out`. Raises InputError for anything that is missing.
+    """Writes the report of the CaseFiles `cases` to `out`. Raises InputError if a file is missing.
 
     failed: entries of failed.json (workflow.failed), of cases that have no result. three: the viewer's library.
     """
@@ -157,7 +157,8 @@ def summary(contexts):
 
 
 def means(documents):
-    """{state: {n, ffr, area, minimum, curvature}} of metrics documents, each a (mean, sd) over those with the state."""
+    """{state: {n, ffr, area, minimum, curvature}}: number n of metrics documents with the state, and (mean, sd) of each
+    quantity over them."""
     found = {}
     for state in STATES:
         of_state = [document["states"][state] for document in documents if state in document["states"]]
@@ -208,13 +209,13 @@ def mean_sd(values):
 
 
 def largest_ffr_error(contexts):
-    """The largest error estimate of all FFRs past the lesion; None where none is known."""
+    """The largest error estimate of all FFRs past the lesion; None if none is known."""
     flows = [entry["ffr"] for c in contexts for entry in c["metrics"]["states"].values() if entry["ffr"]]
     return max((ffr["error_estimate"] for ffr in flows if ffr["error_estimate"] is not None), default=None)
 
 
 def lower_first(text):
-    """A label within a sentence: the first letter small, unless a name in capitals begins it."""
+    """A label for use within a sentence: the first letter small, unless the first word is in capitals."""
     return text if text[:2].isupper() else text[0].lower() + text[1:]
 
 

@@ -32,7 +32,7 @@ def patients_table(documents, cases):
 
 
 def patient_row(document, case):
-    """One patient. FFR is that past the lesion; `ffr_after` of the first of TRUTHS with a flow."""
+    """One patient's row. FFR is past the lesion; `ffr_after` is of the first state of TRUTHS with a flow."""
     lesion, vessel = document["lesion"] or {}, case.get("vessel", {})
     ffr = {
         state: number(entry, "ffr.distal", f"metrics of {document['case']}, {state}")
@@ -61,7 +61,7 @@ def patient_row(document, case):
 
 
 def in_words(calcium):
-    """A sheet of calcium: "120 degrees over 8 mm"."""
+    """A sheet of calcium in words, such as "120 degrees over 8 mm"."""
     return f"{calcium['arc_deg']:g} degrees over {calcium['length_mm']:g} mm"
 
 

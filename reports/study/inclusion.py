@@ -13,7 +13,7 @@ GROUPS = (INCLUDED, EXCLUDED)
 def ffr_before(document):
     """FFR before PCI of a metrics document: the pressure wire's, else the computed one past the lesion.
 
-    None where there is neither.
+    None if there is neither.
     """
     measured = document.get("measured")
     if measured and measured["ffr_pre"] is not None:
@@ -36,5 +36,5 @@ def groups(documents):
 
 
 def analysed(documents):
-    """Those of the documents that a figure shows: of the included patients, or of the others where there is none."""
+    """The documents that a figure shows: of the included patients, or of the others if no patient is included."""
     return groups(documents)[0][1] if documents else []

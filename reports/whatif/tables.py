@@ -1,4 +1,4 @@
-"""The tables that `python3 -m whatif` leaves in a case's folder."""
+"""Reads the tables that `python3 -m whatif` writes into a case's folder."""
 
 import pandas as pd
 
@@ -24,13 +24,13 @@ def ranking(folder):
 
 
 def tornado(folder):
-    """DataFrame of sensitivity/flow.csv and, where there is one, deployment.csv; the flow's must be there."""
+    """DataFrame of sensitivity/flow.csv, which must exist, and of deployment.csv if it exists."""
     existing(folder / "sensitivity" / "flow.csv", "whatif flow")
     return pd.concat(_found(folder, ""), ignore_index=True)
 
 
 def intervals(folder):
-    """{source: DataFrame} of the Latin hypercubes of a case: `flow`, and `deployment` where it was run."""
+    """{source: DataFrame} of the Latin hypercubes of a case: `flow`, and `deployment` if it was run."""
     return dict(zip(_sources(folder), _found(folder, "_intervals")))
 
 

@@ -135,7 +135,7 @@ rule flow_sensitivity:
         " --intervals {output.intervals} --out {output.table}"
 
 
-# Two dozen deployments a case, so no part of the study. It runs only if its file is asked for; the next report shows it.
+# Two dozen deployments a case, so no part of the study: runs only if its file is asked for. The next report shows it.
 rule procedure_sensitivity:
     message:
         "{wildcards.case}: FFR and stent area over pressures, places and stiffnesses, by its own name only"
