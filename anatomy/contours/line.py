@@ -92,7 +92,10 @@ def _lengths(points):
 
 
 def _smoothed(points):
-    """Points (n, 3) on a least-squares cubic spline with knots KNOTS_MM apart; unchanged if there are too few."""
+    """Points (n, 3) about SPACING_MM apart on a least-squares cubic spline with knots KNOTS_MM apart.
+
+    A line of at most 50 points is first interpolated by a cubic spline.
+    """
     along = _lengths(points)
     fine = np.linspace(0, along[-1], int(np.ceil(along[-1] / SPACING_MM)) + 1)
     points = (
