@@ -12,7 +12,7 @@ namespace anatomy {
 Mesh curved_refined(const Mesh& mesh);
 
 /// Whether the triangles' chords make sections too small. They do if the mean edge is above 0.12 of the mean radius
-/// 2 V/A, since the area is then off by (e/R)^2 / 6 = 0.24 %. They also do if the wall turns by more than 0.15 rad
+/// 2 V/A, since the area is then off by (e/R)^2 / 6 = 0.24 %. They also do if the wall turns by more than 0.2 rad
 /// across triangles that make up 3 % of it, as in a thin branch of an otherwise fine surface.
 bool is_coarse(const Mesh& mesh);
 
