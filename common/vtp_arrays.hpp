@@ -37,7 +37,7 @@ private:
   std::vector<unsigned char> read_ascii(vtkXMLDataElement* array, int type, std::uint64_t count);
   void set_compressor();
 
-  std::uint64_t file_size_ = 0, most_per_byte_ = 1; // bytes; bytes that one compressed byte can stand for
+  std::uint64_t file_size_ = 0, most_per_byte_ = 1; // bytes; most bytes from one compressed byte
   int skipped_ = 0;                                 // elements too deep that are not yet closed
   bool too_deep_ = false;
 };

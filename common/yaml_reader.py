@@ -118,7 +118,7 @@ def read(file):
 
 
 def _check(loader, node, path, file, lines):
-    """Records the line of every value below `node`; refuses what the core schema does not have and repeated keys."""
+    """Records the line of every value below `node`; refuses values outside the core schema and repeated keys."""
     line = node.start_mark.line + 1
     where = f"{file}, line {line}" + (f", key {key_name(path)}" if path else "")
     lines[path] = line

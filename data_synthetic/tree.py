@@ -61,7 +61,7 @@ class Branch:
         return np.max(shares, axis=0) if shares else np.zeros(np.broadcast(s_mm, theta_rad).shape)
 
     def base_type(self, s_mm):
-        """Plaque type (int) outside calcium: that of the nearest lesion, or fibrous in a branch without one."""
+        """Plaque type (int) outside calcium: the nearest lesion's type, or fibrous in a branch without a lesion."""
         if not self.lesions:
             return np.full(np.shape(s_mm), disease.FIBROUS)
         distance = [np.abs(s_mm - le["centre_s_mm"]) / le["length_mm"] for le in self.lesions]

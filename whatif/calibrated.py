@@ -92,5 +92,5 @@ def calibrate(case, states=OTHERS):
 
 
 def estimate_of(answer):
-    """The error estimate of an ffr.json; None where the model gives none."""
+    """The error estimate of an ffr.json; None if the model gives none."""
     return (answer.get("error_estimate") or {}).get("ffr")

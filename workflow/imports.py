@@ -10,7 +10,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 def code(part, *modules):
     """Files behind `python3 -m <part> <command>`, relative to the repository, sorted.
 
-    modules: those that the command loads, e.g. code("reports", "reports.measuring.metrics"). The top-level imports of
+    modules: the modules that the command loads, e.g. code("reports", "reports.measuring.metrics"). Top-level imports of
     the part's __main__ belong to every command. Imports inside its functions belong to one command each.
     """
     main = f"{part}.__main__"
@@ -20,7 +20,7 @@ def code(part, *modules):
 def command_code(part, function):
     """As `code`, for the command that `function` in the part's __main__ runs.
 
-    The modules are those that this function imports, and those of the functions of __main__ that it calls. Raises
+    The modules are imported in this function, or in functions of __main__ that it calls. Raises
     ValueError if __main__ has no such function.
     """
     return code(part, *_imported_by(f"{part}.__main__", function))

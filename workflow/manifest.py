@@ -96,7 +96,7 @@ def verify(manifest, study):
 
 
 def digest(file):
-    """SHA-256 of a product; of a JSON file without the keys that differ between runs, such as seconds."""
+    """SHA-256 of a product. In a JSON file keys that differ between runs, such as seconds, are left out."""
     if file.suffix != ".json":
         return sha256(file)
     kept = _without_passing(read(file, "JSON").data)

@@ -127,7 +127,7 @@ def _by_landmarks(pullback, line, points, centre, flip):
             value = f"landmark {distance.argmin() + 1}, {distance.min():.2f} mm from it"
             remedy = f"a place on the wall or in a branch's mouth, {NEAREST_MM} mm or more from the lumen's centre"
             raise InputError("a landmark on the axis tells no rotation", where, value, remedy)
-    # x cos(turn) one - ...: an image angle a lies at -a - turn in the plane of (one, two), seen along the tangent
+    # by x = cos(turn) one - ... an image angle a is at -a - turn in the plane of (one, two), seen along the tangent
     angles = -np.arctan2(v, u) - np.arctan2(across[:, 1], across[:, 0])
     turn = float(np.angle(np.exp(1j * angles).mean()))
     off = np.abs(np.degrees(np.angle(np.exp(1j * (angles - turn)))))

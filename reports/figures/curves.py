@@ -19,7 +19,7 @@ LEGEND_ROW, LEGEND_MARGIN = 0.18, 0.12  # inches
 def pullback_figure(files, metrics, folder):
     """FFR of all states from the inlet to the end of the stented branch.
 
-    Each curve lies in the band of its estimated error. Marks show what a pressure wire read in that branch.
+    Each curve has a band of its estimated error. Marks show FFR measured by a pressure wire in this branch.
     """
     figure, axes = plt.subplots(figsize=SIZE)
     shade_segment(axes, metrics["segment"])

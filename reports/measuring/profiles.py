@@ -47,7 +47,7 @@ def _rows(path, branch):
 
 
 def read_pullback_error(path, branch):
-    """Estimated errors (n,) of the FFR that `read_pullback` returns. NaN where the column is empty or missing.
+    """Estimated errors (n,) of the FFR that `read_pullback` returns. NaN if the column is empty or missing.
 
     Raises InputError for a value that is neither empty nor a finite number of at least 0.
     """

@@ -101,7 +101,7 @@ def carry(segment, line, diameter_mm, of_its_own_extent=False):
 
 
 def read_sections(path, branch):
-    """The sections of a branch, in order of s_mm, without those flagged `end`; InputError if none is left."""
+    """The sections of a branch, in order of s_mm, without sections flagged `end`; InputError if none is left."""
     table = read_table(path, SECTION_NUMBERS, ("branch", "flag"), "anatomy")
     unknown = sorted(set(table["flag"]) - set(FLAGS))
     if unknown:

@@ -126,7 +126,7 @@ def environment():
 
 
 def read_csv(path):
-    """The rows of a study table as dicts, None where a field is empty."""
+    """The rows of a study table as dicts, None if a field is empty."""
     table = pd.read_csv(
         existing(path, "reports agreement, cohort, contrast, differences, nearer, patients, seconds, timings")
     )
@@ -220,14 +220,14 @@ def lower_first(text):
 
 
 def fixed(value, digits=2):
-    """A number with fixed digits; a dash where there is none; text stays."""
+    """A number with fixed digits; a dash if there is none; text stays."""
     if value is None or isinstance(value, jinja2.Undefined):
         return MISSING
     return value if isinstance(value, str) else f"{value:,.{digits}f}"
 
 
 def signed(value, digits=2):
-    """A difference with its sign (a true minus); a dash where there is none."""
+    """A difference with its sign (a true minus); a dash if there is none."""
     if value is None:
         return MISSING
     text = f"{abs(value):.{digits}f}"
@@ -252,7 +252,7 @@ def signed_small(value, least):
 
 
 def scientific(value):
-    """A small number such as a residual: 2.1e-06; a dash where there is none."""
+    """A small number, such as a residual, in the form 2.1e-06; a dash if there is none."""
     return MISSING if value is None or isinstance(value, jinja2.Undefined) else f"{value:.1e}"
 
 

@@ -1,4 +1,4 @@
-"""Figure of the inclusion: from the cases of the cohort to those analysed."""
+"""Figure of the inclusion: from the cases of the cohort to the analysed cases."""
 
 import textwrap
 

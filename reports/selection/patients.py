@@ -7,8 +7,8 @@ from reports.measuring.measured import FFR_THRESHOLD
 from reports.study.cohort import describe_procedure
 from reports.study.inclusion import ffr_before, meets_criterion
 
-# Included are those with FFR before PCI below 0.80. Below 0.90 after it more adverse events were found (Rimac et al.,
-# Am Heart J 2017;183:1-9, a meta-analysis of 7470 patients).
+# Patients with FFR below 0.80 before PCI are included. Below 0.90 after it more adverse events were found (Rimac et
+# al., Am Heart J 2017;183:1-9, a meta-analysis of 7470 patients).
 LOW_AFTER = 0.90
 TRUTHS = ("reference", "post")
 COLUMNS = ["case", "artery", "branch", "stenosis_percent", "lesion_length_mm", "reference_diameter_mm", "lesions"]

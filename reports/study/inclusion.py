@@ -1,4 +1,4 @@
-"""The patients that enter the statistics: as in the source, those with FFR below 0.80 before PCI.
+"""The patients in the statistics: as in the source, patients with FFR below 0.80 before PCI.
 
 The other patients are never mixed with them. They have rows of their own, under another name.
 """
@@ -23,7 +23,7 @@ def ffr_before(document):
 
 
 def meets_criterion(ffr):
-    """Whether FFR before PCI includes a patient; None where it is not known."""
+    """Whether FFR before PCI includes a patient; None if it is not known."""
     return None if ffr is None else ffr < FFR_THRESHOLD
 
 

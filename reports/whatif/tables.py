@@ -10,7 +10,7 @@ SOURCES = ("flow", "deployment")
 
 
 def ranking(folder):
-    """Rows of plans/ranking.csv of a case's folder, None where a field is empty; [] without the file.
+    """Rows of plans/ranking.csv of a case's folder, None if a field is empty; [] without the file.
 
     `ffr_3d` is filled in for plans whose flow was solved in three dimensions.
     """
@@ -46,7 +46,7 @@ def _found(folder, kind):
 
 
 def records(table):
-    """A DataFrame's rows as dicts, None where a field is empty."""
+    """A DataFrame's rows as dicts, None if a field is empty."""
     return [{key: None if pd.isna(value) else value for key, value in row.items()} for row in table.to_dict("records")]
 
 

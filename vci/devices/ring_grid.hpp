@@ -36,7 +36,7 @@ std::vector<double> ring_radii(const System& system, int body, const RingGrid& g
 /// Diameter (mm) of the circle with the same perimeter, for each ring.
 std::vector<double> perimeter_diameters(const System& system, int body, const RingGrid& grid);
 /// Area (mm^2) that each ring encloses, projected along the line through the rings' centres. This is the section of the
-/// tube, even where the ring lies obliquely in it.
+/// tube, even if the ring is oblique in it.
 std::vector<double> ring_sections(const System& system, int body, const RingGrid& grid);
 Vectors ring_centres(const System& system, int body, const RingGrid& grid);
 

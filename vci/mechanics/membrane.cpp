@@ -54,8 +54,8 @@ Principal principal(const Mat32& f) {
   return p;
 }
 
-/// Second derivatives of the energy by F in the principal frame: two scalings, twist and shear in the plane, two out
-/// of it; without `exact` negative eigenvalues are left out.
+/// Second derivatives of the energy by F in the principal frame: two scalings, twist and shear in the plane, and two
+/// motions out of the plane. Without `exact` negative eigenvalues are left out.
 struct Curvature {
   Mat2 scaling;
   double same, swapped; ///< of F_ij with itself and with F_ji, i != j

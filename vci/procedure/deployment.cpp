@@ -39,7 +39,7 @@ std::string progress_line(const StageReport& stage, const System& system) {
   throw no_balance(where, r, run.scene.numerics.integrator, run.system);
 }
 
-/// Sets what a stage needs before it is relaxed; returns the solver's settings for it.
+/// Sets pressures, balloons and ties for a stage before it is relaxed; returns the solver's settings for it.
 IntegratorSettings prepare(RunState& run, const Step& step, const Stage& stage) {
   if (!stage.with_balloons)
     remove_balloons(run);

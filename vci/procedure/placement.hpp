@@ -12,7 +12,7 @@ struct DeviceLayout {
   double inflated_radius;
 };
 
-constexpr double start_clearance = 0.03; ///< mm between a device and what surrounds it at the start
+constexpr double start_clearance = 0.03; ///< mm between a device and the surfaces round it at the start
 
 /// A device may leave an implanted stent through its side: a device of a side branch through the stent of the main
 /// branch, or the other way round. It pushes the struts aside. So two groups of vertices are excluded from contact: the

@@ -170,7 +170,7 @@ struct Builder {
     std::vector<Vec3> points = binned(outside);
     points.insert(points.begin(), trunk.x[root]);
     points.push_back(ends[end].centre);
-    if (points.size() < 3) // what a spline needs
+    if (points.size() < 3) // too few for a spline
       points.insert(points.begin() + 1, 0.5 * (points.front() + points.back()));
     Branch side;
     side.end = end;
