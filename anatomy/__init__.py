@@ -1,1 +1,1 @@
-"""The lumen's geometry after the program `lumen` has measured it: planned devices and a picture of the tree."""
+"""Steps before and after the program `lumen`: lumens from CT and contours, registration, planned devices, pictures."""

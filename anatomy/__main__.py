@@ -5,7 +5,7 @@ import pathlib
 
 from common.errors import InputError, guarded
 
-THICKEST_WALL_MM = 1.0  # as in config/schemas: three times the normal intima; nothing that thick is healthy
+THICKEST_WALL_MM = 1.0  # as in config/schemas: three times the normal intima, so not healthy
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 

@@ -1,4 +1,4 @@
-"""A picture of a surface with the places that `lumen check` took for ends, and those that it took for wall."""
+"""A picture of a surface with the places that `lumen check` took for ends, and the places that it took for wall."""
 
 import json
 
@@ -16,7 +16,7 @@ from matplotlib.collections import PolyCollection  # noqa: E402
 COLOURS = {True: "tab:green", False: "tab:red"}
 SIZE = (13, 8)  # inches
 OSTIUM = "tab:blue"
-MOST_TRIANGLES = 60_000  # drawn; of more every n-th
+MOST_TRIANGLES = 60_000  # of a larger surface only every n-th triangle is drawn
 
 
 def run(surface, candidates, out):
@@ -47,7 +47,7 @@ def _listed(path):
 
 
 def _draw(axes, corners, found, trees, turn):
-    """One view: across the two largest principal axes, turned by `turn` degrees about the first."""
+    """Draws one view: of the plane of the two largest principal axes, turned by `turn` degrees about the first."""
     middle = corners.reshape(-1, 3).mean(axis=0)
     first, second, third = np.linalg.svd(corners[:, 0][:: max(1, len(corners) // 5000)] - middle)[2]
     if turn:

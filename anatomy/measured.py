@@ -1,4 +1,4 @@
-"""What `lumen process` measured: the summary anatomy.json and the table sections.csv."""
+"""Reads the results of `lumen process`: the summary anatomy.json and the table sections.csv."""
 
 import csv
 import json

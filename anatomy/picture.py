@@ -13,7 +13,7 @@ from matplotlib import pyplot as plt  # noqa: E402  (the backend comes first)
 from matplotlib.collections import LineCollection  # noqa: E402
 
 POSITION = ("x_mm", "y_mm", "z_mm")
-WIDTH, PROFILE, LOWEST = 10, 4.5, 3.0  # inches: of the picture, height of the diameters', least height of the tree's
+WIDTH, PROFILE, LOWEST = 10, 4.5, 3.0  # inches: picture's width, height of the diameters, least height of the tree
 
 
 def run(anatomy_folder, out):
@@ -36,7 +36,7 @@ def run(anatomy_folder, out):
 
 
 def _height(project, branches):
-    """Inches of the tree's picture, LOWEST or more, that leave it no empty band."""
+    """Height in inches of the tree's picture, LOWEST or more, for which it has no empty band."""
     points = project(np.vstack([_column(rows, *POSITION) for rows in branches.values()]))
     thick = max(row["equivalent_diameter_mm"] for rows in branches.values() for row in rows)
     width, height = np.ptp(points, axis=0) + thick
@@ -44,7 +44,7 @@ def _height(project, branches):
 
 
 def _plane(points):
-    """Function that projects points (n, 3) on the plane of their two largest principal axes, signs made definite."""
+    """Function that projects points (n, 3) on the plane of their two largest principal axes, with fixed signs."""
     centre = points.mean(axis=0)
     axes = np.linalg.svd(points - centre, full_matrices=False)[2][:2]
     axes *= np.sign(axes[np.arange(2), np.abs(axes).argmax(axis=1)])[:, None]
@@ -80,10 +80,10 @@ def _draw_tree(figure, axes, project, summary, branches):
 
 
 def _place(figure, axes, labels):
-    """Moves each label (annotation, preferred angle in degrees, points of the vessel to keep clear of) off the others.
+    """Moves labels (annotation, preferred angle in degrees, points of the vessel to keep clear of) off one another.
 
-    A label goes to the nearest place round its point that meets no vessel and no label placed before. It looks in 16
-    directions, the preferred one first. Where all places are taken it goes where it meets least.
+    A label goes to the nearest place round its point that meets no vessel and no label placed before. 16 directions are
+    tried, the preferred one first. If all places are taken, the label goes to the place where it meets least.
     """
     figure.draw_without_rendering()
     renderer, taken = figure.canvas.get_renderer(), []
@@ -127,7 +127,7 @@ def _draw_branch(axes, project, rows, colours):
 
 
 def _draw_roots(axes, project, summary, branches):
-    """A dotted line from each side branch's first section to where its axis leaves its parent's."""
+    """Draws a dotted line from each side branch's first section to the point where its axis leaves its parent's."""
     for branch in summary.get("branches", ()):
         if branch["parent"] is None or not {branch["name"], branch["parent"]} <= branches.keys():
             continue

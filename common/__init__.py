@@ -1,1 +1,1 @@
-"""What every part needs: errors a user can act on, validated configuration, files written whole or not at all."""
+"""Code that every part needs: errors a user can act on, validated configuration, files written whole or not at all."""

@@ -1,4 +1,4 @@
-// A command line that is not understood is bad input like any other: one message, exit code 2.
+// Parsing of the command line. A mistake in it is bad input like any other: one message, exit code 2.
 #pragma once
 #include "common/error.hpp"
 #include <CLI/CLI.hpp>
@@ -6,8 +6,8 @@
 
 namespace common {
 
-/// Parses the command line. Returns nothing where a command is to run, else the exit code of the program. That is 0
-/// after --help, and 2 after one message that names the command and what it does not understand.
+/// Parses the command line. Returns nothing if a command is to run, else the exit code of the program. The code is 0
+/// after --help, and 2 after one message that names the command and the argument that it does not understand.
 inline std::optional<int> exit_code_of_parsing(CLI::App& app, int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);

@@ -1,4 +1,4 @@
-"""The study's configuration: read, checked against its schemas, defaults filled in.
+"""Reads the study's configuration, checks it against its schemas and fills in defaults.
 
 Everything here raises InputError with file, line, key, value and what is allowed.
 """
@@ -22,7 +22,7 @@ def load(path, schema_name):
 
 
 def load_section(path, name):
-    """A section of the settings, say `ct`, from a YAML or JSON file of its own, or its defaults where path is None."""
+    """A section of the settings, say `ct`, from a YAML or JSON file of its own; the defaults if `path` is None."""
     return load(path, name) if path else schema.with_defaults({}, schema.read(name))
 
 
@@ -32,8 +32,10 @@ def load_study(path):
 
 
 def load_case(path):
-    """config/cases/<case>.yaml: patient, vessel (synthetic) or lumen (surface), plan, settings, and what is known of a
-    real patient (post, measured)."""
+    """config/cases/<case>.yaml: patient, vessel (synthetic) or lumen (surface), plan and settings.
+
+    A real patient may also have `post`, the lumen after the procedure, and `measured`, values by pressure wire.
+    """
     document = _load(path, "case")
     patient = document.data["patient"]
     if patient["dbp_mmhg"] >= patient["sbp_mmhg"]:
@@ -86,7 +88,7 @@ def _check_lumen(document, key):
 
 
 def listed_steps(plan):
-    """The steps that a case's `plan` lists; none where a plan is to be proposed."""
+    """The steps that a case's `plan` lists; none if a plan is to be proposed."""
     return plan if isinstance(plan, list) else []
 
 

@@ -1,4 +1,4 @@
-// Errors that a user sees: one message that says what is wrong, where, the value, and the remedy.
+// Errors that a user sees. Their one message says what is wrong, where, the value, and the remedy.
 #pragma once
 #include <algorithm>
 #include <exception>
@@ -8,7 +8,7 @@
 
 namespace common {
 
-/// The one message. A zero byte of a damaged file would end it before its remedy, so it is shown as a question mark.
+/// The one message. A zero byte from a damaged file is shown as a question mark, since it would end the text early.
 inline std::string error_message(const std::string& what, const std::string& where, const std::string& value,
                                  const std::string& remedy) {
   std::string text = "error: " + what + "\n  where:  " + where + "\n  value:  " + value + "\n  remedy: " + remedy;
@@ -23,7 +23,7 @@ public:
       : std::runtime_error(error_message(what, where, value, remedy)) {}
 };
 
-/// A computation that did not converge or whose result is not to be trusted: exit code 3.
+/// A computation did not converge, or its result cannot be trusted: the program ends with exit code 3.
 class ComputationError : public std::runtime_error {
 public:
   ComputationError(const std::string& what, const std::string& where, const std::string& value,

@@ -1,7 +1,7 @@
-"""What differs between FEniCSx 0.5 (Debian 12) and 0.9 (Debian 13), for every part that uses it; and compiled forms.
+"""One interface to FEniCSx 0.5 (Debian 12) and 0.9 (Debian 13), and compiled forms.
 
-Elements, function spaces and what is read from them have one name here, so that all other code is the same for both.
-A cell is a name as "tetrahedron" (`cell_of` a mesh). Vectors have `size` components; None: scalars.
+Elements, function spaces and their data have one name here, so that all other code is the same for both versions.
+`cell` is a cell's name, such as "tetrahedron" (`cell_of` a mesh). Vectors have `size` components; None means scalars.
 """
 
 import pathlib
@@ -11,7 +11,7 @@ import basix
 import ufl
 from dolfinx import fem, jit, plot
 
-# two programs that start together compile the same forms: one waits for the other, by default for 10 s only
+# of two programs that need the same form, one compiles it and the other waits: by default for 10 s only
 WAIT_S = 300
 
 if hasattr(fem, "functionspace"):  # 0.9
@@ -30,11 +30,11 @@ if hasattr(fem, "functionspace"):  # 0.9
         return basix.ufl.element("Lagrange", cell, degree, shape=_shape(size))
 
     def quadrature(cell, degree, size=None):
-        """Element of values at the points of the quadrature of a degree."""
+        """Quadrature element: values at the points of the quadrature rule of a degree."""
         return basix.ufl.quadrature_element(cell, _shape(size) or (), degree=degree)
 
     def mixed(*elements):
-        """Product of elements."""
+        """Mixed element of several elements."""
         return basix.ufl.mixed_element(list(elements))
 
     def degrees(space):
@@ -54,7 +54,7 @@ if hasattr(fem, "functionspace"):  # 0.9
         return expression.eval(mesh, cells)
 
     def cell_dofs(space):
-        """(cells, dofs of a cell) node numbers of a space that is not mixed; of a part of one that is, its dofs."""
+        """(cells, dofs of a cell) node numbers of a space; for a part of a mixed space the dof numbers."""
         return space.dofmap.list
 
     def _shape(size):
@@ -111,7 +111,7 @@ def quadratic_domain(cell):
 
 
 def form(expression, flags=()):
-    """Compiled form of a UFL expression; flags: of the C compiler, in place of FEniCSx's own."""
+    """Compiled form of a UFL expression; flags: for the C compiler, in place of FEniCSx's own."""
     options = {"timeout": WAIT_S}
     if flags:
         options["cffi_extra_compile_args"] = list(flags)
@@ -121,8 +121,8 @@ def form(expression, flags=()):
 def drop_unfinished():
     """Removes files that killed programs left in FEniCSx's compilation cache; returns the files' names.
 
-    Such a source file tells every later program that somebody is compiling. That program would wait, and then fail.
-    Only files older than WAIT_S are removed; no form takes that long.
+    Such a source file tells every later program that another program is compiling the form. The later program would
+    wait, and then fail. Only files older than WAIT_S are removed; no form takes that long.
     """
     dropped = []
     for source in pathlib.Path(jit_options()["cache_dir"]).expanduser().glob("libffcx_*.c"):

@@ -13,7 +13,7 @@ from common.errors import InputError
 def replacing(path):
     """Yields a temporary path (same folder, same suffix) that becomes `path` if the block succeeds.
 
-    The temporary file is removed if the block raises. Raises InputError where the folder cannot be made.
+    The temporary file is removed if the block raises. Raises InputError if the folder cannot be made.
     """
     path = pathlib.Path(path)
     try:

@@ -1,4 +1,4 @@
-"""Strict JSON: numbers that are not finite are refused, and values are named in the shape common.schema asks for."""
+"""Strict JSON: numbers that are not finite are refused, and errors name each value as common.schema expects it."""
 
 import json
 import math
@@ -15,7 +15,7 @@ class Document:
         self.file, self.data = file, data
 
     def line(self, path):
-        """Stands for a line number: how many values begin before the one at `path`. It orders the errors."""
+        """Number of values before the one at `path`. It takes the place of a line number for sorting errors."""
         return next(number for number, (place, _) in enumerate(_walk(self.data, ())) if place == tuple(path))
 
     def where(self, path):
@@ -24,7 +24,7 @@ class Document:
         return f"{self.file}, key {key}" if key else str(self.file)
 
     def check_finite(self):
-        """Raises InputError for the first number that is not: no limit of a schema catches NaN."""
+        """Raises InputError for the first number that is not finite, since no limit of a schema catches NaN."""
         for path, value in _walk(self.data, ()):
             if isinstance(value, float) and not math.isfinite(value):
                 raise InputError("number is not finite", self.where(path), value, "give a finite number")
@@ -41,7 +41,7 @@ def read(file, kind):
     except OSError as error:
         what = "no such file" if isinstance(error, FileNotFoundError) else "file cannot be read"
         raise InputError(what, file, error.strerror, remedy) from None
-    except (ValueError, RecursionError) as error:  # of JSON, of UTF-8, of too long a number, of too deep a nesting
+    except (ValueError, RecursionError) as error:  # bad JSON or UTF-8, a number too long, or nesting too deep
         raise InputError("not a JSON file", file, error, remedy) from None
     document = Document(file, data)
     if not isinstance(data, dict):

@@ -1,4 +1,4 @@
-// The same last digits on every processor.
+// Makes results have the same last digits on every processor.
 #pragma once
 #include <cstdlib>
 #include <string>
@@ -7,7 +7,7 @@
 namespace common {
 
 /// Starts the program again with the C library's functions (sin, exp, ...) for processors without fused multiply-add.
-/// glibc chooses them by the processor, so last digits differ, and the outcome of a hard deployment may depend on them.
+/// glibc chooses these functions by the processor, so last digits differ, and a hard deployment may end differently.
 /// If the user has set hwcaps, or the program cannot be started again, nothing changes.
 inline void same_digits_on_every_processor(char** argv) {
   const char* given = std::getenv("GLIBC_TUNABLES");

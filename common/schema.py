@@ -1,4 +1,4 @@
-"""JSON schemas for the configuration: reading them, filling in defaults, and saying what is wrong in plain words.
+"""JSON schemas for the configuration: reads them, fills in defaults, and says in plain words which value is wrong.
 
 Schemas are JSON Schema (2020-12) written as YAML in config/schemas/. A `$ref` names another schema file and is
 expanded when read. `x-partial: true` marks a tree of overrides: its keys are checked, nothing in it is required and no
@@ -38,7 +38,7 @@ def _expand(schema, partial):
     for key, value in schema.items():
         if partial and key in ("required", "default"):
             continue
-        if key == "properties":  # names of keys, which may well be called "default" or "required"
+        if key == "properties":  # holds names of keys, which may be "default" or "required"
             expanded[key] = {name: _expand(item, inside) for name, item in value.items()}
         else:
             expanded[key] = _expand(value, inside)
@@ -54,8 +54,7 @@ def validate(document, schema):
 
 
 def _order(document, error):
-    """Errors in the order of the file. Within a line: a key that may not stand there, then an unknown key, then the
-    rest.
+    """Sort key: errors in the file's order. Within a line: a key not allowed there, then an unknown key, then others.
 
     An unknown key comes before a missing one, because it is often that key misspelt.
     """
@@ -77,7 +76,7 @@ def _fill(data, schema):
                 data[key] = copy.deepcopy(sub["default"])
             if key in data:
                 if sub.get("type") == "integer" and isinstance(data[key], float):
-                    data[key] = int(data[key])  # 24.0 is a whole number to JSON, but not to range()
+                    data[key] = int(data[key])  # JSON Schema accepts 24.0 as a whole number, range() does not
                 _fill(data[key], sub)
     elif isinstance(data, list) and "items" in schema:
         if schema["items"].get("type") == "integer":
@@ -180,6 +179,6 @@ _LIMITS = {
 
 
 def _short(value):
-    """A value for a message, cut where it is long; a number in quotes keeps them, since they are what is wrong."""
+    """A value for a message, cut if it is long. A number in quotes keeps the quotes, since they are the mistake."""
     text = repr(value) if isinstance(value, str) and _NUMBER.match(value) else str(value)
     return text if len(text) <= 80 else text[:77] + "..."

@@ -12,7 +12,7 @@ from vtk.util.numpy_support import numpy_to_vtk
 
 from common.files import replacing
 
-LOWEST_HU, HIGHEST_HU = -1024, 3071  # twelve bits, as scanners store
+LOWEST_HU, HIGHEST_HU = -1024, 3071  # the range of twelve bits, which scanners store
 SIGMA_PER_FWHM = 1 / np.sqrt(8 * np.log(2))
 UNITS_BYTE, MILLIMETRES = 123, 2  # NIfTI-1 header, xyzt_units
 
@@ -77,6 +77,6 @@ def write(image, path, description):
         writer.SetFileName(str(plain))
         writer.Write()
         content = bytearray(plain.read_bytes())
-        content[UNITS_BYTE] = MILLIMETRES  # which the writer leaves unknown
+        content[UNITS_BYTE] = MILLIMETRES  # vtkNIFTIImageWriter leaves the units unknown
         # Without the time of day, so that the same volume gives the same bits.
         partial.write_bytes(gzip.compress(content, 6, mtime=0) if partial.suffix == ".gz" else content)

@@ -7,7 +7,7 @@
 
 namespace common {
 
-/// Runs a writer of VTK's XML files. False where its error code says that it failed, or the file lacks its last tag.
+/// Runs a writer of VTK's XML files. False if its error code says that it failed, or if the file lacks its last tag.
 template <class Writer> bool wrote_xml(Writer* writer, const std::filesystem::path& file) {
   constexpr std::streamoff tail = 32;
   if (!writer->Write() || writer->GetErrorCode() != 0)
@@ -21,7 +21,7 @@ template <class Writer> bool wrote_xml(Writer* writer, const std::filesystem::pa
   return stream.read(end.data(), tail) && end.find("</VTKFile>") != std::string::npos;
 }
 
-/// Runs a writer of binary STL files. False where its error code says that it failed, or the file is too short.
+/// Runs a writer of binary STL files. False if its error code says that it failed, or if the file is too short.
 template <class Writer> bool wrote_stl(Writer* writer, const std::filesystem::path& file, std::int64_t triangles) {
   constexpr std::int64_t header = 84, of_a_triangle = 50; // bytes
   if (!writer->Write() || writer->GetErrorCode() != 0)

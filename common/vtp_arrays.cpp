@@ -16,7 +16,7 @@ vtkStandardNewMacro(VtpArrays);
 
 namespace {
 
-constexpr unsigned int deepest = 16; // a value of an array's information lies 8 deep
+constexpr unsigned int deepest = 16; // levels; the deepest valid element, a value of an array's information, is at 8
 
 bool is_ascii(vtkXMLDataElement* array) {
   const char* format = array->GetAttribute("format");
@@ -73,7 +73,7 @@ void VtpArrays::set_compressor() {
   SetCompressor(compressor);
 }
 
-/// To the start of an array's binary data, for reading from DataStream.
+/// Moves to the start of an array's binary data, for reading from DataStream.
 void VtpArrays::seek(vtkXMLDataElement* array) {
   Stream->clear(); // an earlier read may have met the file's end
   if (array->GetAttribute("offset")) {
@@ -90,7 +90,7 @@ void VtpArrays::seek(vtkXMLDataElement* array) {
   DataStream->SetStream(Stream);
 }
 
-/// The first words of an array's binary data; none where the file has fewer.
+/// The first words of an array's binary data; empty if the file has fewer.
 std::vector<std::uint64_t> VtpArrays::header(vtkXMLDataElement* array, std::uint64_t words) {
   const std::size_t width = HeaderType / 8;
   if (words > file_size_ / width)
@@ -115,7 +115,7 @@ std::vector<std::uint64_t> VtpArrays::header(vtkXMLDataElement* array, std::uint
   return result;
 }
 
-/// How many bytes an array's data are: by its header, which is checked against the file; 0 of data without a header.
+/// Number of bytes of an array's data by its header, which is checked against the file; 0 if the data has no header.
 std::uint64_t VtpArrays::uncompressed_bytes(vtkXMLDataElement* array) {
   if (!Compressor) {
     const auto length = header(array, 1);

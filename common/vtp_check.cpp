@@ -25,8 +25,8 @@ template <class Visit> void each_nested(vtkXMLDataElement* parent, Visit&& visit
     visit(parent->GetNestedElement(k));
 }
 
-/// The number in an attribute of an element, such as NumberOfPoints; 0 without the attribute. Throws Damaged for text
-/// that is no number, and for a negative number.
+/// The number in an attribute of an element, such as NumberOfPoints; 0 without the attribute. Throws Damaged if the
+/// text is no number or the number is negative.
 std::uint64_t count_of(vtkXMLDataElement* element, const char* attribute) {
   long long count = 0;
   if (element->GetAttribute(attribute) && !element->GetScalarAttribute(attribute, count))
@@ -57,7 +57,7 @@ Array array_of(vtkXMLDataElement* element) {
   return array;
 }
 
-/// The values of an array, `tuples` times its components at the least.
+/// The values of an array: at least `tuples` times its number of components.
 std::vector<unsigned char> read(VtpArrays& file, const Array& a, std::uint64_t tuples) {
   if (tuples > UINT64_MAX / most_components)
     throw Damaged("more values than any file holds: " + a.name);

@@ -1,4 +1,4 @@
-// Whether a .vtp file holds what it claims to hold, before VTK's reader takes its word for it.
+// Checks that a .vtp file holds as much data as it claims, since VTK's reader trusts the claims.
 #pragma once
 #include <filesystem>
 #include <string>

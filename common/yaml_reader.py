@@ -15,7 +15,7 @@ from common.errors import InputError
 
 
 MOST_VALUES = 100_000  # a study's files hold some hundreds; aliases of aliases can write out billions
-LONGEST_NUMBER = 300  # digits: as a float it is still finite
+LONGEST_NUMBER = 300  # digits; a longer number might not be finite as a float
 TAG = "tag:yaml.org,2002:"
 PLAIN = {
     "null": (r"^(~|null|Null|NULL|)$", ["~", "n", "N", ""]),
@@ -56,7 +56,7 @@ class Document:
         self.file, self.data, self._lines = pathlib.Path(file), data, lines
 
     def line(self, path):
-        """Line (from 1) of the value at `path`, or of its nearest ancestor that stands in the file."""
+        """Line (from 1) of the value at `path`, or of its nearest ancestor in the file."""
         path = tuple(path)
         while path not in self._lines:
             path = path[:-1]
@@ -118,7 +118,7 @@ def read(file):
 
 
 def _check(loader, node, path, file, lines):
-    """Records the line of every value below `node`; refuses what the core schema does not have and repeated keys."""
+    """Records the line of every value below `node`; refuses values outside the core schema and repeated keys."""
     line = node.start_mark.line + 1
     where = f"{file}, line {line}" + (f", key {key_name(path)}" if path else "")
     lines[path] = line
@@ -151,7 +151,7 @@ def _check(loader, node, path, file, lines):
 
 
 def _check_scalar(loader, node, where):
-    """Refuses a scalar that its tag does not fit, a number of more digits than Python reads, and half a character."""
+    """Refuses a scalar of the wrong kind for its tag, a number longer than Python reads, and half a surrogate pair."""
     plain = loader.resolve(yaml.ScalarNode, node.value, (True, False))
     if node.tag not in (TAG + "str", plain):
         value = f"{node.tag.replace(TAG, '!!')} {node.value}"

@@ -9,15 +9,15 @@ CHUNK = 200_000  # pairs tested at once; bounds the memory
 def crossing_pairs(points, triangles):
     """Pairs (k, 2) of triangles that share no vertex and cross, sorted; empty for a surface that does not cross itself.
 
-    points (n, 3), triangles (m, 3). Two triangles cross when an edge of one pierces the other; coplanar overlap (of
-    triangles of one flat cap) is not looked for. Neighbours that share a vertex and fold over it cross their further
-    neighbours as well.
+    points (n, 3), triangles (m, 3). Two triangles cross if an edge of one pierces the other. Overlap of coplanar
+    triangles, as in a flat cap, is not found. Pairs that share a vertex need no test: if they fold over each other,
+    they also cross other neighbours.
     """
     corners = points[triangles]
     middle = corners.mean(axis=1)
     reach = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
     found = []
-    # Each triangle searches for those not larger than itself, so that a long one does not slow the others.
+    # Each triangle searches for triangles not larger than itself, so that a long one does not slow the others.
     tree, limit = cKDTree(middle), np.sort(reach)
     typical = limit[int(0.99 * (len(limit) - 1))]
     pairs = [tree.query_pairs(2 * typical, output_type="ndarray")]
@@ -49,7 +49,7 @@ def _pierces(a, b):
         through = h0 * h1 < 0
         share = np.where(through, h0 / np.where(through, h0 - h1, 1.0), 0.0)
         place = a[:, k] + share[:, None] * (a[:, (k + 1) % 3] - a[:, k]) - b[:, 0]
-        # Barycentric coordinates of the place in b.
+        # Barycentric coordinates of the intersection in b.
         scale = np.einsum("nd,nd->n", normal, normal)
         scale = np.where(scale > 0, scale, 1.0)
         s = np.einsum("nd,nd->n", np.cross(place, v), normal) / scale

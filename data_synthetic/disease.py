@@ -1,4 +1,4 @@
-"""Lesions: how far the plaque narrows the healthy lumen, and the plaque's type."""
+"""Lesions: by how much the plaque narrows the healthy lumen, and the plaque's type."""
 
 import numpy as np
 

@@ -16,10 +16,10 @@ LENGTH_MM = {"lad": (65, 105), "lcx": (60, 85), "rca": (75, 110)}
 LESIONS = {"focal": 0.45, "diffuse": 0.25, "tandem": 0.15, "bifurcation": 0.15}
 LESION_LENGTH_MM = {"focal": (8, 15), "diffuse": (18, 28), "tandem": (18, 26), "bifurcation": (8, 14)}
 SMALLEST_TREATED_MM = 2.6  # healthy diameter at the lesion; smaller vessels are rarely stented
-LARGEST_TREATED_MM = 4.4  # the same at its distal end; stents of the catalogue end at 4.5 mm
+LARGEST_TREATED_MM = 4.4  # healthy diameter at the lesion's distal end; the catalogue's largest stents have 4.5 mm
 CLEAR_OF_OSTIA_MM = 3.0
 ATTEMPTS = 200
-MOST = 1_000_000  # each is a file of its own, drawn in some milliseconds
+MOST = 1_000_000  # patients; each has its own file and takes some milliseconds
 
 
 def run(count, seed, out):
@@ -60,7 +60,7 @@ def one(seed, number):
             patient.check(vessel, "draw")
             branches = tree.grow(vessel, "draw")
         except InputError:
-            continue  # impossible together: a side branch too wide, a tree that meets itself
+            continue  # impossible combination, such as a side branch too wide or a tree that meets itself
         if _treatable(branches[0], case["vessel"]["lesions"][0]):
             return case
     raise ComputationError("no patient that can be built", "draw", f"{ATTEMPTS} attempts", "another seed")
@@ -109,8 +109,8 @@ def _case(rng):
 
 
 def _sides(rng, main):
-    """Side branches, in order, of a main vessel (dict, as in the case). Their diameters are shares of its own at the
-    origin."""
+    """Side branches, in order, of a main vessel (dict, as in the case). Their diameters are shares of the main vessel's
+    diameter at the origin of each branch."""
     count, length = int(rng.integers(2, 6)), main["length_mm"]
     stretch = np.linspace(0.15, 0.85, count + 1) * length
     found = []

@@ -1,4 +1,4 @@
-"""From a synthetic case to its source surface and its truth."""
+"""Makes a synthetic case's lumen surface and truth.json, its exact geometry."""
 
 import sys
 
@@ -36,7 +36,7 @@ def plaque_at(branches, points_mm):
 
 
 def check_throats(branches, spacing_mm, where):
-    """Raises InputError for a lumen so narrow that it may pass between the points of the grid."""
+    """Raises InputError for a lumen so narrow that it may fall between the points of the grid."""
     least = 0.5 * 3**0.5 * spacing_mm  # half the diagonal of a cell
     for branch in branches:
         at = int(np.argmin(branch.radius_mm))

@@ -15,11 +15,11 @@ EASE_MM = 2.0  # half the length over which the main radius falls at a bifurcati
 
 @dataclass(frozen=True)
 class Bifurcation:
-    """Healthy radii (mm) just before and after a side branch and of it, and the lengths (mm) on which they hold.
+    """Healthy radii (mm) of the main vessel just before and after a side branch, and of that branch.
 
-    s_mm: where it leaves the main axis; start_mm, end_mm: stretch of the main axis without taper. side_level_mm:
-    length of the side branch's axis without taper, from its root. after_mm is 0 where nothing is left for the main
-    vessel.
+    s_mm: arc length at which the branch leaves the main axis. start_mm, end_mm: stretch of the main axis without taper.
+    side_level_mm: length of the side branch's axis without taper, from its root. after_mm is 0 if the side branch takes
+    the whole vessel.
     """
 
     s_mm: float
@@ -45,7 +45,7 @@ def bifurcations(vessel):
         before = float(0.5 * vessel["main"]["ostial_diameter_mm"] * left * _main_taper(vessel, found, start))
         radius, angle = 0.5 * side["diameter_mm"], np.radians(side["angle_deg"])
         after = max(before**exponent - radius**exponent, 0.0) ** (1 / exponent)
-        # The ostium's far rim on the main wall, and the place where the side branch has left that wall all round.
+        # rim: distal edge of the ostium on the main wall. level: where the side branch is clear of that wall all round.
         rim = before / np.tan(angle) + radius / np.sin(angle) + BLEND_MM
         level = before / np.sin(angle) + radius / abs(np.tan(angle)) + BLEND_MM
         end = side["s_mm"] + max(EASE_MM, rim)
@@ -65,12 +65,12 @@ def main_healthy_radius(vessel, s_mm):
 
 
 def side_healthy_radius(side, bifurcation, s_mm):
-    """Healthy radius (mm) of a side branch at arc lengths s_mm from its root: level in its ostium, then tapered."""
+    """Healthy radius (mm) of a side branch at arc lengths s_mm from its root: constant in its ostium, then tapered."""
     return bifurcation.side_mm * _taper(side, np.maximum(np.asarray(s_mm, float) - bifurcation.side_level_mm, 0))
 
 
 def smooth_step(x):
-    """0 for x <= 0, 1 for x >= 1, C2 between."""
+    """0 for x <= 0, 1 for x >= 1, twice continuously differentiable."""
     x = np.clip(x, 0, 1)
     return x * x * x * (10 - 15 * x + 6 * x * x)
 
@@ -80,8 +80,7 @@ def _taper(branch, length_mm):
 
 
 def _main_taper(vessel, passed, s_mm):
-    """Share (0 ... 1) of the main radius that is left after taper at s_mm. There is no taper inside the ostia of
-    `passed`."""
+    """Factor (0 ... 1) by which taper reduces the main radius at s_mm. There is no taper in the ostia of `passed`."""
     level, reached = 0.0, -np.inf
     for b in passed:
         start = max(b.start_mm, reached)  # ostia may overlap

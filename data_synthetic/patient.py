@@ -1,4 +1,4 @@
-"""Reads a synthetic case, and refuses a vessel that cannot be built with a message that names the key."""
+"""Reads a synthetic case. A vessel that cannot be built is refused with a message that names the key."""
 
 import pathlib
 
@@ -8,8 +8,8 @@ from common.errors import InputError
 from . import healthy_radius, disease
 
 
-NARROWEST_MAIN_MM = 1.2  # of diameter, past the last side branch
-NARROWEST_END_MM = 0.6  # of diameter: three cells of the grid on which the surface is found
+NARROWEST_MAIN_MM = 1.2  # diameter past the last side branch
+NARROWEST_END_MM = 0.6  # diameter: three cells of the grid on which the surface is found
 
 
 def load(path):
@@ -100,7 +100,7 @@ def _check_taper(branch, end, key, refuse):
 
 
 def _check_overlap(others, lesion, key, refuse):
-    """Where lesions overlap the deeper counts: an axis that they shift differently would jump between them."""
+    """Raises InputError if overlapping lesions shift the axis differently: it would jump from one to the other."""
     start, end = disease.extent(lesion)
     for number, other in enumerate(others, start=1):
         low, high = disease.extent(other)

@@ -1,4 +1,4 @@
-"""The keys of a scene that this part reads: devices, and the steps that use them."""
+"""Reads the keys of a scene that data_synthetic needs: devices, and the steps that use them."""
 
 import pathlib
 

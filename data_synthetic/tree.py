@@ -11,7 +11,7 @@ from common.implicit.curves import SAMPLE_MM, Curve, integrate
 from . import healthy_radius, disease
 
 HEART_CURVATURE = {"lad": 1 / 45, "lcx": 1 / 32, "rca": 1 / 26}
-# Bends alternate over about 15 mm: a narrow kernel less a wide one of the same integral, so that none grows to a loop.
+# Bends alternate over about 15 mm. A narrow kernel minus a wide one of the same integral keeps a bend from looping.
 NARROW_MM, WIDE_MM = 3.0, 8.0
 ATTEMPTS = 60
 
@@ -61,7 +61,7 @@ class Branch:
         return np.max(shares, axis=0) if shares else np.zeros(np.broadcast(s_mm, theta_rad).shape)
 
     def base_type(self, s_mm):
-        """Plaque type (int) outside calcium: that of the nearest lesion, or fibrous in a branch without one."""
+        """Plaque type (int) outside calcium: the nearest lesion's type, or fibrous in a branch without a lesion."""
         if not self.lesions:
             return np.full(np.shape(s_mm), disease.FIBROUS)
         distance = [np.abs(s_mm - le["centre_s_mm"]) / le["length_mm"] for le in self.lesions]
@@ -70,7 +70,7 @@ class Branch:
 
 
 def _interpolate(s_mm, samples, values):
-    """Cubic Hermite (monotone) interpolation at even samples: C1, so that the field has a gradient."""
+    """Monotone cubic Hermite interpolation of even samples, with a continuous derivative for the field's gradient."""
     x = np.clip((np.asarray(s_mm, float) - samples[0]) / (samples[1] - samples[0]), 0, len(samples) - 1)
     i = np.minimum(x.astype(int), len(samples) - 2)
     t = x - i
@@ -84,7 +84,7 @@ def _gaussian(x, width):
 
 
 def _random_axis(vessel, rng):
-    """Main vessel's axis (Curve): bend over the heart plus smooth random curvature, mean and bound as asked."""
+    """Main vessel's axis (Curve): bend over the heart plus smooth random curvature, with the asked mean and bound."""
     main = vessel["main"]
     count = int(round(main["length_mm"] / SAMPLE_MM)) + 1
     s = np.linspace(0, main["length_mm"], count)
@@ -117,7 +117,7 @@ def _side_axis(main, side, main_radius):
     azimuth, angle = np.radians(side["azimuth_deg"]), np.radians(side["angle_deg"])
     outward = np.cos(azimuth) * normal + np.sin(azimuth) * binormal
     s = np.linspace(0, side["length_mm"], int(round(side["length_mm"] / SAMPLE_MM)) + 1)
-    # Straight to 3 mm past the main wall, then turns towards the main direction by at most 0.04 /mm down to 30 degrees.
+    # Straight to 3 mm past the main wall, then a turn towards the main direction, at most 0.04 rad/mm, to 30 degrees.
     straight = main_radius / np.sin(angle) + 3.0
     turned = np.maximum(
         angle - 0.04 * np.maximum(s - straight, 0) * healthy_radius.smooth_step((s - straight) / 4), np.radians(30)
@@ -138,7 +138,7 @@ def _diseased(name, parent, s_parent, axis, healthy, lesions, rng):
         part = 0.01 * lesion["diameter_stenosis_percent"] * w / max(w.max(), 1e-12)
         direction = np.radians(lesion["direction_deg"])
         ray = np.cos(direction) * axis.normals + np.sin(direction) * axis.binormals
-        # Overlapping lesions: the deeper one counts, smoothly enough at this sampling.
+        # Of overlapping lesions the deeper one counts; at this sampling the change is smooth enough.
         deeper = part > loss
         loss = np.maximum(loss, part)
         push = np.where(deeper[:, None], (lesion["eccentricity"] * part)[:, None] * ray, push)
@@ -165,9 +165,10 @@ REMEDY = {
 
 
 def _conflict(branches):
-    """None if no bend is sharper than its radius and, away from the roots, no branch comes near itself or another.
+    """(reason, branch) of the first conflict: SHARP, ITSELF or OTHERS, and the branch's name. None if there is none.
 
-    Else (reason, branch): SHARP, ITSELF or OTHERS, and the name of the branch.
+    SHARP: a bend whose radius is less than 1.25 lumen radii. ITSELF, OTHERS: a branch comes near itself or, away from
+    the roots, near another branch.
     """
     for branch in branches:
         axis, radius = branch.axis, branch.radius_mm
@@ -184,13 +185,13 @@ def _conflict(branches):
 
 
 def _near(branch, other):
-    """Whether `other` comes within 1 mm of `branch`, away from its root or from that of both."""
+    """Whether the walls of `other` and `branch` come within 1 mm, away from the root of `other` or a common root."""
     coarse = slice(None, None, 5)
     p, r = branch.axis.points_mm[coarse], branch.healthy_mm[coarse]
     q, t, ro = other.axis.points_mm[coarse], other.axis.s_mm[coarse], other.healthy_mm[coarse]
     gap = np.linalg.norm(p[:, None] - q[None], axis=2) - np.add.outer(r, ro)
     root = other.parent == branch.name
-    # Past 3 mm outside the parent's wall a side branch must keep 1 mm free.
+    # A side branch may be near its parent only at its root.
     free = t > (branch.healthy(other.s_on_parent_mm) / np.sin(np.radians(30)) + 2.5 * ro[0] if root else 0)
     if not root and abs(other.s_on_parent_mm - branch.s_on_parent_mm) < 4 * branch.healthy_mm.max():
         free = t > 6
@@ -198,9 +199,9 @@ def _near(branch, other):
 
 
 def grow(vessel, where="vessel"):
-    """Branches [main, side1, ...] of a checked vessel, lumen's axes from the inlet at the origin.
+    """Branches [main, side1, ...] of a checked vessel. The axes are the lumen's; the inlet is at the origin.
 
-    The seed's random stream is tried until the tree is clear of itself. Raises InputError if it never is.
+    Random axes are drawn from the seed until no branches conflict. Raises InputError if every try fails.
     """
     rng = np.random.default_rng(vessel["seed"])
     conflicts = collections.Counter()

@@ -14,7 +14,7 @@ SCHEMA = "vci-truth-1"
 
 
 def document(vessel, branches, rms_mm, vertices, triangles):
-    """The JSON document: per branch its samples (mm), lesions with their true extent and stenosis, the wall."""
+    """The JSON document: each branch's samples (mm), the lesions' true extent and stenosis, and the wall."""
     forks = healthy_radius.bifurcations(vessel)
     return {
         "schema": SCHEMA,
@@ -67,7 +67,7 @@ SHAPES = {"s_mm": 1, "points_mm": 2, "radius_mm": 1, "healthy_radius_mm": 1, "sh
 
 
 def check(document, path):
-    """Raises InputError, by its key, for a part of the document (dict) that is missing or cannot be of a vessel."""
+    """Raises InputError, naming the key, if a part of the document (dict) is missing or impossible for a vessel."""
     for key in ("branches", "wall_thickness_mm"):
         if key not in document:
             raise InputError("incomplete truth file", f"{path}: {key}", "missing", AGAIN)

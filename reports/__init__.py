@@ -1,1 +1,1 @@
-"""Measures each case, compares the states over the cohort, and writes the tables, the figures and the report."""
+"""Measures each case, compares its states over the cohort, and writes tables, figures and the report."""

@@ -78,7 +78,7 @@ def run_patients(args):
 
 
 def failed_steps(path):
-    """The entries of failed.json, which `workflow failed` makes; none without a path."""
+    """The entries of failed.json, which `workflow failed` makes; empty without a path."""
     return read_json(path, "workflow failed")["failed"] if path else []
 
 
@@ -205,7 +205,7 @@ def parser():
         ("cohort", "one row a case -> cohort.csv"),
     ):
         command = commands.add_parser(name, help=text)
-        count = "*" if name == "agreement" else "+"  # no case may have the CT whose lumens are compared
+        count = "*" if name == "agreement" else "+"  # for half_maximum.csv the list is empty if no case has a CT
         command.add_argument("--metrics", required=True, nargs=count, type=path, help="metrics.json of each case")
         command.add_argument("--out", required=True, type=path, help="the CSV file")
         command.set_defaults(run=run_table)

@@ -4,8 +4,8 @@
     lumen = vci.Lumen.read("lumen.vtp", "centreline.vtp")
     result = vci.deploy(lumen, devices, steps)
 
-docs/python.md shows it at work. The names below come from the compiled module vci._engine. It is loaded at first use,
-so that the benchmarks beside this file run without it.
+docs/python.md has examples. The names below come from the compiled module vci._engine. It is loaded at first use, so
+that the benchmarks in vci/benchmarks run without it.
 """
 
 import importlib
@@ -13,7 +13,7 @@ import pkgutil
 
 __all__ = ["ComputationError", "Deployment", "Device", "InputError", "Lumen", "Result", "deploy", "radius_correct"]
 
-# In a clone the compiled module is not beside this file, but in build/python/vci, which PYTHONPATH names.
+# In a clone the compiled module is not in this folder but in build/python/vci, whose parent is on PYTHONPATH.
 __path__ = pkgutil.extend_path(__path__, __name__)
 
 

@@ -1,4 +1,5 @@
-// Files of the deployment engine: scene, lumen and centreline read, lumen and shapes written. Link vci::files.
+// File input and output of the deployment engine: reads scene, lumen and centreline, writes lumen and shapes. Link
+// vci::files.
 #pragma once
 #include "vci/scene/files/centreline_file.hpp"
 #include "vci/scene/files/lumen_file.hpp"

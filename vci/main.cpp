@@ -31,7 +31,7 @@ PointArray displacement(const Lumen& lumen, const Vectors& points) {
   return vector_array("displacement_mm", moved);
 }
 
-/// The scene; where it is refused an earlier run's answer in `out` is gone as well.
+/// The scene. If it is refused, an earlier run's deployment.json in `out` is removed too.
 Scene scene_for(const fs::path& scene_file, const fs::path& out) {
   try {
     return read_scene(scene_file);
@@ -76,7 +76,7 @@ int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& 
     }
   }
   const nlohmann::json found = readouts(scene, lumen, paths, d);
-  for (std::size_t k = d.warnings.size(); k < found["warnings"].size(); ++k) // the others were said on the way
+  for (std::size_t k = d.warnings.size(); k < found["warnings"].size(); ++k) // earlier ones are already printed
     observer.log("warning: " + found["warnings"][k].get<std::string>());
   write_json(output.folder() / "deployment.json", found);
   output.publish();

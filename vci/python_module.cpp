@@ -16,7 +16,7 @@ using namespace vci;
 namespace {
 
 template <class Value> using Array = std::optional<py::array_t<Value, py::array::c_style | py::array::forcecast>>;
-constexpr int steps_between_looks = 10; // at pending signals: a fraction of a second
+constexpr int steps_between_looks = 10; // between checks for pending signals: a fraction of a second
 using Log = std::function<void(const std::string&)>;
 
 template <class Value> std::vector<Value> values_of(const Array<Value>& array) {
@@ -44,7 +44,7 @@ py::dict arrays_of(const std::map<std::string, Path>& paths) {
   return arrays;
 }
 
-/// The values of an array of whole numbers; numpy would cut off fractions and wrap large numbers in silence.
+/// The values of an array of whole numbers. The type is checked, because numpy would silently cut off fractions.
 std::vector<int> whole_numbers(const py::array& array, const std::string& name) {
   if (array.dtype().kind() != 'i' && array.dtype().kind() != 'u')
     throw common::InputError("an array that is not of whole numbers", name, py::str(py::object(array.dtype())),
@@ -140,7 +140,7 @@ struct Result {
   json readouts;
 };
 
-/// A procedure under way. Python's threads may share it: each call waits for the one before.
+/// A procedure that runs step by step. Python's threads may share it; each call waits for the previous one.
 class Session {
   /// Ends a computation on Ctrl-C.
   static void stop_where_interrupted(const Snapshot&) {

@@ -1,5 +1,5 @@
-// The deployment engine as a library: all that a program needs to run a procedure on arrays of its own.
-// Link vci::vci. vci/files.hpp reads and writes files besides; link vci::files for it.
+// The deployment engine as a library, for programs that run a procedure on their own arrays. Link vci::vci.
+// vci/files.hpp also reads and writes files; link vci::files for it.
 #pragma once
 #include "common/error.hpp"
 #include "vci/bench/bench.hpp"

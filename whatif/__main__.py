@@ -10,7 +10,7 @@ from whatif.case import Case
 
 
 def case_of(options):
-    """The Case that the options name."""
+    """The whatif.case.Case that the command-line options name."""
     return Case(options.case_dir, options.programs, options.edge, options.spacing)
 
 

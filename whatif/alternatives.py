@@ -13,7 +13,7 @@ NOMINAL = "nominal_pressure_bar"
 
 
 class NotOffered(Exception):
-    """The catalogue or the plan leaves no such alternative; the message says why."""
+    """The catalogue or the plan does not allow this alternative; the message says why."""
 
 
 def requests(plan):
@@ -59,7 +59,7 @@ def _of_stents(steps):
 
 
 def _relengthened(steps, families, by):
-    """The steps with each stent `by` entries further in its family's lengths."""
+    """The steps with each stent's length moved `by` entries in its family's list of lengths."""
     first, found = _of_stents(steps), copy.deepcopy(steps)
     for step in found[first:]:
         for use in step["devices"] if step["action"] == STENT else ():
@@ -98,7 +98,7 @@ def _harder(steps, families):
 
 
 def _toggled(steps, families, action):
-    """(words, function): the steps without those of `action`; if there are none, with one added at each stent."""
+    """(words, function): the steps without the `action` ones; if the plan has none, with one added at each stent."""
     if any(step["action"] == action for step in steps):
         return f"without {action}", lambda: _without(steps, action)
     return f"with {action}", lambda: _added(steps, families, action)
@@ -112,9 +112,9 @@ def _without(steps, action):
 
 
 def _added(steps, families, action):
-    """The steps with a balloon of `action` before or after each stent; the stent's size, half a millimetre less before.
+    """The steps with a balloon of `action` before or after each stent, at nominal pressure.
 
-    Its pressure is nominal.
+    It has the stent's size; before the stent it is SMALLER mm thinner.
     """
     _of_stents(steps)
     family, found = FAMILIES[action], []

@@ -1,11 +1,12 @@
 """FFR of a lumen by the 1D network, calibrated on the 3D answers of the same patient before and after the procedure.
 
-A loss is 1 - FFR at the probe `distal`. The network's loss in a lumen is converted to the 3D model's: in proportion up
-to the loss after the planned procedure, linearly from there to the loss before the procedure, in proportion beyond. The
-network leaves out bends and developing profiles, and its error is alike in lumens that are alike.
+A loss is 1 - FFR at the probe `distal`. The network leaves out bends and developing velocity profiles, so its loss in a
+lumen is converted to a loss of the 3D model. Up to the loss after the planned procedure the two are proportional. From
+there to the loss before the procedure the conversion is linear; beyond, it is proportional again. This works because
+the network's error is similar in similar lumens.
 
 The error is the largest difference to the 3D answers in the patient's other lumens after a procedure, which the
-calibration has not used. It is at least the largest error estimate of all 3D answers.
+calibration does not use. It is at least the largest error estimate of all 3D answers.
 """
 
 import dataclasses
@@ -44,7 +45,7 @@ class Calibration:
     model: np.ndarray
     solved: np.ndarray
     error: float
-    states: tuple  # of the 3D answers that the error was measured in
+    states: tuple  # states whose 3D answers gave the error
 
     def ffr(self, loss):
         """FFR for the network's loss; 0 at least."""
@@ -56,7 +57,8 @@ class Calibration:
 def points_of(planned, before):
     """(model, solved) of a Calibration from (network's, 3D) losses after the planned procedure and before it.
 
-    A point that is no further than the one before it is left out: a lesion that took no pressure tells nothing.
+    A point whose losses are no larger than those of the point before is left out, since a lesion without pressure loss
+    calibrates nothing. Raises InputError if neither has a loss.
     """
     points = [(0.0, 0.0)]
     for point in (planned, before):
@@ -68,7 +70,10 @@ def points_of(planned, before):
 
 
 def calibrate(case, states=OTHERS):
-    """Calibration of a Case on `pre` and `vci`; its error by the other ones of `states`. Raises InputError."""
+    """Calibration of a Case on `pre` and `vci`, with the error by those of `states` that are in OTHERS.
+
+    Raises InputError if a file is missing, or neither state has a loss of pressure.
+    """
     wanted = [BEFORE, PLANNED, *(state for state in states if state in OTHERS)]
     answers = {state: case.answer(state) for state in wanted}
     losses = {
@@ -87,5 +92,5 @@ def calibrate(case, states=OTHERS):
 
 
 def estimate_of(answer):
-    """The error estimate of an ffr.json; None where the model gives none."""
+    """The error estimate of an ffr.json; None if the model gives none."""
     return (answer.get("error_estimate") or {}).get("ffr")

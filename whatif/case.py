@@ -16,7 +16,7 @@ BEFORE, PLANNED = "pre", "vci"
 
 @dataclasses.dataclass(frozen=True)
 class Case:
-    """folder: results/cases/<case>; programs: folder of `vci` and `lumen`; edge_mm, spacing_mm: of `lumen process`."""
+    """folder: results/cases/<case>; programs: folder of `vci` and `lumen`; edge_mm, spacing_mm: for `lumen process`."""
 
     folder: pathlib.Path
     programs: pathlib.Path = pathlib.Path("build")
@@ -73,6 +73,6 @@ class Case:
 
 
 def patient_of(case_file):
-    """(the case file's patient, its measured wire or None, whether its vessel is a real one)."""
+    """(the case file's patient, its values measured by pressure wire or None, whether its vessel is a real one)."""
     document = config.load_case(case_file)
     return document["patient"], document.get("measured"), document["kind"] == "surface"

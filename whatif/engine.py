@@ -1,4 +1,4 @@
-"""One varied procedure: the engine deploys it, the anatomy step measures the lumen that it leaves."""
+"""One varied procedure: the engine computes the lumen after it, and the anatomy step measures that lumen."""
 
 import json
 import os
@@ -10,7 +10,7 @@ from common.files import write_json
 
 
 class Refused(ComputationError):
-    """The engine or the anatomy step has no answer for a varied procedure; `reason` in a few words."""
+    """The engine or the anatomy step failed on a varied procedure; `reason` says why in a few words."""
 
     def __init__(self, where, reason):
         self.reason = reason
@@ -31,7 +31,7 @@ def run(command):
 def deployed(case, scene, folder):
     """(deployment.json, folder of the anatomy) of a scene's procedure in the case's lumen before. Raises Refused.
 
-    folder: for all that the programs write, made here.
+    folder: created here, for all files of the programs.
     """
     sizes = ["--edge", case.edge_mm, "--spacing", case.spacing_mm]
     folder.mkdir(parents=True, exist_ok=True)

@@ -1,8 +1,8 @@
-"""What the flow rests on and is not known exactly: each input with its range, and boundary values at any choice.
+"""Uncertain inputs of the flow, each with its range, and boundary values for any choice of inputs.
 
-Masses by a fifth and the spread of hyperaemia are those of flow.inputs.hyperaemia. 10 mmHg is what a cuff may be off.
-The exponents are those of the area (2) and of Murray's law (3). An outlet's diameter by a tenth is about a CT's voxel.
-Where the flow was measured, only its own error is left: about a tenth.
+A fifth of the mass and the spread of hyperaemia are the ranges of flow.inputs.hyperaemia. A cuff may be 10 mmHg off.
+The exponents go from the area's (2) to Murray's law (3). A tenth of an outlet's diameter is about a voxel of CT. If the
+flow was measured, only its own error of about a tenth is left.
 """
 
 import copy
@@ -17,7 +17,7 @@ PER_CENT = 100
 
 @dataclasses.dataclass(frozen=True)
 class Input:
-    """low, planned, high: values; `unit` as the tables write it. scale: `linear` or `log`, by which samples spread."""
+    """low, planned, high: values in `unit`. scale: `linear` or `log`, the scale on which samples are uniform."""
 
     name: str
     words: str
@@ -55,7 +55,7 @@ def inputs_of(patient, settings, outlets):
 
 
 def _territory(patient, settings):
-    """The vessel's flow by its territory: the smallest and the largest plausible one."""
+    """The Input of the flow by the vessel's territory, from the smallest to the largest plausible flow."""
     off = [
         PER_CENT * (entry["factor"] - 1)
         for entry in hyperaemia.plausible(patient, settings.hyperaemia_fraction)

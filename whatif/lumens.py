@@ -1,4 +1,4 @@
-"""FFR of given lumens of a finished case, such as those that another segmentation finds, by the calibrated network."""
+"""FFR of given lumens of a finished case by the calibrated network, for example lumens of another segmentation."""
 
 from common.errors import InputError
 from whatif import calibrated
@@ -11,8 +11,8 @@ MODEL = "1D network, calibrated"
 def ffr_of(case, names, states):
     """The document of ffr.json for the lumens whose folders `names` lie in the case's, each with an `anatomy/`.
 
-    states: those with a 3D answer, which the error is measured in. `at` of each lumen says where the calibration was
-    used: below the planned procedure's loss, between the losses after and before, or beyond that before.
+    states: states with a 3D answer, which give the error. `at` of each lumen says which part of the calibration was
+    used: below the loss after the planned procedure, from there to the loss before it, or beyond.
     Raises InputError.
     """
     if PLANNED not in states:
@@ -26,7 +26,7 @@ def ffr_of(case, names, states):
 
 
 def place(model, loss):
-    """Place of a loss by the network among the losses of its calibration (`model`, ascending from 0), in a word."""
+    """A word for the place of the network's loss among the losses of the calibration (`model`, ascending from 0)."""
     if loss > model[-1]:
         return "beyond"
     return "below" if loss <= model[1] else "between"

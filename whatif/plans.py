@@ -21,7 +21,7 @@ READOUTS = {
     "expansion_index": "expansion_index",
     "malapposition_mm": "maximal_malapposition_mm",
 }
-STRETCH_PERCENTILE = 99  # of the wall's points: a single triangle says little
+STRETCH_PERCENTILE = 99  # of the wall's points; the maximum may come from a single distorted triangle
 COLUMNS = ["rank", "plan", "change", "ffr", "ffr_error", "as_good_as_best", "ffr_3d", *READOUTS, "wall_stretch"]
 COLUMNS += ["warnings", "procedure", "status"]
 DEPLOYED = "deployed"
@@ -30,9 +30,9 @@ DEPLOYED = "deployed"
 def ranked(case, devices_folder, states):
     """(DataFrame of ranking.csv, {plan: steps as a case file lists them}) of a case (whatif.case.Case).
 
-    states: those with a 3D answer, which calibrate the network and give its error. First come the plans whose FFR
-    cannot be told from the best, the largest stent area first. Then come the others by FFR. Last come those without an
-    answer; their `status` says why.
+    states: states with a 3D answer, which calibrate the network and give its error. First come the plans whose FFR does
+    not differ from the best by more than the errors, the largest stent area first. Then come the other plans by FFR.
+    Last come plans without an answer; their `status` says why.
     """
     families, calibration = config.load_devices(devices_folder), calibrated.calibrate(case, states)
     steps = alternatives.requests(case.scene)
@@ -50,7 +50,7 @@ def ranked(case, devices_folder, states):
 
 
 def ordered(table, error):
-    """The rows by rank. error: of each FFR; two plans differ where their FFR do by more than both errors."""
+    """The rows by rank. error: of each FFR; two plans differ if their FFR differ by more than both errors together."""
     table = table.assign(ffr_error=np.where(table["ffr"].notna(), error, np.nan))
     table["as_good_as_best"] = table["ffr"].max() - table["ffr"] <= 2 * error
     area = np.where(table["as_good_as_best"], table["minimal_stent_area_mm2"].astype(float), np.nan)
@@ -78,7 +78,7 @@ def planned_row(case, calibration, steps):
 
 
 def alternative_row(case, calibration, families, steps, folder):
-    """The row of another plan from `ffr` on; where it has no answer, only `status`."""
+    """The columns of another plan's row from `ffr` on; only `status` if it has no answer."""
     try:
         scene = scene_of(case, families, steps)
     except InputError as error:  # the catalogue or the vessel does not allow this plan
@@ -91,7 +91,7 @@ def alternative_row(case, calibration, families, steps, folder):
 
 
 def deploy(case, steps, devices_folder, folder):
-    """Writes the lumen that a plan leaves, its anatomy and deployment.json into `folder`. Raises InputError, Refused.
+    """Writes the lumen after a plan, its anatomy and deployment.json into `folder`. Raises InputError, Refused.
 
     steps: as plans.json lists them.
     """

@@ -1,4 +1,4 @@
-"""One input at a time, and a small Latin hypercube of all."""
+"""Answers with one input at a time at its limits, and with all inputs drawn from a small Latin hypercube."""
 
 import numpy as np
 import pandas as pd
@@ -13,8 +13,8 @@ SEED = 24
 def tornado(inputs, answers_at):
     """DataFrame with COLUMNS, one row for each input and answer.
 
-    answers_at({name: value}) -> {(state, quantity): value}, or {} if there is no answer. answers_at({}) are the planned
-    case's.
+    answers_at({name: value}) -> {(state, quantity): value}, or {} if there is no answer. answers_at({}) gives the
+    answers of the planned case.
     """
     planned, rows = answers_at({}), []
     for one in inputs:

@@ -10,7 +10,7 @@ import numpy as np
 from common.errors import InputError
 from whatif.flow_inputs import Input
 
-BIAS_MM, SD_MM = 0.007, 0.023  # of 72 sections of `quick_branch`, voxels of 0.35 mm
+BIAS_MM, SD_MM = 0.007, 0.023  # found minus true radius over 72 sections of `quick_branch`, voxels of 0.35 mm
 NAME = "lumen_radius"
 
 
@@ -20,9 +20,9 @@ def radius_input():
 
 
 def at_radius(lumen, off_mm, held=None):
-    """(anatomy, sections) of a lumen with all radii `off_mm` larger. Raises InputError where nothing would be left.
+    """(anatomy, sections) of a lumen with all radii `off_mm` larger. Raises InputError if nothing would be left.
 
-    held: (branch, start, end) in mm along it, a stretch that a stent holds at its own width; None: nothing is held.
+    held: (branch, start, end) in mm along the branch, a stretch that a stent holds at its own width; None without one.
     """
     anatomy, sections = lumen
     if not off_mm:

@@ -20,7 +20,7 @@ DEPLOYMENT = (
 
 
 class Answers:
-    """FFR at other flows in given lumens, by the 1D network calibrated on each state's own 3D answer."""
+    """FFR with varied inputs of the flow, by the 1D network scaled to each state's own 3D answer."""
 
     def __init__(self, case, case_file):
         self.case = case
@@ -32,9 +32,9 @@ class Answers:
         self.planned = {state: self.loss(state, {}) for state in self.lumens}
 
     def loss(self, state, values, lumen=None):
-        """The network's loss of FFR in a state's lumen, or in another, with inputs of the flow at `values`."""
+        """The network's loss (1 - FFR) in a state's lumen, or in `lumen`, with inputs of the flow at `values`."""
         document = boundary_at(self.case, self.patient, self.measured, values)
-        # probes are where the study has them, whatever the inputs are
+        # the probes stay at the study's places, whatever the inputs are
         document["probes"] = self.case.boundary["probes"]
         found = segmentation.at_radius(
             lumen or self.lumens[state], values.get(segmentation.NAME, 0.0), self.held(state)
@@ -42,7 +42,7 @@ class Answers:
         return calibrated.network_loss(found, document, self.case.flow.expansion_loss)
 
     def held(self, state):
-        """(branch, start, end) in mm of the stretch that stents hold open, whatever the image showed; None before."""
+        """(branch, start, end) in mm of the stretch that stents hold, whatever the image's error; None before them."""
         if state == BEFORE:
             return None
         segment = self.case.scene["segment"]
@@ -56,8 +56,10 @@ class Answers:
         return max(0.0, 1 - (1 - self.solved[state]["ffr"]) * grown)
 
     def of_flow(self, values):
-        """{(state, "ffr"): FFR} of both states with inputs of the flow at `values`; empty where a measured flow is more
-        than the narrowing lets pass."""
+        """{(state, "ffr"): FFR} of both states with inputs of the flow at `values`.
+
+        Empty if the narrowing cannot pass as much flow as was measured.
+        """
         try:
             return {(state, FFR): self.ffr(state, values) for state in self.lumens}
         except InputError as error:
@@ -72,7 +74,7 @@ class Deployments:
         self.planned = self.case.json("vci/deployment.json")
 
     def __call__(self, values):
-        """{("vci", quantity): value}; empty where the engine has no answer."""
+        """{("vci", quantity): value} with inputs at `values`; empty if the engine has no answer."""
         own = {one.name for one in DEPLOYMENT} & set(values)
         flow = {name: value for name, value in values.items() if name not in own}
         deployment, lumen = self.planned, None
@@ -93,7 +95,7 @@ class Deployments:
 
 
 def no_answer(values, reason):
-    """Empty answers for `values` where the engine refuses, with the reason in the log.
+    """Empty answers for `values` that the engine refuses, with the reason in the log.
 
     The planned case (no values) must have answers: raises ComputationError.
     """

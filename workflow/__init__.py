@@ -1,2 +1,1 @@
-"""Code for the Snakefile besides its rules: the checked configuration of a study, and the files that a rule's code
-consists of."""
+"""Code behind the rules of the Snakefile: the checked configuration, each rule's inputs, and checks of the results."""

@@ -1,7 +1,7 @@
-"""A finished study beside the manifest of another system: with other libraries bits differ, numbers may not by much.
+"""Compares a finished study with the manifest of a system that has other versions of the libraries.
 
-Meshes follow from CGAL's and gmsh's own choices, so a study on another Debian has other surfaces and meshes. What it
-says of the patient must stay: areas and curvature within ALLOWED, FFR within both error estimates together.
+CGAL and gmsh make other surfaces and meshes on another Debian, so the files' bits differ. The patient's results must
+agree: areas and curvature within ALLOWED, FFR within the sum of both error estimates.
 """
 
 from common.errors import ComputationError
@@ -21,7 +21,8 @@ NAMES = {
 def write_agreement(manifest, study, out):
     """Writes the page `out` of the comparison; returns the number of numbers compared.
 
-    Raises InputError for what cannot be read, and ComputationError, after the page, where a number is too far off.
+    Raises InputError if a file cannot be read. Raises ComputationError, after writing the page, if a number differs by
+    more than is allowed.
     """
     expected, found = read(manifest, SCHEMA).data, manifest_of(study)
     rows = compared(expected, found)
@@ -41,8 +42,8 @@ def write_agreement(manifest, study, out):
 def compared(expected, found):
     """A row {case, state, key, expected, found, off, allowed, within} for each number of two manifests' documents.
 
-    off: the difference, of FFR as it is, of all else its share of the value; None, as `found`, where one is missing,
-    which is never within.
+    off: the difference. It is absolute for FFR and relative to `expected` for all other numbers. If the number is
+    missing, `found` and `off` are None and `within` is False.
     """
     rows = []
     for case, wanted in expected["cases"].items():
@@ -99,7 +100,7 @@ def page(expected, found, rows):
 
 
 def _short(system):
-    """Name without "GNU/Linux" and the release's nickname."""
+    """Name of the operating system without "GNU/Linux" and the release's nickname."""
     return system.replace("GNU/Linux ", "").partition(" (")[0]
 
 
@@ -110,7 +111,7 @@ def _value(row, which):
 
 
 def _numbers(row):
-    """The cells there, here, difference, allowed of a row."""
+    """The last cells of a row's line: expected, found, difference and allowed difference."""
     size = "{:+.4f}" if row["key"] == "ffr" else "{:+.2%}"
     off = "missing" if row["off"] is None else size.format(row["off"])
     mark = "" if row["within"] else "**"
@@ -123,13 +124,13 @@ def _row(row):
 
 
 def _largest(rows):
-    """A line of the row that differs most."""
+    """The table line of the row with the largest difference."""
     row = max(rows, key=lambda row: float("inf") if row["off"] is None else abs(row["off"]))
     return f"| {NAMES[row['key']]} | {row['case']}, {row['state']} | {_numbers(row)} |"
 
 
 def _bits(expected, found):
-    """A line for each kind of product: how many files, and how many of them are the same bits."""
+    """A table line for each kind of product: the number of files, and of those with the same bits."""
     lines = []
     kinds = next(iter(expected["cases"].values()))["same"]
     for kind in kinds:

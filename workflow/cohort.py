@@ -1,4 +1,4 @@
-"""Cohorts of drawn patients, in shards: each is a study of its own, small enough for Snakemake to plan in seconds."""
+"""Cohorts of randomly drawn patients, run in shards. A shard is a study that Snakemake plans in seconds."""
 
 import concurrent.futures
 import csv
@@ -15,19 +15,19 @@ from common.files import replacing
 from data_synthetic import draw
 
 SNAKEMAKE = "/usr/bin/snakemake"
-SHARD = 100  # patients; planned in some 10 s, and a stop loses little
+SHARD = 100  # patients; Snakemake plans them in some 10 s, and an interrupted run loses little
 CHEAP = {"flow": {"model": "axisymmetric"}, "ct": {"enabled": False}}  # a reduced flow, and no imaging
 DROPPED = (".msh", ".vtu", ".vtp", ".stl", ".png", ".gz")  # can be made again from the files that stay
-PROJECTED = (1000, 100_000)  # patients
+PROJECTED = (1000, 100_000)  # numbers of patients whose cost is projected
 COST = ("shard", "patients", "finished", "wall_s", "cpu_s", "made_mb", "kept_mb")
 
 
 def prepare(count, seed, out, folder=pathlib.Path("config"), full=False):
     """Draws patients 1 to `count` of a seed into shards below `out`; returns [(shard's folder, [case names])].
 
-    Each shard is a configuration folder: study.yaml, devices, cases. full: with the settings of `folder`/study.yaml as
-    they are, else with the cheap ones. Patient k of a seed is the same, and in the same shard, whatever the count; one
-    that was drawn before stays. Raises InputError for a count or seed out of range.
+    Each shard is a configuration folder: study.yaml, devices, cases. full: keep the settings of `folder`/study.yaml,
+    else lay CHEAP over them. Patient k of a seed is the same, and in the same shard, whatever the count. The file of a
+    patient drawn before is kept. Raises InputError for a count or seed out of range.
     """
     draw.check(count, seed)
     out, folder = pathlib.Path(out), pathlib.Path(folder)
@@ -51,17 +51,17 @@ def prepare(count, seed, out, folder=pathlib.Path("config"), full=False):
 
 
 def run(shards, cores, results=pathlib.Path("results"), dry=False, keep_all=False):
-    """Runs the shards one after the other, and returns the rows of cost.csv, also written beside each shard.
+    """Runs the shards one after the other; returns a row of costs for each, also added to the shard's cost.csv.
 
-    A patient that fails does not stop the others. dry: plan only, so many shards side by side as there are cores.
-    keep_all: keep surfaces, meshes and fields too.
+    A patient that fails does not stop the others. dry: plan only, as many shards at once as there are cores, and
+    write no cost.csv. keep_all: keep surfaces, meshes and fields too.
     """
     with concurrent.futures.ThreadPoolExecutor(cores if dry else 1) as pool:
         return list(pool.map(lambda shard: _run(*shard, cores, pathlib.Path(results), dry, keep_all), shards))
 
 
 def _run(place, names, cores, results, dry, keep_all):
-    """Runs or plans one shard; its row of cost.csv."""
+    """Runs or plans one shard; returns its row of costs."""
     targets = [f"{results}/cases/{name}/metrics.json" for name in names]
     command = [SNAKEMAKE, "--profile", "config/profiles/local", "--cores", str(cores), *targets]
     command += ["--config", f"folder={place}", "cohort=shard"] + ["--dry-run", "--quiet"] * dry
@@ -84,9 +84,9 @@ def _run(place, names, cores, results, dry, keep_all):
 
 
 def projected(out, cores):
-    """[{patients, core_hours, wall_hours, kept_gb}] of this cohort and of PROJECTED patients, from the shards' costs.
+    """[{patients, core_hours, wall_hours, kept_gb}] of the finished patients and of PROJECTED, from the shards' costs.
 
-    wall_hours: if this machine's `cores` cores are never idle. Empty if no patient is finished.
+    wall_hours assumes that none of this machine's `cores` is ever idle. Empty if no patient is finished.
     """
     tables = [
         list(csv.DictReader(file.open(newline=""))) for file in sorted(pathlib.Path(out).glob("shards/*/cost.csv"))
@@ -108,15 +108,17 @@ def projected(out, cores):
 
 
 def prune(case):
-    """Removes surfaces, meshes, fields and pictures of a finished patient: Snakemake asks for them only if something
-    before the metrics has changed."""
+    """Removes surfaces, meshes, fields and pictures of a finished patient.
+
+    Snakemake makes them again only if an input of the steps before the metrics has changed.
+    """
     for file in pathlib.Path(case).rglob("*"):
         if file.is_file() and file.name.endswith(DROPPED):
             file.unlink()
 
 
 def _add_cost(path, row):
-    """Adds a run of a shard to its table: a shard that went on after a stop has several."""
+    """Adds a row for this run to the shard's table, since a shard that was interrupted takes several runs."""
     new = not path.exists()
     with open(path, "a", newline="") as stream:
         table = csv.DictWriter(stream, COST, extrasaction="ignore", lineterminator="\n")
@@ -126,14 +128,14 @@ def _add_cost(path, row):
 
 
 def _write(path, text):
-    """A file that changes only if its content does, so that nothing runs again."""
+    """Writes a file only if its content changes, so that Snakemake does not run its steps again."""
     if not path.exists() or path.read_text() != text:
         with replacing(path) as partial:
             partial.write_text(text)
 
 
 def _megabytes(results, names):
-    """Size of all files of the cases."""
+    """Size in MB of all files of the cases."""
     folders = [results / "cases" / name for name in names]
     files = (pathlib.Path(top) / name for folder in folders for top, _, found in os.walk(folder) for name in found)
     return sum(file.stat().st_size for file in files) / 1e6

@@ -1,4 +1,4 @@
-"""The whole configuration of a study, checked before any work, and read piece by piece by the rules."""
+"""The whole configuration of a study, checked before any step runs; the rules read parts from it."""
 
 import json
 import os
@@ -11,7 +11,7 @@ from data_synthetic import patient
 from flow.settings import check_meshes, check_switches
 
 CONTOUR_TABLES = ("lumen", "outer_wall", "calcium", "lipid", "branches", "landmarks")
-COARSE_MESHES = ("mesh_coarsest.msh", "mesh_coarse.msh")  # files of the flow's meshes of `coarse_rings`
+COARSE_MESHES = ("mesh_coarsest.msh", "mesh_coarse.msh")  # the flow's coarser meshes, in the order of `coarse_rings`
 CASE_NAME = "[a-z][a-z0-9_]*"
 
 
@@ -51,7 +51,7 @@ class Configuration:
         return self.folder / "cases" / f"{name}.yaml"
 
     def device_files(self, name):
-        """Files of the device families a case's plan can use: those it lists, or all when it is proposed."""
+        """Files of the device families that a case's plan can use: its own, or all if a plan is to be proposed."""
         steps = config.listed_steps(self.cases[name]["plan"])
         if not steps:
             families = set(self.devices)
@@ -76,7 +76,7 @@ class Configuration:
         return self._data_file(name, "lumen surface", f"{key}.path", self.cases[name][key]["path"])
 
     def cap_files(self, name, key="lumen"):
-        """The files of the ends' caps, the inlet's first; none where the case gives none. Raises as `lumen_file`."""
+        """The files of the ends' caps, the inlet's first; empty if the case gives none. Raises as `lumen_file`."""
         caps = self.cases[name].get(key, {}).get("caps")
         if not caps:
             return []
@@ -169,9 +169,9 @@ class Configuration:
             refuse("pressure_bar", "above the rated burst pressure", f"at most {limit} bar")
 
     def _check_settings(self, name):
-        """The merged sections obey the schemas as well (a case may override one key of a pair).
+        """Checks the merged sections against the schemas, since a case may override one key of a pair.
 
-        Sections that are those of a case before, as in a cohort of drawn patients, are not checked again.
+        A section equal to a checked one is not checked again. In a cohort of drawn patients most are equal.
         """
         for section, values in self.settings(name).items():
             text = f"{section} {json.dumps(values, sort_keys=True)}"
@@ -190,8 +190,7 @@ class Configuration:
 
 
 def _case_name(file):
-    """A case's name is that of its file, in letters that are valid for folders, cohorts and rules; InputError
-    otherwise."""
+    """The case's name, from its file's. Raises InputError for a name unfit for folders, cohorts or rules."""
     if not re.fullmatch(CASE_NAME, file.stem):
         remedy = "rename it: a small letter, then small letters, digits and underscores"
         raise InputError("name that a case cannot have", file, file.stem, remedy)

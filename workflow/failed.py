@@ -1,4 +1,4 @@
-"""Which cases of a run failed, at which step and why: the page of the others says so."""
+"""Which cases of a run failed, at which step and why. The report page on the other cases lists them."""
 
 import json
 import pathlib
@@ -8,15 +8,15 @@ from common.errors import InputError
 from common.files import write_json
 from workflow.half_maximum import NAME as ARM
 
-STOPPED = (130, 143)  # exit codes of a step that Ctrl-C or SIGTERM ended: it did not fail
-LAST = 6  # lines of a log that stand for a message where it has none of our own
+STOPPED = (130, 143)  # exit codes of a step ended by Ctrl-C or SIGTERM, which is no failure
+LAST = 6  # last lines of a log, taken as the message if the log has no error message of this project
 
 
 def failed_steps(results=pathlib.Path("results"), since=0.0):
     """[{case, step, exit_code, message, log}] of the steps of cases that failed at or after a time.
 
-    since: seconds since the epoch. A step is known by its log below results/cases/<case>/logs, which workflow/run.sh
-    marks when its command fails.
+    since: that time, in seconds since the epoch. If a step's command fails, workflow/run.sh marks the step's log below
+    results/cases/<case>/logs.
     """
     found = []
     for mark in sorted(pathlib.Path(results).glob("cases/*/logs/**/*.log.failed")):
@@ -32,7 +32,7 @@ def failed_steps(results=pathlib.Path("results"), since=0.0):
 
 
 def message(text):
-    """The error in a log: our own message from its first line on, else the last lines."""
+    """The error in a log: this project's error message if there is one, else the last lines."""
     begins = [one.start() for one in re.finditer(r"^error: ", text, re.M)]
     return text[begins[-1] :].strip() if begins else "\n".join(text.strip().splitlines()[-LAST:])
 
@@ -49,8 +49,8 @@ def write_failed(out, results=pathlib.Path("results"), since=0.0):
 def without_failed(cases, path):
     """The cases that have no failed step in failed.json at `path`; all cases if no path is given.
 
-    A step of the arm at half maximum takes down that arm alone. Raises InputError if the file cannot be read, or if no
-    case is left.
+    If a step of the arm at half maximum failed, only that arm is lost and the case stays. Raises InputError if the file
+    cannot be read, or if no case is left.
     """
     if not path:
         return cases
@@ -84,6 +84,6 @@ def _of_arm(step):
 
 
 def _code(mark):
-    """The exit code that a mark holds; None where it was cut short."""
+    """The exit code in a mark; None if the mark was cut short."""
     text = mark.read_text().strip()
     return int(text) if text.isdigit() else None

@@ -1,10 +1,10 @@
-"""The arm of the study that finds the lumens in CT at half maximum: its cases, settings and files for the rules."""
+"""The study's arm that finds lumens in CT at half maximum of the intensity: its cases, settings and files."""
 
 import json
 
 from workflow.inputs import CT_STATES
 
-NAME = "half_maximum"  # the method of segmentation, and the arm's folder in that of a case
+NAME = "half_maximum"  # the method of segmentation, and the arm's folder in a case's folder
 STATES = ("ct_pre", *CT_STATES)  # the arm's own lumens
 
 
@@ -15,7 +15,7 @@ class HalfMaximum:
         self.inputs = inputs
 
     def cases(self, cases):
-        """Those of the cases that have a CT, whose lumens the study itself finds by another method."""
+        """The cases with a CT, except those whose settings already ask for half maximum."""
         of = self.inputs.configuration.settings
         return [
             case
@@ -35,7 +35,7 @@ class HalfMaximum:
         return self.inputs.state_lumen(wildcards).replace(folder, f"{folder}/{NAME}", 1)
 
     def compared(self, wildcards):
-        """Files of the states of true lumens that the arm's are compared with, as the metrics read them."""
+        """Files of the states that are not from CT, with which the metrics compare the arm's lumens."""
         names = ("{anatomy}/centreline.vtp", "{anatomy}/sections.csv", "{anatomy}/anatomy.json")
         flow = ("flow/{state}/ffr.json", "flow/{state}/pullback.csv")
         seen = tuple(f"/{state}/" for state in CT_STATES)
@@ -43,6 +43,6 @@ class HalfMaximum:
         return [file for file in files if not any(state in file for state in seen)]
 
     def ffr(self, wildcards):
-        """FFR of the arm's lumens; none where the flow is not one that the network can be calibrated on."""
+        """The file with FFR of the arm's lumens; empty if the network cannot be calibrated on the case's flow."""
         varied = self.inputs.varied([wildcards.case])
         return [f"{self.inputs.results}/cases/{wildcards.case}/{NAME}/ffr.json"] if varied else []

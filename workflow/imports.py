@@ -1,4 +1,4 @@
-"""Which files of this repository a Python command depends on: a change re-runs exactly the rules that use it."""
+"""Which files of this repository a Python command depends on. A changed file re-runs only the rules that use it."""
 
 import ast
 import functools
@@ -10,7 +10,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 def code(part, *modules):
     """Files behind `python3 -m <part> <command>`, relative to the repository, sorted.
 
-    modules: those that the command loads, e.g. code("reports", "reports.measuring.metrics"). The top-level imports of
+    modules: the modules that the command loads, e.g. code("reports", "reports.measuring.metrics"). Top-level imports of
     the part's __main__ belong to every command. Imports inside its functions belong to one command each.
     """
     main = f"{part}.__main__"
@@ -20,7 +20,7 @@ def code(part, *modules):
 def command_code(part, function):
     """As `code`, for the command that `function` in the part's __main__ runs.
 
-    The modules are those that this function imports, and those of the functions of __main__ that it calls. Raises
+    The modules are imported in this function, or in functions of __main__ that it calls. Raises
     ValueError if __main__ has no such function.
     """
     return code(part, *_imported_by(f"{part}.__main__", function))
@@ -61,7 +61,7 @@ def module_code(name):
 
 
 def _files(found, pending):
-    """Files of the modules `found`, of the names in `pending`, and of all that those import, sorted.
+    """Files of the modules `found`, of the modules named in `pending`, and of all modules that these import, sorted.
 
     Raises ValueError for a name in `pending` that is no module of this repository.
     """
@@ -104,7 +104,7 @@ def _imported(name, top_level_only):
 
 @functools.lru_cache(maxsize=None)
 def _imported_by(name, function):
-    """Names of this repository's modules that a function of the module `name`, and those that it calls, import."""
+    """Names of this repository's modules imported in a function of the module `name` and in functions that it calls."""
     tree = ast.parse(_file(name).read_text())
     bodies = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
     if function not in bodies:

@@ -1,4 +1,4 @@
-"""Input functions of the rules: a case's files, its settings as parameters, its states."""
+"""Input functions of the rules: a case's files, its states, and its settings as parameters."""
 
 import os
 import pathlib
@@ -7,7 +7,7 @@ import shlex
 from common import config
 
 SYNTHETIC_STATES = ("pre", "vci", "rc", "reference")
-SURFACE_STATES = ("pre", "vci", "rc")  # without a reference
+SURFACE_STATES = ("pre", "vci", "rc")  # states of a case without a reference
 CENTRELINE_OPTIONS = {
     "units": "--centreline-units",
     "line": "--line",
@@ -50,7 +50,7 @@ class Inputs:
         return [state for state in self.states(case) if self.has_flow(case, state)]
 
     def varied(self, cases):
-        """Those of the cases whose flow can be varied: pressure at the inlet, resistances at the outlets."""
+        """The cases whose flow can be varied: pressure is set at the inlet and resistances at the outlets."""
         flows = {case: self.configuration.settings(case)["flow"] for case in cases}
         return [case for case in cases if (flows[case]["inlet_condition"], flows[case]["outlet_condition"]) == VARIED]
 
@@ -83,7 +83,7 @@ class Inputs:
         return f"{self.results}/cases/{wildcards.case}/{folder}/lumen.vtp"
 
     def caps(self, wildcards, key="lumen"):
-        """The files of the caps that close the user's surface, the inlet's first; empty where none are given."""
+        """The files of the caps that close the user's surface, the inlet's first; empty if none are given."""
         return self.configuration.cap_files(wildcards.case, key)
 
     def lumen_options(self, wildcards, key="lumen"):
@@ -139,7 +139,7 @@ class Inputs:
         return self.configuration.contour_files(wildcards.case, key)
 
     def contour_options(self, wildcards, key="lumen"):
-        """Command-line options of `anatomy contours` for a case's tables and how they are read and laid."""
+        """Command-line options of `anatomy contours`: a case's tables, how to read them, and where contours go."""
         given = self.configuration.cases[wildcards.case][key]
         files, contours = self.configuration.contour_files(wildcards.case, key), given["contours"]
         options = [files.pop("lumen"), "--units", given["units"], "--z-from", contours["z_from"]]
@@ -187,7 +187,7 @@ class Inputs:
         return value
 
     def anatomy(self, wildcards):
-        """Folder of the anatomy of a state; that of `pre` is the case's first."""
+        """Folder of the anatomy of a state; `pre` uses the anatomy made first, in the case's own folder."""
         case = f"{self.results}/cases/{wildcards.case}"
         return f"{case}/anatomy" if wildcards.state == "pre" else f"{case}/{wildcards.state}/anatomy"
 
@@ -202,9 +202,9 @@ class Inputs:
         }
 
     def start_files(self, wildcards):
-        """Files of the flow that a state's flow starts from: the predicted lumen's, which is similar.
+        """Files of the flow that a state's flow starts from: the flow of the predicted lumen, which is similar.
 
-        Empty for the prediction itself and for the state before.
+        Empty for the states `vci` (the prediction) and `pre`.
         """
         if wildcards.state in ("pre", "vci"):
             return {}
@@ -215,19 +215,19 @@ class Inputs:
     def state_lumen(self, wildcards):
         """The lumen that a state's anatomy step measures.
 
-        For `ct` it was found in the CT of the reference, for `ct_pre` in the CT before. For `post` it was brought into
-        the frame of the lumen before.
+        For `ct` it was found in the CT of the reference, for `ct_pre` in the CT before the procedure. For `post` it was
+        registered to the frame of the lumen before the procedure.
         """
         folder = {"ct": "ct/reference", "ct_pre": "ct/pre"}.get(wildcards.state, wildcards.state)
         return f"{self.results}/cases/{wildcards.case}/{folder}/lumen.vtp"
 
     def names(self, wildcards):
-        """Where the ends of a state's lumen have their names from: the lumen before, or the registration on it."""
+        """The file that names a lumen's ends: the anatomy before the procedure, or for `post` the registration."""
         case = f"{self.results}/cases/{wildcards.case}"
         return f"{case}/post/like.json" if wildcards.state == "post" else f"{case}/anatomy/anatomy.json"
 
     def registrations(self, wildcards):
-        """The registration of a case's lumen after the real procedure; empty where it has none."""
+        """The registration of a case's lumen after the real procedure; empty if there is no such lumen."""
         has_post = "post" in self.states(wildcards.case)
         return [f"{self.results}/cases/{wildcards.case}/post/registration.json"] if has_post else []
 
@@ -257,8 +257,10 @@ class Inputs:
         return self.anatomy_files(wildcards)["anatomy"]
 
     def of_states(self, *names):
-        """A function of the wildcards: <case>/<name> of every state, with {state} and {anatomy} filled in; those of the
-        flow only where it is computed."""
+        """A function of the wildcards: <case>/<name> of every state, with {state} and {anatomy} filled in.
+
+        Names of flow files are left out for states without a computed flow.
+        """
 
         def files(wildcards):
             case = f"{self.results}/cases/{wildcards.case}"
@@ -272,7 +274,7 @@ class Inputs:
         return files
 
     def any_truth(self, cases):
-        """Whether any of the cases has something to agree with: a reference, a lumen after PCI, a measured FFR."""
+        """Whether any of the cases has data to compare with: a reference, a lumen after PCI or a measured FFR."""
         known = self.configuration.cases
         return self.any_lumen_after(cases) or any("measured" in known[case] for case in cases)
 
@@ -318,7 +320,7 @@ def benchmark_tables():
 
 
 def benchmark_folder(wildcards, input):
-    """Command-line option of `reports report` for the folder of the benchmarks; none where none was run."""
+    """Command-line option of `reports report` for the folder of the benchmarks; empty if none was run."""
     return f"--benchmarks {os.path.dirname(os.path.dirname(input.benchmarks[0]))}" if input.benchmarks else ""
 
 
@@ -345,7 +347,7 @@ def start_option(wildcards, input):
 
 
 def anatomy_folder(wildcards, input):
-    """Folder of the anatomy that a rule reads files of."""
+    """Folder of the anatomy whose files a rule reads."""
     return os.path.dirname(input.get("lumen") or input.anatomy)
 
 
@@ -355,17 +357,17 @@ def case_folder(wildcards, input):
 
 
 def stent_options(wildcards, input):
-    """Command-line options of `data_synthetic phantom` for the stents; none before the procedure."""
+    """Command-line options of `data_synthetic phantom` for the stents; empty before the procedure."""
     return f"--scene {input.scene} --centreline {input.centreline}" if "scene" in input.keys() else ""
 
 
 def failed_option(wildcards, input):
-    """Command-line option of `reports` for the cases that failed; none where all are there."""
+    """Command-line option of `reports` for the cases that failed; empty if none failed."""
     return f"--failed {input.failed}" if input.failed else ""
 
 
 def cohort_option(cohort, cases):
-    """Command-line option of `reports report` for the cohort's name; none where single cases were chosen."""
+    """Command-line option of `reports report` for the cohort's name; empty if single cases were chosen."""
     return "" if cases else f"--cohort {shlex.quote(cohort)}"
 
 

@@ -1,7 +1,7 @@
-"""The manifest that ships with a release: what a finished study must give again on another machine, and the comparison.
+"""The manifest that ships with a release: results that a study must reproduce on another machine, and the comparison.
 
-Surfaces, deployments and meshes must be the same bits. Numbers that pass through a library of linear algebra, whose
-sums depend on the processor, must agree within the tolerances that the manifest states.
+Surfaces, deployments and meshes must have the same bits. Numbers from a library of linear algebra need only agree
+within the manifest's tolerances, because the library's order of summation depends on the processor.
 """
 
 import hashlib
@@ -15,7 +15,7 @@ from common.json_reader import read
 from workflow.provenance import product_files
 
 SCHEMA = "vci-manifest-1"
-# Kinds of products that must be the same bits, by their paths in a case's folder; the first that fits counts.
+# Kinds of products that must have the same bits, by their paths in a case's folder; the first pattern that fits counts.
 SAME_BITS = {
     "settings": r"settings/.*\.json",
     "vessel": r"source/.*\.(vtp|json)",
@@ -24,16 +24,16 @@ SAME_BITS = {
     "mesh": r"flow/(pre|vci|rc)/mesh.*",
 }
 RELATIVE = {"mean_area_mm2": 0.002, "minimum_area_mm2": 0.002, "mean_curvature_per_mm": 0.002}
-PASSING = ("seconds", "timings_s", "peak_memory_mib", "path")  # ends of keys that differ between runs of one input
+PASSING = ("seconds", "timings_s", "peak_memory_mib", "path")  # endings of keys whose values differ from run to run
 
 
 def write_manifest(study, out):
-    """Writes the manifest of a finished study (folder of results) as `out`; it holds the cases of provenance.json."""
+    """Writes the manifest `out` of a finished study (folder of results), with the cases of its provenance.json."""
     write_json(out, manifest_of(study))
 
 
 def manifest_of(study):
-    """The manifest's document for a folder of results. Raises InputError where a file is missing."""
+    """The manifest's document for a folder of results. Raises InputError if a file is missing."""
     study = pathlib.Path(study)
     provenance = read(study / "study" / "provenance.json", "vci-provenance-1").data
     software = provenance["software"]
@@ -55,7 +55,7 @@ def manifest_of(study):
 
 
 def differences(expected, found):
-    """(number of comparisons, messages) of two manifests' documents, the one that ships first.
+    """(number of comparisons, messages) of two manifests' documents, the shipped one first.
 
     A message says case, kind, product or number, and both values.
     """
@@ -73,7 +73,7 @@ def differences(expected, found):
 def verify(manifest, study):
     """Compares a finished study with a manifest that ships; returns the number of comparisons.
 
-    Raises ComputationError that lists what differs, InputError for what cannot be read.
+    Raises ComputationError, which lists the differences, or InputError for a file that cannot be read.
     """
     expected, found = read(manifest, SCHEMA).data, manifest_of(study)
     compared, messages = differences(expected, found)
@@ -96,7 +96,7 @@ def verify(manifest, study):
 
 
 def digest(file):
-    """SHA-256 of a product; of a JSON file without the keys that differ between runs, such as seconds."""
+    """SHA-256 of a product. In a JSON file keys that differ between runs, such as seconds, are left out."""
     if file.suffix != ".json":
         return sha256(file)
     kept = _without_passing(read(file, "JSON").data)
@@ -121,7 +121,7 @@ def _case(folder):
 
 
 def _numbers(state):
-    """What of a state of metrics.json is compared; FFR with its error estimate, where it has a flow."""
+    """The numbers of a state in metrics.json that are compared; FFR and its error estimate only if it has a flow."""
     numbers = {
         "mean_area_mm2": state["area"]["mean_mm2"],
         "minimum_area_mm2": state["area"]["minimum_mm2"],
@@ -158,7 +158,7 @@ def _differences(wanted, found):
 
 
 def _off(key, value, other, numbers):
-    """What is wrong with a number, or None. An FFR whose error is not known must be the same."""
+    """How a number differs, or None if it agrees. An FFR without an error estimate must be equal."""
     if other is None:
         return f"{key} is not there"
     allowed = numbers["ffr_error_estimate"] or 0.0 if key == "ffr" else RELATIVE[key] * abs(value)

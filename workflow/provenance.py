@@ -1,4 +1,4 @@
-"""What the results of a study were made of: hashes of inputs and products, versions, seeds, and every command."""
+"""How the results of a study were made: hashes of inputs and products, versions, seeds, and every command."""
 
 import os
 import pathlib
@@ -18,9 +18,9 @@ ALWAYS = {
     "metrics.json",
     "plans",
     "sensitivity",
-}  # what each case has beside its states
+}  # files and folders that a case has beside those of its states
 WITH_CT = {"ct", "ct_pre", "half_maximum"}
-VARIABLES = ("GLIBC_TUNABLES", "OMP_NUM_THREADS", "OPENBLAS_CORETYPE")  # on which a number's last bits may depend
+VARIABLES = ("GLIBC_TUNABLES", "OMP_NUM_THREADS", "OPENBLAS_CORETYPE")  # they may change a number's last bits
 
 
 def write_provenance(configuration, cases, results, programs, software, out):
@@ -42,10 +42,10 @@ def write_provenance(configuration, cases, results, programs, software, out):
 
 
 def product_files(folder):
-    """The products in a case's folder, sorted: what its states in metrics.json consist of. Neither logs nor benchmarks,
-    nor what an earlier run with other states left.
+    """The products in a case's folder, sorted: the files of its states in metrics.json.
 
-    Raises InputError where metrics.json is missing.
+    Logs, benchmarks and files left by an earlier run with other states are left out. Raises InputError if metrics.json
+    is missing.
     """
     folder = pathlib.Path(folder)
     metrics = folder / "metrics.json"
@@ -58,7 +58,7 @@ def product_files(folder):
 def _is_of(path, states):
     """Whether a path in a case's folder belongs to the case with these states."""
     if path.name.startswith("."):
-        return False  # of a step that was killed
+        return False  # left by a step that was killed
     if path.parts[0] == "flow" and len(path.parts) > 2:
         return path.parts[1] in states
     return path.parts[0] in ALWAYS | states | (WITH_CT if "ct" in states else set())
@@ -113,7 +113,7 @@ def _commands(logs):
     for log in sorted(logs.rglob("*.log")):
         with open(log, errors="replace") as stream:
             first = stream.readline()
-        if not first:  # of a rule inside Snakemake, such as `settings`, which runs no command
+        if not first:  # the log of a rule inside Snakemake, such as `settings`, which runs no command
             continue
         if not first.startswith("$ "):
             raise InputError(
@@ -124,7 +124,7 @@ def _commands(logs):
 
 
 def _processor():
-    """The processor's name as Linux gives it, empty where it gives none."""
+    """The processor's name as Linux gives it; empty if Linux gives none."""
     text = pathlib.Path("/proc/cpuinfo").read_text()
     found = re.search(r"^model name\s*: (.*)$", text, re.M)
     return found.group(1) if found else ""

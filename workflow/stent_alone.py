@@ -7,7 +7,7 @@ from common.files import write_json
 
 
 def write_stent_alone(plan_file, out):
-    """Writes `out`: the plan's document with those steps only that place stents. Unused devices stay listed.
+    """Writes `out`: the plan's document with only the steps that place stents. Unused devices stay listed.
 
     Raises InputError for a plan without a stent, and if the plan's relative paths would not hold beside `out`.
     """

@@ -1,8 +1,8 @@
 """Snakemake log handler (config/profiles/local): says about every minute how long the run will still take.
 
-A step counts with the mean of those of its rule that this run has finished. A rule that has finished none counts with
-its TYPICAL seconds, times how much longer this run's steps took than theirs. The rest is shared by as many steps at a
-time as ran so far. Which step waits for which is not considered, so the last minutes are underestimated.
+An open step is expected to take the mean time of its rule's finished steps. If its rule has none, it takes the rule's
+TYPICAL seconds, scaled by this run's speed so far. The sum is divided by the mean number of steps that ran at once. The
+order of the steps is ignored, so the last minutes are underestimated.
 """
 
 import collections
@@ -10,7 +10,7 @@ import re
 import sys
 import time
 
-# Rough guesses for a patient of the nine on an idle core; only the first minutes of a run lean on them.
+# Rough guesses for one of the nine patients of `quick` on an idle core. Only the first minutes of a run use them.
 TYPICAL = {"flow_solve": 60, "flow_mesh": 15, "reference": 60, "ct_phantom": 15, "ct_segment": 20, "other_plans": 70}
 TYPICAL |= {"deploy": 8, "ct_deploy": 8, "generate": 8, "case_figures": 10, "ct_figure": 5, "procedure_figure": 8}
 TYPICAL |= {"half_maximum_segment": 20, "half_maximum_deploy": 8}
@@ -20,7 +20,7 @@ EVERY_S, FEWEST = 60.0, 10  # seconds between two estimates; finished steps befo
 
 
 class TimeLeft:
-    """What a run has done and has to do. clock: function that gives seconds."""
+    """Counts a run's finished and open steps. clock: function that returns seconds."""
 
     def __init__(self, clock=time.monotonic):
         self.clock, self.begin, self.said = clock, clock(), clock()
@@ -28,25 +28,25 @@ class TimeLeft:
         self.count, self.seconds = collections.Counter(), collections.Counter()
 
     def plan(self, table):
-        """Takes the table of jobs that Snakemake prints: lines of rule, number, threads."""
+        """Reads the table of jobs that Snakemake prints; a line holds rule, number, least and most threads."""
         for line in table.splitlines():
             found = re.match(r"(\w+)\s+(\d+)\s+\d+\s+\d+$", line.strip())
             if found and found[1] != "total":
                 self.planned[found[1]] = int(found[2])
 
     def start(self, job, rule):
-        """A step has begun."""
+        """Notes that a step has begun."""
         self.started[job] = rule, self.clock()
 
     def finish(self, job):
-        """A step has ended."""
+        """Notes that a step has ended."""
         if job in self.started:
             rule, begin = self.started.pop(job)
             self.count[rule] += 1
             self.seconds[rule] += self.clock() - begin
 
     def left_s(self):
-        """Seconds until the run ends; None before there is anything to tell by."""
+        """Seconds until the run ends; None before FEWEST steps have finished."""
         finished, busy = sum(self.count.values()), sum(self.seconds.values())
         if finished < FEWEST or not busy:
             return None
@@ -65,7 +65,7 @@ class TimeLeft:
         return slower * TYPICAL.get(rule, OTHERS)
 
     def words(self):
-        """The estimate if one is due, else None."""
+        """The sentence to print if an estimate is due, else None."""
         left = self.left_s()
         if left is None or self.clock() - self.said < EVERY_S:
             return None

@@ -1,1 +1,1 @@
-"""Intravascular contours (IVUS, OCT) in, lumen surface with plaque out."""
+"""Makes a lumen surface with plaque from intravascular contours (IVUS, OCT)."""

@@ -1,4 +1,4 @@
-"""A vessel's centreline as a smooth curve with frames that turn about it as little as they can."""
+"""A vessel's centreline as a smooth curve with frames of least twist."""
 
 import numpy as np
 from scipy.interpolate import CubicSpline, make_lsq_spline
@@ -9,17 +9,17 @@ from common.errors import InputError
 from .tables import MILLIMETRES
 
 SPACING_MM = 0.05
-FEWEST_POINTS = 4  # of a cubic curve
-SHORTEST_MM = 1.0  # shorter than any pull-back: a vessel of 20 to 150 mm in metres that are taken for millimetres
-LONGEST_MM = 500.0  # longer than a coronary artery and the aorta before it; millimetres taken for metres
-KNOTS_MM = 3.0  # apart: a coronary bends over more than this, the jitter of a line through voxels over less
+FEWEST_POINTS = 4  # points that a cubic curve needs
+SHORTEST_MM = 1.0  # shorter than any pull-back: metres of a vessel of 20 to 150 mm were taken for millimetres
+LONGEST_MM = 500.0  # longer than a coronary artery with the aorta: millimetres were taken for metres
+KNOTS_MM = 3.0  # spacing of knots; a coronary bends over longer stretches, a line through voxels jitters over shorter
 
 
 class Line:
-    """Curve through points (n, 3) in mm from the proximal end on, smoothed; s_mm is the length from there.
+    """Smoothed curve through points (n, 3) in mm from the proximal end on; s_mm is the length from there.
 
-    frames: unit vectors (tangent, first, second) at s_mm, the last two carried along the curve without turning about
-    it (parallel transport by double reflection: Wang et al., ACM Trans Graph 27 (2008) 2).
+    frames: unit vectors (tangent, first, second) at s_mm. The last two do not twist along the curve (parallel transport
+    by double reflection: Wang et al., ACM Trans Graph 27 (2008) 2).
     """
 
     def __init__(self, points):
@@ -54,7 +54,7 @@ class Line:
 
 
 def read(path, units, number=None):
-    """The Line of a .vtp file of lines, which begin at the proximal end; number: which of several, from 1.
+    """The Line of a .vtp file whose lines begin at the proximal end. number: which line of several, from 1.
 
     Raises InputError.
     """
@@ -92,7 +92,10 @@ def _lengths(points):
 
 
 def _smoothed(points):
-    """Points (n, 3) on a least-squares cubic spline with knots KNOTS_MM apart; as they are where they are fewer."""
+    """Points (n, 3) about SPACING_MM apart on a least-squares cubic spline with knots KNOTS_MM apart.
+
+    A line of at most 50 points is first interpolated by a cubic spline.
+    """
     along = _lengths(points)
     fine = np.linspace(0, along[-1], int(np.ceil(along[-1] / SPACING_MM)) + 1)
     points = (

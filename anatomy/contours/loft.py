@@ -1,4 +1,4 @@
-"""From rings along an axis to a closed triangle surface with flat, tagged ends."""
+"""Makes a closed triangle surface with flat, tagged ends from rings along an axis."""
 
 import numpy as np
 from matplotlib.path import Path
@@ -12,8 +12,8 @@ WALL, INLET, OUTLET = 0, 1, 2  # region_id (docs/design.md)
 def surface(rings_mm, names_mm):
     """(points (p, 3), triangles (m, 3) outward, region (m,)) of rings (k, n, 3) from distal to proximal.
 
-    names_mm: (k,) z of each ring in the tables, for errors. The outlet's cap closes the distal ring, the inlet's the
-    proximal one. Raises InputError where rings run into each other: the axis bends too sharply for the lumen's width.
+    names_mm: (k,) z of each ring in the tables, for errors. The outlet's cap closes the distal ring, the inlet's cap
+    the proximal ring. Raises InputError if rings intersect because the axis bends too sharply for the lumen's width.
     """
     _check_advance(rings_mm, names_mm)
     count, around = rings_mm.shape[:2]
@@ -33,7 +33,7 @@ def surface(rings_mm, names_mm):
 
 
 def volume_mm3(points, triangles):
-    """Volume in mm3 within a closed surface; positive where its triangles face outwards."""
+    """Volume in mm3 within a closed surface; positive if its triangles face outwards."""
     a, b, c = (points[triangles[:, k]] - points[0] for k in range(3))
     return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6)
 
@@ -54,7 +54,7 @@ def _wall(rings_mm):
 
 
 def _check_advance(rings_mm, names_mm):
-    """Every point of a ring must lie ahead of its partner on the ring before."""
+    """Raises InputError unless every point of a ring is ahead of the corresponding point of the previous ring."""
     step = np.diff(rings_mm, axis=0)
     axis = np.diff(rings_mm.mean(axis=1), axis=0)
     normals = np.array([_normal(ring) for ring in rings_mm[:-1]])

@@ -12,8 +12,8 @@ from matplotlib import pyplot as plt  # noqa: E402  (the backend comes first)
 def draw(document, z_mm, thickness_mm, kind, out):
     """Writes the picture as .png.
 
-    document: contours.json; z_mm (k,) of the rings in the tables; thickness_mm and kind (k, n) of the plaque round
-    each, from angle 0 on, or None where there is no outer wall.
+    document: contours.json. z_mm: (k,) z of the rings in the tables. thickness_mm, kind: (k, n) of the plaque round
+    each ring, from angle 0 on; None without an outer wall.
     """
     rows = document["frames"]
     z = np.array([row["z_mm"] for row in rows])
@@ -54,7 +54,7 @@ def _unroll(figure, axes, z_mm, thickness_mm, kind):
 
 
 def _from_proximal(all_axes, z):
-    """The proximal end on the left, as the flow comes."""
+    """Puts the proximal end on the left, so that the flow goes to the right."""
     for axes in all_axes:
         axes.set_xlim(*((z[-1], z[0])))
         axes.annotate("proximal", (0, -0.12), xycoords="axes fraction", fontsize=8, ha="left", va="top")

@@ -1,4 +1,4 @@
-"""Where the frames of a pull-back lie in space: along a straight axis, or on a centreline."""
+"""Places the frames of a pull-back in space: along a straight axis, or on a centreline."""
 
 from dataclasses import dataclass, field
 
@@ -9,16 +9,16 @@ from common.errors import InputError
 from . import rings
 from .tables import centroid
 
-FARTHEST_MM = 3.0  # by which landmarks may disagree along the line: a frame is picked to within two or three
-NEAREST_MM = 0.2  # least distance of a landmark from the axis: nearer, half a voxel turns it by a right angle
-LARGEST_TURN_DEG = 45.0  # by which they may disagree about it: beyond, the tables are mirrored or the points mixed up
+FARTHEST_MM = 3.0  # largest disagreement of landmarks along the line: a frame is picked to within 2 or 3 mm
+NEAREST_MM = 0.2  # least distance of a landmark from the axis; nearer, half a voxel turns it by a right angle
+LARGEST_TURN_DEG = 45.0  # largest disagreement of landmarks about it; beyond, tables are mirrored or points mixed up
 
 
 @dataclass
 class Placing:
-    """map(z_mm (k,), points (k, n, 2)) -> points (k, n, 3) in mm, of points in the frames' own planes.
+    """map(z_mm (k,), points (k, n, 2)) -> points (k, n, 3) in mm, for points in the frames' own planes.
 
-    how: what it rests on, in words; report: figures for contours.json. proximal, distal: unit vectors out of the ends.
+    how: the axis used, in words. report: numbers for contours.json.
     """
 
     map: object
@@ -27,9 +27,9 @@ class Placing:
 
 
 def centres(frames, on_outer_wall):
-    """Centre (frames, 2) of each frame that is laid on the axis: of the lumen, or of the outer wall.
+    """Centre (frames, 2) of each frame, of its lumen or of its outer wall, which is placed on the axis.
 
-    Where a frame's outer wall was not traced, the distance of the lumen's centre from the wall's is interpolated.
+    If a frame's outer wall was not traced, the offset of its centre from the lumen's centre is interpolated.
     """
     lumen = np.array([centroid(rings.smooth(frame.lumen)) for frame in frames])
     traced = np.array([frame.outer_wall is not None for frame in frames])
@@ -61,10 +61,10 @@ def straight(pullback):
 def on_line(pullback, line, landmark_points_mm=(), proximal_s_mm=None, rotation_deg=0.0, mirrored=False):
     """Placing on a Line: the lumen's centre on it, the frames' planes across it, z along it.
 
-    landmark_points_mm: (3,) each, where the pull-back's landmarks lie in the line's space; they give the place along
-    the line and the turn about it. Without them proximal_s_mm (default 0) is where the proximal frame lies, and
-    rotation_deg its turn against the line's own frame. mirrored: the images are seen from the other side.
-    Raises InputError where the line is too short, where landmarks contradict each other or one lies on the line.
+    landmark_points_mm: (3,) each, the pull-back's landmarks in the line's space; they give the place along the line and
+    the turn about it. Without them proximal_s_mm (default 0) is the place of the proximal frame, and rotation_deg its
+    turn against the line's own frame. mirrored: the images are seen from the other side. Raises InputError if the line
+    is too short, if landmarks contradict each other, or if one is on the line.
     """
     z = pullback.z_mm
     centre = rings.between(z, centres(pullback.frames, on_outer_wall=False))
@@ -127,7 +127,7 @@ def _by_landmarks(pullback, line, points, centre, flip):
             value = f"landmark {distance.argmin() + 1}, {distance.min():.2f} mm from it"
             remedy = f"a place on the wall or in a branch's mouth, {NEAREST_MM} mm or more from the lumen's centre"
             raise InputError("a landmark on the axis tells no rotation", where, value, remedy)
-    # x cos(turn) one - ...: an image angle a lies at -a - turn in the plane of (one, two), seen along the tangent
+    # by x = cos(turn) one - ... an image angle a is at -a - turn in the plane of (one, two), seen along the tangent
     angles = -np.arctan2(v, u) - np.arctan2(across[:, 1], across[:, 0])
     turn = float(np.angle(np.exp(1j * angles).mean()))
     off = np.abs(np.degrees(np.angle(np.exp(1j * (angles - turn)))))

@@ -10,11 +10,11 @@ from . import rings
 from .tables import area_mm2, centroid
 
 NONE, FIBROUS, LIPID, CALCIFIED = 0, 1, 2, 3
-KINDS = {"lipid": LIPID, "calcium": CALCIFIED}  # the later one prevails
-# Normal intima is below 0.3 mm by IVUS (0.22 to 0.25 mm at 30 to 40 years), the media behind it 0.2 mm by histology but
-# thinned beneath plaque (0.1 mm in vivo: Gussenhoven et al., Am J Cardiol 68 (1991) 1625).
+KINDS = {"lipid": LIPID, "calcium": CALCIFIED}  # where both are traced, the later one counts
+# Normal intima is below 0.3 mm by IVUS (0.22 to 0.25 mm at 30 to 40 years). The media behind it has 0.2 mm by
+# histology, but is thinner beneath plaque (0.1 mm in vivo: Gussenhoven et al., Am J Cardiol 68 (1991) 1625).
 THICKEST_HEALTHY_MM = 0.3
-CROSSING_MM = 0.1  # two hand-drawn outlines that touch may cross by as much
+CROSSING_MM = 0.1  # by which two hand-drawn outlines that touch may cross
 STEP_MM = 0.02  # along a ray from the lumen outwards
 
 
@@ -26,9 +26,9 @@ def thickness_of_frame(ring, outer_wall):
 
 
 def thickness(frames, ring_list, path, warnings):
-    """Distance (frames, n) in mm from lumen to outer wall; nan in frames in which the outer wall was not traced.
+    """Distance (frames, n) in mm from lumen to outer wall; nan in frames whose outer wall was not traced.
 
-    Raises InputError where a lumen does not lie in its outer wall.
+    Raises InputError if a lumen is not inside its outer wall.
     """
     found = np.full((len(frames), len(ring_list[0])), np.nan)
     for row, frame, ring in zip(found, frames, ring_list):
@@ -48,10 +48,10 @@ def thickness(frames, ring_list, path, warnings):
 
 
 def healthy_wall_mm(distance, given="auto"):
-    """Thickness in mm of the healthy wall: given, or the mean of the frame where the wall is thinnest.
+    """Thickness in mm of the healthy wall: the given one, or the mean of the frame with the thinnest wall.
 
-    At most THICKEST_HEALTHY_MM: a pull-back whose thinnest wall is thicker has no healthy frame. distance (frames, n)
-    as `thickness` gives it.
+    It is at most THICKEST_HEALTHY_MM, since a pull-back whose thinnest wall is thicker has no healthy frame.
+    distance: (frames, n) as `thickness` returns it.
     """
     if given != "auto":
         return float(given)
@@ -91,7 +91,7 @@ def arc_deg(kind, ring, value):
 
 
 def burden_percent(frame):
-    """Plaque burden in percent: area between outer wall and lumen over that within the outer wall; None without it."""
+    """Plaque burden in percent: area between outer wall and lumen over area within the outer wall; None without it."""
     if frame.outer_wall is None:
         return None
     outer = area_mm2(rings.smooth(frame.outer_wall))

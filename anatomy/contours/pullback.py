@@ -1,4 +1,4 @@
-"""A pull-back: its frames from distal to proximal what was traced in each, and warnings."""
+"""A pull-back: its frames from distal to proximal, the traced outlines in each, and warnings."""
 
 from dataclasses import dataclass, field
 
@@ -10,8 +10,8 @@ from . import tables
 
 SAME_Z_MM = 0.01  # difference in z of one frame in two tables, which may be rounded to two decimals
 SAME_PLACE_MM = 0.005  # frames nearer are at one place; at 0.5 mm/s and 60 frames a second they are 0.008 mm apart
-FEWEST_FRAMES = 3  # two ends and what lies between them
-USUAL_GAP_MM = 2.0  # farther apart, the lumen between two frames is mostly interpolated
+FEWEST_FRAMES = 3  # two ends and a frame between them
+USUAL_GAP_MM = 2.0  # between frames; in a longer gap most of the lumen is interpolated
 
 
 @dataclass
@@ -22,14 +22,14 @@ class Frame:
     z_mm: float
     lumen: np.ndarray
     outer_wall: np.ndarray = None
-    regions: dict = field(default_factory=dict)  # calcium, lipid: outline of what was traced
+    regions: dict = field(default_factory=dict)  # {calcium, lipid: traced outline}
 
 
 @dataclass
 class Pullback:
     """Frames from distal to proximal, landmarks [(z_mm, point (2,))] in the order of their table, warnings [str].
 
-    sign: of z_mm against z in the tables, -1 where that rises from the proximal end.
+    sign: 1 if z_mm rises like z in the tables, -1 if z in the tables rises from the proximal end.
     """
 
     frames: list
@@ -46,9 +46,9 @@ class Pullback:
 def read(files, units="mm", z_from="distal", z_range_mm=None, drop_frames=()):
     """The Pullback of contour tables.
 
-    files: {lumen, outer_wall, calcium, lipid, branches, landmarks: path}, the lumen required. z_from: the end at which
-    z is smallest, `distal` or `proximal`. z_range_mm: (first, last) z of the frames that are used (a guide catheter's
-    are left out so); drop_frames: names of frames that are not. Raises InputError.
+    files: {lumen, outer_wall, calcium, lipid, branches, landmarks: path}; the lumen is required. z_from: the end at
+    which z is smallest, `distal` or `proximal`. z_range_mm: (first, last) z of the used frames, to leave out frames in
+    a guide catheter. drop_frames: names of frames to leave out. Raises InputError.
     """
     first, last = z_range_mm or (-np.inf, np.inf)
     if not first < last:
@@ -98,7 +98,7 @@ def _check_frames(lumen, path, warnings):
 
 
 def _matched(files, what, units, frames, wanted, warnings):
-    """(frame, outline) of a table, for the frames that the lumen has; InputError where z differs."""
+    """(frame, outline) of a table, for frames with a lumen. Raises InputError if z differs."""
     path = files[what]
     without = []
     for name, (z, outline) in tables.read_outlines(path, units, what, wanted).items():

@@ -1,4 +1,4 @@
-"""Outlines as rings of equally many corresponding points, exact in area, and their interpolation between frames."""
+"""Outlines as rings of equally many corresponding points with exact area, and interpolation between frames."""
 
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
@@ -20,15 +20,15 @@ def smooth(outline, count=FINE):
 
 
 def ring(outline, count):
-    """Ring (count, 2) of an outline (n, 2): even by length, begun where the ring as a whole has angle 0.
+    """Ring (count, 2) of an outline (n, 2), evenly spaced by length, which begins at about angle 0.
 
-    Points of two rings correspond by their number. The shift along the outline is the one for which the angles round
-    the centroid differ least, on average, from those of a circle: hand-drawn outlines begin anywhere.
+    Points of two rings correspond by their number. Hand-drawn outlines begin anywhere. So the ring's start is shifted
+    along the outline until the angles round the centroid differ least, on average, from a circle's.
     """
     fine = smooth(outline)
     centre = centroid(fine)
     angle = np.unwrap(np.arctan2(*(fine - centre).T[::-1]))
-    behind = np.mean(angle - 2 * np.pi * np.arange(FINE) / FINE)  # of the circle that begins at angle 0
+    behind = np.mean(angle - 2 * np.pi * np.arange(FINE) / FINE)  # mean lead over a circle that begins at angle 0
     start = -behind / (2 * np.pi) * FINE
     at = (start + np.arange(count) * FINE / count) % FINE
     closed = np.vstack([fine, fine[:1]])
@@ -38,7 +38,7 @@ def ring(outline, count):
 def between(z_mm, values):
     """Function of z through `values` (frames, ...) at the rising z_mm, constant beyond the ends.
 
-    It is a monotone cubic: between two frames it lies between their values, and exceeds no frame's extremes.
+    It is a monotone cubic: between two frames its values are between theirs.
     """
     if len(z_mm) == 1:
         return lambda z: np.repeat(values[:1], len(np.atleast_1d(z)), axis=0)
@@ -49,8 +49,8 @@ def between(z_mm, values):
 def scaled(ring_list, areas_mm2):
     """Rings (k, n, 2) widened about their centroids to enclose areas_mm2 (k,).
 
-    A polygon loses a little of its outline's area, and between two slits that lie at an angle the rings would be
-    narrower than both: a stenosis that no frame shows.
+    A polygon loses a little of its outline's area. Between two slits at an angle to each other interpolated rings would
+    be narrower than both, a stenosis that no frame shows.
     """
     out = np.empty_like(ring_list)
     for k, (one, area) in enumerate(zip(ring_list, areas_mm2)):

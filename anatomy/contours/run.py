@@ -1,4 +1,4 @@
-"""The command: from contour tables to a lumen with plaque, the record contours.json, and a picture."""
+"""The command that makes a lumen with plaque, the record contours.json and a picture from contour tables."""
 
 import pathlib
 import sys
@@ -14,8 +14,8 @@ from .tables import area_mm2
 
 SCHEMA = "vci-contours-1"
 ARRAYS = ("plaque_thickness_mm", "plaque_type")  # at the surface's points
-EDGE_MM = 0.12  # of the lofted surface: `lumen process` makes its own mesh of it
-SHADOW_DEG = 90  # of calcium, beyond which the outer wall is not to be measured (Mintz et al., JACC 37 (2001) 1478)
+EDGE_MM = 0.12  # of the lofted surface; `lumen process` remeshes it
+SHADOW_DEG = 90  # arc of calcium; behind a wider one the outer wall is hidden (Mintz et al., JACC 37 (2001) 1478)
 FEWEST_AROUND, MOST_AROUND = 64, 200
 
 
@@ -46,8 +46,7 @@ def run(files, out, units="mm", healthy_wall_mm="auto", reading=None, laying=Non
 
 
 def loft_of(pull, place):
-    """The lofted lumen: dict of points, triangles, region, z_mm of its rings, frame_rings (frames, n, 2) and count of
-    rings' points."""
+    """The lofted lumen: dict of points, triangles, region, z_mm of its rings, and frame_rings (frames, n, 2) in mm."""
     longest = max(_perimeter(frame.lumen) for frame in pull.frames)
     around = int(np.clip(np.ceil(longest / EDGE_MM), FEWEST_AROUND, MOST_AROUND))
     of_frames = np.array([rings.ring(frame.lumen, around) for frame in pull.frames])
@@ -60,7 +59,7 @@ def loft_of(pull, place):
 
 
 def _areas(pull, z_mm):
-    """Areas in mm2 at z: of the outlines at the frames, interpolated monotonically between them."""
+    """Areas in mm2 at z: the outlines' areas at the frames, interpolated monotonically between them."""
     return rings.between(pull.z_mm, np.array([area_mm2(rings.smooth(frame.lumen)) for frame in pull.frames]))(z_mm)
 
 
@@ -101,7 +100,7 @@ def _plaque(pull, files, healthy_wall_mm, lumen):
     thickness = np.maximum(rings.between(pull.z_mm[traced], distance[traced])(z) - healthy, 0)
     nearest = np.abs(z[:, None] - pull.z_mm[None]).argmin(axis=1)
     kind = np.where(thickness > 0, kinds[nearest], plaque.NONE)
-    inner = len(lumen["points"]) - thickness.size  # of the caps: no wall
+    inner = len(lumen["points"]) - thickness.size  # inner points of the caps, which are not wall
     _say_shadow(pull, of_frames, kinds)
     values = (
         np.concatenate([thickness.ravel(), np.zeros(inner)]),

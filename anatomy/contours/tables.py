@@ -1,4 +1,4 @@
-"""Contour tables: text of frame, x, y, z, read into closed outlines and checked."""
+"""Reads contour tables (text with frame, x, y, z) into closed outlines and checks them."""
 
 import gzip
 import pathlib
@@ -10,17 +10,17 @@ from common.errors import InputError
 from common.files import replacing
 
 MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 0.001}
-FEWEST_POINTS = 8  # of an outline: fewer do not tell a round lumen from a square one
-PLANE_MM = 0.01  # scatter of z within a frame: coordinates may be rounded to two decimals, or rotated and back
-WIDEST_MM = 15.0  # coronary arteries with ectasia stay below; image pixels do not
-LEAST_AREA_MM2 = 0.03  # a tenth of a millimetre in radius: below what the catheter itself takes up
+FEWEST_POINTS = 8  # of an outline; with fewer a round lumen cannot be told from a square one
+PLANE_MM = 0.01  # scatter of z within a frame, by rounding to two decimals or by rotating there and back
+WIDEST_MM = 15.0  # coronary arteries, even with ectasia, are narrower; outlines in pixels are wider
+LEAST_AREA_MM2 = 0.03  # a radius of 0.1 mm, less than the catheter's own
 
 
 def read_rows(path, units):
-    """Rows (n, 4) of frame, x, y, z in mm, of a text table; a gzip-compressed one where the name ends in .gz.
+    """Rows (n, 4) of frame, x, y, z in mm, of a text table, compressed by gzip if the name ends in .gz.
 
-    Columns are divided by tabs, commas, semicolons or blanks; a first line of names and lines that begin with # are
-    passed over. Raises InputError with the line that cannot be read.
+    Columns are separated by tabs, commas, semicolons or blanks. A first line of names and lines that begin with # are
+    skipped. Raises InputError with the line that cannot be read.
     """
     path = pathlib.Path(path)
     if not path.is_file():
@@ -62,9 +62,9 @@ def read_rows(path, units):
 def read_outlines(path, units, what, wanted=None):
     """{frame: (z in mm, outline (n, 2) in mm, counter-clockwise, its last point not the first again)}.
 
-    what: the table's name in errors. wanted(frame, z): whether a frame is used; others are not even checked.
-    Raises InputError for an outline that is open to doubt: not in one plane, crossing itself, too few points, too
-    small or too large for a coronary artery.
+    what: the table's name in errors. wanted(frame, z): whether a frame is used; other frames are not checked. Raises
+    InputError for an outline that is not in one plane, crosses itself, has too few points, or is too small or too large
+    for a coronary artery.
     """
     rows = read_rows(path, units)
     found = {}
@@ -81,7 +81,7 @@ def read_points(path, units):
 
 
 def area_mm2(outline):
-    """Signed area of a closed outline (n, 2) by its corners; positive where it runs counter-clockwise."""
+    """Signed area of a closed outline (n, 2) by its corners; positive if it runs counter-clockwise."""
     x, y = outline.T
     return 0.5 * float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
 
@@ -142,9 +142,9 @@ def _crossing(points):
 
 
 def thin(source, target, points):
-    """Writes a table of outlines with `points` of each frame's rows, evenly taken, and coordinates to 0.0001 mm.
+    """Writes a table of outlines with `points` evenly chosen rows of each frame, and coordinates to 0.0001 mm.
 
-    The first line names the columns. For tables of hundreds of points a frame, which no catheter resolves.
+    The first line names the columns. It is for tables with hundreds of points a frame, more than a catheter resolves.
     """
     rows = read_rows(source, "mm")
     lines = ["frame,x_mm,y_mm,z_mm"]

@@ -1,1 +1,1 @@
-"""CT angiograms in, lumen surface with calcium out."""
+"""Makes a lumen surface with calcium from a CT angiogram."""

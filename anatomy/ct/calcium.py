@@ -6,8 +6,8 @@ from . import edges
 
 CALCIFIED = 3  # plaque_type (docs/design.md)
 NONE = 0
-# The fixed 130 HU of non-contrast scores lies below the blood here. What is taken must stand out from this patient's
-# blood: by a quarter of it, which partial volumes of blood never reach, and by three standard deviations of its noise.
+# The fixed 130 HU of non-contrast scores are below the blood here. Calcium must be brighter than this patient's blood:
+# by a quarter, which partial volumes of blood never reach, and by three standard deviations of its noise.
 BRIGHTER, DEVIATIONS = 1.25, 3.0
 REACH_MM, STEP_MM = 2.5, 0.05
 
@@ -18,19 +18,19 @@ def level_hu(blood_hu, noise_hu):
 
 
 def noise_hu(at, tube):
-    """Standard deviation of the CT number on the axis of a tube where it is wide enough to hold blood alone."""
+    """Standard deviation of the CT number on the axis of a tube, where it is so wide that the axis shows only blood."""
     wide = tube.s_mm[tube.radius(tube.s_mm) > 1.0]
     return float(np.std(at(tube.axis.point(wide)))) if len(wide) > 5 else 0.0
 
 
 def behind(points, at, found, profiles):
-    """(thickness (n,) in mm, type (n,)) of the plaque behind points (n, 3) of the wall; nan where no calcium is, for
-    `lumen process` to estimate from the narrowing.
+    """(thickness (n,) in mm, type (n,)) of the plaque behind points (n, 3) of the wall.
 
-    at: CT numbers of points; found: as segment.segment returns it; profiles: of its tubes.
+    It is nan without calcium; `lumen process` then estimates it from the narrowing. at: function that gives CT numbers
+    at points; found: as segment.segment returns it; profiles: of its tubes.
 
-    Each point lies on a ray from the axis. Calcium reaches from the wall to where the CT number has fallen half-way
-    from its peak to the tissue's, since brightness blooms by the point spread. A stent's metal, which is bright all
+    Each point is on a ray from the axis. Calcium reaches from the wall to the place where the CT number has fallen
+    half-way from its peak to the tissue's, since the point spread blurs its edge. A stent's metal, which is bright all
     round, does not count.
     """
     tubes, blood = found["tubes"], found["blood_hu"]

@@ -13,14 +13,14 @@ from . import stented
 
 STEP_MM = 0.05
 REACH_MM = 4.0
-WALL_SAMPLE_MM = (0.35, 0.55)  # beyond the edge: within the wall, past most of the lumen's blur
-USUAL_SIGMA_MM = 0.315  # at which that window was chosen
+WALL_SAMPLE_MM = (0.35, 0.55)  # window beyond the edge: in the wall, past most of the lumen's blur
+USUAL_SIGMA_MM = 0.315  # point spread for which this window was chosen
 WALL_TRUST, HEALTHY_WALL_HU = 0.75, 50.0
 WALL_SHARE = 0.45  # tissue beside the lumen is at most this share of the blood: calcium and metal are not tissue
 BRIGHT, BRIGHT_REACH_MM, STENT_SHARE = 1.15, 3.0, 0.5
-BESIDE_MM = 0.5  # past a stent's end: the filter along the axis would spread the metal that the blur shows there
+BESIDE_MM = 0.5  # past a stent's end, where blurred metal is visible and the filter along the axis would spread it
 OUTLIER = 1.35  # rays longer than this times the section's usual radius run into a side branch or a neighbour
-FILTER_MM = 2.25  # window of the cubic filter along the axis; bias-free for lesions longer than about 4 mm
+FILTER_MM = 2.25  # window of the cubic filter along the axis; no bias for lesions longer than about 4 mm
 HARMONICS = 4
 
 
@@ -48,7 +48,7 @@ def sample(at, axis, spacing_mm, rays):
     ray = np.cos(theta)[None, :, None] * normal[:, None] + np.sin(theta)[None, :, None] * binormal[:, None]
     points = axis.point(s)[:, None, None] + r[None, None, :, None] * ray[:, :, None]
     hu = at(points)
-    # The axis's level: a small disc, filtered along the axis, so that noise does not look like darkness.
+    # The CT number on the axis: of a small disc, filtered along the axis, so that noise does not look like a dark spot.
     centre = hu[:, :, : int(0.2 / STEP_MM) + 1].mean(axis=(1, 2))
     return Profiles(s, theta, r, hu, along(centre, s, 1.25))
 
@@ -63,7 +63,10 @@ def along(values, s_mm, window_mm=FILTER_MM, derivative=0):
 
 
 def first_fall(hu, r_mm, level, start_mm=0.0):
-    """Radius (n, m) where each ray first falls through level (n, m) beyond start_mm (n, m), linear; NaN if never."""
+    """Radius (n, m) at which each ray first falls below level (n, m) beyond start_mm (n, m), by linear interpolation.
+
+    NaN if it never does.
+    """
     below = (hu[:, :, 1:] < level[:, :, None]) & (hu[:, :, :-1] >= level[:, :, None])
     below &= r_mm[None, None, 1:] > np.asarray(start_mm)[..., None]
     found = below.any(axis=2)
@@ -72,15 +75,15 @@ def first_fall(hu, r_mm, level, start_mm=0.0):
     low = np.take_along_axis(hu, k[..., None] + 1, 2)[..., 0]
     share = (high - level) / np.where(high > low, high - low, 1.0)
     radius = r_mm[k] + share * (r_mm[1] - r_mm[0])
-    # Where the axis itself is below the level, the radius is 0.
+    # If the axis itself is below the level, the radius is 0.
     return np.where(found, radius, np.where(hu[:, :, 0] < level, 0.0, np.nan))
 
 
 def bright(profiles, blood):
     """(radius (n, m) where each ray first meets calcium, infinite if never; sections (n,) within a stent).
 
-    Brighter than BRIGHT times the blood, averaged over 3 neighbours each way so that noise is not taken for calcium.
-    Where most rays of a section and its neighbours are bright there is a stent, not calcium.
+    Calcium is brighter than BRIGHT times the blood in the mean over 3 samples in each direction, so that noise is not
+    taken for calcium. If most rays of a section and its neighbours are bright, it is a stent, not calcium.
     """
     smooth = uniform_filter(profiles.hu, 3, mode=("nearest", "wrap", "nearest"))
     above = (smooth > BRIGHT * blood) & (profiles.r_mm < BRIGHT_REACH_MM)
@@ -97,9 +100,9 @@ def beside(stent, s_mm):
 
 
 def tidy(radius):
-    """Radii (n, m) with rays into side branches and missed edges replaced by their section's neighbours.
+    """Radii (n, m) in which rays into side branches and missed edges are replaced by neighbours in the section.
 
-    Returns (radii, replaced (n, m) bool). A section's usual radius is the median of its and its neighbours' rays.
+    Returns (radii, replaced (n, m) bool). A section's usual radius is the median over its and its neighbours' rays.
     """
     n, m = radius.shape
     filled = np.where(np.isnan(radius), np.inf, radius)
@@ -127,11 +130,11 @@ def filtered(radius, s_mm):
 def wall_level(profiles, radius, blood, sigma_mm=None):
     """HU (n, m) of the tissue just beyond the edge, smoothed over neighbours, at most WALL_SHARE of the blood's.
 
-    The mean between 0.35 and 0.55 mm beyond the edge. There the blur brings in blood and, behind a healthy wall, about
-    as much fat; in front of thick plaque there is no fat to balance it.
+    It is the mean between 0.35 and 0.55 mm beyond the edge. There the blur mixes in blood and, with a healthy wall,
+    about as much fat. With thick plaque no fat balances the blood.
 
-    With sigma_mm the window scales with it, and the value is drawn to a healthy wall's by WALL_TRUST. This takes the
-    imbalance off to within 4 HU (measured on noise-free tubes with a wall of 0.7 mm and plaque up to 1.1 mm).
+    With sigma_mm the window is scaled by it, and the value is shifted towards a healthy wall's by WALL_TRUST. This
+    reduces the imbalance to 4 HU (measured on noise-free tubes with a wall of 0.7 mm and plaque up to 1.1 mm).
     """
     scale = 1.0 if sigma_mm is None else sigma_mm / USUAL_SIGMA_MM
     distance = profiles.r_mm - radius[..., None]
@@ -157,11 +160,11 @@ def edge_share(radius_mm, sigma_mm):
 def find(profiles, method, blood, sigma_mm=None, rounds=4):
     """Radii (n, m) mm of one branch, and which rays were replaced (n, m).
 
-    half_maximum: the edge is halfway between the level on the axis and that of the tissue beyond the edge. Within a
-    stent its metal counts as lumen, as in a clinical reading, so the area blooms.
-    psf_edge: the edge is at the level that a blurred tube as wide as the section has at its true edge, between the
-    blood and that tissue. Then the blur along the axis is taken back to first order, r - sigma^2 / 2 r''(s). Within a
-    stent the bloom is taken off (stented.fit).
+    half_maximum: the edge is at the mean of the level on the axis and the level of the tissue beyond the edge. Within a
+    stent the metal counts as lumen, as in a clinical reading, so the area is too large.
+    psf_edge: the edge is at the level, between blood and tissue, that a blurred tube as wide as the section has at its
+    true edge. Then the blur along the axis is corrected to first order, r - sigma^2 / 2 r''(s). Within a stent the
+    bloom is removed (stented.fit).
     """
     n, m, _ = profiles.hu.shape
     hu, (calcium, stent) = np.minimum(profiles.hu, BRIGHT * blood), bright(profiles, blood)
@@ -194,8 +197,9 @@ def find(profiles, method, blood, sigma_mm=None, rounds=4):
 def point_spread(profiles, radius, blood):
     """Gaussian sigma (mm) of the image, from its wide sections; None if fewer than eight outside stents are.
 
-    Their profiles, each about its own edge, are averaged, and T + (B - T) x (blurred disc of their mean radius, moved
-    by delta) is fitted over (sigma, delta). T is a healthy wall's HU: with T free the fat behind widens sigma.
+    The profiles of these sections, each about its own edge, are averaged. T + (B - T) x (blurred disc of their mean
+    radius, moved by delta) is fitted over (sigma, delta). T is fixed at a healthy wall's HU, since with T free the fat
+    behind the wall would increase sigma.
     """
     _, stent = bright(profiles, blood)
     stent = uniform_filter1d(stent.astype(float), 9, mode="nearest") > 0  # metal steepens the edge

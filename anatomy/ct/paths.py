@@ -1,4 +1,4 @@
-"""Centrelines from the image and its end points alone: cheapest paths through the contrast, one for each branch."""
+"""Centrelines from the image and end points only: the cheapest path through the contrast for each branch."""
 
 from dataclasses import dataclass
 
@@ -16,7 +16,7 @@ SEED_RADIUS_MM = 0.6
 # Shares of the blood's CT number: above the first a voxel may be crossed, above the second it counts as lumen.
 PASSABLE, LUMEN = 0.2, 0.5
 OUTSIDE = "give the end points in mm, in the volume's own coordinates"
-BRIGHT = 1.15  # calcium and metal are brighter than this share
+BRIGHT = 1.15  # calcium and metal are brighter than this multiple of the blood
 SMOOTHING_MM = 0.15
 
 
@@ -43,7 +43,7 @@ def blood_hu(image, inlet_mm):
 
 
 def _graph(cost, spacing_mm):
-    """Graph over the finite cells of cost, edge = distance x mean cost, and the cells' flat index."""
+    """Graph over the cells with finite cost (an edge's weight is distance x mean cost), and the cells' flat indices."""
     number = np.full(cost.shape, -1)
     cells = np.flatnonzero(np.isfinite(cost))
     number.flat[cells] = np.arange(len(cells))
@@ -65,8 +65,9 @@ def _graph(cost, spacing_mm):
 def find(image, ends):
     """Lines of all branches, main first: [Line]. ends: [(name, centre (3,) mm)], the inlet first.
 
-    The cost is 1 / depth^2 within the contrast (half the blood's level), high below it, infinite under a fifth of it.
-    Raises InputError for an end point that is not in a vessel, ComputationError if an end cannot be reached.
+    The cost is 1 / depth^2 within the contrast (above half the blood's CT number). Below that it is high, and infinite
+    below a fifth of the blood's. Raises InputError for an end point that is not in a vessel, ComputationError if an end
+    cannot be reached.
     """
     blood = blood_hu(image, ends[0][1])
     smooth = gaussian_filter(image.values.astype(np.float32), 0.25 / image.spacing_mm)
@@ -120,7 +121,7 @@ def _length(points):
 
 
 def smoothed(points, spread_mm=SMOOTHING_MM):
-    """Curve through points (n, 3) by a smoothing spline that may miss them by spread_mm rms."""
+    """Curve by a smoothing spline whose rms distance from points (n, 3) is about spread_mm per coordinate."""
     s = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     keep = np.concatenate([[True], np.diff(s) > 1e-6])
     points, s = points[keep], s[keep]
@@ -132,7 +133,7 @@ def smoothed(points, spread_mm=SMOOTHING_MM):
 
 
 def _branches(chains, centres):
-    """Lines from voxel chains that start at the inlet: the longest is the main vessel, others start on their parent."""
+    """Lines from voxel chains that start at the inlet. The longest is the main vessel; others start on their parent."""
     order = np.argsort([-_length(chain) for chain in chains], kind="stable")
     lines, raw = [], []
     for rank, number in enumerate(order):
@@ -142,7 +143,7 @@ def _branches(chains, centres):
             lines.append(Line(smoothed(chain), -1, int(number) + 1))
             raw.append(chain)
             continue
-        # The parent is the branch with which the chain runs longest.
+        # The parent is the branch that shares the longest stretch with the chain.
         shared = [_shared(chain, other) for other in raw]
         parent = int(np.argmax(shared))
         leaves = max(shared[parent] - 1, 0)

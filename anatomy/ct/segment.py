@@ -1,4 +1,4 @@
-"""From a CT volume and the vessels' end points to a closed lumen, with warnings."""
+"""Finds a closed lumen in a CT volume from the vessels' end points, with warnings."""
 
 import json
 import pathlib
@@ -18,14 +18,14 @@ from .tubes import LevelField, Tube, TubeField
 SCHEMA = "vci-segmentation-1"
 CENTRINGS = 3
 USUAL_FWHM_MM = 0.7
-CLOSEST_MM = 1.0  # two end points: no vessel is that short, nearer ones are one end given twice
-FARTHEST_MM = 2.0  # a line's end from its end point: about a vessel's radius, both being picked by hand
-FEWEST_OUTSIDE = 5  # sections of a branch outside its parent, through which its radii are fitted
-MARGIN_MM = 30.0  # of the part of the volume that is looked at round the end points: vessels bow out between them
+CLOSEST_MM = 1.0  # between two end points; nearer points are one end given twice, since no vessel is so short
+FARTHEST_MM = 2.0  # from a line's end to its end point: about a vessel's radius, since both are picked by hand
+FEWEST_OUTSIDE = 5  # sections of a branch outside its parent, which its radii need
+MARGIN_MM = 30.0  # of the used part of the volume round the end points, since vessels bow out between them
 
 
 def load_ends(path):
-    """[(name, centre (3,))] of a JSON file with `ends [{name, centre_mm}]`, the inlet first. Raises InputError."""
+    """[(name, centre (3,))] from a JSON file with `ends: [{name, centre_mm}]`, the inlet first. Raises InputError."""
     path = pathlib.Path(path)
     if not path.is_file():
         raise InputError("no such file", path, "missing", "give the vessels' end points as JSON (--ends)")
@@ -66,9 +66,9 @@ def checked_ends(given, where):
 def run(image_path, ends, out, settings_path=None, centreline_path=None, series=None):
     """Writes `out`/lumen.vtp (with calcium as plaque) and `out`/segmentation.json; returns the document.
 
-    image_path, series: as volumes.read; ends: [(name, centre (3,))], the inlet first, in the volume's own coordinates,
-    which the surface has too. The centreline comes from the image and the end points, or from centreline_path where the
-    user gives one (then it is not moved). Raises InputError, or ComputationError where the contrast is interrupted.
+    image_path, series: as for volumes.read. ends: [(name, centre (3,))], the inlet first, in the volume's own
+    coordinates, which are also the surface's. The centreline comes from the image and the end points. If the user gives
+    centreline_path, it is used unchanged. Raises InputError, or ComputationError if the contrast is interrupted.
     """
     settings = config.load_section(settings_path, "ct")["segmentation"]
     volume = volumes.read(image_path, series)
@@ -179,14 +179,17 @@ def segment(volume, ends, settings, given=None):
 
 
 def _blood(at, tube, first_guess):
-    """Median CT number on the axis of the main vessel where it is wide enough for the blur not to reach its middle."""
+    """Median CT number on the axis of the main vessel, where it is so wide that the blur does not reach the axis."""
     wide = tube.radius(tube.s_mm) > 1.0
     values = at(tube.axis.point(tube.s_mm[wide])) if wide.any() else np.array([first_guess])
     return float(np.median(values))
 
 
 def _tube(at, line, parent, method, blood, sigma_mm, spacing_mm, rays):
-    """(Tube, Profiles, replaced rays) of one branch; within its parent it keeps the radius of where it comes out."""
+    """(Tube, Profiles, replaced rays) of one branch. Within its parent it has the radii of its first section outside.
+
+    Raises ComputationError if too little of the branch is outside the parent.
+    """
     profiles = edges.sample(at, line.axis, spacing_mm, rays)
     radii, bad = edges.find(profiles, method, blood, sigma_mm)
     if parent is not None:
@@ -198,7 +201,7 @@ def _tube(at, line, parent, method, blood, sigma_mm, spacing_mm, rays):
             raise ComputationError(
                 "a branch hardly leaves its parent", f"outlet {line.end} of those given", value, remedy
             )
-        # Read again from outside the parent, so that no filter mixes in what lies within it.
+        # Measure again only outside the parent, so that no filter mixes in sections within it.
         outside = edges.Profiles(
             profiles.s_mm[inside:],
             profiles.theta,
@@ -214,11 +217,11 @@ def _tube(at, line, parent, method, blood, sigma_mm, spacing_mm, rays):
 
 
 def _within_parent(axis, s_mm, parent):
-    """Number of leading sections whose rays would run into the parent: all where the branch never leaves it."""
+    """Number of leading sections whose rays would run into the parent; all if the branch never leaves it."""
     points = axis.point(s_mm)
     on_parent = parent.axis.nearest(points)
     away = np.linalg.norm(points - parent.axis.point(on_parent), axis=1)
-    # A section is clear of the parent when its own disc is, at a usual branching angle and radius.
+    # A section is clear of the parent if its own disc is, for a usual branching angle and radius.
     clear = away > 1.35 * parent.radius(on_parent) + 0.3
     return int(np.argmax(clear)) if clear.any() else len(s_mm)
 

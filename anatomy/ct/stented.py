@@ -1,9 +1,9 @@
-"""The lumen's edge behind a blooming stent: a blurred edge plus a blurred thin shell of metal, fitted on each ray."""
+"""The lumen's edge in a blooming stent: a blurred edge plus a blurred thin shell of metal, fitted on each ray."""
 
 import numpy as np
 from scipy.special import chndtr, i0e
 
-INNER_MM, OUTER_MM = 0.8, 0.35  # fitted stretch about the edge; fat behind the wall matters little within it
+INNER_MM, OUTER_MM = 0.8, 0.35  # fitted stretch inside and outside the edge; fat behind the wall hardly affects it
 STEP_MM = 0.02
 STRUT_CENTRE_MM = 0.04  # struts of usual thickness lie this far inside the wall
 
@@ -14,7 +14,7 @@ def disc(r_mm, radius_mm, sigma_mm):
 
 
 def shell(r_mm, radius_mm, sigma_mm):
-    """Thin ring of radius_mm blurred by a Gaussian, 1 at its largest in the limit of a wide ring."""
+    """Thin ring of radius_mm blurred by a Gaussian, scaled to a maximum of 1 for a wide ring."""
     blur = np.exp(-0.5 * ((r_mm - radius_mm) / sigma_mm) ** 2) * i0e(r_mm * radius_mm / sigma_mm**2)
     return blur * np.sqrt(2 * np.pi) * radius_mm / sigma_mm
 

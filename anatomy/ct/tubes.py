@@ -9,7 +9,7 @@ from common.implicit.field import BAND_MM, LumenField
 class Tube:
     """A branch whose radius depends on arc length and angle.
 
-    axis: Curve; s_mm (n,), theta (m,), radii_mm (n, m). Offers what a tree's branch offers to the field.
+    axis: Curve; s_mm (n,), theta (m,), radii_mm (n, m). The implicit field can use it like a branch of a tree.
     """
 
     def __init__(self, parent, axis, s_mm, theta, radii_mm):
@@ -47,12 +47,12 @@ class TubeField(LumenField):
 
 
 class LevelField(LumenField):
-    """The image's own level set near the tubes' axes: (level - HU) over a typical slope, in about mm."""
+    """The image's own level set near the tubes' axes: (level - HU) over a typical slope, roughly a distance in mm."""
 
     def __init__(self, branches, at, level_hu, slope_hu_per_mm):
         super().__init__(branches)
         self._at, self._level, self._slope = at, level_hu, slope_hu_per_mm
 
     def value(self, points_mm, iterations=4):
-        """Field (n,); limited to the grid's band, where a level set far from the wall means nothing."""
+        """Field (n,), limited to the grid's band, since a level set far from the wall is meaningless."""
         return np.clip((self._level - self._at(points_mm)) / self._slope, -BAND_MM, BAND_MM)

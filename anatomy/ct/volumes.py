@@ -1,4 +1,4 @@
-"""CT volumes as scanners and archives hand them on: NIfTI files and DICOM series, in any orientation."""
+"""Reads CT volumes from scanners and archives: NIfTI files and DICOM series, in any orientation."""
 
 import pathlib
 from dataclasses import dataclass
@@ -10,18 +10,18 @@ import pydicom
 from common.errors import InputError
 from common.volume import Image
 
-SKEW = 1e-3  # cosine between two voxel axes: 0.2 mm over a heart; a tilted gantry's are far above it
-UNEVEN = 0.25  # of the slices' distance: a slice may lie so far off its place; rounding to 0.1 mm does less
+SKEW = 1e-3  # cosine between two voxel axes: 0.2 mm over a heart; with a tilted gantry it is far larger
+UNEVEN = 0.25  # error of a slice's place over the slices' distance; rounding to 0.1 mm causes less
 SAME_PLACE_MM, ALIKE = 1e-3, 1e-3  # differences by rounding in a header: of places; of directions and sizes
-FEWEST_SLICES = 10  # of a series that can hold a vessel: scouts and dose reports have fewer
-AIR_AND_FAT_HU = 0.0  # a hundredth of the voxels round any heart are below water
+FEWEST_SLICES = 10  # of a series with a vessel; scouts and dose reports have fewer
+AIR_AND_FAT_HU = 0.0  # round any heart a hundredth of the voxels, air and fat, are below water
 FRAMES = "right-anterior-superior for NIfTI, left-posterior-superior for DICOM: x and y change sign between them"
 LENGTHS = {"meter": 1000.0, "mm": 1.0, "micron": 0.001, "unknown": 1.0}
 
 
 @dataclass
 class Volume:
-    """A CT volume: image, along its own voxel axes in mm, and how it lies in the patient.
+    """A CT volume: image, along its own voxel axes in mm, and its orientation in the patient.
 
     rotation (3, 3): patient's coordinates = rotation @ the image's.
     """
@@ -39,10 +39,11 @@ class Volume:
 
 
 def read(path, series=None):
-    """The Volume of a NIfTI file (coordinates as its header has them, right-anterior-superior) or of a folder of DICOM
-    files (the patient's, left-posterior-superior). series: the UID of which, where the folder has several.
+    """The Volume of a NIfTI file or of a folder of DICOM files.
 
-    Raises InputError for what is no volume of CT numbers in one piece.
+    Coordinates are the NIfTI header's (right-anterior-superior) or DICOM's (left-posterior-superior). series: the UID
+    of the wanted series if the folder has several. Raises InputError if there is no single, complete volume of CT
+    numbers.
     """
     path = pathlib.Path(path)
     if path.is_dir():
@@ -64,9 +65,9 @@ def read(path, series=None):
 
 
 def _along_axes(values, affine, path):
-    """Volume of values and the affine (4, 4) from voxel numbers to mm.
+    """Volume from values and their affine (4, 4) from voxel numbers to mm.
 
-    Its axes are swapped and reversed until they are right-handed and as near to the patient's as they can be. No voxel
+    Its axes are swapped and reversed until they are right-handed and as near as possible to the patient's. No voxel
     moves.
     """
     spacing = np.linalg.norm(affine[:3, :3], axis=0)
@@ -87,7 +88,7 @@ def _along_axes(values, affine, path):
     rotation *= np.sign((rotation * affine[:3, :3]).sum(axis=0))
     if np.abs(rotation - np.eye(3)).max() < 1e-4:
         rotation = np.eye(3)
-    # The header holds 32-bit numbers, which do not resolve a nanometre.
+    # The header holds 32-bit numbers, whose rounding error exceeds a nanometre.
     origin = np.round(rotation.T @ affine[:3, 3], 6)
     return Volume(Image(np.ascontiguousarray(turned), origin, np.round(spacing, 6)), rotation)
 

@@ -1,10 +1,10 @@
-"""Warnings: which parts of a segmentation are not to be trusted."""
+"""Warnings about parts of a segmentation that may be wrong."""
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-BRIGHT = 1.25  # times the blood: calcium or metal
-NEAR_MM = 1.0  # beyond the edge, where brightness spills over it
+BRIGHT = 1.25  # multiple of the blood's CT number: brighter is calcium or metal
+NEAR_MM = 1.0  # beyond the edge; bright places this near affect it by blooming
 SHARE_OF_RAYS = 0.1
 END_MM, WIDER = 3.0, 1.1
 
@@ -57,7 +57,7 @@ def find(lines, tubes, profiles, ends, blood_hu, settings, point_spread_assumed)
 
 
 def _widening(main):
-    """A main vessel that is wider at its far end: the end points may have been given the other way round."""
+    """Warns of a main vessel that is wider at its far end, since the end points may be in the wrong order."""
     areas = np.mean(main.radii_mm**2, axis=1)
     first, last = (np.sqrt(areas[at].mean()) for at in (main.s_mm < END_MM, main.s_mm > main.s_mm[-1] - END_MM))
     if last <= WIDER * first:
@@ -67,7 +67,7 @@ def _widening(main):
 
 
 def runs(flags):
-    """[(start, stop)] of the stretches of True."""
+    """[(start, stop)] of the stretches of True in flags (n,)."""
     edge = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
     return list(zip(edge[::2], edge[1::2]))
 
@@ -85,7 +85,7 @@ def _entry(code, tube, s_mm, value, message):
 
 
 def _close_pairs(lines, tubes):
-    """Vessels that come within 0.3 mm of one another away from where they branch: they may have merged in the image."""
+    """Warns of vessels within 0.3 mm of each other away from their branching, which may have merged in the image."""
     found = []
     for i, first in enumerate(tubes):
         for j in range(i, len(tubes)):
@@ -114,5 +114,5 @@ def _apart(first, second, k, other, radius):
         return second.s_mm[other] - first.s_mm[k] > 4 * radius + 4
     if second.parent == first.name:
         return second.s_mm[other] > 4 * radius + 2
-    # Branches that leave one parent side by side start close to each other.
+    # Branches of one parent may start close to each other.
     return min(first.s_mm[k], second.s_mm[other]) > 4 * radius + 2

@@ -1,4 +1,4 @@
-"""A plan carried to another reading of the same lumen: the same devices and pressures at the same places in space."""
+"""Transfers a plan to another segmentation of the same lumen: same devices, pressures and places in space."""
 
 import json
 import os
@@ -14,7 +14,7 @@ from ..measured import read_sections
 def run(plan_file, from_folder, to_folder, out):
     """Writes the plan of `plan_file`, made in the anatomy `from_folder`, for the lumen of the anatomy `to_folder`.
 
-    Raises InputError where the other lumen lacks a branch that is treated, or has its axis elsewhere.
+    Raises InputError if the other lumen lacks a treated branch, or has its axis elsewhere.
     """
     plan = json.loads(plan_file.read_text())
     axes = read_sections(from_folder), read_sections(to_folder)
@@ -31,10 +31,10 @@ def run(plan_file, from_folder, to_folder, out):
 
 
 def carried(branch, s_mm, before, after, where):
-    """Arc length on a branch of the sections `after` that lies nearest to s_mm on the same branch of `before`.
+    """Arc length on a branch of the sections `after` at the place nearest to s_mm on the same branch of `before`.
 
-    What s_mm reaches beyond the first or last section stays the same. A place further off the other axis than the
-    vessel's inscribed radius is refused.
+    If s_mm is beyond the first or last section, the distance beyond is kept. Raises InputError if the place is further
+    from the other axis than the vessel's inscribed radius.
     """
     if branch not in after:
         found = ", ".join(after)

@@ -1,4 +1,4 @@
-"""One device of a family at one size, as scene.json holds it (docs/design.md)."""
+"""Entries of scene.json for a device of a family at one size (docs/design.md)."""
 
 import numpy as np
 
@@ -42,7 +42,7 @@ def entries(families, family, diameter_mm, length_mm, where):
 
 
 def balloon_family(families, family):
-    """Name of the balloon family that a device is inflated with: itself, or a stent's delivery balloon."""
+    """Name of the balloon family that inflates a device: its own, or a stent's delivery balloon."""
     values = families[family]
     return values["delivery_balloon"] if values["kind"] == "stent" else family
 

@@ -1,13 +1,14 @@
-"""Where stents begin and end: in the most normal lumen beside the stretch that they cover.
+"""Places the stents' ends in the most normal lumen beside the stretch that they cover.
 
-A stent's end lies MARGIN_MM to WITHIN_MM beyond the stretch, where the lumen is nearest to the vessel's reference.
+A stent's end is MARGIN_MM to WITHIN_MM beyond the stretch, where the lumen is nearest to the vessel's reference.
 
-The ACC consensus on intravascular ultrasound defines the reference segment so. It is the most normal lumen beside the
-stenosis in the same segment, without a large side branch between (Mintz et al., J Am Coll Cardiol 2001;37:1478-92).
+This follows the reference segment of the ACC consensus on intravascular ultrasound. That segment is the most normal
+lumen beside the stenosis in the same segment, without a large side branch between (Mintz et al., J Am Coll Cardiol
+2001;37:1478-92).
 
-Stents guided by imaging land so too (EAPCI consensus, Raeber et al., Eur Heart J 2018;39:3281-3300). The criteria of
-ULTIMATE ask for a plaque burden below 50 % within 5 mm of the stent's edges (Zhang et al., J Am Coll Cardiol
-2018;72:3126-37). A lumen alone does not tell the plaque burden.
+Imaging-guided stents have the same landing zones (EAPCI consensus, Raeber et al., Eur Heart J 2018;39:3281-3300).
+ULTIMATE also asks for a plaque burden below 50 % within 5 mm of the stent's edges (Zhang et al., J Am Coll Cardiol
+2018;72:3126-37). A lumen alone does not show the plaque burden.
 """
 
 import dataclasses
@@ -18,34 +19,36 @@ import numpy as np
 from common.errors import InputError
 
 MARGIN_MM = 2.0  # least length of stent beyond the stretch
-WITHIN_MM = 5.0  # from the stretch, in which the landing zone is looked for
-ALIKE_PERCENT = 5  # of the diameter by which a landing zone may differ from the most normal lumen
-OVERLAP_MM = 2.5  # of two stents in a row, so that no gap is left between them
+WITHIN_MM = 5.0  # distance from the stretch within which the landing zone is searched
+ALIKE_PERCENT = 5  # of the diameter, by which a landing zone may differ from the most normal lumen
+OVERLAP_MM = 2.5  # of two stents in a row, so that there is no gap between them
 STEP_MM = 0.5
 MOST_STENTS = 3  # three of 38 mm cover a whole left anterior descending artery; more is the operator's decision
 
 
 @dataclasses.dataclass
 class Span:
-    """One stent's place: s of its `start`, and its `length` as the catalogue has it, mm."""
+    """One stent's place: arc length of its `start` and its `length` in the catalogue, mm."""
 
     start: float
     length: float
 
     @property
     def end(self):
-        """mm."""
+        """Arc length of the distal end, mm."""
         return self.start + self.length
 
     @property
     def centre(self):
-        """mm, to a micrometre."""
+        """Arc length of the middle in mm, rounded to a micrometre."""
         return round(self.start + 0.5 * self.length, 3)
 
 
 def spans(target, lengths, where, least=1):
-    """Spans of the stents that cover a target, the distal one first: one if the catalogue has the length, else several
-    of about equal length that overlap by OVERLAP_MM; `least` stents. InputError where they cannot be placed.
+    """Spans of the stents that cover a target, the distal one first; at least `least` stents.
+
+    It is one stent if the catalogue has the length, else several of about equal length that overlap by OVERLAP_MM.
+    Raises InputError if they cannot be placed.
     """
     window = _window(target, where)
     for count in range(least, MOST_STENTS + 1):
@@ -73,7 +76,8 @@ def spans(target, lengths, where, least=1):
 
 
 def _window(target, where):
-    """((nearest, farthest) start, (nearest, farthest) end) in mm of the stented length: nearest covers the stretch."""
+    """((nearest, farthest) start, (nearest, farthest) end) of the stented length in mm; the nearest just cover the
+    stretch."""
     lowest, highest = target.profile.limits_mm
     if not lowest <= target.s_mla <= highest:
         raise InputError(
@@ -89,13 +93,13 @@ def _window(target, where):
 
 
 def _rows(lengths, count):
-    """Lengths (mm) of `count` stents in a row, proximal first, that differ by one size of the catalogue at most."""
+    """Lengths (mm) of `count` stents in a row, proximal first, that differ by at most one size of the catalogue."""
     for first in range(len(lengths)):
         yield from itertools.product(lengths[first : first + 2], repeat=count)
 
 
 def _places(profile, window, row):
-    """[(cost, start, row)] of a row of stents at every place where it covers the stretch inside its branch."""
+    """[(cost, start, row)] of a row of stents at every place where it covers the stretch and stays in the branch."""
     (start_near, start_far), (end_near, end_far) = window
     total = sum(row) - OVERLAP_MM * (len(row) - 1)
     lowest, highest = profile.limits_mm
@@ -123,7 +127,7 @@ def _places(profile, window, row):
 
 
 def _most_normal(profile, near, far):
-    """Least difference from the reference (per cent) at the places from near to far, 0 where all are in mouths."""
+    """Least difference from the reference (per cent) at the places from near to far; 0 if all are in mouths."""
     steps = np.append(np.arange(min(near, far), max(near, far), STEP_MM), max(near, far))
     return min((profile.unlike(at) for at in steps if profile.in_a_mouth(at) is None), default=0.0)
 

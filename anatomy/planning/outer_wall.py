@@ -1,8 +1,8 @@
-"""The healthy vessel where the outer wall is known: the lumen and the plaque that has grown into it.
+"""Healthy diameters of a vessel with a known outer wall: the lumen plus its plaque.
 
 Intravascular contours with an outer wall give the plaque's thickness beyond a healthy wall. The lumen's diameter plus
-twice the mean thickness round a section is the diameter that the vessel would have without plaque. It is the reference
-there. A line fitted through the diameters would be too small in diffuse disease, where all of them are diseased.
+twice the mean thickness round a section is the diameter that the vessel would have without plaque. This is the
+reference. A line fitted through the diameters would be too small in diffuse disease, where all diameters are diseased.
 """
 
 import numpy as np
@@ -20,7 +20,7 @@ def known(case):
 
 
 def referenced(sections, lumen_file):
-    """The sections (measured.read_sections) with reference_diameter_mm by the plaque of lumen.vtp."""
+    """The sections (measured.read_sections), with reference_diameter_mm from the plaque of lumen.vtp."""
     data = vtp.read(lumen_file, "run `lumen process` first")
     points, triangles = vtp.arrays(data)
     region = vtk_to_numpy(data.GetCellData().GetArray("region_id"))
@@ -40,7 +40,7 @@ def referenced(sections, lumen_file):
 
 
 def _between(branch, k):
-    """Mean plaque (mm) at a branch's k-th section; between its neighbours where no point of the wall is nearest."""
+    """Mean plaque (mm) at a branch's k-th section; interpolated if no point of the wall is nearest to the section."""
     known_at = [(row["s_mm"], row["plaque_mm"]) for row in branch if row["plaque_mm"] is not None]
     return float(np.interp(branch[k]["s_mm"], *zip(*known_at)))
 

@@ -1,4 +1,4 @@
-"""The case's plan with every device in full: the document of scene.json without wall and numerics."""
+"""The case's plan with complete devices: the document of scene.json without wall and numerics."""
 
 import os
 import sys
@@ -11,7 +11,7 @@ from ..measured import branch_named, lesion_number, read_sections, read_summary
 from . import catalogue, outer_wall, proposal, remarks
 
 PASCAL_PER_MMHG = 133.322387415
-OUTER_WALL, HEALTHY_PROFILE = "outer wall", "healthy profile"  # what the vessel's healthy size is taken from
+OUTER_WALL, HEALTHY_PROFILE = "outer wall", "healthy profile"  # sources of the vessel's healthy size
 
 
 def run(case_file, anatomy_folder, devices_folder, out):
@@ -48,7 +48,7 @@ def run(case_file, anatomy_folder, devices_folder, out):
 def sized_by(summary, proposed, by_outer_wall):
     """The plan's `reference`: the source of the vessel's healthy size, and the treated lesions by that source.
 
-    `anatomy_percent`: the same lesion by the healthy profile through the lumen, as anatomy.json has it.
+    `anatomy_percent`: stenosis of the same lesion by the healthy profile through the lumen, as in anatomy.json.
     """
     lesions = [
         {
@@ -72,8 +72,8 @@ def mean_arterial_pressure_pa(patient):
 def procedure(steps, families, summary, where):
     """{segment, devices, procedure} of a plan's steps in a measured lumen.
 
-    summary: document of anatomy.json; where: the plan's place, for messages. Raises InputError for a device or pressure
-    that does not fit.
+    summary: document of anatomy.json; where: the plan's place, for messages. Raises InputError if a device or pressure
+    does not fit.
     """
     devices, done, stents, used = {}, [], [], {}
     for i, step in enumerate(steps):
@@ -111,7 +111,7 @@ def _placed(request, summary, where):
     branch = branch_named(summary, name, where)
     centre = round(0.5 * (lesion["s_start_mm"] + lesion["s_end_mm"]), 3) if lesion else request["centre_s_mm"]
     half = request["length_mm"] / 2
-    # a side branch's axis goes on through its parent to the inlet: a device may start in there (culotte, kissing)
+    # a side branch's axis continues through its parent to the inlet, and a device may start there (culotte, kissing)
     before = branch.get("s_on_parent_mm") or 0
     if centre - half < -before or centre + half > branch["length_mm"]:
         raise InputError(
@@ -169,9 +169,9 @@ def _overlap(a, length_a, b, length_b):
 
 
 def _segment(steps, devices, stents):
-    """Extent of the stents on the first stent's branch; of the balloons where there is no stent.
+    """Extent of the stents on the first stent's branch; of the balloons if there is no stent.
 
-    What protrudes into the parent is left out: there the branch has no sections of its own.
+    A part that protrudes into the parent is left out, since the branch has no sections there.
     """
     placed = [device for device, _ in stents] or [device for step in steps for device in step["devices"]]
     branch = placed[0]["branch"]

@@ -1,4 +1,4 @@
-"""A picture of a plan: the lumen along each treated branch, its reference and lesions, and where each device lies."""
+"""A picture of a plan: the lumen along each treated branch, its reference and lesions, and each device's place."""
 
 import json
 

@@ -5,8 +5,8 @@ import numpy as np
 from common.errors import InputError
 
 REFERENCE_MM = 2.0  # length beyond a device's end over which its reference lumen is averaged
-EDGE_MM = 1.5  # least distance of a device from a cap: nearer, sections meet it
-LANDING_MM = 0.5  # to both sides of a stent's end that its landing zone reaches
+EDGE_MM = 1.5  # least distance of a device from a cap; nearer sections would cut the cap
+LANDING_MM = 0.5  # half the length of the landing zone about a stent's end
 NORMAL = (0.85, 1.05)  # of the vessel's reference: a lumen within this range shows the vessel's size
 
 
@@ -14,8 +14,8 @@ class Profile:
     """Sections of one branch. s, diameter, reference: (n,) mm; stenosis: (n,) per cent by diameter, below 0 if wide.
 
     `usable` (n,): sections that show the branch's own lumen, neither in a side branch's mouth nor at a cap.
-    `mouths`: {side branch: (s_low, s_high)} in mm. `limits_mm`: (s_low, s_high) between which a stent may lie. A side
-    branch is counted from its parent's axis: it begins where its first section does, outside the parent's lumen.
+    `mouths`: {side branch: (s_low, s_high)} in mm. `limits_mm`: (s_low, s_high) between which a stent may be placed.
+    Arc lengths of a side branch count from its parent's axis; its first section is outside the parent's lumen.
     """
 
     def __init__(self, summary, sections, branch):
@@ -46,18 +46,19 @@ class Profile:
         return float(np.interp(s_mm, self.s, self.reference))
 
     def unlike(self, s_mm):
-        """Difference (per cent by diameter) of the lumen from the reference within LANDING_MM of s_mm: the largest."""
+        """Largest difference (per cent by diameter) of the lumen from the reference within LANDING_MM of s_mm."""
         return float(np.abs(self.stenosis_at(s_mm + np.linspace(-LANDING_MM, LANDING_MM, 5))).max())
 
     def in_a_mouth(self, s_mm):
-        """Name of the side branch in whose mouth s_mm lies, or None."""
+        """Name of the side branch whose mouth contains s_mm, or None."""
         return next((name for name, (low, high) in self.mouths.items() if low < s_mm < high), None)
 
     def lumen_beyond(self, s_mm, direction):
         """Reference lumen (mm) at a device's end at s_mm: the mean diameter outwards (direction -1 proximal, 1 distal).
 
-        Over REFERENCE_MM, where sections there show the branch's own lumen; else of the nearest such section. Where
-        that is diffusely diseased or dilated it does not tell the vessel's size: it is kept within NORMAL of it.
+        The mean is over the sections within REFERENCE_MM that show the branch's own lumen, else of the nearest such
+        section. A diffusely diseased or dilated lumen does not show the vessel's size, so the result is limited to the
+        range NORMAL of the healthy reference.
         """
         beyond = direction * (self.s - s_mm)
         here = self.usable & (beyond >= 0) & (beyond <= REFERENCE_MM)

@@ -1,7 +1,7 @@
 """A plan proposed from the lesions and the device catalogue: `plan: auto`, or `plan: {treat: culprit | all}`.
 
-If the case sets least_stenosis_percent, lesions below it are left. If no stent of the catalogue is as wide as the
-vessel, a balloon alone is proposed.
+If the case sets least_stenosis_percent, lesions below it are not treated. If no stent of the catalogue is as wide as
+the vessel, a balloon alone is proposed.
 """
 
 import dataclasses
@@ -12,7 +12,7 @@ from . import landing, sizing, targets
 from .profile import Profile
 
 CULPRIT, ALL = "culprit", "all"
-GAP_MM = 3.0  # of lumen between two stents below which they are planned as one row
+GAP_MM = 3.0  # least length of lumen between two stents; with less they are planned as one row
 
 
 @dataclasses.dataclass
@@ -36,7 +36,7 @@ class Treated:
 @dataclasses.dataclass
 class Proposal:
     """steps: as in a case file, placed by centre_s_mm; treated: [Treated], the most severe first; left_out: [(Target,
-    why its narrowing cannot be treated)]."""
+    reason why it cannot be treated)]."""
 
     steps: list
     treated: list
@@ -54,9 +54,9 @@ def wanted(plan):
 def propose(summary, sections, families, where, treat=CULPRIT, least_percent=None):
     """Proposal for the lesions of a measured lumen (`summary`, `sections`: measured.read_summary, read_sections).
 
-    CULPRIT: for the most severe lesion that stents of the catalogue fit; if there is none, that a balloon fits. ALL:
-    for each lesion of targets.found; if all are mild, for the most severe. Raises InputError if there is no lesion of
-    least_percent by diameter and more, or if the catalogue or the branch does not fit any.
+    CULPRIT: for the most severe lesion that stents of the catalogue fit, or, if there is none, that a balloon fits.
+    ALL: for each lesion of targets.found; if all are mild, for the most severe. Raises InputError if there is no lesion
+    of at least least_percent by diameter, or if the catalogue or the branch fits none.
     """
     if not summary["lesions"]:
         requested = "auto" if treat == CULPRIT else f"{{treat: {treat}}}"
@@ -109,7 +109,7 @@ def _too_mild(target, where, treat, least_percent):
 
 
 def _with_balloons(treated, left_out, families, where):
-    """(treated, left out), with a balloon alone for each lesion that is too wide for any stent; most severe first."""
+    """(treated, left out), with a balloon alone for each lesion too wide for any stent; the most severe first."""
     done, left = list(treated), []
     for target, error in left_out:
         balloon = sizing.alone(families, target, where) if isinstance(error, sizing.NoWidth) else None
@@ -121,7 +121,7 @@ def _with_balloons(treated, left_out, families, where):
 
 
 def _narrowest(summary, sections):
-    """The place that narrows the lumen most, in words."""
+    """The place of the largest stenosis, in words."""
     worst = None
     for branch in sections:
         profile = Profile(summary, sections, branch)
@@ -148,7 +148,7 @@ def _stented(target, families, where):
 
 
 def _without_short_gaps(treated, families, where):
-    """The same, those on one branch whose stents overlap or leave less than GAP_MM between them planned as one."""
+    """The same list, but targets on a branch whose stents overlap or are less than GAP_MM apart are planned as one."""
     stented = [one for one in treated if one.stents]
     for k, one in enumerate(stented):
         for other in stented[k + 1 :]:
@@ -161,14 +161,14 @@ def _without_short_gaps(treated, families, where):
 
 
 def _in_order(treated):
-    """The branch of the worst lesion first; on each branch the distal target first, so that no stent is passed."""
+    """Sorts targets: the worst lesion's branch first; on a branch the distal target first, so that no device has to
+    pass a stent."""
     branches = list(dict.fromkeys(one.target.profile.branch for one in treated))
     return sorted(treated, key=lambda one: (branches.index(one.target.profile.branch), -one.target.start))
 
 
 def _steps(one, families, where):
-    """Predilatation of each stent's part, then the stents, then their post-dilatations; distal ones first. Or the
-    balloon alone."""
+    """The steps for a Treated: predilatations, stents, post-dilatations, distal ones first; or the balloon alone."""
     if one.balloon:
         return [one.balloon]
     branch, target = one.target.profile.branch, one.target

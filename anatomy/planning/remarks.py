@@ -1,17 +1,17 @@
-"""Remarks on a proposed plan: disease that it leaves, and places where it could not follow its rules."""
+"""Remarks on a proposed plan: disease that it leaves untreated, and places where it could not follow its rules."""
 
 import numpy as np
 
 from . import landing, targets
 
-WIDE_BRANCH_MM = 2.0  # diameter from which a side branch under a stent is usually looked after
+WIDE_BRANCH_MM = 2.0  # diameter from which a side branch under a stent is usually treated too
 TOLERANCE_MM = 0.05
 LANDING_PERCENT = 15  # difference of a landing zone from the reference, by diameter, from which a remark is made
-DIFFUSE_PERCENT, DIFFUSE_MM = 10, 5.0  # narrowing left beside a stent, and its length, from which a remark is made
+DIFFUSE_PERCENT, DIFFUSE_MM = 10, 5.0  # least narrowing beside a stent, and least length of it, for a remark
 
 
 def of_proposal(summary, proposal):
-    """Sentences on a proposal (proposal.Proposal) for the lumen of `summary`; none where nothing is to be said."""
+    """List of sentences on a proposal (proposal.Proposal) for the lumen of `summary`; empty if there is no remark."""
     said = [*_severity(proposal), *_left(summary, proposal)]
     for one in proposal.treated:
         if one.stents:
@@ -31,7 +31,7 @@ def _balloon_alone(one):
 
 
 def of_reference(reference):
-    """Sentences on a plan's `reference` (plan.sized_by) where it is another than the anatomy's."""
+    """Sentences on a plan's `reference` (plan.sized_by) if it differs from the anatomy's."""
     for lesion in reference["lesions"]:
         here, there = lesion["diameter_stenosis_percent"], lesion["anatomy_percent"]
         if round(here) != round(there):
@@ -115,7 +115,7 @@ def _landing(one):
 
 
 def _diffuse(one):
-    """What narrowing goes on from the stent's ends."""
+    """Remarks on diffuse narrowing that continues beyond the stent's ends."""
     profile = one.target.profile
     for beyond, end in ((profile.s[::-1], one.ends[0]), (profile.s, one.ends[1])):
         outside = beyond[beyond < end] if beyond[0] > beyond[-1] else beyond[beyond > end]

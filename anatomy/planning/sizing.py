@@ -4,10 +4,10 @@ The rules are those of the EAPCI consensus on intracoronary imaging (Raeber et a
 - The stent has the diameter of the distal reference lumen, rounded up to the catalogue.
 - It is post-dilated by a non-compliant balloon of the proximal reference's diameter, at most half a millimetre above
   the distal one.
-- In a vessel that tapers by more than that, only the stent's proximal part is post-dilated. A stent too short for a
-  balloon in that part is dilated whole, by no more than the distal reference bears.
+- In a vessel that tapers by more than half a millimetre, only the stent's proximal part is post-dilated. If the stent
+  is too short for this, it is dilated over its whole length, by no more than the distal reference allows.
 
-A vessel that no stent fits takes a balloon alone, of 0.8 to 1.05 of the lumen distal to the lesion. The consensus on
+A vessel that no stent fits gets a balloon alone, of 0.8 to 1.05 of the lumen distal to the lesion. The consensus on
 balloons without a stent asks for 0.8 to 1 (Jeger et al., JACC Cardiovasc Interv 2020;13:1391-1402).
 """
 
@@ -17,18 +17,18 @@ from common.errors import InputError
 
 from . import catalogue
 
-OVERSIZE_MM = 0.5  # of the stent over the distal reference at most
-LEAST_BALLOON, MOST_BALLOON = 0.8, 1.05  # of the distal lumen: a balloon alone; the upper one before a stent, too
-BEYOND_MM = 2.0  # of a balloon alone past the stretch at both ends: as a stent's margin
-TAPER_MM = 0.5  # from the proximal to the distal reference that one balloon may dilate alike
+OVERSIZE_MM = 0.5  # largest excess of the stent over the distal reference
+LEAST_BALLOON, MOST_BALLOON = 0.8, 1.05  # of the distal lumen, for a balloon alone; the upper also before a stent
+BEYOND_MM = 2.0  # length of a balloon alone beyond each end of the stretch, the same as a stent's margin
+TAPER_MM = 0.5  # largest difference of proximal and distal reference that one balloon may dilate to one diameter
 PREDILATATION, STENT, POSTDILATATION = "semi_compliant", "des", "non_compliant"
 
 
 @dataclasses.dataclass
 class Stent:
-    """A stent as planned: its span (landing.Span), nominal diameter, and the reference lumens at its ends, mm.
+    """A planned stent: its span (landing.Span), nominal diameter, and the reference lumens at its ends, mm.
 
-    short: the catalogue's shortest post-dilatation balloon is longer than the stent's proximal half.
+    short: whether the catalogue's shortest post-dilatation balloon is longer than the stent's proximal half.
     """
 
     span: object
@@ -44,22 +44,23 @@ class Stent:
 
     @property
     def tapers(self):
-        """Whether the proximal reference is too wide for a balloon that dilates the distal one, too."""
+        """Whether the proximal reference is too wide for a balloon that also dilates the distal end."""
         return max(self.proximal, self.diameter) - self.distal > TAPER_MM
 
 
 class NoWidth(InputError):
-    """No stent of the catalogue is as wide as the distal reference; a balloon may be."""
+    """Error: no stent of the catalogue fits the distal reference. A balloon may fit."""
 
 
 class TooTapered(InputError):
-    """No stent that fits the distal reference can be expanded to the proximal one; two in a row might."""
+    """Error: no stent that fits the distal reference can be expanded to the proximal one. Two in a row might fit."""
 
 
 def sized(profile, spans, families, where):
     """[Stent] for spans in a row, the distal one first. Raises InputError for lumens that the catalogue does not fit.
 
-    The reference between two stents is the vessel's, at the middle of their overlap: the lumen there is diseased.
+    Between two stents the reference is the healthy vessel at the middle of their overlap, since the lumen there is
+    diseased.
     """
     found = []
     for k, span in enumerate(spans):
@@ -79,7 +80,8 @@ def _between(profile, proximal, distal):
 def stent_diameter(families, distal, proximal, where):
     """The least diameter (mm) not below the distal reference whose design can be expanded to the proximal one.
 
-    In a vessel wider than the catalogue the largest one, if its design can be expanded to the vessel.
+    In a vessel wider than the catalogue it is the largest diameter, if its design can be expanded to the vessel. Raises
+    NoWidth or TooTapered.
     """
     sizes = families[STENT]["diameters_mm"]
     fitting = [size for size in sizes if distal - 1e-9 <= size <= distal + OVERSIZE_MM]
@@ -110,7 +112,7 @@ def _greatest_diameter(families, size):
 
 
 def predilatation(families, stent, stretch, where):
-    """(diameter, length) of the balloon before a stent, mm: 5 % above the distal reference at most."""
+    """(diameter, length) of the balloon before a stent, mm; the diameter is at most 5 % above the distal reference."""
     family = families[PREDILATATION]
     diameter = _at_most(family["diameters_mm"], MOST_BALLOON * stent.distal, "predilatation diameter", where)
     longest = _at_most(family["lengths_mm"], stent.span.length, "predilatation length", where)
@@ -122,7 +124,7 @@ def postdilatation(families, stent, where):
     family = families[POSTDILATATION]
     wanted, sizes = max(stent.proximal, stent.diameter), family["diameters_mm"]
     proximal_part = stent.tapers and not stent.short
-    if not proximal_part:  # dilates the distal reference, too
+    if not proximal_part:  # the balloon also dilates the distal end
         wanted = min(wanted, stent.widest_balloon)
         sizes = [size for size in sizes if size <= stent.distal + TAPER_MM + 1e-9] or sizes[:1]
     diameter = min(sizes, key=lambda size: abs(size - wanted))
@@ -134,8 +136,8 @@ def postdilatation(families, stent, where):
 def alone(families, target, where):
     """A plan's step: the widest balloon that opens a target (targets.Target) without a stent; None if none fits.
 
-    Semi-compliant if there is one of that width, else non-compliant. It reaches BEYOND_MM past the stretch where the
-    branch has room, and is inflated to the lumen distal to it, as far as its pressures allow.
+    It is semi-compliant if there is one of that width, else non-compliant. It reaches BEYOND_MM past the stretch if the
+    branch has room. It is inflated to the diameter of the lumen distal to the stretch, as far as its pressures allow.
     """
     lowest, highest = target.profile.limits_mm
     wanted = target.end - target.start + 2 * BEYOND_MM

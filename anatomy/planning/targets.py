@@ -1,12 +1,12 @@
-"""Which narrowings are treated, and from where to where.
+"""The narrowings to treat, and the stretches that stents must cover.
 
-A lesion of SIGNIFICANT_PERCENT by diameter and more is usually treated. The SYNTAX score counts those (Sianos et al.,
-EuroIntervention 2005;1:219-27). If all are milder the most severe is treated. The case may set another limit.
+A lesion of at least SIGNIFICANT_PERCENT by diameter is usually treated. The SYNTAX score counts such lesions (Sianos et
+al., EuroIntervention 2005;1:219-27). If all are milder the most severe is treated. The case may set another limit.
 
-What has to come under the stent is its stretch of significant narrowing, 30 % by diameter (half by area) and more: the
-threshold of Dietz et al. (Heart 2006;92:80-84), who stented such stretches alone, with less restenosis than with full
-coverage; narrowing below 45 % left beside the stent did not matter. Of a lesion below 60 % it is the stretch of more
-than half its own narrowing. Milder disease that runs on from there is left.
+A stent must cover the lesion's stretch of significant narrowing: at least 30 % by diameter (half by area). This is the
+threshold of Dietz et al. (Heart 2006;92:80-84), who stented only such stretches. They found less restenosis than with
+full coverage; narrowing below 45 % left beside the stent did not matter. In a lesion below 60 % the stretch is where
+the narrowing is at least half the lesion's own. Milder disease beyond the stretch is left.
 """
 
 import dataclasses
@@ -17,7 +17,7 @@ from .profile import Profile
 
 SIGNIFICANT_PERCENT = 50  # diameter stenosis from which a lesion is usually treated
 STRETCH_PERCENT = 30  # diameter stenosis from which a stent must cover a narrowing
-APART_DIAMETERS = 3  # narrowings less than this many vessel diameters apart are one lesion (SYNTAX score)
+APART_DIAMETERS = 3  # narrowings fewer vessel diameters apart are one lesion (SYNTAX score)
 
 
 @dataclasses.dataclass
@@ -53,7 +53,7 @@ class Target:
 
 
 def stretch(profile, lesion, percent):
-    """(start, end) in mm of a lesion's significant narrowing: the sections round its narrowest one, without a gap."""
+    """(start, end) in mm of a lesion's significant narrowing: the unbroken row of sections round its narrowest one."""
     threshold = min(STRETCH_PERCENT, percent / 2)
     narrow = profile.stenosis >= threshold
     at = int(np.abs(profile.s - lesion["s_mla_mm"]).argmin())
@@ -65,7 +65,7 @@ def stretch(profile, lesion, percent):
 
 
 def every(summary, sections):
-    """Targets of all lesions, the most severe first, none of them joined."""
+    """Targets of all lesions, one each, the most severe first."""
     profiles = {}
 
     def of(lesion):
@@ -82,9 +82,9 @@ def every(summary, sections):
 def found(summary, sections, least_percent=None):
     """Targets of the lesions with a diameter stenosis of at least least_percent, the most severe first.
 
-    Without least_percent the limit is SIGNIFICANT_PERCENT; if no lesion reaches that, all lesions are targets. Lesions
-    with less than APART_DIAMETERS between their stretches are one target (Sianos et al., EuroIntervention
-    2005;1:219-27), as a stent for one would end before the other. If all lesions are mild none are joined.
+    Without least_percent the limit is SIGNIFICANT_PERCENT; if no lesion reaches it, each lesion is a target. Otherwise
+    lesions with less than APART_DIAMETERS between their stretches are one target (Sianos et al., EuroIntervention
+    2005;1:219-27), since a stent for one would end just before the other.
     """
     all_lesions = every(summary, sections)
     least = SIGNIFICANT_PERCENT if least_percent is None else least_percent
@@ -93,7 +93,7 @@ def found(summary, sections, least_percent=None):
 
 
 def together(targets):
-    """Targets of which those on one branch with less than APART_DIAMETERS between them are joined."""
+    """The targets, after joining those on one branch with less than APART_DIAMETERS between them."""
     done = []
     for target in targets:
         while (near := _near(target, done)) is not None:

@@ -1,1 +1,1 @@
-"""The lumen found after a real procedure, brought to the one before it by a rigid registration of their axes."""
+"""Rigid registration of the lumen after a real procedure to the lumen before it, by their axes."""

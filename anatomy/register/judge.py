@@ -1,4 +1,4 @@
-"""Whether a placement is to be trusted: each refusal says which figure is out of place, and what the user can do."""
+"""Checks whether a placement can be trusted. Each refusal names the number out of range and a remedy."""
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -8,17 +8,17 @@ from common.errors import InputError
 from . import search
 from .tree import Line, Tree
 
-LEAST_SHARE = 0.6  # of both lumens' axes on each other: right pairs with a third cut off have 0.8, other vessels 0.55
+LEAST_SHARE = 0.6  # of both axes that coincide: right pairs with a third cut off have 0.8, different vessels 0.55
 LARGEST_RESIDUAL = (
     0.3  # of the usual radius: right pairs have 0.01 to 0.05 with noise or a stent; of another vessel 0.48 was seen
 )
-WITH_LANDMARKS = 0.6  # of the usual radius, where the user says what belongs together
-LARGEST_MISS = 1.0  # of the usual radius, that landmarks may be off
+WITH_LANDMARKS = 0.6  # of the usual radius: largest residual if the user gives landmarks
+LARGEST_MISS = 1.0  # of the usual radius: largest distance between corresponding landmarks
 LANDMARKS = "give `registration: landmarks` (pre_mm, post_mm of each): places that are seen in both lumens"
 
 
 def shares(target, tree, placement):
-    """Shares of the axes within the usual radius of the other's: (of both lumens, of the one that lies more on it)."""
+    """Shares of the axes within a usual radius of the other lumen's axes: (of both together, the larger of the two)."""
     moved = placement.apply(tree.points)
     _, to_pre, _ = target.offsets(moved)
     to_post, _ = cKDTree(moved).query(target.points)
@@ -27,7 +27,7 @@ def shares(target, tree, placement):
 
 
 def check_fit(where, target, tree, found, match, landmarks):
-    """Raises InputError for a placement that does not fit, or one of several that fit alike."""
+    """Raises InputError if the placement does not fit, or if another one fits equally well."""
     radius = f"{match.usual_radius_mm:.2f} mm, the vessel's usual radius"
     both, contained = shares(target, tree, found.placement)
     marked = len(landmarks[0]) > 0
@@ -67,7 +67,7 @@ def check_fit(where, target, tree, found, match, landmarks):
 
 
 def check_direction(where, pre, post, found, landmarks):
-    """Raises InputError where a single vessel fits better the other way round: its inlet is not the one before."""
+    """Raises InputError if a single vessel fits better the other way round, so that its inlet is at the other end."""
     if len(post.branches) > 1 or len(pre.branches) > 1 or search.spans_a_plane(landmarks[1]):
         return
     line = post.branches["main"]
@@ -84,7 +84,7 @@ def check_direction(where, pre, post, found, landmarks):
 
 
 def check_outlets(where, match):
-    """Raises InputError where the two lumens have not the same outlets: flow needs a resistance behind each."""
+    """Raises InputError if the two lumens have different outlets, since flow needs a resistance at each outlet."""
     if match.new or match.missing:
         says = []
         if match.missing:
@@ -100,6 +100,6 @@ def check_outlets(where, match):
 
 
 def landmark_misses(placement, landmarks):
-    """Distances (m,) of the moved landmarks from those before, in mm."""
+    """Distances (m,) in mm between the moved landmarks and the landmarks in the lumen before."""
     pre, post = landmarks
     return np.linalg.norm(placement.apply(post) - pre, axis=1) if len(pre) else np.zeros(0)

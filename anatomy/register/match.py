@@ -1,4 +1,4 @@
-"""Which branch of the lumen after the procedure is which one before it: names, shared stretches, residuals."""
+"""Matches the branches of the lumen after the procedure with those before: names, shared stretches, residuals."""
 
 import dataclasses
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from .tree import STEP_MM
 
-KEPT = 0.8  # of the shared samples: a fifth, the worst, is left out of the residual that decides (a stent straightens)
+KEPT = 0.8  # share of the samples in the deciding residual; the worst fifth is left out, as a stent straightens
 
 
 @dataclasses.dataclass(frozen=True)
@@ -38,9 +38,9 @@ class Match:
 def matched(target, tree, placement):
     """The Match of a placed Tree with a Target.
 
-    The route to an end follows the axes of the vessel before, up to where it leaves them by more than a usual radius.
-    The end belongs to the branch on which that happens. Of two ends on the same branch the one that follows it further
-    has its name, and the other is new.
+    The route to an end follows the axes before the procedure, up to the last sample within a usual radius of them. The
+    end belongs to the branch of that sample. Of two ends on the same branch, the one that follows it further gets its
+    name, and the other gets a new name.
     """
     claims = {name: _claim(target, route, placement) for name, route in tree.routes.items()}
     names, new = {}, {}
@@ -57,7 +57,7 @@ def matched(target, tree, placement):
     for name, line in tree.branches.items():
         points = placement.apply(line.points)
         _, distance, nearest = target.offsets(points)
-        # a branch lies on the one of its name, or before its take-off on the parents of that one
+        # a branch is compared with the branch of its name and, up to its take-off, with that branch's parents
         inside = np.isin(target.names[nearest], _with_parents(target, names[name])) & ~_past_an_end(
             target, points, nearest
         )
@@ -82,7 +82,7 @@ def _claim(target, route, placement):
 
 
 def _with_parents(target, name):
-    """The branch of that name before and those that the route to it runs through; none for a new name."""
+    """The names of the branches before along the route to the branch `name`, with itself; none for a new name."""
     return sorted(set(target.tree.routes[name].branch)) if name in target.tree.routes else []
 
 
@@ -93,7 +93,7 @@ def _s_mm(target, samples):
 
 
 def _past_an_end(target, points, nearest):
-    """Mask (n,) of the points whose nearest sample is an end of a branch, beyond which they lie."""
+    """Mask (n,) of the points that are beyond a branch's end, which is their nearest sample."""
     names = target.names
     last = np.append(names[1:] != names[:-1], True)
     first = np.append(True, names[1:] != names[:-1])

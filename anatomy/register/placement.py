@@ -1,4 +1,4 @@
-"""A rigid placement of one lumen's axes on another's, and how well they lie on each other."""
+"""A rigid placement of one lumen's axes on another's, and how well they fit."""
 
 import dataclasses
 import warnings
@@ -10,11 +10,11 @@ from scipy.spatial.transform import Rotation
 
 from .tree import STEP_MM
 
-SCALE = 0.25  # of the usual radius: larger residuals hardly count, as where a stent has straightened the vessel
-# Weight of all landmarks together over that of the axes. It is enough to decide a placement that the axes leave open,
-# such as a turn about a straight vessel. It is too little to spoil a good fit of the axes.
+SCALE = 0.25  # of the usual radius; larger residuals hardly count, for example if a stent has straightened the vessel
+# Weight of all landmarks together over the weight of the axes. It is enough to decide a placement that the axes do not
+# fix, such as a turn about a straight vessel. It is too little to spoil a good fit of the axes.
 LANDMARK_WEIGHT = 0.1
-RADIUS_WEIGHT = 0.5  # of a difference of radii over one of places; radii fix the place along a straight vessel
+RADIUS_WEIGHT = 0.5  # weight of radii over weight of positions; radii fix the place along a straight vessel
 
 
 @dataclasses.dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Placement:
         return self.rotation.apply(points) + self.translation
 
     def apart_mm(self, other, points):
-        """Mean distance between the points (n, 3) as this and as the other placement move them."""
+        """Mean distance between points (n, 3) moved by this placement and by the other one."""
         return float(np.linalg.norm(self.apply(points) - other.apply(points), axis=1).mean())
 
 
@@ -49,21 +49,21 @@ class Target:
         offset, tangent = points - self.points[nearest], self.tangents[nearest]
         along = np.einsum("ij,ij->i", offset, tangent)
         across = offset - along[:, None] * tangent
-        past_the_end = np.maximum(np.abs(along) - STEP_MM / 2, 0.0)  # a sample stands for half a step on both sides
+        past_the_end = np.maximum(np.abs(along) - STEP_MM / 2, 0.0)  # a sample covers half a step on both sides
         return across, np.hypot(np.linalg.norm(across, axis=1), past_the_end), nearest
 
 
 def fitted(post, pre, weights=None):
-    """The Placement that brings points post (n, 3) to pre (n, 3) with the (weighted) least squares."""
+    """The Placement that moves points post (n, 3) to pre (n, 3) by (weighted) least squares."""
     middle_post, middle_pre = (np.average(points, axis=0, weights=weights) for points in (post, pre))
-    with warnings.catch_warnings():  # points in one line leave the turn about it open: see `search`
+    with warnings.catch_warnings():  # points in one line do not fix the turn about it: see `search`
         warnings.simplefilter("ignore", UserWarning)
         rotation, _ = Rotation.align_vectors(pre - middle_pre, post - middle_post, weights)
     return Placement(rotation, middle_pre - rotation.apply(middle_post))
 
 
 def cost(target, tree, placement):
-    """Mean over both lumens' axes of min((distance / usual radius)^2, 1): 0 where they coincide, 1 where far apart."""
+    """Mean over both lumens' axes of min((distance / usual radius)^2, 1): 0 if they coincide, 1 if far apart."""
     moved = placement.apply(tree.points)
     _, to_pre, _ = target.offsets(moved)
     to_post, _ = cKDTree(moved).query(target.points)
@@ -73,8 +73,8 @@ def cost(target, tree, placement):
 def refined(target, tree, start, landmarks):
     """The Placement near `start` that fits the axes by a robust loss and the landmarks by least squares.
 
-    Axes that have moved, changed their radius or are missing hardly count in the robust loss. landmarks: (pre (m, 3),
-    post (m, 3)) in mm. The user has named the landmarks, so none is treated as an outlier.
+    In the robust loss, axes that have moved, changed their radius or are missing hardly count. landmarks: (pre (m, 3),
+    post (m, 3)) in mm. They are the user's, so none is treated as an outlier.
     """
     points, radius = tree.points, tree.radius
     middle = points.mean(axis=0)

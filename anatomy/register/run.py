@@ -1,4 +1,4 @@
-"""python3 -m anatomy register: moves the lumen after the procedure to the frame of the one before, names its ends."""
+"""python3 -m anatomy register: moves the lumen after the procedure to the frame of the lumen before; names its ends."""
 
 import copy
 import pathlib
@@ -17,7 +17,7 @@ def run(case_file, pre_folder, post_folder, out):
     """Writes lumen.vtp, like.json and registration.json (docs/design.md) into the folder `out`.
 
     pre_folder, post_folder: made by `lumen process` from the case's `lumen` and `post`, each in its own frame.
-    Raises InputError where no placement fits, or several do.
+    Raises InputError if no placement fits, or several do.
     """
     out = pathlib.Path(out)
     for name in ("lumen.vtp", "like.json", "registration.json"):
@@ -40,7 +40,7 @@ def run(case_file, pre_folder, post_folder, out):
 
 
 def like(summary, placement, match):
-    """What `lumen process --like` reads: the ends of the moved lumen under the names of the branches before."""
+    """The document that `lumen process --like` reads: ends of the moved lumen with the names of the branches before."""
     ends = copy.deepcopy(summary["ends"])
     for end in ends:
         end["centre_mm"] = placement.apply(np.array([end["centre_mm"]]))[0].tolist()
@@ -53,7 +53,7 @@ def like(summary, placement, match):
 
 
 def document(target, post, found, match, landmarks, compare):
-    """registration.json."""
+    """The document of registration.json."""
     placement, residual = found.placement, match.residual_mm
     both, contained = judge.shares(target, post, placement)
     alone = search.spans_a_plane(landmarks[1])
@@ -86,7 +86,7 @@ def document(target, post, found, match, landmarks, compare):
 
 
 def _has_width(points):
-    """Whether an axis leaves its own straight line by a radius or so: only then it says how it is turned about it."""
+    """Whether an axis deviates from a straight line by 1 mm rms; only then it fixes the turn about that line."""
     spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False) / np.sqrt(len(points))
     return spread[1] > 1.0
 

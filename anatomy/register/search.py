@@ -4,15 +4,15 @@ import numpy as np
 
 from .placement import LANDMARK_WEIGHT, Target, cost, fitted, refined
 
-LEAST_SHARED = 0.5  # of the shorter route: below it two stretches that look alike are no evidence
+LEAST_SHARED = 0.5  # share of the shorter route that must overlap; shorter stretches may be similar by chance
 TRIED = 12  # placements that are refined
-REWEIGHTED = 3  # times, after the first fit of two stretches
-ALIKE = 0.1  # of the cost (0 to 1): placements that differ by less are equally good
-DISTINCT = 1.0  # of the usual radius: the mean distance between two placements of the lumen from which on they are two
+REWEIGHTED = 3  # further fits of two stretches with new weights
+ALIKE = 0.1  # difference in cost (0 to 1) below which placements are equally good
+DISTINCT = 1.0  # of the usual radius: mean distance beyond which two placements of the lumen are different
 
 
 class Found:
-    """placement, its cost, and the next best one that differs (rival, rival_cost; None where there is none)."""
+    """placement, its cost, and the next best one that differs (rival, rival_cost; None if there is none)."""
 
     def __init__(self, ranked, target, tree):
         self.cost, self.placement = ranked[0]
@@ -24,8 +24,8 @@ class Found:
 def best(pre, post, landmarks):
     """Found for two Trees. landmarks: (pre (m, 3), post (m, 3)).
 
-    Three landmarks that are not in one line decide alone. Else every route from the inlet to an end of the one is laid
-    on every route of the other, at every offset along it; the best dozen are refined with all branches.
+    Three landmarks that are not in one line decide alone. Otherwise every route from the inlet to an end of one tree is
+    fitted to every route of the other, at every offset along it. The best dozen are refined with all branches.
     """
     target = Target(pre)
     if spans_a_plane(landmarks[1]):
@@ -55,13 +55,13 @@ def off(landmarks, placement, target):
 
 
 def candidates(pre, post, landmarks):
-    """(misfit, Placement) of every pair of routes at every offset; misfit as `cost`, of these two routes alone."""
+    """(misfit, Placement) of every pair of routes at every offset. misfit is like `cost`, for these two routes only."""
     usual_radius = pre.usual_radius_mm
     for route in pre.routes.values():
         for other in post.routes.values():
             n, m = len(route.points), len(other.points)
             least = int(LEAST_SHARED * min(n, m))
-            for offset in range(least - m, n - least + 1):  # sample k of `other` beside sample k + offset of `route`
+            for offset in range(least - m, n - least + 1):  # sample k of `other` goes to sample k + offset of `route`
                 start, end = max(0, offset), min(n, m + offset)
                 yield stretch(
                     route.points[start:end], other.points[start - offset : end - offset], n, m, usual_radius, landmarks
@@ -69,7 +69,7 @@ def candidates(pre, post, landmarks):
 
 
 def stretch(pre, post, n, m, usual_radius, landmarks):
-    """(misfit, Placement) of two stretches of routes with n and m samples, sample by sample."""
+    """(misfit, Placement) of two stretches, fitted sample by sample, of routes with n and m samples."""
     marks = len(landmarks[0])
     first = np.concatenate([pre, landmarks[0]])
     second = np.concatenate([post, landmarks[1]])
@@ -85,7 +85,7 @@ def stretch(pre, post, n, m, usual_radius, landmarks):
 
 
 def distinct(starts, target, tree):
-    """The first TRIED of the sorted (misfit, Placement) that differ from those before by over half the usual radius."""
+    """The first TRIED of the sorted (misfit, Placement) that differ from one another by over half a usual radius."""
     kept = []
     for misfit, start in starts:
         if all(start.apart_mm(other, tree.points) > 0.5 * target.usual_radius_mm for _, other in kept):

@@ -1,4 +1,4 @@
-"""The axes of a lumen as points of equal distance, by which a registration compares two lumens."""
+"""The axes of a lumen as evenly spaced points, by which a registration compares two lumens."""
 
 import dataclasses
 import pathlib
@@ -48,7 +48,7 @@ class Tree:
 
     @property
     def usual_radius_mm(self):
-        """The median inscribed radius of the main vessel, in which distances between axes are judged."""
+        """The median inscribed radius of the main vessel, the unit for distances between axes."""
         return float(np.median(self.branches["main"].radius))
 
 
@@ -77,7 +77,7 @@ def _resampled(name, s, points, radius):
 
 
 def _route(name, branches, parents):
-    """From the inlet through the parents to the branch's end."""
+    """The Line from the inlet through the parents to the branch's end."""
     pieces, upto = [], None
     while name is not None:
         line = branches[name]

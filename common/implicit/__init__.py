@@ -1,1 +1,1 @@
-"""Tubular surfaces as implicit fields, and the triangles that a field's zero level is meshed by."""
+"""Tubular surfaces as implicit fields, and triangle meshes of a field's zero level."""

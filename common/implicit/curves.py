@@ -34,7 +34,7 @@ class Curve:
     def __init__(self, points_mm):
         points_mm = np.asarray(points_mm, float)
         s = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points_mm, axis=0), axis=1))])
-        # Two passes make the parameter arc length to far below a micrometre at this spacing.
+        # After two passes the parameter differs from arc length by far less than a micrometre at this spacing.
         for _ in range(2):
             spline = make_interp_spline(s, points_mm, k=5)
             fine = np.linspace(0, s[-1], 8 * len(s))
@@ -78,7 +78,7 @@ class Curve:
         return np.linalg.norm(np.cross(first, second), axis=-1) / np.linalg.norm(first, axis=-1) ** 3
 
     def nearest(self, points_mm, iterations=4):
-        """Arc length (n,) of the nearest point to each of points_mm (n, 3), the curve running straight on at its ends.
+        """Arc length (n,) of the nearest point to each of points_mm (n, 3). The curve runs straight on beyond its ends.
 
         Newton on (x - c(s)) . c'(s) = 0 from the nearest sample. iterations=0 stops at the tangent-line step, accurate
         to about SAMPLE_MM^2 x curvature.
@@ -101,7 +101,7 @@ class Curve:
 
 
 def integrate(curvature_1, curvature_2, step_mm):
-    """Curve (n, 3) from the two curvatures (n,) of its transported frame, start at the origin along x."""
+    """Curve (n, 3) from the two curvatures (n,) of its transported frame. It starts at the origin along x."""
     tangent, normal, binormal = np.eye(3)
     points = np.zeros((len(curvature_1), 3))
     for i in range(1, len(curvature_1)):

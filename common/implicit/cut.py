@@ -1,8 +1,8 @@
-"""Cuts a wall surface at the plane of a vessel's end, its new edge in the plane and on the wall."""
+"""Cuts a wall surface at the plane of a vessel's end. The new edge lies in the plane and on the wall."""
 
 import numpy as np
 
-SNAP = 0.3  # share of an edge: nearer vertices move onto the plane, so that no sliver is left beside it
+SNAP = 0.3  # share of an edge's length: vertices this near move onto the plane, so that no sliver is left beside it
 RIM_PASSES = 8
 
 
@@ -10,8 +10,8 @@ def at_end(field, points, triangles, centre, normal, radius):
     """(points, triangles) without the part beyond the plane (centre, outward normal) of one end.
 
     Every triangle that crosses the plane is split along it. Removing whole triangles left a saw-tooth edge, and the
-    strips from there to a new rim crossed themselves. The cut is local, since the whole plane would cut other branches
-    too.
+    strips between that edge and a new rim intersected themselves. The cut is local, since the whole plane would cut
+    other branches too.
     """
     offset = points - centre
     height = offset @ normal
@@ -45,7 +45,7 @@ def _nearest_ends(edges, height):
 
 
 def _on_rim(field, points, centre, normal):
-    """Points (n, 3) moved onto the wall and the plane, in turns, the plane last."""
+    """Points (n, 3) moved onto the wall and the plane in turn, the plane last."""
     for _ in range(RIM_PASSES):
         points = field.project(points, 1)
         points = points - ((points - centre) @ normal)[:, None] * normal
@@ -53,9 +53,9 @@ def _on_rim(field, points, centre, normal):
 
 
 def _below(points, triangles, height, crossed):
-    """Triangles (m, 3) at or below height 0; those that cross it cut at the new vertices, numbered as `crossed` last.
+    """Triangles (m, 3) at or below height 0. Triangles that cross height 0 are cut at the new vertices n to n + k - 1.
 
-    height (n + k,): of all vertices, 0 for the new ones; crossed (k, 2): the edges on which these lie.
+    height (n + k,): of all vertices, 0 for the new ones; crossed (k, 2): the edges on which the new vertices lie.
     """
     first = len(height) - len(crossed)
     number = {(int(a), int(b)): first + index for index, (a, b) in enumerate(crossed)}

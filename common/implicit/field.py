@@ -15,7 +15,7 @@ def smooth_minimum(a, b, width=BLEND_MM):
 class LumenField:
     """Smooth union over the branches of |x - c(s)| - r(s), s the nearest point of the branch's axis.
 
-    Blended between branches only, so the radius of a single branch is exact; ends run straight on beyond the caps.
+    Only different branches are blended, so a single branch has its exact radius. Ends run straight on beyond the caps.
     """
 
     def __init__(self, branches):
@@ -25,7 +25,7 @@ class LumenField:
         """Field (n,) of one branch alone."""
         s = branch.axis.nearest(points_mm, iterations)
         if branch.parent:
-            s = np.maximum(s, 0.0)  # a side branch starts in its parent, rounded
+            s = np.maximum(s, 0.0)  # a side branch starts inside its parent, with a round end
         return np.linalg.norm(points_mm - branch.axis.point(s), axis=1) - branch.radius(s)
 
     def value(self, points_mm, iterations=4):
@@ -76,7 +76,7 @@ def ends(branches):
 def sample_grid(field, spacing_mm):
     """Field on a grid over the narrow band round the wall: (origin (3,), values (nx, ny, nz)).
 
-    Points off the band hold +-BAND_MM, so that no false surface appears; the band covers the ends' extensions.
+    Points outside the band hold +-BAND_MM, so that no false surface appears. The band covers the ends' extensions.
     """
     clouds = []
     for branch in field.branches:
@@ -87,7 +87,7 @@ def sample_grid(field, spacing_mm):
     low = np.min([p.min(axis=0) for p, _ in clouds], axis=0) - margin
     high = np.max([p.max(axis=0) for p, _ in clouds], axis=0) + margin
     shape = np.ceil((high - low) / spacing_mm).astype(int) + 1
-    # The wall lies between an inner and an outer tube about each axis; stamp balls of grid points.
+    # The wall lies between an inner and an outer tube about each axis: mark balls of grid points along it.
     near = np.zeros(shape, bool)
     core = np.zeros(shape, bool)
     for points, radii in clouds:

@@ -44,7 +44,7 @@ def _relaxed(poly):
 
 
 def _drop_beyond(points, triangles, keep):
-    """Triangles with all vertices kept, and the points that they use."""
+    """The triangles whose vertices are all kept, and the points that they use."""
     triangles = triangles[np.all(keep[triangles], axis=1)]
     used, inverse = np.unique(triangles, return_inverse=True)
     return points[used], inverse.reshape(-1, 3)
@@ -70,14 +70,14 @@ def build(field, spacing_mm):
     """Closed lumen surface.
 
     Returns (points (n, 3) mm, triangles (m, 3) outward, on_cap (n,) bool). Wall vertices lie on the field's zero level,
-    rim vertices on both the wall and the cap's plane. Raises ComputationError if it is cut wrongly.
+    rim vertices on both the wall and the cap's plane. Raises ComputationError if the cut at an end fails.
     """
     low, values = implicit.sample_grid(field, spacing_mm)
     poly = _relaxed(_contour(low, values, spacing_mm))
     points, triangles = (
         vtp.points(poly),
         vtp.triangles(poly)[:, ::-1],
-    )  # vtkFlyingEdges3D faces the rising field inwards; ours rises outwards
+    )  # vtkFlyingEdges3D orients triangles towards lower values, here inwards
     points = field.project(points)
     ends = implicit.ends(field.branches)
     for _, centre, normal, radius in ends:
@@ -134,8 +134,8 @@ def _check_rim(rim_points, centre, normal):
 def _disc(rim_points, centre, normal):
     """Flat cap: (inner points (k, 3), triangles that number the rim first, facing along the outward normal).
 
-    The rim may be any closed curve that its centre sees as a whole. Its points are put on a unit circle by their angle
-    and triangulated there. Triangulated as they lie, a rim with a hollow would be filled to its convex hull.
+    The rim may be any closed curve that its centre sees as a whole. Its points are moved to a unit circle by their
+    angle and triangulated there. Without this, a rim with a hollow would be filled up to its convex hull.
     """
     u = rim_points[0] - centre
     u /= np.linalg.norm(u)

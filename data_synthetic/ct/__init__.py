@@ -1,1 +1,1 @@
-"""CT angiogram of a known lumen, and how well the lumen found in it agrees."""
+"""Simulated CT angiogram of a known lumen, and the error of the lumen segmented from it."""

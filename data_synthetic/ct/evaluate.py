@@ -1,4 +1,4 @@
-"""A lumen against the true one: cross-sectional area and resistance in the same sections."""
+"""Compares a lumen with the true one: cross-sectional area and resistance in the same sections."""
 
 import numpy as np
 from scipy.sparse import coo_matrix
@@ -48,7 +48,7 @@ def section_area(points, triangles, centre, normal):
 
 
 def sections(branches, spacing_mm=0.5):
-    """[(branch name, s_mm, centre (3,), tangent (3,))] clear of the ends and of the ostia of all branches."""
+    """[(branch name, s_mm, centre (3,), tangent (3,))] of sections away from the ends and ostia of all branches."""
     found = []
     for branch in branches:
         radius = branch.radius_mm
@@ -65,7 +65,7 @@ def sections(branches, spacing_mm=0.5):
             away = np.linalg.norm(points - parent.axis.point(on_parent), axis=1)
             keep &= away > parent.radius(on_parent) + 2.0 * branch.radius(s)
         for child in children:
-            # The child's mouth along the parent, with room for the blend and an oblique exit.
+            # Leave out the child's ostium on the parent, with room for the blend and an oblique exit.
             keep &= np.abs(s - child.s_on_parent_mm - 1.0) > 2.5 * child.radius_mm[0] + 1.0
         s = s[keep]
         tangent = branch.axis.frame(s)[0]
@@ -76,12 +76,13 @@ def sections(branches, spacing_mm=0.5):
 def compare(true, found, places, extents=None):
     """Compares the section areas of two surfaces ((points, triangles) each) at `places` (as from `sections`).
 
-    extents: {branch: (start, end)}, to compare this part of a branch alone.
+    extents: {branch: (start, end)} in mm, to compare only this part of a branch.
 
-    Returns a dictionary. Differences are found minus true: mean_difference_mm2, sd_mm2, and the limits at +-1.96 sd,
-    lower_limit_mm2 and upper_limit_mm2; mean_radius_difference_mm and sd_radius_mm of the circles of these areas.
-    resistance_ratio is the sum of A^-2 in `found` over that in `true`. Sections
-    that are cut off in `found` count as lost_sections. The number of `sections` and the smallest areas are given too.
+    Returns a dictionary. Differences are found minus true. Of the areas it has mean_difference_mm2, sd_mm2, and the
+    limits at +-1.96 sd, lower_limit_mm2 and upper_limit_mm2. Of the radii of circles of equal area it has
+    mean_radius_difference_mm and sd_radius_mm. resistance_ratio is the sum of A^-2 in `found` over the sum in `true`.
+    lost_sections counts sections that are missing in `found`. The number of `sections` and the smallest areas are given
+    too.
     """
     if extents:
         places = [p for p in places if p[0] in extents and extents[p[0]][0] <= p[1] <= extents[p[0]][1]]

@@ -1,4 +1,4 @@
-"""CT volume of a known lumen: partial volumes by supersampling, point spread, noise."""
+"""CT volume of a known lumen: partial-volume effect by supersampling, point spread, noise."""
 
 import sys
 
@@ -17,7 +17,7 @@ from common.volume import SIGMA_PER_FWHM, Image
 from .. import disease
 
 SLAB = 8  # voxel layers rendered at once; bounds the memory
-TISSUE_SAMPLES = 2  # per voxel edge; walls and plaque are smoother than the lumen's edge matters
+TISSUE_SAMPLES = 2  # per voxel edge; wall and plaque need fewer samples than the edge of the bright lumen
 LARGEST_VOXELS = 60e6
 
 
@@ -35,7 +35,7 @@ def grid(vessel, settings):
 
 
 def blur_matrix(count, voxel_mm, sigma_mm, factor):
-    """Sparse (count, count * factor): a voxel's average of the blurred object, from its samples along one axis.
+    """Sparse (count, count * factor) matrix from samples along one axis to the voxels' means of the blurred object.
 
     Weights: Gaussian convolved with the voxel's box, at the samples' distances; each full row sums to 1.
     """
@@ -116,14 +116,17 @@ def render(vessel, settings, metal=None):
 
 
 def _window(pieces, origin, voxel, shape, reach, first, layers):
-    """(first voxel (3,), voxels (3,)) of the part of a slab that a vessel or wall can touch; (None, None) if none."""
+    """(first voxel (3,), number of voxels (3,)) of the part of a slab that the vessel and its wall can touch.
+
+    (None, None) if they cannot touch the slab.
+    """
     low_z, high_z = origin[2] + (np.array([first, first + layers]) - 0.5) * voxel[2]
     low, high = [], []
     for poly, piece_low, piece_high in pieces:
         if piece_low[2] - reach < high_z and piece_high[2] + reach > low_z:
             points = vtk_to_numpy(poly.GetPoints().GetData())
             near = (points[:, 2] > low_z - reach - 1) & (points[:, 2] < high_z + reach + 1)
-            # A prism's triangles are as long as itself: none of its points need lie within the slab.
+            # A prism's triangles are as long as the prism, so it may cross the slab without a point in it.
             low.append(points[near].min(axis=0) if poly is pieces[0][0] and near.any() else piece_low)
             high.append(points[near].max(axis=0) if poly is pieces[0][0] and near.any() else piece_high)
     if not low:
@@ -136,7 +139,7 @@ def _window(pieces, origin, voxel, shape, reach, first, layers):
 
 
 def _tissues(tree, vessel, settings, reach, corner, inside):
-    """HU above fat at the samples of `inside` (which are in the lumen: left undefined) of plaque and wall."""
+    """HU above fat of plaque and wall at each sample, in the shape of `inside`; undefined inside the lumen."""
     counts = np.array(inside.shape) // settings["supersampling"]
     factor, voxel = settings["supersampling"], np.array(settings["voxel_mm"])
     samples = min(TISSUE_SAMPLES, factor)
@@ -154,7 +157,7 @@ def _tissues(tree, vessel, settings, reach, corner, inside):
     distance, index = tree.query((centres[near][:, None] + offsets[None]).reshape(-1, 3))
     hu = tissue_hu(distance, vessel.plaque_mm[index], vessel.kind[index], settings) - settings["hu"]["fat"]
     hu = hu.reshape((len(near),) + (samples,) * 3)
-    # Each sub-sample of a coarse cell takes the cell's value.
+    # Each fine sample takes the value of the coarser tissue sample that it lies in.
     of = np.minimum(np.arange(factor) * samples // factor, samples - 1)
     blocks = values.reshape(counts[0], factor, counts[1], factor, counts[2], factor)
     i, j, k = np.unravel_index(near, counts)
@@ -163,7 +166,7 @@ def _tissues(tree, vessel, settings, reach, corner, inside):
 
 
 def _add_metal(slab, metal, settings, corner, fine):
-    """Adds the struts' CT number times their share of each sample's volume (the metal displaces blood or tissue)."""
+    """Mixes the struts' CT number into each sample by their share of its volume; metal displaces blood or tissue."""
     points, volumes = metal
     at = np.floor((points - corner) / fine).astype(int)
     keep = np.all((at >= 0) & (at < slab.shape), axis=1)
@@ -174,7 +177,7 @@ def _add_metal(slab, metal, settings, corner, fine):
 
 
 def add_noise(image, settings):
-    """The image with Gaussian noise of the asked standard deviation, white or correlated, from the settings' seed."""
+    """The image with Gaussian noise, white or correlated; standard deviation and seed are in the settings."""
     noise = np.random.default_rng(settings["seed"]).standard_normal(image.values.shape, dtype=np.float32)
     if settings["noise_correlation_mm"] > 0:
         noise = gaussian_filter(noise, settings["noise_correlation_mm"] * SIGMA_PER_FWHM / image.spacing_mm)

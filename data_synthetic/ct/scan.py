@@ -1,4 +1,4 @@
-"""From a lumen surface to its CT volume and sidecar."""
+"""Makes the CT volume of a lumen surface, and the JSON file (sidecar) that describes it."""
 
 import hashlib
 import pathlib
@@ -19,7 +19,8 @@ SCHEMA = "vci-ct-1"
 def run(lumen_path, out, settings_path=None, struts_path=None, scene_path=None, centreline_path=None):
     """Writes `out`/ct.nii.gz and `out`/ct.json for the lumen at lumen_path; returns the sidecar.
 
-    Struts: lines of struts_path, or the stents of a scene laid on this lumen along its centreline. Raises InputError.
+    The struts are the lines of struts_path, or a scene's stents laid on this lumen along its centreline. Raises
+    InputError.
     """
     settings = config.load_section(settings_path, "ct")["phantom"]
     poly = vtp.read_triangles(lumen_path, "run the anatomy step first")
@@ -44,7 +45,7 @@ def run(lumen_path, out, settings_path=None, struts_path=None, scene_path=None, 
 
 
 def sidecar(volume, settings, lumen_path, strut_source):
-    """The JSON beside the volume: scanner, tissue, noise, and where it came from."""
+    """The JSON beside the volume: scanner, tissue, noise, and the files it was made from."""
     voxel = np.array(settings["voxel_mm"])
     sigma = settings["psf_fwhm_mm"] * image.SIGMA_PER_FWHM
     total = np.sqrt(sigma**2 + voxel**2 / 12) / image.SIGMA_PER_FWHM

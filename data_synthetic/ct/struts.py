@@ -12,7 +12,7 @@ from common.implicit.curves import Curve
 RING_PITCH_MM = 1.3
 WAVE_MM = 0.45  # half the height of a ring's wave
 STEP_MM = 0.02
-OVERHANG_MM = 0.5  # of a stent past the end: a straightened vessel is that much shorter than the one planned on
+OVERHANG_MM = 0.5  # of a stent past the vessel's end: straightening may shorten the vessel by this much
 
 
 def laid_on(poly, axis_points_mm, start_s_mm, end_s_mm, crowns, links, thickness_mm):
@@ -33,7 +33,7 @@ def laid_on(poly, axis_points_mm, start_s_mm, end_s_mm, crowns, links, thickness
         paths.append((s + WAVE_MM * np.sin(crowns * theta), theta))
         if number + 1 < count:
             for link in range(links):
-                # From a crest of this ring to the same phase of the next.
+                # A link goes from a crest of this ring to the same phase of the next ring.
                 at = 2 * np.pi * (np.floor(link * crowns / links) + 0.25 + 0.5 * (number % 2)) / crowns
                 height = WAVE_MM * np.sin(crowns * at)
                 paths.append((np.linspace(s, rings[number + 1], 40) + height, np.full(40, at)))
@@ -50,7 +50,7 @@ def _on_wall(tree, axis, s_mm, theta, thickness_mm):
         reach = np.linalg.norm(np.array(hits.GetPoint(0)) - centre) if hits.GetNumberOfPoints() else np.nan
         found.append(reach)
     radius = np.array(found)
-    # A strut bridges an ostium rather than following it into the side branch.
+    # A strut bridges an ostium instead of following the wall into the side branch.
     usual = np.nanmedian(radius)
     radius = np.where(np.isnan(radius) | (radius > 1.35 * usual), usual, radius) - 0.5 * thickness_mm
     return centres + radius[:, None] * rays

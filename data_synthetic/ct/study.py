@@ -1,4 +1,4 @@
-"""How well the segmentation finds known lumens: cases, voxels, noise seeds and methods, as a table."""
+"""Error of the segmentation on known lumens: a table over cases, voxels, noise seeds and methods."""
 
 import copy
 import csv
@@ -46,13 +46,13 @@ COLUMNS = [
 
 
 class Subject:
-    """A lumen of known shape: branches, surface (points, triangles), its Vessel, stent metal and where it is."""
+    """A lumen of known shape: branches, surface (points, triangles), its Vessel, and the stent's metal and extent."""
 
     def __init__(self, case, where, stented):
         description = copy.deepcopy(case["vessel"])
         lesions = description["lesions"]
         if stented:
-            # The vessel as a perfect treatment leaves it: healthy lumen, struts against the wall.
+            # The vessel after a perfect treatment: healthy lumen, struts against the wall.
             description["lesions"] = []
         self.branches = tree.grow(description, where)
         lumen = field.LumenField(self.branches)
@@ -131,7 +131,7 @@ def _rows(subject, clean, scanner, settings, methods, labels):
 
 
 def _found(folder, subject):
-    """The columns of a segmentation, made by the user's command from a folder with volume and end points.
+    """The table's columns for one segmentation. The user's command makes it from a folder with volume and end points.
 
     Raises ComputationError if the command fails for a reason other than the image's content.
     """

@@ -1,4 +1,4 @@
-"""The lumen surface for the scanner: its ends are extended, and each place has plaque and wall behind it."""
+"""The vessel to be scanned: a lumen surface with extended ends, and plaque and wall behind each point."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from common import vtp
 from common.errors import InputError
 
 
-EXTENSION_MM = 4.0  # the vessel goes on beyond the end of the surface; farther than any blur reaches
+EXTENSION_MM = 4.0  # of the vessel beyond the surface's ends: more than any blur reaches, so that no end is visible
 COPLANAR = np.cos(np.radians(1.0))
 
 
@@ -37,7 +37,7 @@ def from_surface(poly, where):
     _check_closed(triangles, where)
     a, b, c = points[triangles].transpose(1, 0, 2) - points.mean(axis=0)
     if np.sum(a * np.cross(b, c)) < 0:
-        triangles = triangles[:, ::-1]  # inside out: the ends would be drawn out inwards
+        triangles = triangles[:, ::-1]  # inside out: its ends would be extended inwards
     cap_of = _caps(poly, points, triangles)
     if cap_of.max() < 1:
         raise InputError(
@@ -102,9 +102,9 @@ def _caps(poly, points, triangles):
 
 
 def _plaque(poly, points, triangles):
-    """(thickness mm (n,), type (n,)) behind each point; a lumen that was opened has squeezed its plaque thinner.
+    """(thickness t in mm (n,), type (n,)) of the plaque behind each point. Opening the lumen makes the plaque thinner.
 
-    The plaque's area in a section is kept: (R + t)^2 - R^2 before = after, R the radius before (`radius_mm`).
+    The plaque's area in a section is kept: (R + t)^2 - R^2 is the same before and after, with R the lumen's radius.
     """
     data = poly.GetPointData()
     if data.GetArray("plaque_thickness_mm") is None or data.GetArray("plaque_type") is None:
@@ -125,7 +125,7 @@ def _plaque(poly, points, triangles):
 
 
 def _prism(points, cap):
-    """((points, triangles) of the cap drawn out along its normal, indices of its rim, normal (3,))."""
+    """((points, triangles) of the prism made by extending a cap along its normal, indices of its rim, normal (3,))."""
     normal = _area_vectors(points, cap).sum(axis=0)
     normal /= np.linalg.norm(normal)
     used, local = np.unique(cap, return_inverse=True)

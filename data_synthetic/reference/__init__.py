@@ -1,1 +1,1 @@
-"""Finite-element reference of the deployed lumen: plane-strain slices in FEniCSx, a beam for straightening."""
+"""Finite-element reference of the deployed lumen: plane-strain slices in FEniCSx, a beam that straightens the axis."""

@@ -1,4 +1,4 @@
-"""From a scene and a virtual patient to the finite-element post-PCI lumen."""
+"""Makes the post-PCI lumen of a scene and a virtual patient by finite elements."""
 
 import logging
 import pathlib
@@ -118,7 +118,7 @@ def _on_wall(field, points):
 
 
 def _check_same_vessel(lumen, branches, where):
-    """Raises InputError for a lumen (vtkPolyData) of another vessel than the truth's, or of an earlier one."""
+    """Raises InputError if the lumen (vtkPolyData) is of another vessel than the truth, or of an earlier version."""
     share = float(_on_wall(LumenField(branches), vtp.points(lumen)).mean())
     if share < LEAST_ON_WALL:
         raise InputError(
@@ -156,7 +156,7 @@ def _recoil(records, spans):
 
 
 def _coarser(settings):
-    """{key: [value, default]} of slices, elements and steps that are coarser than the default."""
+    """{key: [value, default]} of the settings that make slices, elements or steps coarser than the default."""
     default = load_settings(None)
     finer_when_less = ("slice_spacing_mm", "radius_step_mm", "edge_mm")
     found = {key: [settings[key], default[key]] for key in finer_when_less if settings[key] > default[key]}
@@ -167,7 +167,7 @@ def _coarser(settings):
 
 
 def _materials(settings):
-    """The tissues' constants and sources, and the stress of each at the biaxial stretch of measured lesions (1.15)."""
+    """The tissues' constants and sources, and each one's stress at the biaxial stretch of measured lesions (1.15)."""
     names = dict(zip(("fibrous", "lipid", "calcified"), materials.OF_TYPE.values()))
     found = {key: {**vars(p), "biaxial_stress_mpa": materials.biaxial_stress(1.15, p)} for key, p in names.items()}
     c10, c20 = settings["wall_c10_mpa"], settings["wall_c20_mpa"]

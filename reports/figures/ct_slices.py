@@ -13,17 +13,17 @@ from reports.inputs.reading import existing, read_polydata
 HALF_MM, PIXEL_MM = 5.0, 0.05
 WINDOW_HU = (-200.0, 800.0)
 PLACES = ("Proximal end", "Tightest place before", "Distal end")  # of the treated segment and its margins
-# state of the image -> states whose lumens are drawn on it: the true one, and that found in it
+# state of the image -> states whose lumens are drawn on it: the true lumen, and the lumen found in the image
 IMAGES = {"pre": ("pre", "ct_pre"), "reference": ("reference", "ct")}
 FOUND = ("ct_pre", "ct")
-TRUE_COLOUR, FOUND_COLOUR, PLAQUE_COLOUR = "#5fe3c0", "#ff8ad8", "#e6c229"  # on black
+TRUE_COLOUR, FOUND_COLOUR, PLAQUE_COLOUR = "#5fe3c0", "#ff8ad8", "#e6c229"  # for a black background
 
 
 def ct_figure(files, metrics, folder):
     """Writes <case>_ct.{svg,png}: a row an image, a column a place across the treated segment. Returns their paths."""
     before = metrics["states"]["pre"]["area"]["profile_mm2"]
     stations = dict(zip(PLACES, (0, int(np.argmin(before)), len(before) - 1)))
-    with plt.rc_context({"figure.constrained_layout.use": False}):  # images of one size leave it too much room
+    with plt.rc_context({"figure.constrained_layout.use": False}):  # it would leave wide gaps between equal images
         figure, grid = plt.subplots(len(IMAGES), len(PLACES), figsize=(7.5, 5.6), squeeze=False)
     figure.subplots_adjust(left=0.04, right=0.99, bottom=0.09, top=0.95, wspace=0.03, hspace=0.03)
     for row, (image, states) in zip(grid, IMAGES.items()):
@@ -62,7 +62,7 @@ def plane_at(line, s_mm):
 
 
 def show_slice(axes, values, origin, spacing, centre, across):
-    """The volume on the plane, in grey."""
+    """Draws the volume on the plane, in grey."""
     at = np.arange(-HALF_MM, HALF_MM + 0.5 * PIXEL_MM, PIXEL_MM)
     points = centre + at[None, :, None] * across[0] + at[:, None, None] * across[1]
     where = np.moveaxis((points - origin) / spacing, -1, 0)
@@ -74,7 +74,7 @@ def show_slice(axes, values, origin, spacing, centre, across):
 
 
 def outline(axes, lumen, centre, across, state):
-    """The lumen of a file on the plane, and where it carries plaque the plaque's outer edge."""
+    """Draws the cut of a lumen file with the plane, and the plaque's outer edge if the file has plaque."""
     surface = read_polydata(lumen, "anatomy")
     plane = vtk.vtkPlane()
     plane.SetOrigin(*centre)

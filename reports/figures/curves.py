@@ -19,7 +19,7 @@ LEGEND_ROW, LEGEND_MARGIN = 0.18, 0.12  # inches
 def pullback_figure(files, metrics, folder):
     """FFR of all states from the inlet to the end of the stented branch.
 
-    Each curve lies in the band of its estimated error. Marks show what a pressure wire read in that branch.
+    Each curve has a band of its estimated error. Marks show FFR measured by a pressure wire in this branch.
     """
     figure, axes = plt.subplots(figsize=SIZE)
     shade_segment(axes, metrics["segment"])
@@ -43,7 +43,7 @@ def pullback_figure(files, metrics, folder):
 
 
 def draw_wire(axes, metrics):
-    """Marks of the wire's readings, open before and full after the procedure; returns the lowest (1 without any)."""
+    """Draws the pressure wire's FFR as marks, open before and full after the procedure; returns the lowest, or 1."""
     measured = metrics.get("measured")
     if not measured or measured["branch"] != metrics["segment"]["branch"]:
         return 1.0
@@ -55,7 +55,7 @@ def draw_wire(axes, metrics):
 
 
 def legend_below(figure):
-    """The legend of a figure's only axes in two columns under it, where it hides no curve."""
+    """Puts the legend in two columns below a figure's only axes, where it hides no curve."""
     handles, labels = figure.axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="lower center", ncol=2, fontsize=8.5)
     bottom = (LEGEND_MARGIN + LEGEND_ROW * math.ceil(len(labels) / 2)) / figure.get_figheight()

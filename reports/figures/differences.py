@@ -37,7 +37,7 @@ def differences_figure(documents, folder):
 
 
 def draw_differences(axes, documents, a, b, column):
-    """One line a patient, and their mean (thick), from three patients on with a band of one standard deviation."""
+    """One line a patient, and a thick line for their mean. For three or more, also a band of one standard deviation."""
     curves = []
     for document in documents:
         if {a, b} <= set(document["states"]):

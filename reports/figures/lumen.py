@@ -15,9 +15,9 @@ from reports.inputs.surface import read_device, read_lumen
 MOST_TRIANGLES = 9000
 LIGHT = np.array([0.35, 0.45, 0.82]) / np.linalg.norm([0.35, 0.45, 0.82])  # over the viewer's shoulder
 AMBIENT = 0.35
-FAR_WALL, NEAR_WALL = 1.0, 0.30  # opacity: the near wall lets the struts be seen
+FAR_WALL, NEAR_WALL = 1.0, 0.30  # opacity: struts are visible through the near wall
 COLOUR_MAP = "viridis"
-UNKNOWN = (0.75, 0.75, 0.75, 1.0)  # of a lumen without FFR
+UNKNOWN = (0.75, 0.75, 0.75, 1.0)  # colour of a lumen without FFR
 FIGURE_WIDTH = 10.0  # inches
 SCALE_BAR_MM = 10.0
 
@@ -80,7 +80,7 @@ def view_axes(points):
     for axis in axes3[:2]:
         skewness = np.sum((centred @ axis) ** 3)
         largest = axis[np.abs(axis).argmax()]
-        # a symmetric vessel has no skewness to go by
+        # in a symmetric vessel there is no skewness to fix the sign
         if (skewness if abs(skewness) > 1e-6 * np.sum(np.abs(centred @ axis) ** 3) else largest) < 0:
             axis *= -1.0
     axes3[2] = np.cross(axes3[0], axes3[1])
@@ -111,7 +111,7 @@ def paint_order(surface, axes3):
 
 
 def add_triangles(axes, seen, mask, colours, opacity):
-    """Adds the masked triangles, furthest first. The SVG has them as pixels too, since thousands would make it huge."""
+    """Adds the masked triangles, furthest first. The SVG has them as pixels: thousands of shapes would be huge."""
     rows = np.flatnonzero(mask)
     rows = rows[np.argsort(seen["depth"][rows], kind="stable")]
     faces = colours[rows].copy()

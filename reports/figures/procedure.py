@@ -1,4 +1,4 @@
-"""The steps of a procedure stage by stage, as figures 3 and 7 of Lyu et al. 2025: lumen and devices."""
+"""Lumen and devices of a procedure, step by step and stage by stage, as in figures 3 and 7 of Lyu et al. 2025."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -14,10 +14,10 @@ STAGES = {
     "contact-to-balance": "At full pressure",
     "balloon-extraction": "Balloon taken out",
 }
-ROOM_MM = 6.0  # shown beyond the devices
+ROOM_MM = 6.0  # of vessel shown beyond the devices
 BALLOON, STENT = (0.55, 0.72, 0.90, 1.0), (0.16, 0.16, 0.2, 1.0)
 WIDTH = 7.5  # inches
-TITLE = 0.32  # inches a row
+TITLE = 0.32  # inches, height of a row's title
 
 
 def procedure_figure(case, deployment, frames, folder):
@@ -37,7 +37,7 @@ def procedure_figure(case, deployment, frames, folder):
     for axes in grid.ravel():
         axes.set_axis_off()
     places = place_of(stages)
-    # stents come first among the devices, and are all that is left when the balloon is out
+    # stents come first among the devices; in the last stage, after the balloon is removed, only stents are left
     stents = {line: len(devices) for (_, devices), (line, _) in zip(shown, places)}
     for (lumen, devices), stage, (line, first) in zip(shown, stages, places):
         axes = grid[line, list(STAGES).index(stage["stage"])]
@@ -51,7 +51,7 @@ def procedure_figure(case, deployment, frames, folder):
 
 
 def draw(axes, axes3, lumen, stents, balloons):
-    """Far wall, balloons, the stents on them, and a near wall that lets them be seen."""
+    """Draws the far wall, balloons, the stents on them, and a see-through near wall."""
     wall = paint_order(lumen, axes3)
     grey = np.full((len(lumen.triangles), 4), UNKNOWN)
     add_triangles(axes, wall, ~wall["near"], grey, FAR_WALL)

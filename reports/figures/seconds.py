@@ -11,7 +11,7 @@ PUBLISHED_COLOUR = "#8a8a8a"
 
 
 def seconds_figure(timings, folder):
-    """Writes seconds.{svg,png} from the DataFrame of timings.csv; nothing where no procedure was simulated."""
+    """Writes seconds.{svg,png} from the DataFrame of timings.csv; nothing if no procedure was simulated."""
     stages = stage_seconds(timings)
     if stages.empty:
         return

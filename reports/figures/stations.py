@@ -1,4 +1,4 @@
-"""Figure of where the sections lie at which states are compared: the vessel before and after, with stations."""
+"""Figure of the sections at which states are compared: the vessel before and after, with stations."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -11,10 +11,10 @@ from reports.inputs.surface import read_lumen
 STATES = ("pre", "vci", "reference", "post")
 SHOWN = 10  # about this many stations are drawn, evenly spaced along the segment
 MOST_TRIANGLES = 6000
-MARGIN_MM, LABEL_MM = 4.0, 0.9  # of vessel beside the segment; from a section's end to its label
+MARGIN_MM, LABEL_MM = 4.0, 0.9  # vessel shown beyond the segment; from a section's end to its label
 WIDTH, MOST_HEIGHT = 7.6, 3.6  # inches: of the figure, of a panel
-STEP_MM = 0.5  # to either side, for the axis' direction at a station
-OVER = 1.25  # a section's line over the lumen's diameter
+STEP_MM = 0.5  # to either side of a station, for the axis' direction there
+OVER = 1.25  # length of a section's line over the lumen's diameter
 
 
 def stations_figure(files, metrics, folder):

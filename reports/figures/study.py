@@ -12,7 +12,7 @@ from reports.figures.style import COLOURS, ERRORS, LABELS, save
 from reports.measuring.measured import FFR_THRESHOLD
 from reports.measuring.metrics import COMPARISONS
 
-# title, unit, and the least width of the horizontal axis, lest rounding fill it
+# title, unit, and least width of the horizontal axis, so that rounding errors do not fill it
 TITLES = {
     "ffr": ("FFR", "", 0.1),
     "mean_area": ("Mean CSA", " (mm²)", 2.0),
@@ -35,8 +35,11 @@ PUBLISHED_COLOUR = "#b9b9b9"
 
 
 def study_figures(documents, folder):
-    """Writes agreement.{svg,png}, where a case has a truth to agree with, differences.{svg,png}, where that is a lumen,
-    and ffr_before_after.{svg,png}. The first two show the included patients (`analysed`), the last all."""
+    """Writes agreement.{svg,png}, differences.{svg,png} and ffr_before_after.{svg,png}.
+
+    The first needs a case with a reference, a lumen after PCI or a measured FFR; the second a case whose prediction is
+    compared with a lumen. These two show the included patients (`analysed`), the third all.
+    """
     known = [one for one in documents if one.get("measured") or {"reference", "post"} & set(one["states"])]
     if known:
         agreement_figure(analysed(known), folder)
@@ -47,9 +50,9 @@ def study_figures(documents, folder):
 
 
 def agreement_figure(documents, folder):
-    """Bland-Altman plots of FFR, mean and smallest area and mean curvature, a row for each kind of error of the cases.
+    """Bland-Altman plots of FFR, mean and smallest area and mean curvature, with a row for each kind of error.
 
-    The published agreement is drawn where the comparison is of its kind (clinical).
+    The published agreement is of the kind `clinical` and is drawn in that row.
     """
     comparisons = {kind: [(a, b) for a, b, error in COMPARISONS if error == kind] for kind in ERRORS}
     shown = [
@@ -78,7 +81,7 @@ def agreement_figure(documents, folder):
 
 
 def best(kind):
-    """The quantity that all cases of a kind of error have: a wire reads FFR alone, a lumen may have no flow."""
+    """The quantity that all cases with a kind of error have: a wire measures FFR only, and a lumen may have no flow."""
     return "ffr" if kind == "measured" else "mean_area"
 
 

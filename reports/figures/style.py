@@ -1,4 +1,4 @@
-"""One look for all figures: a colour and a line style a state (Okabe-Ito, safe for colour-blind readers)."""
+"""One style for all figures: each state has a colour (Okabe-Ito, safe for colour-blind readers) and a line style."""
 
 import matplotlib
 

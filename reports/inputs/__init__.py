@@ -1,4 +1,4 @@
-"""Reading a case: its files, numbers, tables, lines and surfaces; what is wrong is refused with a message.
+"""Reads a case: its files, numbers, tables, lines and surfaces. Wrong input is refused with a message.
 
 It imports no other folder of the reports.
 """

@@ -1,4 +1,4 @@
-"""Where a case keeps the files of each state (docs/design.md)."""
+"""Paths of each state's files in a case's folder (docs/design.md)."""
 
 import dataclasses
 import pathlib
@@ -16,7 +16,7 @@ ARMS = ("half_maximum",)  # further segmentations of the CT volumes; each has a 
 
 
 def pictured(states):
-    """The states that are shown in three dimensions: predictions from CT look like those from the true lumen."""
+    """The states that are shown in three dimensions. Predictions from CT are left out: they look like the others."""
     return [state for state in states if state not in PREDICTED_FROM_CT]
 
 
@@ -27,7 +27,7 @@ IMAGED = ("pre", "reference")  # states of which there may be a CT volume
 class CaseFiles:
     """The files of one case below its folder.
 
-    arm: one of ARMS; then the states of FROM_CT are those that this segmentation leads to. Their FFR is a network's.
+    arm: one of ARMS or "". With an arm the states of FROM_CT come from its segmentation; their FFR is by a network.
     """
 
     case: str
@@ -59,7 +59,7 @@ class CaseFiles:
         return self.folder / "source" / "truth.json"
 
     def anatomy(self, state):
-        """The anatomy folder of a state; that of `pre` is the case's first."""
+        """The anatomy folder of a state; `pre` has the anatomy made first, in the case's own folder."""
         if self.arm and state in FROM_CT:
             return self.folder / self.arm / state / "anatomy"
         return self.folder / "anatomy" if state == "pre" else self.folder / state / "anatomy"
@@ -73,8 +73,10 @@ class CaseFiles:
         return self.folder / self.arm / "ct" / state / "segmentation.json"
 
     def source_reading(self):
-        """(kind, path) of the record of a real patient's lumen: segmentation.json of a CT, contours.json of contours;
-        or None."""
+        """(kind, path) of the record of a real patient's lumen, or None.
+
+        It is segmentation.json of a CT, or contours.json of contours.
+        """
         found = [
             ("ct", self.folder / "source" / "segmentation.json"),
             ("contours", self.folder / "source" / "contours.json"),
@@ -86,11 +88,11 @@ class CaseFiles:
 
     @property
     def registration(self):
-        """How the lumen after the real procedure was brought to the one before."""
+        """The registration of the lumen after the real procedure to the lumen before it."""
         return self.folder / "post" / "registration.json"
 
     def has_flow(self, state):
-        """Whether there is a flow of a state: of `post` not where only areas are compared, of an arm's lumens never."""
+        """Whether a state has a flow. `post` has none if only areas are compared; an arm's lumens never have one."""
         if self.arm and state in FROM_CT:
             return False
         if state != "post":
@@ -113,7 +115,7 @@ class CaseFiles:
     def states(self):
         """The states of which there is any result, in the order of STATES.
 
-        A state that has only a part of its results counts as present, so that what is missing is reported.
+        A state with only a part of its results counts as present, so that the missing part is reported.
         """
         return [
             state

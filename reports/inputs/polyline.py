@@ -13,7 +13,7 @@ from reports.inputs.reading import array_of, read_polydata
 class Polyline:
     """Points (n, 3) in mm with increasing arc length s_mm (n,); `source` is the file, for messages.
 
-    surveyed_per_mm: the curvature (n,) that the anatomy step wrote along the line, where there is one.
+    surveyed_per_mm: the curvature (n,) that the anatomy step wrote along the line, or None.
     """
 
     points: np.ndarray

@@ -1,4 +1,4 @@
-"""Readers of the study's JSON, CSV and VTP files that refuse what is missing, malformed or not a number."""
+"""Readers of the study's JSON, CSV and VTP files. They refuse missing or malformed data, NaN and infinity."""
 
 import json
 import math

@@ -6,7 +6,7 @@ from scipy.interpolate import make_lsq_spline
 from common.errors import InputError
 
 DEGREE = 5
-KNOT_SPACING_MM = 0.5  # finer knots would follow the rounding of single-precision points, not the vessel
+KNOT_SPACING_MM = 0.5  # with finer knots the spline would follow the rounding of single-precision points
 
 
 def line_curvature(line, s_mm):
@@ -21,7 +21,7 @@ def line_curvature(line, s_mm):
         raise InputError("too few points for a curvature", line.source, count, f"at least {2 * DEGREE + 2} are needed")
     length = line.s_mm[-1] - line.s_mm[0]
     intervals = max(1, min(int(length / KNOT_SPACING_MM), (count - DEGREE) // 2))
-    # knots at the points themselves, so that each interval holds data however the points are spaced
+    # knots are at points of the line, so that each interval holds data however the points are spaced
     inner = line.s_mm[np.linspace(0, count - 1, intervals + 1).round().astype(int)][1:-1]
     knots = np.concatenate([np.full(DEGREE + 1, line.s_mm[0]), inner, np.full(DEGREE + 1, line.s_mm[-1])])
     spline = make_lsq_spline(line.s_mm, line.points, knots, k=DEGREE)

@@ -32,7 +32,7 @@ ML_PER_MIN = 6.0e7  # one m3/s
 
 
 def patient_summary(files, config=None):
-    """Boundary values of the patient, and description and measurements from the case's YAML `config` where given."""
+    """Boundary values of the patient, and description and measurements from the case's YAML `config` if given."""
     boundary = read_json(files.boundary, "flow boundary")
     patient = {
         "map_pa": number(boundary, "map_pa", files.boundary),
@@ -65,17 +65,17 @@ def lesion_summary(files):
 
 
 def reference_summary(files):
-    """How a proposed plan found the vessel's healthy size, and the lesions by that measure. None for a given plan."""
+    """The vessel's healthy size as a proposed plan found it, and the lesions by this size. None for a given plan."""
     return read_json(files.scene, "anatomy plan").get("reference")
 
 
-GIVEN = ("pre", "post")  # states whose lumen is given; the others are made from them
+GIVEN = ("pre", "post")  # states whose lumen is given; all other lumens are made from these
 
 
 def lumen_warnings(files, states):
     """{state: [sentence]}: the warnings of `lumen process` on the given lumens, in its order.
 
-    A branch that was left closed, a filled opening or a lumen of few voxels changes every figure of the case.
+    They matter, because a closed branch, a filled opening or a lumen of few voxels changes every result of the case.
     """
     said = {}
     for state in GIVEN:

@@ -4,14 +4,14 @@ from common.config import load_case
 from common.errors import InputError
 from reports.inputs.reading import read_json
 
-MEASURED = "measured"  # name of the probe in boundary.json and ffr.json, and of the wire among the compared
+MEASURED = "measured"  # name of the probe in boundary.json and ffr.json, and of the wire in comparisons
 FFR_THRESHOLD = 0.80  # at or below it a lesion is treated (ESC/EACTS guidelines on myocardial revascularisation)
 
 
 def measured_summary(files, config=None):
     """{ffr_pre, ffr_post (None: not read), branch, s_mm} of the wire, from the case's YAML and boundary.json.
 
-    None where nothing was measured. Raises InputError where the boundary values do not know of the wire.
+    None if nothing was measured. Raises InputError if boundary.json lacks the wire's probe.
     """
     given = load_case(config).get("measured") if config is not None else None
     if given is None:

@@ -18,13 +18,13 @@ from reports.measuring.segment import read_sections, stented_segment
 DEFAULT_MARGIN_MM = 2.0
 DEFAULT_STATIONS = 101
 FEWEST_STATIONS = 50
-LEAST_COVERAGE = 0.5  # of the stations; with fewer the mean is no longer the segment's
+LEAST_COVERAGE = 0.5  # share of the stations; with fewer, a mean no longer represents the segment
 # (a, b, error): state a minus state b shows this error.
 # method: the prediction minus the truth.
 # imaging_before: the prediction from the lumen found in CT minus that from the true lumen.
 # imaging_after: the truth as seen in CT minus the truth.
-# clinical: all of these together, because a clinical study has only images. The lumen after PCI is that of a CT, or of
-# the real procedure.
+# clinical: all of these together, because a clinical study has only images. The lumen after PCI comes from a CT or
+# from the real procedure.
 # measured: the computed FFR minus that of a pressure wire, at the wire's sensor.
 COMPARISONS = (
     ("vci", "reference", "method"),
@@ -127,9 +127,9 @@ REGISTERED = ("method", "compare", "rotation_deg", "residual_mm", "usual_radius_
 
 
 def registration_summary(files, profile, segment):
-    """How the lumen after the real procedure was brought to the one before: REGISTERED of registration.json.
+    """The registration of the lumen after the real procedure to the lumen before: the keys REGISTERED.
 
-    And how much of the segment it covers, by the profile of the state `post`: `covered_mm` of `segment_mm`.
+    `covered_mm` and `segment_mm` tell how much of the segment that lumen covers, by the profile of the state `post`.
     """
     document = read_json(files.registration, "anatomy register")
     covered, length = covered_mm(profile, segment)
@@ -140,13 +140,13 @@ def registration_summary(files, profile, segment):
 
 
 def covered_mm(profile, segment):
-    """(length of the segment whose stations a state has sections around, the segment's length), before PCI, in mm."""
+    """(covered length, the segment's length) in mm before PCI. A station counts if the state has sections round it."""
     length = segment.s_end_mm - segment.s_start_mm
     return float(profile.inside.mean() * length), float(length)
 
 
 def say_if_partly_covered(profile, segment):
-    """Warns on standard error where the lumen after the real procedure ends within the segment."""
+    """Warns on standard error if the lumen after the real procedure ends within the segment."""
     covered, length = covered_mm(profile, segment)
     if profile.segment.ends_within:
         said = (
@@ -219,7 +219,8 @@ def ffr_document(profile, used):
 def differences(a, b, used):
     """bias, sd and rmse of a - b along the segment for each quantity; rmse^2 = bias^2 + sd^2 (sd over all stations).
 
-    The FFR's are None where one of the two has no flow; those along the segment also where a network answers.
+    For FFR they are None if one of the two states has no FFR along the segment: it has no flow, or its FFR is the
+    network's. The difference at the probe is None only without an FFR.
     """
     document, flow = {}, a.solution is not None and b.solution is not None
     for name in QUANTITIES:

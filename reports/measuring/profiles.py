@@ -12,17 +12,17 @@ from reports.inputs.reading import number, read_json, read_table
 from reports.measuring.segment import carry, diameters_at, read_sections
 
 PULLBACK_NUMBERS = ("s_mm", "x_mm", "y_mm", "z_mm", "pressure_pa", "ffr", "flow_m3_per_s")
-POST = "post"  # the lumen found after the real procedure: another image, with ends of its own
-ERROR = "ffr_error_estimate"  # a column of newer pull-backs
-# status of an FFR from `flow solve`: of a steady flow, or of one that keeps some artificial viscosity
+POST = "post"  # the lumen after the real procedure, from another image and with other ends
+ERROR = "ffr_error_estimate"  # a column that older pull-backs lack
+# accepted statuses of an FFR from `flow solve`: a steady flow, or one that keeps some artificial viscosity
 ANSWERED = ("converged", "converged with artificial viscosity")
 
 
 @dataclasses.dataclass(frozen=True)
 class StateProfiles:
-    """One state over the segment, one value a station; `inside` marks the stations that have sections around them.
+    """One state over the segment, one value a station; `inside` marks stations with sections on both sides.
 
-    ffr and solution are None where no flow of the state is computed; ffr alone where a network answers.
+    ffr and solution are None if no flow of the state is computed; only ffr is None if a network gives the answer.
     """
 
     segment: object
@@ -47,7 +47,7 @@ def _rows(path, branch):
 
 
 def read_pullback_error(path, branch):
-    """Estimated errors (n,) of the FFR that `read_pullback` returns. NaN where the column is empty or missing.
+    """Estimated errors (n,) of the FFR that `read_pullback` returns. NaN if the column is empty or missing.
 
     Raises InputError for a value that is neither empty nor a finite number of at least 0.
     """

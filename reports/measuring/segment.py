@@ -1,4 +1,4 @@
-"""The treated segment: given on the pre-PCI axis, carried to every other state, sampled at equal relative position."""
+"""The treated segment: given on the pre-PCI axis, mapped to every other state, sampled at equal relative positions."""
 
 import dataclasses
 
@@ -9,7 +9,7 @@ from reports.inputs.polyline import Polyline, read_centreline
 from reports.inputs.reading import entry, number, read_json, read_table
 
 SECTION_NUMBERS = ("s_mm", "area_mm2", "equivalent_diameter_mm")
-USED_FLAGS = ("ok", "ostium")  # `end` sections cut the cap's edge: never used; `ostium` areas are already clipped
+USED_FLAGS = ("ok", "ostium")  # not `end`: these sections cut a cap's edge. Areas of `ostium` are already clipped.
 FLAGS = (*USED_FLAGS, "end")
 
 
@@ -27,9 +27,9 @@ class StentedSegment:
 
 @dataclasses.dataclass(frozen=True)
 class StateSegment:
-    """The segment on one state's centreline: its ends by arc length, and how far they lay from the pre-PCI ones.
+    """The segment on one state's centreline: arc lengths of its ends, and their distances from the pre-PCI ends.
 
-    An end may lie before 0 or beyond the line's length, where a lumen of its own extent covers a part of it only.
+    An arc length may be below 0 or beyond the line's length if the lumen, from another image, covers only a part.
     """
 
     line: Polyline
@@ -73,11 +73,11 @@ def carry(segment, line, diameter_mm, of_its_own_extent=False):
     """`segment` on a state's centreline: each end goes to the nearest point of `line`.
 
     diameter_mm: the vessel's diameter at the two ends before the procedure.
-    of_its_own_extent: the line may end within the segment, as that of another image of the vessel does. Then the
-    missing length is taken from the pre-PCI axis, from there to the segment's end.
+    of_its_own_extent: the line comes from another image of the vessel and may end within the segment. Then the missing
+    length is measured on the pre-PCI axis, from the line's end to the segment's end.
 
-    Raises ComputationError for an end that lands further away than the vessel's diameter: it has left the vessel. The
-    same for a length that changes by half or more: it is no longer the same piece of the vessel.
+    Raises ComputationError if an end is further from the line than the vessel's diameter, so that it is off the vessel.
+    Also raises it if the length changes by half or more, so that it is not the same piece of the vessel.
     """
     start, start_shift = line.project(segment.proximal_mm)
     end, end_shift = line.project(segment.distal_mm)
@@ -101,7 +101,7 @@ def carry(segment, line, diameter_mm, of_its_own_extent=False):
 
 
 def read_sections(path, branch):
-    """The sections of a branch, in order of s_mm, without those flagged `end`; InputError if none is left."""
+    """The sections of a branch, in order of s_mm, without sections flagged `end`; InputError if none is left."""
     table = read_table(path, SECTION_NUMBERS, ("branch", "flag"), "anatomy")
     unknown = sorted(set(table["flag"]) - set(FLAGS))
     if unknown:

@@ -1,1 +1,1 @@
-"""The study's report: one HTML file that holds all it shows and fetches nothing."""
+"""The study's report: one HTML file that holds all its content and fetches nothing."""

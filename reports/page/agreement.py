@@ -1,4 +1,4 @@
-"""The tables of agreement as the page shows them: names, digits and units; each group of patients apart."""
+"""The tables of agreement for the page, with its names, digits and units, by group of patients."""
 
 from reports.page.digits import decimals
 from reports.study.contrast import PROFILE
@@ -14,7 +14,7 @@ CONTRAST_NAMES = QUANTITY_NAMES | {PROFILE: "CSA along the stent, rms"}
 QUANTITY_DIGITS = {"ffr": 3, "mean_area": 2, "minimum_area": 2, "mean_curvature": 3}  # at least
 MOST_DIGITS = 6
 UNITS = {"1": "", "mm2": "mm²", "1/mm": "/mm"}
-# errors that depend on how the lumen is found in CT -> comparison of each prediction
+# prediction -> {error that depends on the segmentation of CT: the comparison that shows it}
 BY_SEGMENTATION = {
     "vci": {"imaging_before": "ct_vci_minus_vci", "imaging_after": "ct_minus_reference", "clinical": "ct_vci_minus_ct"},
     "rc": {"imaging_before": "ct_rc_minus_rc", "imaging_after": "ct_minus_reference", "clinical": "ct_rc_minus_ct"},
@@ -22,9 +22,9 @@ BY_SEGMENTATION = {
 
 
 def agreement_groups(agreement, nearer, half_maximum):
-    """[{name, rows, nearer, segmentations}] of the groups of patients that have anything to agree with.
+    """[{name, rows, nearer, segmentations}] of the groups of patients with rows in agreement.csv.
 
-    agreement, nearer, half_maximum: rows of those tables. segmentations: rows of the four errors by both.
+    agreement, nearer, half_maximum: rows of these tables. segmentations: the errors by both segmentations of CT.
     """
     found = []
     for name in GROUPS:
@@ -42,8 +42,8 @@ def agreement_groups(agreement, nearer, half_maximum):
 def segmentations(rows, others):
     """[{prediction, name, unit, digits, method, errors {error: (own, other)}, published}] of one group of patients.
 
-    rows: of the study's own segmentation; others: of that at half maximum, without which there is none. The
-    entries are rows of agreement.csv.
+    rows: by the study's own segmentation; others: at half maximum, without which the list is empty. own, other and
+    method are rows of agreement.csv.
     """
     own, other = ({(row["quantity"], row["comparison"]): row for row in table} for table in (rows, others))
     found = []

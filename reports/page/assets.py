@@ -1,4 +1,4 @@
-"""Files that the report carries inside itself: images, style, scripts and three.js."""
+"""Files that are embedded in the report: images, style, scripts and three.js."""
 
 import base64
 import json
@@ -24,7 +24,7 @@ def optional_image(path):
 
 
 def script(path, made_by="the repository"):
-    """A script's text, fit to stand inside <script>; InputError if it holds the closing tag."""
+    """A script's text for a <script> element; InputError if it contains the closing tag."""
     text = existing(path, made_by).read_text()
     if "</script" in text.lower():
         raise InputError("a script cannot be put in a page", path, "</script", "use another version of it")

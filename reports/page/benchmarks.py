@@ -5,7 +5,7 @@ import csv
 from common.errors import InputError
 from reports.page.assets import image_uri
 
-# folder of a benchmark: its title, and what a row is
+# folder of a benchmark: its title, and a text that says what a row is
 TITLES = {
     "deployment_speed": (
         "Deployment: speed against error",
@@ -98,9 +98,9 @@ SHORT = 7  # characters
 def benchmarks(folder):
     """[{name, title, text, tables, figures}] of the benchmarks in `folder` that were run, in the order of TITLES.
 
-    A table is {name, columns, rows}: texts as in the CSV, long numbers to four digits; a column is {heading, text:
-    whether it holds words}. Columns without a value are left out. Folders of other names come
-    last under their own name. Raises InputError for a table without a header.
+    A table is {name, columns, rows}, with texts as in the CSV and long numbers cut to four digits. A column is
+    {heading, text}, where `text` tells whether it holds words. Columns without a value are left out. Folders of other
+    names come last under their own name. Raises InputError for a table without a header.
     """
     if folder is None or not folder.is_dir():
         return []
@@ -120,7 +120,7 @@ def benchmarks(folder):
 
 
 def figures_of(folder):
-    """The figures of a benchmark, as SVG where there is one, else as PNG."""
+    """The figures of a benchmark, as SVG if there is one, else as PNG."""
     vector = sorted(folder.glob("*.svg"))
     return vector + [path for path in sorted(folder.glob("*.png")) if path.with_suffix(".svg") not in vector]
 
@@ -151,7 +151,7 @@ def heading(column):
 
 
 def is_number(value):
-    """Whether a text is that of a number."""
+    """Whether a text is a number."""
     try:
         float(value)
     except ValueError:

@@ -1,4 +1,4 @@
-"""Puts the report together: context from the study's files, jinja2 templates, one HTML file."""
+"""Builds the report, one HTML file, from the study's files and jinja2 templates."""
 
 import json
 import math
@@ -25,7 +25,7 @@ from reports.page.geometry import colour_table
 from reports.inputs.reading import existing, read_json
 
 MISSING = "–"
-LOW_MARK = "▼"  # of FFR after PCI below reports.selection.patients.LOW_AFTER
+LOW_MARK = "▼"  # marks an FFR after PCI below reports.selection.patients.LOW_AFTER
 OCCLUDED = "occluded_by_voxels"
 
 
@@ -42,7 +42,7 @@ def build_report(
     failed=(),
     three=pathlib.Path("build/three.min.js"),
 ):
-    """Writes the report of the CaseFiles `cases` to `out`. Raises InputError for anything that is missing.
+    """Writes the report of the CaseFiles `cases` to `out`. Raises InputError if a file is missing.
 
     failed: entries of failed.json (workflow.failed), of cases that have no result. three: the viewer's library.
     """
@@ -126,7 +126,7 @@ def environment():
 
 
 def read_csv(path):
-    """The rows of a study table as dicts, None where a field is empty."""
+    """The rows of a study table as dicts, None if a field is empty."""
     table = pd.read_csv(
         existing(path, "reports agreement, cohort, contrast, differences, nearer, patients, seconds, timings")
     )
@@ -157,7 +157,8 @@ def summary(contexts):
 
 
 def means(documents):
-    """{state: {n, ffr, area, minimum, curvature}} of metrics documents, each a (mean, sd) over those with the state."""
+    """{state: {n, ffr, area, minimum, curvature}}: number n of metrics documents with the state, and (mean, sd) of each
+    quantity over them."""
     found = {}
     for state in STATES:
         of_state = [document["states"][state] for document in documents if state in document["states"]]
@@ -208,25 +209,25 @@ def mean_sd(values):
 
 
 def largest_ffr_error(contexts):
-    """The largest error estimate of all FFRs past the lesion; None where none is known."""
+    """The largest error estimate of all FFRs past the lesion; None if none is known."""
     flows = [entry["ffr"] for c in contexts for entry in c["metrics"]["states"].values() if entry["ffr"]]
     return max((ffr["error_estimate"] for ffr in flows if ffr["error_estimate"] is not None), default=None)
 
 
 def lower_first(text):
-    """A label within a sentence: the first letter small, unless a name in capitals begins it."""
+    """A label for use within a sentence: the first letter small, unless the first word is in capitals."""
     return text if text[:2].isupper() else text[0].lower() + text[1:]
 
 
 def fixed(value, digits=2):
-    """A number with fixed digits; a dash where there is none; text stays."""
+    """A number with fixed digits; a dash if there is none; text stays."""
     if value is None or isinstance(value, jinja2.Undefined):
         return MISSING
     return value if isinstance(value, str) else f"{value:,.{digits}f}"
 
 
 def signed(value, digits=2):
-    """A difference with its sign (a true minus); a dash where there is none."""
+    """A difference with its sign (a true minus); a dash if there is none."""
     if value is None:
         return MISSING
     text = f"{abs(value):.{digits}f}"
@@ -251,7 +252,7 @@ def signed_small(value, least):
 
 
 def scientific(value):
-    """A small number such as a residual: 2.1e-06; a dash where there is none."""
+    """A small number, such as a residual, in the form 2.1e-06; a dash if there is none."""
     return MISSING if value is None or isinstance(value, jinja2.Undefined) else f"{value:.1e}"
 
 

@@ -1,4 +1,4 @@
-"""The report's content on one case, gathered from its files for the templates."""
+"""The report's content on one case, read from its files for the templates."""
 
 import json
 
@@ -113,12 +113,12 @@ def flow_warnings(flow):
 
 
 def _steady(solution):
-    """Whether ffr.json is of a steady flow without artificial viscosity."""
+    """Whether ffr.json comes from a steady flow without artificial viscosity."""
     return not solution.get("artificial_viscosity") and solution.get("status") == "converged"
 
 
 def flow_row(files, state):
-    """ffr.json and mesh.json of a state, the estimated error, and the reduced model beside it."""
+    """ffr.json and mesh.json of a state, the estimated error, and the reduced model's answer for comparison."""
     solution = read_json(files.flow(state) / "ffr.json", "flow solve")
     reduced = solution.get("reduced_model") or {}
     mesh = optional_json(files.flow(state) / "mesh.json") or {}

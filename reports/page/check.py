@@ -27,8 +27,8 @@ FLAGS = (
     "--v=0",
 )
 SECONDS = 120
-SETTLE_MS = 4000  # of page time, for the viewer's first picture
-TALL = "1440,8000"  # so that cases are in view and start their viewer
+SETTLE_MS = 4000  # page time until the viewer has drawn its first picture
+TALL = "1440,8000"  # window size; tall, so that cases are in view and start their viewer
 CONSOLE = re.compile(r":CONSOLE[:(]\d+\)?\] (.*)")
 DRIVER = re.compile(r'^"\[\.WebGL-\w+\]GL Driver Message \([^)]*Performance')  # the software renderer's own remarks
 FETCHING = {"src", "srcset", "href", "data", "poster", "action", "formaction", "background", "ping", "manifest"}
@@ -77,7 +77,7 @@ def outside_references(text):
 def console_messages(log):
     """The page's messages on the console, uncaught exceptions included.
 
-    Headless Chromium logs all of them at one level, so a report has to write nothing at all.
+    Headless Chromium logs all of them at one level, so any message counts as an error.
     """
     found = (CONSOLE.search(line) for line in log.splitlines())
     return [match[1].strip() for match in found if match and not DRIVER.match(match[1])]

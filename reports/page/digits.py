@@ -1,4 +1,4 @@
-"""How many decimals a number is shown with."""
+"""Number of decimals with which a number is shown."""
 
 import math
 

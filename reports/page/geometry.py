@@ -12,7 +12,7 @@ from reports.inputs.reading import read_table
 from reports.inputs.surface import read_device, read_lumen
 
 MOST_TRIANGLES = 12000
-STEPS = 65535  # of a coordinate or value over its range: 1 um over 65 mm
+STEPS = 65535  # quantisation steps over the range of a coordinate or value: 1 um over 65 mm
 COLOUR_MAP, COLOURS = "viridis", 32
 PLACES = ("s_mm", "x_mm", "y_mm", "z_mm", "area_mm2", "equivalent_diameter_mm")
 
@@ -53,7 +53,7 @@ def viewer_data(files, metrics):
 
 
 def along_axis(files, state, points):
-    """At points (n, 3): diameter (mm), area (mm2) and, with a flow, FFR of the nearest place on any axis."""
+    """Diameter (mm), area (mm2) and, with a flow, FFR at points (n, 3), from the nearest place on any axis."""
     table = read_table(files.anatomy(state) / "sections.csv", PLACES, ("branch",), "anatomy")
     _, nearest = cKDTree(table[["x_mm", "y_mm", "z_mm"]].to_numpy()).query(points)
     return {
@@ -74,7 +74,7 @@ def pack_surface(surface, low, high):
 
 
 def quantise(values, low, high):
-    """Values between low and high as 16-bit integers 0 to STEPS; 0 where the range is empty."""
+    """Values between low and high as 16-bit integers 0 to STEPS; 0 if the range is empty."""
     span = np.maximum(np.asarray(high) - np.asarray(low), 1e-12)
     return np.round((np.asarray(values) - low) / span * STEPS).clip(0, STEPS).astype(np.uint16)
 

@@ -1,1 +1,1 @@
-"""The finished study for machines: its numbers in one JSON file, and a list of its files as a research object."""
+"""Machine-readable record of a finished study: its numbers in one JSON file, and its files as a research object."""

@@ -13,10 +13,10 @@ RUN, PROGRAM = "#study", "#vci"
 
 
 def crate(results, cases, citation, date, cohort):
-    """The document of ro-crate-metadata.json. Raises InputError where a file is missing.
+    """The document of ro-crate-metadata.json. Raises InputError if a file is missing.
 
-    results: folder that it describes; cases: names of the study's cases; citation: CITATION.cff; date: ISO 8601, of the
-    sources' revision. Files of cases have the hashes of provenance.json; the others are hashed here.
+    results: folder that it describes; cases: names of the study's cases; citation: CITATION.cff; date: date of the
+    sources' revision in ISO 8601. Hashes of the cases' files are taken from provenance.json, others computed here.
     """
     about = yaml_reader.read(citation).data
     provenance = read_json(results / "study" / "provenance.json", "workflow provenance")

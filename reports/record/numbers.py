@@ -1,4 +1,4 @@
-"""report.json: every number of the page's summary in one file, read from the study's tables; no seconds."""
+"""report.json: every number of the page's summary in one file, from the study's tables. Seconds are left out."""
 
 import pandas as pd
 
@@ -47,7 +47,7 @@ def report_numbers(case_files, study_dir, cohort, junit, failed=()):
 
 
 def table(study_dir, name):
-    """A table of the study; without rows where there was nothing to compare."""
+    """A table of the study; without rows if there was nothing to compare."""
     return pd.read_csv(existing(study_dir / f"{name}.csv", f"reports {name}"))
 
 
@@ -59,7 +59,7 @@ def of_group(study_dir, name):
 
 
 def state_means(cohort):
-    """{state: {quantity: {n, mean, sd}}} over the cases of cohort.csv; sd with n - 1, None of one case."""
+    """{state: {quantity: {n, mean, sd}}} over the cases of cohort.csv; sd with n - 1, None for a single case."""
     found = {}
     for state in STATES:
         for name in STATE_VALUES:

@@ -1,1 +1,1 @@
-"""Who the patients are, and which of them meet the study's criterion of inclusion."""
+"""Table of the patients, and which of them meet the study's criterion of inclusion."""

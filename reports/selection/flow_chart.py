@@ -1,4 +1,4 @@
-"""Figure of the inclusion: from the cases of the cohort to those analysed."""
+"""Figure of the inclusion: from the cases of the cohort to the analysed cases."""
 
 import textwrap
 
@@ -9,7 +9,7 @@ from reports.figures.style import save
 
 SIZE = (8.2, 6.4)  # inches
 WRAP = 60  # letters a line of case names
-WIDTH, LEFT, RIGHT = 0.46, 0.235, 0.765  # of a box, middles of both columns; of the figure
+WIDTH, LEFT, RIGHT = 0.46, 0.235, 0.765  # a box's width and both columns' middles, as shares of the figure
 COHORT, INCLUDED, ASIDE, OF_THEM = 0.92, 0.46, (0.78, 0.63), (0.41, 0.24, 0.08)  # middles of the boxes
 FRAME, LINE = 0.03, 0.031  # heights of a box's frame and of a line in it
 FILL, EDGE, LEFT_OUT = "#eef4f9", "#0a3d62", "#f8f1ec"
@@ -37,7 +37,7 @@ def inclusion_figure(table, folder):
 
 
 def box(axes, x, y, words, count, names, fill=FILL):
-    """A box with its words, its number and the names of its cases, its middle at (x, y). Returns lower and upper y."""
+    """A box at (x, y), its middle, with words, number and names of its cases. Returns its lower and upper y."""
     lines = [words[:1].upper() + words[1:], f"n = {count}", *textwrap.wrap(names.replace(" ", ", "), WRAP)[:3]]
     height = FRAME + LINE * len(lines)
     patch = FancyBboxPatch((x - WIDTH / 2, y - height / 2), WIDTH, height, boxstyle="round,pad=0,rounding_size=0.012")

@@ -7,8 +7,8 @@ from reports.measuring.measured import FFR_THRESHOLD
 from reports.study.cohort import describe_procedure
 from reports.study.inclusion import ffr_before, meets_criterion
 
-# Included are those with FFR before PCI below 0.80. Below 0.90 after it more adverse events were found (Rimac et al.,
-# Am Heart J 2017;183:1-9, a meta-analysis of 7470 patients).
+# Patients with FFR below 0.80 before PCI are included. Below 0.90 after it more adverse events were found (Rimac et
+# al., Am Heart J 2017;183:1-9, a meta-analysis of 7470 patients).
 LOW_AFTER = 0.90
 TRUTHS = ("reference", "post")
 COLUMNS = ["case", "artery", "branch", "stenosis_percent", "lesion_length_mm", "reference_diameter_mm", "lesions"]
@@ -32,7 +32,7 @@ def patients_table(documents, cases):
 
 
 def patient_row(document, case):
-    """One patient. FFR is that past the lesion; `ffr_after` of the first of TRUTHS with a flow."""
+    """One patient's row. FFR is past the lesion; `ffr_after` is of the first state of TRUTHS with a flow."""
     lesion, vessel = document["lesion"] or {}, case.get("vessel", {})
     ffr = {
         state: number(entry, "ffr.distal", f"metrics of {document['case']}, {state}")
@@ -61,7 +61,7 @@ def patient_row(document, case):
 
 
 def in_words(calcium):
-    """A sheet of calcium: "120 degrees over 8 mm"."""
+    """A sheet of calcium in words, such as "120 degrees over 8 mm"."""
     return f"{calcium['arc_deg']:g} degrees over {calcium['length_mm']:g} mm"
 
 

@@ -1,6 +1,6 @@
 """agreement.csv: predicted and computed values against true or measured ones, over the cohort.
 
-The published agreement stands beside them.
+The published agreement is given for comparison.
 """
 
 import dataclasses
@@ -41,7 +41,7 @@ def published():
 def paired_values(documents, quantity, a, b):
     """(case names, values of a, values of b) over the metrics documents that have both states.
 
-    With b `measured`: FFR of state a at the wire's sensor, and the wire's own. Cases without a flow have no FFR.
+    If b is `measured`: FFR of state a at the wire's sensor, and the wire's FFR. Cases without a flow have no FFR.
     """
     cases, values_a, values_b = [], [], []
     for document in documents:
@@ -62,7 +62,7 @@ def paired_values(documents, quantity, a, b):
 
 
 def agreement_table(documents):
-    """DataFrame of agreement.csv, a row for each group of patients, comparison and quantity that a case allows."""
+    """DataFrame of agreement.csv: a row for each group of patients, comparison and quantity that some case has."""
     rows = [{"patients": name, **row} for name, found in groups(documents) for row in agreement_rows(found)]
     table = pd.DataFrame(rows, columns=COLUMNS + PUBLISHED_COLUMNS)
     return table.astype({"published_n": "Int64"})

@@ -14,7 +14,7 @@ FEWEST_FOR_INTERVAL = 3
 
 @dataclasses.dataclass(frozen=True)
 class Agreement:
-    """Differences a - b over n patients. sd and limits need n >= 2, the interval n >= 3; else they are None."""
+    """Differences a - b over n patients. sd and limits are None for n < 2, the interval for n < 3."""
 
     n: int
     bias: float

@@ -1,4 +1,4 @@
-"""contrast.csv: in each case, by how much VCI and radius correction miss the lumen after PCI, and which is nearer."""
+"""contrast.csv: the errors of VCI and of radius correction against the lumen after PCI, case by case."""
 
 import pandas as pd
 
@@ -9,7 +9,7 @@ TRUTHS = ("reference", "post")  # the first that a case has
 METHODS = ("vci", "rc", "rc_stent")  # radius correction by the largest balloon, and by the stents alone
 NEARER = {"vci": "VCI", "rc": "radius correction"}
 UNDECIDED = "within the flow's error"
-# root mean square along the stent of the area's difference, since differences of both signs cancel in a mean
+# root mean square of the area's difference along the stent; in a mean, differences of both signs would cancel
 PROFILE = "area_profile"
 COLUMNS = ["case", "quantity", "unit", "truth", "value"]
 COLUMNS += [f"error_{method}" for method in METHODS] + ["nearer", "nearer_by"]
@@ -18,8 +18,9 @@ COLUMNS += [f"error_{method}" for method in METHODS] + ["nearer", "nearer_by"]
 def contrast_table(documents):
     """DataFrame of contrast.csv from the metrics documents, in their order: a row a case and quantity.
 
-    value: after PCI. error_*: predicted minus that, empty where the case has no such prediction; of the profile, which
-    has no value, the root mean square over the stations. nearer_by: the difference of the two errors' sizes.
+    value: in the lumen after PCI. error_*: predicted minus this value, empty if the case has no such prediction. The
+    profile has no value; its error is the root mean square over the stations. nearer_by: difference of the two errors'
+    sizes.
     """
     rows = []
     for document in documents:
@@ -56,7 +57,7 @@ def value_of(document, quantity, state):
 
 
 def profile_error(document, method, truth):
-    """Root mean square of the area's difference over the stations, mm2; None where the case has no such prediction."""
+    """Root mean square of the area's difference over the stations, mm2; None if the case has no such prediction."""
     found = document["differences"].get(f"{method}_minus_{truth}")
     return None if found is None else found["area_mm2"]["rmse"]
 
@@ -69,9 +70,9 @@ def flow_error(document, truth):
 
 
 def verdict(errors, noise):
-    """nearer, nearer_by of the errors {method: error}; none where a method is missing.
+    """{nearer, nearer_by} of the errors {method: error}; both None if a method is missing.
 
-    noise: the computation's own error, below which nothing is decided; None: not known.
+    noise: numerical error, below which neither method counts as nearer; None: not known.
     """
     if errors["vci"] is None or errors["rc"] is None:
         return {"nearer": None, "nearer_by": None}

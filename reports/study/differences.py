@@ -1,5 +1,7 @@
-"""Diff^A and Diff^C, equations 24 and 25 of Lyu et al. 2025: by how much area and curvature of a predicted lumen differ
-from those of the lumen after PCI, at each station, in each patient and over the cohort."""
+"""Diff^A and Diff^C, equations 24 and 25 of Lyu et al. 2025: differences in area and curvature.
+
+They are a predicted lumen's values minus those of the lumen after PCI, by station, by patient and over the cohort.
+"""
 
 import numpy as np
 import pandas as pd
@@ -48,7 +50,7 @@ def station_table(documents):
 
 
 def difference_table(documents):
-    """DataFrame of differences.csv: a row a patient and comparison, and one of its group after each comparison's."""
+    """DataFrame of differences.csv: a row a patient and comparison; after each comparison a row of the group."""
     rows = [{"patients": name, **row} for name, found in groups(documents) for row in group_rows(found)]
     return pd.DataFrame(rows, columns=None if rows else ["patients", "case", "error", "comparison"])
 

@@ -1,4 +1,4 @@
-"""The patients that enter the statistics: as in the source, those with FFR below 0.80 before PCI.
+"""The patients in the statistics: as in the source, patients with FFR below 0.80 before PCI.
 
 The other patients are never mixed with them. They have rows of their own, under another name.
 """
@@ -13,7 +13,7 @@ GROUPS = (INCLUDED, EXCLUDED)
 def ffr_before(document):
     """FFR before PCI of a metrics document: the pressure wire's, else the computed one past the lesion.
 
-    None where there is neither.
+    None if there is neither.
     """
     measured = document.get("measured")
     if measured and measured["ffr_pre"] is not None:
@@ -23,7 +23,7 @@ def ffr_before(document):
 
 
 def meets_criterion(ffr):
-    """Whether FFR before PCI includes a patient; None where it is not known."""
+    """Whether FFR before PCI includes a patient; None if it is not known."""
     return None if ffr is None else ffr < FFR_THRESHOLD
 
 
@@ -36,5 +36,5 @@ def groups(documents):
 
 
 def analysed(documents):
-    """Those of the documents that a figure shows: of the included patients, or of the others where there is none."""
+    """The documents that a figure shows: of the included patients, or of the others if no patient is included."""
     return groups(documents)[0][1] if documents else []

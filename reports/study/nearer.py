@@ -9,9 +9,9 @@ from reports.study.agreement import QUANTITIES, UNITS, paired_values
 from reports.study.differences import AFTER_PCI
 from reports.study.inclusion import groups
 
-LEVEL = 0.05  # of each row's test, two-sided
-FEWEST = 6  # the smallest p of n pairs is 2 / 2^n: 0.0625 of five, 0.03125 of six
-RADIUS_CORRECTION = {"vci": "rc", "ct_vci": "ct_rc"}  # of the same lumen before the procedure
+LEVEL = 0.05  # significance level of each row's test, two-sided
+FEWEST = 6  # patients for a test: the smallest possible p of n pairs is 2 / 2^n, 0.0625 for five, 0.03125 for six
+RADIUS_CORRECTION = {"vci": "rc", "ct_vci": "ct_rc"}  # state of VCI -> radius correction of the same lumen
 NEARER, FARTHER, UNDECIDED = "nearer", "farther", "no difference shown"
 COLUMNS = [
     "patients",
@@ -29,11 +29,10 @@ COLUMNS = [
 
 
 def nearer_table(documents):
-    """DataFrame of nearer.csv: a row for each group of patients, quantity and lumen after PCI that some patient has for
-    both methods.
+    """DataFrame of nearer.csv: a row for each group of patients, quantity and lumen after PCI.
 
-    error_vci, error_rc: mean size of the error over the patients.
-    p: of Wilcoxon's signed-rank test of the sizes (scipy.stats.wilcoxon), two-sided; None of fewer than six patients.
+    A row needs a patient with both methods. error_vci, error_rc: mean size of the error over the patients.
+    p: of Wilcoxon's two-sided signed-rank test of the sizes (scipy.stats.wilcoxon); None for fewer than six patients.
     """
     rows = [{"patients": name, **row} for name, found in groups(documents) for row in nearer_rows(found)]
     return pd.DataFrame(rows, columns=COLUMNS)
@@ -54,18 +53,18 @@ def nearer_rows(documents):
 
 
 def errors_by_case(documents, quantity, state, truth):
-    """{case: size of the error} of a state's quantity against that after PCI."""
+    """{case: size of the error} of a state's quantity against the same quantity after PCI."""
     cases, values, true = paired_values(documents, quantity, state, truth)
     return dict(zip(cases, np.abs(np.subtract(values, true))))
 
 
 def verdict(vci, rc):
-    """The columns of nearer.csv from `n` on, of the sizes of errors (n,) of the same patients by both methods."""
+    """The columns of nearer.csv from `n` on. vci, rc: sizes of errors (n,) of the same patients by both methods."""
     vci, rc = np.asarray(vci, float), np.asarray(rc, float)
     result = {"n": len(vci), "error_vci": vci.mean(), "error_rc": rc.mean()}
     result |= {"patients_vci_nearer": int((vci < rc).sum()), "p": None, "vci_is": UNDECIDED}
     if len(vci) >= FEWEST:
-        # equal sizes throughout leave nothing to rank
+        # if the sizes are equal in all patients, the test has nothing to rank
         result["p"] = float(wilcoxon(vci, rc).pvalue) if (vci != rc).any() else 1.0
         if result["p"] < LEVEL:
             result["vci_is"] = NEARER if np.median(vci - rc) < 0.0 else FARTHER

@@ -31,14 +31,14 @@ OS_RELEASE = pathlib.Path("/etc/os-release")
 def software_versions(repository):
     """{"system", "revision", "modified", "packages": {name: version}}; packages that are not installed are left out.
 
-    modified: files of the repository differ from its revision. Raises InputError outside a git repository.
+    modified: whether files of the repository differ from its revision. Raises InputError outside a git repository.
     """
     release = dict(line.split("=", 1) for line in OS_RELEASE.read_text().splitlines() if "=" in line)
     listing = subprocess.run(
         ["dpkg-query", "-W", "-f", "${db:Status-Status}\t${Package}\t${Version}\n", *PACKAGES],
         capture_output=True,
         text=True,
-        check=False,  # it reports packages that are not installed by its exit code
+        check=False,  # the exit code only reports packages that are not installed
     ).stdout
     rows = [line.split("\t") for line in listing.splitlines()]
     return {

@@ -1,1 +1,1 @@
-"""Other plans and other inputs of a case: tables of `whatif` read, drawn and put into words."""
+"""Reads the tables of `whatif` on other plans and other inputs of a case, draws them and puts them into words."""

@@ -9,7 +9,7 @@ OVER = {"flow": "what the flow rests on", "deployment": "that and the deployment
 def planner_context(folder):
     """{plans, plans_error, intervals, ffr_ranges, deployment_varied} of a case's folder, for the page's templates.
 
-    ffr_ranges: {state: (lower, upper)}, over the deployment's inputs too where they were varied.
+    ffr_ranges: {state: (lower, upper)}, also over the deployment's inputs if they were varied.
     """
     plans = ranking(folder)
     varied = intervals(folder)

@@ -1,4 +1,4 @@
-"""The tables that `python3 -m whatif` leaves in a case's folder."""
+"""Reads the tables that `python3 -m whatif` writes into a case's folder."""
 
 import pandas as pd
 
@@ -10,7 +10,7 @@ SOURCES = ("flow", "deployment")
 
 
 def ranking(folder):
-    """Rows of plans/ranking.csv of a case's folder, None where a field is empty; [] without the file.
+    """Rows of plans/ranking.csv of a case's folder, None if a field is empty; [] without the file.
 
     `ffr_3d` is filled in for plans whose flow was solved in three dimensions.
     """
@@ -24,13 +24,13 @@ def ranking(folder):
 
 
 def tornado(folder):
-    """DataFrame of sensitivity/flow.csv and, where there is one, deployment.csv; the flow's must be there."""
+    """DataFrame of sensitivity/flow.csv, which must exist, and of deployment.csv if it exists."""
     existing(folder / "sensitivity" / "flow.csv", "whatif flow")
     return pd.concat(_found(folder, ""), ignore_index=True)
 
 
 def intervals(folder):
-    """{source: DataFrame} of the Latin hypercubes of a case: `flow`, and `deployment` where it was run."""
+    """{source: DataFrame} of the Latin hypercubes of a case: `flow`, and `deployment` if it was run."""
     return dict(zip(_sources(folder), _found(folder, "_intervals")))
 
 
@@ -46,7 +46,7 @@ def _found(folder, kind):
 
 
 def records(table):
-    """A DataFrame's rows as dicts, None where a field is empty."""
+    """A DataFrame's rows as dicts, None if a field is empty."""
     return [{key: None if pd.isna(value) else value for key, value in row.items()} for row in table.to_dict("records")]
 
 

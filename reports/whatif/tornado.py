@@ -16,11 +16,11 @@ BAR, ROW, FRAME, WIDTH = (
 )  # bar's share of a row; inches of a row, of a panel's frame, of the figure
 LEGEND = 0.35  # inches
 PANELS = (("pre", "ffr"), ("vci", "ffr"), ("vci", "minimal_stent_area_mm2"))
-LEAST_SPAN = {"ffr": 0.02, "minimal_stent_area_mm2": 0.2}  # of an axis: smaller effects are not blown up to its width
+LEAST_SPAN = {"ffr": 0.02, "minimal_stent_area_mm2": 0.2}  # of an axis, so that small effects do not look large
 
 
 def sensitivity_figure(files, folder):
-    """Writes <case>_sensitivity.{svg,png}: panels for FFR before, FFR after, and the stent's area where it varies."""
+    """Writes <case>_sensitivity.{svg,png}: panels for FFR before, FFR after, and the stent's area if it was varied."""
     table, spread = tornado(files.folder), intervals(files.folder)
     panels = [(state, quantity, of_panel(table, state, quantity)) for state, quantity in PANELS]
     panels = [panel for panel in panels if len(panel[2])]
@@ -52,7 +52,7 @@ def of_panel(table, state, quantity):
 
 
 def interval_of(spread, state, quantity):
-    """The row of the hypercube that varied most inputs, or None."""
+    """The interval from the hypercube with the most varied inputs, or None."""
     for source in ("deployment", "flow"):
         found = spread.get(source)
         if found is not None:

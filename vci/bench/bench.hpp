@@ -9,8 +9,8 @@ struct InflationPoint {
   double pressure_bar, chart_diameter_mm, diameter_mm, length_mm, residual;
   int steps;
 };
-/// Free expansion of a balloon at the pressures of its chart (or those given). Throws common::ComputationError where a
-/// pressure does not reach force balance.
+/// Free expansion of a balloon at the given pressures, or at its chart's. Throws common::ComputationError if force
+/// balance is not reached at a pressure.
 std::vector<InflationPoint> inflate(const BalloonSpec& spec, const Numerics& numerics,
                                     const std::vector<double>& pressure_bar);
 

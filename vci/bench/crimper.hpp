@@ -13,7 +13,7 @@ public:
   ForceKind kind() const override { return ForceKind::foundation; }
   double energy(const Vectors& x) const override;
   void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact) const override;
-  /// Its whole force, N.
+  /// The sum of its forces on all vertices, N.
   double total(const Vectors& x) const;
 
 private:

@@ -12,13 +12,13 @@ namespace vci {
 
 namespace {
 
-constexpr double opening_share = 0.75;     // of the balloon's pressure: a crimped stent opens only beyond its yield
-constexpr double least_pressure = 0.01;    // of the radial strength: balance is measured against an applied force
-constexpr double increment = 0.005;        // of the free radius, by which the crimper closes
+constexpr double opening_share = 0.75;     // of the balloon's pressure, at first: beyond a crimped stent's yield
+constexpr double least_pressure = 0.01;    // of the radial strength: the residual is relative to an applied force
+constexpr double increment = 0.005;        // step by which the crimper closes, as a share of the free radius
 constexpr double crimper_stiffness = 60.0; // MPa/mm
 constexpr double hold = 1e-5;              // N/mm per vertex: keeps the free stent from drifting off
 constexpr double clearance = 0.03;         // mm between the crimped stent and its balloon
-constexpr double losses[] = {1, 2, 5, 10}; // %
+constexpr double losses[] = {1, 2, 5, 10}; // % of the free diameter, at which the pressure is reported
 
 std::vector<Frame> straight(const RingGrid& grid) {
   std::vector<Frame> frames;
@@ -51,7 +51,7 @@ double settle(System& system, Interactions& interactions, const Numerics& numeri
 /// Opens a stent by its balloon at the balloon's nominal diameter and takes the balloon out of the system again.
 double open_by_balloon(System& system, const Stent& stent, const StentSpec& spec, BalloonSpec balloon_spec,
                        const Numerics& numerics) {
-  balloon_spec.folding.reset(); // its folds are out before the stent gives way
+  balloon_spec.folding.reset(); // folds do not matter: they open before the stent yields
   const RingGrid grid = balloon_grid(balloon_spec, numerics.device_edge);
   std::vector<double> radii;
   for (double share : grid.start)
@@ -72,7 +72,7 @@ double open_by_balloon(System& system, const Stent& stent, const StentSpec& spec
 
 CrushTest crush(const StentSpec& spec, const BalloonSpec& balloon, const Numerics& given) {
   Numerics numerics = given;
-  numerics.integrator.displacement_per_step *= 0.5; // longer ones may throw a wide stent into a folded shape
+  numerics.integrator.displacement_per_step *= 0.5; // longer steps may fold a wide stent
   System system;
   RingGrid grid = stent_grid(spec, numerics.device_edge);
   const std::vector<double> radii(grid.s.size(), 0.5 * spec.crimped_diameter);

@@ -7,20 +7,20 @@
 namespace vci {
 
 struct CrushPoint {
-  double loss_percent, pressure_mpa; ///< of the mean diameter after recoil; outside pressure at which it is reached
+  double loss_percent, pressure_mpa; ///< loss of the mean diameter after recoil; outside pressure that causes it
 };
 struct CrushTest {
-  double inflated_diameter, free_diameter; ///< mean over the rings, mm: balloon at its nominal diameter, and taken out
+  double inflated_diameter, free_diameter; ///< mean over the rings, mm: with the inflated balloon, and without it
   double recoil_percent;
-  double residual; ///< largest of all states in balance
+  double residual; ///< largest residual of all balanced states
   std::vector<CrushPoint> points;
 };
 
 /// Expands a stent in air, takes the balloon out and closes a crimper round it, until the mean diameter has fallen by
 /// 10 %. The crimper is a radial penalty outside a shrinking radius. It keeps the stent round, as the segmented head of
-/// a bench does. The pressure is the crimper's whole force over the stent's outside as it was when free; between states
-/// it is interpolated. The free state is balanced under a hundredth of the radial strength from outside, since a
-/// residual needs an applied force. Throws common::ComputationError where a state does not reach force balance.
+/// a bench does. The pressure is the crimper's total force over the free stent's outer area, interpolated between
+/// states. The residual is relative to an applied force, so the free state is balanced under an outside pressure of a
+/// hundredth of the radial strength. Throws common::ComputationError if a state does not reach force balance.
 CrushTest crush(const StentSpec& stent, const BalloonSpec& balloon, const Numerics& numerics);
 
 } // namespace vci

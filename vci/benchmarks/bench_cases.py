@@ -1,4 +1,4 @@
-"""A synthetic case run through vessel, lumen, plan, engine and finite-element truth, by their commands."""
+"""Runs a synthetic case by the study's commands: vessel, lumen, plan, engine and finite-element truth."""
 
 import dataclasses
 import json
@@ -12,13 +12,13 @@ from vci.benchmarks.programs import reason_of, run
 
 PYTHON = "/usr/bin/python3"
 DEVICES = "config/devices"
-# of the truth: coarser than the study's, a mean error of the area below 1 % (data_synthetic/measured.md)
+# settings of the truth: coarser than the study's, with a mean area error below 1 % (data_synthetic/measured.md)
 REFERENCE = {"slice_spacing_mm": 1.0, "elements_around": 16, "elements_through": 4, "check_slices": 0}
 
 
 @dataclasses.dataclass(frozen=True)
 class Outcome:
-    """The result of a case: plan, deployment.json and reference.json, or the reason of the first refusal."""
+    """The result of a case: plan, deployment.json and reference.json, or the reason for the first refusal."""
 
     folder: pathlib.Path
     plan: dict = None
@@ -65,7 +65,7 @@ def chart_diameter(plan, device, pressure_bar):
 
 
 def circle(area_mm2):
-    """Diameter in mm of the circle of an area."""
+    """Diameter in mm of the circle with this area."""
     return float(np.sqrt(4 * area_mm2 / np.pi))
 
 
@@ -82,9 +82,9 @@ def stented_slices(truth):
 def after_stenting(outcome):
     """{engine, truth: {below_chart_percent, recoil_mm, short_of_chart_mm, expansion_percent}} of one stented case.
 
-    below_chart_percent: smallest diameter left in the stent against the largest balloon's chart. recoil_mm: mean over
-    the stent, since the widest inflation. short_of_chart_mm: the delivery balloon's chart less its smallest diameter
-    when it is inflated. expansion_percent: smallest area over the healthy area.
+    below_chart_percent: by how much the smallest final diameter in the stent is below the largest balloon's chart.
+    recoil_mm: mean over the stent since the widest inflation. short_of_chart_mm: the delivery balloon's chart diameter
+    minus its smallest diameter when inflated. expansion_percent: smallest area over the healthy area.
     """
     plan, engine, truth = outcome.plan, outcome.engine, outcome.truth
     widest = max(
@@ -115,7 +115,7 @@ def after_stenting(outcome):
 
 
 def inflated_expansion(outcome, healthy_diameter_mm):
-    """{engine, truth}: smallest area of the first balloon's cylinder while it is inflated, per cent of the healthy."""
+    """{engine, truth}: smallest lumen area along the first balloon's cylinder while inflated, percent of healthy."""
     name, use = uses(outcome.plan, "predilatation")[0]
     half = 0.5 * outcome.plan["devices"][use["device"]]["length_mm"]
     along, inflated = diameters(outcome.folder / "engine/devices" / f"{name}_balloon.vtp")

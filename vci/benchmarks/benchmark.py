@@ -2,12 +2,12 @@
 
 /usr/bin/python3 -m vci.benchmarks.benchmark [results/cases/quick_branch ...] [--generated] --out results/benchmark
 
-The generated scenes of SCENES and the shipped bifurcation are run where no case folders are given, or before them with
---generated. Tolerances, precisions and walls other than the first are run at the edge `--varied-at` alone. A case's
-error is taken against its finest edge that balances at a tenth of the first residual tolerance or, where none does,
-its finest row that balances: column `reference`. A refused row says why. One run at a time, one thread; `seconds` are
-the engine's own (wall clock of all stages), `cpu_seconds` and memory those of the whole program,
-`microseconds_per_vertex_step` CPU time over steps and wall vertices. medians.csv holds the medians over the cases.
+The generated scenes of SCENES and the shipped bifurcation are run if no case folders are given, or before them with
+--generated. Tolerances, precisions and walls other than the first are run only at the edge `--varied-at`. A case's
+error is its difference to the finest edge that balances at a tenth of the first residual tolerance, or, if none does,
+to the finest row that balances (column `reference`). A refused row gives the reason. Runs follow one another on one
+thread. `seconds` are the engine's own (wall clock of all stages); `cpu_seconds` and memory are the whole program's.
+`microseconds_per_vertex_step` is CPU time over steps and wall vertices. medians.csv holds the medians over the cases.
 """
 
 import argparse
@@ -53,7 +53,7 @@ BUDGET = 300  # limit of a run in CPU seconds; a slower one has no place in a ta
 
 
 def surface_of(case):
-    """The surface that a case's anatomy was made from, the synthetic one or the user's, with its units."""
+    """The surface from which a case's anatomy was made, synthetic or the user's, and its units."""
     source = json.loads((case / "anatomy" / "anatomy.json").read_text())["source"]
     synthetic = case / "source" / "lumen.vtp"
     path = synthetic if synthetic.is_file() else pathlib.Path(source["path"])
@@ -128,7 +128,7 @@ def name_of(case):
 
 
 def medians(rows):
-    """A row for each setting: medians over the cases that balanced, errors by their size."""
+    """A row for each setting: medians over the cases that balanced; errors count by their size."""
     result = []
     for setting in dict.fromkeys(tuple(r[k] for k in SETTING) for r in rows):
         own = [r for r in rows if tuple(r[k] for k in SETTING) == setting and r["outcome"] == "balanced"]

@@ -1,10 +1,10 @@
-"""What a study's cases cost on coarser walls and devices, and how well a fine surface can be carried along; a CSV.
+"""Seconds of a study's cases on coarser walls and devices, and the error of moving a fine surface with a coarse wall.
 
 /usr/bin/python3 -m vci.benchmarks.coarse_walls results/cases/lad02 --out results/coarse_walls
 
-Each case is deployed as the study does it, then on its own lumen remeshed to longer edges. Each time is beside that of
-the study's mesh in the same run. The displacement of the coarse wall is interpolated to the points of the study's mesh.
-The normal distance of these points from where the study's own run moved them is the error of carrying.
+Each case is deployed as in the study, then on its own lumen remeshed to longer edges. The CSV file has each time next
+to the time of the study's mesh in the same run. The displacement of the coarse wall is interpolated to the points of
+the study's mesh. The error is the normal distance between these points and their places after the study's own run.
 """
 
 import argparse
@@ -24,7 +24,7 @@ from vci.benchmarks.benchmark import outcome_of
 from vci.benchmarks.programs import reason_of, run
 
 EDGES = ((None, None), (0.8, 0.9), (0.6, 0.675), (0.8, None), (1.0, 1.125))  # wall, device, mm; None: the study's
-MOVED_MM = 0.05  # points that move by less do not count: most of a vessel stays where it is
+MOVED_MM = 0.05  # points that move by less do not count, since most of a vessel does not move
 AREAS = ("mean_csa", "mla")
 COLUMNS = ("case", "wall_edge_mm", "device_edge_mm", "wall_vertices", "steps", "cpu_seconds", "time_ratio")
 COLUMNS += tuple(f"{key}_change_percent" for key in AREAS)
@@ -72,7 +72,7 @@ def carried_errors(coarse, fine):
 
 
 def remeshed(build, case, edge, folder):
-    """The case's lumen with edges of `edge` mm, its centreline beside it. Raises ComputationError where it fails."""
+    """The case's lumen with edges of `edge` mm, and its centreline in the same folder. Raises ComputationError."""
     line = [build / "lumen", "process", case / "anatomy" / "lumen.vtp", "--edge", edge]
     code, messages, _ = run([*line, "--like", case / "anatomy" / "anatomy.json", "--out", folder])
     if code:
@@ -97,7 +97,7 @@ def deployed(build, case, lumen, device, folder):
 
 
 def rows(build, case, out):
-    """The case's rows, that of the study's own mesh first."""
+    """The case's rows; the row of the study's own mesh comes first."""
     usual, lumens = None, {None: case / "anatomy" / "lumen.vtp"}
     for wall, device in EDGES:
         if wall not in lumens:

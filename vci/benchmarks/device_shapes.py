@@ -6,7 +6,7 @@ from common import vtp
 
 
 def rings(path):
-    """Vertices (rings, around, 3) in mm of a device's open tube: a row has two triangles for each vertex round."""
+    """Vertices (rings, around, 3) in mm of a device's open tube, from its numbers of vertices and triangles."""
     poly = vtp.read(path, "run vci deploy again")
     points = vtp.points(poly)
     return points.reshape(-1, len(points) - len(vtp.triangles(poly)) // 2, 3)

@@ -2,9 +2,9 @@
 
 /usr/bin/python3 -m vci.benchmarks.hard_cases --out results/hard_cases [--only NAME ...] [--scenes SCENE.json ...]
 
-Each case ends in force balance, or is refused with a reason. `within_limits` says whether penetration stays small too:
-its mean below MEAN_LIMIT_MM and its worst below WORST_LIMIT_MM. One run at a time, one thread; `cpu_seconds` are those
-of the whole program.
+Each case ends in force balance, or is refused with a reason. `within_limits` tells whether penetration stays small: its
+mean below MEAN_LIMIT_MM and its worst below WORST_LIMIT_MM. Runs follow one another on one thread; `cpu_seconds` are
+the whole program's.
 """
 
 import argparse
@@ -25,7 +25,7 @@ COLUMNS += ",steps,cpu_seconds,minimal_area_mm2"
 
 
 def calcium(times):
-    """Wall settings with calcium that is `times` as stiff as the healthy wall (0.8 MPa)."""
+    """Wall settings with calcium `times` as stiff as the healthy wall (0.8 MPa)."""
     return {"plaque": {"calcified": {"youngs_modulus_mpa": 0.8 * times}}}
 
 
@@ -57,8 +57,8 @@ CASES = {
     ),
     "kissing balloons": (Tube(), {"kissing": 0.6, "pressures": (10, 11, 12)}),
 }
-# steps of the shipped bifurcation's procedure at BENCH_EDGE_MM: a stent across the side branch and the main branch's
-# optimisation; all, with a second stent through the first one's side and kissing
+# number of steps of the shipped bifurcation's procedure at BENCH_EDGE_MM. The first steps place a stent across the side
+# branch and optimise the main branch. All steps add a second stent through the first one's side, and kissing balloons.
 BENCH = {"stent across a side branch": 2, "culotte": None}
 BENCH_EDGE_MM = 0.4
 NAMES = (*CASES, *BENCH)
@@ -87,7 +87,7 @@ def result_row(case, program, scene):
 
 
 def scenes_of(options):
-    """(name, path of scene.json) of the cases asked for, generated where they are not the caller's own."""
+    """(name, path of scene.json) of the wanted cases: the caller's own scenes, or generated ones."""
     unknown = set(options.only or []) - set(NAMES)
     if unknown:
         raise InputError("no such hard case", "--only", ", ".join(sorted(unknown)), "use " + "; ".join(NAMES))

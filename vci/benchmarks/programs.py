@@ -1,4 +1,4 @@
-"""Programs run one at a time by the benchmarks: CPU seconds, outcome and the reason of a refusal."""
+"""Runs a program for the benchmarks: its CPU seconds, its outcome, and the reason for a refusal."""
 
 import os
 import resource
@@ -6,8 +6,8 @@ import subprocess
 
 
 def run(command, budget=None):
-    """(exit code, standard error, CPU seconds) of a program, which is ended (a negative code) once it has used `budget`
-    CPU seconds."""
+    """(exit code, standard error, CPU seconds) of a program. It is ended once it has used `budget` CPU seconds; then
+    the code is negative."""
 
     def limit():
         resource.setrlimit(resource.RLIMIT_CPU, (budget, budget + 5))

@@ -53,7 +53,7 @@ def catalogue_entry(families, family, diameter, length):
 def stent_alone(folder, build, families, tube, pressure_bar, wall=None):
     """(places, diameters) in mm along a catalogue's 3.0 mm stent of 18 mm inflated in a tube, before its extraction.
 
-    The run itself may be refused at its end: a free stent touches nothing.
+    The run may be refused at its end, because a free stent touches nothing.
     """
     path = scenes.write_scene(folder, tube, wall=wall)
     scene = json.loads(path.read_text())
@@ -207,7 +207,7 @@ def pressures(folder, build):
 
     for words, arc, length in (("little", 90, 5), ("much", 270, 10)):
         for bar_now in ATMOSPHERES:
-            # a case's file may not ask for more than the rated burst pressure: the plan is changed afterwards
+            # a case's file may not exceed the rated burst pressure, so the pressure is changed in the plan
             steps = [step("predilatation", "non_compliant", VESSEL_MM, 15, 10)]
             path = calcified_case(folder / f"balloon_{words}_{bar_now}.yaml", arc, length, steps)
             outcome = bench_cases.treat(path, folder / path.stem, build, longer_chart)

@@ -35,12 +35,12 @@ class Tube:
         return self.radius * (1 - self.stenosis * 0.5 * (1 + np.cos(np.pi * d)))
 
     def frames(self, s):
-        """(points, first normals, second normals), each (n, 3), of the vessel's axis: a helix, flat while it fits."""
+        """(points, first normals, second normals), each (n, 3), of the vessel's axis: a line, an arc or a helix."""
         if self.curvature == 0:
             ones, zeros = np.ones_like(s), np.zeros_like(s)
             axes = [np.stack(c, 1) for c in ((zeros, zeros, s), (ones, zeros, zeros), (zeros, ones, zeros))]
             return tuple(axes)
-        # curvature a / (a^2 + b^2); from three quarters of a turn on it climbs by three radii a turn
+        # curvature a / (a^2 + b^2); beyond three quarters of a turn the axis climbs by three radii a turn
         b = 0.0 if self.curvature * self.length < 1.5 * np.pi else 3 * self.radius / (2 * np.pi)
         a = (1 + np.sqrt(1 - 4 * (self.curvature * b) ** 2)) / (2 * self.curvature)
         c = np.hypot(a, b)
@@ -69,7 +69,7 @@ class Tube:
         _, first, second = self.frames(s)
         round_axis = np.cos(angle)[:, None] * first + np.sin(angle)[:, None] * second
         points = self.centre(s) + radius[:, None] * round_axis
-        # the lumen leans to the first normal's side; the thickest plaque lies opposite
+        # the lumen is shifted along the first normal; the thickest plaque is opposite
         lean = self.eccentricity * (self.radius - radius)
         distance = np.hypot(lean + radius * np.cos(angle), radius * np.sin(angle))
         plaque = np.maximum(self.radius - distance, 0.0)
@@ -172,9 +172,9 @@ def write_scene(
 ):
     """Writes geometry and scene.json of a predilatation, stents and a postdilatation; returns the scene's path.
 
-    size: device over vessel diameter; pressures: bar, of the three inflations; shifts: mm from the lesion's middle,
-    one for each stent; length: mm, of the stents; kissing: where above 0, two balloons so many times as wide as the
-    vessel are inflated side by side instead of the postdilatation; folding: that of predilatation and delivery balloon.
+    size: device over vessel diameter. pressures: bar, of the three inflations. shifts: mm from the lesion's middle, one
+    for each stent. length: mm, of the stents. kissing: if above 0, two balloons of this diameter relative to the vessel
+    are inflated side by side instead of the postdilatation. folding: of predilatation and delivery balloon.
     """
     folder.mkdir(parents=True, exist_ok=True)
     write_geometry(folder, tube)

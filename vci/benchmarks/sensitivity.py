@@ -1,4 +1,4 @@
-"""How areas depend on two settings without a measured value, the contact distance and the margin of the region; a CSV.
+"""Sensitivity of areas to two settings without a measured value: the contact distance and the margin of the region.
 
 /usr/bin/python3 -m vci.benchmarks.sensitivity --out results/sensitivity
 
@@ -26,8 +26,8 @@ COLUMNS += ("steps", "cpu_seconds")
 
 
 def run(program, case, numerics, folder):
-    """Columns of the table that a scene with the settings `numerics` fills. Raises ComputationError where it is refused
-    or its areas are not known."""
+    """The table's columns for a scene with the settings `numerics`. Raises ComputationError if the scene is refused or
+    its areas are not known."""
     folder.mkdir(parents=True, exist_ok=True)
     scene = generated(case, EDGE_MM, folder)
     scene["numerics"] = scene["numerics"] | numerics

@@ -1,4 +1,4 @@
-"""The shipped bifurcation bench as a scene at any edge, and lumens remeshed, by the programs that a study runs."""
+"""Makes the shipped bifurcation bench a scene at any edge, and remeshes lumens, by a study's own programs."""
 
 import json
 import pathlib
@@ -24,9 +24,9 @@ def processed(programs, surface, units, edge, out):
 
 
 def culotte(programs, edge, folder, steps=None):
-    """The scene (JSON) of config/cases/culotte_bench.yaml at an edge (mm), of its first `steps` steps (None: all).
+    """The scene (JSON) of config/cases/culotte_bench.yaml at an edge (mm), with its first `steps` steps (None: all).
 
-    Its surface is drawn once, beside `folder`. Raises ComputationError.
+    The bench's surface is made once, in the parent of `folder`. Raises ComputationError.
     """
     case, source, plan = CONFIG / "cases" / "culotte_bench.yaml", folder.parent / "source", folder / "plan.json"
     if not (source / "lumen.vtp").is_file():

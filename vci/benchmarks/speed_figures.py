@@ -1,4 +1,4 @@
-"""Figures of the deployment's benchmarks: errors against CPU seconds with their fronts."""
+"""Figures of the deployment's benchmarks: errors against CPU seconds with their Pareto fronts."""
 
 import matplotlib
 
@@ -36,7 +36,7 @@ def draw_speed(rows, medians, errors, path):
 
 
 def draw_fronts(rows, schemes, key, path):
-    """Figure: a scene's errors `key` against CPU seconds, each of the schemes with its front."""
+    """Figure: a scene's errors `key` against CPU seconds, with a Pareto front for each scheme."""
     cases = list(dict.fromkeys(r["case"] for r in rows))
     figure, every = pyplot.subplots(1, len(cases), figsize=(5 * len(cases), 4), sharey=True, squeeze=False)
     known = {}

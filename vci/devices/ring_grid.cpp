@@ -7,7 +7,7 @@ namespace vci {
 
 namespace {
 
-/// Area vector (mm^2) of each ring: its polygon times the ratio of a circle to the regular polygon inscribed in it.
+/// Area vector (mm^2) of each ring: its polygon's, times the area of a circle over its inscribed regular polygon's.
 Vectors ring_areas(const System& system, int body, const RingGrid& grid) {
   const Vectors centres = ring_centres(system, body, grid);
   const int first = system.body(body).first;

@@ -14,7 +14,7 @@ void check_length(const std::string& what, std::size_t length, std::size_t point
                              "give one value for each of the " + std::to_string(points) + " points");
 }
 
-/// The values, or zeros where there are none. Each lies within [0, most].
+/// The values, or zeros if none are given. Throws if a value is not within [0, most].
 template <class Value>
 std::vector<Value> checked(const std::string& what, const std::vector<Value>& values, std::size_t points, Value most) {
   if (values.empty())

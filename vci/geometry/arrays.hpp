@@ -1,4 +1,4 @@
-// N x 3 arrays, as other libraries hold points and triangles, to and from the engine's vectors.
+// Conversion between the engine's vectors and N x 3 arrays of points and triangles, as other libraries have them.
 #pragma once
 #include "vci/geometry/lumen.hpp"
 
@@ -15,7 +15,7 @@ PointRows rows_of(const Vectors& points);
 /// @param radius local radius of the lumen at each point, mm
 /// @param plaque thickness at each point, mm; empty: none
 /// @param plaque_type at each point: 0 none, 1 fibrous, 2 lipid, 3 calcified; empty: none
-/// @param reference_radius without disease at each point, mm; empty: not known
+/// @param reference_radius radius without disease at each point, mm; empty: not known
 /// Throws common::InputError for arrays of different lengths, a triangle that names a missing point, a value that is
 /// not finite, or an unknown plaque type.
 Lumen lumen_from(const Eigen::Ref<const PointRows>& points, const Eigen::Ref<const TriangleRows>& triangles,

@@ -13,7 +13,7 @@ struct AxisPlace {
 class AxisSearch {
 public:
   explicit AxisSearch(const Path& path);
-  /// The search begins where the last one ended: neighbours in a file are mostly neighbours in space.
+  /// The search begins where the last one ended, because neighbours in a file are mostly neighbours in space.
   AxisPlace nearest(const Vec3& p);
 
 private:

@@ -16,13 +16,13 @@ struct BroadPhase::Tree {
   fcl::detail::HierarchyTree<Box> hierarchy;
   std::vector<Node*> leaves;
   std::vector<int> vertices; ///< of the triangles, ascending
-  Vectors fitted;            ///< where they were when the boxes were fitted
+  Vectors fitted;            ///< their positions when the boxes were fitted
   double moved = 0;          ///< the largest displacement since, mm
 };
 
 namespace {
 
-constexpr double refit_after = 0.1; // mm: fitting more often costs more than larger boxes do
+constexpr double refit_after = 0.1; // mm; fitting more often takes longer than searching in larger boxes
 
 Box box_of(const Triangle& t, const Vectors& x) {
   return Box(x[t[0]], x[t[1]], x[t[2]]);
@@ -32,7 +32,7 @@ double squared_distance(const Box& box, const Vec3& p) {
   return (box.min_ - p).cwiseMax(p - box.max_).cwiseMax(0.0).squaredNorm();
 }
 
-/// A search under way: its reach shrinks as nearer triangles turn up.
+/// A search in progress. Its reach shrinks as nearer triangles are found.
 struct Search {
   const Vec3& p;
   const Triangles& triangles;

@@ -19,8 +19,8 @@ public:
   BroadPhase(BroadPhase&&) noexcept;
   BroadPhase& operator=(BroadPhase&&) noexcept;
 
-  /// Takes new positions. The boxes are fitted again only once a vertex has moved by 0.1 mm. Until then the search
-  /// reaches further by the largest displacement, so that it finds the same triangles.
+  /// Takes new positions. The boxes are fitted again only after a vertex has moved by 0.1 mm. Until then the search
+  /// reach is extended by the largest displacement, so that it finds the same triangles.
   void update(const Triangles& triangles, const Vectors& x);
   /// Triangles within `reach` of p whose distance exceeds the nearest one's by at most `slack`; by index.
   /// @param triangles, x as given to the last update

@@ -80,7 +80,7 @@ Path follow_wall(const Path& path, const Lumen& lumen, const Vectors& moved) {
     if (weight > 0)
       shifted[k] += sum / weight;
   }
-  // smooth the kinks that single sections leave, without shortening the ends
+  // smooth the kinks from single sections, without shortening the ends
   for (int pass = 0; pass < 4; ++pass)
     for (std::size_t k = 1; k + 1 < shifted.size(); ++k)
       shifted[k] = 0.5 * shifted[k] + 0.25 * (shifted[k - 1] + shifted[k + 1]);

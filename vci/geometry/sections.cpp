@@ -9,7 +9,7 @@ namespace vci {
 
 namespace {
 
-/// Where the plane meets the smooth surface, on an edge of a triangle.
+/// A point in which the plane meets the smooth surface, at an edge of a triangle.
 struct Crossing {
   Vec3 point, normal; ///< normal: of the surface, interpolated
 };
@@ -62,7 +62,7 @@ double section_area(const Vectors& points, const Triangles& triangles, const Vec
     const Edge first = next.begin()->first;
     Edge e = first;
     Vec3 area = Vec3::Zero(), centroid = Vec3::Zero();
-    double length = 0, bulge = 0; // of the arcs beyond their chords: two thirds of chord times sagitta
+    double length = 0, bulge = 0; // bulge: area between arcs and chords, two thirds of chord times sagitta
     bool closed = false;
     while (true) {
       const auto it = next.find(e);

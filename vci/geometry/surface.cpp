@@ -67,8 +67,8 @@ Vectors vertex_area_vectors(const Triangles& triangles, const Vectors& x, int fi
 
 namespace {
 
-/// (n_j - n_i) . (x_j - x_i) / 2 along a side. It is limited to that of a hexagon's side, because the normals of a
-/// crumpled surface do not give its curvature.
+/// (n_j - n_i) . (x_j - x_i) / 2 along a side. It is limited to the value at a regular hexagon's side, because the
+/// normals of a crumpled surface do not give its curvature.
 double bulge(int i, int j, const Vectors& x, const Vectors& units) {
   const Vec3 side = x[j] - x[i];
   const double limit = 0.5 * side.norm();

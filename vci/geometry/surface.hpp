@@ -27,16 +27,16 @@ Vectors vertex_area_vectors(const Triangles& triangles, const Vectors& x, int fi
 
 /// Distance (mm) from a point of a triangle to the smooth surface through its corners, along the normals. It is the sum
 /// over the sides of w_i w_j (n_j - n_i) . (x_j - x_i) / 2. In the middle of a chord of a circle this is l^2 / (8 R).
-/// Positive where the surface is convex seen from outside.
+/// It is positive if the surface is convex as seen from outside.
 /// @param weights barycentric coordinates of the point
 /// @param units unit normals of the vertices
 double sagitta(const Triangle& t, const Vec3& weights, const Vectors& x, const Vectors& units);
 /// An upper bound of the sagitta's size anywhere on the triangle, mm.
 double largest_sagitta(const Triangle& t, const Vectors& x, const Vectors& units);
 
-/// How often a closed, outward-oriented surface winds round a point: 1 inside, 0 outside. It holds where the surface
-/// folds through itself, too. An open end takes its solid angle away. (Jacobson and others, ACM Trans. Graph. 32(4),
-/// 2013)
+/// Winding number of a closed, outward-oriented surface round a point: 1 inside, 0 outside. It also works if the
+/// surface intersects itself. An open end reduces it by the end's solid angle. (Jacobson and others, ACM Trans. Graph.
+/// 32(4), 2013)
 double winding_number(const Vec3& p, const Triangles& triangles, const Vectors& x);
 
 /// For each vertex the vertices that share an edge with it, ascending.

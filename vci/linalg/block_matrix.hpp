@@ -20,7 +20,7 @@ private:
   std::vector<std::vector<int>> columns_;
 };
 
-/// stiffness g g^T over some vertices: a term that couples them all, cheaper kept apart than stored as blocks.
+/// stiffness g g^T over some vertices: a term that couples all of them. Stored as blocks it would cost more.
 struct RankOne {
   std::vector<int> vertex;
   Vectors gradient; ///< g, one vector per vertex
@@ -35,7 +35,7 @@ public:
   explicit BlockMatrix(BlockPattern pattern);
 
   int rows() const { return static_cast<int>(start_.size()) - 1; }
-  /// Position of the values of block (i, j), i <= j; throws std::logic_error where the pattern has none.
+  /// Position of the values of block (i, j), i <= j; throws std::logic_error if the pattern lacks it.
   int slot(int i, int j) const;
   int diagonal_slot(int i) const { return values_of_[diagonal_[i]]; }
   Mat3& block(int slot) { return values_[slot]; }
@@ -48,7 +48,7 @@ public:
   int row_start(int i) const { return start_[i]; }
   int diagonal_entry(int i) const { return diagonal_[i]; }
   int column(int entry) const { return column_[entry]; }
-  /// Where an entry's values are, transposed below the diagonal.
+  /// Position of an entry's values; below the diagonal they are of the transposed block.
   int slot_of(int entry) const { return values_of_[entry]; }
   void set_zero();
   void add(RankOne term) { rank_ones_.push_back(std::move(term)); }

@@ -5,16 +5,16 @@
 
 namespace vci {
 
-/// The matrix restricted to rigid shifts of patches (aggregation without smoothing, Vanek et al. 1996). It solves long
-/// waves along the vessel and shifts of whole devices at once, which block Jacobi passes on from vertex to vertex.
+/// The matrix restricted to rigid shifts of patches (aggregation without smoothing, Vanek et al. 1996). It corrects
+/// long waves along the vessel and shifts of whole devices in one step; block Jacobi would need many iterations.
 class CoarseSpace {
 public:
-  /// @param patch_size vertices to a patch at most
+  /// @param patch_size largest number of vertices in a patch
   CoarseSpace(const BlockMatrix& matrix, const std::vector<StencilStiffness>& stencils, const std::vector<char>& fixed,
               int patch_size);
   int patches() const { return patches_; }
   int vertices() const { return static_cast<int>(patch_.size()); }
-  /// False where the coarse matrix was not positive: apply() must not be called.
+  /// False if the coarse matrix is not positive definite; then apply() must not be called.
   bool usable() const { return usable_; }
   /// z += P (P^T A P)^-1 P^T r
   template <class Field> void apply(const Field& r, Field& z) const {

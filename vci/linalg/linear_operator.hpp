@@ -5,8 +5,8 @@
 
 namespace vci {
 
-/// A stiffness k n n^T + k_t (I - n n^T) - s s^T on a weighted sum of up to four vertices. Contacts and ties are such
-/// stencils. They come and go, and are therefore no part of the sparse pattern.
+/// A stiffness k n n^T + k_t (I - n n^T) - s s^T on a weighted sum of up to four vertices, for contacts and ties. They
+/// change from step to step and are therefore not in the sparse pattern.
 struct StencilStiffness {
   std::array<int, 4> vertex; ///< -1 marks an unused place
   std::array<double, 4> weight;
@@ -21,8 +21,8 @@ struct StencilStiffness {
   }
 };
 
-/// Block matrix, rank-one terms and stencils with fixed vertices left out. Vectors hold four numbers a vertex, the last
-/// 0.
+/// Block matrix, rank-one terms and stencils with fixed vertices left out. Vectors hold four numbers for each vertex,
+/// the last 0.
 template <class Real> class LinearOperator {
 public:
   using Four = Eigen::Array<Real, 4, 1>;
@@ -32,7 +32,7 @@ public:
   LinearOperator(const BlockMatrix& matrix, const std::vector<StencilStiffness>& stencils,
                  const std::vector<char>& fixed)
       : matrix_(matrix), fixed_(fixed) {
-    values_.resize(9 * static_cast<std::size_t>(matrix.entries()) + 1); // the last column is read with one number more
+    values_.resize(9 * static_cast<std::size_t>(matrix.entries()) + 1); // + 1: columns are read as four
     for (int i = 0; i < matrix.rows(); ++i)
       for (int k = matrix.row_start(i); k < matrix.row_start(i + 1); ++k) {
         const double* a = matrix.block(matrix.slot_of(k)).data();
@@ -72,13 +72,13 @@ public:
   }
   static Four product(const Block& a, const Four& x) { return a.col(0) * x[0] + a.col(1) * x[1] + a.col(2) * x[2]; }
 
-  /// y = A x; x must be 0 at fixed vertices, y is.
+  /// y = A x. x must be 0 at fixed vertices; y is 0 there.
   void multiply(const Field& x, Field& y) const {
     for (int i = 0; i < matrix_.rows(); ++i) {
       Four sum = Four::Zero();
       if (!fixed_[i])
         for (int k = matrix_.row_start(i); k < matrix_.row_start(i + 1); ++k) {
-          const Real* a = values_.data() + 9 * static_cast<std::ptrdiff_t>(k); // columns of three, read as fours
+          const Real* a = values_.data() + 9 * static_cast<std::ptrdiff_t>(k); // columns of three, read as four
           const Four& v = x[matrix_.column(k)];
           sum += Loose(a) * v[0] + Loose(a + 3) * v[1] + Loose(a + 6) * v[2];
         }

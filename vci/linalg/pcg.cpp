@@ -79,7 +79,7 @@ public:
   }
 
 private:
-  /// Four running sums in a fixed order: the same bits each time.
+  /// Scalar product by four running sums in a fixed order, so that the bits are the same each time.
   static double dot(const Field& a, const Field& b) {
     Four sum = Four::Zero();
     double total = 0;
@@ -105,8 +105,8 @@ private:
   std::shared_ptr<const CoarseSpace> coarse_;
 };
 
-/// The second level. That of an earlier matrix is used again while it is recent and saves as many iterations as at
-/// first.
+/// The preconditioner's second level. An earlier matrix's is used again while it is recent and the number of iterations
+/// has not grown much.
 std::shared_ptr<const CoarseSpace> coarse_space(const BlockMatrix& matrix,
                                                 const std::vector<StencilStiffness>& stencils,
                                                 const std::vector<char>& fixed, int patch_size, PcgMemory& memory) {

@@ -9,21 +9,21 @@ namespace vci {
 class CoarseSpace;
 
 struct PcgSettings {
-  double tolerance = 0.1; ///< of the residual, relative
+  double tolerance = 0.1; ///< of the residual, relative to the right-hand side
   int maximal_iterations = 300;
-  int patch_size = 0;            ///< vertices to a patch of the second level; 0: block Jacobi alone
-  bool single_precision = false; ///< the iterations; good for tolerances of 1e-4 and more
+  int patch_size = 0;            ///< vertices in a patch of the second level; 0: block Jacobi alone
+  bool single_precision = false; ///< of the iterations; enough for tolerances of 1e-4 and more
   bool plain = false;            ///< no preconditioner at all
   /// A second tolerance, for the residual in the norm of the preconditioner, which approximates the energy of the
   /// error. Both must be met. A few vertices deep in contact dominate the plain residual.
   double preconditioned_tolerance = std::numeric_limits<double>::infinity();
 };
 
-/// The second level of earlier solves, which serves further solves while the matrix changes little.
+/// The second level of earlier solves, used again while the matrix changes little.
 struct PcgMemory {
   std::shared_ptr<const CoarseSpace> coarse;
   int age = 0;
-  int first_iterations = 0; ///< of the solve that it was made for
+  int first_iterations = 0; ///< of the solve for which it was made
 };
 
 struct SolveResult {
@@ -34,8 +34,7 @@ struct SolveResult {
 
 /// Solves (A + stencils) x = b with x = 0 at fixed vertices. Returns the solution in x. If the matrix is not positive
 /// it stops with converged false, and x holds the last iterate.
-/// @param memory null, or keeps the preconditioner's second level from one call to the next, as long as it converges
-/// well
+/// @param memory keeps the preconditioner's second level for the next call while the solves converge well; or null
 SolveResult solve_pcg(const BlockMatrix& matrix, const std::vector<StencilStiffness>& stencils,
                       const std::vector<char>& fixed, const Vectors& right_hand_side, Vectors& x,
                       const PcgSettings& settings, PcgMemory* memory = nullptr);

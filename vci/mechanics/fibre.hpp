@@ -39,7 +39,7 @@ public:
     double rest_length;    ///< mm
     double stiffness;      ///< k w, N
     double pretension = 0; ///< N, constant
-    bool slack = false;    ///< a folded film: 2 % of the stiffness once the whole tension would turn negative
+    bool slack = false;    ///< a folded film: 2 % of the stiffness while the total tension would be negative
   };
   explicit Fibres(const std::vector<Fibre>& fibres);
   /// One pretension (N) per fibre.

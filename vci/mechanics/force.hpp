@@ -14,12 +14,12 @@ public:
   virtual ForceKind kind() const { return ForceKind::elastic; }
   /// Energy in N mm at positions x (mm).
   virtual double energy(const Vectors& x) const = 0;
-  /// Adds -dE/dx (N) to `force` and, where given, d2E/dx2 (N/mm) to `stiffness`, which must have been linked.
+  /// Adds -dE/dx (N) to `force` and d2E/dx2 (N/mm) to `stiffness` if given, which must have been linked.
   /// With `exact` false, negative eigenvalues of the element Hessians are left out: the matrix stays positive.
   virtual void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact = false) const = 0;
   /// Declares the pairs of vertices that interact.
   virtual void declare(BlockPattern& pattern) const = 0;
-  /// Looks up where the pairs are stored.
+  /// Looks up the positions of the pairs in the matrix.
   virtual void link(const BlockMatrix& matrix) = 0;
   /// Adds rate (1/ms) times the damping matrix (N ms/mm) of forces that have one; mass (g) per vertex.
   virtual void add_damping(const Vectors& x, const std::vector<double>& mass, double rate, BlockMatrix& matrix) const {
@@ -58,7 +58,7 @@ public:
       for (std::size_t j = i; j < N; ++j)
         matrix.block(slot_[k++]) += block[i][j];
   }
-  /// Adds c g g^T, g a vector per place.
+  /// Adds c g g^T, where g has a vector for each place.
   void add_rank_one(BlockMatrix& matrix, double c, const std::array<Vec3, N>& g) const {
     std::size_t k = 0;
     for (std::size_t i = 0; i < N; ++i) {

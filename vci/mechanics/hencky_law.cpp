@@ -6,7 +6,7 @@ namespace vci {
 
 namespace {
 
-constexpr double rounding = 1e-9; // of the yield strain: after plastic flow the elastic strain lies this near to it
+constexpr double rounding = 1e-9; // of the yield strain: after plastic flow the elastic strain equals it to this
 
 } // namespace
 
@@ -49,13 +49,13 @@ Vec2 HenckyLaw::flow(const Vec2& lumen_strain) {
   const double w = response_at(square).strain;
   if (w <= yield_strain)
     return Vec2::Zero();
-  // the layer's elastic strain is reduced to the one at the yielded stress; the rest stays after unloading
+  // the layer's elastic strain is reduced to the strain of the yielded stress; the rest stays after unloading
   const Vec2 elastic = elastic_part(w) / w * layer, lasting = layer - elastic;
   yield_strain = elastic_part(w);
   if (depth == 0)
     return lasting;
-  // `depth` is relative to the lumen's radius. Where the lumen has widened for good the layer's depth falls; where it
-  // has narrowed the depth is kept. The lumen's elastic strain then follows from the layer's at the new depth. The
+  // `depth` is relative to the lumen's radius. If the lumen has widened for good, the layer's depth falls; if it has
+  // narrowed, the depth is kept. The lumen's elastic strain then follows from the layer's strain at the new depth. The
   // stress in the wider direction stays the same.
   const double widened = lasting.maxCoeff() > 0 ? std::exp(2 * lasting.maxCoeff()) * (1 + depth) - depth : 1;
   depth /= widened;

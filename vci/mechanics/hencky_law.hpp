@@ -30,12 +30,12 @@ struct HenckyLaw {
     bool yields;
   };
   /// @param square squared principal stretches of the lumen
-  /// @param flows the last step made plastic strain permanent, which leaves the elastic strain at yield. There rounding
-  /// does not choose the tangent: it is the plastic one where the layer flows, else the elastic one.
+  /// @param flows whether the last step made plastic strain permanent. Then the elastic strain is at yield, and the
+  /// flag, not rounding, chooses the tangent: plastic if the layer flows, else elastic.
   Response response_at(const Vec2& square, bool flows = false) const;
   Response response(const Vec2& log_strain) const { return response_at((2 * log_strain).array().exp()); }
   bool yields_at(const Vec2& square) const { return strain_squared(at_depth(square)) > yield_strain * yield_strain; }
-  /// Elastic part of w after yield: E times it is the stress reached.
+  /// Elastic part of w after yield; times E it gives the stress reached.
   double elastic_part(double w) const { return yield_strain + hardening * (w - yield_strain); }
   /// Lets the law yield at a strain of the lumen. Returns the permanent part of that strain; from then on the law takes
   /// only the strain beyond it.

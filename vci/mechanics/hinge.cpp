@@ -13,7 +13,7 @@ Dihedral dihedral(const Vec3& e0, const Vec3& e1, const Vec3& left, const Vec3& 
   d.angle = std::atan2(n1.cross(n2).dot(e) / l, n1.dot(n2));
   const Vec3 g2 = -l / n1.squaredNorm() * n1, g3 = -l / n2.squaredNorm() * n2;
   const double t2 = (left - e0).dot(e) / l2, t3 = (right - e0).dot(e) / l2;
-  // no angle changes under rigid motion: each end of the edge takes the share at which the height meets the edge
+  // rigid motion changes no angle, so the ends of the edge share the gradient by the foot of the height on the edge
   d.gradient = {-(1 - t2) * g2 - (1 - t3) * g3, -t2 * g2 - t3 * g3, g2, g3};
   return d;
 }

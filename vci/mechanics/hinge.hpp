@@ -30,7 +30,7 @@ private:
   double yield_angle_;
 };
 
-/// c = 3 D l^2 / (A1 + A2) of a shell with bending rigidity D (N mm), l the edge's, A the triangles' reference size.
+/// c = 3 D l^2 / (A1 + A2) of a shell with bending rigidity D (N mm); l, A: reference length and areas.
 std::vector<double> shell_coefficients(const std::vector<EdgePair>& edges, const Vectors& reference, double rigidity);
 
 /// Signed dihedral angle (rad; 0 flat, positive when the surface is convex towards its normals) and its gradient.

@@ -39,7 +39,7 @@ std::array<double, 2> principal_direction(double a, double b, double d) {
 }
 
 Principal principal(const Mat32& f) {
-  // Smallest stretch allowed: a collapsed triangle keeps a finite, strongly resisting state.
+  // Smallest stretch allowed, so that a collapsed triangle has a finite state and still resists strongly.
   constexpr double smallest = 1e-3;
   const double a = f.col(0).squaredNorm(), b = f.col(0).dot(f.col(1)), d = f.col(1).squaredNorm();
   const auto [c, s] = principal_direction(a, b, d);
@@ -54,8 +54,8 @@ Principal principal(const Mat32& f) {
   return p;
 }
 
-/// Second derivatives of the energy by F in the principal frame: two scalings, twist and shear in the plane, two out
-/// of it; without `exact` negative eigenvalues are left out.
+/// Second derivatives of the energy by F in the principal frame: two scalings, twist and shear in the plane, and two
+/// motions out of the plane. Without `exact` negative eigenvalues are left out.
 struct Curvature {
   Mat2 scaling;
   double same, swapped; ///< of F_ij with itself and with F_ji, i != j
@@ -141,7 +141,7 @@ void Membrane::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness
     k[1][1] = block(g1, g1);
     k[1][2] = block(g1, g2);
     k[2][2] = block(g2, g2);
-    k[0][1] = -k[1][1] - k[1][2].transpose(); // shifts of the whole triangle meet no force
+    k[0][1] = -k[1][1] - k[1][2].transpose(); // a shift of the whole triangle causes no force
     k[0][2] = -k[1][2] - k[2][2];
     k[0][0] = -k[0][1] - k[0][2];
     e.slots.add_upper(*stiffness, k);
@@ -156,7 +156,7 @@ void Membrane::declare(BlockPattern& pattern) const {
 void Membrane::link(const BlockMatrix& matrix) {
   for (Element& e : elements_) {
     e.slots = {matrix, e.v};
-    e.flows = false; // bodies were added or removed: whether the flow continues is not known
+    e.flows = false; // bodies were added or removed, so the flow may not continue
   }
 }
 

@@ -5,10 +5,10 @@
 
 namespace vci {
 
-/// Force p times a third of the area vectors of the triangles round each vertex; of a closed surface it derives from
-/// E = -p V. Its stiffness is symmetric away from open edges, and is left out there. It is indefinite: pressure bends a
-/// balloon further, its axial tension straightens it, and the two almost cancel. Half the stiffness keeps the sum
-/// positive and still lets the balloon bend. `exact` takes all of it.
+/// Force p times a third of the area vectors of the triangles round each vertex. On a closed surface it derives from
+/// E = -p V. Its stiffness is symmetric except at open edges, where it is left out. It is indefinite: pressure bends a
+/// balloon further, the axial tension straightens it, and the two almost cancel. Half the stiffness keeps the sum
+/// positive and still lets the balloon bend; with `exact` the whole stiffness is used.
 class Pressure : public Force {
 public:
   /// @param reference positions that the triangles index

@@ -19,7 +19,7 @@ public:
   /// Adds a body; positions in mm, surface density in g/mm^2. Returns its index.
   int add_body(const std::string& name, const Vectors& positions, Triangles triangles, double surface_density,
                const std::vector<char>& fixed);
-  /// Adds a force that leaves with the body it belongs to.
+  /// Adds a force that belongs to a body and is removed with it.
   template <class F> F& add_force(int body, std::unique_ptr<F> force) {
     F& reference = *force;
     forces_.push_back({body, std::move(force)});
@@ -33,7 +33,7 @@ public:
   int bodies() const { return static_cast<int>(bodies_.size()); }
   int vertices() const { return static_cast<int>(x.size()); }
 
-  /// The matrix with the pattern of all present forces, built when needed.
+  /// The matrix with the pattern of all current forces, built when needed.
   BlockMatrix& matrix();
   /// Force sums by kind (each sized to the vertices) and, if wanted, the stiffness matrix.
   void evaluate(Vectors& elastic, Vectors& foundation, Vectors& pressure, bool with_stiffness);

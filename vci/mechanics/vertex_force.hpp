@@ -4,7 +4,7 @@
 
 namespace vci {
 
-/// Forces on vertices one by one: only diagonal blocks.
+/// Forces on single vertices; their stiffness has only diagonal blocks.
 class VertexForce : public Force {
 public:
   void declare(BlockPattern& pattern) const override;
@@ -15,7 +15,7 @@ protected:
   std::vector<int> vertices_, slots_;
 };
 
-/// Springs that hold vertices at a place: a device's shaft.
+/// Springs that hold vertices at a place, as a device's shaft does.
 class Anchors : public VertexForce {
 public:
   struct Element {

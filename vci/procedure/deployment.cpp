@@ -39,13 +39,13 @@ std::string progress_line(const StageReport& stage, const System& system) {
   throw no_balance(where, r, run.scene.numerics.integrator, run.system);
 }
 
-/// Sets what a stage needs before it is relaxed; returns the solver's settings for it.
+/// Sets pressures, balloons and ties for a stage before it is relaxed; returns the solver's settings for it.
 IntegratorSettings prepare(RunState& run, const Step& step, const Stage& stage) {
   if (!stage.with_balloons)
     remove_balloons(run);
   for (std::size_t k = 0; k < run.balloons.size(); ++k)
     set_pressure(run.balloons[k], stage.pressure_fraction * step.devices[k].pressure_bar * mpa_per_bar);
-  // during an inflation stents slide and open along the wall; ties are made anew at its end
+  // during an inflation stents slide along the wall as they open; new ties are made at its end
   if (stage.with_balloons)
     run.interactions.ties.clear();
   IntegratorSettings settings = run.scene.numerics.integrator;
@@ -111,7 +111,7 @@ public:
     r.points = state.lumen_now();
     for (const auto& [name, path] : state.paths)
       r.paths[name] = follow_wall(path, state.lumen, r.points);
-    // checked at the end only: a stent that touches nothing in between may still be dilated
+    // checked only at the end, because a stent that touches nothing may still be dilated by a later step
     check_supported(state.system, state.interactions, state.stents, r.points, state.lumen.triangles, r.paths);
     r.stages = stages;
     r.stents = state.stents;
@@ -152,7 +152,7 @@ private:
     const std::string where = step.name + " / " + stage.name;
     if (!r.converged)
       refuse(state, where, stage, r);
-    if (!settings.textbook) // whose states are reported as they are
+    if (!settings.textbook) // states of the textbook scheme are reported unchecked
       check_inside(state.system, *state.interactions.trees, state.lumen_now(), state.lumen.triangles, where);
     after_balance(stage, step);
     if (observer_.see)

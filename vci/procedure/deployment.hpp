@@ -23,7 +23,7 @@ struct DeploymentResult {
   std::vector<double> malapposition; ///< per lumen point: gap between wall and stent, mm; 0 where no stent faces it
   Balance forces;                    ///< per lumen point at the end, N; 0 where the wall is fixed
   std::map<std::string, Path> paths; ///< axes at the end
-  int vertices = 0;                  ///< that took part in the wall
+  int vertices = 0;                  ///< number of the wall's vertices in the computation
 };
 
 /// Callbacks of a run. Each may be left out.
@@ -31,20 +31,20 @@ struct Observer {
   /// Receives the state at the end of each stage, and every `every_steps` steps if that is above 0.
   std::function<void(const Snapshot&)> see;
   int every_steps = 0;
-  /// Takes lines of progress and warnings, without their ends.
+  /// Takes lines of progress and warnings, without newlines.
   std::function<void(const std::string&)> log;
 };
 
-/// A procedure under way. It runs one step at a time, and can be asked for its state in between.
+/// A procedure that runs one step at a time and can be asked for its state in between.
 class Deployment {
 public:
-  /// @param lumen, paths as they are before; distances in mm
+  /// @param lumen, paths before the procedure, mm
   Deployment(Scene scene, Lumen lumen, std::map<std::string, Path> paths, Observer observer = {});
   ~Deployment();
   Deployment(Deployment&&) noexcept;
   Deployment& operator=(Deployment&&) noexcept;
 
-  /// Steps of the scene's procedure, and how many of them are done.
+  /// Number of steps of the scene's procedure, and of the steps done.
   std::size_t steps() const;
   std::size_t steps_done() const;
   /// Runs the next step: places its devices, inflates them and, except for stents, takes them out. Throws
@@ -56,7 +56,7 @@ public:
   /// Lumen and devices as they are now, with their forces.
   Snapshot snapshot() const;
   const std::vector<StageReport>& stages() const;
-  /// The result of the steps done. Throws common::ComputationError where a stent touches nothing.
+  /// The result of the steps done. Throws common::ComputationError if a stent touches nothing.
   DeploymentResult result();
 
 private:

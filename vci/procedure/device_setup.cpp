@@ -20,7 +20,7 @@ DeviceLayout layout_of(const RunState& run, const Placement& p, RingGrid grid, c
   return {std::move(grid), std::move(frames), 0.5 * chart.diameter_at(p.pressure_bar)};
 }
 
-/// How a device lies to each body present: inside the wall and the stents, leaving stents where its axis does.
+/// For each body present, the vertices excluded from contact with the device, because the device leaves a stent there.
 std::vector<ContactSides> sides_of(const RunState& run, const DeviceLayout& layout) {
   std::vector<ContactSides> sides(run.system.bodies());
   for (const StentHistory& h : run.stents)
@@ -46,7 +46,7 @@ double place_stent(RunState& run, const Placement& p, const Vectors& moved) {
   return *std::min_element(radii.begin(), radii.end());
 }
 
-/// The balloons' layouts, two of them moved apart to lie side by side.
+/// The balloons' layouts. Two balloons are moved apart, side by side.
 std::vector<DeviceLayout> balloon_layouts(const RunState& run, const Step& step, const Vectors& moved) {
   std::vector<DeviceLayout> layouts;
   double widest = 0;
@@ -88,7 +88,7 @@ void place_devices(RunState& run, const Step& step) {
     if (!run.scene.stent(p.device))
       continue;
     const double thinnest = place_stent(run, p, moved);
-    sides[k].emplace_back(); // the balloon lies inside the stent, clear of it
+    sides[k].emplace_back(); // no exclusions: the whole balloon is inside its stent
     for (double& r : radii[k])
       r = std::max(thinnest_balloon, std::min(r, inside_its_stent * thinnest - start_clearance));
   }
@@ -115,7 +115,7 @@ std::vector<ContactPoint> contacts_onto(RunState& run, int outer, bool of_stents
 
 void tie_stents(RunState& run) {
   const double stiffness = run.scene.numerics.tie_stiffness;
-  if (stiffness > 0) // without, contact alone holds them
+  if (stiffness > 0) // otherwise contact alone holds the stents
     for (const ContactPoint& p : contacts_onto(run, 0, true))
       run.interactions.ties.push_back(tie_of(p, run.system.x, stiffness));
 }

@@ -4,16 +4,16 @@
 
 namespace vci {
 
-/// Places a step's devices on the axes as they are now, with their contacts to all bodies present.
+/// Places a step's devices on the current axes, with their contacts to all bodies present.
 void place_devices(RunState& run, const Step& step);
 
-/// Takes the step's balloons out of the system, and their contacts.
+/// Removes the step's balloons and their contacts from the system.
 void remove_balloons(RunState& run);
 
 /// The active contact points of the stents, or of the balloons, with a body outside them.
 std::vector<ContactPoint> contacts_onto(RunState& run, int outer, bool of_stents);
 
-/// Ties the stents to the wall where they touch it. Does nothing where the scene sets no tie stiffness.
+/// Ties the stents to the wall where they touch it. Does nothing if the scene sets no tie stiffness.
 void tie_stents(RunState& run);
 
 } // namespace vci

@@ -7,14 +7,14 @@
 
 namespace vci {
 
-/// Parts of the model that a scene does not use. @param held, vertices of the wall that stay where they are, of all
+/// Parts of the model that a scene does not use. @param held, vertices: numbers of the wall's fixed and of all vertices
 std::vector<std::string> left_out(const Scene& scene, std::size_t held, std::size_t vertices);
 
 /// Inflations above a balloon's rated burst pressure.
 std::vector<std::string> warnings_of_plan(const Scene& scene);
 
-/// A stent with a ring opened beyond its maximal diameter. Struts run out of length by the ring's perimeter, whatever
-/// its shape: its diameter here is that of the circle as long as the ring.
+/// Warning of a stent with a ring opened beyond its maximal diameter. Struts are limited by the ring's perimeter,
+/// whatever its shape. So the ring's diameter here is of the circle with the same perimeter.
 std::optional<std::string> overexpansion(const System& system, const StentHistory& history, const StentSpec& spec,
                                          const std::string& step);
 

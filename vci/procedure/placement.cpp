@@ -8,15 +8,15 @@ namespace vci {
 
 namespace {
 
-constexpr double departed = 0.6;  // of the stent's radius: an axis this far from the stent's leaves through its side
-constexpr double departing = 0.3; // of the stent's radius: an axis this far from the stent's opens a window in its side
+constexpr double departed = 0.6;   // stent radii from the stent's axis: a device this far off leaves through its side
+constexpr double departing = 0.3;  // stent radii from the stent's axis: here the device opens a window in the side
 constexpr double tolerance = 0.15; // mm by which centre lines of nested devices may differ
 
-/// The place on a chain of ring centres that is nearest to p.
+/// The place on the line through ring centres that is nearest to p.
 struct OnAxis {
   Vec3 point;
   double radius;
-  bool beyond; ///< p lies past the chain's ends
+  bool beyond; ///< whether p is past the line's ends
 };
 OnAxis nearest_on_axis(const Vec3& p, const Vectors& centres, const std::vector<double>& radii) {
   OnAxis best{centres.front(), radii.front(), true};
@@ -112,7 +112,7 @@ void set_side_by_side(DeviceLayout& one, DeviceLayout& other, double crimped_dia
       if (apart >= wanted)
         continue;
       Vec3 across = towards - towards.dot(f.tangent) * f.tangent;
-      if (across.norm() < 0.1 * wanted) // both stay in one vessel
+      if (across.norm() < 0.1 * wanted) // both devices are in the same vessel to their ends
         across = f.first;
       f.origin += (k == 0 ? -0.5 : 0.5) * (wanted - apart) * across.normalized();
     }

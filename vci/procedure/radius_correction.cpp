@@ -13,10 +13,10 @@ constexpr double blend_length = 3.0; // mm beyond the device's ends
 struct Target {
   const Path* path;
   double s_start, s_end, radius;
-  double keeps; ///< share of the inflated radius after recoil
+  double keeps; ///< final radius after recoil over the inflated radius
 };
 
-/// One target per stent, with the largest balloon that was inflated inside it; balloons alone count where no stent is.
+/// One target for each stent, with the largest balloon inflated inside it. Without a stent, the balloons are targets.
 std::vector<Target> targets_of(const Scene& scene, const std::map<std::string, Path>& paths) {
   std::vector<Target> stents, balloons;
   for (const Step& step : scene.procedure)
@@ -41,7 +41,7 @@ std::vector<Target> targets_of(const Scene& scene, const std::map<std::string, P
   return stents.empty() ? balloons : stents;
 }
 
-/// Clamped cubic from 1 at the span to 0 at blend_length beyond it.
+/// Cubic with zero slopes from 1 at the span's end to 0 at blend_length beyond it.
 double weight_at(double s, const Target& t) {
   const double outside = std::max({t.s_start - s, s - t.s_end, 0.0}) / blend_length;
   return outside >= 1 ? 0.0 : 1 - outside * outside * (3 - 2 * outside);
@@ -67,7 +67,7 @@ public:
     const double t = place - static_cast<double>(k);
     return (1 - t) * radius_[k] + t * radius_[k + 1];
   }
-  /// How far p lies outside the branch, mm.
+  /// Distance of p outside the branch, mm.
   double outside(const Vec3& p) const {
     double least = 1e300;
     for (std::size_t k = 0; k < points_.size(); ++k)
@@ -82,8 +82,8 @@ private:
   double step_;
 };
 
-/// Arc length of the section that p lies in. Sections are perpendicular to the direction of the axis over a millimetre.
-/// Sections of the bare polyline jump at its corners, and a wall that moves far outwards along them would cross itself.
+/// Arc length of the section through p. Sections are perpendicular to the axis's direction over a millimetre. With the
+/// directions of the polyline's pieces, a wall that moves far outwards would cross itself at the corners.
 double section_of(const Vec3& p, const Path& path, double first, double last) {
   double nearest = 1e300, place = 0;
   for (double s = first; s <= last; s += 0.1)
@@ -99,8 +99,8 @@ double section_of(const Vec3& p, const Path& path, double first, double last) {
   return 0.5 * (low + high);
 }
 
-/// New distance from the axis of a point at distance r. The wall of the branch itself moves to the target. Walls beyond
-/// it, of a side branch or a neighbour, move by a share that fades over twice the change of radius. The map is monotone
+/// New distance from the axis of a point at distance r. The branch's own wall moves to the target. Walls outside it, of
+/// a side branch or a neighbour, move by a share that fades to 0 over twice the change of radius. The map is monotone
 /// in r, so that no wall passes through another.
 double new_distance(double r, double radius, double target, bool own_wall) {
   if (own_wall)

@@ -1,4 +1,4 @@
-// The baseline without mechanics: the radius along the stented span becomes the device's.
+// Baseline without mechanics: the lumen takes the device's radius along the stented span.
 #pragma once
 #include "vci/geometry/centreline.hpp"
 #include "vci/geometry/lumen.hpp"
@@ -6,9 +6,9 @@
 
 namespace vci {
 
-/// Moves each wall point of the branch along its ray from the axis. Within each stent's span (each balloon's where
-/// there is no stent) the radius becomes (1 - recoil) R(p): R(p) the chart's radius of the largest balloon centred in
-/// the span, recoil the maker's. Over 3 mm beyond the ends a clamped cubic leads back to the radius as it was.
+/// Moves each wall point of the branch along its ray from the axis. Within each stent's span (each balloon's if there
+/// is no stent) the radius becomes (1 - recoil) R(p). R(p) is the chart's radius of the largest balloon centred in the
+/// span, recoil the maker's. Over 3 mm beyond the ends a cubic with zero end slopes leads back to the original radius.
 Vectors correct_radius(const Scene& scene, const Lumen& lumen, const std::map<std::string, Path>& paths);
 
 } // namespace vci

@@ -1,4 +1,4 @@
-// A procedure under way: the mechanical system, devices, contacts and history.
+// The state of a running procedure: the mechanical system, devices, contacts and history.
 #pragma once
 #include "vci/devices/balloon/balloon.hpp"
 #include "vci/geometry/centreline.hpp"
@@ -13,13 +13,13 @@
 namespace vci {
 
 struct RunState {
-  /// Adds the wall. The scene, the lumen and the axes as they were before are kept as copies.
+  /// Adds the wall. Keeps copies of the scene, and of the lumen and axes before the procedure.
   RunState(Scene of, Lumen before, std::map<std::string, Path> axes);
   RunState(const RunState&) = delete;
   RunState& operator=(const RunState&) = delete;
 
   bool is_stent(int body) const;
-  /// Positions of all lumen points as they are now, mm.
+  /// Current positions of all lumen points, mm.
   Vectors lumen_now() const { return moved_points(lumen, wall, system); }
 
   const Scene scene;

@@ -4,20 +4,20 @@
 
 namespace vci {
 
-/// The shape of a device: a balloon inflated, a stent at the end.
+/// The shape of a device: of a balloon when inflated, of a stent at the end.
 struct DeviceShape {
   enum class Kind { balloon, stent } kind;
-  std::string name; ///< a balloon's by its step, a stent's device
+  std::string name; ///< of a balloon by its step, of a stent its device's name
   Vectors points;   ///< mm
   Triangles triangles;
   Balance forces; ///< at these points, N
 };
 
-/// The state on the way, for pictures.
+/// An intermediate state, for pictures.
 struct Snapshot {
-  int stages_done, steps; ///< steps of the stage under way
+  int stages_done, steps; ///< steps of the current stage
   Vectors lumen;          ///< mm
-  Balance forces;         ///< per lumen point, N; empty amid a stage of textbook integration, as the devices' then
+  Balance forces;         ///< per lumen point, N; empty, as the devices', within a stage of textbook integration
   std::vector<DeviceShape> devices;
 };
 

@@ -13,10 +13,10 @@ namespace vci {
 
 namespace {
 
-constexpr double reach = 2.0;      // mm: from a vertex to the wall
-constexpr double slack = 0.1;      // mm beyond the nearest triangle in which the projection along the normals may lie
-constexpr double tolerated = 0.1;  // mm outside the wall: several times what balanced stages show
-constexpr double on_an_end = 1e-9; // weight of a projection's inner corners: below it, it lies on an open edge
+constexpr double reach = 2.0;      // mm from a vertex, within which the wall is searched
+constexpr double slack = 0.1;      // mm beyond the nearest triangle, for projections along normals
+constexpr double tolerated = 0.1;  // mm outside the wall; several times the values in balanced stages
+constexpr double on_an_end = 1e-9; // weight of inner corners below which a projection is on an open edge
 
 int body_with(const System& system, int vertex) {
   int body = 0;
@@ -25,7 +25,7 @@ int body_with(const System& system, int vertex) {
   return body;
 }
 
-/// How far (mm) a point lies beyond the smooth surface; negative inside, and where no wall is near.
+/// Distance (mm) of a point beyond the smooth surface; negative inside, and if no wall is near.
 double beyond(const Vec3& p, const System& system, const Vectors& units, const std::vector<int>& candidates) {
   const Body& wall = system.body(0);
   double closest = 0;

@@ -14,21 +14,21 @@ struct Outside {
 /// The vertex furthest outside, of all bodies but the wall (body 0). Vertices further than 2 mm from the wall count as
 /// inside, since a device that far outside would have other vertices in between. Vertices beside the wall's open ends
 /// and in the mouth of a side branch count as inside too.
-/// @param trees the boxes kept round the bodies
-/// @param points, triangles of the whole lumen as it stands, closed
+/// @param trees search trees of the bodies
+/// @param points, triangles of the whole closed lumen in its current state
 Outside furthest_outside(const System& system, SurfaceTrees& trees, const Vectors& points, const Triangles& triangles);
 
-/// Throws common::ComputationError where a device vertex lies further than 0.1 mm outside the wall.
+/// Throws common::ComputationError if a device vertex is more than 0.1 mm outside the wall.
 /// @param where step and stage
 void check_inside(const System& system, SurfaceTrees& trees, const Vectors& points, const Triangles& triangles,
                   const std::string& where);
 
-/// Of each stent: whether the wall (body 0) supports it by contact or tie, directly or through other stents.
+/// For each stent, whether the wall (body 0) supports it by contact or tie, directly or through other stents.
 std::vector<char> supported(const System& system, const std::vector<ContactPoint>& contacts,
                             const std::vector<Tie>& ties, const std::vector<StentHistory>& stents);
 
-/// Throws common::ComputationError where a stent is not supported.
-/// @param points, triangles of the lumen as it stands @param paths its axes
+/// Throws common::ComputationError if a stent is not supported.
+/// @param points, triangles of the lumen in its current state @param paths its axes
 void check_supported(const System& system, Interactions& interactions, const std::vector<StentHistory>& stents,
                      const Vectors& points, const Triangles& triangles, const std::map<std::string, Path>& paths);
 

@@ -6,10 +6,10 @@ namespace vci {
 
 namespace {
 
-constexpr double narrowest_layers = 0.6; // share of the diameter: folds of the necks are finer than their contact
+constexpr double narrowest_layers = 0.6; // share of the body's diameter; the necks' folds are too fine for contact
 constexpr double step_over_thickness = 2, folds_pcg_tolerance = 0.05;
 constexpr double folds_maximal_step = 5;    // ms: a kink left in the cones oscillates under longer steps
-constexpr double folds_initial_step = 0.03; // ms: a longer one moves layers through one another at once
+constexpr double folds_initial_step = 0.03; // ms: a longer first step moves layers through one another
 
 } // namespace
 

@@ -9,12 +9,12 @@ namespace vci {
 void add_layers(Interactions& interactions, const System& system, const Balloon& balloon, const BalloonSpec& spec,
                 const ContactSettings& settings);
 
-/// Solver settings of a stage with a balloon. A folded balloon asks for more accurate linear solves. Its stage is not
-/// given up while the residual stays, because the residual does not fall before the folds have opened.
-/// @param unfolds the balloon starts folded: shorter steps, which do not carry a layer past its neighbours
+/// Solver settings of a stage with a balloon. A folded balloon needs more accurate linear solves. Its stage is not
+/// refused while the residual stagnates, because the residual falls only after the folds have opened.
+/// @param unfolds whether the balloon starts folded, which needs shorter steps: a layer must not pass its neighbours
 IntegratorSettings with_folds(const IntegratorSettings& settings, const BalloonSpec& spec, bool unfolds);
 
-/// True where a balloon of the scene is folded.
+/// Whether a balloon of the scene is folded.
 bool any_folded(const Scene& scene);
 
 } // namespace vci

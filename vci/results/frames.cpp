@@ -65,7 +65,7 @@ void FrameWriter::finish() const {
   std::ofstream file(folder_ / "frames.pvd");
   file << "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n  <Collection>\n"
        << entries_.str() << "  </Collection>\n</VTKFile>\n";
-  file.close(); // the rest of the text is written only now, so this is where a full disk shows
+  file.close(); // the rest of the text is written only now, so a full disk is noticed here
   if (!file)
     throw common::ComputationError("a file cannot be written", (folder_ / "frames.pvd").string(), "",
                                    "check the folder and free space");

@@ -1,4 +1,4 @@
-// States on the way, written for an animation: a VTP file per surface and state, and a .pvd that lists them.
+// Writes intermediate states for an animation: a VTP file for each surface and state, and a .pvd file that lists them.
 #pragma once
 #include "vci/procedure/deployment.hpp"
 #include "vci/scene/files/lumen_file.hpp"
@@ -8,12 +8,12 @@
 
 namespace vci {
 
-/// Point arrays pressure_n, contact_n, foundation_n and residual_n (N); none where there are no forces.
+/// Point arrays pressure_n, contact_n, foundation_n and residual_n (N); empty without forces.
 std::vector<PointArray> force_arrays(const Balance& balance);
 
 class FrameWriter {
 public:
-  /// Files go to `folder`, which is made; older frames in it are taken out.
+  /// Files go to `folder`, which is created; older frames in it are removed.
   FrameWriter(std::filesystem::path folder, const LumenFile& lumen);
   void add(const Snapshot& snapshot);
   /// Writes frames.pvd, which ParaView opens as an animation.

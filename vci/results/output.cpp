@@ -14,8 +14,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* partial = ".partial-"; // and the process's number: where a run writes before it is whole
-constexpr const char* results[] = {"lumen.vtp", "lumen.stl", "deployment.json"}; // devices/*.vtp go before the last
+constexpr const char* partial = ".partial-"; // + process number: folder of a run's files until they are complete
+constexpr const char* results[] = {"lumen.vtp", "lumen.stl", "deployment.json"}; // devices/*.vtp precede the last
 
 /// The results that are in a folder.
 std::vector<fs::path> results_in(const fs::path& folder) {
@@ -30,7 +30,7 @@ std::vector<fs::path> results_in(const fs::path& folder) {
   return found;
 }
 
-/// Removes the temporary folders of runs that a signal has ended: no process has their number any more.
+/// Removes the temporary folders of runs ended by a signal, recognised by a process number that no longer exists.
 void remove_left_behind(const fs::path& folder) {
   const std::string start = partial;
   for (const auto& entry : std::vector<fs::directory_entry>(fs::directory_iterator(folder), fs::directory_iterator())) {
@@ -66,7 +66,7 @@ Output::Output(fs::path out, const std::vector<fs::path>& inputs)
 }
 
 Output::~Output() {
-  std::error_code ignored; // a leftover temporary folder is no reason to hide the error under way
+  std::error_code ignored; // a leftover temporary folder must not hide the error being handled
   fs::remove_all(partial_, ignored);
 }
 
@@ -89,7 +89,7 @@ void withdraw(const fs::path& out, const fs::path& scene) {
 void write_json(const fs::path& file, const nlohmann::json& document) {
   std::ofstream stream(file);
   stream << document.dump(1) << '\n';
-  stream.close(); // the rest of the text is written only now, so this is where a full disk shows
+  stream.close(); // the rest of the text is written only now, so a full disk is noticed here
   if (!stream)
     throw common::ComputationError("a file cannot be written", file.string(), "", "check the folder and free space");
 }

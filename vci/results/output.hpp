@@ -12,10 +12,10 @@ public:
   /// runs that a signal ended. Throws common::InputError if files cannot be written there, or if it would remove one of
   /// the `inputs`.
   Output(std::filesystem::path out, const std::vector<std::filesystem::path>& inputs);
-  ~Output(); ///< removes what was not published
+  ~Output(); ///< removes unpublished files
   Output(const Output&) = delete;
   Output& operator=(const Output&) = delete;
-  /// Where results are written until they are published; it has a folder `devices`.
+  /// Folder of the results until they are published; it has a folder `devices`.
   const std::filesystem::path& folder() const { return partial_; }
   /// Moves the results into place, deployment.json last.
   void publish() const;

@@ -35,8 +35,8 @@ double reference_area(const Lumen& lumen, const Path& path, const Segment& segme
   return count > 0 ? sum / count : 0;
 }
 
-/// Of this program's own memory since it began, MiB; 0 where the system does not say. (The resource usage of a process
-/// begins with that of the program it was forked from.)
+/// Peak of this program's own memory, MiB; 0 if the system does not tell. (getrusage would include the memory of the
+/// program from which the process was forked.)
 double peak_memory_mib() {
   std::ifstream status("/proc/self/status");
   std::string key;
@@ -46,7 +46,7 @@ double peak_memory_mib() {
   return 0;
 }
 
-/// The smallest value under `key` of the rows that have one, or the first by another order; null where none has.
+/// The smallest value under `key`, or the first by another order, of the rows that have one; null if none has.
 template <class Order = std::less<>>
 json smallest_of(const json& rows, const char* key = "area_mm2", Order before = {}) {
   json smallest = nullptr;
@@ -56,7 +56,7 @@ json smallest_of(const json& rows, const char* key = "area_mm2", Order before = 
   return smallest;
 }
 
-/// Where a path passes nearest to a point, within `reach` (mm) of the arc length s.
+/// Arc length (mm) at which a path is nearest to a point, within `reach` (mm) of the arc length s.
 double place_on(const Path& path, const Vec3& p, double s, double reach) {
   constexpr int steps = 2000;
   double place = s, nearest = 1e300;
@@ -70,8 +70,8 @@ double place_on(const Path& path, const Vec3& p, double s, double reach) {
   return place;
 }
 
-/// The smallest lumen area between a deployed stent's ends. Planes nearer than half a millimetre to an end are left
-/// out: they cut its oblique edge, and bare vessel beside it.
+/// The smallest lumen area between a deployed stent's ends. Planes within half a millimetre of an end are left out,
+/// because the stent's edge may be oblique and they would cut bare vessel too.
 json lumen_area_in(const StentHistory& h, double length, const DeploymentResult& d, const Triangles& triangles) {
   constexpr double edge = 0.5; // mm
   const Path& path = d.paths.at(h.branch);
@@ -81,7 +81,7 @@ json lumen_area_in(const StentHistory& h, double length, const DeploymentResult&
   return start < end ? smallest_area(area_profile(d.points, triangles, path, start, end)) : json(nullptr);
 }
 
-/// How much less the axis turns in all along the segment, degrees, by pieces as long as the lumen is wide.
+/// Decrease of the axis's total turn along the segment, degrees, by pieces as long as the lumen is wide.
 double degrees_less(const Path& before, const Path& after, const Segment& s, const json& profile) {
   double area = 0;
   for (const json& row : profile)

@@ -68,7 +68,7 @@ void add_tubes(Struts& s, double thickness) {
 
 Struts strut_pattern(const StentSpec& spec, const RingGrid& grid, const Vectors& cylinder) {
   constexpr double row_length = 1.2; // mm
-  constexpr double row_share = 0.8;  // of a row's length taken by its crowns, the rest by links
+  constexpr double row_share = 0.8;  // share of the crowns in a row's length; links take the rest
   constexpr int points_per_strut = 6;
   const int rows = std::max(2, static_cast<int>(std::lround(spec.length / row_length)));
   Struts s;
@@ -83,7 +83,7 @@ Struts strut_pattern(const StentSpec& spec, const RingGrid& grid, const Vectors&
     }
     s.lines.push_back(line);
     for (int link = 0; row + 1 < rows && link < spec.links; ++link) {
-      // from a crest of this row to a valley of the next, turned a little from row to row
+      // a link goes from a crest of this row to a valley of the next; links turn a little from row to row
       const int crown = (link * spec.crowns / spec.links + row) % spec.crowns;
       const double from = (crown + 0.5) / spec.crowns, to = (crown + 1.0) / spec.crowns;
       std::vector<int> bridge;

@@ -1,4 +1,4 @@
-// The stent's struts for pictures: open-cell crowns with links, laid on the deployed grid.
+// The stent's struts for pictures: open-cell crowns with links, mapped onto the deployed grid.
 #pragma once
 #include "vci/devices/ring_grid.hpp"
 #include "vci/devices/stent/stent_spec.hpp"

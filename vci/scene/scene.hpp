@@ -32,7 +32,7 @@ struct Segment {
 };
 
 struct Scene {
-  std::filesystem::path file, lumen, centreline; ///< of the scene itself, and of what it names
+  std::filesystem::path file, lumen, centreline; ///< the scene's own path, and the files that it names
   std::string case_name;
   double map_pa = 12400; ///< mean blood pressure, Pa
   std::optional<Segment> segment;
@@ -43,12 +43,12 @@ struct Scene {
   Numerics numerics;
   nlohmann::json settings; ///< wall and numerics as used, defaults filled in
 
-  /// The stent of that name; null where the device is a balloon.
+  /// The stent of that name; null if the device is a balloon.
   const StentSpec* stent(const std::string& device) const {
     const auto found = stents.find(device);
     return found == stents.end() ? nullptr : &found->second;
   }
-  /// The balloon that is inflated: the device itself, or the one that a stent is delivered on.
+  /// The balloon that is inflated: the device itself, or a stent's delivery balloon.
   const BalloonSpec& balloon(const std::string& device) const {
     const StentSpec* delivered = stent(device);
     return balloons.at(delivered ? delivered->balloon : device);
@@ -58,7 +58,7 @@ struct Scene {
     const StentSpec* delivered = stent(device);
     return delivered ? delivered->length : balloons.at(device).length;
   }
-  /// Length (mm) that is opened: of the longer one of stent and balloon.
+  /// Length (mm) of the opened stretch: of the longer of stent and balloon.
   double opened_length(const std::string& device) const {
     const StentSpec* delivered = stent(device);
     return std::max(delivered ? delivered->length : 0.0, balloon(device).length);

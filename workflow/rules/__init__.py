@@ -1,1 +1,1 @@
-"""The rules of the study, and what their steps ask a cluster for."""
+"""The rules of the study, and the resources that their steps request from a cluster."""

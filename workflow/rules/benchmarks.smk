@@ -1,6 +1,6 @@
-# Speed against error and hard cases of each part: not part of the study, minutes to hours; the report shows those that
-# were run. One at a time, since they measure seconds: `threads` takes every core of this machine, a cluster gives a node
-# to each (NODE).
+# Benchmarks of each part: speed against error, and hard cases. They take minutes to hours and are no part of the study.
+# The report shows the ones that were run. They measure time, so they run one at a time: `threads` takes every core of
+# this machine, and a cluster gives each a whole node (NODE).
 ALONE = workflow.global_resources["_cores"] or 1
 BENCHMARKS = {
     "deployment_speed": "benchmark.csv",
@@ -14,7 +14,7 @@ BENCHMARKS = {
     "reference_against_solid": "benchmark.csv",
     "reference_sensitivity": "sensitivity.csv",
 }
-SOLVED_STATES = [f"results/cases/quick_branch/flow/{state}" for state in ("pre", "vci")]  # of a tree, before and after
+SOLVED_STATES = [f"results/cases/quick_branch/flow/{state}" for state in ("pre", "vci")]  # flows in a branched vessel
 STRAIGHT_TUBES = (*(f"single_{percent}" for percent in (62, 75, 80, 85, 90)), "tandem_60", "throat_re_1500")
 
 

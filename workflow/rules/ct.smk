@@ -1,4 +1,4 @@
-# What a scanner would show of the lumen before the procedure and of the reference after it, and what is found in it.
+# Simulated CT of the lumen before the procedure and of the reference after it, and the lumens segmented from it.
 
 
 rule ct_phantom:

@@ -14,7 +14,7 @@ rule plan:
         code=code("anatomy", "anatomy.planning.plan"),
     output:
         "results/cases/{case}/vci/plan.json",
-    priority: 1  # a device that does not fit is refused before flow is computed
+    priority: 1  # early, so that a device that does not fit is refused before any flow is computed
     log:
         "results/cases/{case}/logs/plan.log",
     benchmark:
@@ -54,7 +54,7 @@ rule scene:
     message:
         "{wildcards.case}: scene for the virtual deployment"
     input:
-        # what is done comes from the plan; a change of the engine's wall or numerics must not re-run the reference
+        # procedure and settings are separate: a change of the engine's wall or numerics must not re-run the reference
         plan="results/cases/{case}/vci/plan.json",
         settings="results/cases/{case}/settings/deployment.json",
         code=code("workflow", "workflow.scene"),
@@ -142,7 +142,7 @@ rule reference:
         " --truth {input.truth} --settings {input.settings} --out {params.out}"
 
 
-# Radius correction by the stents alone, as the source's own example has it: no balloon but the stents' own is known.
+# Radius correction by the stents alone, as in the published example, which knows no balloons but the stents' own.
 rule stent_alone:
     message:
         "{wildcards.case}: the plan's stents alone"
@@ -177,7 +177,7 @@ use rule radius_correct as stent_alone_radius_correct with:
         "results/cases/{case}/benchmarks/rc_stent/radius_correct.tsv"
 
 
-# The same procedure predicted from the lumen that is found in the CT before it, as a clinic has to.
+# The same procedure predicted from the lumen found in the CT before it, since a clinic has no other lumen.
 rule carry_plan:
     message:
         "{wildcards.case}: the plan in the lumen of the CT before the procedure"

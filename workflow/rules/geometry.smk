@@ -1,4 +1,4 @@
-# From a case's surface to its checked lumen, centreline, sections and lesions; the same door for every later state.
+# From a case's surface to its checked lumen, centreline, sections and lesions. Every later state takes the same steps.
 
 
 rule settings:

@@ -1,7 +1,7 @@
-"""What the steps ask a cluster for, from measured figures (docs/workflow.md): `mem_mb` in MB, `runtime` in minutes.
+"""The resources that steps request from a cluster (docs/workflow.md): `mem_mb` in MB, `runtime` in minutes.
 
-Memory leaves room for a fourth, time for several times what was measured; both grow with the attempt. Steps without an
-entry take the profile's defaults. A run on one machine takes no notice.
+Memory is a fourth more than measured, time several times as much; both grow with the attempt. Steps without an entry
+take the profile's defaults. A run on one machine ignores these figures.
 """
 
 import math
@@ -31,8 +31,8 @@ def by_size(megabytes, minutes, *names):
 def _megabytes(input, names):
     """Size of the inputs, a folder's with all its files.
 
-    Those not made yet count as empty: Snakemake asks again before it submits the step. A group of steps is submitted
-    before its own files exist, so that inputs made in the group always count as empty.
+    An input that is not made yet counts as empty; Snakemake asks again before it submits the step. A group of steps is
+    submitted before its own files exist, so inputs made in the group always count as empty.
     """
     paths = [pathlib.Path(input[name]) for name in names]
     files = [file for path in paths for file in (path.rglob("*") if path.is_dir() else [path])]

@@ -1,4 +1,4 @@
-# What the states of a case and the cases of the study say when they are laid side by side.
+# Tables, figures and pages that compare the states of a case, and the cases of the study.
 CASE_FIGURES = ["lumen", "pullback", "stations", "area", "curvature"]
 STUDY_FIGURES = ["ffr_before_after"] + (["agreement"] if INPUTS.any_truth(CASES) else [])
 STUDY_FIGURES += ["differences"] if INPUTS.any_lumen_after(CASES) else []
@@ -238,7 +238,7 @@ rule timings:
     message:
         "table of timings"
     input:
-        # metrics come last in a case: by then every step has left its benchmark
+        # metrics come last in a case, when every step has written its seconds to a Snakemake benchmark file
         metrics=expand("results/cases/{case}/metrics.json", case=CASES),
         code=code("reports", "reports.study.timings", "reports.study.tables"),
     output:
@@ -294,7 +294,7 @@ rule provenance:
     message:
         "provenance: hashes, versions, seeds and commands"
     input:
-        # metrics, pictures and varied plans come last in a case: by then every product and every log stands
+        # metrics, pictures and varied plans come last in a case, when every product and every log is written
         metrics=expand("results/cases/{case}/metrics.json", case=CASES),
         pictures=expand("results/cases/{case}/{picture}.png", case=CASES, picture=["anatomy/tree", "vci/plan"]),
         varied=expand("results/cases/{case}/{table}.csv", case=INPUTS.varied(CASES), table=["plans/ranking", "sensitivity/flow"]),

@@ -1,4 +1,4 @@
-# Other plans for a case, and what FFR and areas hang on; flow by the 1D network, calibrated on the 3D answers.
+# Other plans for a case, and the sensitivity of FFR and areas. The 1D network, calibrated on 3D flow, gives FFR.
 VARIED = [
     INPUTS.of_states("flow/{state}/ffr.json", "{anatomy}/anatomy.json", "{anatomy}/sections.csv"),
     "results/cases/{case}/anatomy/lumen.vtp",
@@ -42,7 +42,7 @@ rule other_plans:
         " --programs {params.build} --edge {params.edge} --spacing {params.spacing} --devices {params.devices} --out {output.ranking}"
 
 
-# The flow of one of these plans in three dimensions: by its file only, for those that are worth it.
+# The 3D flow of one of these plans. It runs only if its file is asked for, since few plans are worth the time.
 rule plan_lumen:
     message:
         "{wildcards.case}: lumen after the plan {wildcards.plan}, by its own name only"
@@ -135,7 +135,7 @@ rule flow_sensitivity:
         " --intervals {output.intervals} --out {output.table}"
 
 
-# Two dozen deployments a case: no part of the study, by its file only. The next report shows it.
+# Two dozen deployments a case, so no part of the study: runs only if its file is asked for. The next report shows it.
 rule procedure_sensitivity:
     message:
         "{wildcards.case}: FFR and stent area over pressures, places and stiffnesses, by its own name only"

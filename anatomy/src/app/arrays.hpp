@@ -11,8 +11,8 @@ struct Arrays {
   std::vector<int> plaque_type;                                            ///< per vertex
 };
 
-/// mesh must have no removed elements. Plaque is interpolated from the input's nearest triangle where it has the arrays
-/// plaque_thickness_mm and plaque_type; else it is the reference radius minus the distance to the axis, where positive.
+/// mesh must have no removed elements. If the input has the arrays plaque_thickness_mm and plaque_type, plaque is
+/// interpolated from its nearest triangle. Else it is the reference radius minus the distance to the axis, if positive.
 Arrays arrays_of(const Mesh& mesh, const std::vector<Branch>& branches, const std::vector<ReferenceProfile>& profiles,
                  vtkPolyData* input);
 

@@ -14,11 +14,11 @@ namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
 
 constexpr double least_move = 1e-3;    // mm
-constexpr double much_of_cap = 0.1;    // radii that a cap was moved by: as a tilt of 6 degrees, half a per cent of area
+constexpr double much_of_cap = 0.1;    // radii by which a cap moved: as a tilt of 6 degrees, half a per cent of area
 constexpr double smallest_angle = 30;  // degrees
 constexpr double rough = 0.15;         // edges, rms: flat ends are found to 12 degrees
-constexpr double least_stub = 0.4;     // mean radii that a stub stands out by, measured as its tip's prominence
-constexpr double tube = 1.5;           // of its radius that it stands out by: a sac is as wide as it is long
+constexpr double least_stub = 0.4;     // mean radii, least length of a stub, measured as its tip's prominence
+constexpr double tube = 1.5;           // least length of a tube in its own radii; a sac is as wide as it is long
 constexpr double narrowest_stub = 0.3; // mm, radius
 
 } // namespace
@@ -62,7 +62,7 @@ void check_no_stub(const Mesh& mesh, const std::vector<End>& ends, bool named, s
 void warn_of_stubs(const Mesh& mesh, const std::vector<End>& ends, const std::vector<Candidate>& candidates,
                    std::vector<Repair>& repairs) {
   const double mean = 2 * PMP::volume(mesh) / PMP::area(mesh);
-  std::vector<Vec3> known; // tips that the search for the ends or this function has warned of
+  std::vector<Vec3> known; // tips with a warning already, by the search for the ends or by this function
   for (const Candidate& one : candidates)
     if (one.kind == "rounded")
       known.push_back(one.centre);

@@ -73,7 +73,7 @@ void print_summary(const Anatomy& anatomy, const StepTimer& timer) {
               static_cast<std::size_t>(anatomy.mesh.number_of_faces()), anatomy.quality.min_angle_deg);
 }
 
-// The trees of which `lumen check` shows the ends: the chosen one, else all; a null one where there is no aorta.
+// The trees whose ends `lumen check` shows: the chosen one, else all; a null pointer if there is no aorta.
 std::vector<const CoronaryTree*> to_check(const Closed& closed, const Options& options) {
   if (!closed.aorta)
     return {nullptr};
@@ -157,7 +157,7 @@ int main(int argc, char** argv) {
   remesh_command->add_option("--edge", options.edge, "edge length, mm")->capture_default_str();
   remesh_command->add_option("--out", out, "surface to write: .vtp or .stl")->required();
 
-  vtkObject::GlobalWarningDisplayOff(); // what a reader cannot read is said once, by InputError
+  vtkObject::GlobalWarningDisplayOff(); // InputError alone reports what a reader cannot read
   if (const auto code = common::exit_code_of_parsing(app, argc, argv))
     return *code;
   return common::guarded([&] {

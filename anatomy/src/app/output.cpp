@@ -35,7 +35,7 @@ std::string sections_csv(const Anatomy& anatomy) {
 
 nlohmann::ordered_json branch_entry(const Anatomy& anatomy, const Branch& branch) {
   double mean = 0, highest = 0;
-  // the axis next to a cap rests on few points: its curvature there is not reported as the branch's
+  // next to a cap the axis has few points, so its curvature there is not reported as the branch's
   std::size_t counted = 0;
   for (std::size_t i = 0; i < branch.s.size(); ++i) {
     if (near_an_end(branch, anatomy.ends, branch.s[i]) || (branch.parent >= 0 && branch.s[i] < branch.s_outside))

@@ -8,7 +8,7 @@
 
 namespace anatomy {
 
-/// All that `lumen process` has found.
+/// All results of `lumen process`.
 struct Anatomy {
   std::string source_path, source_sha256, units;
   double edge = 0;
@@ -23,7 +23,7 @@ struct Anatomy {
   Quality quality;
 };
 
-/// Throws InputError where `folder` cannot be made or written: to be asked before long work.
+/// Throws InputError if `folder` cannot be made or written. Call it before long work.
 void check_folder(const std::string& folder);
 
 /// Writes lumen.vtp, centreline.vtp, sections.csv and anatomy.json to `folder`, made if absent.

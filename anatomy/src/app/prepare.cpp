@@ -19,10 +19,11 @@ namespace {
 namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
 
-constexpr double smallest_cap = 1.5; // voxels: a thin lumen of voxels has facets as large as one on its wall
+constexpr double smallest_cap = 1.5; // voxels; a thin lumen from voxels has facets of about one voxel on its wall
 
-// From a tenth of what CT resolves, where a tree has a million triangles, to longer than a coronary's radius. An
-// extension of less than half a radius is shorter than the edges of a thin end; twenty are as long as most vessels.
+// The shortest edge is a tenth of CT's resolution, which gives a tree a million triangles. The longest is more than a
+// coronary's radius. An extension below half a radius is shorter than the edges of a thin end; twenty radii are as long
+// as most vessels.
 void check_options(const Options& options) {
   if (!(options.edge >= 0.05 && options.edge <= 2))
     throw InputError("edge length out of range", "--edge", std::to_string(options.edge) + " mm", "choose 0.05 to 2 mm");
@@ -65,7 +66,7 @@ std::vector<Vec3> points_of(const NamedEnds& named) {
   return points;
 }
 
-// Tags of the surface that its own array does not have: those of what was open.
+// Tags of the openings: the tags that are not in the surface's own array.
 std::set<int> tags_of_openings(const Mesh& mesh, const Soup& soup) {
   std::set<int> tags;
   for (const auto& [tag, faces] : tagged_faces(mesh))
@@ -74,13 +75,13 @@ std::set<int> tags_of_openings(const Mesh& mesh, const Soup& soup) {
   return tags;
 }
 
-// Those of the mask, or of the grid on which the surface was contoured.
+// The voxels of the mask, or of the grid on which the surface was contoured.
 Voxels voxels_of(vtkPolyData* input, const Mesh& mesh) {
   const double edge = voxel_edge(input);
   return edge > 0 ? Voxels{edge, true} : Voxels{grid_of_surface(mesh), false};
 }
 
-// Of the caps' outlets those that are still there; the tree's ostium is its inlet.
+// Keeps the outlets of given caps that still exist in the tree; the tree's ostium is its inlet.
 void keep_ends_of_tree(const Mesh& tree, bool caps, NamedEnds& named) {
   if (caps) {
     Mesh copy = tree;
@@ -123,7 +124,7 @@ Closed closed_surface(const Options& options, StepTimer& timer) {
   const std::vector<OpenEnd> open = cap_open_ends(out.mesh, out.repairs);
   orient_outward(out.mesh, out.repairs);
   remove_small_handles(out.mesh, out.repairs);
-  // what follows keeps those there are, and takes long where there are many; a few may go with an aorta
+  // later steps keep handles, and take long if there are many; a few may be removed with an aorta
   check_no_handle(out.mesh, few_rings);
   timer.start("self-intersections");
   remove_self_intersections(out.mesh, out.repairs);
@@ -133,7 +134,7 @@ Closed closed_surface(const Options& options, StepTimer& timer) {
   timer.start("aorta");
   out.named.openings = tags_of_openings(out.mesh, soup);
   out.named.tagged = !caps.empty() || !soup.region.empty();
-  if (options.like.empty()) // an earlier state has its aorta cut off
+  if (options.like.empty()) // with an earlier state the aorta is already cut off
     out.aorta = aorta_of(out.mesh, choice_of(options), options.units, out.repairs);
   if (!out.aorta)
     check_no_handle(out.mesh);
@@ -144,7 +145,7 @@ Prepared with_ends(Closed closed, const CoronaryTree* tree, const Options& optio
   Prepared out;
   out.input = closed.input;
   out.mesh = std::move(closed.mesh);
-  out.voxels = voxels_of(out.input, out.mesh); // before cuts bring vertices that lie in planes
+  out.voxels = voxels_of(out.input, out.mesh); // before cuts add vertices in planes, which would look like a grid's
   out.named = std::move(closed.named);
   out.repairs = std::move(closed.repairs);
   if (tree) {

@@ -1,4 +1,4 @@
-// From a file to a closed, repaired lumen with its ends, the first steps of all commands of `lumen`.
+// Makes a closed, repaired lumen with its ends from a file: the first steps of all commands of `lumen`.
 #pragma once
 #include "app/output.hpp"
 #include "ends/find_ends.hpp"
@@ -12,7 +12,7 @@ namespace anatomy {
 
 struct Options {
   std::string input, units = "mm";
-  int label = 0;         ///< of a mask; 0: its only one
+  int label = 0;         ///< of a mask; 0: its only label
   double edge = 0.4;     ///< mm
   double spacing = 0.25; ///< mm between sections
   std::optional<Vec3> inlet;
@@ -44,22 +44,22 @@ struct Prepared {
   Voxels voxels;  ///< on which the lumen was segmented
   NamedEnds named;
   std::vector<End> ends;
-  std::vector<Candidate> candidates; ///< for ends, and what was decided
+  std::vector<Candidate> candidates; ///< for ends, with the decisions
   std::vector<Repair> repairs;
 };
 
-/// Throws InputError where the file or the options cannot be used.
+/// Throws InputError if the file or the options cannot be used.
 Closed closed_surface(const Options& options, StepTimer& timer);
 
-/// The ends of the lumen; of a model with an aorta of the tree, cut off first.
+/// The lumen with its ends. In a model with an aorta the tree is cut off first.
 Prepared with_ends(Closed closed, const CoronaryTree* tree, const Options& options, StepTimer& timer);
 
-/// Both, of the tree that the options choose.
+/// Both steps, for the tree that the options choose.
 Prepared prepare(const Options& options, StepTimer& timer);
 
 TreeChoice choice_of(const Options& options);
 
-/// Says on standard error the warnings among the repairs from this one on.
+/// Prints to standard error the warnings among the repairs with index `from` and higher.
 void say_warnings(const std::vector<Repair>& repairs, std::size_t from);
 
 } // namespace anatomy

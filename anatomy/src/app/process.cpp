@@ -23,14 +23,14 @@ namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
 
 constexpr double finest_start = 0.05;     // mm
-constexpr double most_triangles = 250000; // of a mesh to start from: some 20 s
+constexpr double most_triangles = 250000; // of a mesh to start from; it takes some 20 s
 
-// Whether a mesh of this edge (mm) may be tried where a coarser one fails.
+// Whether a mesh of this edge (mm) may be tried after a coarser one has failed.
 bool may_start_from(double edge, const Mesh& surface) {
   return edge >= finest_start && PMP::area(surface) / (std::sqrt(3.0) / 4 * edge * edge) < most_triangles;
 }
 
-// The earlier state's summary, with all that is asked of its ends.
+// The earlier state's summary, checked for all values of its ends that are used.
 nlohmann::json read_like(const std::string& path) {
   std::ifstream file(path);
   if (!file)
@@ -54,7 +54,7 @@ nlohmann::json read_like(const std::string& path) {
   }
 }
 
-// Renumbers the caps' tags: by the branches of the tree, no longer by area.
+// Renumbers the caps' tags, so that they follow the branches of the tree instead of the ends' areas.
 void retag(Mesh& mesh, const std::vector<End>& ends, const std::vector<End>& before) {
   RegionMap region = region_map(mesh);
   for (Face f : mesh.faces())
@@ -77,7 +77,7 @@ std::optional<Vec3> inlet_by_tag(const std::vector<End>& ends, vtkPolyData* inpu
       ->centre;
 }
 
-// Which end is which: as in the earlier state, by the given caps, by the given points, by the file's tags, or by size.
+// Names the ends: as in the earlier state, by the given caps, by the given points, by the file's tags, or by size.
 Naming named(std::vector<End>& ends, const NamedEnds& given, const std::optional<nlohmann::json>& like,
              vtkPolyData* input) {
   if (like)
@@ -85,7 +85,8 @@ Naming named(std::vector<End>& ends, const NamedEnds& given, const std::optional
   return naming_given(ends, given.inlet ? given.inlet : inlet_by_tag(ends, input), given.outlets);
 }
 
-// Whether the wanted edge may already be there: tagged, closed and of about as many triangles, as an earlier state is.
+// Whether the mesh may already have the wanted edge: an earlier state is given, and there are caps' tags and not too
+// many triangles.
 bool may_be_kept(const Options& options, const Prepared& prepared, bool tagged) {
   const double triangles = PMP::area(prepared.given) / (std::sqrt(3.0) / 4 * options.edge * options.edge);
   return tagged && !options.like.empty() && static_cast<double>(prepared.given.number_of_faces()) < 4 * triangles;
@@ -97,14 +98,14 @@ std::vector<double> extensions(const Options& options, std::size_t ends, std::si
   return radii;
 }
 
-// The mesh whose inscribed balls give the axes, and the ways through them.
+// The mesh whose inscribed balls give the axes, and the paths through these balls.
 struct Start {
   Mesh mesh;
   double edge; ///< mm, of the mesh
   std::vector<Path> paths;
 };
 
-// Remeshes to the wanted edge. Where that is too coarse to follow the lumen through a narrowing, halves the edge.
+// Remeshes to the wanted edge. If that is too coarse to follow the lumen through a narrowing, halves the edge.
 Start started(const Mesh& coarse, const Prepared& prepared, const Options& options, std::size_t inlet,
               StepTimer& timer) {
   for (double edge = options.edge;; edge /= 2)
@@ -120,7 +121,7 @@ Start started(const Mesh& coarse, const Prepared& prepared, const Options& optio
     }
 }
 
-// From the uniform mesh; where that has pinched a throat, from finer ones.
+// Grades the uniform mesh; if that closes a throat, starts from finer meshes.
 Mesh graded_from(const Start& start, const Mesh& surface, const EdgeField& field) {
   for (double edge = start.edge;; edge /= 2)
     try {
@@ -133,7 +134,7 @@ Mesh graded_from(const Start& start, const Mesh& surface, const EdgeField& field
     }
 }
 
-// The mesh for the deployment: an earlier state's as far as it still is as wanted, else made anew.
+// The mesh for the deployment: an earlier state's where it still has the wanted edges, else a new one.
 Mesh graded_mesh(const Start& start, bool kept, const Mesh& surface, const EdgeField& field) {
   if (!kept)
     return graded_from(start, surface, field);
@@ -161,7 +162,7 @@ Anatomy process(const Options& options, StepTimer& timer) {
   timer.start("extend");
   prepared.mesh = extended(prepared.mesh, out.ends, extensions(options, out.ends.size(), naming.inlet));
   const bool extends = options.extend_inlet > 0 || options.extend_outlets > 0;
-  const Mesh& coarse = extends ? prepared.mesh : prepared.given; // which is the faster to remesh
+  const Mesh& coarse = extends ? prepared.mesh : prepared.given; // `given` is remeshed faster
   const bool kept = !extends && may_be_kept(options, prepared, prepared.input->GetCellData()->HasArray("region_id"));
   prepared.ends = out.ends; // with their extensions
   if (kept)

@@ -16,7 +16,7 @@ vtkSmartPointer<vtkPolyData> centreline_data(const std::vector<Branch>& branches
 /// Throws InputError if the file cannot be written.
 void write_vtp(vtkPolyData* data, const std::filesystem::path& path);
 
-/// Beside `target`, with the process's number: where it is written before it is whole. Two runs do not meet there.
+/// Path beside `target` for writing it before it is complete. It has the process's number, so that two runs differ.
 std::filesystem::path partial_of(const std::filesystem::path& target);
 
 /// Throws InputError unless the name ends in .vtp or .stl.

@@ -7,7 +7,7 @@ namespace anatomy {
 namespace {
 
 constexpr int degree = 5;
-constexpr double knot_spacing = 0.75;   // mm; a coronary bend of 3 mm radius is then spanned by several knots
+constexpr double knot_spacing = 0.75;   // mm: several knots for a coronary bend of 3 mm radius
 constexpr double pin_weight = 1e6;      // of the first and last point
 constexpr std::size_t noise_stride = 4; // points 0.25 mm apart share Voronoi balls: their noise shows from 1 mm apart
 constexpr double table_step = 0.02;     // mm
@@ -72,7 +72,7 @@ double noise_of(const std::vector<Vec3>& x) {
 }
 
 Axis::Axis(const std::vector<Vec3>& points) {
-  // Chord length along noisy points is too long, so the parameter is taken again along the first fit.
+  // Chord length along noisy points is too long, so the parameter is computed again along the first fit.
   std::vector<double> t{0};
   for (std::size_t i = 1; i < points.size(); ++i)
     t.push_back(t.back() + (points[i] - points[i - 1]).norm());
@@ -90,7 +90,7 @@ Axis::Axis(const std::vector<Vec3>& points) {
       }
     }
     at = best;
-    // the foot of the perpendicular: the table's own spacing would be noise along the axis
+    // the foot of the perpendicular, since the nearest entry of the table would add noise along the axis
     const auto here = spline_.derivatives(t_[at], 1);
     t[i] = s_[at] + (points[i] - Vec3(here.col(0))).dot(Vec3(here.col(1)).normalized());
   }
@@ -118,7 +118,7 @@ void Axis::fit(const std::vector<double>& t, const std::vector<Vec3>& x, double 
     coefficients = solver.solve(rhs);
     return std::sqrt((b * coefficients - data).squaredNorm() / static_cast<double>(3 * n));
   };
-  // lambda >= 1e-3 mm^5 keeps the matrix regular where the points leave a gap, and moves no bend of radius 3 mm
+  // lambda >= 1e-3 mm^5 keeps the matrix regular at a gap between points, and does not move a bend of radius 3 mm
   double low = -3, high = 5;
   if (residual(low) < rms_target) {
     if (residual(high) > rms_target)

@@ -6,9 +6,9 @@
 namespace anatomy {
 
 /// Minimises sum w |x(t_i) - x_i|^2 + lambda int |x'''|^2 dt over quintic B-splines (Eilers & Marx 1996). A penalty of
-/// the second derivative would pull a bend straight; that of the third does not. lambda is the largest for which the
-/// residual stays at the noise of the points (Morozov's discrepancy principle). The noise is estimated from their sixth
-/// differences.
+/// the second derivative would straighten a bend; a penalty of the third does not. lambda is the largest value for
+/// which the residual equals the noise of the points (Morozov's discrepancy principle). The noise is estimated from
+/// their sixth differences.
 class Axis {
 public:
   Axis() = default;
@@ -19,7 +19,7 @@ public:
   Vec3 at(double s) const;
   Vec3 tangent(double s) const;
   double curvature(double s) const; ///< 1/mm
-  double torsion(double s) const;   ///< 1/mm; 0 where the curvature is below 0.01 /mm, where it has no meaning
+  double torsion(double s) const;   ///< 1/mm; 0 if the curvature is below 0.01 /mm, since it has no meaning there
   double noise() const { return noise_; }
 
 private:
@@ -34,8 +34,8 @@ private:
 };
 
 /// Standard deviation of the points' noise per coordinate, from sixth differences, whose variance is 924 sigma^2 for
-/// white noise. Every fourth point is taken, nearer ones where there are few. Fourth differences would take the bends
-/// of a tortuous vessel for noise of some 0.008 mm, and smooth them.
+/// white noise. Every fourth point is used, or nearer ones if there are few. With fourth differences the bends of a
+/// tortuous vessel would count as noise of some 0.008 mm, and would be smoothed.
 double noise_of(const std::vector<Vec3>& points);
 
 } // namespace anatomy

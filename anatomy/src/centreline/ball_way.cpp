@@ -4,8 +4,8 @@
 namespace anatomy {
 namespace {
 
-constexpr double band = 0.6;       // radii before and behind a place in which the wall shows the axis
-constexpr double aside = 2;        // radii from the place: wide enough for ovals, not for neighbours
+constexpr double band = 0.6;       // radii before and behind a place: the wall in this band gives the direction
+constexpr double aside = 2;        // radii from the place: includes the wall of ovals, but not of neighbours
 constexpr double cos_agree = 0.87; // 30 degrees
 
 } // namespace

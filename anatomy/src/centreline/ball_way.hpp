@@ -1,4 +1,4 @@
-// A way through the inscribed balls, and the direction of the vessel along it.
+// A path (way) through the inscribed balls, and the direction of the vessel along it.
 #pragma once
 #include "centreline/inner_balls.hpp"
 
@@ -19,9 +19,9 @@ struct BallWay {
   Vec3 centre(double where) const;
 };
 
-/// Unit direction of the vessel at `where` on the way (mm). The wall's normals round the place are as nearly
-/// perpendicular to it as can be; the balls' centres scatter by more than a degree. Where the normals disagree with the
-/// way, because a side branch leaves there, the way decides.
+/// Unit direction of the vessel at `where` on the way (mm). It is the direction most nearly perpendicular to the wall's
+/// normals round the place, because the balls' centres scatter by more than a degree. If the normals disagree with the
+/// way, because a side branch leaves there, it is the way's direction.
 Vec3 direction_of(const Mesh& mesh, const BallWay& way, double where);
 
 } // namespace anatomy

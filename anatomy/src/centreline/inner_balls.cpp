@@ -16,10 +16,11 @@ using VertexBase = CGAL::Triangulation_vertex_base_with_info_3<std::size_t, Kern
 using CellBase = CGAL::Triangulation_cell_base_with_info_3<int, Kernel>;
 using Delaunay = CGAL::Delaunay_triangulation_3<Kernel, CGAL::Triangulation_data_structure_3<VertexBase, CellBase>>;
 
-constexpr double beside_end = 1.1;  // radii: what is farther from an end's axis belongs to a vessel that runs past it
-constexpr double on_one_side = 0.2; // radii between the points that a ball touches: they are one patch of the wall
+constexpr double beside_end = 1.1;  // radii from an end's axis; farther places belong to a vessel that runs past it
+constexpr double on_one_side = 0.2; // radii between the points that a ball touches; if nearer, they are one patch
 
-// At any distance before a cap: a ball there may touch the rim alone, whose normals do not tell it from one inside.
+// Whether p is outside a cap, at any distance. A ball there may touch only the rim, whose normals do not show that the
+// ball is outside.
 bool before_an_end(const Vec3& p, const std::vector<End>& ends) {
   return std::any_of(ends.begin(), ends.end(), [&](const End& end) {
     const Vec3 d = p - end.centre;
@@ -28,7 +29,7 @@ bool before_an_end(const Vec3& p, const std::vector<End>& ends) {
   });
 }
 
-// Whether the way from a to b leads through a cap: in a bend the ends may face each other.
+// Whether the line from a to b passes through a cap, since in a bend two ends may face each other.
 bool crosses_an_end(const Vec3& a, const Vec3& b, const std::vector<End>& ends) {
   return std::any_of(ends.begin(), ends.end(), [&](const End& end) {
     const double ha = (a - end.centre).dot(end.normal), hb = (b - end.centre).dot(end.normal);
@@ -36,8 +37,8 @@ bool crosses_an_end(const Vec3& a, const Vec3& b, const std::vector<End>& ends) 
   });
 }
 
-// Whether the circumcentre, which rounding may have moved, is in the lumen. For four points of a flat patch, as of a
-// cap, it may be anywhere, and their normals do not tell on which side it is.
+// Whether the circumcentre, which rounding may have moved, is in the lumen. For four points of a flat patch, such as a
+// cap, it may be anywhere, and their normals do not show its side.
 class Inside {
 public:
   Inside(const Mesh& mesh, const std::vector<End>& ends) : mesh_(mesh), ends_(ends), box_(PMP::bbox(mesh)) {}
@@ -63,7 +64,7 @@ private:
   std::unique_ptr<CGAL::Side_of_triangle_mesh<Mesh, Kernel>> side_;
 };
 
-// Vertices of the wall with their outward normals (of wall faces only, so that a rim's is radial).
+// Vertices of the wall with their outward normals, from wall faces only, so that a rim's normal is radial.
 void wall_points(const Mesh& mesh, std::size_t every, std::vector<std::pair<Point, std::size_t>>& points,
                  std::vector<Vec3>& normals) {
   const RegionMap region = region_map(mesh);
@@ -142,7 +143,7 @@ std::size_t ball_at(const Balls& balls, const End& end) {
     if (balls.radius[i] > 0.5 * end.radius() && distance(i) < 2 * end.radius())
       filling.push_back(i);
   std::sort(filling.begin(), filling.end(), [&](std::size_t a, std::size_t b) { return distance(a) < distance(b); });
-  // the balls seen so far lead nowhere
+  // the balls seen so far do not lead on into the vessel
   std::vector<bool> seen(balls.centre.size(), false);
   for (std::size_t i : filling)
     if (leads_away(balls, i, end.centre, end.radius(), seen))

@@ -15,16 +15,16 @@ struct Balls {
 
 /// Balls on the inner side of the wall. The caps' inner vertices are left out, so that the diagram runs straight
 /// through the ends.
-/// @param every takes only one vertex in so many. No ball becomes smaller by it, some become larger.
+/// @param every uses only every n-th vertex. No ball becomes smaller by this, some become larger.
 Balls inner_balls(const Mesh& mesh, const std::vector<End>& ends, std::size_t every = 1);
 
 /// The cheapest ways (integral of ds/R) from ball `from` to all others.
 Ways cheapest_ways(const Balls& balls, std::size_t from);
 
-/// Whether neighbours lead from the ball to one that is farther than `reach` (mm) from p. Wall points on one circle or
-/// one sphere, as at a flat rim or a round end, form tetrahedra among themselves. Rounding decides where the
-/// circumspheres of these lie, and no neighbour leads away from them.
-/// @param seen flags the balls already looked at; it is extended
+/// Whether neighbours lead from the ball to a ball farther than `reach` (mm) from p. Wall points on one circle or one
+/// sphere, as at a flat rim or a round end, form tetrahedra among themselves. The positions of their circumspheres are
+/// rounding errors, and no neighbour leads away from them.
+/// @param seen flags the balls already visited; it is extended
 bool leads_away(const Balls& balls, std::size_t from, const Vec3& p, double reach, std::vector<bool>& seen);
 
 /// The ball nearest to the end's centre among those that fill at least half of the end and from which a way leads

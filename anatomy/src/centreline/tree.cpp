@@ -8,7 +8,7 @@ namespace {
 
 constexpr double bin = 0.25;       // mm; averaging of the Voronoi path
 constexpr double end_trim = 0.5;   // inscribed radii left out next to a cap, where few balls are left to average
-constexpr double least_stub = 0.3; // of its radius that a side branch stands out by; a flat facet of the wall has none
+constexpr double least_stub = 0.3; // least length of a side branch over its radius; a flat facet of the wall has none
 constexpr double look_ahead = 1.5; // parent radii over which a side branch's direction at its exit is taken
 
 double arc_length(const std::vector<Vec3>& points) {
@@ -18,7 +18,7 @@ double arc_length(const std::vector<Vec3>& points) {
   return length;
 }
 
-// Mean of the points in bins of arc length, weighted by the length they stand for.
+// Mean of the points in bins of arc length, weighted by the length of the path at each.
 std::vector<Vec3> binned(const std::vector<Vec3>& points) {
   std::vector<Vec3> out;
   Vec3 sum = Vec3::Zero();
@@ -62,7 +62,7 @@ bool inside_tube(const Branch& branch, const Vec3& p) {
   return (branch.x[i] - p).norm() < branch.radius[i];
 }
 
-// Points of the path from index `first` on. Those too near to one of the two caps are left out.
+// Points of the path from index `first` on, without points too near to one of the two caps.
 std::vector<Vec3> between(const Path& path, std::size_t first, const End* from, const End& to) {
   std::vector<Vec3> out;
   for (std::size_t i = first; i < path.points.size(); ++i) {
@@ -88,7 +88,7 @@ void sample(Branch& branch, const WallTree& wall, double step) {
   }
 }
 
-// Where a side branch's direction, continued backwards from its exit, passes nearest to the parent's axis.
+// Sample of the parent's axis nearest to the line that continues a side branch backwards from its exit.
 std::size_t take_off(const Branch& parent, const Vec3& exit, const Vec3& direction) {
   const std::size_t here = nearest_sample(parent, exit);
   std::size_t best = here;
@@ -107,7 +107,7 @@ std::size_t take_off(const Branch& parent, const Vec3& exit, const Vec3& directi
   return best;
 }
 
-// A cap that lies in the wall of another vessel ends no branch.
+// Throws InputError for a cap that lies in the wall of another vessel, since it ends no branch.
 void check_stands_out(const Branch& trunk, const End& end) {
   const std::size_t i = nearest_sample(trunk, end.centre);
   const double out = (trunk.x[i] - end.centre).norm() - trunk.radius[i];
@@ -159,7 +159,7 @@ struct Builder {
     const Branch& trunk = branches[parent];
     check_stands_out(trunk, ends[end]);
     std::vector<Vec3> outside = between(path, exit, nullptr, ends[end]);
-    if (outside.empty()) // a stub shorter than what is left out next to its cap: straight
+    if (outside.empty()) // a stub shorter than the part left out next to its cap gets a straight axis
       outside.push_back(exit < path.points.size() ? path.points[exit] : path.points.back());
     std::size_t ahead = 0;
     const double reach = look_ahead * trunk.radius[nearest_sample(trunk, outside.front())];
@@ -170,7 +170,7 @@ struct Builder {
     std::vector<Vec3> points = binned(outside);
     points.insert(points.begin(), trunk.x[root]);
     points.push_back(ends[end].centre);
-    if (points.size() < 3) // what a spline needs
+    if (points.size() < 3) // too few for a spline
       points.insert(points.begin() + 1, 0.5 * (points.front() + points.back()));
     Branch side;
     side.end = end;

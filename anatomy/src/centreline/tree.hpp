@@ -9,7 +9,7 @@ namespace anatomy {
 struct Branch {
   std::string name;    ///< main, side1, ...
   int id = 0;          ///< 0, 1, ...
-  int parent = -1;     ///< place in the list of branches; -1 for main
+  int parent = -1;     ///< index in the list of branches; -1 for main
   std::size_t end = 0; ///< index of its end
   double s_on_parent = 0;
   double s_outside = 0; ///< where its axis leaves the parent's inscribed tube
@@ -27,8 +27,8 @@ struct NearestAxis {
 };
 
 /// The branches, main first. main is the longest path; the others are ordered by the path length at which they leave.
-/// The `ends` get their names (inlet, outlet1, ...), their `branch`, and the `region` of that order. The mesh's own
-/// tags are left to the caller.
+/// The `ends` get their names (inlet, outlet1, ...), their `branch`, and a `region` in this order. The caller must
+/// change the mesh's tags.
 /// @param step spacing of the samples along the axes, mm
 /// @param wanted branch id of each end (the inlet's is ignored), or empty for that order
 /// Throws ComputationError if a path cannot be smoothed.

@@ -6,9 +6,9 @@
 namespace anatomy {
 namespace {
 
-constexpr std::size_t most_compared = 3000; // balls of each side; they are so dense that a part of them shows the place
+constexpr std::size_t most_compared = 3000; // balls of each side; they are dense, so a part of them gives the place
 
-// Where the balls that can be reached from the inlet come nearest to those that can be reached from the end.
+// The middle of the smallest gap between balls that are connected to the inlet and balls connected to the end.
 Vec3 narrowest_gap(const Balls& balls, const Ways& from_inlet, std::size_t end) {
   const Ways from_end = cheapest_ways(balls, end);
   std::vector<Vec3> here, beyond;

@@ -1,4 +1,4 @@
-// What differs between CGAL 5.5 (Debian 12) and 6.0 (Debian 13).
+// One interface to CGAL 5.5 (Debian 12) and 6.0 (Debian 13).
 #pragma once
 #include <CGAL/version.h>
 #include <string>

@@ -4,7 +4,7 @@
 
 namespace anatomy {
 
-/// Unit normal times area (mm2), on the side from which the corners run anticlockwise.
+/// Unit normal times area (mm2). Seen from the normal's side the corners run anticlockwise.
 Vec3 area_vector(const Mesh& mesh, Face f);
 
 /// Mean of the corners (mm).

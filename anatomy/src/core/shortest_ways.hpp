@@ -8,15 +8,15 @@ namespace anatomy {
 constexpr double unreached = 1e300;
 
 struct Ways {
-  std::vector<double> cost;        ///< of the cheapest way to each node; unreached where there is none
-  std::vector<std::size_t> before; ///< the node before it on that way; itself at the start and where there is none
+  std::vector<double> cost;        ///< of the cheapest way to each node; `unreached` if there is none
+  std::vector<std::size_t> before; ///< the previous node on this way; the node itself at the start and if unreached
 };
 
 class WayGraph {
 public:
   using Link = std::pair<std::size_t, std::size_t>;
 
-  /// `links` lists each direction of an edge of its own, `costs` (not negative) belongs to it.
+  /// `links` lists both directions of an edge separately; `costs` (not negative) has a value for each.
   WayGraph(std::size_t nodes, const std::vector<Link>& links, const std::vector<double>& costs);
   Ways from(std::size_t start) const;
 

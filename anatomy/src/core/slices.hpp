@@ -17,21 +17,21 @@ struct PlaneFrame {
   Vec2 plane(const Vec3& p) const { return {(p - origin).dot(u), (p - origin).dot(v)}; }
 };
 
-/// Area (mm2) within a closed loop; positive where it runs anticlockwise.
+/// Area (mm2) within a closed loop; positive if it runs anticlockwise.
 double signed_area(const std::vector<Vec2>& loop);
 
-/// Area (mm2) of a section and how far it reaches from the frame's origin (mm); no area where no loop is round it.
+/// Area (mm2) of a section, and its farthest distance from the frame's origin (mm); area 0 if no loop surrounds it.
 struct Outline {
   double area = 0, reach = 0;
 };
 
-/// Sections of a mesh that outlives it.
+/// Sections of a mesh, which must outlive this object.
 class Slices {
 public:
   explicit Slices(const Mesh& mesh);
   /// The innermost closed loop round the frame's origin, as points in space; empty if there is none.
   std::vector<Vec3> loop_around(const PlaneFrame& frame) const;
-  /// Of that loop.
+  /// Area and reach of this loop.
   Outline outline(const PlaneFrame& frame) const;
 
 private:

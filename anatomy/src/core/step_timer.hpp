@@ -9,7 +9,7 @@ namespace anatomy {
 /// Seconds per named step, in the order in which they ran.
 class StepTimer {
 public:
-  /// Ends the running step and starts the next one; says so on standard error.
+  /// Ends the running step and starts the next one, with a line on standard error.
   void start(const std::string& step);
   void stop();
   const std::vector<std::pair<std::string, double>>& seconds() const { return seconds_; }

@@ -1,4 +1,4 @@
-// Where the wall meets the caps.
+// Rims, at which the wall meets the caps.
 #pragma once
 #include "core/types.hpp"
 

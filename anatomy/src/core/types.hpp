@@ -1,4 +1,4 @@
-// The types that all of anatomy shares. Lengths in mm.
+// Types shared by all of anatomy. Lengths in mm.
 #pragma once
 #include "core/cgal_versions.hpp"
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -30,19 +30,19 @@ inline Point point(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
-/// Triangles as read: nothing is promised about orientation, duplicates or gaps.
+/// Triangles as read. Orientation may vary, and there may be duplicates and gaps.
 struct Soup {
   std::vector<Point> points;
   std::vector<Triangle> triangles;
   std::vector<int> region; ///< per triangle, from the array region_id; empty if the file has none
 };
 
-/// One thing done to the input, for the report to the user.
+/// One change of the input, or a remark on it, for the report to the user.
 struct Repair {
   std::string what;
   std::size_t count;
   std::string detail;
-  bool warning = false; ///< said to the user at once, since it may not be what he wants
+  bool warning = false; ///< whether it is printed at once, since the user may not want it
 };
 
 /// A flat end of the lumen. `region` tags its faces in the property map "f:region" (0 is wall).
@@ -62,7 +62,7 @@ inline double End::radius() const {
   return std::sqrt(area / 3.14159265358979323846);
 }
 
-/// The wall-and-caps tags of a mesh; created with every face as wall (0) if absent.
+/// The tags of wall and caps of a mesh; if absent they are created with every face as wall (0).
 inline RegionMap region_map(Mesh& mesh) {
   return mesh.add_property_map<Face, int>("f:region", 0).first;
 }

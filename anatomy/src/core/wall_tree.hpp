@@ -10,7 +10,7 @@ namespace anatomy {
 using FacePrimitive = CGAL::AABB_face_graph_triangle_primitive<Mesh>;
 using FaceTree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, FacePrimitive>>;
 
-/// Wall faces (region 0) of a mesh that outlives it.
+/// Wall faces (region 0) of a mesh, which must outlive this object.
 class WallTree {
 public:
   explicit WallTree(const Mesh& mesh);

@@ -14,7 +14,7 @@ GivenCap measured(const std::string& path, const Soup& soup) {
   for (const Triangle& t : soup.triangles) {
     const Vec3 a = vec(soup.points[t[0]]), b = vec(soup.points[t[1]]), c = vec(soup.points[t[2]]);
     Vec3 area = 0.5 * (b - a).cross(Vec3(c - a));
-    if (area.dot(total) < 0) // triangles of a soup may disagree
+    if (area.dot(total) < 0) // the orientation of the file's triangles may vary
       area = -area;
     total += area;
     weight += area.norm();

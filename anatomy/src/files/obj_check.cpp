@@ -8,11 +8,11 @@
 namespace anatomy {
 namespace {
 
-// What a corner names, in its order: points, texture coordinates, normals.
+// The kinds of indices of a corner, in their order: points, texture coordinates, normals.
 struct Kind {
   const char *keyword, *name;
-  long long count = 0, largest = 0; ///< in the file so far; asked for by a face
-  std::size_t line = 0;             ///< of the face that asks for the largest
+  long long count = 0, largest = 0; ///< number in the file so far; largest index in a face
+  std::size_t line = 0;             ///< of the face with the largest index
 };
 using Kinds = std::array<Kind, 3>;
 

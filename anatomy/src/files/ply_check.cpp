@@ -141,7 +141,7 @@ std::string record(const Element& element, std::uintmax_t i) {
   return element.name + " " + std::to_string(i);
 }
 
-// One line a record, of no fewer and no more numbers than its properties take.
+// Checks the records of a text body: one line each, with exactly as many numbers as the properties need.
 void check_text(std::ifstream& file, const Element& element, const std::string& path, std::uintmax_t vertices) {
   std::string line;
   for (std::uintmax_t i = 0; i < element.count; ++i) {

@@ -1,4 +1,4 @@
-// PLY files as VTK's reader expects them: it trusts their header, and ends the program where that lies.
+// Checks PLY files before VTK's reader, which trusts their header and crashes if the header is wrong.
 #pragma once
 #include <string>
 

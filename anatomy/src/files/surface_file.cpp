@@ -40,10 +40,10 @@ template <class Reader> vtkSmartPointer<vtkPolyData> read_with(const std::string
   return reader->GetOutput();
 }
 
-// Refuses a path that is no file, with a message of what is there instead.
+// Refuses a path that is no regular file. The message says what it is instead.
 void check_there(const std::string& path) {
   namespace fs = std::filesystem;
-  std::error_code ignored; // of links that lead to themselves
+  std::error_code ignored; // set for a link to itself
   const fs::file_status found = fs::status(path, ignored);
   if (fs::is_regular_file(found))
     return;
@@ -56,7 +56,7 @@ void check_there(const std::string& path) {
                    "check the path; a case file's is relative to the repository, after data/ to VCI_DATA_DIR");
 }
 
-// Refuses other content that is often saved in the place of a surface, by its first bytes.
+// Refuses content that is often saved by mistake instead of a surface. It is recognised by its first bytes.
 void check_kind(const std::string& path) {
   struct Other {
     std::string begin, what, remedy;
@@ -170,7 +170,7 @@ void check_range(double size, double lowest, double highest, const std::string& 
                        "; if it is not, cut away what is no coronary artery");
 }
 
-// VTK's readers hand on the indices of a file as they are.
+// Refuses triangles with indices out of range, which VTK's readers do not check.
 void check_indices(vtkPolyData* data, const std::string& path) {
   for (vtkCellArray* cells : {data->GetPolys(), data->GetStrips()}) {
     vtkIdType n = 0;
@@ -255,18 +255,18 @@ double millimetres_per(const std::string& units) {
 }
 
 void check_diagonal(double diagonal_mm, const std::string& units, const std::string& path) {
-  // From half the shortest stent to a heart with its aorta. A vessel in the wrong unit may lie between these limits:
+  // From half the shortest stent to a heart with its aorta. A vessel in the wrong unit may be within these limits;
   // check_mean_radius finds it.
   check_range(diagonal_mm, 4, 500, "bounding diagonal", units, path);
 }
 
 void check_mean_radius(double radius_mm, const std::string& units, const std::string& path) {
-  // Mean radii of coronary arteries, ectatic ones too, are 0.6 to 3 mm; in a unit ten times off none lies between.
+  // Mean radii of coronary arteries, even ectatic ones, are 0.6 to 3 mm. In a wrong unit they are out of this range.
   check_range(radius_mm, 0.3, 6, "mean radius", units, path);
 }
 
 vtkSmartPointer<vtkPolyData> read_triangles(const std::string& path, const std::string& units) {
-  std::vector<Repair> repairs; // of masks alone
+  std::vector<Repair> repairs; // only masks have any
   return in_millimetres(path, units, any_label, 1, repairs);
 }
 

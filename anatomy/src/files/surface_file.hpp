@@ -1,4 +1,4 @@
-// Surface files: STL (ASCII or binary), VTP, PLY, OBJ; and labelled masks, whose surface is taken.
+// Reads surface files: STL (ASCII or binary), VTP, PLY, OBJ; and labelled masks, from which a surface is made.
 #pragma once
 #include "core/types.hpp"
 #include <optional>
@@ -7,7 +7,7 @@
 
 namespace anatomy {
 
-/// Triangles of a surface file, in mm, whatever their size. Throws as read_surface, but for the size.
+/// Triangles of a surface file, in mm, of any size. Throws as read_surface, except for the size.
 vtkSmartPointer<vtkPolyData> read_triangles(const std::string& path, const std::string& units);
 
 /// Reads a surface as triangles, in mm. Point and cell arrays of a VTP are kept.
@@ -36,7 +36,7 @@ double millimetres_per(const std::string& units);
 /// Throws InputError if a lumen of this bounding diagonal (mm) is not plausible (4 to 500 mm).
 void check_diagonal(double diagonal_mm, const std::string& units, const std::string& path);
 
-/// Throws InputError if the mean radius 2 V/A (mm) is not a coronary lumen's (0.2 to 8 mm).
+/// Throws InputError if the mean radius 2 V/A (mm) is not a coronary lumen's (0.3 to 6 mm).
 void check_mean_radius(double radius_mm, const std::string& units, const std::string& path);
 
 } // namespace anatomy

@@ -28,8 +28,8 @@ using common::InputError;
 constexpr double smoothing = 0.85; // voxels
 constexpr double kernel_reach = 4; // standard deviations
 constexpr int padding = 8;         // voxels: beyond the wider kernel
-constexpr double fragment = 0.01;  // of the largest piece's triangles: what a spur of a voxel or two leaves behind
-constexpr double flattest = 1e-6;  // volume of a voxel over the product of its edges: skewed ones are far above
+constexpr double fragment = 0.01;  // of the largest piece's triangles: smaller pieces come from spurs of a few voxels
+constexpr double flattest = 1e-6;  // volume of a voxel over the product of its edges; a skewed voxel's is far larger
 
 std::string suffix_of(const std::string& path) {
   std::string lower = path;
@@ -40,7 +40,8 @@ std::string suffix_of(const std::string& path) {
   return "";
 }
 
-// NIfTI: VTK's matrices turn index times spacing, with the slices in the reader's order, into the file's frame.
+// The affine of a NIfTI file. VTK's matrices map index times spacing, with the reader's order of slices, to the file's
+// frame.
 Eigen::Matrix4d nifti_affine(vtkNIFTIImageReader& reader) {
   vtkMatrix4x4* matrix = reader.GetSFormMatrix() ? reader.GetSFormMatrix() : reader.GetQFormMatrix();
   Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
@@ -78,7 +79,7 @@ vtkSmartPointer<vtkImageData> indicator_of(vtkImageData* labels, int label) {
   return box;
 }
 
-// A place in the coordinates of the file, whatever its unit.
+// A place in the file's coordinates, in the file's own unit.
 std::string place_in_file(const Mask& mask, const Eigen::Vector4d& voxel) {
   const Eigen::Vector4d p = mask.to_file * voxel;
   char text[96];
@@ -139,7 +140,7 @@ vtkSmartPointer<vtkPolyData> level_surface(vtkImageData* indicator) {
   return contour->GetOutput();
 }
 
-// What the image's border cuts off is not seen: across a vessel this is an end, along one the sections are too small.
+// Reports a lumen cut by the image's border. Across a vessel the cut is an end; along a vessel sections are too small.
 void report_border(const Mask& mask, int label, std::vector<Repair>& repairs) {
   const int* size = mask.labels->GetDimensions();
   const auto* values = static_cast<const int*>(mask.labels->GetScalarPointer());
@@ -269,7 +270,7 @@ vtkSmartPointer<vtkPolyData> surface_of_label(const Mask& mask, int label, const
   edge->SetName(voxel_edge_array);
   edge->InsertNextValue(longest_edge(mask));
   surface->GetFieldData()->AddArray(edge);
-  if (mask.to_file.determinant() < 0) // a frame of the other hand turns the triangles inward
+  if (mask.to_file.determinant() < 0) // a left-handed frame turns the triangles inward
     for (vtkIdType i = 0; i < surface->GetNumberOfCells(); ++i)
       surface->GetPolys()->ReverseCellAtId(i);
   return surface;

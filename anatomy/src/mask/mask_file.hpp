@@ -23,11 +23,11 @@ Mask read_mask(const std::string& path);
 
 /// The surface of one label in the file's unit. The label's indicator function is smoothed by 2 G(s) - G(2 s), where G
 /// is a Gaussian and s = 0.85 voxels; the surface is its level 0.5. One Gaussian would move a wall of radius R inward
-/// by s^2 / 2 R. The one-sided moments of the two cancel, so that to first order a curved wall stays where it is.
+/// by s^2 / 2 R. The one-sided moments of the two cancel, so that to first order a curved wall does not move.
 /// Islands other than the largest are left out and reported. A label that reaches the image's border is reported.
-/// @param label 0 for the only one in the mask
-/// Throws InputError where the label is absent or ambiguous, too thin for its voxels, or where a narrowing is lost
-/// between them.
+/// @param label 0 for the only label in the mask
+/// Throws InputError if the label is absent or ambiguous, if the lumen is too thin for its voxels, or if a narrowing is
+/// lost between them.
 vtkSmartPointer<vtkPolyData> surface_of_label(const Mask& mask, int label, const std::string& path,
                                               std::vector<Repair>& repairs);
 

@@ -18,14 +18,15 @@ namespace {
 
 using common::InputError;
 using Fields = std::map<std::string, std::string>;
-constexpr std::uintmax_t best_packing = 1100; // of deflate, whose own limit is 1032
+constexpr std::uintmax_t best_packing = 1100; // largest compression ratio; deflate's own limit is 1032
 
 bool is_text(const std::string& line) {
   return std::none_of(line.begin(), line.end(),
                       [](unsigned char c) { return std::iscntrl(c) && c != '\t' && c != '\r'; });
 }
 
-// An empty line ends a NRRD header. VTK's reader never returns if it is missing, or if a line before it is no text.
+// Checks that an empty line ends a NRRD header. VTK's reader never returns if the line is missing, or if a line before
+// it is no text.
 void check_header_ends(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string line;
@@ -118,7 +119,8 @@ void check_length(const std::filesystem::path& header, const std::string& data, 
                            : "copy or export the mask again");
 }
 
-// VTK's reader of MetaImage unpacks damaged voxels for ever. `begin`: of the packed voxels in the file.
+// Unpacks the voxels as a check, since VTK's reader of MetaImage never returns if they are damaged. `begin`: position
+// of the packed voxels in the file.
 void check_packing(const std::filesystem::path& path, std::streamoff begin, std::uintmax_t bytes) {
   const auto refuse = [&](const std::string& value) {
     throw InputError("the mask is damaged", path.string(), value + ", the header promises " + std::to_string(bytes),
@@ -127,7 +129,7 @@ void check_packing(const std::filesystem::path& path, std::streamoff begin, std:
   std::ifstream file(path, std::ios::binary);
   file.seekg(begin);
   z_stream stream{};
-  if (inflateInit2(&stream, MAX_WBITS + 32) != Z_OK) // of zlib or of gzip
+  if (inflateInit2(&stream, MAX_WBITS + 32) != Z_OK) // accepts zlib and gzip
     throw std::bad_alloc();
   const std::unique_ptr<z_stream, decltype(&inflateEnd)> ends(&stream, inflateEnd);
   std::vector<unsigned char> packed(1 << 16), voxels(1 << 18);
@@ -151,7 +153,8 @@ void check_packing(const std::filesystem::path& path, std::streamoff begin, std:
     refuse(std::to_string(found) + " bytes of voxels");
 }
 
-// For a field that is missing or of unknown form, VTK's reader uses uninitialised memory, or never returns.
+// Checks the fields. If one is missing or has an unknown form, VTK's reader uses uninitialised memory, or never
+// returns.
 void check_nrrd_fields(const std::string& path, const Fields& fields) {
   const auto check = [&](const std::string& name, const std::set<std::string>& known) {
     if (const std::string value = trimmed(field(fields, {name})); !known.contains(value))
@@ -203,7 +206,8 @@ void check_nrrd_fields(const std::string& path, const Fields& fields) {
   if (!one_byte)
     check("endian", {"little", "big"});
   const std::string data = trimmed(field(fields, {"data file", "datafile"}));
-  // VTK's reader takes the header for the voxels where both are one text, and of one byte each character for a label.
+  // VTK's reader of text voxels fails in two cases: in one file with the header it reads the header as voxels, and with
+  // a one-byte type it reads each character as a label.
   if (one_byte || data.empty())
     check("encoding", {"raw", "gz", "gzip"});
   else

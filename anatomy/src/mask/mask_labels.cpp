@@ -12,8 +12,8 @@ namespace {
 using common::InputError;
 
 constexpr std::size_t most_named = 10; // labels in a message
-constexpr double largest_label = 2e9;  // labels are counted as int
-constexpr double fullest_image = 0.9;  // a vessel cropped as closely as can be leaves more: it fills pi / 4
+constexpr double largest_label = 2e9;  // labels are stored as int
+constexpr double fullest_image = 0.9;  // share of voxels; even in the closest crop a vessel fills only pi / 4
 
 std::string known_labels(const std::map<int, vtkIdType>& counts) {
   std::string known;

@@ -1,4 +1,4 @@
-// Which voxels of a mask are the lumen's.
+// Finds the label of the lumen in a mask.
 #pragma once
 #include <string>
 #include <vtkImageData.h>
@@ -6,12 +6,12 @@
 
 namespace anatomy {
 
-/// Throws InputError where an image is not three-dimensional, has several components a voxel, or values that are not
+/// Throws InputError if an image is not three-dimensional, or has several components a voxel or values that are not
 /// whole numbers.
 void check_labels(vtkImageData* image, const std::string& path);
 
-/// The label to take: the one asked for, or (any_label) the only one there is. Throws InputError where it is absent or
-/// ambiguous, or fills the image.
+/// The lumen's label: the requested one, or for any_label the only one in the mask. Throws InputError if it is absent
+/// or ambiguous, or fills the image.
 int chosen_label(vtkIntArray* labels, int label, const std::string& path);
 
 constexpr int any_label = 0;

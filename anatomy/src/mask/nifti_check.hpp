@@ -1,4 +1,4 @@
-// NIfTI headers that VTK's reader survives: it ends the program at dimensions that no image has.
+// Checks NIfTI headers before VTK's reader, which crashes on impossible dimensions.
 #pragma once
 #include <string>
 

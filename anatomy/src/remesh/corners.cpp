@@ -11,14 +11,14 @@
 namespace anatomy {
 namespace {
 
-constexpr double slack = 0.4;      // degrees below the wanted corner that are not worth another pass
+constexpr double slack = 0.4;      // degrees below the wanted corner for which another pass is not worth its time
 constexpr int rings = 2;           // of vertices round a narrow triangle that may move
-constexpr int sweeps = 6;          // of moves over them
+constexpr int sweeps = 6;          // of moves over these vertices
 constexpr int directions = 6;      // tried at each step of a move
 constexpr double first_step = 0.2; // of the mean edge at the vertex
 constexpr int halvings = 4;
-constexpr double least_gain = 0.05; // degrees; less is not worth a change
-constexpr double least_move = 1e-3; // degrees; likewise, of one vertex
+constexpr double least_gain = 0.05; // degrees; a change with less gain is not kept
+constexpr double least_move = 1e-3; // degrees; the same for the move of one vertex
 constexpr double cos_turned = 0.5;  // 60 degrees: a move may not turn a triangle by more
 constexpr double cos_folded = 0.3;  // 73 degrees to the wall below
 constexpr std::size_t most_changes = 400;
@@ -43,7 +43,7 @@ struct Star {
   std::vector<Vec3> normals;
 };
 
-// The smallest corner of the star, or some corner that is not above `enough`; -1 where a triangle has turned.
+// The smallest corner of the star, or the first corner found that is not above `enough`; -1 if a triangle has turned.
 double corner_of(const Mesh& mesh, const Star& star, double enough) {
   double corner = 180;
   for (std::size_t i = 0; i < star.faces.size() && corner > enough; ++i) {
@@ -54,7 +54,7 @@ double corner_of(const Mesh& mesh, const Star& star, double enough) {
   return corner;
 }
 
-// Moves v on the wall to where the smallest corner round it is widest (pattern search).
+// Moves v on the wall to the place with the widest smallest corner round it (pattern search).
 bool move(Mesh& mesh, const WallTree& wall, Vertex v) {
   const Vec3 normal = normal_at(mesh, v), u = normal.unitOrthogonal(), w = normal.cross(u);
   Star star;
@@ -73,7 +73,7 @@ bool move(Mesh& mesh, const WallTree& wall, Vertex v) {
       const Point before = mesh.point(v);
       const double aim = best + least_move;
       mesh.point(v) = point(vec(before) + step * (std::cos(angle) * u + std::sin(angle) * w));
-      if (corner_of(mesh, star, aim) > aim) { // worth the search for the nearest point of the wall
+      if (corner_of(mesh, star, aim) > aim) { // only then is the nearest point of the wall searched
         mesh.point(v) = wall.nearest(mesh.point(v));
         if (const double corner = corner_of(mesh, star, aim); corner > aim) {
           best = corner;
@@ -131,7 +131,7 @@ struct AngleOptimiser {
   const WallTree& wall;
   double wanted;
   bool careful;
-  std::set<Face> hopeless; // at their best already
+  std::set<Face> hopeless; // cannot be improved
 
   std::set<Vertex> around(Face f) const {
     std::set<Vertex> patch;
@@ -210,7 +210,7 @@ struct AngleOptimiser {
       mesh = std::move(best);
   }
 
-  // Triangles at these vertices that do not lie along the wall, as some at a sharp carina never do.
+  // Triangles at these vertices that are not along the wall. At a sharp carina some never are.
   std::size_t folded(const Mesh& in, const std::set<Vertex>& patch) const {
     std::set<Face> faces;
     for (Vertex v : patch)

@@ -15,15 +15,15 @@ namespace PMP = CGAL::Polygon_mesh_processing;
 
 constexpr double edge_per_radius = 0.3;
 constexpr double largest_edge_per_radius = 0.8; // eight edges round the narrowest throat
-constexpr double thinnest = 0.05;               // mm; shorter edges only where a shorter `edge` asks for them
+constexpr double thinnest = 0.05;               // mm; shorter edges only for a shorter `edge`
 constexpr double growth = 0.3;                  // of the edge, mm per mm along the wall
-// CGAL's remeshing tolerates edges of 0.8 to 1.33 of its target: at this step a level's edges suit its neighbour's.
+// CGAL's remeshing accepts edges of 0.8 to 1.33 of its target. With this step a level's edges suit the next level too.
 constexpr double level_step = 0.85;
 constexpr double good_corner = 30;    // degrees
-constexpr double aimed_corner = 30.5; // so that writing and reading leave 30
-constexpr double shortest = 0.5;      // of the length wanted: what remeshing itself leaves in one of 10^4 triangles
-constexpr double longest = 1.6;       // likewise
-constexpr int rings_beside = 3;       // of triangles remeshed beside those that need it
+constexpr double aimed_corner = 30.5; // more than 30, which must remain after writing and reading
+constexpr double shortest = 0.5;      // of the wanted length; remeshing itself leaves one in 10^4 triangles outside
+constexpr double longest = 1.6;       // the same
+constexpr int rings_beside = 3;       // of triangles round those to remesh, which are remeshed too
 constexpr double off_wall = 1e-6;     // mm
 constexpr double mostly = 1.0 / 3;
 
@@ -63,7 +63,7 @@ struct Remesher {
   Remesher(const Mesh& start, const Mesh& smooth, const EdgeField& lengths)
       : mesh(start), original(start), surface(smooth), wall(smooth), given(original), field(lengths) {}
 
-  // Faces, away from the rims, where the original was to be remeshed and at most this length is wanted.
+  // Faces away from the rims, at places that are to be remeshed with at most this length.
   std::vector<Face> faces_up_to(double length) const {
     std::vector<Face> faces;
     for (Face f : mesh.faces()) {
@@ -76,7 +76,7 @@ struct Remesher {
     return faces;
   }
 
-  // All faces, the caps' too, where at least this length is wanted.
+  // All faces, also of caps, where the wanted length is at least this.
   std::vector<Face> faces_from(double length) const {
     std::vector<Face> faces;
     for (Face f : mesh.faces())
@@ -85,7 +85,7 @@ struct Remesher {
     return faces;
   }
 
-  // Every step flips and relaxes; `resize` splits and collapses, too.
+  // Every step flips edges and relaxes vertices; with `resize` it also splits and collapses edges.
   void remesh(const std::vector<Face>& faces, double target, unsigned iterations, bool resize) {
     RegionMap region = region_map(mesh);
     auto rim = mark_rims(mesh);
@@ -100,7 +100,7 @@ struct Remesher {
                                  .projection_functor([&](Vertex v) { return on_wall(mesh, v, wall); }));
     mesh.remove_property_map(rim);
     mesh.collect_garbage();
-    // CGAL does not project the vertices by which it splits the faces' border; vertices on the wall keep their bits
+    // CGAL does not project new vertices on the border of the faces; vertices already on the wall keep their bits
     for (Vertex v : mesh.vertices())
       if (const Point p = on_wall(mesh, v, wall); CGAL::squared_distance(p, mesh.point(v)) > off_wall * off_wall)
         mesh.point(v) = p;

@@ -1,5 +1,5 @@
-// Shorter edges where the vessel is narrow: a throat gets as many edges round it as the healthy vessel, a thin branch
-// enough to keep its area.
+// Makes edges shorter where the vessel is narrow. A throat gets as many edges round it as the healthy vessel, and a
+// thin branch enough to keep its area.
 #pragma once
 #include "core/wall_tree.hpp"
 #include "measure/lesions.hpp"
@@ -15,8 +15,8 @@ public:
   /// Round each sample of the axes the edge is `edge` (mm) times R / R_reference, with these limits:
   /// - at most 0.3 R, since a tube of chords e loses (e/R)^2 / 6 of its area;
   /// - at least smallest_edge_factor times `edge`;
-  /// - in a throat so narrow that fewer than eight of those would go round it: 0.8 R, but at least 0.05 mm.
-  /// It grows by 0.3 mm for each mm of distance from there, so that neighbouring triangles are alike.
+  /// - in a throat so narrow that fewer than eight such edges would go round it: 0.8 R, but at least 0.05 mm.
+  /// It grows by 0.3 mm for each mm of distance from the sample, so that neighbouring triangles are of similar size.
   EdgeField(double edge, const std::vector<Branch>& branches, const std::vector<ReferenceProfile>& profiles);
   double at(const Vec3& p) const; ///< mm, at most `edge`
   double edge() const { return edge_; }
@@ -31,18 +31,18 @@ private:
 };
 
 /// A copy of the tagged `mesh`, whose edges are uniform and as long as field.edge(). Where `field` asks for shorter
-/// edges its wall is remeshed to them, in nested steps by a factor of 0.85. Corners are then widened to 30 degrees.
+/// edges, the wall is remeshed to them in nested steps by a factor of 0.85. Corners are then widened to 30 degrees.
 /// Vertices are projected on the wall of `surface`, the smooth surface that `mesh` was made from. Caps, rims and the
 /// wall's triangles at the rims stay. Throws ComputationError as remeshed().
 Mesh graded(const Mesh& mesh, const Mesh& surface, const EdgeField& field);
 
-/// Likewise of a `mesh` of a uniform shorter `edge` (mm), as a narrow throat needs: made coarser, in nested steps,
-/// where `field` allows it.
+/// The same for a `mesh` of a uniform shorter `edge` (mm), which a narrow throat needs. It is made coarser, in nested
+/// steps, where `field` allows it.
 Mesh coarsened(const Mesh& mesh, double edge, const Mesh& surface, const EdgeField& field);
 
-/// Likewise of a mesh that was graded before and deformed since. It is remeshed only in two places and next to them:
-/// where edges are no longer 0.5 to 1.6 times as long as wanted, and where corners are below 30 degrees. Nothing is
-/// returned where that would be more than a third of the triangles: such a mesh is to be remeshed as a whole.
+/// The same for a mesh that was graded before and deformed since. It is remeshed only where edges are no longer 0.5 to
+/// 1.6 times the wanted length or corners are below 30 degrees, and next to these places. Returns nothing if this
+/// concerns more than a third of the triangles; such a mesh should be remeshed as a whole.
 std::optional<Mesh> regraded(const Mesh& mesh, const Mesh& surface, const EdgeField& field);
 
 } // namespace anatomy

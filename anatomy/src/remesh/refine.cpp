@@ -7,12 +7,12 @@ namespace {
 namespace PMP = CGAL::Polygon_mesh_processing;
 
 constexpr double cos_sharp = 0.8;             // 37 degrees
-constexpr double largest_bulge = 0.01;        // mm; at a blunt crease the normals overstate how far the wall bulges
-constexpr double cos_turn = 0.98;             // 0.2 rad: what an edge of a fifth of the radius turns by
-constexpr double thin_share = 0.03;           // of the wall's area: a side branch counts
-constexpr std::size_t most_to_split = 150000; // noise of so fine a surface turns as much, and costs four times this
+constexpr double largest_bulge = 0.01;        // mm; at a blunt crease the normals give too large a bulge
+constexpr double cos_turn = 0.98;             // 0.2 rad, the turn of an edge of a fifth of the radius
+constexpr double thin_share = 0.03;           // of the wall's area, so that a side branch counts
+constexpr std::size_t most_to_split = 150000; // triangles; on finer surfaces noise turns as much, and splitting is slow
 
-// Of the wall's faces alone, so that a rim's normal is the tube's; zero inside a cap.
+// Vertex normals of the wall's faces only, so that a rim's normal is the tube's; zero inside a cap.
 std::vector<Vec3> wall_normals(const Mesh& mesh) {
   const RegionMap region = region_map(mesh);
   std::vector<Vec3> normals(mesh.number_of_vertices(), Vec3::Zero());
@@ -34,7 +34,7 @@ std::vector<Vec3> wall_normals(const Mesh& mesh) {
 
 Vec3 middle(const Vec3& p, const Vec3& q, const Vec3& np, const Vec3& nq) {
   const Vec3 straight = 0.5 * (p + q);
-  if (np.dot(nq) < cos_sharp) // also where one is zero: inside a cap
+  if (np.dot(nq) < cos_sharp) // also true inside a cap, where a normal is zero
     return straight;
   const Vec3 d = q - p, bulge = (d.dot(nq) * nq - d.dot(np) * np) / 8; // Hermite: (t_p - t_q) / 8
   return straight + std::min(1.0, largest_bulge / std::max(bulge.norm(), largest_bulge)) * bulge;

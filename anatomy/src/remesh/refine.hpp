@@ -1,4 +1,4 @@
-// A finer, curved copy of a coarse surface: flat triangles lie inside a convex wall and make every section too small.
+// Makes a finer, curved copy of a coarse surface. Flat triangles lie inside a convex wall and make sections too small.
 #pragma once
 #include "core/types.hpp"
 
@@ -11,9 +11,9 @@ namespace anatomy {
 /// straight. Tags are kept.
 Mesh curved_refined(const Mesh& mesh);
 
-/// Whether the chords matter. They do where the mean edge is above 0.12 of the mean radius 2 V/A: the area is then off
-/// by (e/R)^2 / 6 = 0.24 %. They also do where 3 % of the wall lies in triangles across which it turns by more than
-/// 0.15 rad, as in a thin branch of an otherwise fine surface.
+/// Whether the triangles' chords make sections too small. They do if the mean edge is above 0.12 of the mean radius
+/// 2 V/A, since the area is then off by (e/R)^2 / 6 = 0.24 %. They also do if the wall turns by more than 0.2 rad
+/// across triangles that make up 3 % of it, as in a thin branch of an otherwise fine surface.
 bool is_coarse(const Mesh& mesh);
 
 } // namespace anatomy

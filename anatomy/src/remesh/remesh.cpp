@@ -24,7 +24,7 @@ Mesh remeshed(const Mesh& mesh, double edge, const Mesh& surface) {
   const WallTree wall(surface);
   RegionMap region = region_map(out);
   auto rim = mark_rims(out);
-  // relaxing the rims as well shrinks them at every iteration until caps and wall cross
+  // rims are not relaxed: they would shrink at every iteration until caps and wall cross
   PMP::isotropic_remeshing(out.faces(), edge, out,
                            CGAL::parameters::number_of_iterations(8)
                                .number_of_relaxation_steps(2)
@@ -50,7 +50,7 @@ void untangle(Mesh& mesh) {
   Mesh copy = mesh;
   PMP::experimental::remove_self_intersections(copy);
   copy.collect_garbage();
-  // a ball's topology: nothing fused, nothing torn
+  // the topology must be a ball's, so that nothing has fused or torn
   const bool sound = CGAL::is_closed(copy) && !PMP::does_self_intersect(copy) && on_caps(copy) == on_caps(mesh) &&
                      copy.number_of_vertices() + copy.number_of_faces() == copy.number_of_edges() + 2;
   if (sound)

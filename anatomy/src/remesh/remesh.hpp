@@ -1,4 +1,4 @@
-// Uniform remeshing that keeps the caps' rims, and the quality of the result.
+// Uniform remeshing that keeps the caps' rims, and measures of the mesh's quality.
 #pragma once
 #include "core/wall_tree.hpp"
 
@@ -9,11 +9,11 @@ namespace anatomy {
 /// crosses itself or is not closed.
 Mesh remeshed(const Mesh& mesh, double edge, const Mesh& surface);
 
-/// Where v belongs: the nearest point of the wall, but on caps and rims its own place.
+/// The place of v after projection: the nearest point of the wall; on caps and rims its own place.
 Point on_wall(const Mesh& mesh, Vertex v, const WallTree& wall);
 
 /// Repairs self-intersections of a closed, tagged mesh without changing its caps or its topology (CGAL's local
-/// remeshing), as a wall rougher than its edges leaves them; where that fails the mesh stays as it is.
+/// remeshing). A wall rougher than its edges has such intersections. If the repair fails the mesh is not changed.
 void untangle(Mesh& mesh);
 
 /// Throws ComputationError if the mesh, remeshed at `edge` mm, crosses itself or is not closed.

@@ -14,8 +14,8 @@ constexpr std::size_t most_edges = 250;
 
 using Ring = std::vector<Vertex>;
 
-// Adds the triangles of the best filling of a ring, ordered so that at least two sides of each are the ring's or an
-// earlier triangle's.
+// Adds the triangles of the best filling of a ring. They are ordered so that at least two sides of each belong to the
+// ring or to an earlier triangle.
 bool add_filling(const Mesh& mesh, const Ring& ring, std::vector<std::array<Vertex, 3>>& triangles) {
   if (ring.size() < 3)
     return true;
@@ -34,7 +34,7 @@ bool add_filling(const Mesh& mesh, const Ring& ring, std::vector<std::array<Vert
   return found.size() == ring.size() - 2;
 }
 
-// Fills a large ring in parts: the pieces that chords over every few edges cut off, and the ring of the chords.
+// Fills a large ring in parts. Chords over every few edges cut off pieces; these and the ring of the chords are filled.
 std::vector<Face> filled_in_parts(Mesh& mesh, const Ring& ring) {
   const std::size_t step = (ring.size() + most_edges - 1) / most_edges;
   std::vector<std::array<Vertex, 3>> triangles;
@@ -53,7 +53,7 @@ std::vector<Face> filled_in_parts(Mesh& mesh, const Ring& ring) {
   for (const auto& [a, b, c] : triangles)
     if (const Face f = mesh.add_face(a, b, c); f != Mesh::null_face()) {
       faces.push_back(f);
-    } else { // an edge that the wall has already
+    } else { // the wall already has an edge of the triangle
       for (Face g : faces)
         CGAL::Euler::remove_face(mesh.halfedge(g), mesh);
       return {};
@@ -106,7 +106,7 @@ std::size_t divided(Mesh& mesh, Halfedge border, double tolerance) {
   std::size_t count = 0;
   for (Halfedge h : edges)
     for (const Point& p : points_on(mesh, ring, h, tolerance)) {
-      const Halfedge before = CGAL::Euler::split_edge(h, mesh); // h goes on from the new vertex
+      const Halfedge before = CGAL::Euler::split_edge(h, mesh); // h now starts at the new vertex
       mesh.point(mesh.target(before)) = p;
       const Halfedge inside = mesh.opposite(h); // its face is a quadrangle now
       CGAL::Euler::split_face(inside, mesh.next(mesh.next(inside)), mesh);
@@ -116,7 +116,8 @@ std::size_t divided(Mesh& mesh, Halfedge border, double tolerance) {
 }
 
 std::vector<Face> capped(Mesh& mesh, const Loop& loop) {
-  // CGAL sums the normals of the loop's triangles, turned towards positive x: turned so that none of them is near zero
+  // CGAL orients the normals of the loop's triangles towards positive x and sums them. The loop is turned so that no
+  // component of its normal is near zero.
   const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(loop.normal, Vec3::Ones());
   auto turned = mesh.add_property_map<Vertex, Point>("v:turned").first;
   for (Vertex v : mesh.vertices())

@@ -23,7 +23,7 @@ double mean_edge(const Mesh& mesh) {
   return sum / static_cast<double>(mesh.number_of_edges());
 }
 
-// The faces within `reach` of vertex v that hang together with it.
+// The faces within `reach` of vertex v that are connected to it.
 std::set<Face> patch_round(const Mesh& mesh, Vertex v, double reach) {
   const Vec3 centre = vec(mesh.point(v));
   std::set<Face> patch;
@@ -73,7 +73,7 @@ bool is_one_loop(const Mesh& mesh, const std::vector<Halfedge>& rim) {
   return steps == rim.size();
 }
 
-// Of a patch with one rim: how many handles it holds.
+// Number of handles in a patch with one rim.
 long genus(const Mesh& mesh, const std::set<Face>& patch, std::size_t rim) {
   std::set<Vertex> vertices;
   for (Face f : patch)
@@ -83,7 +83,7 @@ long genus(const Mesh& mesh, const std::set<Face>& patch, std::size_t rim) {
   return (1 - (static_cast<long>(vertices.size()) - edges + static_cast<long>(patch.size()))) / 2;
 }
 
-// Cuts the smallest patch with a handle out and closes its rim; the number of handles removed.
+// Cuts out the smallest patch with a handle and closes its rim. Returns the number of handles removed.
 long close_patch(Mesh& mesh, Vertex v, double edge, double largest) {
   for (double edges : patch_edges) {
     const std::set<Face> patch = patch_round(mesh, v, std::min(edges * edge, largest));
@@ -118,7 +118,7 @@ void remove_small_handles(Mesh& mesh, std::vector<Repair>& repairs) {
   for (int round = 0; round < most_rounds; ++round) {
     long now = 0;
     for (Vertex v : places_on_handles(mesh)) {
-      if (mesh.is_removed(v)) // with a patch before
+      if (mesh.is_removed(v)) // with an earlier patch
         continue;
       const Vec3 here = vec(mesh.point(v));
       const long closed = close_patch(mesh, v, edge, largest);

@@ -1,12 +1,12 @@
-// Small handles of a closed surface, as noise leaves where it is contoured.
+// Removes small handles of a closed surface, which come from noise in the contoured image.
 #pragma once
 #include "core/types.hpp"
 
 namespace anatomy {
 
-/// Cuts out and closes every small handle, a tunnel through the wall's roughness. It must lie within a patch of the
-/// surface with one rim, of at most 0.35 mean radii of the vessel round a place on the handle. Larger handles, as of
-/// vessels that fuse, stay. Notes the change in `repairs`. The closed mesh must be one component without removed
+/// Cuts out and closes every small handle, a tunnel through the wall's roughness. Small means within a patch of the
+/// surface with one rim, of at most 0.35 mean radii of the vessel round a place on the handle. Larger handles, such as
+/// of fused vessels, stay. Reports the change in `repairs`. The closed mesh must be one component without removed
 /// elements.
 void remove_small_handles(Mesh& mesh, std::vector<Repair>& repairs);
 

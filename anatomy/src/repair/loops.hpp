@@ -12,12 +12,13 @@ struct Loop {
   double area = 0;            ///< projected on that plane, mm2
 };
 
-constexpr double smallest_end = 0.15; ///< mm, radius; what a cut leaves open where it grazes a rough wall is smaller
+constexpr double smallest_end = 0.15; ///< mm, radius; openings where a cut grazes a rough wall are smaller
 
 /// The loops in a stable order (by their first halfedge).
 std::vector<Loop> boundary_loops(const Mesh& mesh);
 
-/// True for the mouth of a tube: the wall leaves the rim along the rim's normal (mean |n_face . n_loop| < 0.6).
+/// Whether the loop is the opening of a tube: the wall leaves the rim along the rim's normal (mean |n_face . n_loop| <
+/// 0.6).
 bool is_open_end(const Mesh& mesh, const Loop& loop);
 
 } // namespace anatomy

@@ -49,7 +49,7 @@ Mesh oriented_mesh(const Soup& soup, std::vector<Repair>& repairs) {
   return mesh;
 }
 
-// A component of comparable size is likely another vessel, not a speck: its place and the kept one's are said.
+// Warns of components of comparable size, which are likely other vessels. Reports their places and the kept one's.
 void warn_of_vessels(const Mesh& mesh, const ComponentMap& component, const std::vector<double>& area,
                      std::size_t largest, std::vector<Repair>& repairs) {
   std::vector<Vec3> centre(area.size(), Vec3::Zero());
@@ -92,7 +92,7 @@ void keep_largest_component(Mesh& mesh, std::vector<Repair>& repairs) {
   mesh.remove_property_map(component);
 }
 
-// Edges divided on one side only leave a hole without width, which no triangles fill.
+// Edges divided on only one side make a hole without width, which triangles cannot fill.
 void close_t_junctions(Mesh& mesh, double tolerance, std::vector<Repair>& repairs) {
   std::size_t count = 0;
   for (const Loop& loop : boundary_loops(mesh))
@@ -140,7 +140,7 @@ Mesh repaired(const Soup& soup, std::vector<Repair>& repairs) {
 }
 
 void orient_outward(Mesh& mesh, std::vector<Repair>& repairs) {
-  // by the volume: CGAL's own test looks at the highest vertex alone, where a rough wall may be folded
+  // by the volume, since CGAL's own test uses only the highest vertex, where a rough wall may be folded
   if (PMP::volume(mesh) >= 0)
     return;
   PMP::reverse_face_orientations(mesh);

@@ -8,11 +8,11 @@ namespace {
 namespace PMP = CGAL::Polygon_mesh_processing;
 
 constexpr double least_slope = 0.5;         // edges: 27 degrees all round
-constexpr double least_radii = 0.15;        // mean radii of the lumen: less hardly changes a section
+constexpr double least_radii = 0.15;        // mean radii of the lumen; a lower spike hardly changes a section
 constexpr double least_outlier = 8;         // times the scatter of the vertices round it
-constexpr double worth_a_look = 0.35;       // edges
-constexpr std::size_t most_neighbours = 12; // the apex of a fan over a whole end stands out, too
-constexpr Eigen::Index most_unknowns = 6;   // of a quadric; three more points show how they scatter
+constexpr double worth_a_look = 0.35;       // edges above the ring; lower vertices are not examined
+constexpr std::size_t most_neighbours = 12; // more has the apex of a fan over a whole end, which is no spike
+constexpr Eigen::Index most_unknowns = 6;   // of a quadric; three more points are needed for the scatter
 
 struct Ring {
   std::vector<Vertex> vertices; // in order
@@ -42,8 +42,8 @@ double over_ring(const Mesh& mesh, Vertex v, const Ring& ring) {
   return ring.normal.dot(Vec3(vec(mesh.point(v)) - ring.mean));
 }
 
-// The height of v over the quadric fitted to the two rings round it, and the scatter of these about it; no height where
-// they are too few.
+// The height of v over the quadric fitted to the two rings of vertices round it, and their scatter about it. The height
+// is 0 if they are too few.
 std::pair<double, double> over_quadric(const Mesh& mesh, Vertex v, const Ring& ring) {
   std::vector<Vertex> around = ring.vertices;
   for (Vertex w : ring.vertices)
@@ -67,7 +67,7 @@ std::pair<double, double> over_quadric(const Mesh& mesh, Vertex v, const Ring& r
   return {-fit[0], scatter};
 }
 
-// Whether a cap touches the vertex or one beside it.
+// Whether a cap touches the vertex or its ring.
 bool near_cap(const Mesh& mesh, const RegionMap& region, const Ring& ring) {
   for (Vertex w : ring.vertices)
     for (Face f : mesh.faces_around_target(mesh.halfedge(w)))
@@ -115,7 +115,7 @@ Roughness roughness_of(const Mesh& mesh) {
   for (Vertex v : mesh.vertices()) {
     const Ring ring = ring_of(mesh, v);
     const double n = static_cast<double>(ring.vertices.size());
-    off.push_back(over_ring(mesh, v, ring) / std::sqrt(1 + 1 / n)); // the neighbours' mean scatters, too
+    off.push_back(over_ring(mesh, v, ring) / std::sqrt(1 + 1 / n)); // 1 / n: the neighbours' mean also scatters
     mean += off.back() / static_cast<double>(mesh.number_of_vertices());
     out.edge += ring.edge / static_cast<double>(mesh.number_of_vertices());
   }

@@ -7,7 +7,7 @@
 namespace anatomy {
 namespace {
 
-// The mesh's edges in both directions, by their length.
+// The graph of the mesh's edges in both directions, with their lengths as costs.
 WayGraph edge_graph(const Mesh& mesh) {
   std::vector<WayGraph::Link> links;
   std::vector<double> lengths;
@@ -22,7 +22,7 @@ std::size_t farthest(const std::vector<double>& d) {
   return static_cast<std::size_t>(std::max_element(d.begin(), d.end()) - d.begin());
 }
 
-// The distance of every vertex from the farthest extremity, and the vertices from the highest down.
+// The distance (height) of every vertex from the farthest extremity, and the vertices in descending order of it.
 struct Sweep {
   std::size_t root = 0;
   std::vector<double> height;
@@ -63,7 +63,7 @@ std::vector<Tip> tips_of(const Mesh& mesh, double least_prominence, bool from_fa
     if (prominence >= least_prominence)
       tips.push_back({Vertex(static_cast<Mesh::size_type>(v)), prominence});
   };
-  // flooding from above: where two connected parts meet, the lower one's prominence is known
+  // vertices are added from the highest down; where two parts meet, the lower part's tip gets its prominence
   for (std::size_t v : sweep.order)
     for (Vertex w : mesh.vertices_around_target(mesh.halfedge(Vertex(static_cast<Mesh::size_type>(v))))) {
       if (!sweep.higher(w, v))
@@ -91,10 +91,11 @@ std::vector<Vertex> places_on_handles(const Mesh& mesh) {
   UnionFind higher_parts(sweep.height.size());
   std::vector<Vertex> places;
   for (std::size_t v : sweep.order) {
-    // Shortest distances have no minimum but the root, so a loop closed above v never fills: it goes round a handle.
+    // The root is the only minimum of shortest distances. So a loop that closes above v has no basin inside: it goes
+    // round a handle.
     const Vertex here(static_cast<Mesh::size_type>(v));
     std::set<std::size_t> tops;
-    std::size_t runs = 0; // of higher neighbours round v
+    std::size_t runs = 0; // number of unbroken runs of higher neighbours round v
     for (Halfedge h : mesh.halfedges_around_target(mesh.halfedge(here))) {
       const Vertex w = mesh.source(h), after = mesh.target(mesh.next(h));
       if (!sweep.higher(w, v))

@@ -1,4 +1,4 @@
-// The extremities of a closed surface: where its vessels end, whatever the shape of their ends.
+// The extremities of a closed surface, at which its vessels end, for ends of any shape.
 #pragma once
 #include "core/types.hpp"
 
@@ -10,13 +10,13 @@ struct Tip {
 };
 
 /// Vertices whose distance along the edges from the farthest extremity is a local maximum of at least this prominence
-/// (zero-dimensional persistence of that distance), that extremity included; the most prominent first. The mesh must
-/// be one component without removed elements. from_far_end: the distance is that from the vertex farthest from that
-/// extremity. A branch that leans back towards where the distance starts stands out by little or nothing.
+/// (zero-dimensional persistence of the distance), and the extremity itself; the most prominent first. A branch that
+/// leans back towards the extremity has little or no prominence. from_far_end: distances are from the vertex farthest
+/// from the extremity. The mesh must be one component without removed elements.
 std::vector<Tip> tips_of(const Mesh& mesh, double least_prominence, bool from_far_end = false);
 
-/// Vertices on handles (where the distance from an extremity closes a loop that the surface of a tree would not have),
-/// the farthest first; none if the closed mesh has no handle. The mesh must be one component without removed elements.
+/// Vertices on handles, the farthest first; none if the closed mesh has no handle. At these vertices the region farther
+/// from an extremity closes to a loop, as on no tree. The mesh must be one component without removed elements.
 std::vector<Vertex> places_on_handles(const Mesh& mesh);
 
 } // namespace anatomy

@@ -39,7 +39,7 @@ Soup welded(const Soup& soup, double tolerance, std::vector<Repair>& repairs) {
   double bounds[6] = {0, 0, 0, 0, 0, 0};
   if (box.IsValid())
     box.GetBounds(bounds);
-  // One point after another: the threads of vtkStaticPointLocator::MergePoints leave some unmerged, now and then
+  // One point after another, because the threads of vtkStaticPointLocator::MergePoints sometimes leave points unmerged
   // (VTK 9.1).
   auto locator = vtkSmartPointer<vtkPointLocator>::New();
   auto points = vtkSmartPointer<vtkPoints>::New();

@@ -1,4 +1,4 @@
-// Steps of the repair that work on a triangle soup, before it is a mesh.
+// Steps of the repair that work on unconnected triangles, before they are a mesh.
 #pragma once
 #include "core/types.hpp"
 

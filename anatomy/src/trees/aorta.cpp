@@ -10,36 +10,36 @@ namespace anatomy {
 namespace {
 
 constexpr double trunk_radius = 4.5;   // mm: wider than 9 mm
-constexpr double least_length = 4.5;   // mm out of the trunk: corners of its ends and bulges of its sinuses are shorter
-constexpr double widest_coronary = 12; // mm, of ectasias that are not one sac
-constexpr double aorta_with_one_end = 18; // mm: one closed at its valve; narrower are sacs of coronary arteries, too
+constexpr double least_length = 4.5;   // mm out of the trunk; corners of its ends and bulges of its sinuses are shorter
+constexpr double widest_coronary = 12; // mm, diameter of ectatic arteries, except for single sacs
+constexpr double aorta_with_one_end = 18; // mm, if closed at the valve; narrower ones may be sacs of coronary arteries
 constexpr double most_at_ostium = 9;      // mm
 constexpr double least_at_ostium = 0.8;   // mm
 constexpr std::size_t enough_vertices = 60000, few_vertices = 3000;
 constexpr double next_plane = 0.25;      // radii between planes that are tried
 constexpr double still_narrowing = 1.15; // ratio of the balls' radii over one radius of the funnel behind an ostium
 constexpr double like_section = 1.25;    // ratio of areas half a radius apart
-constexpr double own_section = 2.5;      // ball's areas: larger ones run out into the aorta
-constexpr double covers = 1.15;          // of the section's reach from its centre
+constexpr double own_section = 2.5;      // areas of the ball's circle; a larger section extends into the aorta
+constexpr double covers = 1.15;          // half width of the plane over the section's reach from its centre
 constexpr double longest_funnel = 20;    // mm
-constexpr double ascending = 15;         // mm of the trunk that show where the arch is
-constexpr double beside_tree = 2;        // radii from a tree's balls: one of its own ends
-constexpr double beside_tip = 4;    // radii from a tree's balls: the corner of a cap is one and a half from the last
-constexpr double lost_vessel = 10;  // mm along the surface that a vessel stands out by
-constexpr double nearer_root = 1.3; // ratio of the ways to the trunk's two ends
+constexpr double ascending = 15;         // mm of the trunk, from which the direction to the arch is taken
+constexpr double beside_tree = 2;        // radii from a tree's balls, within which an end is the tree's own
+constexpr double beside_tip = 4;    // the same for tips; the corner of a cap is one and a half radii from the last ball
+constexpr double lost_vessel = 10;  // mm, prominence of a vessel along the surface
+constexpr double nearer_root = 1.3; // least ratio of the ostia's distances to the trunk's two ends
 constexpr double least_angle = 60, most_angle = 165; // degrees between the ostia round the aorta
 
 std::size_t every_for(const Mesh& mesh, std::size_t vertices) {
   return mesh.number_of_vertices() / vertices + 1;
 }
 
-// Whether a ball of this radius may fit: balls through a part of the vertices only are never smaller.
+// Whether a ball of this radius may fit. The test uses only a part of the vertices, by which no ball becomes smaller.
 bool may_hold(const Mesh& mesh, double radius) {
   const Balls balls = inner_balls(mesh, {}, every_for(mesh, few_vertices));
   return std::any_of(balls.radius.begin(), balls.radius.end(), [&](double r) { return r > radius; });
 }
 
-// The plane across an offshoot where the funnel of its ostium has ended; area 0 where there is none.
+// Finds the plane across an offshoot behind the funnel of its ostium. If there is none, the tree's diameter stays 0.
 void find_ostium(const Mesh& mesh, const Slices& slices, double scale, CoronaryTree& tree) {
   const BallWay& way = tree.offshoot.way;
   const double from = tree.offshoot.from, until = std::max(0.0, from - longest_funnel * scale);
@@ -61,7 +61,7 @@ void find_ostium(const Mesh& mesh, const Slices& slices, double scale, CoronaryT
   }
 }
 
-// Ends of the trunk's own: openings and flat parts as wide as a trunk.
+// The trunk's own ends: openings and flat parts as wide as a trunk. Tags them.
 std::vector<End> tagged_trunk_ends(Mesh& mesh, double radius) {
   RegionMap region = region_map(mesh);
   int next = 0;
@@ -75,7 +75,8 @@ std::vector<End> tagged_trunk_ends(Mesh& mesh, double radius) {
   return measured_ends(mesh);
 }
 
-// Unit direction along the aorta at its coronary ostia, to the arch: where its own end is farther from them.
+// Unit direction along the aorta at its coronary ostia, towards the arch, at whose side the aorta's end is farther
+// away. Nothing if both ends are about equally far.
 std::optional<Vec3> to_the_arch(const Trunk& trunk, const std::vector<End>& ends, const Vec3& ostia, double scale) {
   std::optional<Vec3> up;
   double longest = 0, shortest = 1e300;
@@ -102,7 +103,7 @@ std::optional<Vec3> to_the_arch(const Trunk& trunk, const std::vector<End>& ends
   return up;
 }
 
-// Names two trees by their order round the aorta; why that is not certain, or nothing.
+// Names two trees by their order round the aorta. Returns why the names are not certain, or an empty text.
 std::string named_by_order(const Trunk& trunk, const std::vector<End>& ends, double scale,
                            std::vector<CoronaryTree>& trees) {
   if (trees.size() != 2)

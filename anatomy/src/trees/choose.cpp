@@ -11,9 +11,9 @@ namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
 
 constexpr double tenth = 0.1;
-constexpr double aorta_in_cm = 25;     // mm at most, of its diagonal, where cm were taken for mm
-constexpr double coronary_in_cm = 0.5; // mm at most at each ostium then: narrower than what is ever treated
-constexpr double twig = 2;             // mm: no coronary tree ends so near its aorta, not even where cm were meant
+constexpr double aorta_in_cm = 25;     // mm, largest diagonal of an aorta if cm were taken for mm
+constexpr double coronary_in_cm = 0.5; // mm, largest diameter of an ostium in this case; never treated if true mm
+constexpr double twig = 2;             // mm: no coronary tree is so short, not even if cm were taken for mm
 constexpr double ostium_reach = 3;     // radii
 constexpr double outlet_reach = 3;
 
@@ -119,7 +119,7 @@ const CoronaryTree& chosen(const Aorta& aorta, const TreeChoice& choice) {
                        "trees found: " + list_of(aorta) + "; " + remedy_of(aorta));
     return *nearest;
   }
-  if (trees.size() == 1) // whatever it is called
+  if (trees.size() == 1) // regardless of its name
     return trees.front();
   if (!choice.name.empty()) {
     const auto named =

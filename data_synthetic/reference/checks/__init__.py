@@ -1,4 +1,4 @@
-"""How good the reference is: against the solid in three dimensions, against CalculiX, and with constants changed.
+"""Checks of the reference: against a solid in three dimensions, against CalculiX, and with changed constants.
 
-Checks import all other folders of the reference; nothing imports them but the command line.
+Checks import all other folders of the reference; only the command line imports them.
 """

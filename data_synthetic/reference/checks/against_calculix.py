@@ -1,7 +1,7 @@
 """The slice against CalculiX (ccx 2.20), another code: a thick ring of plaque and wall, inflated and let go.
 
-The same nodes, loads and constants: eccentric ring, plaque (J2, neo-Hookean, hardening) inside, Yeoh wall outside, a
-pressure on the lumen that follows it up to two levels and back to none.
+Both codes have the same nodes, loads and constants. The ring is eccentric, with plaque (J2, neo-Hookean, hardening)
+inside and a Yeoh wall outside. A follower pressure on the lumen rises to two levels and returns to zero.
 """
 
 import pathlib
@@ -19,7 +19,7 @@ AROUND, THROUGH = 16, 4
 INNER_MM, C10_MPA, C20_MPA, BULK_MPA = 0.8, 0.05, 0.2, 20.0
 PRESSURES_MPA = (0.045, 0.075, 0.0)
 INCREMENTS = 12  # a step of load, in both programs
-SEAT_MPA_PER_MM = 1e-7  # keeps the slice from rigid motion; in CalculiX a pinned node does
+SEAT_MPA_PER_MM = 1e-7  # support that keeps the slice from rigid motion; in CalculiX pinned nodes do so
 
 
 def ring():
@@ -59,7 +59,7 @@ def deck():
     inside = layer.depth < THROUGH // 2
     out = calculix.mesh_lines(layer, {"PLAQUE": inside, "WALL": ~inside})
     out += ["*ELSET, ELSET=INSIDE", *calculix.lines(np.flatnonzero(layer.depth == 0) + 1)]
-    # One node of the outside is pinned, the one across held on the axis about which the ring is symmetric.
+    # One node of the outside is pinned; the opposite one stays on the ring's axis of symmetry.
     out += ["*BOUNDARY", f"{layer.outside[0]}, 1, 2", f"{layer.outside[AROUND]}, 2, 2"]
     out += calculix.plaque_lines("PLAQUE", plaque.shear_mpa, plaque.yield_mpa, plaque.hardening_mpa, BULK_MPA)
     out += calculix.wall_lines("WALL", C10_MPA, C20_MPA, BULK_MPA)
@@ -81,7 +81,7 @@ def calculix_positions(program, folder):
 
 
 def compared(ours, theirs):
-    """Per load: mean radii (mm) about the centroid and the largest distance between nodes, rigid motion taken off."""
+    """For each load: mean radii (mm) about the centroid, and the largest distance between nodes without translation."""
     found = []
     for pressure, a, b in zip(PRESSURES_MPA, ours, theirs):
         a, b = a - a.mean(axis=0), b - b.mean(axis=0)

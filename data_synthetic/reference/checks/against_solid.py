@@ -1,4 +1,4 @@
-"""How far the slices are from a solid in three dimensions: the command `reference-3d`."""
+"""Difference between the slices and a solid in three dimensions: the command `reference-3d`."""
 
 import json
 import logging
@@ -17,12 +17,12 @@ from ..slices import slices
 from ..tube.procedure import TreatedTube, enclosed_area
 
 STEP_MM = 0.1
-EDGE_MM = 1.5  # round each end of the stent: judged apart
-END_MM = 1.0  # at the ends of the stretch: not judged
+EDGE_MM = 1.5  # to both sides of a stent's end: compared separately
+END_MM = 1.0  # at each end of the stretch: not compared, since the ends are held
 
 
 def parsed(text):
-    """(elements round, through, element length mm) of e.g. 12x4x1.1. Raises InputError."""
+    """(elements round, elements through, element length mm) from a text such as 12x4x1.1. Raises InputError."""
     match = re.fullmatch(r"(\d+)x(\d+)x(\d+(?:\.\d+)?)", text)
     mesh = (int(match[1]), int(match[2]), float(match[3])) if match else (0, 0, 0.0)
     if not (6 <= mesh[0] <= 48 and 2 <= mesh[1] <= 12 and 0.2 <= mesh[2] <= 3):
@@ -36,7 +36,7 @@ def parsed(text):
 
 
 def slice_profile(field, branch, s_mm):
-    """Area (n,) in mm2 of the lumen that the slices leave at arc lengths s_mm (n,)."""
+    """Area (n,) in mm2 of the lumen by the slices at arc lengths s_mm (n,)."""
     theta = 2 * np.pi * np.arange(96) / 96
     s, angle = (v.ravel() for v in np.meshgrid(s_mm, theta, indexing="ij"))
     moved = field.in_plane(s, angle) + branch.radius(s)[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
@@ -44,7 +44,8 @@ def slice_profile(field, branch, s_mm):
 
 
 def compared(s_mm, area, against, span_mm):
-    """Errors in per cent of area (n,) against another (n,) over the regions of a stented span, and of its smallest."""
+    """Errors in per cent of `area` (n,) from `against` (n,): by region about a stented span, of the smallest area in
+    it, and of the resistance."""
     error = 100 * (area / against - 1)
     away = np.minimum(np.abs(s_mm - span_mm[0]), np.abs(s_mm - span_mm[1]))
     stented = (s_mm >= span_mm[0]) & (s_mm <= span_mm[1])
@@ -69,9 +70,9 @@ def compared(s_mm, area, against, span_mm):
 
 
 def compare(scene_path, truth_path, out, meshes, settings_path=None):
-    """Writes `out`/slices_vs_3d.json: both areas along the axis, their differences, and those between the meshes.
+    """Writes `out`/slices_vs_3d.json: both areas along the axis, their differences, and differences between the meshes.
 
-    meshes: texts for `parsed`, coarse to fine; the slices are judged by the last. Raises InputError, ComputationError.
+    meshes: texts for `parsed`, coarse to fine; slices are compared with the last. Raises InputError, ComputationError.
     """
     logging.disable(logging.INFO)
     parsed_meshes = [parsed(text) for text in meshes]

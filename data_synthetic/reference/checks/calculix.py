@@ -1,7 +1,7 @@
 """CalculiX (ccx 2.20), another finite-element code: a plane-strain slice as one layer of its elements, and its run.
 
-C3D20R elements between z = 0 and HEIGHT_MM, all held in z. Its finite plasticity is that of Simo too (*PLASTIC with
-NLGEOM); its Yeoh energy penalises the volume by (J - 1)^2 where the slice has (J^2 - 1)/2 - ln J.
+C3D20R elements between z = 0 and HEIGHT_MM, all held in z. Its finite plasticity is also Simo's (*PLASTIC with NLGEOM).
+Its Yeoh energy penalises the change of volume by (J - 1)^2; the slice's has (J^2 - 1)/2 - ln J.
 """
 
 import os
@@ -22,9 +22,9 @@ TIMEOUT_S = 1800
 class Layer:
     """One layer of 20-node bricks in a ring.
 
-    coordinates: {number: (x, y, z)} mm; elements (n, 20): their nodes; column, depth (n,): which element round and
-    through the wall; lumen (2 around,), outside (2 around,): numbers of the nodes at z = 0 of the two circles; top: is
-    added to them for the nodes at z = HEIGHT_MM.
+    coordinates: {number: (x, y, z)} mm. elements (n, 20): node numbers. column, depth (n,): an element's place round
+    and through the wall. lumen (2 around,), outside (2 around,): numbers of the two circles' nodes at z = 0. top: added
+    to a number, it gives the node above at z = HEIGHT_MM.
     """
 
     coordinates: dict
@@ -36,7 +36,7 @@ class Layer:
     top: int
 
     def whole_lumen(self):
-        """Lumen nodes at all heights, sorted: (numbers (n,), which of the 2 around each lies above (n,))."""
+        """Lumen nodes at all heights, sorted: (numbers (n,), index into `lumen` of the node below each (n,))."""
         column = {int(node): place for place, node in enumerate(self.lumen)}
         levels = (0, self.top // 2, self.top)
         above = {node + level: place for node, place in column.items() for level in levels}
@@ -120,7 +120,7 @@ def wall_lines(name, c10_mpa, c20_mpa, bulk_mpa):
 
 
 def support_lines(ring, support_mpa_per_mm):
-    """Springs to the ground at the nodes of the outside, by Simpson's rule on its sides, shared by both faces."""
+    """Springs to the ground at the outer nodes of both faces, with weights by Simpson's rule on each element's side."""
     numbers, places = ring.outside, np.array([ring.coordinates[n][:2] for n in ring.outside])
     first, middle, last = places[0::2], places[1::2], np.roll(places[0::2], -1, axis=0)
     points, weights = np.polynomial.legendre.leggauss(4)

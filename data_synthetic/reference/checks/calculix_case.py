@@ -1,10 +1,10 @@
 """One slice of a patient through its whole procedure, against CalculiX: predilatation, stent, post-dilatation, recoil.
 
-The slice does the study's own steps with its devices. CalculiX has the same mesh, tissues and support, and the places
-to which each load step of the slice has moved the lumen's nodes. After each inflation and deflation two pressures are
-compared: the one that CalculiX's tissue needs to be held there, and the one of the slice's device. With the stiffness
-of tissue and device a difference of pressure becomes one of area. Devices as bodies in contact were tried: CalculiX
-2.20 did not converge while the balloon opened. Both codes take one tissue an element, that of its middle.
+The slice does the study's own steps with its devices. CalculiX has the same mesh, tissues and support; it moves the
+lumen's nodes to the slice's positions after each load step. Two pressures are compared after each inflation and
+deflation: of CalculiX's tissue on the lumen, and of the slice's devices. The stiffness of tissue and devices turns
+their difference into a difference of area. In both codes an element has one tissue, taken at its middle. Devices as
+bodies in contact were tried: CalculiX 2.20 did not converge while the balloon opened.
 """
 
 import pathlib
@@ -27,10 +27,10 @@ SIDE_POINTS, SIDE_WEIGHTS = np.polynomial.legendre.leggauss(3)
 
 
 class RecordedSlice(SliceModel):
-    """A slice that keeps of each load step its name, the lumen's nodes (mm) and the devices' mean pressure (MPa)."""
+    """A slice that records each load step's name, lumen nodes (mm), loads and mean device pressure (MPa)."""
 
     def place(self, inner_mm, outer_mm, material):
-        """As SliceModel; forgets what was recorded."""
+        """As SliceModel, and clears the record."""
         super().place(inner_mm, outer_mm, material)
         self.recorded = []
 
@@ -42,9 +42,9 @@ class RecordedSlice(SliceModel):
 
 
 def mean_pressure(lumen, loads):
-    """int p n . x ds / (2 A) in MPa over a lumen (2 around, 2) of quadratic sides, loads as a SliceModel's.
+    """Mean pressure, int p n . x ds / (2 A) in MPa, over a lumen (2 around, 2) of quadratic sides.
 
-    It is p itself where that is the same all round.
+    loads: as of a SliceModel. A uniform pressure p has the mean p.
     """
     first, middle, last = lumen[0::2], lumen[1::2], np.roll(lumen[0::2], -1, axis=0)
     total, area = 0.0, 0.0
@@ -115,7 +115,7 @@ class Section:
 
 
 def stages(recorded, steps):
-    """[(step name, "inflated" or "deflated", index of its load step)]: widest lumen of a step, and its end."""
+    """[(step name, "inflated" or "deflated", index of load step)]: the step's widest lumen, and its last load step."""
     found = []
     for step in steps:
         mine = [k for k, entry in enumerate(recorded) if entry["name"].endswith(f"step {step.name}")]
@@ -131,7 +131,7 @@ def areas(lumens):
 
 
 def compared(recorded, forces, steps):
-    """Rows: a stage's lumen area (mm2, the same in both codes), pressures (MPa) and what they mean for the area.
+    """Rows: a stage's lumen area (mm2, the same in both codes), pressures (MPa), and their difference as one of area.
 
     forces (load steps, lumen's nodes at all heights, 2, position and force each): see by_calculix.
     """
@@ -157,12 +157,12 @@ def compared(recorded, forces, steps):
 
 
 def _device_stiffness(loads):
-    """Of the devices that hold the lumen, MPa/mm."""
+    """Stiffness in MPa/mm of the devices that hold the lumen."""
     return sum(loads[f"{d}_share"] * loads[f"{d}_stiffness"] for d in ("balloon", "stent") if loads[f"{d}_radius"])
 
 
 def _tissue_stiffness(recorded, index):
-    """Change of pressure over that of the radius (MPa/mm) in the load step before."""
+    """Change of pressure over change of radius (MPa/mm) in load step `index`."""
     radius = np.sqrt(areas(np.stack([entry["lumen"] for entry in recorded[index - 1 : index + 1]])) / np.pi)
     change = recorded[index]["pressure"] - recorded[index - 1]["pressure"]
     return change / (radius[1] - radius[0]) if abs(radius[1] - radius[0]) > 1e-6 else 0.0
@@ -193,7 +193,7 @@ def compare(scene_path, truth_path, out, program="ccx", s_mm=None, settings_path
 
 
 def by_slice(section, steps, s_mm, settings):
-    """What a RecordedSlice records of the steps."""
+    """The records of a RecordedSlice that does the steps."""
     model = RecordedSlice(settings["elements_around"], section.through, *(settings[key] for key in SETTING_KEYS))
     model.place(section.inner, section.outer, section.material)
     procedure.treat(model, steps, s_mm, settings, True, "section")

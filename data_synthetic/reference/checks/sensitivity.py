@@ -1,7 +1,8 @@
-"""How much the reference's answer depends on each of its constants that are choices, one varied at a time.
+"""Sensitivity of the reference to each constant that is a choice; one is varied at a time.
 
-Areas from three slices of the stented stretch, at its quarters; curvature of the whole stented axis from the
-straightening beam. An area does not know the beam's constants, the beam none of the slices' but the support.
+Areas are of three slices, at the quarters of the stented stretch. Curvature is of the whole stented axis after the
+straightening beam. Slices do not depend on the beam's constants; of the slices' constants the beam uses the support
+only.
 """
 
 import csv

@@ -1,4 +1,4 @@
-"""Cross-sections in plane strain: mesh, model, where they lie and how they are solved, and their own error.
+"""Cross-sections in plane strain: mesh, model, positions, solution, and error estimate.
 
-They build on solid, treatment and surface.
+The modules build on solid, treatment and surface.
 """

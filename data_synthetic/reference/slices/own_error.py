@@ -1,4 +1,4 @@
-"""The reference's own error of the lumen's area: its elements, its load steps, and the distance of its slices."""
+"""Estimated numerical error of the reference's lumen area: by elements, load steps and the spacing of slices."""
 
 import sys
 
@@ -13,9 +13,10 @@ FEWEST_FOR_SPACING = 5
 def estimate(records, settings, area_with):
     """The document `error_estimate` of reference.json; all errors in per cent of a slice's area.
 
-    records: slices as solved; area_with(refinement, settings, s_mm, stented) -> mm2: a slice again, with `refinement`
-    times the elements. `slices`: some of them with half the load step (step_percent: as solved against that) and with
-    twice the elements besides (mesh_percent: half the step against both). Spacing: each slice left out (`missed`).
+    records: the solved slices. area_with(refinement, settings, s_mm, stented) -> mm2 solves a slice again, with
+    `refinement` times the elements. `slices` in the document are some of them solved again. step_percent compares the
+    record with half the load step. mesh_percent compares half the load step with half the step and twice the elements.
+    The error by spacing is the change if a slice is left out (`missed`).
     """
     stented = sorted((r for r in records if r["stented"]), key=lambda r: r["s_mm"])
     pool = stented or sorted(records, key=lambda r: r["s_mm"])
@@ -32,7 +33,7 @@ def estimate(records, settings, area_with):
 
 
 def _picked(pool, count):
-    """`count` slices: the tightest, then evenly over the others."""
+    """`count` slices: the narrowest one before the procedure, then others at even intervals."""
     if count == 0:
         return []
     tightest = int(np.argmin([r["radius_before_mm"] for r in pool]))

@@ -1,4 +1,4 @@
-"""Where the slices lie, the solution of one slice, and the lumen's deformation from all of them."""
+"""Positions of the slices, the solution of one slice, and the lumen's deformation from all slices."""
 
 import sys
 
@@ -31,7 +31,10 @@ class Patient:
 
 
 def slice_positions(axis_length_mm, steps, spacing_mm, margin_mm):
-    """Arc lengths (free slices (n,), [(start, end, held slices)]): even, with one at each end of a stented span."""
+    """Arc lengths in mm: (slices without a stent (n,), [(start, end, slices with the stent)] for each stented span).
+
+    They are evenly spaced, with one at each end of a stented span.
+    """
     low = min(step.balloon.reach()[0] for step in steps) - margin_mm
     high = max(step.balloon.reach()[1] for step in steps) + margin_mm
     low, high = max(low, 0.5), min(high, axis_length_mm - 0.5)
@@ -40,7 +43,7 @@ def slice_positions(axis_length_mm, steps, spacing_mm, margin_mm):
         return np.linspace(a, b, max(int(np.ceil((b - a) / spacing_mm)), 2) + 1)
 
     held = [(a, b, even(a, b)) for a, b in spans(steps)]
-    # Without the stent slices matter outside the spans only, and at their ends.
+    # Slices without the stent are needed only outside the spans and at their ends.
     free, start = [], low
     for a, b, _ in held:
         free += [even(start, a)] if a - start > 0.05 else [[a]]
@@ -89,7 +92,7 @@ def solve(model, patient, steps, s_mm, settings, stented):
 def lumen_field(model, patient, steps, settings):
     """(LumenDeformation, records, arc lengths of the slices without a stent (n,)) from all slices of the branch.
 
-    Stented spans get slices between the even ones where these do not follow the area (`own_error.missed`).
+    Stented spans get more slices where the even ones do not resolve the area (`own_error.missed`).
     """
     free_s, stretches = slice_positions(
         patient.branch.axis.length_mm, steps, settings["slice_spacing_mm"], settings["margin_mm"]

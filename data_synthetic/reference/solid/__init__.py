@@ -1,4 +1,4 @@
-"""The solid: constants of its materials, where the tissue lies, its laws, load steps by Newton's method.
+"""The solid: constants and laws of its materials, places of the tissues, load steps by Newton's method.
 
-It knows no slice and no tube.
+It imports neither the slices nor the tube.
 """

@@ -1,12 +1,12 @@
 """Finite-strain solid in plane strain, as UFL: Yeoh wall mixed with a plaque of multiplicative J2 plasticity.
 
-Source of the return mapping: J. C. Simo, T. J. R. Hughes, Computational Inelasticity (1998), box 9.1: neo-Hookean,
-isochoric-volumetric split, radial return in the Kirchhoff stress; closed form, so the tangent is UFL's derivative.
+Source of the return mapping: J. C. Simo, T. J. R. Hughes, Computational Inelasticity (1998), box 9.1 (neo-Hookean,
+isochoric-volumetric split, radial return in the Kirchhoff stress). It has a closed form, so UFL derives the tangent.
 """
 
 import ufl
 
-DEVIATORIC_DEGREE, VOLUMETRIC_DEGREE = 5, 3  # full 3x3 Gauss points, and 2x2 against volumetric locking
+DEVIATORIC_DEGREE, VOLUMETRIC_DEGREE = 5, 3  # 3x3 Gauss points; 2x2 for the volumetric part, against locking
 
 
 def deformation_gradient(u):

@@ -1,12 +1,13 @@
 """Constants of the reference's tissues, with their sources and the ranges found there. Fixed before any comparison.
 
-No value is taken over from a paper as it stands. Each is a choice within the range of the papers named, or its distance
-from that range is stated. The papers were read in their abstracts, and what they measured is not always what a model
-needs. MPa throughout. Plaque: neo-Hookean, multiplicative J2 plasticity with linear isotropic hardening. Wall: Yeoh.
+No value is copied from a paper. Each is a choice within the range of the papers named, or its distance from that range
+is stated. Only abstracts of the papers were read, and the measured quantities are not always a model's constants. All
+stresses are in MPa. Plaque: neo-Hookean, multiplicative J2 plasticity with linear isotropic hardening. Wall: Yeoh.
 
-Check against whole coronary lesions, stretched by 1.15 both ways in the plane. Ghorbannia and LaDisa found 0.067, 0.13
-and 0.30 MPa round the vessel, in lesions that a balloon opened well, less well, and hardly. At that stretch the fibrous
-plaque here carries 0.12 (it yields), the wall 0.21, the lipid-rich 0.01 and the calcified 0.5 MPa (`biaxial_stress`).
+Check against whole coronary lesions, stretched by 1.15 in both directions in the plane. Ghorbannia and LaDisa measured
+0.067, 0.13 and 0.30 MPa round the vessel, in lesions that a balloon opened well, less well, and hardly. At this stretch
+the fibrous plaque here carries 0.12 (it yields), the wall 0.21, the lipid-rich 0.01 and the calcified 0.5 MPa
+(`biaxial_stress`).
 """
 
 from dataclasses import dataclass
@@ -84,9 +85,9 @@ SETTINGS_SOURCE = {
 
 
 def biaxial_stress(stretch, plaque=None, c10_mpa=0.0, c20_mpa=0.0):
-    """In-plane Cauchy stress (MPa) of an incompressible sheet stretched alike both ways, of a Plaque or a Yeoh wall.
+    """In-plane Cauchy stress (MPa) of an incompressible sheet under equal biaxial stretch, of a Plaque or a Yeoh wall.
 
-    A plaque that yields: by logarithmic strain, sigma = Y + H (2 ln stretch - sigma / (3 mu)).
+    For a yielding plaque it follows from logarithmic strain: sigma = Y + H (2 ln stretch - sigma / (3 mu)).
     """
     if plaque is None:
         first = 2 * stretch**2 + stretch**-4 - 3
@@ -101,7 +102,8 @@ def biaxial_stress(stretch, plaque=None, c10_mpa=0.0, c20_mpa=0.0):
 def blended(base, calcium_share):
     """(shear, yield, hardening) arrays between a base plaque and calcium, geometric in each constant.
 
-    calcium_share: (...) 0 ... 1. A sharp edge of a hundredfold stiffness would not converge.
+    calcium_share: (...) 0 ... 1. The constants change gradually, since Newton's method fails at a sharp edge where
+    stiffness changes a hundredfold.
     """
     share = np.asarray(calcium_share, float)
 

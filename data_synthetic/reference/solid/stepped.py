@@ -1,4 +1,4 @@
-"""Loading of a solid model step by step: Newton's method, load steps cut where it fails, plastic state kept."""
+"""Loads a solid model in steps by Newton's method. A step that fails is cut; the plastic state is kept."""
 
 import numpy as np
 import ufl
@@ -20,7 +20,7 @@ LOADS = ("balloon_radius", "balloon_stiffness", "balloon_cap", "balloon_share") 
 )
 MAX_ITERATIONS = 14
 CUTS = 7
-WORSE = 2.0  # growth of the residual at which Newton's method gives up
+WORSE = 2.0  # Newton's method gives up if the residual exceeds the first one by this factor
 
 
 class SteppedModel:
@@ -54,12 +54,13 @@ class SteppedModel:
         self.restart()
 
     def restart(self):
-        """Forgets the steps so far (not the state)."""
+        """Forgets the last step, from which the next is predicted; the state is kept."""
         self.iterations = 0
         self._last_step = None  # (change of the loads, change of the displacement) of the last step
 
     def _make_loads(self, mesh, more=()):
-        """Constants of LOADS and `more`: nothing acts; the laws are evaluated even at share 0 and must be regular."""
+        """Constants of LOADS and `more`, without any load. Stiffnesses and caps are 1, since the laws are evaluated
+        even at share 0 and must be regular."""
         self._constants = {name: fem.Constant(mesh, 0.0) for name in (*LOADS, *more)}
         self.set_loads(dict.fromkeys(("balloon_stiffness", "balloon_cap", "stent_stiffness", "stent_cap"), 1.0))
 
@@ -78,7 +79,7 @@ class SteppedModel:
         return {name: float(constant.value) for name, constant in self._constants.items()}
 
     def _newton(self):
-        """Newton from the present displacement; whether it converged. Leaves the last iterate in u."""
+        """Newton's method from the present displacement; returns whether it converged. Leaves the last iterate in u."""
         scale, first = 1.0, np.inf
         for iteration in range(MAX_ITERATIONS):
             with self._vector.localForm() as local:
@@ -100,7 +101,7 @@ class SteppedModel:
             self._solver.solve(self._vector, step)
             change = np.abs(step.array).max()
             self.iterations += 1
-            # Far steps overshoot the contact; the direction is kept.
+            # Long steps overshoot the contact, so the step is shortened to 0.25 mm in the same direction.
             self.u.x.array[:] -= step.array * min(1.0, 0.25 / max(change, 1e-30))
             step.destroy()
             if change < 1e-8:
@@ -117,7 +118,7 @@ class SteppedModel:
     def _predicted(self, change):
         """Displacement expected from a change of the loads (array).
 
-        It is the last step's, scaled, if the loads changed in proportion to that step; otherwise 0.
+        It is the last step's displacement, scaled, if the loads change in proportion to that step; otherwise 0.
         """
         if self._last_step is None:
             return 0.0
@@ -127,7 +128,7 @@ class SteppedModel:
         return ratio * moved if alike and 0 < ratio <= 2 else 0.0
 
     def advance(self, target, name="load"):
-        """Moves the loads to `target` (dict) in one step, halved where Newton fails.
+        """Moves the loads to `target` (dict) in one step, which is halved if Newton's method fails.
 
         Raises ComputationError if a step cut CUTS times still fails.
         """

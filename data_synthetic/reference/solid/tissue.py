@@ -1,11 +1,11 @@
-"""The diseased branch as the solid models see it: where the tissue lies round the lumen, and its type."""
+"""The diseased branch for the solid models: places and types of the tissues round the lumen."""
 
 import numpy as np
 
 from . import materials
 
-EDGE_MM = 0.04  # over which plaque turns into wall
-SHEET_MM = 0.06  # the same at the inner face of a calcified sheet
+EDGE_MM = 0.04  # width of the transition from plaque to wall
+SHEET_MM = 0.06  # width of the transition at the inner face of a calcified sheet
 
 
 def rays(branch, wall_mm, s_mm, theta_rad):
@@ -20,7 +20,7 @@ def constants(branch, s_mm, theta_rad, radius_mm):
     thickness = branch.plaque_thickness(s_mm, theta_rad)
     depth = radius_mm - branch.radius(s_mm)
     share = 0.5 * (1 - np.tanh((depth - thickness) / EDGE_MM)) * np.clip(thickness / EDGE_MM, 0, 1)
-    # The sheet lies in the outer half of the plaque: calcium at the lumen round an arc is not computable.
+    # The sheet is in the outer half of the plaque: with an arc of calcium at the lumen the slice does not converge.
     deep = 0.5 * (1 + np.tanh((depth - 0.5 * thickness) / SHEET_MM))
     calcium = branch.calcium_share(s_mm, theta_rad) * deep
     types = branch.base_type(s_mm)

@@ -1,4 +1,4 @@
-"""From the slices' lumen displacements to a displacement of any point near the branch."""
+"""Displacement of any point near the branch, from the slices' displacements of the lumen."""
 
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator, RegularGridInterpolator
@@ -12,8 +12,8 @@ class SpanField:
     """Displacement (in the plane's normal and binormal) over arc length and angle within one span of slices.
 
     s_mm (n,), theta_rad (m,) evenly from 0, displacement (n, m, 2). Monotone cubic along s, periodic cubic round.
-    coupling_mm: length l of the axial coupling that slices lack, as in a cylindrical shell,
-    u + l^4/4 d^4u/ds^4 = u_slice with free ends; 0 for none. It rounds jumps and leaves a cubic as it is.
+    coupling_mm: length l of an axial coupling as in a cylindrical shell, which single slices lack; 0 for none. The
+    field solves u + l^4/4 d^4u/ds^4 = u_slice with free ends. This smooths jumps and does not change a cubic.
     """
 
     def __init__(self, s_mm, theta_rad, displacement, coupling_mm=0.0):
@@ -48,11 +48,11 @@ def coupled(values, step_mm, length_mm):
 
 
 class LumenDeformation:
-    """Displacement of the lumen by slices without a stent (over everything) and with it (over the stented spans).
+    """Displacement of the lumen: by slices with the stent inside the stented spans, and without it elsewhere.
 
-    free: SpanField; held: list of SpanField, one for each stented span, from end to end of the stent. The jump at an
-    end falls off outside the span as the deflection of a clamped cylindrical shell does (Timoshenko):
-    exp(-x/l) (cos x/l + sin x/l), l = edge_decay_mm.
+    free: SpanField; held: list of SpanField, one for each stented span, from end to end of the stent. The two differ at
+    the end of a span. Outside the span this jump decays like the deflection of a clamped cylindrical shell
+    (Timoshenko): exp(-x/l) (cos x/l + sin x/l), l = edge_decay_mm.
     """
 
     def __init__(self, free, held, edge_decay_mm):
@@ -79,7 +79,7 @@ class LumenDeformation:
 
 
 def smooth_fall(x):
-    """1 for x <= 0, 0 for x >= 1, C2 between."""
+    """1 for x <= 0, 0 for x >= 1, twice continuously differentiable."""
     x = np.clip(x, 0, 1)
     return 1 - x**3 * (10 - 15 * x + 6 * x * x)
 

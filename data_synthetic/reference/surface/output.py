@@ -15,7 +15,7 @@ def check_not_folded(t, before, after):
     """Raises ComputationError if more than a thousandth of the triangles t (m, 3) turned over or vanished."""
     a, b = _normals(before, t), _normals(after, t)
     cosine = np.sum(a * b, axis=1) / np.maximum(np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1), 1e-30)
-    # A lesion's shoulders turn by up to 45 degrees when it is opened. A triangle that turned over is a fold.
+    # A lesion's shoulders turn by up to 45 degrees when the lesion is opened; a triangle that turns over is a fold.
     folded = int(np.sum(cosine < 0))
     if folded > 1e-3 * len(t):
         raise ComputationError(
@@ -29,8 +29,9 @@ def check_not_folded(t, before, after):
 def refined_surface(poly, before, after, triangles_now, parents, old_triangle):
     """vtkPolyData of the refined and moved lumen with all arrays of poly and `displacement_mm`.
 
-    before, after (n, 3): all points; parents (p, 2): the edge that each new point halved; old_triangle (m,): index into
-    poly's triangles. Reals are averaged over an edge, integers taken from its first end.
+    before, after (n, 3): all points. parents (p, 2): ends of the edge that each new point halves. old_triangle (m,):
+    index into poly's triangles. A new point takes the mean of a real array over its edge, and of an integer array the
+    value at the edge's first end.
     """
     result = vtp.surface(after, triangles_now)
     data = poly.GetPointData()

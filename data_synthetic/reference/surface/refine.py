@@ -1,4 +1,4 @@
-"""Finer triangles where the lumen is stretched: a throat of few edges would open into a polygon, not a circle."""
+"""Finer triangles where the lumen is stretched. A throat with few edges would open into a polygon, not a circle."""
 
 import numpy as np
 
@@ -15,7 +15,7 @@ def split_edges(points, triangles, long_edge):
     marked = long_edge(unique)
     number = np.full(len(unique), -1)
     number[marked] = len(points) + np.arange(marked.sum())
-    middle = number[inverse.reshape(-1)].reshape(-1, 3)  # of the edges 01, 12, 20; -1 where whole
+    middle = number[inverse.reshape(-1)].reshape(-1, 3)  # middle points of the edges 01, 12, 20; -1 if not split
     count = np.sum(middle >= 0, axis=1)
     out, cell = [triangles[count == 0]], [np.flatnonzero(count == 0)]
 
@@ -38,10 +38,10 @@ def split_edges(points, triangles, long_edge):
 
 
 def refined(points, triangles, move, on_lumen, edge_mm, passes=4):
-    """Halves edges that are longer than edge_mm once moved, where the wall moves at all.
+    """Halves edges that are longer than edge_mm after the move, where the wall moves at all.
 
-    move: points (n, 3) -> moved (n, 3); on_lumen: puts new points of the wall back on the true lumen, (points (p, 3),
-    parents (p, 2)) -> (p, 3). Returns (points, triangles, parents of all new points, old triangle of each new one).
+    move: points (n, 3) -> moved (n, 3). on_lumen: (points (p, 3), parents (p, 2)) -> (p, 3) moves new points of the
+    wall onto the true lumen. Returns (points, triangles, parents of all new points, old triangle of each new one).
     """
     original = np.arange(len(triangles))
     all_parents = np.zeros((0, 2), int)

@@ -5,7 +5,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
 STEP_MM = 0.25
-NEAR_MM = 1e-3  # half the distance over which a tangent is differentiated
+NEAR_MM = 1e-3  # half the step of the central difference of the tangent
 
 
 def wall_bending_n_mm2(inner_mm, outer_mm, wall_c10_mpa):
@@ -16,10 +16,10 @@ def wall_bending_n_mm2(inner_mm, outer_mm, wall_c10_mpa):
 def of_patient(branch, wall_mm, stents, middle_s_mm, settings):
     """The input of `offset` for a branch, with wall and surroundings as at middle_s_mm; settings: section `reference`.
 
-    The surroundings resist a wall with a pressure per displacement, 2 G / r_outer (see materials). A beam of this
-    radius meets pi r_outer times that per length, 2 pi G, since both sides of a pressed cylinder resist by the cosine
-    squared of the angle. A slender rod in an incompressible medium has the same within a tenth, at the beam's
-    wavelength.
+    The surroundings resist the wall with a pressure per displacement of 2 G / r_outer (see materials). For a cylinder
+    moved sideways this resistance varies as the cosine squared of the angle. Its integral round the cylinder is
+    pi r_outer times as large, so the support per length is 2 pi G. The exact value for a slender rod in an
+    incompressible medium is the same within a tenth, at the beam's wavelength.
     """
     outer = float(branch.healthy(np.array(middle_s_mm))) + wall_mm
     foundation = np.pi * outer * settings["support_mpa_per_mm"]
@@ -28,7 +28,7 @@ def of_patient(branch, wall_mm, stents, middle_s_mm, settings):
 
 
 def vessel_bending_n_mm2(branch, wall_mm, middle_s_mm, settings):
-    """The setting of this name; if it is None, the bending stiffness of the healthy wall at middle_s_mm."""
+    """The setting `vessel_bending_n_mm2`; if it is None, the bending stiffness of the healthy wall at middle_s_mm."""
     if settings["vessel_bending_n_mm2"] is not None:
         return settings["vessel_bending_n_mm2"]
     inner = float(branch.healthy(np.array(middle_s_mm)))
@@ -39,10 +39,10 @@ def offset(axis, stents, vessel_bending_n_mm2, foundation_n_per_mm2, step_mm=STE
     """Displacement of the axis: (s mm (n,), w mm (n, 3)), zero with zero slope at both ends.
 
     Minimises  int E_s |c'' + w''|^2 + E_v |w''|^2 + k |w|^2 ds,  with c the natural axis.
-    E_s is the bending stiffness of the stents that cover s; they are straight when free. E_v is that of the vessel,
-    which is at rest as it is. k is the tissue's support per length. Displacements are small; axial stretch is left
-    free. Cubic Hermite elements of at most step_mm have nodes at the stents' ends: the error falls with the fourth
-    power of step_mm.
+    E_s is the bending stiffness of the stents at s, which are straight if free. E_v is the bending stiffness of the
+    vessel, whose natural axis is free of load. k is the tissue's support per length. Displacements are small; axial
+    stretch is free. Cubic Hermite elements of at most step_mm have nodes at the stents' ends, so that the error falls
+    with the fourth power of step_mm.
     """
     s = _nodes(axis.length_mm, stents, step_mm)
     if not stents:

@@ -1,4 +1,4 @@
-"""A scene's devices for the slices: radius along the axis at the given pressure, stiffness, cap."""
+"""A scene's devices for the slices: radius along the axis at the given pressure, stiffness, largest pressure."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ MPA_PER_BAR = 0.1
 
 @dataclass(frozen=True)
 class Balloon:
-    """An inflated balloon: radius_mm at its pressure, stiffness_mpa_per_mm from the slope of its chart, cap_mpa."""
+    """An inflated balloon: radius_mm at its pressure, stiffness_mpa_per_mm by its chart's slope, largest cap_mpa."""
 
     name: str
     centre_s_mm: float
@@ -34,7 +34,8 @@ class Balloon:
 
 @dataclass(frozen=True)
 class Stent:
-    """An expanded stent's hold after deflation: recoil_share of the reached radius, cap_mpa its radial strength."""
+    """An expanded stent after deflation: it holds recoil_share of the reached radius, at most with cap_mpa, its radial
+    strength."""
 
     name: str
     start_s_mm: float
@@ -44,11 +45,11 @@ class Stent:
     bending_n_mm2: float
 
     def covers(self, s_mm):
-        """Whether it covers arc length s_mm, a number or an array."""
+        """Whether the stent covers arc length s_mm, a number or an array."""
         return (self.start_s_mm - 1e-9 <= s_mm) & (s_mm <= self.end_s_mm + 1e-9)
 
     def ends(self):
-        """Arc lengths (mm) of its ends."""
+        """Arc lengths (mm) of the stent's ends."""
         return self.start_s_mm, self.end_s_mm
 
 
@@ -69,7 +70,7 @@ def _need(entry, key, where):
 
 
 def balloon(entry, name, centre_s_mm, pressure_bar, where):
-    """Balloon of a scene's entry at a pressure. Raises InputError where the pressure is off its chart."""
+    """Balloon of a scene's entry at a pressure. Raises InputError if the pressure is off the balloon's chart."""
     chart = _need(entry, "chart", where)
     pressures, diameters = np.array(chart["pressure_bar"], float), np.array(chart["diameter_mm"], float)
     if len(pressures) != len(diameters) or np.any(np.diff(pressures) <= 0) or np.any(np.diff(diameters) <= 0):
@@ -82,7 +83,7 @@ def balloon(entry, name, centre_s_mm, pressure_bar, where):
             f"{pressure_bar} bar",
             f"between {pressures[0]} and {pressures[-1]} bar",
         )
-    # A wall that holds the balloon below its free diameter carries the pressure that the chart lacks there.
+    # A wall that holds the balloon below its free diameter carries the pressure beyond the chart's at that diameter.
     low = max(pressure_bar - 2.0, pressures[0])
     high = low + 2.0
     growth = np.interp(high, pressures, diameters) - np.interp(low, pressures, diameters)

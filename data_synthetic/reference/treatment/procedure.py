@@ -1,13 +1,13 @@
-"""The steps of an intervention in one slice: inflate, deflate, with the stent left behind."""
+"""The steps of an intervention in one slice: inflate, then deflate; a stent stays."""
 
 import numpy as np
 
 DEFLATION_STEPS = 5
-CLEAR_MM = 0.1  # so far from the wall the smoothed law of a balloon is nothing
+CLEAR_MM = 0.1  # gap to the wall beyond which the smoothed law of a balloon gives no pressure
 
 
 def hand_over(model, where):
-    """Takes the balloon's pressure off while the stent's hold comes on."""
+    """Removes the balloon's pressure in steps while the stent's comes on."""
     begin = model.loads()
     for share in np.linspace(0, 1, DEFLATION_STEPS + 1)[1:]:
         stent = begin["stent_share"] + share * (1 - begin["stent_share"])
@@ -31,7 +31,7 @@ def treat(model, steps, s_mm, settings, stents_here, name):
     """Runs the steps in a placed SliceModel at arc length s_mm.
 
     stents_here: whether stents hold at this slice. Returns a list of {step, inflated_radius_mm, radius_mm}, the lumen's
-    area-equivalent radii at full inflation and after deflation. Raises ComputationError where it does not converge.
+    area-equivalent radii at full inflation and after deflation. Raises ComputationError if it does not converge.
     """
     history = []
     held_radius = 0.0
@@ -61,7 +61,7 @@ def treat(model, steps, s_mm, settings, stents_here, name):
                 model.advance({"balloon_radius": float(value)}, where)
         inflated = float(np.sqrt(model.lumen_area() / np.pi))
         if carried:
-            # The stent lies round the balloon: it has been opened to where balloon or wall ended.
+            # The stent is round the balloon, so it opens no further than the balloon or the wall has moved.
             held_radius = max(held_radius, carried.recoil_share * min(inflated, radius))
             model.set_loads(
                 {

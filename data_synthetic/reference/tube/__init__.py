@@ -1,4 +1,4 @@
 """The branch as one solid in three dimensions: mesh, model, procedure.
 
-It builds on solid, treatment and the slices' positions; only checks use it.
+It builds on solid, treatment and the slices' positions. Only the checks use it.
 """

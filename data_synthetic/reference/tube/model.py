@@ -19,9 +19,9 @@ class TubeModel(SteppedModel):
     """Hexahedra of degree 2, displacement only, volumetric part integrated with 2 x 2 x 2 points.
 
     tube: Tube; axis: Curve; material: (s, theta, radius) arrays (n,) to (share of plaque, shear, yield, hardening MPa);
-    settings: section `reference`. Loads besides LOADS: PLACES (mm), where balloon and stent are; the stent acts on the
-    material points of its span. The devices lie on the lumen's axis at rest. A point's distance from them and its arc
-    length are measured in the frame of its section at rest.
+    settings: section `reference`. Loads besides LOADS: PLACES (mm), the places of balloon and stent. The stent acts on
+    the material points of its span. The devices are on the lumen's axis at rest. A point's distance from them and its
+    arc length are measured in the frame of its section at rest.
     """
 
     plastic_size = 6
@@ -52,7 +52,7 @@ class TubeModel(SteppedModel):
         return found
 
     def _rest(self, chart, material):
-        """Material constants and the virgin state at the quadrature points."""
+        """Sets the material constants and the unloaded state at the quadrature points."""
         s, a, b = fenicsx.evaluated(chart, self.tube.mesh, self._cells).reshape(-1, 3).T
         self._material.x.array[:] = np.stack(material(s, np.arctan2(b, a), np.hypot(a, b)), axis=1).ravel()
         self._plastic.x.array[:] = np.tile([1.0, 1.0, 1.0, 0.0, 0.0, 0.0], len(s))
@@ -100,7 +100,7 @@ class TubeModel(SteppedModel):
         self._solver.getPC().setFactorSolverType("mumps")
 
     def set_held(self, radius_mm):
-        """Radius (stations,) in mm that the stent holds at each station."""
+        """Sets the radius (stations,) in mm that the stent holds at each station."""
         per_node = np.repeat(radius_mm, len(self.tube.points_mm) // len(radius_mm))
         self._held.x.array[:] = per_node[self._scalar_node]
 

@@ -1,4 +1,4 @@
-"""The steps of an intervention in the solid in three dimensions, as `procedure` does them in one slice."""
+"""The steps of an intervention in the three-dimensional solid, as treatment.procedure does them in one slice."""
 
 import sys
 
@@ -14,7 +14,7 @@ from .model import TubeModel
 
 
 def enclosed_area(a_mm, b_mm):
-    """Areas (n,) in mm2 of closed smooth curves given at m even parameters, both (n, m); spectral derivative."""
+    """Areas (n,) in mm2 of smooth closed curves; coordinates (n, m) at m even parameters. Uses spectral derivatives."""
     wave = 1j * np.fft.rfftfreq(a_mm.shape[1], 1 / a_mm.shape[1])
     slope_a, slope_b = (np.fft.irfft(wave * np.fft.rfft(v, axis=1), a_mm.shape[1], axis=1) for v in (a_mm, b_mm))
     return np.pi * np.mean(a_mm * slope_b - b_mm * slope_a, axis=1)
@@ -30,9 +30,9 @@ def stations(breaks_mm, element_mm):
 
 
 class TreatedTube:
-    """The stretch of `patient` that the steps reach, treated; afterwards `profile()` is the lumen's area.
+    """The stretch of `patient` that the steps reach; after `run`, `profile()` gives the lumen's area.
 
-    mesh: (elements round, elements through, element length mm). One stented stretch at most.
+    mesh: (elements round, elements through, element length mm). At most one stented stretch.
     """
 
     def __init__(self, patient, steps, settings, mesh):
@@ -63,7 +63,7 @@ class TreatedTube:
         self._near = np.full(len(station_s), True)  # stations along the present balloon
 
     def run(self):
-        """Does all steps. Raises ComputationError where a step does not converge."""
+        """Does all steps. Raises ComputationError if a step does not converge."""
         held = np.zeros(len(self.tube.station_s_mm))
         inside = (self.tube.station_s_mm > self.span[0] - 1e-6) & (self.tube.station_s_mm < self.span[1] + 1e-6)
         carried, model = None, self.model
@@ -105,7 +105,7 @@ class TreatedTube:
         print(f"{step}: {what}, smallest area {area:.3f} mm2, {self.model.iterations} iterations", file=sys.stderr)
 
     def _moved(self):
-        """Positions (stations, 2 around, 3) of the lumen's nodes: along, normal, binormal of their section at rest."""
+        """Positions (stations, 2 around, 3) of the lumen's nodes along their section's tangent, normal and binormal."""
         nodes = self.tube.lumen_nodes()
         s = self.tube.station_s_mm
         moved = (self.tube.points_mm + self.model.displacement())[nodes] - self.branch.axis.point(s)[:, None]
@@ -117,12 +117,12 @@ class TreatedTube:
         return float(np.linalg.norm(self._moved()[self._near][..., 1:], axis=2).min())
 
     def profile(self):
-        """(arc length (stations,) mm where the stations have come to, area (stations,) mm2) of the lumen."""
+        """(arc length (stations,) mm of the moved stations, area (stations,) mm2) of the lumen."""
         moved = self._moved()
         return self.tube.station_s_mm + moved[..., 0].mean(axis=1), enclosed_area(moved[..., 1], moved[..., 2])
 
 
 def _extended(held, inside):
-    """Values of the stented stations, carried on to the others, where they do not act."""
+    """Values of the stented stations, extended to the other stations, where they have no effect."""
     at = np.flatnonzero(inside)
     return held[np.clip(np.arange(len(held)), at[0], at[-1])]

@@ -12,7 +12,7 @@ namespace vci {
 namespace {
 
 constexpr double surface_density = 1.1e-3 * 0.1; // g/mm^2: folded nylon, 0.1 mm thick
-constexpr double tip_share = 0.35;               // of the nominal diameter, where the balloon's ends are welded
+constexpr double tip_share = 0.35;               // diameter of the balloon's welded ends over the nominal diameter
 // N/mm at the nominal diameter. The bending stiffness of the taut balloon is pi R^3 times this. For an isotropic film
 // the makers' charts give (1 - nu/2) d(p R)/d ln R from nominal to rated burst pressure, with nu 0.4. That is 14
 // (semi-compliant), 15 (delivery) or 43 (non-compliant) for balloons of 3 mm. The value here is lower, since
@@ -20,9 +20,9 @@ constexpr double tip_share = 0.35;               // of the nominal diameter, whe
 // measured.md says how much areas depend on it.
 constexpr double balloon_axial_stiffness = 8.0;
 constexpr double balloon_hinge = 0.002; // N mm per edge, keeps the grid from wrinkling
-constexpr double crease_yield = 0.02;   // rad per edge: creases of the limp membrane stay, and can be flattened again
+constexpr double crease_yield = 0.02;   // rad per edge: beyond it a crease of the limp membrane stays until flattened
 constexpr double shaft_anchor = 0.02;   // N/mm per vertex of the end rings
-constexpr double neck_hold = 0.4;       // N/mm per end ring of a folded balloon, whose rings have more vertices
+constexpr double neck_hold = 0.4;       // N/mm per end ring of a folded balloon; per ring, as it has more vertices
 // A grid of fibres alone has no shear stiffness: a weak film gives it.
 constexpr HenckyLaw balloon_film{0.3, 0.3, 0.0, 0.05, 0.02};
 

@@ -19,7 +19,7 @@ struct Balloon {
   std::shared_ptr<const BalloonChart> chart;
 };
 
-/// @param radius of each ring at the start, mm; at most the crimped one.
+/// @param radius of each ring at the start, mm; at most the crimped radius.
 Balloon add_balloon(System& system, const BalloonSpec& spec, RingGrid grid, const std::vector<Frame>& frames,
                     const std::vector<double>& radius);
 /// Sets the pressure and its axial pull on the fibres, p pi (D(p)^2 - tip^2) / 4 in all, since the open tips lie on the

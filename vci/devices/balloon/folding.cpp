@@ -9,7 +9,7 @@ namespace vci {
 
 namespace {
 
-constexpr double edge_over_thickness = 6;                  // vertices this close follow the folds
+constexpr double edge_over_thickness = 6;                  // longest edge that follows the folds, in thicknesses
 constexpr double nylon_modulus = 900, nylon_poisson = 0.4; // MPa; oriented polyamide 12
 constexpr int finer_grids = 8; // grids tried: whole edges make a valley wider, so a finer grid may fit the profile
 
@@ -17,7 +17,7 @@ Vec2 at_angle(double radius, double angle) {
   return {radius * std::cos(angle), radius * std::sin(angle)};
 }
 
-/// The spiral arm r = start + climb phi at a stated depth below it.
+/// A line at `depth` below the spiral arm r = start + climb phi.
 struct Arm {
   double start, climb, depth;
   double radius(double phi) const { return start + climb * phi - depth; }
@@ -33,11 +33,11 @@ struct Arm {
   }
 };
 
-/// The two ways from a valley's ends to a crest.
+/// The two paths from a valley's ends to the wing's crest.
 struct Sector {
-  std::vector<Vec2> back, belly; ///< without their first point, which is a root; both end at the crest
+  std::vector<Vec2> back, belly; ///< without their first point, the valley's end (root); both end at the crest
   Vec2 root;
-  double opening; ///< angle by which the back's crest lies beyond the belly's; 0 closes the ring
+  double opening; ///< angle from the belly's end to the back's end; the ring is closed if it is 0
   double wrap;
 };
 
@@ -64,7 +64,7 @@ Sector sector_of(const FoldingSpec& f, int back, int belly, double edge, double 
   return s;
 }
 
-/// The radius of the valley's start that closes the ring, by bisection.
+/// The radius of the valley's start for which the ring is closed, by bisection.
 double closing_radius(const FoldingSpec& f, int back, int belly, double edge) {
   const double guess = (back - belly) * edge * f.wings / (2 * pi);
   double low = std::max(0.2 * guess, 1e-3), high = 1.5 * guess + edge;
@@ -79,14 +79,14 @@ double least_radius(const FoldingSpec& f) {
   return 0.5 * f.shaft_diameter + 0.5 * f.membrane_thickness;
 }
 
-/// Vertices, mirrored where the wings are wrapped clockwise.
+/// Mirrors the vertices for wings that are wrapped clockwise; their order stays counterclockwise.
 void turn_clockwise(std::vector<Vec2>& points) {
   for (Vec2& p : points)
     p[1] = -p[1];
   std::reverse(points.begin() + 1, points.end());
 }
 
-/// Edges of a valley: the fewest that go round the shaft; 0 where nothing is left for wings.
+/// Number of edges of a valley: the fewest that keep it outside the shaft; 0 if nothing is left for wings.
 int valley_edges(const FoldingSpec& f, int per_wing, double edge) {
   for (int valley = 2; valley + 4 <= per_wing; valley += 2)
     if (closing_radius(f, (per_wing + valley) / 2, (per_wing - valley) / 2, edge) >= least_radius(f))

@@ -5,9 +5,9 @@
 
 namespace vci {
 
-/// Section of a folded balloon's body. Its perimeter is the inflated one, since the membrane hardly stretches; the
-/// layers are arms of a spiral that rises by twice the membrane's thickness from one wing to the next. Each sector is a
-/// valley on the shaft that goes over into a wing's back, the wing's crest, and its belly back to the next valley.
+/// Section of a folded balloon's body. Its perimeter is the unfolded balloon's, since the membrane hardly stretches.
+/// The layers are arms of a spiral that rises by twice the membrane's thickness from one wing to the next. Each sector
+/// goes from a valley on the shaft along a wing's back to its crest, and along its belly to the next valley.
 /// Balloons folded in three: De Beule et al., J Biomech 41 (2008) 383; Mortier et al., J Biomech Eng 130 (2008) 021018.
 struct FoldedSection {
   std::vector<Vec2>
@@ -26,13 +26,13 @@ double unfolded_diameter(const BalloonSpec& spec);
 /// E t^3 / (12 (1 - nu^2)) of the membrane, N mm.
 double bending_rigidity(const FoldingSpec& folding);
 
-/// Vertices that its rings need to follow the folds. Throws common::InputError where the perimeter does not fit into
-/// the profile, or leaves no wings.
+/// Number of vertices that a ring needs to follow the folds. Throws common::InputError if the perimeter does not fit
+/// into the profile, or leaves no wings.
 int vertices_round_folded(const BalloonSpec& spec, double edge_mm);
 
 /// The vertices of a folded balloon on a vessel's axis. Along the cones the section is scaled down.
 /// @param room radius that each ring may take, mm
-/// Throws common::ComputationError where a ring does not fit.
+/// Throws common::ComputationError if a ring does not fit.
 Vectors place_folded(const BalloonSpec& spec, const RingGrid& grid, const std::vector<Frame>& frames,
                      const std::vector<double>& room);
 

@@ -11,7 +11,7 @@ class HoopChart : public EdgeForce {
 public:
   struct Hoop {
     int i, j;
-    double width;   ///< axial length that the edge stands for, mm
+    double width;   ///< axial length that the edge represents, mm
     double profile; ///< ring diameter over the balloon's (1 in its body, less in its shoulders)
   };
   HoopChart(const std::vector<Hoop>& hoops, int edges_per_ring, BalloonChart chart);

@@ -17,8 +17,8 @@ struct Tension {
   double energy, force, tangent; ///< N mm, N, N/mm
 };
 
-/// After plastic flow |e| lies at the yield strain, but for rounding. Rounding must not choose the tangent there. A
-/// ring that is unloaded would otherwise take the plastic tangent, and its first step would throw it far back.
+/// Relative band round the yield strain. After plastic flow |e| equals the yield strain up to rounding, which must not
+/// choose the tangent. With the plastic tangent the first step of an unloaded ring would be far too long.
 constexpr double at_yield = 1e-9;
 
 Tension tension(const RingHoops::Ring& r, double length) {
@@ -74,7 +74,7 @@ void RingHoops::declare(BlockPattern& pattern) const {
 void RingHoops::link(const BlockMatrix& matrix) {
   slots_.clear();
   for (Ring& r : rings_) {
-    r.flows = 0; // bodies were added or removed: whether the flow continues is not known
+    r.flows = 0; // bodies were added or removed, so the flow may not continue
     for (std::size_t k = 0; k < r.vertices.size(); ++k)
       slots_.emplace_back(matrix, std::array<int, 2>{r.vertices[k], r.vertices[(k + 1) % r.vertices.size()]});
   }

@@ -31,8 +31,8 @@ private:
   std::vector<StencilSlots<2>> slots_; // edge by edge
 };
 
-/// Keeps neighbouring edges of a ring alike: E = c / 2 ln(l_i / l_i+1)^2. Struts are rigid pieces of one pattern; the
-/// logarithm keeps every edge from collapsing, and an even opening costs nothing. Gauss-Newton Hessian.
+/// Keeps neighbouring edges of a ring equally long, since struts are rigid pieces of one pattern: E = c / 2 ln(l_i /
+/// l_i+1)^2. The logarithm keeps every edge from collapsing, and an even opening has no energy. Gauss-Newton Hessian.
 class RingEvenness : public Force {
 public:
   struct Ring {

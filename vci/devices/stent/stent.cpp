@@ -22,8 +22,8 @@ constexpr double hoop_hardening = 0.01;
 // Tension that makes one edge e (2.718) times as long as its neighbour, relative to the ring's yield tension.
 constexpr double strut_evenness = 2.0;
 
-// Shear stiffness of a cell, relative to a lowest one: tension over twice the edge. With less, a ring folds in zigzag
-// when compression makes it yield. It is above 1 because a cell's struts are far stiffer than the ring is strong.
+// Shear stiffness of a cell over the least stiffness, which is the ring's tension over twice the edge. With less, a
+// ring folds in zigzag when it yields in compression. A real cell's struts are far stiffer, so the ratio is above 1.
 constexpr double cell_shear = 4.0;
 
 } // namespace
@@ -84,12 +84,12 @@ Stent add_stent(System& system, const StentSpec& spec, const std::string& device
   const Vectors rest = straight_grid(grid, 0.5 * spec.nominal_diameter);
   std::vector<EdgePair> edges = interior_edges(grid.triangles(), rest);
   shift(edges, first);
-  // Bent as a beam, the axial fibres give pi R^3 k; hinges at the ring edges, turning by curvature times spacing times
-  // the cosine round the ring, give the rest of the stent's bending stiffness.
+  // The axial fibres give a bent stent the stiffness pi R^3 k. Hinges at the ring edges give the rest: they turn by
+  // curvature times spacing times the cosine round the ring.
   const double half = 0.5 * spec.nominal_diameter, spacing = spec.length / (grid.rings() - 1);
   const double by_fibres = pi * half * half * half * spec.axial_stiffness;
   const double ring_hinge = 2 * std::max(0.0, spec.bending_stiffness - by_fibres) / (grid.around * spacing);
-  // The outside pressure that the maker states may not buckle a free ring: Levy's 3 EI / R^3, EI per length.
+  // A free ring must not buckle below the maker's radial strength: Levy's pressure 3 EI / R^3, EI per length.
   const double strong = spec.radial_strength_mpa * half * half * half / 3;
   const double across = std::max(strong, stent_hinge * std::pow(spec.strut_thickness / stent_hinge_thickness, 3));
   std::vector<double> coefficients;

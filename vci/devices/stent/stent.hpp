@@ -14,7 +14,7 @@ struct Stent {
   std::string device;
 };
 
-/// @param radius of each ring at the start, mm; at most the crimped one.
+/// @param radius of each ring at the start, mm; at most the crimped radius.
 Stent add_stent(System& system, const StentSpec& spec, const std::string& device, RingGrid grid,
                 const std::vector<Frame>& frames, const std::vector<double>& radius);
 

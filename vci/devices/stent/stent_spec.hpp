@@ -12,11 +12,11 @@ struct StentSpec {
   std::optional<double> stated_hoop_stiffness = std::nullopt; ///< N/mm; none: from the radial strength
   double axial_stiffness = 0.5;                               ///< N/mm
   double bending_stiffness = 5.5;                             ///< N mm^2
-  double radial_strength_mpa = 0.22; ///< the maker's; gives the hoop stiffness where none is stated
+  double radial_strength_mpa = 0.22; ///< the maker's; gives the hoop stiffness if none is stated
   double recoil_percent = 4.5;       ///< the maker's, of the inflated diameter, in air
 
-  /// Hoop strain at which the struts yield. A ring that was opened until it yields gives back just this elastic part
-  /// when the balloon goes: the free recoil that its maker states.
+  /// Hoop strain at which the struts yield. A ring opened beyond yield recovers just this strain when the balloon is
+  /// removed, so the strain follows from the maker's free recoil.
   double yield_strain() const { return recoil_percent / (100 - recoil_percent); }
 
   /// N/mm. By Laplace's law, the expanded ring yields under just the outside pressure that its maker states.

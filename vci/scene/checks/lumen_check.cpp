@@ -13,16 +13,16 @@ namespace vci {
 
 namespace {
 
-// `radius_mm` is that of the largest sphere inside at a point's place on the axis. So no wall is nearer to the axis,
-// and about that place some wall is as near; the rest may lie at any distance, as in the slit of a compressed artery
-// (1.2 x 5.0 mm). Found: 0.73 and more for cohort, benchmarks and lumens of the anatomy's tests, 0.49 in the shoulder
-// of a generated tube, up to 2.31 for whole lumens. Another unit would be at 10. Where radii are small the error of the
-// centreline counts (`astray`).
+// `radius_mm` is the radius of the largest sphere inside the lumen at a point's place on the axis. So no wall is nearer
+// to the axis, and some wall round that place is as near. Other walls may be at any distance, as in the slit of a
+// compressed artery (1.2 x 5.0 mm). Found ratios of distance to radius: 0.73 and more in the cohort, the benchmarks and
+// the lumens of the anatomy's tests, 0.49 in the shoulder of a generated tube, up to 2.31 for whole lumens. A wrong
+// unit would give 10. At small radii the error of the centreline matters (`astray`).
 constexpr double nearest_share = 0.4, farthest_share = 3.0, astray = 0.2; // -, -, mm
-constexpr double about = 1.0; // mm of the axis that are looked at together, and as much on either side
-// Edges of the same lumens are up to 1.5 times the radius.
+constexpr double about = 1.0; // mm: stretch of the axis that is checked together, with its two neighbours
+// In the same lumens edges are up to 1.5 times the radius.
 constexpr double longest_share = 3.0, longest_beyond = 1.0; // -, mm
-constexpr double end_tolerance = 0.5;                       // mm: caps are not quite where their branches end
+constexpr double end_tolerance = 0.5;                       // mm between a cap and its branch's end
 
 template <class... Parts> std::string text(const Parts&... parts) {
   std::ostringstream stream;
@@ -42,10 +42,10 @@ double misfit(double distance, double radius) {
   return apart(distance, radius) && close(distance, radius) ? 0 : std::abs(std::log((distance + 1e-12) / radius));
 }
 
-/// A point of the wall on the branch that suits its radius best.
+/// A point of the wall, assigned to the branch that fits its radius best.
 struct OnBranch {
   std::size_t axis;
-  Vec3 way; ///< to it from the axis, mm
+  Vec3 way; ///< vector from the axis to the point, mm
   double s; ///< mm
 };
 
@@ -72,7 +72,7 @@ private:
   std::map<std::pair<std::size_t, int>, double> least_;
 };
 
-/// Each point of the wall on the branch that suits its radius best.
+/// Assigns each point of the wall to the branch that fits its radius best.
 std::map<int, OnBranch> on_branches(const Lumen& lumen, const std::map<std::string, Path>& paths) {
   std::vector<AxisSearch> axes;
   for (const auto& [name, path] : paths)
@@ -101,7 +101,7 @@ std::map<int, OnBranch> on_branches(const Lumen& lumen, const std::map<std::stri
   return found;
 }
 
-/// For each point of the wall the way to it from the axis that suits its radius, mm.
+/// For each point of the wall the vector (mm) from the axis that fits its radius.
 Vectors ways_from_axis(const Lumen& lumen, const std::map<std::string, Path>& paths, const std::string& file) {
   const std::map<int, OnBranch> wall = on_branches(lumen, paths);
   const NearestWall nearest(wall);
@@ -171,7 +171,7 @@ void refuse_inward(const Lumen& lumen, const Vectors& ways, const std::string& f
                              "turn all triangles: seen from outside the vessel their points run counterclockwise");
 }
 
-/// Where a branch's axis, straight beyond its ends, passes through a rim; nothing where it passes beside it.
+/// Arc length at which a branch's axis, straight beyond its ends, passes through a rim; nothing if it passes beside.
 std::optional<double> passes(const Path& path, const Rim& rim, const Lumen& lumen) {
   Vec3 centre = Vec3::Zero();
   for (int v : rim)
@@ -192,7 +192,7 @@ std::optional<double> passes(const Path& path, const Rim& rim, const Lumen& lume
     }
     s += length;
   }
-  // the rim's turns round the axis, seen along it
+  // the angle by which the rim turns round the axis
   const Vec3 origin = path.at(passing), axis = path.tangent(passing), first = axis.unitOrthogonal();
   const Vec3 second = axis.cross(first);
   double turn = 0;
@@ -208,7 +208,7 @@ struct Extent {
   double start, end; ///< arc lengths where a branch's axis enters and leaves the lumen, mm
 };
 
-/// Each branch's axis passes the inlet and its own end; every opening is one of these.
+/// Checks that each branch's axis passes through the inlet and its own end, and that there are no other openings.
 std::map<std::string, Extent> extents(const Lumen& lumen, const std::vector<Rim>& rims,
                                       const std::map<std::string, Path>& paths, const std::string& file) {
   std::map<std::string, Extent> extents;
@@ -240,7 +240,7 @@ std::map<std::string, Extent> extents(const Lumen& lumen, const std::vector<Rim>
   return extents;
 }
 
-/// Caps of the anatomy step say which end is the inlet.
+/// Checks the main branch's direction: the caps of the anatomy step tell which end is the inlet.
 void refuse_reversed_main(const Lumen& lumen, const std::map<std::string, Path>& paths, const std::string& file) {
   constexpr int inlet = 1; // region_id
   Vec3 sum = Vec3::Zero();

@@ -5,8 +5,8 @@
 
 namespace vci {
 
-/// Throws common::InputError where a branch is missing, a device or the reported segment reaches past its branch, or a
-/// balloon would open a stent beyond its maximal diameter.
+/// Throws common::InputError if a branch is missing, if a device or the reported segment reaches past its branch, or if
+/// a balloon would open a stent beyond its maximal diameter.
 void check_placements(const Scene& scene, const std::map<std::string, Path>& paths);
 
 /// "FILE: scene.procedure[1].devices[0] (step NAME, DEVICE)", for errors.

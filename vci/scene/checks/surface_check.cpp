@@ -78,7 +78,7 @@ void refuse_triangles_given_twice(const Lumen& lumen, const std::string& file) {
 struct Side {
   int low, high;
   std::size_t triangle;
-  bool upwards; ///< in the triangle it runs from low to high
+  bool upwards; ///< whether the side runs from the lower to the higher point in its triangle
   bool same_edge(const Side& other) const { return low == other.low && high == other.high; }
 };
 
@@ -96,7 +96,7 @@ std::vector<Side> sorted_sides(const Triangles& triangles) {
   return sides;
 }
 
-/// The sides of one edge follow one another: calls visit(first side, number of sides) for each.
+/// Calls visit(first side, number of sides) for each edge; an edge's sides are consecutive.
 template <class Visit> void each_edge(const std::vector<Side>& sides, Visit&& visit) {
   for (std::size_t k = 0, end = 0; k < sides.size(); k = end) {
     for (end = k + 1; end < sides.size() && sides[end].same_edge(sides[k]);)
@@ -106,7 +106,7 @@ template <class Visit> void each_edge(const std::vector<Side>& sides, Visit&& vi
 }
 
 void refuse_unoriented_surface(const Lumen& lumen, const std::vector<Side>& sides, const std::string& file) {
-  std::vector<int> against(lumen.triangles.size(), 0); // neighbours turned against each triangle
+  std::vector<int> against(lumen.triangles.size(), 0); // number of oppositely oriented neighbours of each triangle
   int edges = 0;
   each_edge(sides, [&](const Side* side, std::size_t count) {
     if (count > 2)
@@ -131,7 +131,7 @@ void refuse_unoriented_surface(const Lumen& lumen, const std::vector<Side>& side
                            "turn all triangles outward");
 }
 
-/// The point to which the wall's open edge from each point leads, as its triangle runs; -1 where there is none.
+/// The next point along the wall's open edge from each point, in its triangle's direction; -1 if there is none.
 std::vector<int> open_edges(const Lumen& lumen, const std::vector<Side>& sides, const std::string& file) {
   std::vector<int> next(lumen.points.size(), -1);
   each_edge(sides, [&](const Side* side, std::size_t count) {

@@ -14,7 +14,7 @@ namespace vci {
 
 namespace {
 
-/// A line whose points are out of order doubles back on itself, and its arc lengths say nothing.
+/// Refuses a line that doubles back, since its points are out of order and its arc lengths are meaningless.
 void refuse_turning_back(const Vectors& points, const std::string& name, const std::string& file) {
   constexpr double sharpest = -0.7, piece = 0.1; // cosine of 135 degrees; mm, below which points may scatter
   for (std::size_t k = 2; k < points.size(); ++k) {
@@ -36,7 +36,7 @@ double distance_to(const Vectors& line, const Vec3& p) {
   return nearest;
 }
 
-/// A side branch's line starts on its parent's axis; one that ends there runs the wrong way.
+/// Refuses a side branch's line that ends on its parent's axis: it should start there.
 void refuse_reversed_sides(const Vectors& main, const NamedLines& sides, const std::string& file) {
   constexpr double apart = 0.5; // mm: a line that starts this near to another starts on it
   for (const auto& [name, points] : sides) {
@@ -100,10 +100,9 @@ Vectors checked_line(const std::string& name, const Vectors& line, const std::st
   return points;
 }
 
-/// A side branch from the inlet on. Its parent is the branch whose axis comes closest to its first point, and leads to
-/// it.
+/// A side branch's path from the inlet on. Its parent is the branch whose axis is nearest to its first point.
 Path joined_to_parent(const Vectors& points, const std::map<std::string, Path>& paths) {
-  constexpr double joint = 0.2; // mm before the first point in which the parent's points are left out
+  constexpr double joint = 0.2; // mm: points of the parent this near to the first point are left out
   const Path* parent = nullptr;
   std::size_t leave = 0;
   double nearest = 1e300;

@@ -9,11 +9,11 @@
 
 namespace vci {
 
-/// The name and the points (mm) of each branch, from where it leaves its parent; the main branch starts at the inlet.
+/// Each branch's name and points (mm). A side branch starts on its parent, the main branch at the inlet.
 using NamedLines = std::vector<std::pair<std::string, Vectors>>;
 
-/// The paths of branches. Throws common::InputError where a branch is missing, doubled or runs the wrong way.
-/// @param where of the branches, for messages
+/// The paths of branches. Throws common::InputError if a branch is missing, given twice or runs the wrong way.
+/// @param where place of the branches, for messages
 std::map<std::string, Path> centreline_from(NamedLines lines, const std::string& where);
 
 /// Branch name -> path; a side branch's path starts at the inlet and has s = 0 where the branch leaves its parent.

@@ -12,7 +12,7 @@ namespace vci {
 class CheckedObject {
 public:
   CheckedObject(const nlohmann::json& object, std::string where);
-  /// A number within [low, high]; without a default the key must be there. The value used goes to `used`.
+  /// A number within [low, high]; without a default the key is required. The value is also recorded in `used`.
   double number(const std::string& key, double low, double high, std::optional<double> fallback = std::nullopt);
   int integer(const std::string& key, int low, int high, std::optional<int> fallback = std::nullopt);
   /// A number as above; null, or the fallback of infinity, stands for infinity.
@@ -31,11 +31,11 @@ public:
   }
   std::vector<double> numbers(const std::string& key);
   bool has(const std::string& key) const { return object_.contains(key); }
-  /// The value of a key that must be an object, or an empty object where the key may be left out.
+  /// The value of a key that must be an object; an empty object if an optional key is missing.
   nlohmann::json child(const std::string& key, bool required);
   nlohmann::json list(const std::string& key);
   void ignore(const std::string& key) { known_.insert(key); }
-  /// Refuses keys that nobody asked for.
+  /// Refuses keys that were not read.
   void finish() const;
   std::string path(const std::string& key) const { return where_ + "." + key; }
   nlohmann::json used = nlohmann::json::object();

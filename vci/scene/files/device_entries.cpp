@@ -15,9 +15,9 @@ namespace {
 
 constexpr double least_of_chart = 0.5, most_of_chart = 1.5; // of the nominal diameter
 constexpr double highest_pressure = 60;                     // bar
-constexpr double overhang = 1;                              // mm of stent beyond its balloon's cylinder, in all
-constexpr double mounted = 0.25;           // by how much of the stent's its balloon's nominal diameter may differ
-constexpr double nominal_tolerance = 0.01; // charts round to 0.01 or 0.02 mm, and are straight between their points
+constexpr double overhang = 1;             // mm of stent beyond its balloon's cylinder, both ends together
+constexpr double mounted = 0.25;           // difference of stent's and balloon's nominal diameters over the stent's
+constexpr double nominal_tolerance = 0.01; // charts are rounded to 0.01 or 0.02 mm and linear between their points
 
 FoldingSpec read_folding(const json& entry, const std::string& where) {
   CheckedObject o(entry, where);
@@ -39,7 +39,7 @@ std::string text_of(double one, const char* between, double other, const char* u
   return text.str();
 }
 
-/// Refuses charts that no balloon has: pressures out of range, and diameters far from the nominal one.
+/// Refuses impossible charts: pressures out of range, or diameters far from the nominal diameter.
 void check_chart(const BalloonSpec& b, const CheckedObject& chart) {
   for (const double p : b.chart_pressure_bar)
     if (!(p >= 0 && p <= highest_pressure))

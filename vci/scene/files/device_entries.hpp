@@ -11,7 +11,7 @@ namespace vci {
 /// @param where place of the entry, for messages
 BalloonSpec read_balloon(const nlohmann::json& entry, const std::string& where);
 StentSpec read_stent(const nlohmann::json& entry, const std::string& where);
-/// Throws common::InputError where a stent cannot have been crimped on a balloon.
+/// Throws common::InputError if a stent cannot have been crimped on a balloon.
 void check_mounted(const StentSpec& stent, const BalloonSpec& balloon, const std::string& where);
 
 } // namespace vci

@@ -8,12 +8,12 @@
 
 namespace vci {
 
-/// A lumen and the file's data set, whose further arrays are written again.
+/// A lumen and the file's data set, kept because its other arrays are written again.
 struct LumenFile : Lumen {
   vtkSmartPointer<vtkPolyData> data;
 };
 
-/// Throws common::InputError where the file, an array or the surface is not as docs/design.md says.
+/// Throws common::InputError if the file, an array or the surface is not as docs/design.md says.
 LumenFile read_lumen(const std::filesystem::path& file);
 
 struct PointArray {
@@ -25,7 +25,7 @@ PointArray vector_array(const std::string& name, const Vectors& values);
 /// The lumen as read, with new positions and further point arrays.
 void write_lumen(const std::filesystem::path& vtp, const std::filesystem::path& stl, const LumenFile& lumen,
                  const Vectors& points, const std::vector<PointArray>& arrays);
-/// A surface or a set of lines (where `lines` is not empty) for pictures.
+/// A surface, or a set of lines if `lines` is not empty, for pictures.
 void write_shape(const std::filesystem::path& vtp, const Vectors& points, const Triangles& triangles,
                  const std::vector<std::vector<int>>& lines, const std::vector<PointArray>& arrays);
 

@@ -10,7 +10,7 @@ namespace vci {
 
 namespace {
 
-/// While it lives, VTK's complaints are kept instead of written.
+/// While it exists, VTK's errors are recorded instead of printed.
 class Complaints {
 public:
   Complaints() : previous_(vtkOutputWindow::GetInstance()) {

@@ -1,4 +1,4 @@
-// Turns errors of the JSON and VTK libraries over damaged files into errors that name the file.
+// Turns errors of the JSON and VTK libraries on damaged files into errors that name the file.
 #pragma once
 #include "common/error.hpp"
 
@@ -14,7 +14,7 @@ namespace vci {
 /// missing, is of another type, or makes VTK report an error. VTK itself prints nothing to standard error.
 vtkSmartPointer<vtkPolyData> read_polydata(const std::filesystem::path& file, const std::string& what);
 
-/// A length in mm to the nanometre, so that the last digits of the program that wrote a file do not matter.
+/// A length in mm rounded to the nanometre, so that last digits in a file do not matter.
 inline double to_nanometre(double mm) {
   return std::round(mm * 1e6) / 1e6;
 }

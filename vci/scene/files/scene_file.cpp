@@ -32,7 +32,7 @@ Action read_action(CheckedObject& step) {
   return actions.at(action);
 }
 
-/// Names of steps and devices become names of files.
+/// Refuses names of steps and devices that cannot be file names.
 void check_name(const std::string& name, const std::string& where) {
   constexpr std::size_t longest = 100;
   const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
@@ -88,8 +88,8 @@ Step read_step(const json& entry, const std::string& where, const Scene& scene) 
   return step;
 }
 
-/// The document. Of a key given twice in one object the last would count, and the first be lost in silence. Values deep
-/// in one another would end the program: they are copied and written by recursion.
+/// The document, with two checks. If a key were given twice in one object, the JSON library would silently use the
+/// last. Values nested too deeply would crash the program, since they are copied and written by recursion.
 json parsed(std::istream& stream, const std::string& where) {
   struct Open {
     std::set<std::string> keys;
@@ -208,7 +208,7 @@ Scene scene_of(const std::filesystem::path& file) {
   scene.centreline = file.parent_path() / o.text("centreline");
   if (o.has("segment"))
     scene.segment = read_segment(o.child("segment", true), o.path("segment"));
-  if (o.has("reference")) // written by a proposed plan for the report's page; not used here
+  if (o.has("reference")) // a proposed plan writes it for the report's page; not used here
     o.child("reference", true);
   read_intervention(o, scene);
   o.finish();

@@ -7,9 +7,8 @@ namespace vci {
 /// Reads and checks a scene. Throws common::InputError naming file, key, value and remedy.
 Scene read_scene(const std::filesystem::path& file);
 
-/// The same of entries that are in memory: `patient`, `devices`, `procedure` and optionally `wall` and `numerics` of a
-/// scene.
-/// @param name of the scene in messages, where a file would be named
+/// The same for a scene in memory, with `patient`, `devices`, `procedure` and optionally `wall` and `numerics`.
+/// @param name of the scene in messages, in place of a file's name
 Scene scene_from(const nlohmann::json& entries, const std::string& name);
 
 } // namespace vci

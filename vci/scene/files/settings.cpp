@@ -20,7 +20,7 @@ void read_plaque(CheckedObject& parent, const std::string& type, PlaqueSpec& p) 
   parent.table[type] = o.table;
 }
 
-/// Refuses settings that only the other integration uses. They would otherwise be ignored without a word.
+/// Refuses settings that only the other integration uses, since they would be ignored silently.
 void refuse_unused(const CheckedObject& o, const Numerics& n) {
   struct Setting {
     const char* key;

@@ -6,7 +6,7 @@
 
 namespace vci {
 
-/// Read an entry; its `used` then holds the settings with defaults filled in.
+/// Read an entry; its `used` then contains the settings with defaults filled in.
 /// Throw common::InputError naming key, value and remedy.
 WallSpec read_wall(CheckedObject& entry);
 Numerics read_numerics(CheckedObject& entry);
