@@ -8,8 +8,8 @@ Georg, Introduction to Numerical Continuation Methods, 2003, chapter 6). From SM
 On the coarsest of three meshes continuation ends at BEGUN, where eps = 0 is tried once. The next mesh goes on from
 there. If the mesh before has reached eps = 0, a finer mesh repeats the last step of that path, from the last flow with
 eps > 0. If it has not, the finest mesh keeps its eps, so that both together show the mesh's error.
-If no flow without artificial viscosity is found, the flow of the least eps answers. The effect of the rest of eps on FFR
-is a part of the error estimate (errors.error_field).
+If no flow without artificial viscosity is found, the flow of the least eps answers. The effect of the rest of eps on
+FFR is a part of the error estimate (errors.error_field).
 
 The flow of another state of the vessel is tried at that state's eps first. If Newton's method does not converge there,
 the path begins at BEGUN, from the same guess.

@@ -17,12 +17,10 @@ from petsc4py import PETSc
 
 from common.errors import ComputationError
 from flow.discretisation import compat, flow_state
-from flow.solvers import anderson, continuation, linear, newton, predicted_start, ramp
+from flow.solvers import anderson, continuation, linear, predicted_start, ramp
 from flow.discretisation import tangent
 from flow.physics import viscosity
 from flow.discretisation.forms import NavierStokes
-
-
 
 
 @dataclasses.dataclass

@@ -243,7 +243,7 @@ def test_a_dome_as_cap_file_is_opened_at_its_rim(summary_of, tmp_path):
 
 @pytest.mark.parametrize("off_mm", [0.13, 0.3, 0.5])
 def test_a_cap_file_whose_rim_is_a_saddle_names_one_end(summary_of, tmp_path, off_mm):
-    """Its rim is up to a third of the radius off its plane. A rim that folds when it is flattened is cut behind its notches."""
+    """Its rim is up to a third of the radius off its plane. A rim that would fold when flattened is cut behind it."""
     points, triangles = surfaces.tube(surfaces.straight, lambda s: 1.5 + 0 * s, 20)
     rim = np.isclose(points[:, 0], 20) & (np.hypot(points[:, 1], points[:, 2]) > 1)
     angle = np.arctan2(points[rim, 2], points[rim, 1])
