@@ -87,12 +87,13 @@ class Search:
         return answer
 
     def from_state(self, paths, start):
-        """Solved from the flow of another state, with the artificial viscosity that it kept.
+        """Solved from the flow of another state, without artificial viscosity.
 
-        None where no state is given, or Newton's method does not converge from it.
+        None where no state is given, where that state kept an artificial viscosity, or where Newton's method does not
+        converge from it.
         """
         names = [pathlib.Path(path).name for path in paths]
-        if start is None or start.mesh not in names:
+        if start is None or start.artificial > 0 or start.mesh not in names:
             return None
         path = paths[names.index(start.mesh)]
         try:
@@ -111,16 +112,12 @@ class Search:
         """Solved on a mesh, from the flow on the one before, with which its error is estimated too, or from that of
         another state; effort: as solvers.solved_mesh has it. Raises ComputationError."""
         begin, case = time.process_time(), (self.document, self.settings, self.tree, self.predicted)
-        solved = solve_mesh(path, *case, self.may_stay, before, self.spent, effort, start)
+        solved = solve_mesh(path, *case, before, self.spent, effort, start)
         solved.estimate = error_estimate.of(solved, self.document, self.tree, self.at_probes, before)
         self.spent += solved.problem.solver.factorizations
         solved.cpu_seconds = time.process_time() - begin
         self.meshes.append(self.record(solved))
         return solved
-
-    def may_stay(self, solved):
-        """Whether the artificial viscosity of a Solved takes but a small part of the tolerance."""
-        return error_estimate.may_stay(solved, self.document, self.tree, self.settings.ffr_tolerance)
 
     def at_probes(self, sampler):
         """FFR at the probes, `distal` first."""

@@ -13,7 +13,6 @@ from flow.errors import error_field
 # 85 % on four rings.
 PART_UNCERTAINTY = 0.75
 SAFETY = 1.5  # factor on the effect of the artificial viscosity
-SMALL_SHARE = 0.2  # of the tolerance: an artificial viscosity with a smaller effect may stay
 # Assumed order of the FFR error in the mesh width. The true error changes its sign and does not fall steadily with the
 # rings (measured.md). So the difference of two meshes is no bound; it shows how much FFR still depends on the mesh.
 ORDER = 2.0
@@ -71,15 +70,6 @@ def of(solved, document, tree, at_probes, coarser=None):
     method = ", ".join(methods)
     own = {"probes": total.tolist(), "basis": basis}
     return {"ffr": float(total[0]), **parts, **own, "method": method}
-
-
-def may_stay(solved, document, tree, tolerance):
-    """Whether the artificial viscosity of a Solved takes at most SMALL_SHARE of the tolerance of FFR at `distal`."""
-    try:
-        effect = error_field.of_artificial_viscosity(solved, document, tree)[0]
-    except ComputationError:  # the factors do not fit the memory, say: then it is followed on
-        return False
-    return SAFETY * abs(effect) <= SMALL_SHARE * tolerance
 
 
 def of_parts(along):

@@ -100,30 +100,13 @@ def of(solved, document, tree):
     The first k parts are the errors of FFR by the mesh in each stretch, the last the effect of the artificial
     viscosity. Raises ComputationError where a linear solve fails.
     """
-    loads = [sources(solved.problem, document, tree), _of_artificial_viscosity(solved.problem)]
+    problem = solved.problem
+    loads = [sources(problem, document, tree), scipy.sparse.csc_matrix(-problem.forms.artificial_force()[:, None])]
     field = Field(solved, scipy.sparse.hstack(loads, "csc"))
-    return _at_probes(field, document, tree), field
-
-
-def of_artificial_viscosity(solved, document, tree):
-    """Effects (p,) of the artificial viscosity of a Solved on FFR at the document's probes, the last part of `of`.
-
-    It costs one solve with the last factors. Raises ComputationError where that fails.
-    """
-    return _at_probes(Field(solved, _of_artificial_viscosity(solved.problem)), document, tree)[:, -1]
-
-
-def _of_artificial_viscosity(problem):
-    """Sparse load (dofs of W, 1) whose response is the effect of the artificial viscosity on the flow."""
-    return scipy.sparse.csc_matrix(-problem.forms.artificial_force()[:, None])
-
-
-def _at_probes(field, document, tree):
-    """Parts (p, k) of a Field at the document's probes, projected onto the centrelines."""
     on = [(tree[probe["branch"]], np.array(probe["point_mm"])) for probe in document["probes"]]
     places = [(branch, branch.project(point)[0]) for branch, point in on]
     points = np.array([branch.point(s_mm) for branch, s_mm in places])
-    return field.parts(document, tree, [], points, np.array([branch.radius(s_mm) for branch, s_mm in places]))
+    return field.parts(document, tree, [], points, np.array([branch.radius(s_mm) for branch, s_mm in places])), field
 
 
 def sources(problem, document, tree):

@@ -10,9 +10,6 @@ there. If the mesh before has reached eps = 0, a finer mesh repeats the last ste
 eps > 0. If it has not, the finest mesh keeps its eps, so that both together show the mesh's error.
 If no flow without artificial viscosity is found, the flow of the least eps answers. The effect of the rest of eps on
 FFR is a part of the error estimate (errors.error_field).
-
-The flow of another state of the vessel is tried at that state's eps first. If Newton's method does not converge there,
-the path begins at BEGUN, from the same guess.
 """
 
 import numpy as np
@@ -34,7 +31,6 @@ SMALL, LEAST = TRIES = 0.01, 0.003
 BEGUN = 0.02  # where continuation ends on a mesh that a finer one goes on from
 LARGEST = 0.05  # a flow of larger eps is no answer
 STARTS = 3  # of the other mesh's flows, the least eps first, from which a flow is tried
-FROM_STATE = 6  # factorizations at one eps from the flow of another state
 
 
 def from_rest(problem, begin_only=False):
@@ -79,40 +75,13 @@ def from_guess(problem, coarse, onward=True):
     return polish(problem)
 
 
-def from_state(problem, guess, artificial):
-    """Outcome at full flow from that of another state of the vessel, which had eps = `artificial`.
-
-    guess() makes that state's flow the present one. Raises ComputationError where Newton's method converges neither at
-    that eps nor at BEGUN.
-    """
-    problem.boundaries.full()
-    settings = problem.settings
-    guess()
-    problem.forms.artificial.value = artificial
-    found = newton.newton(problem, settings.residual_absolute, settings.residual_relative, FROM_STATE)
-    if found.converged:
-        _pass(problem)
-        found.iterations = problem.solver.factorizations
-        return found
-    if artificial >= BEGUN:
-        raise problem.stalled(found)
-    guess()
-    found = _reached(problem, BEGUN, ON_THE_WAY, limit=FROM_STATE)
-    if not found.converged:
-        raise problem.stalled(found)
-    _pass(problem)
-    follow(problem)
-    return polish(problem)
-
-
 def follow(problem, tries=TRIES):
     """Goes on along the branch from the last flows passed, as far as eps = 0 where it leads there; tries: the eps at
-    which 0 is tried; eps falls no further than the last of them. After the first try that fails it also ends where eps
-    may stay (FlowProblem.may_stay).
+    which 0 is tried; eps falls no further than the last of them.
 
     The state is the last flow passed.
     """
-    step, least, failed = None, tries[-1], False
+    step, least = None, tries[-1]
     while problem.left > HARD and problem.artificial > 0:
         eps, values, last_inflow = problem.passed[-1]
         if eps <= tries[0]:
@@ -120,9 +89,9 @@ def follow(problem, tries=TRIES):
                 _pass(problem)
                 return
             _back(problem)
-            tries, failed = [one for one in tries if one < eps], True
-        if failed and (not tries or problem.may_stay()):
-            return
+            tries = [one for one in tries if one < eps]
+            if not tries:
+                return
         direction, inflow, change, length = _secant(problem)
         step = min(step or length, LONGEST_STEP)
         problem.state.x.array[:] = values + step * direction

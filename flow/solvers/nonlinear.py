@@ -17,10 +17,13 @@ from petsc4py import PETSc
 
 from common.errors import ComputationError
 from flow.discretisation import compat, flow_state
-from flow.solvers import anderson, continuation, linear, predicted_start, ramp
+from flow.solvers import anderson, continuation, linear, newton, predicted_start, ramp
 from flow.discretisation import tangent
 from flow.physics import viscosity
 from flow.discretisation.forms import NavierStokes
+
+
+FROM_STATE = 6  # factorizations from the flow of another state; without convergence the usual way is taken then
 
 
 @dataclasses.dataclass
@@ -65,7 +68,6 @@ class FlowProblem(flow_state.FlowState):
         self.bordered = None
         self.inertia = None  # solvers.marching.Inertia while the flow is marched in time
         self.passed = []  # (eps, values, inflow) of the flows on the path; the last is the answer's
-        self.may_stay = lambda: False  # whether the eps of the present flow does so little to FFR that it may answer
 
     @property
     def left(self):
@@ -246,12 +248,20 @@ class FlowProblem(flow_state.FlowState):
             return None
 
     def solve_from_state(self, start):
-        """Outcome at full flow from the flow of another state of the vessel.
+        """Outcome at full flow, without artificial viscosity, from the flow of another state of the vessel.
 
-        start: inputs.solution.Start. Raises ComputationError where solvers.continuation finds no flow from there.
+        start: inputs.solution.Start. Raises ComputationError where Newton's method does not converge from there.
         """
-        guess = (*start.at(self.space.nodes()[0]), start.inflow)
-        return continuation.from_state(self, lambda: self.take(*guess), start.artificial)
+        self.boundaries.full()
+        self.forms.artificial.value = 0.0
+        self.take(*start.at(self.space.nodes()[0]), start.inflow)
+        settings = self.settings
+        found = newton.newton(self, settings.residual_absolute, settings.residual_relative, FROM_STATE)
+        if not found.converged:
+            raise self.stalled(found)
+        self.passed.append((0.0, self.state.x.array.copy(), self.inflow))
+        found.iterations = self.solver.factorizations
+        return found
 
     def stalled(self, found):
         """ComputationError with the eps and residual (of Outcome `found`, else of the state) where solving ended."""

@@ -35,13 +35,12 @@ class Solved:
         self.boundaries.destroy()
 
 
-def solve_mesh(path, document, settings, tree, predicted, may_stay, before=None, spent=0, effort=WHOLE, start=None):
+def solve_mesh(path, document, settings, tree, predicted, before=None, spent=0, effort=WHOLE, start=None):
     """Solved from a mesh file. The first guess is the flow of `start`, else of `before`, else of `predicted`.
 
     start: inputs.solution.Start, of another state; before: Solved on another mesh; predicted: coupled.Predictor.
-    may_stay(Solved) -> whether its artificial viscosity has so little effect that it may answer. spent: factorizations
-    made on other meshes; effort: BEGUN, WHOLE or NEAR. Raises ComputationError where no flow is found, and InputError
-    where mesh, centreline and boundary values do not belong together.
+    spent: factorizations made on other meshes; effort: BEGUN, WHOLE or NEAR. Raises ComputationError where no flow is
+    found, and InputError where mesh, centreline and boundary values do not belong together.
     """
     space = spaces.read(path)
     ffr.check_inside(document["probes"], tree, space)
@@ -49,7 +48,6 @@ def solve_mesh(path, document, settings, tree, predicted, may_stay, before=None,
     boundaries = outlets.Boundaries(space, document)
     outlets.check_places(space, document, predicted.tree, path)
     problem = nonlinear.FlowProblem(space, boundaries, document, settings, spent)
-    problem.may_stay = lambda: may_stay(Solved(path, space, boundaries, problem, None))
     print(f"{path}: {space.dofs} dofs", file=sys.stderr, flush=True)
     network = predicted.network
     order = [network.names.index(name) for name in boundaries.names]

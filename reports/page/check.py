@@ -28,7 +28,7 @@ FLAGS = (
 )
 SECONDS = 120
 SETTLE_MS = 4000  # page time until the viewer has drawn its first picture
-TALL = "1440,8000"  # window size; tall, so that cases are in view and start their viewer
+TALL = "1440,30000"  # window size; tall, so that the first of nine cases is in view and starts its viewer
 CONSOLE = re.compile(r":CONSOLE[:(]\d+\)?\] (.*)")
 DRIVER = re.compile(r'^"\[\.WebGL-\w+\]GL Driver Message \([^)]*Performance')  # the software renderer's own remarks
 FETCHING = {"src", "srcset", "href", "data", "poster", "action", "formaction", "background", "ping", "manifest"}

@@ -35,7 +35,7 @@ def search(monkeypatch):
     def run(meshes, state=None, **values):
         tried, efforts = [], []
 
-        def solve_mesh(path, document, chosen, tree, predicted, may_stay, before, spent, effort, start):
+        def solve_mesh(path, document, chosen, tree, predicted, before, spent, effort, start):
             tried.append((path, "state" if start else before and before.path))
             efforts.append(effort)
             if meshes[path] is None or start and start.leads_nowhere:
@@ -139,9 +139,9 @@ def test_without_any_flow_the_solve_is_refused(search):
         search({"coarse.msh": None, "fine.msh": None})
 
 
-def _state(mesh, leads_nowhere=False):
+def _state(mesh, artificial=0.0, leads_nowhere=False):
     """What adaptive asks of an inputs.solution.Start."""
-    return types.SimpleNamespace(mesh=mesh, leads_nowhere=leads_nowhere)
+    return types.SimpleNamespace(mesh=mesh, artificial=artificial, leads_nowhere=leads_nowhere)
 
 
 ALL_GOOD = {name: (0.8, 0.0, GOOD) for name in THREE}
@@ -153,9 +153,10 @@ ALL_GOOD = {name: (0.8, 0.0, GOOD) for name in THREE}
         (_state("coarse.msh"), {}, [("coarse.msh", "state")]),
         (_state("coarse.msh"), {"coarse.msh": WIDE}, [("coarse.msh", "state"), ("fine.msh", "coarse.msh")]),
         (_state("coarse.msh", leads_nowhere=True), {}, [("coarse.msh", "state"), ("coarsest.msh", None)]),
+        (_state("coarse.msh", artificial=0.003), {}, [("coarsest.msh", None)]),
         (_state("other.msh"), {}, [("coarsest.msh", None)]),
     ],
-    ids=["answers", "goes on to the finer mesh", "leads nowhere", "of other meshes"],
+    ids=["answers", "goes on to the finer mesh", "leads nowhere", "kept some eps", "of other meshes"],
 )
 def test_the_mesh_that_answered_in_another_state_starts_from_it(search, state, estimates, tries):
     flows = ALL_GOOD | {name: (0.8, 0.0, estimate) for name, estimate in estimates.items()}

@@ -22,7 +22,6 @@ class _Flow(Equations):
         self.forms.picard = None  # its step is Newton's, undamped
         self.boundaries = types.SimpleNamespace(full=lambda: None)
         self.passed, self.log, self.tried, self.load = [], io.StringIO(), [], 1.0
-        self.may_stay = lambda: False
         self.settings = settings.make()
 
     artificial = FlowProblem.artificial
@@ -92,18 +91,6 @@ def test_where_the_branch_ends_its_least_flow_answers():
     assert found.converged and 0.02 <= problem.artificial < 0.03
     assert abs(problem.state.x.array[0] - 2) == pytest.approx(np.sqrt(problem.artificial - 0.02), abs=1e-4)
     assert [one[0] for one in problem.passed] == sorted((one[0] for one in problem.passed), reverse=True)
-
-
-def test_an_artificial_viscosity_that_does_little_stays_once_none_was_tried():
-    """The branch ends at eps = .0005; without the word of the error estimate it is followed to LEAST."""
-    followed, short, smooth = _ends(0.0005), _ends(0.0005), _smooth()
-    short.may_stay = smooth.may_stay = lambda: True
-    for problem in (followed, short, smooth):
-        assert continuation.from_rest(problem).converged
-    assert followed.artificial == continuation.LEAST
-    assert continuation.LEAST < short.artificial <= continuation.SMALL
-    assert short.solver.factorizations < followed.solver.factorizations
-    assert smooth.artificial == 0.0, "a flow without any is tried first"
 
 
 def test_a_branch_that_ends_early_is_refused():
@@ -177,34 +164,3 @@ def test_where_the_last_flow_of_another_mesh_leads_to_none_those_before_do():
     coarse.passed = [(eps, np.array([2.1]), 0.0) for eps in (0.02, 0.004, 0.0)]
     found = continuation.from_guess(fine, coarse)
     assert found.converged and fine.passed[0][0] <= 0.02 and fine.artificial >= 0.01
-
-
-def _from(problem, value, artificial):
-    """Outcome from another state's flow `value`, which had eps = artificial."""
-
-    def guess():
-        problem.state.x.array = np.array([value])
-
-    return continuation.from_state(problem, guess, artificial)
-
-
-@pytest.mark.parametrize(("value", "artificial"), [(2.01, 0.0), (1.99, 0.004)])
-def test_another_state_that_is_near_is_solved_at_its_eps(value, artificial):
-    problem = _smooth()
-    found = _from(problem, value, artificial)
-    assert found.converged and problem.artificial == artificial
-    assert problem.state.x.array == pytest.approx([2.0 - artificial], abs=1e-8)
-    assert len(problem.passed) == 1 and found.iterations == problem.solver.factorizations
-
-
-def test_another_state_that_is_not_near_begins_the_path(monkeypatch):
-    """At eps = 0 its flow is too far away for Newton's method, at BEGUN it is not."""
-    monkeypatch.setattr(continuation, "FROM_STATE", 2)
-    problem = _steep(3.0)
-    assert _from(problem, 2.13, 0.0).converged and problem.artificial == 0.0
-    assert problem.passed[0][0] == continuation.BEGUN and problem.state.x.array == pytest.approx([3.0], abs=1e-6)
-
-
-def test_another_state_from_which_no_flow_is_found_is_refused():
-    with pytest.raises(ComputationError, match="stalled"):
-        _from(_ends(0.03), 4.0, 0.0)
