@@ -386,6 +386,16 @@ def _(folder):
     return lumen("process", tube(folder / "tube.stl", capped=False), "--cap", caps[0], "--cap", caps[1])
 
 
+@given("a cap file whose rim lies in no plane")
+def _(folder):
+    points, triangles = points_and_triangles()
+    first, last = ((triangles == len(points) - k).any(axis=1) for k in (2, 1))
+    rim = np.unique(triangles[last])[:-1]
+    points[rim, 0] += 0.3 * np.sin(2 * np.arctan2(points[rim, 2], points[rim, 1]))
+    caps = [surfaces.write(folder / f"{k}.stl", points, triangles[at]) for k, at in enumerate((first, last))]
+    return lumen("process", surfaces.write(folder / "tube.stl", points, triangles), "--cap", caps[0], "--cap", caps[1])
+
+
 @given("a torn corner: triangles that share no points")
 def _(folder):
     points, triangles = points_and_triangles()

@@ -40,9 +40,8 @@ std::vector<Face> faces_on(const Mesh& mesh, const GivenCap& cap) {
     if (std::abs(area.dot(of_cap)) >= cos_cap * area.norm() * of_cap.norm())
       return true;
     const auto corners = mesh.vertices_around_face(mesh.halfedge(f));
-    return std::all_of(corners.begin(), corners.end(), [&](Vertex v) {
-      return std::sqrt(tree.squared_distance(mesh.point(v))) < same_point * radius;
-    });
+    return std::all_of(corners.begin(), corners.end(),
+                       [&](Vertex v) { return std::sqrt(tree.squared_distance(mesh.point(v))) < same_point * radius; });
   };
   std::vector<Face> faces;
   std::copy_if(mesh.faces().begin(), mesh.faces().end(), std::back_inserter(faces), is_on_cap);

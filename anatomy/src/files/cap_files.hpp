@@ -7,7 +7,7 @@ namespace anatomy {
 struct GivenCap {
   std::string path;
   Vec3 centre = Vec3::Zero(); ///< of its area, mm
-  double area = 0;                                   ///< mm2, seen along the normal
+  double area = 0;            ///< mm2, seen along the normal
   Soup triangles;
 };
 
