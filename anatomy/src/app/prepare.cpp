@@ -45,17 +45,17 @@ std::set<int> tags_of(const std::vector<OpenEnd>& open) {
   return tags;
 }
 
-// The ends that the user names, by points or by cap files.
-NamedEnds named_ends(const Options& options, const std::vector<GivenCap>& caps) {
+// The ends that the user names, by points or by cap files (the centres of their openings).
+NamedEnds named_ends(const Options& options, const std::vector<Vec3>& caps) {
   NamedEnds named;
   named.inlet = options.inlet;
   named.outlets = options.outlets;
   named.close_others = options.close_others;
   named.cuts = options.cuts;
   if (!caps.empty())
-    named.inlet = caps.front().centre;
+    named.inlet = caps.front();
   for (std::size_t k = 1; k < caps.size(); ++k)
-    named.outlets.push_back(caps[k].centre);
+    named.outlets.push_back(caps[k]);
   return named;
 }
 
@@ -118,8 +118,7 @@ Closed closed_surface(const Options& options, StepTimer& timer) {
   if (!soup.region.empty())
     tag_from_soup(out.mesh, soup);
   timer.start("ends");
-  out.named = named_ends(options, caps);
-  open_given_caps(out.mesh, caps);
+  out.named = named_ends(options, open_given_caps(out.mesh, caps));
   fill_tears(out.mesh, points_of(out.named), out.repairs);
   const std::vector<OpenEnd> open = cap_open_ends(out.mesh, out.repairs);
   orient_outward(out.mesh, out.repairs);

@@ -4,10 +4,10 @@
 
 namespace anatomy {
 
-/// Removes the faces that lie on a given cap, so that the end is open and its rim goes the way of every open end. A cap
-/// that lies at an opening, or at an end that the surface itself tags, changes nothing. What the cap looks like does
-/// not matter: it may be a dome, or its rim may lie in no plane. Throws InputError where the surface has no such faces,
-/// or where removing them leaves anything but one opening more.
-void open_given_caps(Mesh& mesh, const std::vector<GivenCap>& caps);
+/// Opens the mesh at each cap and returns the centres of the openings (mm), in the order of the caps. The faces that
+/// lie on the cap are removed, and the rim is treated like that of any open end. So a cap may be a dome, or its rim may
+/// lie in no plane. If the mesh is open there, or its own tags say that it ends there, nothing is removed. Throws
+/// InputError if no faces lie on the cap, or if the surface without them has not exactly one opening there.
+std::vector<Vec3> open_given_caps(Mesh& mesh, const std::vector<GivenCap>& caps);
 
 } // namespace anatomy

@@ -229,14 +229,20 @@ def cap_files(folder, points, triangles):
     return surfaces.write(folder / "wall.stl", points, triangles), *caps
 
 
-def test_a_dome_as_cap_file_is_opened_at_its_rim(summary_of, tmp_path):
-    """The very triangles of a rounded end: the user's word is that the vessel ends where they begin."""
+@pytest.mark.parametrize("height_mm", [1.2, 8.0])
+@pytest.mark.parametrize("wall", ["open", "closed"])
+def test_a_dome_as_cap_file_is_opened_at_its_rim(summary_of, tmp_path, wall, height_mm):
+    """The very triangles of a rounded end: the user's word is that the vessel ends where they begin. The middle of a
+    tall one is several radii from there."""
     points, triangles = surfaces.tube(surfaces.arc(0.1), lambda s: 1.6 - 0.01 * s, 20)
     flat = points[-2].copy()
-    points[-2] -= [1.2, 0, 0]
+    points[-2] -= [height_mm, 0, 0]
     surface, inlet, outlet = cap_files(tmp_path, points, triangles)
+    if wall == "open":
+        on_cap = (triangles >= len(points) - 2).any(axis=1)
+        surface = surfaces.write(tmp_path / "open.stl", points, triangles[~on_cap])
     summary = summary_of(surface, "--cap", inlet, "--cap", outlet)
-    assert len(summary["ends"]) == 2
+    assert len(summary["ends"]) == 2 and summary["ends"][0]["kind"] == "inlet"
     assert summary["ends"][0]["centre_mm"] == pytest.approx(flat, abs=0.02)
     assert summary["ends"][0]["area_mm2"] == pytest.approx(np.pi * 1.6**2, rel=0.02)
 
