@@ -28,7 +28,7 @@ FLAGS = (
 )
 SECONDS = 120
 SETTLE_MS = 4000  # page time until the viewer has drawn its first picture
-TALL = "1440,30000"  # window size; tall, so that the first of nine cases is in view and starts its viewer
+FIRST_CASE = re.compile(r'<article class="case" id="([^"]+)"')  # its viewer starts once it is in view
 CONSOLE = re.compile(r":CONSOLE[:(]\d+\)?\] (.*)")
 DRIVER = re.compile(r'^"\[\.WebGL-\w+\]GL Driver Message \([^)]*Performance')  # the software renderer's own remarks
 FETCHING = {"src", "srcset", "href", "data", "poster", "action", "formaction", "background", "ping", "manifest"}
@@ -83,11 +83,18 @@ def console_messages(log):
     return [match[1].strip() for match in found if match and not DRIVER.match(match[1])]
 
 
-def browse(path, *arguments, size="1440,900"):
-    """Runs Chromium on a file with a fresh profile; returns (standard output, log). ComputationError if it fails."""
+def browse(path, *arguments, size="1440,900", at=""):
+    """Runs Chromium on a file with a fresh profile; returns (standard output, log). ComputationError if it fails.
+
+    size: of the window in pixels; at: id of the element to which the page is scrolled.
+    """
     with tempfile.TemporaryDirectory() as profile:
         command = [BROWSER, *FLAGS, f"--user-data-dir={profile}", f"--window-size={size}"]
-        command += [f"--virtual-time-budget={SETTLE_MS}", *arguments, pathlib.Path(path).resolve().as_uri()]
+        command += [
+            f"--virtual-time-budget={SETTLE_MS}",
+            *arguments,
+            pathlib.Path(path).resolve().as_uri() + (at and f"#{at}"),
+        ]
         try:
             result = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, check=False)
         except FileNotFoundError as error:
@@ -101,10 +108,12 @@ def browse(path, *arguments, size="1440,900"):
 
 def check_report(path, screenshot=None, size="1440,900"):
     """Raises ComputationError for a console error, InputError for an outside reference; saves a picture if asked."""
-    outside = outside_references(existing(path, "reports report").read_text())
+    text = existing(path, "reports report").read_text()
+    outside = outside_references(text)
     if outside:
         raise InputError("the report refers to other files", path, "; ".join(outside[:5]), "put them into the file")
-    page, log = browse(path, "--dump-dom", size=TALL)
+    first = FIRST_CASE.search(text)
+    page, log = browse(path, "--dump-dom", at=first[1] if first else "")
     errors = console_messages(log)
     if errors:
         remedy = "open it in a browser and see the console"

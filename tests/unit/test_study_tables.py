@@ -38,7 +38,7 @@ def test_mean_and_deviation_of_those_that_have_a_value(results):
 
 
 @pytest.mark.parametrize(
-    "value, said", [("0.00079", "+0.00079"), ("-0.0126", "-0.013"), ("0.31", "+0.310"), ("0", "+0.000")]
+    "value, said", [("0.00079", "+0.00079"), ("-0.0126", "-0.013"), ("0.31", "+0.310"), ("0", "0.000")]
 )
 def test_a_small_bias_has_two_digits(value, said):
     assert study_tables.small(value, 3) == said

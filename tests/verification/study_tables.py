@@ -11,9 +11,11 @@ import sys
 
 import pandas as pd
 
-sys.path[:0] = [str(pathlib.Path(__file__).parent)]
+sys.path[:0] = [str(pathlib.Path(__file__).parent), str(pathlib.Path(__file__).resolve().parents[2])]
 
 from page_tables import Page, markdown  # noqa: E402
+
+from reports.page.build import signed_small  # noqa: E402
 
 AFTER = ("reference", "vci", "rc")
 DIGITS = {"ffr": 3, "mean_area": 2, "minimum_area": 2, "mean_curvature": 3}
@@ -44,12 +46,8 @@ def number(text, digits, sign=""):
 
 
 def small(text, least):
-    """A bias with at least two significant digits: those of `least` decimals, or more where it would read as 0."""
-    value = float(text)
-    digits = least
-    while value and abs(value) < 10 ** (1 - digits) and digits < 5:
-        digits += 1
-    return f"{value:+.{digits}f}"
+    """A bias as the report's page writes it: `least` decimals, or more if two significant digits need them."""
+    return signed_small(float(text), least).replace("−", "-")
 
 
 def patients(results):

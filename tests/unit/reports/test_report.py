@@ -10,7 +10,7 @@ import pytest
 
 from common.errors import ComputationError, InputError
 from reports.__main__ import main
-from reports.page.check import TALL, browse, check_report, console_messages, outside_references
+from reports.page.check import browse, check_report, console_messages, outside_references
 from reports.page.build import fixed, signed, signed_small, signed_to, to_digits
 from reports.page.evidence import evidence_rows, read_results
 from reports.page.geometry import STEPS, pack, quantise
@@ -108,7 +108,7 @@ def test_report_of_a_case_with_and_one_without_reference(study, tmp_path):
     if shutil.which("chromium"):
         check_report(path, tmp_path / "shot.png")
         assert (tmp_path / "shot.png").stat().st_size > 20000
-        page, _ = browse(path, "--dump-dom", size=TALL)
+        page, _ = browse(path, "--dump-dom", at="case-tube")
         assert page.count("<canvas") == 1 and 'class="stage live"' in page
 
 
