@@ -113,7 +113,7 @@ Closed closed_surface(const Options& options, StepTimer& timer) {
   out.input = read_surface(options.input, options.units, options.label, out.repairs);
   const Soup soup = soup_of(out.input);
   timer.start("repair");
-  out.mesh = repaired(soup, out.repairs);
+  out.mesh = repaired(soup, out.repairs, closed_by(caps));
   region_map(out.mesh);
   if (!soup.region.empty())
     tag_from_soup(out.mesh, soup);

@@ -8,6 +8,7 @@
 #include <CGAL/AABB_triangle_primitive.h>
 #include <CGAL/boost/graph/Euler_operations.h>
 #include <algorithm>
+#include <memory>
 
 namespace anatomy {
 namespace {
@@ -23,15 +24,53 @@ constexpr double same_point = 1e-5;   // radii: files store coordinates in singl
 constexpr double least_covered = 0.5; // of the cap's area, by the faces that lie on it
 constexpr double at_rim = 0.5;        // radii from an end to the cap that closes it, for wall and cap of other meshes
 
+constexpr double beside_cap = 0.1; // edges, from the cap to the middles of the faces beside the rim that it closes
+
 double radius_of(double area) {
   return std::sqrt(area / M_PI);
 }
 
+// A given cap that can be searched.
+struct SearchedCap {
+  explicit SearchedCap(const GivenCap& given) : radius(radius_of(given.area)) {
+    for (const Triangle& t : given.triangles.triangles)
+      triangles.emplace_back(given.triangles.points[t[0]], given.triangles.points[t[1]], given.triangles.points[t[2]]);
+    tree.insert(triangles.begin(), triangles.end());
+  }
+  double distance(const Vec3& p) const { return std::sqrt(tree.squared_distance(point(p))); }
+
+  double radius; // mm, of a circle with the cap's area
+  std::vector<Kernel::Triangle_3> triangles;
+  Tree tree;
+};
+
+// Whether the places are near the cap on average, as seen from an end of this area.
+bool are_at(const std::vector<Vec3>& places, double area, const SearchedCap& cap) {
+  double sum = 0;
+  for (const Vec3& p : places)
+    sum += cap.distance(p);
+  return sum < at_rim * std::min(cap.radius, radius_of(area)) * static_cast<double>(places.size());
+}
+
+// Whether the cap closes the opening: the rim lies on the cap, and the faces beside the rim do not. The rim decides,
+// since the middle of a dome may be far from it.
+bool closes(const SearchedCap& cap, const Mesh& mesh, const Loop& loop) {
+  std::vector<Vec3> rim;
+  double beside = 0, edges = 0;
+  for (Halfedge h : CGAL::halfedges_around_face(loop.halfedge, mesh)) {
+    const Vec3 a = vec(mesh.point(mesh.source(h))), b = vec(mesh.point(mesh.target(h)));
+    rim.push_back(b);
+    beside += cap.distance(centroid(mesh, mesh.face(mesh.opposite(h))));
+    edges += (b - a).norm();
+  }
+  return beside > beside_cap * edges && are_at(rim, loop.area, cap);
+}
+
 // The faces that lie on the cap. A face without an area has no direction; it lies on the cap if its corners do.
-std::vector<Face> faces_on(const Mesh& mesh, const Tree& cap, double radius) {
+std::vector<Face> faces_on(const Mesh& mesh, const SearchedCap& cap) {
   const auto is_on_cap = [&](Face f) {
-    const auto [nearest, triangle] = cap.closest_point_and_primitive(point(centroid(mesh, f)));
-    if ((vec(nearest) - centroid(mesh, f)).norm() > on_cap * radius)
+    const auto [nearest, triangle] = cap.tree.closest_point_and_primitive(point(centroid(mesh, f)));
+    if ((vec(nearest) - centroid(mesh, f)).norm() > on_cap * cap.radius)
       return false;
     const Vec3 area = area_vector(mesh, f);
     const Vec3 a = vec(triangle->vertex(0)), b = vec(triangle->vertex(1)), c = vec(triangle->vertex(2));
@@ -40,43 +79,32 @@ std::vector<Face> faces_on(const Mesh& mesh, const Tree& cap, double radius) {
       return true;
     const auto corners = mesh.vertices_around_face(mesh.halfedge(f));
     return std::all_of(corners.begin(), corners.end(),
-                       [&](Vertex v) { return std::sqrt(cap.squared_distance(mesh.point(v))) < same_point * radius; });
+                       [&](Vertex v) { return cap.distance(vec(mesh.point(v))) < same_point * cap.radius; });
   };
   std::vector<Face> faces;
   std::copy_if(mesh.faces().begin(), mesh.faces().end(), std::back_inserter(faces), is_on_cap);
   return faces;
 }
 
-// Centres of the ends that the cap closes: openings whose rims lie on the cap, and faces there that the surface tags.
-// The rim decides, since the middle of a dome may be far from it.
-std::vector<Vec3> ends_at(const Mesh& mesh, const Tree& cap, double radius) {
-  const auto is_at_cap = [&](const std::vector<Vec3>& places, double area) {
-    double sum = 0;
-    for (const Vec3& p : places)
-      sum += std::sqrt(cap.squared_distance(point(p)));
-    return sum < at_rim * std::min(radius, radius_of(area)) * static_cast<double>(places.size());
-  };
+// Centres of the ends that the cap closes: openings, and faces at the cap that the surface tags.
+std::vector<Vec3> ends_at(const Mesh& mesh, const SearchedCap& cap) {
   std::vector<Vec3> centres;
-  for (const Loop& loop : boundary_loops(mesh)) {
-    std::vector<Vec3> rim;
-    for (Vertex v : CGAL::vertices_around_face(loop.halfedge, mesh))
-      rim.push_back(vec(mesh.point(v)));
-    if (is_at_cap(rim, loop.area))
+  for (const Loop& loop : boundary_loops(mesh))
+    if (closes(cap, mesh, loop))
       centres.push_back(loop.centre);
-  }
   for (const auto& [tag, faces] : tagged_faces(mesh)) {
     std::vector<Vec3> places;
     for (Face f : faces)
       places.push_back(centroid(mesh, f));
-    if (const PatchPlane plane = plane_of(mesh, faces); is_at_cap(places, plane.area))
+    if (const PatchPlane plane = plane_of(mesh, faces); are_at(places, plane.area, cap))
       centres.push_back(plane.centre);
   }
   return centres;
 }
 
 // Removes the faces on the cap.
-void open_at(Mesh& mesh, const GivenCap& cap, const Tree& tree) {
-  const std::vector<Face> faces = faces_on(mesh, tree, radius_of(cap.area));
+void open_at(Mesh& mesh, const GivenCap& cap, const SearchedCap& searched) {
+  const std::vector<Face> faces = faces_on(mesh, searched);
   double covered = 0;
   for (Face f : faces)
     covered += area_vector(mesh, f).norm();
@@ -91,17 +119,23 @@ void open_at(Mesh& mesh, const GivenCap& cap, const Tree& tree) {
 
 } // namespace
 
+IsGivenEnd closed_by(const std::vector<GivenCap>& caps) {
+  std::vector<std::shared_ptr<const SearchedCap>> searched; // shared, since a function must be copyable
+  for (const GivenCap& cap : caps)
+    searched.push_back(std::make_shared<const SearchedCap>(cap));
+  return [searched](const Mesh& mesh, const Loop& loop) {
+    return std::any_of(searched.begin(), searched.end(), [&](const auto& cap) { return closes(*cap, mesh, loop); });
+  };
+}
+
 std::vector<Vec3> open_given_caps(Mesh& mesh, const std::vector<GivenCap>& caps) {
   std::vector<Vec3> centres;
   for (const GivenCap& cap : caps) {
-    std::vector<Kernel::Triangle_3> triangles;
-    for (const Triangle& t : cap.triangles.triangles)
-      triangles.emplace_back(cap.triangles.points[t[0]], cap.triangles.points[t[1]], cap.triangles.points[t[2]]);
-    const Tree tree(triangles.begin(), triangles.end());
-    std::vector<Vec3> ends = ends_at(mesh, tree, radius_of(cap.area));
+    const SearchedCap searched(cap);
+    std::vector<Vec3> ends = ends_at(mesh, searched);
     if (ends.empty()) {
-      open_at(mesh, cap, tree);
-      ends = ends_at(mesh, tree, radius_of(cap.area));
+      open_at(mesh, cap, searched);
+      ends = ends_at(mesh, searched);
     }
     if (ends.size() != 1)
       throw InputError("a given cap does not close one end of the vessel", cap.path,

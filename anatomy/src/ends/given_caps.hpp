@@ -1,8 +1,13 @@
 // Ends that the user gives as files.
 #pragma once
 #include "files/cap_files.hpp"
+#include "repair/repair.hpp"
 
 namespace anatomy {
+
+/// Whether one of the caps closes the vessel at this loop: the rim lies on the cap, and the faces beside it do not. So
+/// a hole in a closed end is no end.
+IsGivenEnd closed_by(const std::vector<GivenCap>& caps);
 
 /// Opens the mesh at each cap and returns the centres of the openings (mm), in the order of the caps. The faces that
 /// lie on the cap are removed, and the rim is treated like that of any open end. So a cap may be a dome, or its rim may

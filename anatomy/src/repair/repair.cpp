@@ -103,9 +103,11 @@ void close_t_junctions(Mesh& mesh, double tolerance, std::vector<Repair>& repair
   repairs.push_back({"edges divided", count, "where points of the triangles beside them lie on them"});
 }
 
-void fill_holes(Mesh& mesh, std::vector<Repair>& repairs) {
+void fill_holes(Mesh& mesh, const IsGivenEnd& is_given_end, std::vector<Repair>& repairs) {
   for (const Loop& loop : boundary_loops(mesh)) {
     if (is_open_end(mesh, loop) && std::sqrt(loop.area / M_PI) > smallest_end)
+      continue;
+    if (is_given_end && is_given_end(mesh, loop))
       continue;
     if (filled(mesh, loop.halfedge).empty())
       throw InputError("a hole in the wall cannot be filled", place(loop.centre),
@@ -116,7 +118,7 @@ void fill_holes(Mesh& mesh, std::vector<Repair>& repairs) {
 
 } // namespace
 
-Mesh repaired(const Soup& soup, std::vector<Repair>& repairs) {
+Mesh repaired(const Soup& soup, std::vector<Repair>& repairs, const IsGivenEnd& is_given_end) {
   CGAL::Bbox_3 box;
   for (const Point& p : soup.points)
     box += p.bbox();
@@ -134,7 +136,7 @@ Mesh repaired(const Soup& soup, std::vector<Repair>& repairs) {
   keep_largest_component(mesh, repairs);
   PMP::remove_degenerate_faces(mesh);
   close_t_junctions(mesh, weld_tolerance * diagonal, repairs);
-  fill_holes(mesh, repairs);
+  fill_holes(mesh, is_given_end, repairs);
   mesh.collect_garbage();
   return mesh;
 }

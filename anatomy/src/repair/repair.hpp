@@ -1,13 +1,19 @@
 // Makes one oriented, manifold surface without holes in its wall from triangles as read. Its ends may be open.
 #pragma once
 #include "core/types.hpp"
+#include "repair/loops.hpp"
+#include <functional>
 
 namespace anatomy {
 
+/// Whether the user says that the vessel ends at this loop.
+using IsGivenEnd = std::function<bool(const Mesh&, const Loop&)>;
+
 /// Welds points, drops degenerate and duplicate triangles and fins, orients, stitches, and keeps the largest component.
 /// Fills holes in the wall. A hole differs from a vessel's end in that the neighbouring faces lie in the loop's plane.
-/// Appends the changes to `repairs`. Throws InputError if nothing usable remains.
-Mesh repaired(const Soup& soup, std::vector<Repair>& repairs);
+/// An end of the user stays open whatever its neighbours. Appends the changes to `repairs`. Throws InputError if
+/// nothing usable remains.
+Mesh repaired(const Soup& soup, std::vector<Repair>& repairs, const IsGivenEnd& is_given_end = {});
 
 /// Removes self-intersections of a closed mesh (CGAL's local remeshing). Throws InputError with the place if some
 /// remain.
