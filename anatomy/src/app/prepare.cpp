@@ -113,7 +113,7 @@ Closed closed_surface(const Options& options, StepTimer& timer) {
   out.input = read_surface(options.input, options.units, options.label, out.repairs);
   const Soup soup = soup_of(out.input);
   timer.start("repair");
-  out.mesh = repaired(soup, out.repairs, closed_by(caps));
+  out.mesh = repaired(soup, out.repairs, caps.empty() ? named_by(points_of(named_ends(options, {}))) : closed_by(caps));
   region_map(out.mesh);
   if (!soup.region.empty())
     tag_from_soup(out.mesh, soup);

@@ -42,7 +42,29 @@ Vec3 innermost(const Mesh& mesh, const Loop& loop, const Vec3& inward) {
   return loop.centre + deepest * inward;
 }
 
+bool is_named(const Loop& loop, const std::vector<Vec3>& named) {
+  const double reach = names_it * std::sqrt(loop.area / M_PI);
+  return std::any_of(named.begin(), named.end(), [&](const Vec3& p) { return (p - loop.centre).norm() < reach; });
+}
+
+// Radius (mm) of the largest ball in the vessel behind the opening.
+double ball_behind(const Mesh& mesh, const Tubes& tubes, double sense, const Loop& loop) {
+  const Vec3 inward = -sense * loop.normal;
+  return tubes.ball(innermost(mesh, loop, inward), inward);
+}
+
+bool is_narrower(const Loop& loop, double ball) {
+  return std::sqrt(loop.area / M_PI) < least_width * ball;
+}
+
 } // namespace
+
+IsGivenEnd named_by(std::vector<Vec3> points) {
+  return [points = std::move(points)](const Mesh& mesh, const Loop& loop) {
+    return is_named(loop, points) &&
+           !is_narrower(loop, ball_behind(mesh, Tubes(mesh), sense_of(mesh, boundary_loops(mesh)), loop));
+  };
+}
 
 void fill_tears(Mesh& mesh, const std::vector<Vec3>& named, std::vector<Repair>& repairs) {
   const std::vector<Loop> loops = boundary_loops(mesh);
@@ -52,15 +74,10 @@ void fill_tears(Mesh& mesh, const std::vector<Vec3>& named, std::vector<Repair>&
   std::vector<std::pair<Loop, double>> tears;
   {
     const Tubes tubes(mesh);
-    for (const Loop& loop : loops) {
-      const double radius = std::sqrt(loop.area / M_PI);
-      const auto names = [&](const Vec3& p) { return (p - loop.centre).norm() < names_it * radius; };
-      if (std::any_of(named.begin(), named.end(), names))
-        continue;
-      const Vec3 inward = -sense * loop.normal;
-      if (const double ball = tubes.ball(innermost(mesh, loop, inward), inward); radius < least_width * ball)
-        tears.emplace_back(loop, ball);
-    }
+    for (const Loop& loop : loops)
+      if (!is_named(loop, named))
+        if (const double ball = ball_behind(mesh, tubes, sense, loop); is_narrower(loop, ball))
+          tears.emplace_back(loop, ball);
   }
   for (const auto& [loop, ball] : tears) {
     if (filled(mesh, loop.halfedge).empty())

@@ -127,6 +127,16 @@ void name_nearest(const Vec3& p, const std::string& option, std::vector<Place>& 
   best->named = true;
 }
 
+// An opening narrower than the vessel is an end if the user says so. It also restricts the flow; this is said.
+void warn_of_narrow(const Place& end, std::vector<Repair>& repairs) {
+  if (end.shown.kind != "open" || end.shown.width >= least_width * 2 * end.shown.evidence.ball)
+    return;
+  char behind[128];
+  std::snprintf(behind, sizeof behind, "; the vessel behind it is %.2f mm wide: cut the end where the vessel is whole",
+                2 * end.shown.evidence.ball);
+  repairs.push_back({"end narrower than its vessel", 1, line_of(end.shown) + behind, true});
+}
+
 // Leaves as ends those that the points name. If the inlet has no point, it is the largest of the other ends.
 void keep_named(std::vector<Place>& places, const NamedEnds& named, std::vector<Repair>& repairs) {
   for (const Vec3& p : named.outlets)
@@ -152,6 +162,7 @@ void keep_named(std::vector<Place>& places, const NamedEnds& named, std::vector<
                      "give a point near each, or close them by --close-others");
   for (Place& one : places) {
     if (one.named) {
+      warn_of_narrow(one, repairs);
       one.shown.why += one.shown.is_end ? ", named" : ", but named";
     } else if (one.shown.is_end) {
       repairs.push_back({"end without a point left closed", 1, line_of(one.shown), true});

@@ -23,8 +23,7 @@ constexpr double cos_cap = 0.9;       // 26 degrees between the face and the cap
 constexpr double same_point = 1e-5;   // radii: files store coordinates in single precision
 constexpr double least_covered = 0.5; // of the cap's area, by the faces that lie on it
 constexpr double at_rim = 0.5;        // radii from an end to the cap that closes it, for wall and cap of other meshes
-
-constexpr double beside_cap = 0.1; // edges, from the cap to the middles of the faces beside the rim that it closes
+constexpr double turned = 0.1;        // sine of the angle between the cap and the faces beside the rim that it closes
 
 double radius_of(double area) {
   return std::sqrt(area / M_PI);
@@ -56,14 +55,15 @@ bool are_at(const std::vector<Vec3>& places, double area, const SearchedCap& cap
 // since the middle of a dome may be far from it.
 bool closes(const SearchedCap& cap, const Mesh& mesh, const Loop& loop) {
   std::vector<Vec3> rim;
-  double beside = 0, edges = 0;
+  double off_cap = 0, off_rim = 0; // mm, of the middles of the faces beside the rim
   for (Halfedge h : CGAL::halfedges_around_face(loop.halfedge, mesh)) {
     const Vec3 a = vec(mesh.point(mesh.source(h))), b = vec(mesh.point(mesh.target(h)));
     rim.push_back(b);
-    beside += cap.distance(centroid(mesh, mesh.face(mesh.opposite(h))));
-    edges += (b - a).norm();
+    const Vec3 middle = centroid(mesh, mesh.face(mesh.opposite(h)));
+    off_cap += cap.distance(middle);
+    off_rim += (middle - a).cross(Vec3(middle - b)).norm() / (b - a).norm();
   }
-  return beside > beside_cap * edges && are_at(rim, loop.area, cap);
+  return off_cap > turned * off_rim && are_at(rim, loop.area, cap);
 }
 
 // The faces that lie on the cap. A face without an area has no direction; it lies on the cap if its corners do.

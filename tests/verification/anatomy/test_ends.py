@@ -247,6 +247,54 @@ def test_a_dome_as_cap_file_is_opened_at_its_rim(summary_of, tmp_path, wall, hei
     assert summary["ends"][0]["area_mm2"] == pytest.approx(np.pi * 1.6**2, rel=0.02)
 
 
+@pytest.mark.parametrize("cut_at", [0.95, 0.8, 0.45])
+@pytest.mark.parametrize("wall", ["open", "closed"])
+def test_a_cap_file_of_a_shallow_tip_names_its_end(summary_of, tmp_path, wall, cut_at):
+    """The first end is a half ball, cut where it has this share of the radius. Beside the rim the wall lies nearly in
+    the rim's plane, as round a hole. The user's word keeps it open; a much narrower end is warned of."""
+    radius = lambda s: np.where(s < 1.5, np.sqrt(np.maximum(1.5**2 - (s - 1.5) ** 2, 1e-6)), 1.5)  # noqa: E731
+    start = 1.5 * (1 - np.sqrt(1 - cut_at**2))
+    points, triangles = surfaces.tube(surfaces.straight, lambda s: radius(s + start), 20, 0.2)
+    surface, inlet, outlet = cap_files(tmp_path, points, triangles)
+    if wall == "open":
+        on_cap = (triangles >= len(points) - 2).any(axis=1)
+        surface = surfaces.write(tmp_path / "open.stl", points, triangles[~on_cap])
+    summary = summary_of(surface, "--cap", inlet, "--cap", outlet)
+    assert [end["kind"] for end in summary["ends"]] == ["inlet", "outlet"]
+    assert summary["ends"][0]["centre_mm"] == pytest.approx([0, 0, 0], abs=0.05)
+    assert summary["ends"][0]["diameter_mm"] == pytest.approx(2 * 1.5 * cut_at, rel=0.03)
+    assert reported(summary, "end narrower than its vessel") == (cut_at < 0.6)
+
+
+def test_the_mouth_of_a_funnel_is_an_end_where_a_point_says_so(summary_of, tmp_path):
+    """Its lip lies within 7 degrees of the rim's plane, as the wall does round a hole."""
+    radius = lambda s: np.interp(s, [0, 0.2, 0.3, 0.6], [3, 2, 1.7, 1.5])  # noqa: E731
+    points, triangles = surfaces.tube(surfaces.straight, radius, 20, 0.1, capped=False)
+    points[:, 0] = np.where(points[:, 0] < 0.2, 0.2 + (points[:, 0] - 0.2) * 0.6, points[:, 0])
+    surface = surfaces.write(tmp_path / "funnel.stl", points, triangles)
+    summary = summary_of(surface, "--inlet", "0,0,0", "--outlet", "20,0,0")
+    assert [end["kind"] for end in summary["ends"]] == ["inlet", "outlet"]
+    assert summary["ends"][0]["diameter_mm"] == pytest.approx(6, rel=0.03)
+    assert reported(summary, "hole filled") == 0
+
+
+def test_a_hole_in_a_given_cap_is_filled(summary_of, tmp_path):
+    points, triangles = surfaces.tube(surfaces.straight, lambda s: 1.5 + 0 * s, 20)
+    fine = surfaces.vtk.vtkLinearSubdivisionFilter()
+    fine.SetInputData(surfaces.polydata(points, triangles))
+    fine.SetNumberOfSubdivisions(2)
+    fine.Update()
+    points, triangles = surfaces.arrays(fine.GetOutput())
+    at = points[triangles].mean(axis=1)
+    caps = [surfaces.write(tmp_path / f"{x}.stl", points, triangles[np.abs(at[:, 0] - x) < 1e-6]) for x in (0, 20)]
+    hole = np.linalg.norm(at - [0, 0.7, 0], axis=1) < 0.25
+    assert 1 < hole.sum() < 0.2 * (np.abs(at[:, 0]) < 1e-6).sum()
+    surface = surfaces.write(tmp_path / "holed.stl", points, triangles[~hole])
+    summary = summary_of(surface, "--cap", caps[0], "--cap", caps[1])
+    assert summary["ends"][0]["area_mm2"] == pytest.approx(np.pi * 1.5**2, rel=0.02)
+    assert reported(summary, "hole filled") >= 1
+
+
 @pytest.mark.parametrize("off_mm", [0.13, 0.3, 0.5])
 def test_a_cap_file_whose_rim_is_a_saddle_names_one_end(summary_of, tmp_path, off_mm):
     """Its rim is up to a third of the radius off its plane. A rim that would fold when flattened is cut behind it."""
