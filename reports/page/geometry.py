@@ -1,15 +1,18 @@
-"""Lumens and devices of a case, packed for the 3-D viewer: quantised, base64, small."""
+"""Lumens and devices of a case, packed for the 3-D viewer: quantised, reordered and compressed."""
 
 import base64
+import zlib
 
 import matplotlib
 import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import reverse_cuthill_mckee
 from scipy.spatial import cKDTree
 
 from reports.figures.lumen import nearest_ffr, view_axes
 from reports.inputs.case_files import pictured
 from reports.inputs.reading import read_table
-from reports.inputs.surface import read_device, read_lumen
+from reports.inputs.surface import Surface, read_device, read_lumen
 
 MOST_TRIANGLES = 12000
 STEPS = 65535  # quantisation steps over the range of a coordinate or value: 1 um over 65 mm
@@ -25,8 +28,8 @@ def viewer_data(files, metrics):
     `vci`.
     """
     states = pictured(metrics["states"])
-    lumens = {state: read_lumen(files.lumen(state), MOST_TRIANGLES) for state in states}
-    devices = [device for device in map(read_device, files.struts()) if device] if "vci" in states else []
+    lumens = {state: ordered(read_lumen(files.lumen(state), MOST_TRIANGLES)) for state in states}
+    devices = [ordered(device) for device in map(read_device, files.struts()) if device] if "vci" in states else []
     every = np.vstack([surface.points for surface in [*lumens.values(), *devices]])
     low, high = every.min(0), every.max(0)
     values = {state: along_axis(files, state, lumens[state].points) for state in states}
@@ -63,14 +66,40 @@ def along_axis(files, state, points):
     }
 
 
+def ordered(surface):
+    """The same Surface with vertices and triangles in an order that compresses well: neighbours stand close together.
+
+    Vertices are in reverse Cuthill-McKee order. A triangle starts at its first vertex, its sense kept.
+    """
+    ends = np.vstack([surface.triangles[:, [0, 1]], surface.triangles[:, [1, 2]], surface.triangles[:, [2, 0]]])
+    count = len(surface.points)
+    neighbours = coo_matrix((np.ones(2 * len(ends)), (ends.T.ravel(), ends.T[::-1].ravel())), (count, count))
+    order = reverse_cuthill_mckee(neighbours.tocsr(), symmetric_mode=True)
+    place = np.empty(count, int)
+    place[order] = np.arange(count)
+    triangles = place[surface.triangles]
+    turned = (triangles.argmin(1)[:, None] + np.arange(3)) % 3
+    triangles = np.take_along_axis(triangles, turned, 1)
+    return Surface(surface.points[order], triangles[np.lexsort(triangles.T[::-1])])
+
+
 def pack_surface(surface, low, high):
-    """Points (16 bits a coordinate over the bounds) and triangles of a Surface, base64."""
-    kind = np.uint16 if len(surface.points) <= STEPS else np.uint32
+    """Points (16 bits a coordinate over the bounds) as differences from point to point; triangles as the first vertex's
+    differences from triangle to triangle, and both other vertices' from the first."""
+    first = surface.triangles[:, :1]
+    wide = len(surface.points) > STEPS
     return {
-        "points": pack(quantise(surface.points, low, high)),
-        "triangles": pack(surface.triangles.astype(kind)),
-        "wide": kind is np.uint32,
+        "points": pack(differences(quantise(surface.points, low, high))),
+        "triangles": pack(
+            np.hstack([differences(first), surface.triangles[:, 1:] - first]), np.uint32 if wide else np.uint16
+        ),
+        "wide": wide,
     }
+
+
+def differences(values):
+    """Each row (n, k) minus the row before it, the first as it is."""
+    return np.diff(values.astype(np.int64), axis=0, prepend=0)
 
 
 def quantise(values, low, high):
@@ -79,9 +108,16 @@ def quantise(values, low, high):
     return np.round((np.asarray(values) - low) / span * STEPS).clip(0, STEPS).astype(np.uint16)
 
 
-def pack(array):
-    """An integer array as base64 of its little-endian bytes."""
-    return base64.b64encode(array.astype(array.dtype.newbyteorder("<")).tobytes()).decode("ascii")
+def pack(values, kind=np.uint16):
+    """Integers (n,) or (n, k), modulo the range of `kind`, as base64 of a zlib stream.
+
+    The stream holds column by column: the lowest bytes of all rows, then the next ones. Such runs are alike, so they
+    compress well.
+    """
+    columns = np.asarray(values).reshape(len(values), -1).T
+    wrapped = columns.astype(np.int64).astype(kind).astype(np.dtype(kind).newbyteorder("<"))
+    planes = wrapped.ravel().view(np.uint8).reshape(*columns.shape, np.dtype(kind).itemsize).transpose(0, 2, 1)
+    return base64.b64encode(zlib.compress(planes.tobytes(), 9)).decode("ascii")
 
 
 def colour_table():

@@ -7,28 +7,48 @@
   const PLAIN_COLOUR = 0xb5473c;
   const SEE_THROUGH = 0.4;  // the outer wall, when a lumen is shown inside it
 
-  function bytes(text) {
-    const raw = atob(text);
-    const out = new Uint8Array(raw.length);
-    for (let k = 0; k < raw.length; k++) out[k] = raw.charCodeAt(k);
-    return out.buffer;
+  /* The columns of integers that geometry.py packs: unsigned, `size` bytes each. */
+  function unpack(text, columns, size) {
+    const planes = THREE.unzlibSync(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)));
+    const count = planes.length / (columns * size);
+    return Array.from({ length: columns }, (_, column) => {
+      const out = size === 2 ? new Uint16Array(count) : new Uint32Array(count);
+      for (let byte = 0; byte < size; byte++) {
+        const at = (column * size + byte) * count;
+        for (let k = 0; k < count; k++) out[k] |= planes[at + k] << (8 * byte);
+      }
+      return out;
+    });
   }
 
-  function unpack(text, low, high) {
-    return Float32Array.from(new Uint16Array(bytes(text)), (v) => low + (v / STEPS) * (high - low));
+  /* Sums of differences, modulo the range of the array. */
+  function summed(array) {
+    for (let k = 1; k < array.length; k++) array[k] += array[k - 1];
+    return array;
+  }
+
+  /* Quantised integers as numbers between low and high. */
+  function scaled(array, low, high) {
+    return Float32Array.from(array, (v) => low + (v / STEPS) * (high - low));
+  }
+
+  function interleaved(columns, kind) {
+    const out = new kind(3 * columns[0].length);
+    columns.forEach((column, c) => column.forEach((v, k) => { out[3 * k + c] = v; }));
+    return out;
   }
 
   function geometry(packed, bounds) {
-    const quantised = new Uint16Array(bytes(packed.points));
-    const points = new Float32Array(quantised.length);
-    for (let k = 0; k < points.length; k++) {
-      const low = bounds[0][k % 3];
-      points[k] = low + (quantised[k] / STEPS) * (bounds[1][k % 3] - low);
+    const points = unpack(packed.points, 3, 2).map((column, c) => scaled(summed(column), bounds[0][c], bounds[1][c]));
+    const [first, second, third] = unpack(packed.triangles, 3, packed.wide ? 4 : 2);
+    summed(first);
+    for (let k = 0; k < first.length; k++) {
+      second[k] += first[k];
+      third[k] += first[k];
     }
-    const buffer = bytes(packed.triangles);
     const result = new THREE.BufferGeometry();
-    result.setAttribute("position", new THREE.BufferAttribute(points, 3));
-    result.setIndex(new THREE.BufferAttribute(packed.wide ? new Uint32Array(buffer) : new Uint16Array(buffer), 1));
+    result.setAttribute("position", new THREE.BufferAttribute(interleaved(points, Float32Array), 3));
+    result.setIndex(new THREE.BufferAttribute(interleaved([first, second, third], first.constructor), 1));
     result.computeVertexNormals();
     return result;
   }
@@ -76,7 +96,7 @@
     makeState(name, packed) {
       const { ranges, bounds } = this.data;
       const values = {};
-      for (const key of Object.keys(ranges).filter((name) => packed[name])) values[key] = unpack(packed[key], ranges[key][0], ranges[key][1]);
+      for (const key of Object.keys(ranges).filter((name) => packed[name])) values[key] = scaled(unpack(packed[key], 1, 2)[0], ...ranges[key]);
       const shape = geometry(packed, bounds);
       shape.setAttribute("color", new THREE.BufferAttribute(new Float32Array(values.area.length * 3), 3));
       const far = new THREE.MeshLambertMaterial({ vertexColors: true, side: THREE.BackSide });
@@ -170,5 +190,5 @@
     }
   }
 
-  window.vciViewer = { CaseView };
+  window.vciViewer = { CaseView, geometry };
 })();

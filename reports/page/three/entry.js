@@ -1,4 +1,4 @@
-/* What the page's viewer uses of three.js, as the global THREE. */
+/* What the page's viewer uses of three.js, as the global THREE; its copy of fflate inflates the geometry. */
 export {
   BackSide,
   BufferAttribute,
@@ -18,3 +18,4 @@ export {
   WebGLRenderer,
 } from "three";
 export { TrackballControls } from "three/examples/jsm/controls/TrackballControls.js";
+export { unzlibSync } from "three/examples/jsm/libs/fflate.module.js";

@@ -13,7 +13,6 @@ from reports.__main__ import main
 from reports.page.check import browse, check_report, console_messages, outside_references
 from reports.page.build import fixed, signed, signed_small, signed_to, to_digits
 from reports.page.evidence import evidence_rows, read_results
-from reports.page.geometry import STEPS, pack, quantise
 
 POLICY = '<meta http-equiv="Content-Security-Policy" content="default-src \'none\'">'
 JUNIT = """<testsuites><testsuite>
@@ -207,7 +206,7 @@ def test_benchmarks_that_were_run_are_shown(study, tmp_path):
     for words in ('<th class="text">outcome</th>', '<td class="text">fine</td>', "<th>FFR</th>", "<th>CPU (s)</th>"):
         assert words in text, words
     assert ">reason</th>" not in text  # nothing in it
-    assert text.index("Blood flow: hard cases") < text.index("<h3>another</h3>") and "data:image/png" in text
+    assert text.index("Blood flow: hard cases") < text.index("<h3>another</h3>") and "data:image/webp" in text
     (tmp_path / "benchmarks" / "another" / "table.csv").write_text("")
     with pytest.raises(SystemExit):
         main(["report", "--case-dir", str(folder), *places, "--out", str(path)])
@@ -228,7 +227,7 @@ def test_both_tables_of_the_textbook_comparison_and_its_figure_are_shown(study, 
     main(["report", "--case-dir", str(tmp_path / "cases" / "tube"), *places, "--out", str(path)])
     text = path.read_text()
     text = text[text.index("Deployment: beside the textbook scheme") :]
-    for words in ("not done after 60 CPU s", "<th>error (%)</th>", "<td>43.21</td>", "not reached", "data:image/png"):
+    for words in ("not done after 60 CPU s", "<th>error (%)</th>", "<td>43.21</td>", "not reached", "data:image/webp"):
         assert words in text, words
 
 
@@ -306,12 +305,6 @@ def test_what_is_no_test_result_is_refused(tmp_path, text):
     (tmp_path / "junit.xml").write_text(text)
     with pytest.raises(InputError):
         read_results([tmp_path / "junit.xml"])
-
-
-def test_packed_coordinates_come_back():
-    values = np.linspace(-3.0, 60.0, 1000)
-    raw = np.frombuffer(base64.b64decode(pack(quantise(values, -3.0, 60.0))), "<u2")
-    assert -3.0 + raw / STEPS * 63.0 == pytest.approx(values, abs=0.0005)
 
 
 def test_numbers_as_they_are_shown():

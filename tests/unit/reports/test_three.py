@@ -1,9 +1,17 @@
-"""The bundle of three.js is the pinned version, stands in a page as it is, and keeps its licence."""
+"""The bundle of three.js is the pinned version, stands in a page as it is, and keeps its licence; the viewer unpacks what
+Python packs."""
 
 import json
 import pathlib
 import re
+import shutil
+import subprocess
 
+import numpy as np
+import pytest
+
+from reports.inputs.surface import Surface
+from reports.page.geometry import STEPS, ordered, pack_surface
 from reports.page.assets import THREE, three_script, three_version
 
 BUNDLE = pathlib.Path("build/three.min.js")
@@ -25,3 +33,44 @@ def test_the_viewer_uses_nothing_that_the_bundle_lacks():
 
 def test_the_licence_goes_with_it():
     assert "SPDX-License-Identifier: MIT" in three_script(BUNDLE)
+
+
+UNPACK = """
+const fs = require("fs"), vm = require("vm");
+globalThis.window = globalThis;
+for (const file of process.argv.slice(1, 3)) vm.runInThisContext(fs.readFileSync(file, "utf8"));
+const { packed, bounds } = JSON.parse(fs.readFileSync(0, "utf8"));
+const shape = window.vciViewer.geometry(packed, bounds);
+console.log(JSON.stringify([Array.from(shape.getAttribute("position").array), Array.from(shape.index.array)]));
+"""
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="the package nodejs is not installed")
+@pytest.mark.parametrize("count", [40, 260], ids=["16 bits an index", "32 bits an index"])
+def test_the_viewer_unpacks_the_surface_that_was_packed(count):
+    u, v = np.meshgrid(np.linspace(0, 20, count), np.linspace(0, 2 * np.pi, count), indexing="ij")
+    points = np.column_stack([u.ravel(), 1.5 * np.cos(v).ravel(), 1.5 * np.sin(v).ravel()])
+    corner = np.arange(count * count).reshape(count, count)
+    a, b, c, d = (part.ravel() for part in (corner[:-1, :-1], corner[1:, :-1], corner[:-1, 1:], corner[1:, 1:]))
+    triangles = np.vstack([np.column_stack([a, b, c]), np.column_stack([b, d, c])])
+    shuffled = np.random.default_rng(1).permutation(count * count)
+    surface = Surface(points[np.argsort(shuffled)], shuffled[triangles])
+    low, high = points.min(0), points.max(0)
+    packed = pack_surface(ordered(surface), low, high)
+    assert packed["wide"] == (count * count > STEPS)
+    script = THREE.parent / "templates" / "viewer.js"
+    text = json.dumps({"packed": packed, "bounds": [low.tolist(), high.tolist()]})
+    done = subprocess.run(["node", "-e", UNPACK, BUNDLE, script], input=text, text=True, capture_output=True)
+    assert done.returncode == 0, done.stderr
+    found, index = (np.array(one).reshape(-1, 3) for one in json.loads(done.stdout))
+
+    def corners(p, t):
+        """Triangles by their quantised points, each from its lowest point on, in one order: (m, 9) integers."""
+        steps = np.rint((p - low) / (high - low) * STEPS).astype(int)
+        rank = np.unique(steps, axis=0, return_inverse=True)[1][t]
+        turned = (rank.argmin(1)[:, None] + np.arange(3)) % 3
+        rows = steps[np.take_along_axis(t, turned, 1)].reshape(-1, 9)
+        return rows[np.lexsort(rows.T)]
+
+    assert found.shape == points.shape and index.shape == triangles.shape
+    assert np.array_equal(corners(found, index), corners(surface.points, surface.triangles))
