@@ -21,6 +21,7 @@ constexpr double least_gain = 0.05; // degrees; a change with less gain is not k
 constexpr double least_move = 1e-3; // degrees; the same for the move of one vertex
 constexpr double cos_turned = 0.5;  // 60 degrees: a move may not turn a triangle by more
 constexpr double cos_folded = 0.3;  // 73 degrees to the wall below
+constexpr double cos_crease = -0.5; // 120 degrees between two neighbours: sharper than any carina of a lumen
 constexpr std::size_t most_changes = 400;
 
 Vec3 normal_at(const Mesh& mesh, Vertex v) {
@@ -197,7 +198,7 @@ struct AngleOptimiser {
       relax(trial, moving);
       const double corner = corner_of(trial, moving);
       if (corner > best_corner && folded(trial, moving) <= folded(mesh, patch) &&
-          !(careful && crosses(trial, moving))) {
+          creases(trial, moving) <= creases(mesh, patch) && !(careful && crosses(trial, moving))) {
         best_corner = corner;
         best = std::move(trial);
         if (corner >= wanted)
@@ -223,6 +224,21 @@ struct AngleOptimiser {
         centre += vec(in.point(v)) / 3;
       return area_vector(in, f).normalized().dot(area_vector(surface, wall.nearest_face(point(centre))).normalized()) <
              cos_folded;
+    }));
+  }
+
+  // Edges at these vertices whose triangles are folded onto each other. Such triangles need not cross.
+  static std::size_t creases(const Mesh& in, const std::set<Vertex>& patch) {
+    std::set<Edge> edges;
+    for (Vertex v : patch)
+      if (!in.is_removed(v))
+        for (Face f : in.faces_around_target(in.halfedge(v)))
+          for (Halfedge h : in.halfedges_around_face(in.halfedge(f)))
+            edges.insert(in.edge(h));
+    return static_cast<std::size_t>(std::count_if(edges.begin(), edges.end(), [&](Edge e) {
+      const Vec3 a = area_vector(in, in.face(in.halfedge(e))),
+                 b = area_vector(in, in.face(in.opposite(in.halfedge(e))));
+      return a.dot(b) < cos_crease * a.norm() * b.norm();
     }));
   }
 
