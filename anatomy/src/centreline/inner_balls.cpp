@@ -151,8 +151,8 @@ std::size_t ball_at(const Balls& balls, const End& end) {
   throw common::ComputationError(
       "no axis found at an end", place(end.centre),
       "no inscribed ball there; radius of the end " + std::to_string(end.radius()) + " mm",
-      "if a vessel ends there, export a finer surface; if it is a hole or a face of the wall, fill or "
-      "smooth it, or name the ends by --inlet and --outlet");
+      "if a vessel ends there, export a finer surface; behind a lip or a funnel, cut it by --cut; if it is a hole or a "
+      "face of the wall, fill or smooth it, or name the ends by --inlet and --outlet");
 }
 
 Ways cheapest_ways(const Balls& balls, std::size_t from) {

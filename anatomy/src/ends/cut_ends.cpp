@@ -99,8 +99,9 @@ std::size_t last_ball(const Mesh& mesh, const Balls& balls, Vertex tip) {
     return touching;
   const std::vector<std::size_t> nearest = nearest_balls(p, balls);
   if (nearest.empty())
-    throw InputError("no axis found at a rounded end", place(p), "no inscribed ball",
-                     "cut the end flat, or leave it open; if it is open, name it by a point or a cap file");
+    throw InputError(
+        "no axis found at a rounded end", place(p), "no inscribed ball",
+        "cut the end flat, or leave it open; if it is open with a lip, cut the vessel behind the lip by --cut");
   std::vector<bool> seen(balls.centre.size(), false);
   for (std::size_t i : nearest)
     if (leads_away(balls, i, p, beyond_tip * balls.radius[i], seen)) {

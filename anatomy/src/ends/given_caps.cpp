@@ -108,10 +108,15 @@ void open_at(Mesh& mesh, const GivenCap& cap, const SearchedCap& searched) {
   double covered = 0;
   for (Face f : faces)
     covered += area_vector(mesh, f).norm();
-  if (covered < least_covered * cap.area)
-    throw InputError("no end of the vessel at a given cap", cap.path,
-                     "its centre " + place(cap.centre) + ", area " + std::to_string(cap.area) + " mm2",
-                     "check that cap and surface are in the same frame and unit");
+  if (covered < least_covered * cap.area) {
+    char value[200];
+    std::snprintf(value, sizeof value,
+                  "its centre %s, area %.3g mm2, of which the surface's triangles within %.3g mm of it cover %.0f %%",
+                  place(cap.centre).c_str(), cap.area, on_cap * searched.radius, 100 * covered / cap.area);
+    throw InputError(
+        "no end of the vessel at a given cap", cap.path, value,
+        "give the surface's own triangles at this end, or a surface that is open there; check frame and unit");
+  }
   for (Face f : faces)
     CGAL::Euler::remove_face(mesh.halfedge(f), mesh);
   mesh.collect_garbage();

@@ -182,7 +182,8 @@ struct AngleOptimiser {
     return all;
   }
 
-  void widen(Face f) {
+  // Whether the triangle could be improved.
+  bool widen(Face f) {
     const std::set<Vertex> patch = around(f);
     const double before = corner_of(mesh, patch);
     double best_corner = before + least_gain;
@@ -205,10 +206,12 @@ struct AngleOptimiser {
           break;
       }
     }
-    if (best.is_empty())
+    if (best.is_empty()) {
       hopeless.insert(f);
-    else
-      mesh = std::move(best);
+      return false;
+    }
+    mesh = std::move(best);
+    return true;
   }
 
   // Triangles at these vertices that are not along the wall. At a sharp carina some never are.
@@ -277,13 +280,15 @@ void widen_corners(Mesh& mesh, const Mesh& surface, const WallTree& wall, double
   AngleOptimiser optimiser{mesh, surface, wall, wanted, careful, {}};
   optimiser.mesh.set_recycle_garbage(false); // so that no new face takes the index of a removed one
   // a corner that could not be widened at first may give way once its neighbours have changed
-  for (int pass = 0; pass < passes && (pass == 0 || optimiser.smallest() < wanted - slack); ++pass) {
+  bool changed = true;
+  for (int pass = 0; pass < passes && changed && (pass == 0 || optimiser.smallest() < wanted - slack); ++pass) {
     optimiser.hopeless.clear();
+    changed = false;
     for (std::size_t k = 0; k < most_changes; ++k) {
       const auto [corner, face] = optimiser.worst();
       if (corner >= wanted)
         break;
-      optimiser.widen(face);
+      changed |= optimiser.widen(face);
     }
   }
   mesh = std::move(optimiser.mesh);

@@ -19,21 +19,46 @@ Point on_wall(const Mesh& mesh, Vertex v, const WallTree& wall) {
   return wall.nearest(mesh.point(v));
 }
 
-Mesh remeshed(const Mesh& mesh, double edge, const Mesh& surface) {
-  Mesh out = mesh;
-  const WallTree wall(surface);
-  RegionMap region = region_map(out);
-  auto rim = mark_rims(out);
+namespace {
+
+constexpr double narrow = 30;          // degrees
+constexpr double mostly_narrow = 0.1;  // share of triangles
+constexpr double loosening_edge = 0.6; // of the wanted edge
+
+void remesh_wall(Mesh& mesh, double edge, const WallTree& wall) {
+  RegionMap region = region_map(mesh);
+  auto rim = mark_rims(mesh);
   // rims are not relaxed: they would shrink at every iteration until caps and wall cross
-  PMP::isotropic_remeshing(out.faces(), edge, out,
+  PMP::isotropic_remeshing(mesh.faces(), edge, mesh,
                            CGAL::parameters::number_of_iterations(8)
                                .number_of_relaxation_steps(2)
                                .edge_is_constrained_map(rim)
                                .face_patch_map(region)
                                .protect_constraints(false)
-                               .projection_functor([&](Vertex v) { return on_wall(out, v, wall); }));
-  out.remove_property_map(rim);
-  out.collect_garbage();
+                               .projection_functor([&](Vertex v) { return on_wall(mesh, v, wall); }));
+  mesh.remove_property_map(rim);
+  mesh.collect_garbage();
+}
+
+bool is_narrow(const Mesh& mesh) {
+  const auto faces = mesh.faces();
+  const auto count =
+      std::count_if(faces.begin(), faces.end(), [&](Face f) { return smallest_corner(mesh, f) < narrow; });
+  return static_cast<double>(count) > mostly_narrow * static_cast<double>(mesh.number_of_faces());
+}
+
+} // namespace
+
+Mesh remeshed(const Mesh& mesh, double edge, const Mesh& surface) {
+  Mesh out = mesh;
+  const WallTree wall(surface);
+  remesh_wall(out, edge, wall);
+  // A regular loft may pass unchanged: its long edges are short enough, and a collapse of its short ones would make the
+  // others too long. From a finer mesh there is a way.
+  if (is_narrow(out)) {
+    remesh_wall(out, loosening_edge * edge, wall);
+    remesh_wall(out, edge, wall);
+  }
   flatten_caps(out);
   untangle(out);
   check_remeshed(out, edge);

@@ -142,6 +142,14 @@ def test_the_facets_of_a_loft_are_wall(summary_of, tmp_path, corners, spacing, b
         assert np.linalg.norm(np.subtract(centres, middle), axis=1).min() < 0.01
 
 
+@pytest.mark.parametrize("corners, spacing", [(24, 0.2), (10, 0.2)])
+def test_a_regular_loft_of_short_triangles_is_remeshed(summary_of, tmp_path, corners, spacing):
+    """Its long edges are as wanted, and no collapse of the short ones leaves them so: remeshing changed nothing."""
+    points, triangles = lofts.loft(surfaces.arc(0.02), lambda s: 1.5 + 0 * s, 25, corners, spacing)
+    summary = summary_of(surfaces.write(tmp_path / "loft.stl", points, triangles))
+    assert summary["mesh"]["min_angle_deg"] > 30
+
+
 @pytest.mark.parametrize("slant", [15, 40])
 def test_slanted_ends_stay_as_they_are(summary_of, tmp_path, slant):
     points, triangles = lofts.loft(surfaces.straight, lambda s: 1.5 + 0 * s, 25, 24, 0.4, slant=slant)
