@@ -51,6 +51,16 @@ def read(path):
     return reader.GetOutput()
 
 
+def write_moved(path, data, points):
+    """Writes a vtkPolyData with all its arrays to VTP, its points moved to these (n, 3)."""
+    data.GetPoints().SetData(numpy_to_vtk(points, deep=True))
+    writer = vtk.vtkXMLPolyDataWriter()
+    writer.SetFileName(str(path))
+    writer.SetInputData(data)
+    assert writer.Write()
+    return path
+
+
 def distances(points, data):
     """Distance (mm) of each of the points (n, 3) to the triangles of a vtkPolyData."""
     locator = vtk.vtkStaticCellLocator()

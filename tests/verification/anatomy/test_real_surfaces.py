@@ -7,6 +7,7 @@ import subprocess
 import numpy as np
 import pytest
 import surfaces
+from scipy.spatial import cKDTree
 
 
 @pytest.fixture(scope="module")
@@ -102,3 +103,36 @@ def test_a_closed_stub_is_told(binary, shared_data):
     assert len(told) == 1
     place = [float(x) for x in told[0].split("at (")[1].split(")")[0].split(", ")]
     assert np.linalg.norm(np.subtract(place, (2.1, -196.9, 1666.6))) < 1.5  # where the branch's centreline ends
+
+
+def sharpest_fold(points, triangles):
+    """Least cosine between the normals of two triangles with a common edge."""
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    edges = np.sort(np.vstack([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    order = np.lexsort(edges.T)
+    pairs = np.tile(np.arange(len(triangles)), 3)[order].reshape(-1, 2)
+    return np.einsum("ij,ij->i", normals[pairs[:, 0]], normals[pairs[:, 1]]).min()
+
+
+@pytest.mark.parametrize("widened_mm, within_mm", [(0.4, 4)])
+def test_a_widened_tree_has_no_folds(binary, shared_data, tmp_path, widened_mm, within_mm):
+    """A real tree, widened at one place and processed as a deployed lumen is. Widening a narrow corner far from there
+    laid two triangles onto each other, which left a volume mesh with a sliver."""
+    lumen, before = str(binary("lumen")), tmp_path / "before"
+    surface = shared_data / "dbihar" / "721A_lumen_derived_mm.stl"
+    subprocess.run(
+        [lumen, "process", str(surface), "--units", "mm", "--out", str(before)], check=True, capture_output=True
+    )
+    data = surfaces.read(before / "lumen.vtp")
+    points, _ = surfaces.arrays(data)
+    axis = surfaces.vtk_to_numpy(surfaces.read(before / "centreline.vtp").GetPoints().GetData())
+    outward = points - axis[cKDTree(axis).query(points)[1]]
+    outward /= np.linalg.norm(outward, axis=1)[:, None]
+    place = np.array([25.79, -4.035, -2.732])
+    points += widened_mm * np.exp(-(((points - place) / within_mm) ** 2).sum(axis=1))[:, None] * outward
+    surfaces.write_moved(tmp_path / "widened.vtp", data, points)
+    command = [lumen, "process", str(tmp_path / "widened.vtp"), "--units", "mm", "--like", str(before / "anatomy.json")]
+    subprocess.run([*command, "--out", str(tmp_path / "after")], check=True, capture_output=True)
+    assert sharpest_fold(*surfaces.arrays(surfaces.read(tmp_path / "after" / "lumen.vtp"))) > -0.5
