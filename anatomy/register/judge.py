@@ -114,8 +114,8 @@ def warnings(match):
     share = match.trimmed_mm / match.usual_radius_mm
     return [
         f"the axes after the procedure lie {match.trimmed_mm:.2f} mm off those before (without the worst fifth),"
-        f" {share:.2f} of the usual radius. Pairs of one vessel have {USUAL_RESIDUAL:g} at most: it may be another vessel,"
-        " another scale, or a vessel that has changed its course"
+        f" {share:.2f} of the usual radius. Pairs of one vessel have {USUAL_RESIDUAL:g} at most: it may be"
+        " another vessel, another scale, or a vessel that has changed its course"
     ]
 
 
