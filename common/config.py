@@ -10,6 +10,8 @@ from common.errors import InputError
 
 ENDS_OF = {"contours": "z_from says which end is proximal", "ct": "ct.inlet_mm and ct.outlets_mm say where they are"}
 LUMEN_WAYS = ("path", "contours", "ct")
+# Whole hearts have 582 +- 138 mL/min (flow/inflow.md), which is 10 mL/s. So what is less is in mL/s.
+LEAST_INFLOW_ML_PER_MIN = 10
 SECTIONS = ("anatomy", "deployment", "flow", "reference", "ct", "metrics")
 
 
@@ -41,16 +43,7 @@ def load_case(path):
     if patient["dbp_mmhg"] >= patient["sbp_mmhg"]:
         remedy = f"below the systolic one, sbp_mmhg: {patient['sbp_mmhg']}; are they swapped?"
         _refuse(document, ("patient", "dbp_mmhg"), "diastolic blood pressure is not below the systolic", remedy)
-    flows = ("lvm_g", "hyperaemic_inflow_ml_per_min", "cardiac_output_l_per_min")
-    if not any(key in patient for key in flows):
-        what = "lvm_g is missing (left ventricular mass in g), and so is a flow"
-        _refuse(document, ("patient",), what, f"give one of {', '.join(flows)}")
-    if "cardiac_output_l_per_min" in patient and patient.get("territory", "whole") == "whole":
-        what, remedy = (
-            "a cardiac output is shared out by territory",
-            "give patient.territory: left, lad, lcx, rca or a share",
-        )
-        _refuse(document, ("patient", "cardiac_output_l_per_min"), what, remedy)
+    _check_flow(document)
     for key in ("lumen", "post"):
         if key in document.data:
             _check_lumen(document, key)
@@ -69,6 +62,24 @@ def load_case(path):
                 remedy = "give either centre_s_mm or lesion"
                 _refuse(document, ("plan", i, "devices", j), "a device is placed by one of two keys", remedy)
     return document.data
+
+
+def _check_flow(document):
+    """Something tells the flow: a mass, a measured inflow in mL/min, or a cardiac output with a territory."""
+    patient, inflow = document.data["patient"], "hyperaemic_inflow_ml_per_min"
+    flows = ("lvm_g", inflow, "cardiac_output_l_per_min")
+    if not any(key in patient for key in flows):
+        what = "lvm_g is missing (left ventricular mass in g), and so is a flow"
+        _refuse(document, ("patient",), what, f"give one of {', '.join(flows)}")
+    if inflow in patient:
+        if patient[inflow] < LEAST_INFLOW_ML_PER_MIN:
+            what = "a hyperaemic flow too small for a coronary artery"
+            remedy = f"give mL/min; if it is in mL/s, that is {60 * patient[inflow]:g}"
+            _refuse(document, ("patient", inflow), what, remedy)
+    elif "cardiac_output_l_per_min" in patient and patient.get("territory", "whole") == "whole":
+        what = "a cardiac output is shared out by territory"
+        remedy = "give patient.territory: left, lad, lcx, rca or a share"
+        _refuse(document, ("patient", "cardiac_output_l_per_min"), what, remedy)
 
 
 def _check_lumen(document, key):

@@ -68,15 +68,7 @@ def mesh_command(arguments):
     centreline.check_ends(tree, lumen, arguments.centreline)
     used = {name: value for name, value in vars(settings).items() if "mesh" in settings_module.commands_of(name)}
     report = {"schema": "vci-mesh-1", "settings": used, "made_from_sha256": mesh.fingerprint(lumen, tree)}
-    built, figures = mesh.build(lumen, tree, settings.cells_per_radius, settings, settings.rings, 1.0)
-    report.update(figures)
-    meshes = [(built, report, arguments.out)]
-    for path, rings in reversed(coarse):
-        size, fine = settings.coarse_cells_per_radius, meshes[-1][1]["cells"]
-        built, part = mesh.coarser(fine, lumen, tree, size, settings, rings, settings.rings / rings)
-        meshes.append((built, part, path))
-    if coarse:
-        report["coarse"] = [part for _, part, _ in meshes[:0:-1]]
+    meshes = mesh.sequence([*coarse, (arguments.out, settings.rings)], lumen, tree, settings, report)
     mesh.write_all(meshes, report, command_files.mesh_report(arguments))
 
 
@@ -94,16 +86,13 @@ def _case(arguments):
     anatomy = lumen_summary.read(command_files.there(anatomy_file, "--anatomy"), "branches")
     boundary.check(document, arguments.boundary, [branch["name"] for branch in anatomy["branches"]])
     sections = network_model.read_sections(command_files.there(sections_file, "--sections"))
-    for path in (arguments.mesh, *arguments.coarse):
-        if not pathlib.Path(path).is_file():
-            raise InputError("no such mesh", path, "missing", "make it with `flow mesh`")
+    *coarse, fine = command_files.meshes(arguments)
     tree = centreline.read(arguments.centreline)
     lumen_summary.check_lengths(anatomy, tree, anatomy_file)
     network_model.check_sections(sections, tree, sections_file)
     ffr.check_probes(document["probes"], tree)
     given = arguments.mesh_report
-    paths = arguments.mesh, arguments.coarse
-    extensions, warnings = extended.read(given, *paths) if given else extended.beside(*paths)
+    extensions, warnings = extended.read(given, fine, coarse) if given else extended.beside(fine, coarse)
     case = extended.Extended(extensions, tree, anatomy, sections, document, settings, warnings)
     if arguments.lumen:
         provenance.check(arguments.lumen, tree, given or pathlib.Path(arguments.mesh).with_suffix(".json"))
@@ -116,7 +105,7 @@ def solve_command(arguments):
 
     case = _case(arguments)
     start = _start(arguments, case) if arguments.start and case.settings.model == "3d" else None
-    answer = solve.run([*arguments.coarse, arguments.mesh], case, arguments.out, start)
+    answer = solve.run(command_files.meshes(arguments), case, arguments.out, start)
     print(solve.in_words(answer))
 
 
@@ -137,7 +126,7 @@ def audit_command(arguments):
     if case.settings.model != "3d":
         raise InputError("only the 3D flow can be audited", "setting model", case.settings.model, "leave it at 3d")
     search = adaptive.Search(case.document, case.settings, case.original, case.predictor())
-    solved = search.run([*arguments.coarse, arguments.mesh])
+    solved = search.run(command_files.meshes(arguments))
     answer, table = audit.of_answer(solved, case)
     answer["meshes"] = search.meshes
     write_table(pathlib.Path(arguments.out).with_suffix(".csv"), table)

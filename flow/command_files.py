@@ -49,6 +49,17 @@ def with_rings(coarse, rings):
     return list(zip(coarse, rings[len(rings) - len(coarse) :]))
 
 
+def meshes(arguments):
+    """Paths of the meshes to solve on, coarse first. Raises InputError for one that is not there.
+
+    A coarser one whose file is empty is none of them: `flow mesh` has left it out.
+    """
+    for path in (arguments.mesh, *arguments.coarse):
+        if not pathlib.Path(path).is_file():
+            raise InputError("no such mesh", path, "missing", "make it with `flow mesh`")
+    return [*(path for path in arguments.coarse if pathlib.Path(path).stat().st_size), arguments.mesh]
+
+
 def beside_centreline(arguments):
     """(anatomy.json, sections.csv) of `flow solve`: as given, else beside the centreline."""
     folder = pathlib.Path(arguments.centreline).parent

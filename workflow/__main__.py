@@ -9,9 +9,13 @@ from common.errors import InputError, guarded
 
 
 def run_validate(options):
+    from flow.inputs.boundary import doubts
     from workflow.configuration import Configuration
 
     found = Configuration(options.folder)
+    for name, case in found.cases.items():
+        for said in doubts(case["patient"], case.get("measured")):
+            print(f"warning: {found.case_file(name)}: {said}", file=sys.stderr)
     print(f"{options.folder}: {len(found.cases)} cases and {len(found.devices)} device families are valid")
 
 

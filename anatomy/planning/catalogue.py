@@ -1,5 +1,7 @@
 """Entries of scene.json for a device of a family at one size (docs/design.md)."""
 
+import math
+
 import numpy as np
 
 from common.errors import InputError
@@ -53,11 +55,15 @@ def diameter_at(balloon, pressure_bar):
     return float(np.interp(pressure_bar, chart["pressure_bar"], chart["diameter_mm"]))
 
 
-def pressure_for(balloon, diameter_mm):
-    """Pressure in bar at which a sized balloon reaches a diameter, between its nominal and its rated burst pressure."""
+def pressure_for(balloon, diameter_mm, most_mm=math.inf):
+    """Pressure in whole bars at which a sized balloon is nearest to a diameter and not above most_mm.
+
+    It is between the balloon's nominal and its rated burst pressure.
+    """
     chart = balloon["chart"]
-    pressure = float(np.interp(diameter_mm, chart["diameter_mm"], chart["pressure_bar"]))
-    return float(np.clip(round(pressure), balloon["nominal_pressure_bar"], balloon["rated_burst_pressure_bar"]))
+    wanted, most = np.interp([diameter_mm, most_mm], chart["diameter_mm"], chart["pressure_bar"])
+    pressure = min(round(wanted), math.floor(most + 1e-9))
+    return float(np.clip(pressure, balloon["nominal_pressure_bar"], balloon["rated_burst_pressure_bar"]))
 
 
 def _balloon(values, diameter_mm, length_mm):

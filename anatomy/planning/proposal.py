@@ -5,6 +5,7 @@ the vessel, a balloon alone is proposed.
 """
 
 import dataclasses
+import math
 
 from common.errors import InputError
 
@@ -178,9 +179,9 @@ def _steps(one, families, where):
         place = (branch, stent.span.centre)
         diameter, length = sizing.predilatation(families, stent, high - low, where)
         size = (sizing.PREDILATATION, diameter, length)
-        before.append(sizing.step(families, "predilatation", *size, *place, diameter, where))
+        before.append(sizing.step(families, "predilatation", *size, *place, (diameter, math.inf), where))
         size = (sizing.STENT, stent.diameter, stent.span.length)
-        stents.append(sizing.step(families, "stent", *size, *place, stent.diameter, where))
+        stents.append(sizing.step(families, "stent", *size, *place, (stent.diameter, math.inf), where))
         diameter, length, centre, wide = sizing.postdilatation(families, stent, where)
         size = (sizing.POSTDILATATION, diameter, length)
         after.append(sizing.step(families, "postdilatation", *size, branch, centre, wide, where))

@@ -89,10 +89,10 @@ def _row(one):
             f" {one.ends[1] - one.ends[0]:.1f} mm in all"
         )
     for stent in one.stents:
-        if stent.tapers and stent.short:
+        if stent.short:
             yield (
                 f"the {stent.span.length:g} mm stent at {one.target.name} is too short for a balloon in its proximal"
-                f" half alone: it is post-dilated whole, to at most {stent.widest_balloon:.2f} mm for its distal end's"
+                f" part alone: it is post-dilated whole, to at most {stent.widest_balloon:.2f} mm for its distal end's"
                 f" sake; the vessel is {stent.proximal:.2f} mm wide at its proximal end"
             )
         if stent.distal > stent.diameter:

@@ -4,18 +4,21 @@ The rules are those of the EAPCI consensus on intracoronary imaging (Raeber et a
 - The stent has the diameter of the distal reference lumen, rounded up to the catalogue.
 - It is post-dilated by a non-compliant balloon of the proximal reference's diameter, at most half a millimetre above
   the distal one.
-- In a vessel that tapers by more than half a millimetre, only the stent's proximal part is post-dilated. If the stent
+- In a vessel that tapers by more than half a millimetre, only the stent's proximal half is post-dilated. If the stent
   is too short for this, it is dilated over its whole length, by no more than the distal reference allows.
+- No balloon opens a stent beyond its design. In a row of stents, it ends before a more distal stent that it would
+  over-expand.
 
 A vessel that no stent fits gets a balloon alone, of 0.8 to 1.05 of the lumen distal to the lesion. The consensus on
 balloons without a stent asks for 0.8 to 1 (Jeger et al., JACC Cardiovasc Interv 2020;13:1391-1402).
 """
 
 import dataclasses
+import math
 
 from common.errors import InputError
 
-from . import catalogue
+from . import catalogue, landing
 
 OVERSIZE_MM = 0.5  # largest excess of the stent over the distal reference
 LEAST_BALLOON, MOST_BALLOON = 0.8, 1.05  # of the distal lumen, for a balloon alone; the upper also before a stent
@@ -28,24 +31,45 @@ PREDILATATION, STENT, POSTDILATATION = "semi_compliant", "des", "non_compliant"
 class Stent:
     """A planned stent: its span (landing.Span), nominal diameter, and the reference lumens at its ends, mm.
 
-    short: whether the catalogue's shortest post-dilatation balloon is longer than the stent's proximal half.
+    limit: widest diameter (mm) that its design opens to, and that of a stent over its proximal end.
+    limit_distal: the same of a stent over its distal end; infinite without one.
+    shortest: length (mm) of the catalogue's shortest post-dilatation balloon.
     """
 
     span: object
     diameter: float
     proximal: float
     distal: float
-    short: bool
+    limit: float
+    limit_distal: float
+    shortest: float
+
+    @property
+    def wanted(self):
+        """The diameter (mm) to which it is post-dilated, if its distal end bears it."""
+        return min(max(self.proximal, self.diameter), self.limit)
 
     @property
     def widest_balloon(self):
         """The widest diameter (mm) that a balloon over the whole stent may reach."""
-        return max(self.distal + TAPER_MM, self.diameter)
+        return min(self.distal + TAPER_MM, self.limit, self.limit_distal)
 
     @property
     def tapers(self):
         """Whether the proximal reference is too wide for a balloon that also dilates the distal end."""
-        return max(self.proximal, self.diameter) - self.distal > TAPER_MM
+        return self.wanted > self.distal + TAPER_MM
+
+    @property
+    def part_mm(self):
+        """Length from the proximal end on that can be post-dilated to the wanted diameter."""
+        if self.tapers:
+            return self.span.length / 2
+        return self.span.length - landing.OVERLAP_MM * (self.wanted > self.limit_distal)
+
+    @property
+    def short(self):
+        """Whether that part is shorter than any balloon, so that the whole stent is dilated, by less."""
+        return self.part_mm < self.shortest
 
 
 class NoWidth(InputError):
@@ -62,15 +86,15 @@ def sized(profile, spans, families, where):
     Between two stents the reference is the healthy vessel at the middle of their overlap, since the lumen there is
     diseased.
     """
-    found = []
-    for k, span in enumerate(spans):
-        distal = _between(profile, span, spans[k - 1]) if k else profile.lumen_beyond(span.end, 1)
-        last = k == len(spans) - 1
-        proximal = profile.lumen_beyond(span.start, -1) if last else _between(profile, spans[k + 1], span)
-        diameter = stent_diameter(families, distal, proximal, where)
-        short = families[POSTDILATATION]["lengths_mm"][0] > span.length / 2
-        found.append(Stent(span, diameter, proximal, distal, short))
-    return found
+    joints = [_between(profile, after, before) for before, after in zip(spans, spans[1:])]
+    distal = [profile.lumen_beyond(spans[0].end, 1), *joints]
+    proximal = [*joints, profile.lumen_beyond(spans[-1].start, -1)]
+    diameters = [stent_diameter(families, *ends, where) for ends in zip(distal, proximal)]
+    limits = [math.inf, *(_greatest_diameter(families, size) for size in diameters), math.inf]
+    own_and_next = [min(pair) for pair in zip(limits[1:], limits[2:])]
+    shortest = families[POSTDILATATION]["lengths_mm"][0]
+    rows = zip(spans, diameters, proximal, distal, own_and_next, limits)
+    return [Stent(*row, shortest) for row in rows]
 
 
 def _between(profile, proximal, distal):
@@ -120,17 +144,17 @@ def predilatation(families, stent, stretch, where):
 
 
 def postdilatation(families, stent, where):
-    """(diameter, length, centre, wanted diameter) of the balloon after a stent, mm."""
+    """(diameter, length, centre, (wanted, greatest) diameter when inflated) of the balloon after a stent, mm."""
     family = families[POSTDILATATION]
-    wanted, sizes = max(stent.proximal, stent.diameter), family["diameters_mm"]
-    proximal_part = stent.tapers and not stent.short
-    if not proximal_part:  # the balloon also dilates the distal end
-        wanted = min(wanted, stent.widest_balloon)
-        sizes = [size for size in sizes if size <= stent.distal + TAPER_MM + 1e-9] or sizes[:1]
+    in_part = stent.part_mm < stent.span.length and not stent.short
+    most = stent.limit if in_part else stent.widest_balloon
+    wanted = min(stent.wanted, most)
+    sizes = [size for size in family["diameters_mm"] if size <= most + 1e-9] or family["diameters_mm"][:1]
     diameter = min(sizes, key=lambda size: abs(size - wanted))
-    covered = stent.span.length / 2 if proximal_part else stent.span.length
+    covered = stent.part_mm if in_part else stent.span.length
     length = _at_most(family["lengths_mm"], covered, "post-dilatation length", where)
-    return diameter, length, round(stent.span.start + length / 2, 3) if proximal_part else stent.span.centre, wanted
+    centre = round(stent.span.start + length / 2, 3) if in_part else stent.span.centre
+    return diameter, length, centre, (wanted, most)
 
 
 def alone(families, target, where):
@@ -152,16 +176,19 @@ def alone(families, target, where):
         wide = [size for size in family["diameters_mm"] if LEAST_BALLOON * distal <= size <= MOST_BALLOON * distal]
         if wide:
             size = (name, wide[-1], length, target.profile.branch, round(middle, 3))
-            return step(families, "predilatation", *size, max(distal, wide[-1]), where)
+            return step(families, "predilatation", *size, (max(distal, wide[-1]), math.inf), where)
     return None
 
 
 def step(families, action, family, diameter, length, branch, centre, wanted, where):
-    """A plan's step with one device, at the pressure that opens it to the wanted diameter (mm)."""
+    """A plan's step with one device, at the pressure that opens it to the wanted diameter, at most to the greatest.
+
+    wanted: (wanted, greatest) diameter in mm.
+    """
     inflated = catalogue.balloon_family(families, family)
     balloon = catalogue.entries(families, inflated, diameter, length, where).popitem()[1]
     size = {"device": family, "diameter_mm": diameter, "length_mm": length}
-    place = {"branch": branch, "centre_s_mm": centre, "pressure_bar": catalogue.pressure_for(balloon, wanted)}
+    place = {"branch": branch, "centre_s_mm": centre, "pressure_bar": catalogue.pressure_for(balloon, *wanted)}
     return {"action": action, "devices": [size | place]}
 
 

@@ -6,12 +6,12 @@ from scipy.spatial import cKDTree
 from common.errors import InputError
 
 from . import search
-from .tree import Line, Tree
+from .match import matched
+from .tree import MIRROR, Line, Tree
 
 LEAST_SHARE = 0.6  # of both axes that coincide: right pairs with a third cut off have 0.8, different vessels 0.55
-LARGEST_RESIDUAL = (
-    0.3  # of the usual radius: right pairs have 0.01 to 0.05 with noise or a stent; of another vessel 0.48 was seen
-)
+USUAL_RESIDUAL = 0.1  # of the usual radius: right pairs have up to 0.05, with noise, cuts or a stent
+LARGEST_RESIDUAL = 0.3  # of the usual radius: other vessels that lie on each other have 0.11 to 0.48
 WITH_LANDMARKS = 0.6  # of the usual radius: largest residual if the user gives landmarks
 LARGEST_MISS = 1.0  # of the usual radius: largest distance between corresponding landmarks
 LANDMARKS = "give `registration: landmarks` (pre_mm, post_mm of each): places that are seen in both lumens"
@@ -81,6 +81,42 @@ def check_direction(where, pre, post, found, landmarks):
             f"misfit {found.cost:.2f} of 1, turned round {other.cost:.2f}",
             f"if its inlet is at {x:.2f}, {y:.2f}, {z:.2f} mm give that as post.inlet_point_mm (or correct lumen's)",
         )
+
+
+def check_handedness(where, pre, post, target, found, match, landmarks):
+    """Raises InputError if the lumen afterwards fits as right pairs do once it is mirrored, and not as it is.
+
+    It is asked only where the residual is unusual. A vessel whose axis lies in a plane is its own mirror image.
+    """
+    if not unusual(match):
+        return
+    other = search.best(pre, post.mirrored(), (landmarks[0], landmarks[1] * MIRROR))
+    mirrored = matched(target, post.mirrored(), other.placement)
+    if other.cost < found.cost and not unusual(mirrored) and mirrored.trimmed_mm < 0.5 * match.trimmed_mm:
+        raise InputError(
+            "the lumen after the procedure is a mirror image of the one before",
+            where,
+            f"residual {match.trimmed_mm:.2f} mm, mirrored {mirrored.trimmed_mm:.2f} mm",
+            "one of the two has an axis the wrong way round (as between left and right in an image's frame): negate"
+            " one of its coordinates, or export it again",
+        )
+
+
+def unusual(match):
+    """Whether the residual is above what pairs of the same vessel have."""
+    return match.trimmed_mm > USUAL_RESIDUAL * match.usual_radius_mm
+
+
+def warnings(match):
+    """Sentences on a placement that is not refused, yet may be of another vessel; mostly none."""
+    if not unusual(match):
+        return []
+    share = match.trimmed_mm / match.usual_radius_mm
+    return [
+        f"the axes after the procedure lie {match.trimmed_mm:.2f} mm off those before (without the worst fifth),"
+        f" {share:.2f} of the usual radius. Pairs of one vessel have {USUAL_RESIDUAL:g} at most: it may be"
+        " another vessel, another scale, or a vessel that has changed its course"
+    ]
 
 
 def check_outlets(where, match):

@@ -2,6 +2,7 @@
 
 import copy
 import pathlib
+import sys
 
 import numpy as np
 
@@ -28,6 +29,7 @@ def run(case_file, pre_folder, post_folder, out):
     where, target = f"{case_file}: post", Target(pre)
     found = search.best(pre, post, landmarks)
     match = matched(target, post, found.placement)
+    judge.check_handedness(where, pre, post, target, found, match, landmarks)
     judge.check_direction(where, pre, post, found, landmarks)
     judge.check_fit(where, target, post, found, match, landmarks)
     if wanted["compare"] == "flow":
@@ -36,6 +38,8 @@ def run(case_file, pre_folder, post_folder, out):
     surface.GetPoints().SetData(_points(found.placement.apply(vtp.points(surface))))
     vtp.write(out / "lumen.vtp", surface)
     write_json(out / "like.json", like(post.summary, found.placement, match))
+    for said in judge.warnings(match):
+        print(f"warning: {where}: {said}", file=sys.stderr)
     write_json(out / "registration.json", document(target, post, found, match, landmarks, wanted["compare"]))
 
 
@@ -81,6 +85,7 @@ def document(target, post, found, match, landmarks, compare):
         if found.rival is None
         else {"misfit": found.rival_cost, "apart_mm": found.placement.apart_mm(found.rival, post.points)},
         "misfit": found.cost,
+        "warnings": judge.warnings(match),
         "turn_about_axis_known": bool(_has_width(target.points) or len(landmarks[0]) > 1),
     }
 

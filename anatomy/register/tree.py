@@ -11,6 +11,7 @@ from common import vtp
 from ..measured import read_summary
 
 STEP_MM = 0.5
+MIRROR = np.array([1.0, 1.0, -1.0])  # factors of a mirror image's coordinates
 
 
 @dataclasses.dataclass(frozen=True)
@@ -30,6 +31,14 @@ class Tree:
     routes: dict
     summary: dict
     source: str
+
+    def mirrored(self):
+        """The Tree of the mirror image, with z negated; the summary stays as it is."""
+        branches, routes = (
+            {name: dataclasses.replace(line, points=line.points * MIRROR) for name, line in lines.items()}
+            for lines in (self.branches, self.routes)
+        )
+        return Tree(branches, routes, self.summary, self.source)
 
     @property
     def points(self):

@@ -95,12 +95,24 @@ def make(anatomy, centreline, patient, settings, measured=None, ranged=False):
         "flow_source": source,
         "outlets": outlets,
         "probes": read_at,
-        "warnings": too_near(read_at, settings.probe_distance_mm),
+        "warnings": said(doubts(patient, measured) + too_near(read_at, settings.probe_distance_mm)),
     }
     if ranged:
         document["plausible_flows"] = hyperaemia.plausible(patient, settings.hyperaemia_fraction)
     check(document, branches=[line.name for line in centreline])
     return document
+
+
+def doubts(patient, measured):
+    """[sentence] on a patient's values that can be computed with and are unusual. measured: as in `make`."""
+    return hyperaemia.doubts(patient) + wire.doubts(measured or {})
+
+
+def said(warnings):
+    """The warnings [sentence], after printing them."""
+    for one in warnings:
+        print(one, file=sys.stderr, flush=True)
+    return warnings
 
 
 def probes(anatomy, centreline, distance_mm):
@@ -135,16 +147,13 @@ def probes(anatomy, centreline, distance_mm):
 
 
 def too_near(read_at, distance_mm):
-    """Warnings, printed too, of the probes whose branch ends before they are `distance_mm` past their lesion."""
-    warnings = [
+    """Warnings of the probes whose branch ends before they are `distance_mm` past their lesion."""
+    return [
         f"probe {probe['name']} is {probe['distance_mm']:.1f} mm past its lesion's end instead of {distance_mm:g} mm,"
         f" since branch {probe['branch']} ends"
         for probe in read_at
         if probe.get("distance_mm", distance_mm) < distance_mm - ROUNDING_MM
     ]
-    for said in warnings:
-        print(said, file=sys.stderr, flush=True)
-    return warnings
 
 
 def check(document, where="boundary.json", branches=None):

@@ -23,6 +23,7 @@ SEGMENTS = {"lad": 7, "lcx": 5, "rca": 5, "left": 12}  # of the left ventricle's
 ALL_SEGMENTS = 17
 PER_GRAM, PER_GRAM_SD = 3.69, 0.83  # mL/min/g
 REST_SHARE, RESERVE = 0.045, 2.78
+HEART_ML_PER_MIN, HEART_SD = 582, 138  # Fournier et al.; of a measured inflow more than two SD above it is doubted
 MASS_OFF = 0.2  # of a mass that is measured by another method, or assumed
 EXPONENT = 0.75
 
@@ -62,6 +63,19 @@ def source(patient, hyperaemia_fraction):
         return _source(of_mass(patient["lvm_g"], hyperaemia_fraction), territory, None, "0.71 M^0.75, all of it here")
     by = "cardiac output" if patient.get("cardiac_output_l_per_min") is not None else f"{PER_GRAM} mL/min/g"
     return _source(share(territory) * of_heart(patient), territory, share(territory), by)
+
+
+def doubts(patient):
+    """[sentence] on a measured inflow above what the territory has in people; empty without one."""
+    given, territory = patient.get("hyperaemic_inflow_ml_per_min"), patient.get("territory", WHOLE)
+    most = (HEART_ML_PER_MIN + 2 * HEART_SD) * (1.0 if territory == WHOLE else share(territory))
+    if given is None or given <= most:
+        return []
+    whose = "a whole heart" if territory == WHOLE else f"the territory {territory}"
+    return [
+        f"patient.hyperaemic_inflow_ml_per_min is {given:g} mL/min; of {whose} two standard deviations above the mean"
+        f" are {most:.0f} mL/min (Fournier et al., EuroIntervention 2021): check value and units"
+    ]
 
 
 def _source(flow, territory, part, by):

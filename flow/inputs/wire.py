@@ -11,8 +11,8 @@ FAR = 2.0  # local radii from the axis beyond which a point is in another vessel
 def probe(given, tree, where="measured.probe"):
     """The probe `measured`: {name, branch, s_mm, point_mm} on the axes before the procedure.
 
-    given: {branch, s_mm} or {point_mm: [x, y, z]}, in mm; tree: flow.geometry.centreline.Tree. Raises InputError for a
-    place that is not in the vessel.
+    given: {branch, s_mm} or {point_mm: [x, y, z]}, in mm; tree: flow.geometry.centreline.Tree. A place up to a radius
+    beyond a branch's end is at the end. Raises InputError for a place that is not in the vessel.
     """
     if "branch" in given:
         names = [line.name for line in tree]
@@ -20,14 +20,27 @@ def probe(given, tree, where="measured.probe"):
             known = f"branches of this lumen: {', '.join(names)}"
             raise InputError("no such branch", f"{where}.branch", given["branch"], known)
         line, s_mm = tree[given["branch"]], float(given["s_mm"])
-        if s_mm > line.length_mm:
-            value = f"{s_mm:g} mm, {line.name} is {line.length_mm:.1f} mm long"
-            raise InputError(
-                "the wire's sensor lies beyond its branch", f"{where}.s_mm", value, "mm from the branch's start"
-            )
+        _check_beyond(line, s_mm - line.length_mm, f"{where}.s_mm")
+        s_mm = min(s_mm, line.length_mm)
     else:
         line, s_mm = _nearest(np.array(given["point_mm"], float), tree, where)
     return {"name": NAME, "branch": line.name, "s_mm": s_mm, "point_mm": line.point(s_mm).tolist()}
+
+
+def doubts(measured):
+    """[sentence] on readings of the wire (a case's `measured`) that are unusual together."""
+    before, after = measured.get("ffr_pre"), measured.get("ffr_post")
+    if before is None or after is None or after >= before:
+        return []
+    return [f"measured.ffr_post, {after:g}, is below measured.ffr_pre, {before:g}: are they swapped?"]
+
+
+def _check_beyond(line, beyond_mm, where):
+    """Raises InputError for a place further beyond a branch's end than the radius there; less is rounding."""
+    if beyond_mm > line.radius_mm[-1]:
+        value = f"{beyond_mm:.1f} mm beyond the end of {line.name}, which is {line.length_mm:.1f} mm long"
+        remedy = f"a place in the vessel, or at most its radius ({line.radius_mm[-1]:.1f} mm) beyond the end"
+        raise InputError("the wire's sensor lies beyond its branch", where, value, remedy)
 
 
 def _nearest(point, tree, where):
@@ -38,4 +51,7 @@ def _nearest(point, tree, where):
         value = f"{distance:.1f} mm from the nearest axis ({line.name} at {s_mm:.1f} mm)"
         remedy = "a point in the vessel, x, y, z in mm in the frame of the case's lumen"
         raise InputError("the wire's sensor lies outside the vessel", f"{where}.point_mm", value, remedy)
+    along = line.points[-1] - line.point(line.length_mm - line.radius_mm[-1])
+    beyond = float((point - line.points[-1]) @ along / np.linalg.norm(along))
+    _check_beyond(line, beyond if s_mm == line.length_mm else 0.0, f"{where}.point_mm")
     return line, float(s_mm)

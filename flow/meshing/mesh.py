@@ -3,6 +3,7 @@
 import contextlib
 import dataclasses
 import hashlib
+import math
 import pathlib
 import sys
 
@@ -78,17 +79,39 @@ def build(surface, tree, cells_per_radius, settings, rings=None, coarsening=1.0)
 
 
 def coarser(fine, surface, tree, cells_per_radius, settings, rings, coarsening):
-    """As `build`, but with fewer cells than `fine`. Raises ComputationError.
+    """As `build`, but with fewer cells than `fine`; (None, report) where none of OTHER_SIZES has fewer.
 
-    If slivers in junctions have led to isotropic tetrahedra, and thus to more cells, other sizes are tried there.
+    A mesh that cannot be swept has isotropic tetrahedra, and these may be more than those of a swept finer mesh.
     """
+    least = math.inf
     for factor in OTHER_SIZES:
         built, report = build(surface, tree, factor * cells_per_radius, settings, rings, coarsening)
         if report["cells"] < fine:
             return built, report
+        least = min(least, report["cells"])
         print(f"{report['cells']} cells, not fewer than {fine}: another size is tried", file=sys.stderr, flush=True)
-    remedy = "another coarse_cells_per_radius or coarse_rings; or mesh without --coarse"
-    raise ComputationError("the coarse mesh is not coarser than the fine one", "cells", report["cells"], remedy)
+    print(f"the coarse mesh of {rings} rings is left out", file=sys.stderr, flush=True)
+    return None, {"rings": rings, "cells": least, "not_fewer_than": fine}
+
+
+def sequence(paths, surface, tree, settings, report):
+    """[(QuadraticMesh, its part of `report`, path)], the finest first; the mesh is None where it is left out.
+
+    paths: [(path, rings)], coarse first. A mesh is left out if it would not be coarser than the next. `report` gets the
+    finest mesh's figures, and the lists `coarse` and `left_out` of the others, coarse first. Raises ComputationError.
+    """
+    (*coarse, (path, rings)) = paths
+    built, figures = build(surface, tree, settings.cells_per_radius, settings, rings, 1.0)
+    report.update(figures)
+    meshes, fine = [(built, report, path)], figures["cells"]
+    for path, few in reversed(coarse):
+        built, part = coarser(fine, surface, tree, settings.coarse_cells_per_radius, settings, few, rings / few)
+        meshes.append((built, part if built else {"file": pathlib.Path(path).name, **part}, path))
+        fine = part["cells"] if built else fine
+    for key, there in (("coarse", True), ("left_out", False)):
+        parts = [part for built, part, _ in meshes[:0:-1] if bool(built) == there]
+        report.update({key: parts} if parts else {})
+    return meshes
 
 
 def _unlayered(settings):
@@ -177,6 +200,7 @@ def write(mesh, path):
 def write_all(meshes, report, path):
     """Writes [(QuadraticMesh, its part of `report`, file)] and `report`, which gets each file's SHA-256, to `path`.
 
+    The file of a mesh that is left out, None, is empty: a study's workflow wants every file.
     All are made before the first is moved into place, the report last; where that fails none is left.
     """
     try:
@@ -184,6 +208,9 @@ def write_all(meshes, report, path):
             report_made = until_made.enter_context(replacing(path))
             for built, part, file in meshes:
                 made = until_made.enter_context(replacing(file))
+                if built is None:
+                    made.touch()
+                    continue
                 write(built, made)
                 part["file_sha256"] = sha256(made)
             write_json(report_made, report)

@@ -73,15 +73,18 @@ GIVEN = ("pre", "post")  # states whose lumen is given; all other lumens are mad
 
 
 def lumen_warnings(files, states):
-    """{state: [sentence]}: the warnings of `lumen process` on the given lumens, in its order.
+    """{state: [sentence]}: the warnings of `lumen process` on the given lumens, in its order, then of the registration.
 
-    They matter, because a closed branch, a filled opening or a lumen of few voxels changes every result of the case.
+    They matter, because a closed branch, a filled opening, a lumen of few voxels or another vessel changes every result
+    of the case.
     """
     said = {}
     for state in GIVEN:
         if state in states:
             repairs = read_json(files.anatomy(state) / "anatomy.json", "lumen process").get("repairs", [])
             said[state] = [f"{one['what']}: {one['detail']}" for one in repairs if one.get("warning")]
+    if "post" in states:
+        said["post"] += read_json(files.registration, "anatomy register").get("warnings", [])
     return {state: sentences for state, sentences in said.items() if sentences}
 
 

@@ -215,6 +215,11 @@ def _(folder):
     return study(folder, SURFACE.replace("lvm_g: 130", "cardiac_output_l_per_min: 5"))
 
 
+@given("a measured inflow in mL/s")
+def _(folder):
+    return study(folder, SURFACE.replace("lvm_g: 130", "hyperaemic_inflow_ml_per_min: 2.3"))
+
+
 # unusual, but allowed
 
 ALLOWED = {

@@ -92,6 +92,7 @@ def test_pressure_reaches_the_wanted_diameter(families):
     assert catalogue.pressure_for(balloon, 3.054) == 18
     assert catalogue.pressure_for(balloon, 3.5) == 20
     assert catalogue.pressure_for(balloon, 2.0) == 12
+    assert (catalogue.pressure_for(balloon, 3.05), catalogue.pressure_for(balloon, 3.05, 3.05)) == (18, 17)
 
 
 def test_a_family_may_ask_for_folding(families):

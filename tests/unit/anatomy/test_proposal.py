@@ -8,9 +8,14 @@ from anatomy.planning import plan, proposal
 from common.errors import InputError
 
 
-def proposed(families, *narrowings, treat="culprit", least_percent=None, **shape):
+def propose(families, *narrowings, treat="culprit", least_percent=None, **shape):
+    """(summary, Proposal) of a drawn vessel."""
     summary, sections = drawn(*narrowings, **shape)
-    done = proposal.propose(summary, sections, families, "case", treat, least_percent)
+    return summary, proposal.propose(summary, sections, families, "case", treat, least_percent)
+
+
+def proposed(families, *narrowings, **options):
+    summary, done = propose(families, *narrowings, **options)
     plan.procedure(done.steps, families, summary, "case")  # what is proposed is allowed
     return done
 
@@ -118,6 +123,26 @@ def test_a_mild_lesion_is_planned_alone_or_as_the_case_says(families):
     said = r"(?s)no lesion severe enough.*lesion1.*at 21.0 mm by 42.9 %.*treat: culprit, least_stenosis_percent: 42\}"
     with pytest.raises(InputError, match=said):
         proposed(families, focal(21, 12, 42.9), least_percent=43)
+
+
+def test_what_is_proposed_passes_the_check_of_given_plans(families):
+    """Drawn vessels of 1.8 to 6.5 mm with tapers, steps and lesions up to 80 mm long."""
+    draw, made, refused = np.random.default_rng(0), [], 0
+    for _ in range(150):
+        length, proximal = draw.uniform(25, 110), draw.uniform(1.8, 6.5)
+        distal, step = proximal * draw.uniform(0.4, 1.15), draw.uniform(5, length - 5)
+        widths = draw.choice([[0, length], [step, step + 0.01]])
+        start, long, percent = draw.uniform(2, length - 6), draw.uniform(3, 80), draw.uniform(30, 85)
+        shape = {"length": length, "healthy": lambda s, at=widths, of=(proximal, distal): np.interp(s, at, of)}
+        narrowings = plateau(start, min(start + long, length - 2), percent), focal(draw.uniform(8, length - 8), 8, 60)
+        try:
+            done = propose(families, *narrowings, treat="all", **shape)
+        except InputError:
+            refused += 1
+            continue
+        made.append(sum(len(one.stents) for one in done[1].treated))
+        plan.procedure(done[1].steps, families, done[0], "case")
+    assert refused < 60 and max(made) >= 3 and made.count(2) > 15
 
 
 def test_nothing_to_propose(families):

@@ -84,6 +84,7 @@ def registered(pre, post, landmarks=NONE):
     target = Target(pre)
     found = search.best(pre, post, landmarks)
     match = matched(target, post, found.placement)
+    judge.check_handedness("case: post", pre, post, target, found, match, landmarks)
     judge.check_direction("case: post", pre, post, found, landmarks)
     judge.check_fit("case: post", target, post, found, match, landmarks)
     return found, match, target
@@ -102,7 +103,7 @@ def test_moved_and_noised():
     assert distance < 0.05 and turn < 0.2, "of 60 mm and 40 degrees, noise of 0.05 mm a point"
     assert match.names == {"main": "main", "side1": "side1", "side2": "side2"}
     assert not match.missing and not match.new
-    assert match.trimmed_mm < 0.1 and match.shared_mm > 80
+    assert match.trimmed_mm < 0.1 and match.shared_mm > 80 and judge.warnings(match) == []
 
 
 def test_cropped_at_both_ends_without_a_branch():
@@ -195,6 +196,26 @@ def test_the_wrong_inlet_is_named():
         registered(pre, post)
 
 
+def alone(points):
+    return tree_of({"main": points}, {})
+
+
+@pytest.mark.parametrize("marked", [False, True])
+def test_a_mirrored_vessel_is_refused(marked):
+    """A single vessel of 60 mm and its mirror image lie within 0.15 radii of each other, which passed before."""
+    line = vessel().branches["main"].points
+    mirrored = TURN.apply(line * [1, 1, -1]) + SHIFT
+    marks = (line[[30]], mirrored[[30]]) if marked else NONE
+    with pytest.raises(InputError, match="mirror image(.|\n)*negate one of its coordinates"):
+        registered(alone(line), alone(mirrored), marks)
+
+
+def test_a_vessel_of_another_scale_is_warned_of():
+    line = vessel().branches["main"].points
+    _, match, _ = registered(alone(line), alone(TURN.apply(1.1 * line) + SHIFT))
+    assert ["may be another vessel, another scale" in said for said in judge.warnings(match)] == [True]
+
+
 def test_like_is_json():
     found, match, _ = registered(vessel(), moved(vessel()))
     assert json.loads(json.dumps(like(vessel().summary, found.placement, match)))["schema"] == "vci-anatomy-1"
@@ -209,7 +230,7 @@ def test_how_much_a_vessel_may_have_changed_its_course(bow_mm, fits):
     pre, post = tree_of({"main": line}, {}), tree_of({"main": TURN.apply(bowed) + SHIFT}, {})
     if fits:
         _, match, _ = registered(pre, post)
-        assert match.trimmed_mm > 0.15 * match.usual_radius_mm, "a hard case"
+        assert match.trimmed_mm > 0.15 * match.usual_radius_mm and judge.warnings(match), "a hard case"
     else:
         with pytest.raises(InputError, match="at most 0.3 of 1.[0-9]* mm"):
             registered(pre, post)

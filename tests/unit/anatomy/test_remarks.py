@@ -31,7 +31,7 @@ def test_lesion_that_is_mild_or_near_an_end(families, narrowing, words):
 
 def test_short_stent_that_a_balloon_cannot_open_to_its_proximal_end(families):
     taper = {"healthy": lambda s: 3.6 - 0.7 * (s > 21)}
-    words = "8 mm stent at lesion1 is too short for a balloon in its proximal half"
+    words = "8 mm stent at lesion1 is too short for a balloon in its proximal part"
     assert any(words in remark for remark in said(families, focal(21, 3, 80), **taper))
     assert not any(words in remark for remark in said(families, focal(21, 12, 64), **taper))
 

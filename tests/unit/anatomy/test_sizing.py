@@ -1,5 +1,6 @@
 """Diameters by the lumen at a stent's ends."""
 
+import numpy as np
 import pytest
 from narrowed_vessels import drawn, focal, plateau
 
@@ -57,7 +58,7 @@ def test_balloon_before_is_by_the_distal_reference(families):
 
 def test_balloon_after_reaches_the_proximal_reference(families):
     stent = planned(families, 3.3, 2.9)
-    diameter, length, centre, wanted = sizing.postdilatation(families, stent, "case")
+    diameter, length, centre, (wanted, _) = sizing.postdilatation(families, stent, "case")
     assert (diameter, length, centre) == (3.25, 15, stent.span.centre) and wanted == pytest.approx(3.3)
 
 
@@ -70,7 +71,7 @@ def test_tapered_vessel_is_postdilated_in_its_proximal_part(families):
 def test_a_short_stent_in_a_tapered_vessel_is_dilated_whole_by_what_its_distal_end_bears(families):
     """As in a real intramural course: half of an 8 mm stent is shorter than the shortest balloon, 6 mm."""
     stent = planned(families, 3.9, 2.9, length=8)
-    diameter, length, centre, wanted = sizing.postdilatation(families, stent, "case")
+    diameter, length, centre, (wanted, _) = sizing.postdilatation(families, stent, "case")
     assert (diameter, length, centre) == (3.25, 8, stent.span.centre) and wanted == pytest.approx(3.4)
 
 
@@ -85,6 +86,22 @@ def test_between_two_stents_the_vessels_reference_counts(families):
     distal, proximal = sizing.sized(target.profile, landing.spans(target, [28], "case"), families, "case")
     joint = 0.5 * (proximal.span.end + distal.span.start)
     assert distal.proximal == proximal.distal == pytest.approx(4.0 - 0.02 * joint, abs=1e-3)
+
+
+def test_post_dilatation_does_not_open_a_stent_beyond_its_design(families):
+    """The balloon nearest to the proximal 4.3 mm is of 4.5 mm, and the 3.0 mm stent opens to 4.4 mm."""
+    diameter, _, _, (_, most) = sizing.postdilatation(families, planned(families, 4.3, 2.9), "case")
+    assert diameter == 4.0 and most == 4.4
+
+
+def test_in_a_row_the_balloon_ends_before_a_stent_that_it_would_over_expand(families):
+    """The distal stent of 2.75 mm opens to 3.5 mm; the vessel is 3.75 mm wide at the proximal stent's beginning."""
+    taper = {"length": 70.0, "healthy": lambda s: np.interp(s, [8, 30, 53], [3.75, 3.35, 2.7])}
+    (target,) = targets.found(*drawn(plateau(10, 50, 70), **taper))
+    distal, proximal = sizing.sized(target.profile, landing.spans(target, [28], "case"), families, "case")
+    assert (distal.diameter, distal.limit, proximal.limit_distal) == (2.75, 3.5, 3.5)
+    diameter, length, centre, _ = sizing.postdilatation(families, proximal, "case")
+    assert diameter == 3.75 and length > 15 and centre + length / 2 <= distal.span.start
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,7 @@
 """What is known of a real patient (lumen after the procedure, pressure wire): metrics, agreement, figures, page."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -39,6 +41,13 @@ def test_a_wire_stands_beside_what_is_computed_at_its_sensor(make_case, tube):
         assert document["states"][state]["ffr"]["at_wire"] == pytest.approx(tube(state).pressure(WIRE_MM) / map_pa)
     assert document["registration"]["residual_mm"]["trimmed_rms"] == 0.12
     assert {"vci_minus_post", "rc_minus_post"} == set(document["differences"])
+
+
+def test_what_the_registration_warns_of_is_kept(make_case):
+    folder = make_case(states=STATES)
+    path = folder / "post" / "registration.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"warnings": ["it may be another vessel"]}))
+    assert metrics_of(folder)["lumen_warnings"]["post"][-1] == "it may be another vessel"
 
 
 def test_agreement_with_post_and_wire(make_case):

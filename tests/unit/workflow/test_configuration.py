@@ -10,6 +10,7 @@ import pytest
 
 from anatomy.__main__ import _parser as anatomy_parser
 from common.errors import InputError
+from workflow.__main__ import run_validate
 from workflow.configuration import Configuration
 from workflow.inputs import Inputs
 
@@ -77,6 +78,16 @@ def test_shipped_configuration_is_valid(folder):
     assert found.selected("quick") == ["quick_focal", "quick_branch"]
     assert found.selected("quick", "lad01, rca01") == ["lad01", "rca01"]
     assert found.selected("quick", "rca01 lad01 rca01") == ["rca01", "lad01"], "no case counts twice"
+
+
+def test_unusual_values_of_a_patient_are_said(folder, capsys):
+    run_validate(SimpleNamespace(folder=folder))
+    assert "warning" not in capsys.readouterr().err
+    readings = "measured: {ffr_pre: 0.92, ffr_post: 0.71, probe: {branch: main, s_mm: 4}}\n"
+    with (folder / "cases" / "real_artery.yaml").open("a") as file:
+        file.write(readings)
+    run_validate(SimpleNamespace(folder=folder))
+    assert "real_artery.yaml: measured.ffr_post, 0.71, is below" in capsys.readouterr().err
 
 
 def test_make_help_lists_the_shipped_cohorts(folder, repo_root):

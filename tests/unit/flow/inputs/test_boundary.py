@@ -132,13 +132,30 @@ def test_the_wires_sensor_is_one_more_probe(settings, place):
     "place, words",
     [
         ({"branch": "side2", "s_mm": 4.0}, "side2(.|\n)*main"),
-        ({"branch": "main", "s_mm": 60.5}, "60.5 mm, main is 60.0 mm long"),
+        ({"branch": "main", "s_mm": 61.6}, "1.6 mm beyond the end of main, which is 60.0 mm long"),
+        ({"point_mm": [61.6, 0.0, 0.0]}, "1.6 mm beyond the end of main, which is 60.0 mm long"),
         ({"point_mm": [48.0, 3.2, 0.0]}, "3.2 mm from the nearest axis"),
     ],
 )
 def test_a_sensor_outside_the_vessel_is_refused(settings, place, words):
     with pytest.raises(InputError, match=words):
         boundary.make(_anatomy(), _tree(), PATIENT, settings, {**WIRE, "probe": place})
+
+
+@pytest.mark.parametrize("place", [{"branch": "main", "s_mm": 60.1}, {"point_mm": [61.4, 1.0, 0.0]}])
+def test_a_sensor_less_than_a_radius_beyond_the_end_is_at_the_end(settings, place):
+    measured = {**WIRE, "probe": place}
+    assert boundary.make(_anatomy(), _tree(), PATIENT, settings, measured)["probes"][-1]["s_mm"] == 60.0
+
+
+def test_unusual_values_are_said(settings, capsys):
+    """A wire's FFR that falls by the procedure, and an inflow that no heart has; both are computed with."""
+    patient = PATIENT | {"hyperaemic_inflow_ml_per_min": 900}
+    measured = {"ffr_pre": 0.92, "ffr_post": 0.71, "probe": {"branch": "main", "s_mm": 48.0}}
+    flow, swapped = boundary.make(_anatomy(), _tree(), patient, settings, measured)["warnings"]
+    assert "900 mL/min" in flow and "858" in flow and "0.71, is below measured.ffr_pre, 0.92" in swapped
+    assert flow in capsys.readouterr().err
+    assert boundary.doubts(patient | {"hyperaemic_inflow_ml_per_min": 850}, measured | {"ffr_post": 0.92}) == []
 
 
 def test_negative_resistance_is_refused(settings):

@@ -44,6 +44,14 @@ def test_refusals(patient, what):
         flow(**patient)
 
 
+@pytest.mark.parametrize("territory, most", [("whole", 858), ("left", 605), ("lad", 353), (0.5, 429)])
+def test_an_inflow_is_doubted_two_deviations_above_its_territory(territory, most):
+    for given, doubted in ((most, False), (most + 1, True)):
+        patient = {"hyperaemic_inflow_ml_per_min": given, "territory": territory}
+        assert bool(hyperaemia.doubts(patient)) == doubted
+    assert hyperaemia.doubts({"lvm_g": 500}) == []
+
+
 def test_plausible_flows():
     def factors(**patient):
         return {one["what"]: one["factor"] for one in hyperaemia.plausible(patient, 0.16)}

@@ -250,8 +250,22 @@ def test_a_coarse_mesh_that_is_not_coarser_is_made_in_another_size(monkeypatch, 
     monkeypatch.setattr(mesh, "build", build)
     assert mesh.coarser(100, None, None, 2.0, None, 3, 4 / 3) == ("mesh", {"cells": 90})
     assert asked == [2.0, 2.2, 1.8] and "120 cells, not fewer than 100" in capsys.readouterr().err
-    with pytest.raises(ComputationError, match="not coarser"):
-        mesh.coarser(80, None, None, 2.0, None, 3, 4 / 3)
+    left_out = None, {"rings": 3, "cells": 80, "not_fewer_than": 80}
+    assert mesh.coarser(80, None, None, 2.0, None, 3, 4 / 3) == left_out
+
+
+def test_a_mesh_that_is_not_coarser_is_left_out_of_the_sequence(monkeypatch, tmp_path):
+    """As in a short vessel that was swept with three rings alone: its file is empty, and the next counts from there."""
+    cells = {4: 300, 3: 400, 2: 200}
+    monkeypatch.setattr(mesh, "build", lambda *given: (f"{given[4]} rings", {"cells": cells[given[4]]}))
+    monkeypatch.setattr(mesh, "write", lambda built, path: path.write_text(built))
+    paths = [(tmp_path / name, rings) for name, rings in (("a.msh", 2), ("b.msh", 3), ("c.msh", 4))]
+    report = {}
+    made = mesh.sequence(paths, None, None, settings_module.make(), report)
+    mesh.write_all(made, report, tmp_path / "mesh.json")
+    assert [(tmp_path / name).read_text() for name in ("a.msh", "b.msh", "c.msh")] == ["2 rings", "", "4 rings"]
+    assert report["cells"] == 300 and [part["cells"] for part in report["coarse"]] == [200]
+    assert report["left_out"] == [{"file": "b.msh", "rings": 3, "cells": 400, "not_fewer_than": 300}]
 
 
 def test_cells_on_the_same_side_of_a_face_overlap():
