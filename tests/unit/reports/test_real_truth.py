@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from reports.__main__ import main
 from common.errors import ComputationError, InputError
@@ -137,7 +138,7 @@ def test_figures_and_page(make_case, tmp_path, compare):
     files = CaseFiles("patient", folder)
     write_json(files.metrics, document)
     figures, study = tmp_path / "figures", tmp_path / "study"
-    (folder / "vci" / "plan.png").write_bytes(b"\x89PNG as far as the page looks")
+    Image.new("RGB", (4, 4)).save(folder / "vci" / "plan.png")
     case_figures(files, figures)
     study_figures([document], figures)
     pullback = (figures / "patient_pullback.svg").read_text()
