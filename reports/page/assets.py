@@ -16,11 +16,14 @@ WEBP = {"format": "WEBP", "quality": 90, "method": 6}  # a fifth of the PNG file
 
 
 def image_uri(path):
-    """An SVG file, or a PNG file as WebP, as a data URI."""
+    """An SVG file, or a PNG file as WebP, as a data URI; InputError if the PNG cannot be read."""
     data, kind = existing(path, "reports figures").read_bytes(), "svg+xml"
     if path.suffix == ".png":
         packed = io.BytesIO()
-        Image.open(io.BytesIO(data)).save(packed, **WEBP)
+        try:
+            Image.open(io.BytesIO(data)).save(packed, **WEBP)
+        except OSError as error:
+            raise InputError("a picture cannot be read", path, error, "make it again") from error
         data, kind = packed.getvalue(), "webp"
     return f"data:image/{kind};base64,{base64.b64encode(data).decode('ascii')}"
 

@@ -10,9 +10,10 @@ import subprocess
 import numpy as np
 import pytest
 
+from common.errors import InputError
 from reports.inputs.surface import Surface
 from reports.page.geometry import STEPS, ordered, pack_surface
-from reports.page.assets import THREE, three_script, three_version
+from reports.page.assets import THREE, image_uri, three_script, three_version
 
 BUNDLE = pathlib.Path("build/three.min.js")
 
@@ -74,3 +75,9 @@ def test_the_viewer_unpacks_the_surface_that_was_packed(count):
 
     assert found.shape == points.shape and index.shape == triangles.shape
     assert np.array_equal(corners(found, index), corners(surface.points, surface.triangles))
+
+
+def test_a_picture_that_is_none_is_refused(tmp_path):
+    (tmp_path / "plan.png").write_bytes(b"\x89PNG, and no more")
+    with pytest.raises(InputError, match="a picture cannot be read"):
+        image_uri(tmp_path / "plan.png")
