@@ -43,7 +43,7 @@ def centres(frames, on_outer_wall):
 
 
 def straight(pullback):
-    """Placing along the z axis, with x and y as in the image. The vessel's axis is its outer wall's if that is known.
+    """Placing along the tables' own z axis, with x and y as in the image. The axis is the outer wall's if it is known.
 
     Each image is centred on the catheter, whose path through the vessel is unknown without a centreline.
     """
@@ -51,7 +51,8 @@ def straight(pullback):
 
     def lay(z_mm, points):
         across = points - centre(z_mm)[:, None]
-        return np.concatenate([across, np.broadcast_to(z_mm[:, None, None], across.shape[:2] + (1,))], axis=2)
+        of_tables = np.broadcast_to(pullback.sign * z_mm[:, None, None], across.shape[:2] + (1,))
+        return np.concatenate([across, of_tables], axis=2)
 
     known = any(frame.outer_wall is not None for frame in pullback.frames)
     on = "outer wall's centre" if known else "lumen's centre"
@@ -63,12 +64,13 @@ def on_line(pullback, line, landmark_points_mm=(), proximal_s_mm=None, rotation_
 
     landmark_points_mm: (3,) each, the pull-back's landmarks in the line's space; they give the place along the line and
     the turn about it. Without them proximal_s_mm (default 0) is the place of the proximal frame, and rotation_deg its
-    turn against the line's own frame. mirrored: the images are seen from the other side. Raises InputError if the line
-    is too short, if landmarks contradict each other, or if one is on the line.
+    turn against the line's own frame. x, y, z of the tables are right-handed, whichever end z rises from; `mirrored`
+    says that they are left-handed. Raises InputError if the line is too short, if landmarks contradict each other, or
+    if one is on the line.
     """
     z = pullback.z_mm
     centre = rings.between(z, centres(pullback.frames, on_outer_wall=False))
-    flip = np.array([1.0, -1.0 if mirrored else 1.0])
+    flip = np.array([1.0, -pullback.sign if mirrored else pullback.sign])  # makes x, y and the frames' z right-handed
     report = {}
     if len(landmark_points_mm):
         shift, turn, report = _by_landmarks(pullback, line, np.asarray(landmark_points_mm, float), centre, flip)

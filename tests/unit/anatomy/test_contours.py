@@ -5,7 +5,7 @@ import gzip
 import numpy as np
 import pytest
 
-from anatomy.contours import plaque, pullback, rings, run, tables
+from anatomy.contours import loft, plaque, pullback, rings, run, tables
 from common import vtp
 from common.errors import InputError
 
@@ -141,6 +141,26 @@ def test_frames_are_ordered_from_distal_to_proximal(table):
     proximal = pullback.read(files, z_from="proximal")
     assert [frame.name for frame in proximal.frames] == [33, 23, 13, 3]
     assert [frame.name for frame in pullback.read(files, z_range_mm=(0.5, 3.5)).frames] == [13, 23, 33]
+
+
+@pytest.mark.parametrize("z_from, inlet_z", [("distal", 4.0), ("proximal", 0.0)])
+def test_a_straight_lumen_lies_in_the_tables_own_z(table, tmp_path, z_from, inlet_z):
+    """A lumen with a bump at +y and a narrowing at z = 1: both stay where they are, whichever end z rises from."""
+    frames = tube([1.5, 1.0, 1.5, 1.5, 1.5], centre=(0.0, 0.0))
+    bump = 0.5 * np.exp(-(((circle(1, centre=(0, 0)) - (0, 1)) / 0.3) ** 2).sum(axis=1))
+    frames = {name: (z, outline * (1 + bump[:, None])) for name, (z, outline) in frames.items()}
+    document = run.run({"lumen": table(frames)}, tmp_path / "out", reading={"z_from": z_from})
+    assert [row["z_mm"] for row in document["frames"]] == sorted((0, 1, 2, 3, 4), reverse=z_from == "proximal")
+    surface = vtp.read_triangles(tmp_path / "out" / "lumen.vtp", "")
+    points, triangles = vtp.arrays(surface)
+    assert loft.volume_mm3(points, triangles) > 0
+    region = np.array(surface.GetCellData().GetArray("region_id"))
+    assert points[triangles[region == loft.INLET]][..., 2] == pytest.approx(inlet_z)
+    wall = points[np.unique(triangles[region == loft.WALL])]
+    away = np.hypot(*wall[:, :2].T)
+    x, y, _ = wall[away.argmax()]
+    assert y > 1.9 and abs(x) < 0.1
+    assert wall[away.argmin(), 2] == pytest.approx(1.0)
 
 
 def test_a_gap_between_frames_is_said(table):

@@ -83,13 +83,16 @@ def recorded(turn, sign=1.0):
 
 @pytest.fixture
 def pull_back(tmp_path):
-    def make(turn, sign=1.0, keep=slice(None)):
+    def make(turn, sign=1.0, keep=slice(None), z_from="distal"):
         frames, marks, places = recorded(turn, sign)
+        if z_from == "proximal":
+            frames = {k: (30.0 - z, outline) for k, (z, outline) in frames.items()}
+            marks = [(k, x, y, 30.0 - z) for k, x, y, z in marks]
         files = {"lumen": tmp_path / "lumen.csv", "landmarks": tmp_path / "landmarks.csv"}
         lines = [f"{k},{x},{y},{z}" for k, (z, outline) in frames.items() for x, y in outline]
         files["lumen"].write_text("\n".join(lines))
         files["landmarks"].write_text("\n".join(f"{k},{x},{y},{z}" for k, x, y, z in marks[keep]))
-        return pullback.read(files), places[keep]
+        return pullback.read(files, z_from=z_from), places[keep]
 
     return make
 
@@ -159,6 +162,18 @@ def test_mirrored_images_are_found_out_and_put_right(pull_back):
     with pytest.raises(InputError, match="landmarks contradict"):
         placing.on_line(pull, line.Line(centred_line()), places)
     place = placing.on_line(pull, line.Line(centred_line()), places, mirrored=True)
+    lofted = run.loft_of(pull, place)
+    rim = len(lofted["z_mm"]) * lofted["frame_rings"].shape[1]
+    assert misfit(lofted["points"][:rim]).max() < 0.06
+    assert loft.volume_mm3(lofted["points"], lofted["triangles"]) > 0
+
+
+@pytest.mark.parametrize("sign, mirrored", [(-1.0, False), (1.0, True)])
+@pytest.mark.parametrize("keep", [slice(None), slice(1, 2)])
+def test_z_from_the_proximal_end_is_no_mirror_image(pull_back, sign, mirrored, keep):
+    """Turning z round makes right-handed tables left-handed; turning y round too makes them right-handed again."""
+    pull, places = pull_back(1.1, sign, keep, z_from="proximal")
+    place = placing.on_line(pull, line.Line(centred_line()), places, mirrored=mirrored)
     lofted = run.loft_of(pull, place)
     rim = len(lofted["z_mm"]) * lofted["frame_rings"].shape[1]
     assert misfit(lofted["points"][:rim]).max() < 0.06
