@@ -7,7 +7,7 @@ import pytest
 import vtk
 from scipy.spatial import cKDTree
 
-from anatomy.contours import line, loft, placing, pullback, run, tables
+from anatomy.contours import line, loft, outlines, placing, pullback, run
 from common import vtp
 from common.errors import InputError
 
@@ -107,7 +107,7 @@ def centred_line():
     middle = []
     for k in range(len(s)):
         away = points[k] - place[k]
-        u, v = tables.centroid(np.column_stack([away @ first[k], away @ second[k]]))
+        u, v = outlines.centroid(np.column_stack([away @ first[k], away @ second[k]]))
         middle.append(place[k] + u * first[k] + v * second[k])
     return np.array(middle) + np.random.default_rng(3).normal(scale=0.02, size=(len(s), 3))
 
