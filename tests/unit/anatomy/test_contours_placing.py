@@ -230,6 +230,27 @@ def test_a_landmark_near_the_axis_tells_its_turn_from_two_tenths_on(pull_back, d
             placing.on_line(pull, axis_line, near[None])
 
 
+@pytest.mark.parametrize("radii, near", [(2.9, True), (3.1, False)])
+@pytest.mark.parametrize("where", ["landmarks", "landmark_points_mm"])
+def test_a_landmark_lies_within_three_radii_of_its_vessel(pull_back, where, radii, near):
+    """The second of three: its own frame is narrower than the median, whose radius is about 1.55 mm."""
+    pull, places = pull_back(0.4)
+    axis_line = line.Line(centred_line())
+    far = radii * np.median([np.sqrt(outlines.area_mm2(frame.lumen) / np.pi) for frame in pull.frames])
+    if where == "landmarks":
+        z, point = pull.landmarks[1]
+        middle = placing.rings.between(pull.z_mm, placing.centres(pull.frames, False))(np.array([z]))[0]
+        pull.landmarks[1] = z, middle + far * (point - middle) / np.linalg.norm(point - middle)
+    else:
+        middle = axis_line.place(np.array([axis_line.nearest(places[1])]))[0][0]
+        places[1] = middle + far * (places[1] - middle) / np.linalg.norm(places[1] - middle)
+    if near:
+        placing.on_line(pull, axis_line, places)
+    else:
+        with pytest.raises(InputError, match=f"(?s)far from its vessel.*where:  {where}\n.*landmark 2, .*3 radii"):
+            placing.on_line(pull, axis_line, places)
+
+
 def test_a_landmark_outside_the_frames_is_named_with_its_z(pull_back):
     pull, places = pull_back(0.4)
     pull.landmarks[1] = (31.0, pull.landmarks[1][1])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from anatomy.register import judge, search
+from anatomy.register import judge, run, search
 from anatomy.register.match import matched
 from anatomy.register.placement import Placement, Target
 from anatomy.register.run import like
@@ -177,6 +177,15 @@ def test_a_straight_vessel_needs_a_landmark():
     found, match, _ = registered(pre, post, (np.array([[0, 0, 15.68]]), np.array([[0, 0, 19.75]])))
     assert found.placement.apply(np.array([[0, 0, 10.0]]))[0] == pytest.approx([0, 0, 5.93], abs=0.05)
     assert match.shared["main"] == (0.0, 16.0)
+
+
+def test_the_command_refuses_a_landmark_far_from_its_vessel(repo_root, tmp_path, monkeypatch):
+    given = (repo_root / "config" / "cases" / "ivus_stent.yaml").read_text()
+    assert given.count("pre_mm: [0, 0, 15.68]") == 1
+    (tmp_path / "case.yaml").write_text(given.replace("pre_mm: [0, 0, 15.68]", "pre_mm: [40, 0, 15.68]"))
+    monkeypatch.setattr(run.tree, "read", lambda folder: straight(20))
+    with pytest.raises(InputError, match="far from its vessel"):
+        run.run(tmp_path / "case.yaml", tmp_path, tmp_path, tmp_path / "out")
 
 
 def three_places():
