@@ -28,31 +28,30 @@ def centroid(outline):
 
 
 def split(points):
-    """[outline (n, 2)] of points (m, 2): where all of them end on the point where they began, else the one.
+    """[points (n, 2) of an outline] of points (m, 2): several if each of them ends where it began, else the one.
 
-    No outline has its first point again at its end. A last step back to the beginning of the first outline, as round a
-    hole, is left out.
+    A last step back to the beginning of the first outline, as round a hole, is left out.
     """
-    points = points[np.concatenate([[True], _distance(points[1:], points[:-1]) > SAME_MM])]
     found, first = [], 0
     while first < len(points):
-        if first == len(points) - 1 and found and _distance(points[first], points[0]) < SAME_MM:
+        if found and first == len(points) - 1 and _distance(points[first], points[0]) < SAME_MM:
             break
         again = np.flatnonzero(_distance(points[first + 3 :], points[first]) < SAME_MM)
         if not again.size:
-            return [points[:-1] if len(points) > 1 and _distance(points[0], points[-1]) < SAME_MM else points]
+            return [points]
         last = first + 3 + again[0]
-        found.append(points[first:last])
+        found.append(points[first : last + 1])
         first = last + 1
     return found
 
 
 def checked(points, where, several):
-    """The outline (n, 2) of points, counter-clockwise. several: the remedy for several outlines that were joined.
+    """The outline of points (n, 2), counter-clockwise, each once. several: the remedy for several that were joined.
 
     Raises InputError for an outline with points listed twice, one that crosses itself, one with a second outline behind
     it, too few points, or a size that no coronary artery has.
     """
+    points = points[_distance(points, np.roll(points, 1, axis=0)) > SAME_MM]
     if len(points) < FEWEST_POINTS:
         remedy = f"at least {FEWEST_POINTS} different ones, or leave the frame out (drop_frames)"
         raise InputError("too few points for an outline", where, len(points), remedy)

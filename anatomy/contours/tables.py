@@ -62,7 +62,8 @@ def read_outlines(path, units, what, wanted=None):
     what: the table's name in errors. wanted(frame, z): whether a frame is used; other frames are not checked. Raises
     InputError for a frame with several outlines or not in one plane, and for outlines that outlines.checked refuses.
     """
-    one = f"one outline of the {what.replace('_', ' ')} in each frame; side branches have their own table (branches)"
+    name = what.replace("_", " ")
+    one = f"one outline of the {name} in each frame, listed once; side branches have their own table (branches)"
     found = {}
     for frame, (z, several) in _read(path, units, what, wanted, one).items():
         if len(several) > 1:
@@ -99,7 +100,7 @@ def _frames(rows):
 
 
 def _parts(rows):
-    """[outline (n, 2)] of a frame's rows."""
+    """[points (n, 2) of an outline] of a frame's rows."""
     numbered = (rows[rows[:, 4] == number, 1:3] for number in dict.fromkeys(rows[:, 4]))
     return [part for points in numbered for part in outlines.split(points)]
 
@@ -130,6 +131,7 @@ def thin(source, target, points):
     lines = ["frame,x_mm,y_mm,z_mm" + ",outline" * numbered]
     for name, z, parts in frames:
         for number, part in enumerate(parts, start=1):
+            part = part[:-1] if np.allclose(part[0], part[-1]) else part
             taken = part[np.unique(np.linspace(0, len(part), points, endpoint=False).astype(int))]
             lines += [f"{name},{x:.4f},{y:.4f},{z:.4f}" + f",{number}" * numbered for x, y in taken]
     with replacing(target) as partial:

@@ -103,6 +103,8 @@ def test_points_listed_twice_are_refused(table):
     for outline in doubled.values():
         with pytest.raises(InputError, match="(?s)listed twice.*frame 13.*list each once"):
             tables.read_outlines(table({**good, 13: (1.0, outline)}, closed=False), "mm", "lumen")
+    with pytest.raises(InputError, match="(?s)several outlines in one frame.*frame 13.*listed once"):
+        tables.read_outlines(table({**good, 13: (1.0, np.vstack([one, one[:1], one]))}), "mm", "lumen")
     # a spike of no width at a point, as in an image's pixels, and a line that ends one point too late
     spike, late = np.vstack([one[:30], one[29:30] * 1.01, one[29:]]), np.vstack([one, one[:2]])
     for outline in (spike, late):
@@ -339,6 +341,7 @@ NODULES = [
 def test_several_deposits_of_a_frame(with_calcium, how, deposits, arc):
     alone = [with_calcium(raw([deposit])) for deposit in deposits]
     assert with_calcium(raw(deposits, **how)) == pytest.approx(sum(alone), abs=0.1)
+    assert with_calcium(raw([*deposits, deposits[0]], **how)) == pytest.approx(sum(alone), abs=0.1), "one of them twice"
     assert sum(alone) == pytest.approx(arc, abs=10)  # points of a ring are 4.5 degrees apart
 
 
