@@ -7,10 +7,13 @@ import numpy as np
 from common.errors import InputError
 
 from . import rings
-from .tables import centroid
+from .outlines import area_mm2, centroid
 
 FARTHEST_MM = 3.0  # largest disagreement of landmarks along the line: a frame is picked to within 2 or 3 mm
 NEAREST_MM = 0.2  # least distance of a landmark from the axis; nearer, half a voxel turns it by a right angle
+FARTHEST_RADII = (
+    3.0  # of a landmark from the lumen's centre, as in anatomy/register: the wall, a mouth, an ostium's rim
+)
 LARGEST_TURN_DEG = 45.0  # largest disagreement of landmarks about it; beyond, tables are mirrored or points mixed up
 
 
@@ -43,7 +46,7 @@ def centres(frames, on_outer_wall):
 
 
 def straight(pullback):
-    """Placing along the z axis, with x and y as in the image. The vessel's axis is its outer wall's if that is known.
+    """Placing along the tables' own z axis, with x and y as in the image. The axis is the outer wall's if it is known.
 
     Each image is centred on the catheter, whose path through the vessel is unknown without a centreline.
     """
@@ -51,7 +54,8 @@ def straight(pullback):
 
     def lay(z_mm, points):
         across = points - centre(z_mm)[:, None]
-        return np.concatenate([across, np.broadcast_to(z_mm[:, None, None], across.shape[:2] + (1,))], axis=2)
+        of_tables = np.broadcast_to(pullback.sign * z_mm[:, None, None], across.shape[:2] + (1,))
+        return np.concatenate([across, of_tables], axis=2)
 
     known = any(frame.outer_wall is not None for frame in pullback.frames)
     on = "outer wall's centre" if known else "lumen's centre"
@@ -63,12 +67,13 @@ def on_line(pullback, line, landmark_points_mm=(), proximal_s_mm=None, rotation_
 
     landmark_points_mm: (3,) each, the pull-back's landmarks in the line's space; they give the place along the line and
     the turn about it. Without them proximal_s_mm (default 0) is the place of the proximal frame, and rotation_deg its
-    turn against the line's own frame. mirrored: the images are seen from the other side. Raises InputError if the line
-    is too short, if landmarks contradict each other, or if one is on the line.
+    turn against the line's own frame. x, y, z of the tables are right-handed, whichever end z rises from; `mirrored`
+    says that they are left-handed. Raises InputError if the line is too short, if landmarks contradict each other, or
+    if one is on the line.
     """
     z = pullback.z_mm
     centre = rings.between(z, centres(pullback.frames, on_outer_wall=False))
-    flip = np.array([1.0, -1.0 if mirrored else 1.0])
+    flip = np.array([1.0, -pullback.sign if mirrored else pullback.sign])  # makes x, y and the frames' z right-handed
     report = {}
     if len(landmark_points_mm):
         shift, turn, report = _by_landmarks(pullback, line, np.asarray(landmark_points_mm, float), centre, flip)
@@ -116,9 +121,12 @@ def _by_landmarks(pullback, line, points, centre, flip):
         value = f"landmark {outside[0] + 1} at z {at:.2f} mm, frames {first:.2f} to {last:.2f} mm"
         remedy = "widen z_range_mm, or leave the landmark and its point out"
         raise InputError("a landmark outside the frames", "landmarks", value, remedy)
-    sums = np.array([line.nearest(point) for point in points]) + z
+    nearest = np.array([line.nearest(point) for point in points])
+    sums = nearest + z
     shift = float(sums.mean())
     across = (np.array([mark[1] for mark in pullback.landmarks]) - centre(z)) * flip
+    _check_far(pullback, z, "landmarks", np.linalg.norm(across, axis=1))
+    _check_far(pullback, z, "landmark_points_mm", np.linalg.norm(points - line.place(nearest)[0], axis=1))
     place, tangent, one, two = line.place(np.clip(shift - z, 0, line.length_mm))
     away = points - place
     u, v = (away * one).sum(axis=1), (away * two).sum(axis=1)
@@ -139,6 +147,22 @@ def _by_landmarks(pullback, line, points, centre, flip):
             f" landmark {off.argmax() + 1} {off.max():.0f} degrees about it"
         )
         limits = f"at most {FARTHEST_MM:g} mm and {LARGEST_TURN_DEG:g} degrees"
-        remedy = f"{limits}: check the points' order, mirrored (true where images are mirrored), and which line it is"
+        remedy = f"{limits}: check the points' order, mirrored (true if x, y, z are left-handed), and which line it is"
         raise InputError("landmarks contradict each other", "landmark_points_mm", value, remedy)
     return shift, turn, report
+
+
+def _check_far(pullback, z, where, distance):
+    """Raises InputError if a landmark's distance (m,) in mm from the lumen's centre is above FARTHEST_RADII.
+
+    The radius is the frames' median, or that at the landmark's z (m,) if it is larger.
+    """
+    radii = np.sqrt([area_mm2(frame.lumen) / np.pi for frame in pullback.frames])
+    radius = np.maximum(rings.between(pullback.z_mm, radii)(z), np.median(radii))
+    k = int((distance / radius).argmax())
+    if distance[k] > FARTHEST_RADII * radius[k]:
+        value = f"landmark {k + 1}, {distance[k]:.1f} mm from the lumen's centre, whose radius is {radius[k]:.2f} mm"
+        remedy = (
+            f"within {FARTHEST_RADII:g} radii: check its units, and that x, y, z are those of the table or the line"
+        )
+        raise InputError("a landmark lies far from its vessel", where, value, remedy)

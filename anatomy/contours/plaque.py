@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 from common.errors import InputError
 
 from . import rings
-from .tables import area_mm2, centroid
+from .outlines import area_mm2, centroid
 
 NONE, FIBROUS, LIPID, CALCIFIED = 0, 1, 2, 3
 KINDS = {"lipid": LIPID, "calcium": CALCIFIED}  # where both are traced, the later one counts
@@ -15,6 +15,7 @@ KINDS = {"lipid": LIPID, "calcium": CALCIFIED}  # where both are traced, the lat
 # histology, but is thinner beneath plaque (0.1 mm in vivo: Gussenhoven et al., Am J Cardiol 68 (1991) 1625).
 THICKEST_HEALTHY_MM = 0.3
 CROSSING_MM = 0.1  # by which two hand-drawn outlines that touch may cross
+SHADOW_MM = 0.3  # by which calcium may leave the outer wall, which is a guess in its shadow; shipped calcium: 0.07
 STEP_MM = 0.02  # along a ray from the lumen outwards
 
 
@@ -35,16 +36,33 @@ def thickness(frames, ring_list, path, warnings):
         if frame.outer_wall is None:
             continue
         row[:] = thickness_of_frame(ring, frame.outer_wall)
-        if row.min() < -CROSSING_MM:
-            value = f"{-row.min():.2f} mm outside it"
-            remedy = "trace the outer wall (EEM) round the lumen, in the same coordinates, or leave the frame out"
-            remedy += f" (drop_frames: [{frame.name}])"
-            raise InputError("the lumen runs outside the outer wall", f"{path}: frame {frame.name}", value, remedy)
+        _check_inside(row, CROSSING_MM, "the lumen", f"{path}: frame {frame.name}", frame)
     missing = [frame for frame in frames if frame.outer_wall is None]
     if missing:
         names = ", ".join(str(frame.name) for frame in missing)
         warnings.append(f"no outer wall in frames {names}: the wall's thickness is interpolated from the others")
     return found
+
+
+def check_regions(frames, paths):
+    """Raises InputError if calcium or lipid is not inside the outer wall, in frames where that was traced.
+
+    paths: {calcium, lipid: path of its table}.
+    """
+    for frame in frames:
+        for name, several in frame.regions.items() if frame.outer_wall is not None else ():
+            for region in several:
+                distance = thickness_of_frame(region, frame.outer_wall)
+                _check_inside(distance, SHADOW_MM, name, f"{paths[name]}: frame {frame.name}", frame)
+
+
+def _check_inside(distance, most_mm, what, where, frame):
+    """Raises InputError if a distance (n,) in mm, as of thickness_of_frame, is farther outside than most_mm."""
+    if distance.min() < -most_mm:
+        value = f"{-distance.min():.2f} mm outside it"
+        remedy = f"trace the outer wall (EEM) round {what}, in the same coordinates, or leave the frame out"
+        remedy += f" (drop_frames: [{frame.name}])"
+        raise InputError(f"{what} runs outside the outer wall", where, value, remedy)
 
 
 def healthy_wall_mm(distance, given="auto"):
@@ -70,14 +88,12 @@ def types_of_frame(frame, ring):
     out = ring - centre
     out /= np.linalg.norm(out, axis=1)[:, None]
     for name, value in KINDS.items():
-        if name not in frame.regions:
-            continue
-        region = rings.smooth(frame.regions[name])
-        reach = np.linalg.norm(region - centre, axis=1).max()
-        steps = np.arange(0, reach, STEP_MM)
-        samples = ring[:, None] + steps[None, :, None] * out[:, None]
-        inside = Path(region).contains_points(samples.reshape(-1, 2)).reshape(len(ring), -1)
-        kind[inside.any(axis=1)] = value
+        for region in map(rings.smooth, frame.regions.get(name, ())):
+            reach = np.linalg.norm(region - centre, axis=1).max()
+            steps = np.arange(0, reach, STEP_MM)
+            samples = ring[:, None] + steps[None, :, None] * out[:, None]
+            inside = Path(region).contains_points(samples.reshape(-1, 2)).reshape(len(ring), -1)
+            kind[inside.any(axis=1)] = value
     return kind
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from common.errors import InputError
 
 from . import tables
+from .outlines import area_mm2
 
 SAME_Z_MM = 0.01  # difference in z of one frame in two tables, which may be rounded to two decimals
 SAME_PLACE_MM = 0.005  # frames nearer are at one place; at 0.5 mm/s and 60 frames a second they are 0.008 mm apart
@@ -22,7 +23,7 @@ class Frame:
     z_mm: float
     lumen: np.ndarray
     outer_wall: np.ndarray = None
-    regions: dict = field(default_factory=dict)  # {calcium, lipid: traced outline}
+    regions: dict = field(default_factory=dict)  # {calcium, lipid: [traced outline]}
 
 
 @dataclass
@@ -63,14 +64,16 @@ def read(files, units="mm", z_from="distal", z_range_mm=None, drop_frames=()):
     _check_frames(lumen, files["lumen"], warnings)
     frames = {name: Frame(name, z, outline) for name, (z, outline) in lumen.items()}
     if files.get("outer_wall"):
-        for name, outline in _matched(files, "outer_wall", units, frames, wanted, warnings):
+        walls = tables.read_outlines(files["outer_wall"], units, "outer_wall", wanted)
+        for name, outline in _matched(walls, files, "outer_wall", frames, warnings):
             frames[name].outer_wall = outline
     for kind in ("calcium", "lipid"):
         if files.get(kind):
-            for name, outline in _matched(files, kind, units, frames, wanted, warnings):
-                frames[name].regions[kind] = outline
+            regions = tables.read_regions(files[kind], units, kind, wanted)
+            for name, several in _matched(regions, files, kind, frames, warnings):
+                frames[name].regions[kind] = several
     if files.get("branches"):
-        _say_branches(tables.read_outlines(files["branches"], units, "branches", wanted), warnings)
+        _say_branches(tables.read_regions(files["branches"], units, "branches", wanted), warnings)
     landmarks = tables.read_points(files["landmarks"], units) if files.get("landmarks") else []
     sign = 1.0 if z_from == "distal" else -1.0
     for frame in frames.values():
@@ -97,11 +100,14 @@ def _check_frames(lumen, path, warnings):
             )
 
 
-def _matched(files, what, units, frames, wanted, warnings):
-    """(frame, outline) of a table, for frames with a lumen. Raises InputError if z differs."""
+def _matched(found, files, what, frames, warnings):
+    """(frame, what was traced in it) of the table `what`, for frames with a lumen. Raises InputError if z differs.
+
+    found: {frame: (z, what was traced)}.
+    """
     path = files[what]
     without = []
-    for name, (z, outline) in tables.read_outlines(path, units, what, wanted).items():
+    for name, (z, traced) in found.items():
         if name not in frames:
             without.append(name)
         elif abs(z - frames[name].z_mm) > SAME_Z_MM:
@@ -109,13 +115,13 @@ def _matched(files, what, units, frames, wanted, warnings):
             remedy = "both tables from one pull-back, a frame's z the same in them"
             raise InputError("one frame at two places", f"{path}: {what}, frame {name}", value, remedy)
         else:
-            yield name, outline
+            yield name, traced
     if without:
         warnings.append(f"{what}: frames without a lumen are not used: {', '.join(map(str, without))}")
 
 
 def _say_branches(branches, warnings):
-    widths = {z: 2 * np.sqrt(abs(tables.area_mm2(outline)) / np.pi) for z, outline in branches.values()}
+    widths = {z: 2 * np.sqrt(max(map(area_mm2, several)) / np.pi) for z, several in branches.values()}
     if widths:
         warnings.append(
             f"a side branch runs beside the vessel from z {min(widths):.1f} to {max(widths):.1f} mm, up to "

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from .tables import area_mm2, centroid
+from .outlines import area_mm2, centroid
 
 FINE = 1000  # points of a spline through an outline, for lengths and distances
 

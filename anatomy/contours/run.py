@@ -10,7 +10,7 @@ from common.errors import InputError
 from common.files import write_json
 
 from . import line, loft, picture, placing, plaque, pullback, rings
-from .tables import area_mm2
+from .outlines import area_mm2
 
 SCHEMA = "vci-contours-1"
 ARRAYS = ("plaque_thickness_mm", "plaque_type")  # at the surface's points
@@ -84,6 +84,7 @@ def _plaque(pull, files, healthy_wall_mm, lumen):
             "no outer wall (outer_wall): the plaque behind the lumen is estimated from its narrowing alone"
         )
         return {}, {"kinds": kinds}
+    plaque.check_regions(frames, files)
     distance = plaque.thickness(frames, of_frames, files["outer_wall"], pull.warnings)
     traced = ~np.isnan(distance).any(axis=1)
     if not traced.any():

@@ -14,6 +14,7 @@ USUAL_RESIDUAL = 0.1  # of the usual radius: right pairs have up to 0.05, with n
 LARGEST_RESIDUAL = 0.3  # of the usual radius: other vessels that lie on each other have 0.11 to 0.48
 WITH_LANDMARKS = 0.6  # of the usual radius: largest residual if the user gives landmarks
 LARGEST_MISS = 1.0  # of the usual radius: largest distance between corresponding landmarks
+FARTHEST_RADII = 3.0  # of a landmark from its vessel's axes: a spot on the wall, a branch's mouth, the ostium's rim
 LANDMARKS = "give `registration: landmarks` (pre_mm, post_mm of each): places that are seen in both lumens"
 
 
@@ -24,6 +25,27 @@ def shares(target, tree, placement):
     to_post, _ = cKDTree(moved).query(target.points)
     near_post, near_pre = to_pre < target.usual_radius_mm, to_post < target.usual_radius_mm
     return float(np.concatenate([near_post, near_pre]).mean()), float(max(near_post.mean(), near_pre.mean()))
+
+
+def check_landmarks(case_file, pre, post, landmarks):
+    """Raises InputError if a landmark lies farther from its own Tree than FARTHEST_RADII, as in other coordinates.
+
+    The radius is the usual one, or the vessel's own at the nearest place if that is larger.
+    """
+    for tree, points, key, of in ((pre, landmarks[0], "pre_mm", "lumen"), (post, landmarks[1], "post_mm", "post")):
+        for number, point in enumerate(points, start=1):
+            away = np.linalg.norm(tree.points - point, axis=1)
+            radius = max(tree.usual_radius_mm, tree.radius[away.argmin()])
+            if away.min() > FARTHEST_RADII * radius:
+                x, y, z = tree.points[away.argmin()]
+                raise InputError(
+                    "a landmark lies far from its vessel",
+                    f"{case_file}: registration: landmark {number}, {key}",
+                    f"{away.min():.1f} mm from the axis at {x:.2f}, {y:.2f}, {z:.2f}, where the vessel's radius is "
+                    f"{radius:.2f} mm",
+                    f"a place within {FARTHEST_RADII:g} radii of the axis, in mm and in the coordinates of `{of}` "
+                    "(straight contours: z of their table, x and y from the frame's centre)",
+                )
 
 
 def check_fit(where, target, tree, found, match, landmarks):

@@ -26,6 +26,7 @@ def run(case_file, pre_folder, post_folder, out):
     wanted = config.load_case(case_file).get("registration", {"compare": "flow"})
     landmarks = _landmarks(wanted)
     pre, post = tree.read(pre_folder), tree.read(post_folder)
+    judge.check_landmarks(case_file, pre, post, landmarks)
     where, target = f"{case_file}: post", Target(pre)
     found = search.best(pre, post, landmarks)
     match = matched(target, post, found.placement)

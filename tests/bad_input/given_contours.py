@@ -7,11 +7,11 @@ import numpy as np
 from given import given, module
 
 
-def rows(frames=12, points=24, radius=1.5, step=0.5, scale=1.0):
-    """[(frame, x, y, z)] of round outlines 0.5 mm apart."""
+def rows(frames=12, points=24, radius=1.5, step=0.5, scale=1.0, centre=4.0):
+    """[(frame, x, y, z)] of round outlines 0.5 mm apart about x = centre, y = 4."""
     angle = 2 * np.pi * np.arange(points) / points
     return [
-        (k, scale * (4 + radius * np.cos(a)), scale * (4 + radius * np.sin(a)), scale * step * k)
+        (k, scale * (centre + radius * np.cos(a)), scale * (4 + radius * np.sin(a)), scale * step * k)
         for k in range(frames)
         for a in angle
     ]
@@ -25,6 +25,24 @@ def text(table, divider=",", head="frame,x_mm,y_mm,z_mm\n", ending="\n"):
 def contours(folder, content, *options, name="lumen.csv"):
     (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
     return module("anatomy", "contours", folder / name, *options, "--out", folder / "out")
+
+
+def closed(table, frame):
+    """The rows of one frame, the first one again at the end."""
+    of_frame = [row for row in table if row[0] == frame]
+    return [*of_frame, of_frame[0]]
+
+
+def spots():
+    """Two deposits of calcium in frame 5, 3.5 mm apart."""
+    return [[row for row in rows(radius=0.2, centre=x) if row[0] == 5] for x in (2.25, 5.75)]
+
+
+def calcium(folder, content):
+    """The lumen in an outer wall, with this table of calcium."""
+    (folder / "outer.csv").write_text(text(rows(radius=2.2)))
+    (folder / "calcium.csv").write_text(content)
+    return contours(folder, text(rows()), "--outer-wall", folder / "outer.csv", "--calcium", folder / "calcium.csv")
 
 
 @given("a contour table that is not there")
@@ -77,6 +95,27 @@ def _(folder):
     table = rows()
     table[30], table[40] = (1, *table[40][1:]), (1, *table[30][1:])
     return contours(folder, text(table))
+
+
+@given("contours of which one frame is listed twice")
+def _(folder):
+    return contours(folder, text(rows() + [row for row in rows() if row[0] == 5]))
+
+
+@given("contours with a branch in a frame of the lumen")
+def _(folder):
+    lumen, branch = (closed(table, 5) for table in (rows(), rows(radius=0.5, centre=6.2)))
+    return contours(folder, text([row for row in rows() if row[0] != 5] + lumen + branch))
+
+
+@given("two deposits of calcium in one line")
+def _(folder):
+    return calcium(folder, text([row for spot in spots() for row in spot]))
+
+
+@given("calcium with another origin than the lumen")
+def _(folder):
+    return calcium(folder, text(rows(radius=0.2, centre=0)))
 
 
 @given("a contour of six points")
@@ -135,6 +174,17 @@ def _(folder):
 
 
 # unusual, but pull-backs
+
+
+@given("two deposits of calcium, numbered in a fifth column")
+def _(folder):
+    table = [(*row, number) for number, spot in enumerate(spots()) for row in spot]
+    return calcium(folder, text(table, head="frame,x_mm,y_mm,z_mm,deposit\n"))
+
+
+@given("two deposits of calcium, each ending on its first point")
+def _(folder):
+    return calcium(folder, text([row for spot in spots() for row in closed(spot, 5)]))
 
 
 @given("contours divided by tabs, with Windows line ends and a byte-order mark")

@@ -5,7 +5,7 @@ import gzip
 import numpy as np
 import pytest
 
-from anatomy.contours import plaque, pullback, rings, run, tables
+from anatomy.contours import loft, outlines, plaque, pullback, rings, run, tables
 from common import vtp
 from common.errors import InputError
 
@@ -55,12 +55,12 @@ def test_reads_compressed_tables_and_other_units(tmp_path):
     path.write_bytes(gzip.compress(text(scaled).encode()))
     found = tables.read_outlines(path, "cm", "lumen")
     assert found[13][0] == pytest.approx(1.0)
-    assert tables.area_mm2(found[13][1]) == pytest.approx(np.pi * 1.4**2, rel=0.002)
+    assert outlines.area_mm2(found[13][1]) == pytest.approx(np.pi * 1.4**2, rel=0.002)
 
 
 def test_outlines_run_counter_clockwise_whichever_way_they_were_drawn(table):
     found = tables.read_outlines(table(tube([1.5, 1.4, 1.5], turn=-1)), "mm", "lumen")
-    assert all(tables.area_mm2(outline) > 0 for _, outline in found.values())
+    assert all(outlines.area_mm2(outline) > 0 for _, outline in found.values())
 
 
 def test_refuses_what_is_no_table_of_outlines(table, tmp_path):
@@ -89,6 +89,53 @@ def test_refuses_what_is_no_table_of_outlines(table, tmp_path):
         tables.read_rows(path, "mm")
     path.write_text("1,2,3,4\n1,2,3,five\n")
     with pytest.raises(InputError, match="not a number"):
+        tables.read_rows(path, "mm")
+
+
+def test_points_listed_twice_are_refused(table):
+    """A block of a frame once more: the area was twice the frame's, and calcium vanished."""
+    one, good = circle(1.5), tube([1.5, 1.4, 1.5])
+    doubled = {
+        "open": np.vstack([one, one]),
+        "closed": np.vstack([one, one[:1], one]),
+        "in part": np.vstack([one[:30], one[10:]]),
+    }
+    for outline in doubled.values():
+        with pytest.raises(InputError, match="(?s)listed twice.*frame 13.*list each once"):
+            tables.read_outlines(table({**good, 13: (1.0, outline)}, closed=False), "mm", "lumen")
+    with pytest.raises(InputError, match="(?s)several outlines in one frame.*frame 13.*listed once"):
+        tables.read_outlines(table({**good, 13: (1.0, np.vstack([one, one[:1], one]))}), "mm", "lumen")
+    # a spike of no width at a point, as in an image's pixels, and a line that ends one point too late
+    spike, late = np.vstack([one[:30], one[29:30] * 1.01, one[29:]]), np.vstack([one, one[:2]])
+    for outline in (spike, late):
+        found = tables.read_outlines(table({**good, 13: (1.0, outline)}, closed=False), "mm", "lumen")
+        assert outlines.area_mm2(found[13][1]) == pytest.approx(outlines.area_mm2(one), rel=1e-3)
+
+
+@pytest.mark.parametrize("closed, what", [(True, "several outlines in one frame"), (False, "two outlines in one")])
+def test_a_lumen_and_a_branch_in_one_frame_are_refused(table, closed, what):
+    """They touch almost; as one outline the lumen has the area of both."""
+    lumen, branch = circle(1.5, start=0.0), circle(0.8, centre=(6.4, 5.0), start=np.pi)
+    rows = [np.vstack([part, part[:1]]) if closed else part for part in (lumen, branch)]
+    frames = {**tube([1.5, 1.4, 1.5]), 13: (1.0, np.vstack(rows))}
+    with pytest.raises(InputError, match=f"(?s){what}.*frame 13.*side branches have their own table"):
+        tables.read_outlines(table(frames, closed=False), "mm", "lumen")
+
+
+@pytest.mark.parametrize("count", [24, 60, 400])
+def test_a_lumen_at_a_branch_s_mouth_is_one_outline(table, count):
+    """Two circles joined by a neck of 0.6 mm, where the outline begins."""
+    angle = np.linspace(-np.pi + np.arcsin(0.3 / 0.9), np.pi - np.arcsin(0.3 / 0.9), count // 2, endpoint=False)
+    lobe = np.column_stack([np.sqrt(0.9**2 - 0.3**2) + 0.9 * np.cos(angle), 0.9 * np.sin(angle)])
+    frames = {**tube([1.5, 1.4, 1.5]), 13: (1.0, np.vstack([lobe, -lobe]))}
+    found = tables.read_outlines(table(frames, closed=False), "mm", "lumen")
+    assert len(found[13][1]) == 2 * (count // 2)
+
+
+def test_the_number_of_an_outline_stands_in_all_lines_or_in_none(tmp_path):
+    path = tmp_path / "words.csv"
+    path.write_text("1,2,3,4,1\n1,2,3,4\n")
+    with pytest.raises(InputError, match="(?s)line 2.*a fifth, the outline's number, in all lines"):
         tables.read_rows(path, "mm")
 
 
@@ -143,6 +190,26 @@ def test_frames_are_ordered_from_distal_to_proximal(table):
     assert [frame.name for frame in pullback.read(files, z_range_mm=(0.5, 3.5)).frames] == [13, 23, 33]
 
 
+@pytest.mark.parametrize("z_from, inlet_z", [("distal", 4.0), ("proximal", 0.0)])
+def test_a_straight_lumen_lies_in_the_tables_own_z(table, tmp_path, z_from, inlet_z):
+    """A lumen with a bump at +y and a narrowing at z = 1: both stay where they are, whichever end z rises from."""
+    frames = tube([1.5, 1.0, 1.5, 1.5, 1.5], centre=(0.0, 0.0))
+    bump = 0.5 * np.exp(-(((circle(1, centre=(0, 0)) - (0, 1)) / 0.3) ** 2).sum(axis=1))
+    frames = {name: (z, outline * (1 + bump[:, None])) for name, (z, outline) in frames.items()}
+    document = run.run({"lumen": table(frames)}, tmp_path / "out", reading={"z_from": z_from})
+    assert [row["z_mm"] for row in document["frames"]] == sorted((0, 1, 2, 3, 4), reverse=z_from == "proximal")
+    surface = vtp.read_triangles(tmp_path / "out" / "lumen.vtp", "")
+    points, triangles = vtp.arrays(surface)
+    assert loft.volume_mm3(points, triangles) > 0
+    region = np.array(surface.GetCellData().GetArray("region_id"))
+    assert points[triangles[region == loft.INLET]][..., 2] == pytest.approx(inlet_z)
+    wall = points[np.unique(triangles[region == loft.WALL])]
+    away = np.hypot(*wall[:, :2].T)
+    x, y, _ = wall[away.argmax()]
+    assert y > 1.9 and abs(x) < 0.1
+    assert wall[away.argmin(), 2] == pytest.approx(1.0)
+
+
 def test_a_gap_between_frames_is_said(table):
     assert pullback.read({"lumen": table(tube([1.5] * 4, spacing=2.0))}).warnings == []
     assert "no frame between" in pullback.read({"lumen": table(tube([1.5] * 4, spacing=2.5))}).warnings[0]
@@ -165,7 +232,7 @@ def test_between_frames_nothing_is_narrower_than_both(table, tmp_path):
     lofted = run.loft_of(pull, run.placing.straight(pull))
     around = lofted["frame_rings"].shape[1]
     areas = [
-        tables.area_mm2(ring) for ring in lofted["points"][: len(lofted["z_mm"]) * around, :2].reshape(-1, around, 2)
+        outlines.area_mm2(ring) for ring in lofted["points"][: len(lofted["z_mm"]) * around, :2].reshape(-1, around, 2)
     ]
     assert np.array(areas) == pytest.approx(np.pi * 0.9, rel=0.001)
 
@@ -241,6 +308,74 @@ def test_a_healthy_wall_is_a_thickness(table, tmp_path, run_module, given, good)
     assert good or ("0 to 1, or auto" in done.stderr and given in done.stderr)
 
 
+def raw(parts, numbered=False, closed=False, frame=23, z=2.0):
+    """Rows of one frame: its outlines one after the other, each ending where it began if closed."""
+    rows = []
+    for number, part in enumerate(parts):
+        for x, y in np.vstack([part, part[:1]]) if closed else part:
+            rows.append(f"{frame},{x:.5f},{y:.5f},{z}" + f",{number}" * numbered)
+    return "\n".join(rows) + "\n"
+
+
+@pytest.fixture
+def with_calcium(table, tmp_path):
+    """Makes contours.json of a vessel of radius 1.5 in a wall of 2.4 with the given calcium in frame 23."""
+
+    def make(rows):
+        files = {"lumen": table(tube([1.5] * 5)), "outer_wall": table(tube([2.4] * 5), "wall.csv")}
+        files["calcium"] = tmp_path / "calcium.csv"
+        files["calcium"].write_text(rows)
+        return run.run(files, tmp_path / "out")["frames"][2]["calcium_arc_deg"]
+
+    return make
+
+
+SHEETS = [sector(1.6, 1.9, 20, 110), sector(1.6, 1.8, 200, 260)]
+NODULES = [
+    circle(0.25, 30, (4 + x, 6.9), start) for x, start in ((-0.5, 0.0), (0.5, np.pi))
+]  # each begins at the other
+
+
+@pytest.mark.parametrize("how", [{"numbered": True}, {"closed": True}, {"numbered": True, "closed": True}])
+@pytest.mark.parametrize("deposits, arc", [(SHEETS, 150), (NODULES, 30)])
+def test_several_deposits_of_a_frame(with_calcium, how, deposits, arc):
+    alone = [with_calcium(raw([deposit])) for deposit in deposits]
+    assert with_calcium(raw(deposits, **how)) == pytest.approx(sum(alone), abs=0.1)
+    assert with_calcium(raw([*deposits, deposits[0]], **how)) == pytest.approx(sum(alone), abs=0.1), "one of them twice"
+    assert sum(alone) == pytest.approx(arc, abs=10)  # points of a ring are 4.5 degrees apart
+
+
+FACING = [sector(1.8, 1.6, 110, 20), sector(1.6, 1.8, 140, 200)]  # each begins and ends at its end beside the other
+
+
+@pytest.mark.parametrize(
+    "deposits, what",
+    [(SHEETS, "crosses itself"), (NODULES, "two outlines in one"), (FACING, "two outlines in one")],
+)
+def test_deposits_that_cannot_be_told_apart_are_refused(with_calcium, deposits, what):
+    """The nodules' line does not cross itself: taken as one, it has calcium over the 15 degrees between them."""
+    with pytest.raises(InputError, match=f"(?s){what}.*calcium.csv: calcium, frame 23.*fifth column"):
+        with_calcium(raw(deposits))
+
+
+def test_a_ring_of_calcium_is_one_deposit(with_calcium):
+    """As a ring of two lines, with or without a step back to its first point; as a disc; as a sheet begun midway."""
+    ring = np.vstack([circle(1.9), circle(1.9)[:1], circle(1.6, turn=-1), circle(1.6)[:1]])
+    for rows in (raw([ring]), raw([ring], closed=True), raw([circle(1.9)])):
+        assert with_calcium(rows) == pytest.approx(360, abs=0.1)
+    assert with_calcium(raw([np.roll(sector(1.6, 1.75, 20, 110), 30, axis=0)])) == pytest.approx(90, abs=6)
+
+
+@pytest.mark.parametrize("outside_mm, taken", [(0.29, True), (0.31, False)])
+def test_calcium_outside_its_outer_wall_is_refused(with_calcium, outside_mm, taken):
+    deposit = raw([sector(2.0, 2.4 + outside_mm, 20, 110)])
+    if taken:
+        assert with_calcium(deposit) > 80
+    else:
+        with pytest.raises(InputError, match="(?s)calcium runs outside the outer wall.*calcium.csv: frame 23.*0.31 mm"):
+            with_calcium(deposit)
+
+
 def test_calcium_without_an_outer_wall_is_refused(table, tmp_path):
     files = {"lumen": table(tube([1.5] * 5)), "calcium": table({23: (2.0, sector(1.6, 1.9, 0, 90))}, "calcium.csv")}
     with pytest.raises(InputError, match="without an outer wall"):
@@ -252,4 +387,14 @@ def test_thinned_tables_keep_their_areas(table, tmp_path):
     tables.thin(source, tmp_path / "thin.csv", 125)
     found = tables.read_outlines(tmp_path / "thin.csv", "mm", "lumen")
     assert [len(outline) for _, outline in found.values()] == [125] * 3
-    assert tables.area_mm2(found[1][1]) == pytest.approx(np.pi * 1.5**2, rel=0.0005)
+    assert outlines.area_mm2(found[1][1]) == pytest.approx(np.pi * 1.5**2, rel=0.0005)
+
+
+@pytest.mark.parametrize("how", [{"numbered": True}, {"closed": True}])
+def test_thinned_tables_keep_several_outlines(tmp_path, how):
+    (tmp_path / "calcium.csv").write_text(raw(SHEETS, **how))
+    tables.thin(tmp_path / "calcium.csv", tmp_path / "thin.csv", 40)
+    (several,) = (found[1] for found in tables.read_regions(tmp_path / "thin.csv", "mm", "calcium").values())
+    assert [len(outline) for outline in several] == [40, 40]
+    for outline, sheet in zip(several, SHEETS):
+        assert outlines.area_mm2(outline) == pytest.approx(abs(outlines.area_mm2(sheet)), rel=0.04)

@@ -7,7 +7,7 @@ import pytest
 import vtk
 from scipy.spatial import cKDTree
 
-from anatomy.contours import line, loft, placing, pullback, run, tables
+from anatomy.contours import line, loft, outlines, placing, pullback, run
 from common import vtp
 from common.errors import InputError
 
@@ -83,13 +83,16 @@ def recorded(turn, sign=1.0):
 
 @pytest.fixture
 def pull_back(tmp_path):
-    def make(turn, sign=1.0, keep=slice(None)):
+    def make(turn, sign=1.0, keep=slice(None), z_from="distal"):
         frames, marks, places = recorded(turn, sign)
+        if z_from == "proximal":
+            frames = {k: (30.0 - z, outline) for k, (z, outline) in frames.items()}
+            marks = [(k, x, y, 30.0 - z) for k, x, y, z in marks]
         files = {"lumen": tmp_path / "lumen.csv", "landmarks": tmp_path / "landmarks.csv"}
         lines = [f"{k},{x},{y},{z}" for k, (z, outline) in frames.items() for x, y in outline]
         files["lumen"].write_text("\n".join(lines))
         files["landmarks"].write_text("\n".join(f"{k},{x},{y},{z}" for k, x, y, z in marks[keep]))
-        return pullback.read(files), places[keep]
+        return pullback.read(files, z_from=z_from), places[keep]
 
     return make
 
@@ -104,7 +107,7 @@ def centred_line():
     middle = []
     for k in range(len(s)):
         away = points[k] - place[k]
-        u, v = tables.centroid(np.column_stack([away @ first[k], away @ second[k]]))
+        u, v = outlines.centroid(np.column_stack([away @ first[k], away @ second[k]]))
         middle.append(place[k] + u * first[k] + v * second[k])
     return np.array(middle) + np.random.default_rng(3).normal(scale=0.02, size=(len(s), 3))
 
@@ -165,6 +168,18 @@ def test_mirrored_images_are_found_out_and_put_right(pull_back):
     assert loft.volume_mm3(lofted["points"], lofted["triangles"]) > 0
 
 
+@pytest.mark.parametrize("sign, mirrored", [(-1.0, False), (1.0, True)])
+@pytest.mark.parametrize("keep", [slice(None), slice(1, 2)])
+def test_z_from_the_proximal_end_is_no_mirror_image(pull_back, sign, mirrored, keep):
+    """Turning z round makes right-handed tables left-handed; turning y round too makes them right-handed again."""
+    pull, places = pull_back(1.1, sign, keep, z_from="proximal")
+    place = placing.on_line(pull, line.Line(centred_line()), places, mirrored=mirrored)
+    lofted = run.loft_of(pull, place)
+    rim = len(lofted["z_mm"]) * lofted["frame_rings"].shape[1]
+    assert misfit(lofted["points"][:rim]).max() < 0.06
+    assert loft.volume_mm3(lofted["points"], lofted["triangles"]) > 0
+
+
 def test_landmarks_that_do_not_fit_are_refused(pull_back):
     pull, places = pull_back(0.4)
     axis_line = line.Line(centred_line())
@@ -213,6 +228,27 @@ def test_a_landmark_near_the_axis_tells_its_turn_from_two_tenths_on(pull_back, d
     else:
         with pytest.raises(InputError, match="(?s)tells no rotation.*landmark_points_mm.*landmark 1, 0.1. mm"):
             placing.on_line(pull, axis_line, near[None])
+
+
+@pytest.mark.parametrize("radii, near", [(2.9, True), (3.1, False)])
+@pytest.mark.parametrize("where", ["landmarks", "landmark_points_mm"])
+def test_a_landmark_lies_within_three_radii_of_its_vessel(pull_back, where, radii, near):
+    """The second of three: its own frame is narrower than the median, whose radius is about 1.55 mm."""
+    pull, places = pull_back(0.4)
+    axis_line = line.Line(centred_line())
+    far = radii * np.median([np.sqrt(outlines.area_mm2(frame.lumen) / np.pi) for frame in pull.frames])
+    if where == "landmarks":
+        z, point = pull.landmarks[1]
+        middle = placing.rings.between(pull.z_mm, placing.centres(pull.frames, False))(np.array([z]))[0]
+        pull.landmarks[1] = z, middle + far * (point - middle) / np.linalg.norm(point - middle)
+    else:
+        middle = axis_line.place(np.array([axis_line.nearest(places[1])]))[0][0]
+        places[1] = middle + far * (places[1] - middle) / np.linalg.norm(places[1] - middle)
+    if near:
+        placing.on_line(pull, axis_line, places)
+    else:
+        with pytest.raises(InputError, match=f"(?s)far from its vessel.*where:  {where}\n.*landmark 2, .*3 radii"):
+            placing.on_line(pull, axis_line, places)
 
 
 def test_a_landmark_outside_the_frames_is_named_with_its_z(pull_back):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from anatomy.register import judge, search
+from anatomy.register import judge, run, search
 from anatomy.register.match import matched
 from anatomy.register.placement import Placement, Target
 from anatomy.register.run import like
@@ -81,6 +81,7 @@ def moved(tree, keep=None, names=None, noise=0.05, change=None):
 
 def registered(pre, post, landmarks=NONE):
     """(Found, Match, Target), refused as the command does."""
+    judge.check_landmarks("case", pre, post, landmarks)
     target = Target(pre)
     found = search.best(pre, post, landmarks)
     match = matched(target, post, found.placement)
@@ -179,8 +180,36 @@ def test_a_straight_vessel_needs_a_landmark():
     assert match.shared["main"] == (0.0, 16.0)
 
 
+def test_the_command_refuses_a_landmark_far_from_its_vessel(repo_root, tmp_path, monkeypatch):
+    given = (repo_root / "config" / "cases" / "ivus_stent.yaml").read_text()
+    assert given.count("pre_mm: [0, 0, 15.68]") == 1
+    (tmp_path / "case.yaml").write_text(given.replace("pre_mm: [0, 0, 15.68]", "pre_mm: [40, 0, 15.68]"))
+    monkeypatch.setattr(run.tree, "read", lambda folder: straight(20))
+    with pytest.raises(InputError, match="far from its vessel"):
+        run.run(tmp_path / "case.yaml", tmp_path, tmp_path, tmp_path / "out")
+
+
+def three_places():
+    """Two on the main vessel and the end of a branch, (3, 3)."""
+    branches = vessel().branches
+    return np.array([*branches["main"].points[[5, 115]], branches["side1"].points[-1]])
+
+
+@pytest.mark.parametrize("key", ["pre_mm", "post_mm"])
+@pytest.mark.parametrize("away_mm, near", [(4.4, True), (4.6, False)])
+def test_a_landmark_lies_within_three_radii_of_its_vessel(key, away_mm, near):
+    """Two places 40 mm beside their vessels once fitted to 0.01 mm, with the wrong one along the axis."""
+    marks = {"pre_mm": np.array([[0, 0, 12.0]]), "post_mm": np.array([[0, 0, 16.0]])}
+    marks[key] = marks[key] + [away_mm, 0, 0]
+    if near:
+        judge.check_landmarks("case.yaml", straight(16), straight(20), tuple(marks.values()))
+    else:
+        with pytest.raises(InputError, match=f"(?s)far from its vessel.*case.yaml.*landmark 1, {key}.*4.6 mm from"):
+            judge.check_landmarks("case.yaml", straight(16), straight(20), tuple(marks.values()))
+
+
 def test_three_landmarks_decide_alone():
-    marks = np.array([[0, 0, 0], [10, 0, 0], [0, 10, 5.0]])
+    marks = three_places()
     found, _, _ = registered(vessel(), moved(vessel()), (marks, TURN.apply(marks) + SHIFT))
     assert wrong_by(found, vessel())[0] < 1e-6
     with pytest.raises(InputError, match="a landmark does not fit.*\n.*landmark 2"):
@@ -289,7 +318,7 @@ def test_a_landmark_does_not_push_aside_axes_that_fit():
 @pytest.mark.parametrize("moved_mm, fits", [(2.2, True), (2.4, False)])
 def test_a_landmark_may_be_off_by_a_usual_radius(moved_mm, fits):
     """One of three lies elsewhere in the second lumen; the best fit leaves it 0.99 or 1.08 radii off."""
-    marks = np.array([[0, 0, 0], [40, 0, 0], [0, 40, 5.0]])
+    marks = three_places()
     after = TURN.apply(marks + [[0, 0, 0], [moved_mm, 0, 0], [0, 0, 0]]) + SHIFT
     if fits:
         assert registered(vessel(), moved(vessel()), (marks, after))[1].missing == []

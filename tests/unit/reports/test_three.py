@@ -1,5 +1,4 @@
-"""The bundle of three.js is the pinned version, stands in a page as it is, and keeps its licence; the viewer unpacks what
-Python packs."""
+"""The bundle of three.js is the pinned version and keeps its licence. The viewer unpacks what Python packs."""
 
 import json
 import pathlib

@@ -1,0 +1,132 @@
+"""Closed outlines in the plane of a frame: finds them in its points, checks them, and measures them."""
+
+from collections import Counter
+
+import numpy as np
+
+from common.errors import InputError
+
+SAME_MM = 1e-6  # points nearer are one point
+FEWEST_POINTS = 8  # of an outline; with fewer a round lumen cannot be told from a square one
+WIDEST_MM = 15.0  # coronary arteries, even with ectasia, are narrower; outlines in pixels are wider
+LEAST_AREA_MM2 = 0.03  # a radius of 0.1 mm, less than the catheter's own
+UNEVEN = 1.5  # of the longest step of a line: largest gap over which it still comes back to its beginning
+BRIDGE = 3.0  # of such a gap: from this length on, the two steps to the next outline and back are a bridge
+
+
+def area_mm2(outline):
+    """Signed area of a closed outline (n, 2) by its corners; positive if it runs counter-clockwise."""
+    x, y = outline.T
+    return 0.5 * float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
+
+
+def centroid(outline):
+    """Centroid (2,) of the area within a closed outline (n, 2)."""
+    step = np.roll(outline, -1, axis=0)
+    cross = outline[:, 0] * step[:, 1] - step[:, 0] * outline[:, 1]
+    return ((outline + step) * cross[:, None]).sum(axis=0) / (3 * cross.sum())
+
+
+def split(points):
+    """[points (n, 2) of an outline] of points (m, 2): several if each of them ends where it began, else the one.
+
+    A last step back to the beginning of the first outline, as round a hole, is left out.
+    """
+    found, first = [], 0
+    while first < len(points):
+        if found and first == len(points) - 1 and _distance(points[first], points[0]) < SAME_MM:
+            break
+        again = np.flatnonzero(_distance(points[first + 3 :], points[first]) < SAME_MM)
+        if not again.size:
+            return [points]
+        last = first + 3 + again[0]
+        found.append(points[first : last + 1])
+        first = last + 1
+    return found
+
+
+def checked(points, where, several):
+    """The outline of points (n, 2), counter-clockwise, each once. several: the remedy for several that were joined.
+
+    Raises InputError for an outline with points listed twice, one that crosses itself, one with a second outline behind
+    it, too few points, or a size that no coronary artery has.
+    """
+    points = points[_distance(points, np.roll(points, 1, axis=0)) > SAME_MM]
+    if len(points) < FEWEST_POINTS:
+        remedy = f"at least {FEWEST_POINTS} different ones, or leave the frame out (drop_frames)"
+        raise InputError("too few points for an outline", where, len(points), remedy)
+    size = np.ptp(points, axis=0).max()
+    if size > WIDEST_MM:
+        remedy = f"at most {WIDEST_MM:g} mm: image pixels must be multiplied by their size, and units declared"
+        raise InputError("too wide for a coronary artery", where, f"{size:.4g} mm", remedy)
+    _refuse("points of an outline are listed twice", _twice(points), where, f"list each once; {several}")
+    _refuse("the outline crosses itself", _crossing(points), where, f"trace the frame again, or drop_frames; {several}")
+    _refuse("two outlines in one", _second(points), where, several)
+    area = area_mm2(points)
+    if abs(area) < LEAST_AREA_MM2:
+        remedy = f"at least {LEAST_AREA_MM2} mm2: check units, or leave out what is no outline, or points listed twice"
+        raise InputError("hardly any area within the outline", where, f"{abs(area):.3g} mm2", remedy)
+    return points if area > 0 else points[::-1]
+
+
+def _refuse(what, place, where, remedy):
+    if place is not None:
+        raise InputError(what, where, f"at x, y = {np.round(place, 3).tolist()} mm", remedy)
+
+
+def _distance(points, others):
+    return np.linalg.norm(points - others, axis=-1)
+
+
+def _twice(points):
+    """Where the closed outline runs along a step once more than it comes back along it, or None.
+
+    A spike of no width, as in an image's pixels, comes back as often.
+    """
+    keys = [tuple(point) for point in np.round(points / SAME_MM).astype(np.int64)]
+    times = Counter(zip(keys, keys[1:] + keys[:1]))
+    for k, (one, other) in enumerate(zip(keys, keys[1:] + keys[:1])):
+        if times[one, other] - times[other, one] > 1:
+            return points[k]
+    return None
+
+
+def _crossing(points):
+    """A place (2,) where two edges of the closed outline cross, or None."""
+    begin, along = points, np.roll(points, -1, axis=0) - points
+
+    def side(i, j):  # (n, n): on which side of edge i edge j begins
+        return along[i, 0] * (points[j, 1] - begin[i, 1]) - along[i, 1] * (points[j, 0] - begin[i, 0])
+
+    n = len(points)
+    i, j = np.triu_indices(n, 2)
+    keep = ~((i == 0) & (j == n - 1))
+    i, j = i[keep], j[keep]
+    first = side(i, j) * side(i, (j + 1) % n) < 0
+    i, j = i[first], j[first]
+    both = side(j, i) * side(j, (i + 1) % n) < 0
+    return begin[i[both][0]] if both.any() else None
+
+
+def _second(points):
+    """The point (2,) of a closed outline where a second one begins after the first has come back to its beginning.
+
+    Both come back as evenly as they are drawn. The gap left is narrow: at most a quarter of the outline's width if it
+    is round, or a third of the bridge to the other, a step longer than all others. None if there is no such point.
+    """
+    step = _distance(np.roll(points, -1, axis=0), points)
+    k = np.arange(FEWEST_POINTS, len(points) - FEWEST_POINTS + 1)
+    longest = np.maximum.accumulate(step)[k - 2], np.maximum.accumulate(step[-2::-1])[::-1][k]
+    gaps = _distance(points[k - 1], points[0]), _distance(points[-1], points[k])
+    even = (gaps[0] <= UNEVEN * longest[0]) & (gaps[1] <= UNEVEN * longest[1])
+    for first, *both in zip(k[even], gaps[0][even], gaps[1][even]):
+        bridge, others = min(step[first - 1], step[-1]), np.delete(step, [first - 1, -1])
+        over = bridge / BRIDGE if bridge > others.max() else 0.0
+        if all(gap <= max(_half_radius(part), over) for gap, part in zip(both, np.split(points, [first]))):
+            return points[first]
+    return None
+
+
+def _half_radius(outline):
+    """Half the radius in mm of a round outline; half the width of a slender one."""
+    return abs(area_mm2(outline)) / _distance(outline, np.roll(outline, 1, axis=0)).sum()
