@@ -85,7 +85,7 @@ def run(image_path, ends, out, settings_path=None, centreline_path=None, series=
     image = volume.image.cropped(np.array([centre for _, centre in inside]), MARGIN_MM)
     print("finding the centreline", file=sys.stderr)
     found = segment(image, inside, settings, given, stented)
-    points, triangles, on_cap = surface.build(found["field"], settings["surface_spacing_mm"])
+    points, triangles, on_cap = _surface(found, settings["surface_spacing_mm"], volume)
     thickness, kind = calcium.behind(points, found)
     poly = vtp.surface(volume.to_patient(points), triangles)
     vtp.add_array(poly.GetPointData(), "plaque_thickness_mm", np.where(on_cap, 0.0, thickness))
@@ -96,6 +96,21 @@ def run(image_path, ends, out, settings_path=None, centreline_path=None, series=
     for warning in document["warnings"]:
         print(f"warning: {warning['message']}", file=sys.stderr)
     return document
+
+
+def _surface(found, spacing_mm, volume):
+    """surface.build of the found lumen. Its ComputationError names what the user can change."""
+    try:
+        return surface.build(found["field"], spacing_mm)
+    except ComputationError as error:
+        ends = "; ".join(f"{name} {np.round(volume.to_patient(at), 2).tolist()}" for name, at in found["ends"])
+        contrast = (found["blood_hu"] - edges.HEALTHY_WALL_HU) / max(found["noise_hu"], 1e-9)
+        value = f"with {spacing_mm} mm, ends {ends}, contrast over noise {contrast:.1f}"
+        remedy = "put the end points on the vessel's axis, where it is round; or change surface_spacing_mm, or"
+        remedy += " smoothing_fwhm_mm where the noise is high, in ct: segmentation (--settings)"
+        raise ComputationError(
+            f"the found lumen has no closed surface: {error.what}", error.where, value, remedy
+        ) from error
 
 
 def _given_lines(given, ends):

@@ -91,6 +91,19 @@ def test_a_branch_needs_five_sections_outside_its_parent(length, leaves):
             segment._tube(at, lines[1], main, "half_maximum", BLOOD, None, 0.25, 24)
 
 
+def test_a_lumen_without_a_surface_names_the_settings(monkeypatch):
+    """Instead of a spacing that no setting is called by."""
+
+    def turned(*_):
+        raise ComputationError("the edge of an end turns back", "lumen surface", "near [1, 2, 3] mm", "a finer spacing")
+
+    monkeypatch.setattr(segment.surface, "build", turned)
+    block = volumes.Volume(image.Image(np.zeros((2, 2, 2)), np.zeros(3), np.ones(3)), np.diag([-1.0, -1.0, 1.0]))
+    found = {"field": None, "blood_hu": 400.0, "noise_hu": 50.0, "ends": [("inlet", np.array([1.0, 2.0, 3.0]))]}
+    with pytest.raises(ComputationError, match=r"(?s)turns back.*\[-1.0, -2.0, 3.0\].*noise 7.0.*surface_spacing_mm"):
+        segment._surface(found, 0.2, block)
+
+
 def test_an_end_point_outside_is_told_in_the_users_coordinates(tmp_path):
     """x and y of the other convention: the point and the volume's extent are those of the file."""
     values = np.full((40, 40, 40), BLOOD, np.float32)
