@@ -128,7 +128,7 @@ def test_only_a_vessel_called_stented_has_a_stent():
     assert not edges.bright(profiles, 400.0)[2].any()
 
 
-@pytest.mark.parametrize("noise", [25, 50])
+@pytest.mark.parametrize("noise", [25, 80])
 def test_noise_is_no_calcium(noise):
     profiles = profiles_of(calcified_image(0, 0.3, noise=noise))
     assert edges.bright(profiles, 400.0)[0].mean() < 0.01
