@@ -18,10 +18,8 @@ WALL_SAMPLE_MM = (0.35, 0.55)  # window beyond the edge: in the wall, past most 
 USUAL_SIGMA_MM = 0.315  # point spread for which this window was chosen
 WALL_TRUST, HEALTHY_WALL_HU = 0.75, 50.0
 WALL_SHARE = 0.45  # tissue beside the lumen is at most this share of the blood: calcium and metal are not tissue
-BRIGHT, DEVIATIONS = (
-    1.15,
-    4.0,
-)  # calcium and metal: multiple of the blood, and standard deviations of its noise above it
+# Calcium and metal: multiple of the blood, and standard deviations of its noise above it.
+BRIGHT, DEVIATIONS = 1.15, 4.0
 BRIGHT_REACH_MM, STENT_SHARE = 3.0, 0.5
 CORE_MM = 0.4  # about the axis, where a vessel shows only blood
 BLOOMS_MM = 0.6  # calcium this near beyond an edge moves it
