@@ -27,6 +27,7 @@ from workflow.inputs import (
     solved_plans,
     start_option,
     stent_options,
+    stented_option,
     study_folder,
     test_results,
 )

@@ -82,7 +82,7 @@ def _add_contours(commands):
     )
     command.add_argument("--proximal-s", type=float, help="mm along the line at the proximal frame, without landmarks")
     command.add_argument("--rotation", type=float, default=0.0, help="degrees about the line, without landmarks")
-    command.add_argument("--mirrored", action="store_true", help="the images are seen from the other side")
+    command.add_argument("--mirrored", action="store_true", help="the tables are left-handed: x, y and z, whichever end z rises from")
     command.add_argument("--out", type=pathlib.Path, required=True, help="folder for the results")
 
 
@@ -100,6 +100,7 @@ def _add_ct(commands):
     command.add_argument(
         "--centreline", type=pathlib.Path, help="the user's own centreline; default: found in the image"
     )
+    command.add_argument("--stented", action="store_true", help="the vessels hold a stent; default: bright is calcium")
     command.add_argument("--settings", type=pathlib.Path, help="YAML or JSON with the keys of the section `ct`")
     command.add_argument("--out", type=pathlib.Path, required=True, help="folder for lumen.vtp and segmentation.json")
 
@@ -116,7 +117,8 @@ def _ct(options):
     else:
         outlets = [(f"outlet{number}", point) for number, point in enumerate(options.outlet, start=1)]
         ends = segment.checked_ends([("inlet", options.inlet), *outlets], "--inlet, --outlet")
-    segment.run(options.volume, ends, options.out, options.settings, options.centreline, options.series)
+    given = (options.settings, options.centreline, options.series, options.stented)
+    segment.run(options.volume, ends, options.out, *given)
 
 
 def _contours(options):

@@ -131,6 +131,7 @@ class Inputs:
         for option, point in _ct_ends(given):
             options += [f"--{option}", *map(str, point)]
         options += ["--series", given["series"]] if "series" in given else []
+        options += ["--stented"] if given.get("stented", key == "post") else []
         options += ["--centreline", files["centreline"]] if "centreline" in files else []
         return shlex.join(options)
 
@@ -359,6 +360,11 @@ def case_folder(wildcards, input):
 def stent_options(wildcards, input):
     """Command-line options of `data_synthetic phantom` for the stents; empty before the procedure."""
     return f"--scene {input.scene} --centreline {input.centreline}" if "scene" in input.keys() else ""
+
+
+def stented_option(wildcards):
+    """Command-line option of `anatomy ct` for a state's CT: after the procedure the vessels hold a stent."""
+    return "--stented" if wildcards.state == "reference" else ""
 
 
 def failed_option(wildcards, input):

@@ -4,12 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
-from scipy.ndimage import uniform_filter, uniform_filter1d
+from scipy.ndimage import minimum_filter, uniform_filter, uniform_filter1d
 from scipy.optimize import curve_fit
 from scipy.signal import savgol_filter
 from scipy.special import chndtr, i0e
 
-from . import stented
+from . import calcified
+from . import stented as stents
 
 STEP_MM = 0.05
 REACH_MM = 4.0
@@ -17,7 +18,11 @@ WALL_SAMPLE_MM = (0.35, 0.55)  # window beyond the edge: in the wall, past most 
 USUAL_SIGMA_MM = 0.315  # point spread for which this window was chosen
 WALL_TRUST, HEALTHY_WALL_HU = 0.75, 50.0
 WALL_SHARE = 0.45  # tissue beside the lumen is at most this share of the blood: calcium and metal are not tissue
-BRIGHT, BRIGHT_REACH_MM, STENT_SHARE = 1.15, 3.0, 0.5
+# Calcium and metal: multiple of the blood, and standard deviations of its noise above it.
+BRIGHT, DEVIATIONS = 1.15, 4.0
+BRIGHT_REACH_MM, STENT_SHARE = 3.0, 0.5
+CORE_MM = 0.4  # about the axis, where a vessel shows only blood
+BLOOMS_MM = 0.6  # calcium this near beyond an edge moves it
 BESIDE_MM = 0.5  # past a stent's end, where blurred metal is visible and the filter along the axis would spread it
 OUTLIER = 1.35  # rays longer than this times the section's usual radius run into a side branch or a neighbour
 FILTER_MM = 2.25  # window of the cubic filter along the axis; no bias for lesions longer than about 4 mm
@@ -79,18 +84,30 @@ def first_fall(hu, r_mm, level, start_mm=0.0):
     return np.where(found, radius, np.where(hu[:, :, 0] < level, 0.0, np.nan))
 
 
-def bright(profiles, blood):
-    """(radius (n, m) where each ray first meets calcium, infinite if never; sections (n,) within a stent).
+def noise_hu(hu, profiles, blood):
+    """Standard deviation of hu (n, m, k) about the axis, where it shows blood; a slow fall along the vessel is none."""
+    wide = profiles.axis_hu > 0.85 * blood
+    if wide.sum() < 8:
+        return 0.0
+    s, core = profiles.s_mm[wide], hu[wide][:, :, : int(CORE_MM / STEP_MM) + 1]
+    slow = np.polyval(np.polyfit(s, profiles.axis_hu[wide], 1), s)
+    return 1.4826 * float(np.median(np.abs(core - slow[:, None, None])))  # of a normal distribution's median
 
-    Calcium is brighter than BRIGHT times the blood in the mean over 3 samples in each direction, so that noise is not
-    taken for calcium. If most rays of a section and its neighbours are bright, it is a stent, not calcium.
+
+def bright(profiles, blood, stented=False):
+    """(rays (n, m) bool that meet calcium; radius (n, m) where, infinite if never; sections (n,) bool within a stent).
+
+    Calcium and metal are brighter than BRIGHT times the blood, and by DEVIATIONS of its noise. Both are judged in the
+    mean over some samples in each direction. Only in a vessel that the user calls stented are sections a stent, whose
+    rays and their neighbours' are mostly bright; an arc of calcium may look the same.
     """
-    smooth = uniform_filter(profiles.hu, 3, mode=("nearest", "wrap", "nearest"))
-    above = (smooth > BRIGHT * blood) & (profiles.r_mm < BRIGHT_REACH_MM)
+    smooth = uniform_filter(profiles.hu, (3, 3, 5), mode=("nearest", "wrap", "nearest"))
+    level = max(BRIGHT * blood, blood + DEVIATIONS * noise_hu(smooth, profiles, blood))
+    above = (smooth > level) & (profiles.r_mm < BRIGHT_REACH_MM)
     met = above.any(axis=2)
-    stent = uniform_filter1d(met.mean(axis=1), 9, mode="nearest") > STENT_SHARE
+    stent = stented & (uniform_filter1d(met.mean(axis=1), 9, mode="nearest") > STENT_SHARE)
     calcium = met & ~stent[:, None]
-    return np.where(calcium, profiles.r_mm[np.argmax(above, axis=2)], np.inf), stent
+    return calcium, np.where(calcium, profiles.r_mm[np.argmax(above, axis=2)], np.inf), stent
 
 
 def beside(stent, s_mm):
@@ -127,20 +144,21 @@ def filtered(radius, s_mm):
     return along(np.fft.irfft(waves, radius.shape[1], axis=1), s_mm)
 
 
-def wall_level(profiles, radius, blood, sigma_mm=None):
+def wall_level(profiles, radius, blood, sigma_mm=None, calcium=False):
     """HU (n, m) of the tissue just beyond the edge, smoothed over neighbours, at most WALL_SHARE of the blood's.
 
     It is the mean between 0.35 and 0.55 mm beyond the edge. There the blur mixes in blood and, with a healthy wall,
     about as much fat. With thick plaque no fat balances the blood.
 
-    With sigma_mm the window is scaled by it, and the value is shifted towards a healthy wall's by WALL_TRUST. This
+    Rays that meet calcium (n, m) count as a healthy wall. With sigma_mm the window is scaled by it, and the value is
+    shifted towards a healthy wall's by WALL_TRUST. This
     reduces the imbalance to 4 HU (measured on noise-free tubes with a wall of 0.7 mm and plaque up to 1.1 mm).
     """
     scale = 1.0 if sigma_mm is None else sigma_mm / USUAL_SIGMA_MM
     distance = profiles.r_mm - radius[..., None]
     inside = (distance > scale * WALL_SAMPLE_MM[0]) & (distance < scale * WALL_SAMPLE_MM[1])
     level = (profiles.hu * inside).sum(axis=2) / np.maximum(inside.sum(axis=2), 1)
-    level = np.clip(level, -0.3 * blood, WALL_SHARE * blood)
+    level = np.where(calcium, HEALTHY_WALL_HU, np.clip(level, -0.3 * blood, WALL_SHARE * blood))
     waves = np.fft.rfft(level, axis=1)
     waves[:, 3:] = 0
     level = along(np.fft.irfft(waves, level.shape[1], axis=1), profiles.s_mm, 1.5)
@@ -157,9 +175,18 @@ def edge_share(radius_mm, sigma_mm):
     return 0.5 * (1 - i0e((np.asarray(radius_mm) / sigma_mm) ** 2))
 
 
-def find(profiles, method, blood, sigma_mm=None, rounds=4):
+def inside_calcium(profiles, blood, calcium, sigma_mm):
+    """Radii (n, m) mm of the lumen's edge on rays that meet calcium (n, m) bool; nan on the others (calcified.fit)."""
+    hu = uniform_filter(profiles.hu, (3, 3, 1), mode=("nearest", "wrap", "nearest"))[calcium]
+    radius = np.full(calcium.shape, np.nan)
+    radius[calcium] = calcified.fit(hu, profiles.r_mm, blood, HEALTHY_WALL_HU, sigma_mm)
+    return radius
+
+
+def find(profiles, method, blood, sigma_mm=None, stented=False, rounds=4):
     """Radii (n, m) mm of one branch, and which rays were replaced (n, m).
 
+    On rays beside bright calcium the edge is fitted inside it, with a usual point spread where sigma_mm is not given.
     half_maximum: the edge is at the mean of the level on the axis and the level of the tissue beyond the edge. Within a
     stent the metal counts as lumen, as in a clinical reading, so the area is too large.
     psf_edge: the edge is at the level, between blood and tissue, that a blurred tube as wide as the section has at its
@@ -167,7 +194,11 @@ def find(profiles, method, blood, sigma_mm=None, rounds=4):
     bloom is removed (stented.fit).
     """
     n, m, _ = profiles.hu.shape
-    hu, (calcium, stent) = np.minimum(profiles.hu, BRIGHT * blood), bright(profiles, blood)
+    hu, (_, place, stent) = np.minimum(profiles.hu, BRIGHT * blood), bright(profiles, blood, stented)
+    metal = beside(stent, profiles.s_mm)
+    place = minimum_filter(place, 3, mode=("nearest", "wrap"))  # the blur reaches the rays beside calcium
+    place[stent] = np.inf
+    inner = inside_calcium(profiles, blood, np.isfinite(place) & ~metal[:, None], sigma_mm or USUAL_SIGMA_MM)
     tissue = np.full((n, m), 0.15 * blood)
     share, top = 0.5, np.minimum(profiles.axis_hu, 1.1 * blood)[:, None]
     if method == "psf_edge":
@@ -176,18 +207,18 @@ def find(profiles, method, blood, sigma_mm=None, rounds=4):
     for _ in range(rounds):
         level = tissue + share * (top - tissue)
         fall = first_fall(hu, profiles.r_mm, np.broadcast_to(level, (n, m)))
-        radius, bad = tidy(np.where(calcium < np.nan_to_num(fall, nan=np.inf), np.nan, fall))
+        calcium = np.isfinite(place) & ~(place > fall + BLOOMS_MM)
+        radius, bad = tidy(np.where(calcium, inner, fall))
         radius = filtered(radius, profiles.s_mm)
-        tissue = wall_level(profiles, radius, blood, sigma_mm if method == "psf_edge" else None)
+        tissue = wall_level(profiles, radius, blood, sigma_mm if method == "psf_edge" else None, calcium)
         if method == "psf_edge":
             mean = np.maximum(np.sqrt(np.mean(np.maximum(radius, 0) ** 2, axis=1)), 0.3 * sigma_mm)
             share = edge_share(mean, sigma_mm)[:, None]
     if method == "psf_edge":
         if stent.any():
-            metal = beside(stent, profiles.s_mm)
             reach = radius[metal].max() + 0.3
-            inner = stented.fit(profiles.hu[metal], profiles.r_mm, blood, HEALTHY_WALL_HU, sigma_mm, reach)
-            radius[metal] = tidy(inner)[0]
+            struts = stents.fit(profiles.hu[metal], profiles.r_mm, blood, HEALTHY_WALL_HU, sigma_mm, reach)
+            radius[metal] = tidy(struts)[0]
             radius = filtered(radius, profiles.s_mm)
         bend = along(radius.mean(axis=1), profiles.s_mm, 1.5 * FILTER_MM, derivative=2)
         radius = radius - 0.5 * sigma_mm**2 * np.clip(bend, -0.6, 0.6)[:, None]
@@ -195,15 +226,15 @@ def find(profiles, method, blood, sigma_mm=None, rounds=4):
 
 
 def point_spread(profiles, radius, blood):
-    """Gaussian sigma (mm) of the image, from its wide sections; None if fewer than eight outside stents are.
+    """Gaussian sigma (mm) of the image, from its wide sections; None if fewer than eight are clear of bright things.
 
     The profiles of these sections, each about its own edge, are averaged. T + (B - T) x (blurred disc of their mean
     radius, moved by delta) is fitted over (sigma, delta). T is fixed at a healthy wall's HU, since with T free the fat
     behind the wall would increase sigma.
     """
-    _, stent = bright(profiles, blood)
-    stent = uniform_filter1d(stent.astype(float), 9, mode="nearest") > 0  # metal steepens the edge
-    wide = np.flatnonzero((radius.mean(axis=1) > 1.1) & ~stent)
+    steep = bright(profiles, blood)[0].any(axis=1)  # calcium and metal steepen the edge
+    steep = uniform_filter1d(steep.astype(float), 9, mode="nearest") > 0.05
+    wide = np.flatnonzero((radius.mean(axis=1) > 1.1) & ~steep)
     if len(wide) < 8:
         return None
     offset = np.arange(-0.8, 0.151, 0.05)

@@ -112,6 +112,7 @@ def _seed(image, smooth, name, centre, blood):
     if smooth[seed] < LUMEN * blood:
         value = f"{smooth[seed]:.0f} HU where blood is {blood:.0f}"
         remedy = f"put it on the vessel's axis, where at least {LUMEN:g} of the blood's HU are; the inlet's too"
+        remedy += "; mm in the volume's own coordinates, not voxel numbers"
         raise InputError("the end point is not in a contrast-filled vessel", name, value, remedy)
     return seed
 

@@ -5,14 +5,15 @@ import pathlib
 import sys
 
 import numpy as np
+from scipy.ndimage import gaussian_filter
 
 from common import config, vtp
 from common.errors import ComputationError, InputError
 from common.files import write_json
 from common.implicit import surface
-from common.volume import SIGMA_PER_FWHM
+from common.volume import SIGMA_PER_FWHM, Image
 
-from . import calcium, edges, paths, volumes, warnings
+from . import calcium, edges, ends_check, paths, volumes, warnings
 from .tubes import LevelField, Tube, TubeField
 
 SCHEMA = "vci-segmentation-1"
@@ -21,6 +22,7 @@ USUAL_FWHM_MM = 0.7
 CLOSEST_MM = 1.0  # between two end points; nearer points are one end given twice, since no vessel is so short
 FARTHEST_MM = 2.0  # from a line's end to its end point: about a vessel's radius, since both are picked by hand
 FEWEST_OUTSIDE = 5  # sections of a branch outside its parent, which its radii need
+LEAST_CONTRAST = 6.0  # contrast of blood and wall over noise; below it radii are off by 0.2 mm and ends may not close
 MARGIN_MM = 30.0  # of the used part of the volume round the end points, since vessels bow out between them
 
 
@@ -63,12 +65,13 @@ def checked_ends(given, where):
     return found
 
 
-def run(image_path, ends, out, settings_path=None, centreline_path=None, series=None):
+def run(image_path, ends, out, settings_path=None, centreline_path=None, series=None, stented=False):
     """Writes `out`/lumen.vtp (with calcium as plaque) and `out`/segmentation.json; returns the document.
 
     image_path, series: as for volumes.read. ends: [(name, centre (3,))], the inlet first, in the volume's own
     coordinates, which are also the surface's. The centreline comes from the image and the end points. If the user gives
-    centreline_path, it is used unchanged. Raises InputError, or ComputationError if the contrast is interrupted.
+    centreline_path, it is used unchanged. stented: whether the vessels hold a stent. Raises InputError, or
+    ComputationError if the contrast is interrupted or too low.
     """
     settings = config.load_section(settings_path, "ct")["segmentation"]
     volume = volumes.read(image_path, series)
@@ -76,18 +79,18 @@ def run(image_path, ends, out, settings_path=None, centreline_path=None, series=
         "a .vtp of lines from the inlet on, each with its name in the cells' text array branch_name: main, side1, ..."
     )
     given = vtp.read_named_lines(centreline_path, lines) if centreline_path else None
-    _check_inside(volume, ends)
+    ends_check.check(volume, ends)
     inside = [(name, volume.to_image(centre)) for name, centre in ends]
     given = {name: volume.to_image(points) for name, points in given.items()} if given else None
     image = volume.image.cropped(np.array([centre for _, centre in inside]), MARGIN_MM)
     print("finding the centreline", file=sys.stderr)
-    found = segment(image, inside, settings, given)
-    points, triangles, on_cap = surface.build(found["field"], settings["surface_spacing_mm"])
-    thickness, kind = calcium.behind(points, image.interpolator(), found, found["profiles"])
+    found = segment(image, inside, settings, given, stented)
+    points, triangles, on_cap = _surface(found, settings["surface_spacing_mm"], volume)
+    thickness, kind = calcium.behind(points, found)
     poly = vtp.surface(volume.to_patient(points), triangles)
     vtp.add_array(poly.GetPointData(), "plaque_thickness_mm", np.where(on_cap, 0.0, thickness))
     vtp.add_array(poly.GetPointData(), "plaque_type", np.where(on_cap, calcium.NONE, kind).astype(np.int32))
-    document = _document(found, settings, pathlib.Path(image_path).name, bool(given), volume)
+    document = _document(found, settings, pathlib.Path(image_path).name, bool(given), volume, stented)
     vtp.write(pathlib.Path(out) / "lumen.vtp", poly)
     write_json(pathlib.Path(out) / "segmentation.json", document)
     for warning in document["warnings"]:
@@ -95,18 +98,19 @@ def run(image_path, ends, out, settings_path=None, centreline_path=None, series=
     return document
 
 
-def _check_inside(volume, ends):
-    """Raises InputError for an end point outside the volume, in the user's own coordinates."""
-    corners = volume.image.origin_mm + volume.image.spacing_mm * [
-        np.array(corner) * (np.array(volume.image.values.shape) - 1) for corner in np.ndindex(2, 2, 2)
-    ]
-    corners = volume.to_patient(corners)
-    low, high = (np.round(bound(corners, axis=0), 1).tolist() for bound in (np.min, np.max))
-    for name, centre in ends:
-        if not volume.image.index(volume.to_image(centre))[1]:
-            value = f"{np.round(centre, 2).tolist()} mm, the volume reaches from {low} to {high}"
-            remedy = f"{paths.OUTSIDE} ({volumes.FRAMES})"
-            raise InputError("the end point lies outside the image", name, value, remedy)
+def _surface(found, spacing_mm, volume):
+    """surface.build of the found lumen. Its ComputationError names what the user can change."""
+    try:
+        return surface.build(found["field"], spacing_mm)
+    except ComputationError as error:
+        ends = "; ".join(f"{name} {np.round(volume.to_patient(at), 2).tolist()}" for name, at in found["ends"])
+        contrast = (found["blood_hu"] - edges.HEALTHY_WALL_HU) / max(found["noise_hu"], 1e-9)
+        value = f"with {spacing_mm} mm, ends {ends}, contrast over noise {contrast:.1f}"
+        remedy = "put the end points on the vessel's axis, where it is round; or change surface_spacing_mm, or"
+        remedy += " smoothing_fwhm_mm where the noise is high, in ct: segmentation (--settings)"
+        raise ComputationError(
+            f"the found lumen has no closed surface: {error.what}", error.where, value, remedy
+        ) from error
 
 
 def _given_lines(given, ends):
@@ -127,31 +131,38 @@ def _given_lines(given, ends):
     return lines
 
 
-def segment(volume, ends, settings, given=None):
+def segment(volume, ends, settings, given=None, stented=False):
     """The lumen in an image: dict of field, tubes, profiles and levels.
 
-    volume: common.volume.Image; ends: [(name, centre (3,))], the inlet first; given: {branch: points (n, 3)} or None.
+    volume: common.volume.Image; ends: [(name, centre (3,))], the inlet first; given: {branch: points (n, 3)} or None;
+    stented: whether the vessels hold a stent, by the user's word.
     """
+    smoothing = settings["smoothing_fwhm_mm"] * SIGMA_PER_FWHM
+    if smoothing > 0:
+        smooth = gaussian_filter(volume.values.astype(np.float32), smoothing / volume.spacing_mm)
+        volume = Image(smooth, volume.origin_mm, volume.spacing_mm)
     lines = _given_lines(given, ends) if given else paths.find(volume, ends)
     at, blood = volume.interpolator(), paths.blood_hu(volume, lines[0].axis.points_mm[0])
     spacing, rays = settings["section_spacing_mm"], settings["rays"]
+    _check_noise(edges.sample(at, lines[0].axis, spacing, rays), blood)
     tubes = []
     for rank, line in enumerate(lines):
         parent = tubes[line.parent] if rank else None
         for _ in range(0 if given else CENTRINGS):
-            tube, _, _ = _tube(at, line, parent, "half_maximum", blood, None, spacing, rays)
+            tube, _, _ = _tube(at, line, parent, "half_maximum", blood, None, spacing, rays, stented)
             line.axis = _centred(tube, parent)
-        tubes.append(_tube(at, line, parent, "half_maximum", blood, None, spacing, rays)[0])
+        tubes.append(_tube(at, line, parent, "half_maximum", blood, None, spacing, rays, stented)[0])
     blood = _blood(at, tubes[0], blood)
     measured = edges.point_spread(edges.sample(at, lines[0].axis, spacing, rays), tubes[0].radii_mm, blood)
     sigma = measured or USUAL_FWHM_MM * SIGMA_PER_FWHM
     if settings["psf_fwhm_mm"] != "auto":
-        sigma = np.sqrt((settings["psf_fwhm_mm"] * SIGMA_PER_FWHM) ** 2 + np.mean(volume.spacing_mm**2) / 12)
+        given_sigma = settings["psf_fwhm_mm"] * SIGMA_PER_FWHM
+        sigma = np.sqrt(given_sigma**2 + smoothing**2 + np.mean(volume.spacing_mm**2) / 12)
     method = "half_maximum" if settings["method"] == "threshold" else settings["method"]
     result, profiles, replaced = [], [], []
     for rank, line in enumerate(lines):
         parent = result[line.parent] if rank else None
-        tube, profile, bad = _tube(at, line, parent, method, blood, sigma, spacing, rays)
+        tube, profile, bad = _tube(at, line, parent, method, blood, sigma, spacing, rays, stented)
         tube.name = "main" if rank == 0 else f"side{rank}"
         result.append(tube)
         profiles.append(profile)
@@ -162,20 +173,37 @@ def segment(volume, ends, settings, given=None):
         level = settings["threshold_hu"]
         level = 0.5 * (blood + float(np.median(tissue[0]))) if level == "auto" else level
         field = LevelField(result, at, level, blood / (2.5 * sigma))
-    doubts = warnings.find(lines, result, profiles, ends, blood, settings, measured is None)
+    bright = [edges.bright(profile, blood, stented) for profile in profiles]
+    noise = edges.noise_hu(profiles[0].hu, profiles[0], blood)
+    doubts = warnings.find(lines, result, profiles, bright, ends, (blood, noise), settings, measured is None, stented)
     return {
         "field": field,
         "lines": lines,
         "tubes": result,
         "replaced": replaced,
         "profiles": profiles,
+        "bright": bright,
+        "at": at,
         "ends": ends,
         "blood_hu": blood,
+        "noise_hu": noise,
         "tissue_hu": float(np.median(tissue[0])),
         "sigma_mm": float(sigma),
         "level_hu": level,
         "warnings": doubts,
     }
+
+
+def _check_noise(profiles, blood):
+    """Raises ComputationError where the blood's contrast to the wall is so low that noise hides the edges."""
+    noise, contrast = edges.noise_hu(profiles.hu, profiles, blood), blood - edges.HEALTHY_WALL_HU
+    if contrast < LEAST_CONTRAST * noise:
+        value = (
+            f"blood {blood:.0f} HU, a wall about {edges.HEALTHY_WALL_HU:.0f}, noise {noise:.0f}: contrast over noise"
+        )
+        value += f" {contrast / noise:.1f}, {LEAST_CONTRAST:g} are needed"
+        remedy = "a softer kernel, or segmentation: {smoothing_fwhm_mm: 0.7} in the section ct (--settings)"
+        raise ComputationError("the contrast is too low against the noise", "CT volume", value, remedy)
 
 
 def _blood(at, tube, first_guess):
@@ -185,13 +213,13 @@ def _blood(at, tube, first_guess):
     return float(np.median(values))
 
 
-def _tube(at, line, parent, method, blood, sigma_mm, spacing_mm, rays):
+def _tube(at, line, parent, method, blood, sigma_mm, spacing_mm, rays, stented=False):
     """(Tube, Profiles, replaced rays) of one branch. Within its parent it has the radii of its first section outside.
 
     Raises ComputationError if too little of the branch is outside the parent.
     """
     profiles = edges.sample(at, line.axis, spacing_mm, rays)
-    radii, bad = edges.find(profiles, method, blood, sigma_mm)
+    radii, bad = edges.find(profiles, method, blood, sigma_mm, stented)
     if parent is not None:
         inside = _within_parent(line.axis, profiles.s_mm, parent)
         if len(radii) - inside < FEWEST_OUTSIDE:
@@ -209,7 +237,7 @@ def _tube(at, line, parent, method, blood, sigma_mm, spacing_mm, rays):
             profiles.hu[inside:],
             profiles.axis_hu[inside:],
         )
-        own, own_bad = edges.find(outside, method, blood, sigma_mm)
+        own, own_bad = edges.find(outside, method, blood, sigma_mm, stented)
         radii = np.concatenate([np.repeat(own[:1], inside, axis=0), own])
         bad = np.concatenate([np.ones((inside, rays), bool), own_bad])
     tube = Tube(None if parent is None else parent.name, line.axis, profiles.s_mm, profiles.theta, radii)
@@ -243,7 +271,7 @@ def _centred(tube, parent):
     return paths.smoothed(points, 0.04)
 
 
-def _document(found, settings, image_name, given, volume):
+def _document(found, settings, image_name, given, volume, stented):
     branches = []
     for line, tube, bad in zip(found["lines"], found["tubes"], found["replaced"]):
         branches.append(
@@ -263,7 +291,9 @@ def _document(found, settings, image_name, given, volume):
         "image": image_name,
         "centreline": "given by the user" if given else "cheapest paths through the contrast, centred on its sections",
         "method": settings["method"],
+        "stented": stented,
         "blood_hu": found["blood_hu"],
+        "noise_hu": found["noise_hu"],
         "tissue_hu": found["tissue_hu"],
         "threshold_hu": found["level_hu"],
         "point_spread_fwhm_mm": found["sigma_mm"] / SIGMA_PER_FWHM,

@@ -3,16 +3,24 @@
 import numpy as np
 from scipy.spatial import cKDTree
 
-BRIGHT = 1.25  # multiple of the blood's CT number: brighter is calcium or metal
+from .edges import HEALTHY_WALL_HU
+
 NEAR_MM = 1.0  # beyond the edge; bright places this near affect it by blooming
-SHARE_OF_RAYS = 0.1
+SHARE_OF_RAYS, ALL_ROUND = 0.05, 0.8
+ONE_STRETCH_MM = 2.5  # bright stretches closer than this are one
+DOUBTFUL_CONTRAST = 10.0  # over the noise: radii were off by up to 0.06 mm there, by 0.15 mm at 6
+LOW_BLOOD_HU = 250.0  # below it a wall 30 HU off the assumed 50 HU is worth a sixth of the contrast
 END_MM, WIDER = 3.0, 1.1
 
 
-def find(lines, tubes, profiles, ends, blood_hu, settings, point_spread_assumed):
-    """List of {code, branch, s_start_mm, s_end_mm, value, message}, in order of branch and place."""
-    found = []
-    for line, tube, profile in zip(lines, tubes, profiles):
+def find(lines, tubes, profiles, bright, ends, levels, settings, point_spread_assumed, stented):
+    """List of {code, branch, s_start_mm, s_end_mm, value, message}, in order of branch and place.
+
+    bright: of each profile, from edges.bright; levels: the blood's CT number and its noise, HU; stented: the user's
+    word.
+    """
+    found, (blood_hu, noise_hu) = [], levels
+    for line, tube, profile, places in zip(lines, tubes, profiles, bright):
         dark = profile.axis_hu / blood_hu
         for a, b in runs(dark < settings["occluded_below"]):
             least = float(dark[a:b].min())
@@ -27,32 +35,72 @@ def find(lines, tubes, profiles, ends, blood_hu, settings, point_spread_assumed)
                     " smaller voxels and a sharper kernel show more of it",
                 )
             )
-        reach = tube.radii_mm[..., None] + NEAR_MM
-        peak = np.where(profile.r_mm < reach, profile.hu, -np.inf).max(axis=2)
-        share = (peak > BRIGHT * blood_hu).mean(axis=1)
-        for a, b in runs(share > SHARE_OF_RAYS):
-            most = float(share[a:b].max())
-            found.append(
-                _entry(
-                    "calcium_or_metal",
-                    tube,
-                    profile.s_mm[[a, b - 1]],
-                    most,
-                    f"brighter than blood beside the lumen on up to {100 * most:.0f} % of the rays: by blooming the"
-                    " area is doubtful; a sharper kernel blooms less",
-                )
-            )
+        found += _bright_stretches(tube, profile, places, settings["method"], stented)
         miss = float(np.linalg.norm(tube.axis.points_mm[-1] - ends[line.end][1]))
         if miss > 0.5:
             message = (
                 f"the axis ends {miss:.2f} mm from the end point {ends[line.end][0]}: move it to the vessel's middle"
             )
             found.append(_entry("end_off_axis", tube, [tube.axis.length_mm] * 2, miss, message))
+    found += _low_contrast(tubes[0], blood_hu, noise_hu)
+    if stented and not any(stent.any() for _, _, stent in bright):
+        message = "called stented, but no section is bright all round: read as a vessel without a stent"
+        found.append(_entry("no_stent_seen", tubes[0], [0.0, tubes[0].axis.length_mm], 0.0, message))
     found += _widening(tubes[0])
     found += _close_pairs(lines, tubes)
     if point_spread_assumed and settings["psf_fwhm_mm"] == "auto" and settings["method"] == "psf_edge":
         message = "no section wide enough to measure the point spread; 0.7 mm is assumed (psf_fwhm_mm gives it)"
         found.append(_entry("point_spread_assumed", tubes[0], [0.0, tubes[0].axis.length_mm], 0.7, message))
+    return found
+
+
+def _bright_stretches(tube, profile, places, method, stented):
+    """Warns of stents, and of calcium whose blooming reaches the edge; says which way the area errs."""
+    calcium, radius, stent = places
+    share = (calcium & (radius < tube.radii_mm + NEAR_MM)).mean(axis=1)
+    found = []
+    for a, b in runs(_joined(share > SHARE_OF_RAYS, profile.s_mm)):
+        most = float(share[a:b].max())
+        message = f"calcium beside the lumen on up to {100 * most:.0f} % of the rays: "
+        if method == "threshold":
+            message += "it counts as lumen, so the area is too large; psf_edge fits the edge inside it"
+        else:
+            message += "the edge is fitted inside it; the area may be a tenth too small, or too large where it touches"
+        if most > ALL_ROUND and not stented:
+            message += "; if it is a stent, the area is far too small: say so (--stented, ct: stented: true in a case)"
+        found.append(_entry("calcium_or_metal", tube, profile.s_mm[[a, b - 1]], most, message))
+    for a, b in runs(stent):
+        message = "a stent's metal: " + (
+            "its bloom is taken off; calcium behind it may still count as lumen, so the area may be too large"
+            if method == "psf_edge"
+            else "its bloom counts as lumen, so the area is too large; psf_edge takes it off"
+        )
+        found.append(_entry("calcium_or_metal", tube, profile.s_mm[[a, b - 1]], 1.0, message))
+    return found
+
+
+def _joined(flags, s_mm):
+    """flags (n,) with gaps shorter than ONE_STRETCH_MM filled."""
+    flags = flags.copy()
+    for a, b in runs(~flags):
+        if a > 0 and b < len(flags) and s_mm[b] - s_mm[a - 1] < ONE_STRETCH_MM:
+            flags[a:b] = True
+    return flags
+
+
+def _low_contrast(main, blood_hu, noise_hu):
+    """Warns of noise and of faint blood, which make every edge uncertain."""
+    contrast, reach, found = blood_hu - HEALTHY_WALL_HU, [0.0, main.axis.length_mm], []
+    if contrast < DOUBTFUL_CONTRAST * noise_hu:
+        message = (
+            f"contrast over noise is {contrast / noise_hu:.1f} (blood {blood_hu:.0f} HU, noise {noise_hu:.0f}): below"
+        )
+        message += f" {DOUBTFUL_CONTRAST:g} radii are off by more than 0.06 mm; a softer kernel, or smoothing_fwhm_mm"
+        found.append(_entry("noise", main, reach, float(contrast / noise_hu), message))
+    if blood_hu < LOW_BLOOD_HU:
+        message = f"blood has {blood_hu:.0f} HU only: what the wall differs from the {HEALTHY_WALL_HU:.0f} HU assumed"
+        message += " moves the edge; at 180 HU a wall of 80 made radii 0.3 mm too large"
+        found.append(_entry("faint_blood", main, reach, float(blood_hu), message))
     return found
 
 

@@ -137,6 +137,7 @@ def _found(folder, subject):
     """
     command = [sys.executable, "-m", "anatomy", "ct", folder / "ct.nii", "--ends", folder / "ends.json"]
     command += ["--settings", folder / "settings.json", "--out", folder / "found"]
+    command += ["--stented"] if subject.metal else []
     done = subprocess.run(list(map(str, command)), cwd=ROOT, capture_output=True, text=True)
     errors = [line for line in done.stderr.splitlines() if line.startswith("error: ")]
     if done.returncode == ComputationError.exit_code and errors:

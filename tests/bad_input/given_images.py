@@ -234,6 +234,12 @@ def _(folder):
     return ct(folder, volume(folder / "ct.nii"), inlet=(5, 2, 12))
 
 
+@given("CT points of DICOM's convention with NIfTI")
+def _(folder):
+    path = volume(folder / "ct.nii", affine=masks.affine([0.5] * 3, origin=(-10.0, -5.0, 0.0)))
+    return ct(folder, path, inlet=(5, -2, 7), outlets=((-8, -2, 7),))
+
+
 @given("a CT vessel of one end")
 def _(folder):
     return ct(folder, volume(folder / "ct.nii"), outlets=())

@@ -43,7 +43,8 @@ rule ct_segment:
     benchmark:
         "results/cases/{case}/benchmarks/ct/{state}_segment.tsv"
     params:
+        stented=stented_option,
         out=output_folder,
     shell:
         "workflow/run.sh {log} /usr/bin/python3 -m anatomy ct {input.image} --ends {input.ends}"
-        " --settings {input.settings} --out {params.out}"
+        " --settings {input.settings} {params.stented} --out {params.out}"

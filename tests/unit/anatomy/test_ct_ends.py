@@ -4,7 +4,7 @@ import nibabel
 import numpy as np
 import pytest
 
-from anatomy.ct import paths, segment, volumes
+from anatomy.ct import ends_check, paths, segment, volumes
 from common import volume as image
 from common.errors import ComputationError, InputError
 
@@ -91,16 +91,57 @@ def test_a_branch_needs_five_sections_outside_its_parent(length, leaves):
             segment._tube(at, lines[1], main, "half_maximum", BLOOD, None, 0.25, 24)
 
 
+def test_a_lumen_without_a_surface_names_the_settings(monkeypatch):
+    """Instead of a spacing that no setting is called by."""
+
+    def turned(*_):
+        raise ComputationError("the edge of an end turns back", "lumen surface", "near [1, 2, 3] mm", "a finer spacing")
+
+    monkeypatch.setattr(segment.surface, "build", turned)
+    block = volumes.Volume(image.Image(np.zeros((2, 2, 2)), np.zeros(3), np.ones(3)), np.diag([-1.0, -1.0, 1.0]))
+    found = {"field": None, "blood_hu": 400.0, "noise_hu": 50.0, "ends": [("inlet", np.array([1.0, 2.0, 3.0]))]}
+    with pytest.raises(ComputationError, match=r"(?s)turns back.*\[-1.0, -2.0, 3.0\].*noise 7.0.*surface_spacing_mm"):
+        segment._surface(found, 0.2, block)
+
+
 def test_an_end_point_outside_is_told_in_the_users_coordinates(tmp_path):
     """x and y of the other convention: the point and the volume's extent are those of the file."""
-    values = np.random.default_rng(1).normal(0, 200, (40, 40, 40)).astype(np.float32)
+    values = np.full((40, 40, 40), BLOOD, np.float32)
+    values[:, :20] = -80  # fat, as round any vessel
+    values[:3, :3, :3] = BLOOD
     affine = np.diag([0.5, 0.5, 0.5, 1.0])
     affine[:3, 3] = (10, -200, 1700)
     nibabel.save(nibabel.Nifti1Image(values, affine), tmp_path / "ct.nii")
     volume = volumes.read(tmp_path / "ct.nii")
     inside = [("inlet", np.array([10.0, -200, 1700])), ("outlet1", np.array([29.5, -180.5, 1719.5]))]
-    segment._check_inside(volume, inside)
+    ends_check.check(volume, inside)
     other = [inside[0], ("outlet1", np.array([-15.0, 190, 1710]))]
     said = r"(?s)outlet1.*\[-15.0, 190.0, 1710.0\].*\[10.0, -200.0, 1700.0\] to \[29.5, -180.5, 1719.5\].*change sign"
     with pytest.raises(InputError, match=said):
-        segment._check_inside(volume, other)
+        ends_check.check(volume, other)
+
+
+@pytest.mark.parametrize("share, contrast", [(0.26, True), (0.24, False)])
+def test_an_inlet_must_lie_in_contrast(share, contrast):
+    volume = volumes.Volume(image.Image(np.full((20, 20, 20), BLOOD * share), np.zeros(3), np.full(3, 0.5)), np.eye(3))
+    ends = [("inlet", np.array([5.0, 5, 5])), ("outlet1", np.array([5.0, 5, 8]))]
+    if contrast:
+        ends_check.check(volume, ends)
+    else:
+        with pytest.raises(InputError, match="(?s)inlet.*96 HU.*not voxel numbers.*left-posterior-superior") as refused:
+            ends_check.check(volume, ends)
+        assert "reversed" not in str(refused.value)
+
+
+@pytest.mark.parametrize("inlet", [[-3.0, 2.0, 1.0], [-3.0, 6.0, 1.0]])
+def test_points_of_the_other_convention_are_recognised(inlet):
+    """Inside the volume or outside it, the reversed point lies in bright blood."""
+    values = np.full((40, 40, 20), -80.0)
+    origin = np.array([-8.0, -8.0, -2.0])
+    x, y = (origin[k] + 0.4 * np.arange(40) for k in (0, 1))
+    values[np.hypot(x[:, None] - 3, y[None] + inlet[1]) < 1.5] = BLOOD
+    low = 0 if inlet[1] < 5 else 5  # without its first columns, or of its last ones too few
+    block = image.Image(values[:, : 40 - 2 * low], origin, np.full(3, 0.4))
+    said = r"(?s)inlet.*\[3.0, -\d.0, 1.0\], with x and y reversed, has 400 HU: the point is of the other convention"
+    with pytest.raises(InputError, match=said):
+        ends_check.check(volumes.Volume(block, np.eye(3)), [("inlet", np.array(inlet)), ("outlet1", np.array(inlet))])

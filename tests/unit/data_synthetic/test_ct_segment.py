@@ -119,15 +119,43 @@ def test_a_stent_blooms_and_psf_edge_takes_it_off(ct_tubes):
     ends_of_stent = np.concatenate([np.arange(a - 1.5, a + 1.6, 0.25) for a in (3, 11)])
     bias, at_ends = {}, {}
     for method in ("psf_edge", "half_maximum"):
-        result = segment.segment(volume, ends, dict(settings["segmentation"], method=method))
+        result = segment.segment(volume, ends, dict(settings["segmentation"], method=method), stented=True)
         points, triangles, _ = surface.build(result["field"], 0.2)
         bias[method] = evaluate.compare(vtp.arrays(poly), (points, triangles), inside)["mean_difference_mm2"]
         area = [evaluate.section_area(points, triangles, s * direction, direction) for s in ends_of_stent]
         at_ends[method] = np.array(area) - np.pi * 1.6**2
-        assert "calcium_or_metal" in [w["code"] for w in result["warnings"]]
+        said = [w["message"] for w in result["warnings"] if w["code"] == "calcium_or_metal"]
+        assert any(("its bloom is taken off" if method == "psf_edge" else "area is too large") in text for text in said)
+    unsaid = segment.segment(volume, ends, settings["segmentation"])["warnings"]
+    assert any("if it is a stent, the area is far too small: say so" in w["message"] for w in unsaid)
     assert bias["half_maximum"] > 2 and abs(bias["psf_edge"]) < 0.6
     # Metal that the blur brings in beyond the ends is no lumen either.
     assert at_ends["half_maximum"].max() > 1 and np.abs(at_ends["psf_edge"]).max() < 0.5
+
+
+def test_a_vessel_called_stented_that_shows_none_is_warned_of(open_throat):
+    volume, ends, _, _, settings = open_throat
+    found = segment.segment(volume, ends, settings, stented=True)
+    assert [w["code"] for w in found["warnings"]] == ["no_stent_seen"]
+
+
+def test_noise_is_warned_of_and_then_refused_and_smoothing_is_the_remedy(ct_tubes):
+    volume, ends, _, _, settings = scanned(ct_tubes, throat(0.9), noise_hu=55)
+    assert [w["code"] for w in segment.segment(volume, ends, settings)["warnings"]] == ["noise"]
+    volume, ends, _, _, settings = scanned(ct_tubes, throat(0.9), noise_hu=100)
+    with pytest.raises(ComputationError, match="(?s)contrast is too low against the noise.*smoothing_fwhm_mm: 0.7"):
+        segment.segment(volume, ends, settings)
+    found = segment.segment(volume, ends, dict(settings, smoothing_fwhm_mm=0.7))
+    assert [w["code"] for w in found["warnings"] if w["code"] == "noise"] == []
+    radius = found["tubes"][0].radius(found["tubes"][0].s_mm)
+    assert radius.min() == pytest.approx(0.9, abs=0.1) and radius.max() == pytest.approx(1.4, abs=0.1)
+    assert found["sigma_mm"] > 0.38  # the image's and the smoothing's own
+
+
+def test_faint_blood_is_warned_of(ct_tubes):
+    settings = ct_tubes.settings()["phantom"]["hu"] | {"blood": 200.0}
+    volume, ends, _, _, segmentation = scanned(ct_tubes, throat(0.9), hu=settings, noise_hu=10)
+    assert "faint_blood" in [w["code"] for w in segment.segment(volume, ends, segmentation)["warnings"]]
 
 
 def test_struts_touch_the_wall_and_have_their_length(ct_tubes):

@@ -201,11 +201,24 @@ lumen:
     options = anatomy_parser().parse_args(["ct", *shlex.split(inputs.ct_options(wildcards)), "--out", "x"])
     assert options.volume == tmp_path / "series" and options.series == "1.2.3"
     assert options.inlet == [-1, 2, 3] and options.outlet == [[4, 5, -6], [7, 8, 9]]
+    assert not options.stented
     assert inputs.of_ct() == ["own"] and inputs.lumen(wildcards).endswith("own/source/lumen.vtp")
     assert inputs.lumen_options(wildcards) == "--units mm --inlet -1,2,3 --outlet 4,5,-6 --outlet 7,8,9"
     assert inputs.segmentations(wildcards) == ["results/cases/own/source/segmentation.json"]
     wildcards.case = "ivus_plaque"
     assert inputs.segmentations(wildcards) == ["results/cases/ivus_plaque/source/contours.json"]
+
+
+@pytest.mark.parametrize(
+    "key, word, stented", [("lumen", None, False), ("lumen", True, True), ("post", None, True), ("post", False, False)]
+)
+def test_a_ct_has_a_stent_after_the_procedure_or_by_the_users_word(folder, tmp_path, key, word, stented):
+    (tmp_path / "ct.nii").touch()
+    inputs = Inputs(Configuration(folder, tmp_path))
+    given = {"path": "data/ct.nii", "inlet_mm": [1, 2, 3], "outlets_mm": [[4, 5, 6]]}
+    given |= {} if word is None else {"stented": word}
+    inputs.configuration.cases["own"] = {key: {"units": "mm", "ct": given}}
+    assert ("--stented" in inputs.ct_options(SimpleNamespace(case="own"), key)) == stented
 
 
 @pytest.mark.parametrize(
