@@ -82,7 +82,9 @@ def _add_contours(commands):
     )
     command.add_argument("--proximal-s", type=float, help="mm along the line at the proximal frame, without landmarks")
     command.add_argument("--rotation", type=float, default=0.0, help="degrees about the line, without landmarks")
-    command.add_argument("--mirrored", action="store_true", help="the tables are left-handed: x, y and z, whichever end z rises from")
+    command.add_argument(
+        "--mirrored", action="store_true", help="the tables are left-handed: x, y and z, whichever end z rises from"
+    )
     command.add_argument("--out", type=pathlib.Path, required=True, help="folder for the results")
 
 
