@@ -14,6 +14,7 @@ constexpr double least_widening = 1.15; // of a dilatation
 constexpr double many_more = 1.25;      // ratio of healthy sections that a dilatation or a step has to bring
 constexpr double deepest_step = 0.737;  // ratio past a fork into two equal branches: D = 0.678 (d1 + d2), Finet 2007
 constexpr double ectatic = 1.5;         // width over the widest lumen beside it (definition of coronary ectasia)
+constexpr double flank = 0.99;          // of an ectasia: ratio of neighbouring sections, steeper than any taper
 constexpr double least_share = 0.1;     // of D^m without side branches: least value behind them
 
 using Sides = std::vector<std::pair<double, double>>;
@@ -211,7 +212,12 @@ std::vector<Calibre> without_ectasia(std::vector<Calibre> measured, const Branch
       break;
     if (measured.size() == all)
       widest = peak;
-    measured.erase(first, last);
+    auto from = first, to = last;
+    while (from != measured.begin() && (from - 1)->diameter < flank * from->diameter)
+      --from;
+    while (to != measured.end() && to->diameter < flank * (to - 1)->diameter)
+      ++to;
+    measured.erase(from, to);
   }
   if (measured.size() < all) {
     char detail[192];
