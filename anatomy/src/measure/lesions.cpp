@@ -1,10 +1,12 @@
 #include "measure/lesions.hpp"
 #include <algorithm>
+#include <limits>
 
 namespace anatomy {
 namespace {
 
 constexpr double shortest = 1.0; // mm
+constexpr double alike = 0.03;   // of the diameter: as near as a section is measured
 
 using Part = std::vector<Calibre>;
 
@@ -47,15 +49,26 @@ std::vector<Part> narrowings(const Part& part, const ReferenceProfile& profile) 
   return found;
 }
 
+// The section of greatest stenosis; of those that measure alike, the smallest.
+Calibre throat(const Part& part, const ReferenceProfile& profile) {
+  const auto left = [&](const Calibre& c) { return c.diameter / profile.diameter(c.s); };
+  const auto narrower = [&](const Calibre& a, const Calibre& b) { return left(a) < left(b); };
+  const double least = left(*std::min_element(part.begin(), part.end(), narrower));
+  Calibre best{0, std::numeric_limits<double>::max(), false};
+  for (const Calibre& c : part)
+    if (left(c) <= (1 + alike) * least && c.diameter < best.diameter)
+      best = c;
+  return best;
+}
+
 Lesion measured(const Part& part, const ReferenceProfile& profile, std::size_t branch) {
-  const auto narrowest = std::min_element(part.begin(), part.end(),
-                                          [](const Calibre& a, const Calibre& b) { return a.diameter < b.diameter; });
+  const Calibre narrowest = throat(part, profile);
   Lesion lesion;
   lesion.branch = branch;
   lesion.s_start = part.front().s;
-  lesion.s_mla = narrowest->s;
+  lesion.s_mla = narrowest.s;
   lesion.s_end = part.back().s;
-  lesion.mld = narrowest->diameter;
+  lesion.mld = narrowest.diameter;
   lesion.mla = M_PI / 4 * lesion.mld * lesion.mld;
   lesion.reference = profile.diameter(lesion.s_mla);
   lesion.proximal_reference = profile.diameter(lesion.s_start);

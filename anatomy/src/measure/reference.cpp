@@ -1,22 +1,26 @@
 #include "measure/reference.hpp"
 #include <algorithm>
-#include <optional>
 
 namespace anatomy {
 namespace {
 
 constexpr double flow_exponent = 2.55;
-constexpr double upper = 0.75;          // quantile of the diameters where the first fit lies: narrowings do not move it
-constexpr double middle = 0.5;          // the same beside a dilatation, which would move the upper quantile
 constexpr double band = 0.03;           // of the diameter: sections this near to the profile count as healthy
-constexpr std::size_t fewest = 8;       // sections for a profile
-constexpr double least_widening = 1.15; // of a dilatation: an ostium's sections may be 8 % too wide
-constexpr double many_more = 1.25;      // ratio of healthy sections, by the median fit over those by the envelope
+constexpr double too_wide = 1.08;       // over the profile: an ostium's sections may be 8 % too wide
+constexpr double ruled_out = -1e9;      // score
+constexpr int fewest = 8;               // sections for a profile
+constexpr std::size_t drawn = 80;       // sections through pairs of which lines are tried
+constexpr double least_widening = 1.15; // of a dilatation
+constexpr double many_more = 1.25;      // ratio of healthy sections that a dilatation or a step has to bring
+constexpr double deepest_step = 0.737;  // ratio past a fork into two equal branches: D = 0.678 (d1 + d2), Finet 2007
 constexpr double ectatic = 1.5;         // width over the widest lumen beside it (definition of coronary ectasia)
+constexpr double flank = 0.99;          // of an ectasia: ratio of neighbouring sections, steeper than any taper
 constexpr double least_share = 0.1;     // of D^m without side branches: least value behind them
 
+using Sides = std::vector<std::pair<double, double>>;
+
 // Sum of d_k^m over the side branches that leave before s, in mm^m.
-double carried_off(const std::vector<std::pair<double, double>>& sides, double s) {
+double carried_off(const Sides& sides, double s) {
   double sum = 0;
   for (const auto& [at, diameter] : sides)
     if (at < s)
@@ -24,64 +28,173 @@ double carried_off(const std::vector<std::pair<double, double>>& sides, double s
   return sum;
 }
 
-void fit(ReferenceProfile& profile, const std::vector<Calibre>& trunk, const std::vector<double>& weight) {
-  double w = 0, ws = 0, wd = 0, wss = 0, wsd = 0;
-  for (std::size_t i = 0; i < trunk.size(); ++i) {
-    w += weight[i];
-    ws += weight[i] * trunk[i].s;
-    wd += weight[i] * trunk[i].diameter;
-    wss += weight[i] * trunk[i].s * trunk[i].s;
-    wsd += weight[i] * trunk[i].s * trunk[i].diameter;
-  }
-  const double spread = wss - ws * ws / w;
-  profile.slope = spread > 1e-9 * wss ? (wsd - ws * wd / w) / spread : 0;
-  profile.at_start = (wd - profile.slope * ws) / w;
-  if (profile.slope > 0) // a healthy vessel does not widen
-    profile = {wd / w, 0, std::move(profile.sides)};
+double behind_sides(double line, const Sides& sides, double s) {
+  if (sides.empty())
+    return line;
+  const double trunk = std::pow(line, flow_exponent);
+  return std::pow(std::max(trunk - carried_off(sides, s), least_share * trunk), 1 / flow_exponent);
 }
 
-// Quantile regression by iteratively reweighted least squares, then least squares of the sections near that line.
-ReferenceProfile fitted(const std::vector<Calibre>& measured, std::vector<std::pair<double, double>> sides,
-                        double quantile = upper) {
-  std::vector<Calibre> trunk = measured;
-  for (Calibre& c : trunk)
+// The diameters as they would be without the side branches.
+std::vector<Calibre> trunk_of(std::vector<Calibre> measured, const Sides& sides) {
+  for (Calibre& c : measured)
     c.diameter = std::pow(std::pow(c.diameter, flow_exponent) + carried_off(sides, c.s), 1 / flow_exponent);
-  std::vector<double> weight(trunk.size(), 1);
-  ReferenceProfile profile;
-  profile.sides = std::move(sides);
-  fit(profile, trunk, weight);
-  const auto residual = [&](const Calibre& c) { return c.diameter - (profile.at_start + profile.slope * c.s); };
-  for (int k = 0; k < 100; ++k) {
-    for (std::size_t i = 0; i < trunk.size(); ++i) {
-      const double r = residual(trunk[i]);
-      weight[i] = (r > 0 ? quantile : 1 - quantile) / std::max(std::abs(r), 1e-4);
+  return measured;
+}
+
+// How healthy a section is by a profile: 1 on it, 0 from `band` away.
+double health(const Calibre& c, double profile) {
+  const double off = (c.diameter - profile) / (band * c.diameter);
+  return std::max(0.0, 1 - off * off);
+}
+
+// A line, and how many of the first k sections lie on it (`healthy`), above it (`wide`) and far above it (`dilated`).
+struct Candidate {
+  ReferenceLine line;
+  std::vector<double> healthy{0};
+  std::vector<int> wide{0}, dilated{0};
+
+  double on(std::size_t a, std::size_t b) const { return healthy[b] - healthy[a]; }
+
+  // The healthy sections from a to b, less the wider ones. Lumen that is wider before or behind all of the healthy
+  // sections rules the line out: it is no bulge, and the line follows a narrowing, however long.
+  double score(std::size_t a, std::size_t b) const {
+    const auto reached = [&](double count) {
+      return static_cast<std::size_t>(std::lower_bound(healthy.begin(), healthy.end(), count) - healthy.begin());
+    };
+    const int before = wide[reached(std::min(healthy[a] + fewest, healthy[b]))] - wide[a];
+    const int behind = wide[b] - wide[std::max(a, reached(std::max(healthy[b] - fewest, healthy[a])))];
+    return before + behind < fewest ? on(a, b) - (wide[b] - wide[a]) : ruled_out;
+  }
+};
+
+// Every line through two of the sections that does not widen along the vessel, and the level ones.
+std::vector<Candidate> candidates(const std::vector<Calibre>& measured, const Sides& sides) {
+  const std::vector<Calibre> trunk = trunk_of(measured, sides);
+  const std::size_t every = (trunk.size() + drawn - 1) / drawn;
+  std::vector<Candidate> found;
+  const auto add = [&](const ReferenceLine& line) {
+    Candidate one{line};
+    for (const Calibre& c : measured) {
+      const double profile = behind_sides(line.at(c.s), sides, c.s);
+      one.healthy.push_back(one.healthy.back() + health(c, profile));
+      one.wide.push_back(one.wide.back() + (!c.mouth && c.diameter > too_wide * profile));
+      one.dilated.push_back(one.dilated.back() + (!c.mouth && c.diameter > least_widening * profile));
     }
-    fit(profile, trunk, weight);
+    found.push_back(std::move(one));
+  };
+  for (std::size_t i = 0; i < trunk.size(); i += every) {
+    add({trunk[i].diameter, 0});
+    for (std::size_t j = i + every; j < trunk.size(); j += every) {
+      const double slope = (trunk[j].diameter - trunk[i].diameter) / (trunk[j].s - trunk[i].s);
+      const ReferenceLine line{trunk[i].diameter - slope * trunk[i].s, slope};
+      if (slope < 0 && line.at(trunk.back().s) > 0)
+        add(line);
+    }
   }
+  return found;
+}
+
+// A line, or two with a step between them, and how many sections are healthy by it.
+struct Choice {
+  double score = ruled_out;
+  double healthy = 0;
+  const Candidate *line = nullptr, *behind = nullptr;
+  std::size_t last = 0, first = 0;       // sections at which `line` ends and `behind` begins
+  std::size_t dilated = 0, narrower = 0; // the sections of a dilatation
+};
+
+// The line on which most of the sections from a to b lie, while hardly any lie above it. A narrow lumen is so not taken
+// for healthy, however long, if the vessel is wide before or behind it.
+Choice plain(const std::vector<Candidate>& lines, std::size_t a, std::size_t b) {
+  Choice best;
+  for (const Candidate& one : lines)
+    if (const double score = one.score(a, b); score > best.score)
+      best = {score, one.on(a, b), &one};
+  return best;
+}
+
+// The same of the sections outside a dilatation, which has healthy ones on both sides and mostly wide ones within.
+Choice beside_dilatation(const std::vector<Candidate>& lines) {
+  Choice best;
+  for (const Candidate& one : lines) {
+    const std::vector<int>& count = one.dilated;
+    const std::size_t n = count.size() - 1;
+    const auto first = static_cast<std::size_t>(std::upper_bound(count.begin(), count.end(), 0) - count.begin()) - 1;
+    const auto last =
+        static_cast<std::size_t>(std::lower_bound(count.begin(), count.end(), count.back()) - count.begin());
+    if (first >= last || one.on(0, first) < fewest || one.on(last, n) < fewest ||
+        2 * (one.wide[last] - one.wide[first]) < static_cast<int>(last - first))
+      continue;
+    if (const double score = one.score(0, first) + one.score(last, n); score > best.score)
+      best = {score, one.on(0, first) + one.on(last, n), &one, nullptr, 0, 0, first, last};
+  }
+  return best;
+}
+
+// Least squares of the sections from a to b near the line.
+ReferenceLine fitted(ReferenceLine line, const std::vector<Calibre>& trunk, std::size_t a, std::size_t b) {
   for (int k = 0; k < 5; ++k) {
-    for (std::size_t i = 0; i < trunk.size(); ++i)
-      weight[i] = std::abs(residual(trunk[i])) < band * trunk[i].diameter ? 1 : 1e-6;
-    fit(profile, trunk, weight);
+    double w = 0, ws = 0, wd = 0, wss = 0, wsd = 0;
+    for (std::size_t i = a; i < b; ++i) {
+      const Calibre& c = trunk[i];
+      const double weight = std::max(health(c, line.at(c.s)), 1e-6);
+      w += weight;
+      ws += weight * c.s;
+      wd += weight * c.diameter;
+      wss += weight * c.s * c.s;
+      wsd += weight * c.s * c.diameter;
+    }
+    const double spread = wss - ws * ws / w;
+    line.slope =
+        spread > 1e-9 * wss ? std::min((wsd - ws * wd / w) / spread, 0.0) : 0; // a healthy vessel does not widen
+    line.at_start = (wd - line.slope * ws) / w;
   }
-  return profile;
+  return line;
 }
 
-std::size_t healthy(const ReferenceProfile& profile, const std::vector<Calibre>& measured) {
-  return static_cast<std::size_t>(std::count_if(measured.begin(), measured.end(), [&](const Calibre& c) {
-    return std::abs(c.diameter - profile.diameter(c.s)) < band * c.diameter;
-  }));
+// Two lines with a step down between them, no deeper than at a fork; most sections on either side are healthy. The step
+// is at a side branch, or reaches from the last healthy section of the first line to the first one of the second.
+Choice stepped(const std::vector<Candidate>& lines, const std::vector<Calibre>& measured, const Sides& sides,
+               const Sides& branches) {
+  const std::size_t n = measured.size();
+  const std::vector<Calibre> trunk = trunk_of(measured, sides);
+  const auto mostly = [](double healthy, std::size_t all) {
+    return healthy >= fewest && 2 * healthy >= static_cast<double>(all);
+  };
+  Choice best;
+  const auto attempt = [&](std::size_t k, bool at_a_branch) {
+    if (k < fewest || k + fewest > n)
+      return;
+    const Choice before = plain(lines, 0, k), behind = plain(lines, k, n);
+    if (!mostly(before.healthy, k) || !mostly(behind.healthy, n - k) || before.score + behind.score <= best.score)
+      return;
+    std::size_t last = k, first = k;
+    while (!at_a_branch && before.line->on(last - 1, k) == 0)
+      --last;
+    while (!at_a_branch && behind.line->on(k, first + 1) == 0)
+      ++first;
+    const double ratio = fitted(behind.line->line, trunk, k, n).at(measured[k].s) /
+                         fitted(before.line->line, trunk, 0, k).at(measured[k].s);
+    if (ratio >= deepest_step && ratio <= 1)
+      best = {before.score + behind.score, before.healthy + behind.healthy, before.line, behind.line, last, first};
+  };
+  for (const auto& [at, diameter] : branches)
+    attempt(static_cast<std::size_t>(
+                std::count_if(measured.begin(), measured.end(), [at = at](const Calibre& c) { return c.s <= at; })),
+            true);
+  for (std::size_t k = fewest; k + fewest <= n; k += (n + drawn - 1) / drawn)
+    attempt(k, false);
+  return best;
 }
 
-// The stretch of the sections wider than the profile, if there are at least `fewest` healthy ones before and after it.
-std::optional<std::pair<double, double>> dilatation(const ReferenceProfile& profile,
-                                                    const std::vector<Calibre>& measured) {
-  const auto wide = [&](const Calibre& c) { return c.diameter > profile.diameter(c.s) / (1 - band); };
-  const auto first = std::find_if(measured.begin(), measured.end(), wide);
-  const auto last = std::find_if(measured.rbegin(), measured.rend(), wide).base();
-  if (first == measured.end() || healthy(profile, {measured.begin(), first}) < fewest ||
-      healthy(profile, {last, measured.end()}) < fewest)
-    return std::nullopt;
-  return std::pair{first->s, (last - 1)->s};
+ReferenceProfile fitted(const Choice& choice, const std::vector<Calibre>& measured, const Sides& sides) {
+  const std::vector<Calibre> trunk = trunk_of(measured, sides);
+  if (!choice.behind)
+    return {fitted(choice.line->line, trunk, 0, trunk.size()), sides, {}};
+  return {fitted(choice.line->line, trunk, 0, choice.last), sides,
+          ReferenceStep{measured[choice.last].s, measured[choice.first].s,
+                        fitted(choice.behind->line, trunk, choice.first, trunk.size())}};
 }
 
 // The sections without an ectasia. An ectasia is one stretch with at least `fewest` sections before and behind it, and
@@ -90,17 +203,21 @@ std::vector<Calibre> without_ectasia(std::vector<Calibre> measured, const Branch
   const std::size_t all = measured.size();
   const auto wider = [](const Calibre& a, const Calibre& b) { return a.diameter < b.diameter; };
   Calibre widest{};
-  while (measured.size() > 2 * fewest) {
+  while (std::ssize(measured) > 2 * fewest) {
     const Calibre peak = *std::max_element(measured.begin(), measured.end(), wider);
     const auto wide = [&](const Calibre& c) { return c.diameter >= peak.diameter / ectatic; };
     const auto first = std::find_if(measured.begin(), measured.end(), wide);
     const auto last = std::find_if(measured.rbegin(), measured.rend(), wide).base();
-    if (first - measured.begin() < static_cast<long>(fewest) || measured.end() - last < static_cast<long>(fewest) ||
-        !std::all_of(first, last, wide))
+    if (first - measured.begin() < fewest || measured.end() - last < fewest || !std::all_of(first, last, wide))
       break;
     if (measured.size() == all)
       widest = peak;
-    measured.erase(first, last);
+    auto from = first, to = last;
+    while (from != measured.begin() && (from - 1)->diameter < flank * from->diameter)
+      --from;
+    while (to != measured.end() && to->diameter < flank * (to - 1)->diameter)
+      ++to;
+    measured.erase(from, to);
   }
   if (measured.size() < all) {
     char detail[192];
@@ -111,42 +228,106 @@ std::vector<Calibre> without_ectasia(std::vector<Calibre> measured, const Branch
   return measured;
 }
 
-// The fit to the upper envelope, unless that follows a dilatation, a stretch wider than the vessel on both sides of it.
-ReferenceProfile beside_dilatations(const std::vector<Calibre>& measured, const Branch& branch,
-                                    std::vector<Repair>& notes) {
-  const ReferenceProfile envelope = fitted(measured, {}), low = fitted(measured, {}, middle);
-  const auto wide = dilatation(low, measured);
-  if (!wide)
-    return envelope;
-  double widest = 0, widening = 0;
-  for (const Calibre& c : measured)
-    if (c.s >= wide->first && c.s <= wide->second) {
-      widest = std::max(widest, c.diameter);
-      widening = std::max(widening, c.diameter / low.diameter(c.s));
-    }
-  if (widening < least_widening ||
-      static_cast<double>(healthy(low, measured)) < many_more * static_cast<double>(healthy(envelope, measured)))
-    return envelope;
+void note_dilatation(const Choice& choice, const std::vector<Calibre>& measured, const Branch& branch,
+                     const ReferenceProfile& profile, std::vector<Repair>& notes) {
+  const auto first = measured.begin() + static_cast<long>(choice.dilated);
+  const auto last = measured.begin() + static_cast<long>(choice.narrower) - 1;
+  const auto widest =
+      std::max_element(first, last + 1, [](const Calibre& a, const Calibre& b) { return a.diameter < b.diameter; });
   char detail[192];
   std::snprintf(detail, sizeof detail, "%s from %.1f to %.1f mm along it: up to %.2f mm wide, %.2f mm beside it",
-                branch.name.c_str(), wide->first, wide->second, widest, low.diameter(wide->first));
+                branch.name.c_str(), first->s, last->s, widest->diameter, profile.diameter(first->s));
   notes.push_back({"dilatation left out of the reference", 1, detail, true});
-  return low;
+}
+
+void note_step(const Choice& choice, const std::vector<Calibre>& measured, const Branch& branch,
+               const ReferenceProfile& profile, const Sides& branches, std::vector<Repair>& notes) {
+  const double from = profile.step->from, to = profile.step->to;
+  const double before = profile.diameter(measured[choice.last - 1].s), behind = profile.diameter(to);
+  const auto beside = [&](const auto& side) { return side.first > from - before && side.first < to + before; };
+  if (behind > (1 - 2 * band) * before || std::any_of(branches.begin(), branches.end(), beside))
+    return;
+  char detail[256];
+  std::snprintf(
+      detail, sizeof detail,
+      "%s %.1f mm along it: from %.2f to %.2f mm. It is read as a branch that the surface leaves out; it may be a "
+      "narrowing up to the end",
+      branch.name.c_str(), from, before, behind);
+  notes.push_back({"reference steps down where no branch leaves", 1, detail, true});
+}
+
+// A line that most sections lie on, twice as many as on the profile, but with wider lumen before or behind them.
+void note_other_reading(const std::vector<Candidate>& lines, double healthy, const std::vector<Calibre>& measured,
+                        const Branch& branch, const Sides& sides, const ReferenceProfile& profile,
+                        std::vector<Repair>& notes) {
+  const std::size_t n = measured.size();
+  const Candidate& other = *std::max_element(
+      lines.begin(), lines.end(), [n](const Candidate& a, const Candidate& b) { return a.on(0, n) < b.on(0, n); });
+  const double most = other.on(0, n);
+  if (most < 2 * healthy || 2 * most < static_cast<double>(n))
+    return;
+  std::size_t middle = 0;
+  while (other.on(0, middle + 1) < most / 2)
+    ++middle;
+  const double s = measured[middle].s, share = 100.0 / static_cast<double>(n);
+  char detail[256];
+  std::snprintf(detail, sizeof detail,
+                "%s: %.0f %% of it is healthy by the reference, %.2f mm at %.1f mm; %.0f %% is narrower and read as "
+                "diseased. If that is the healthy vessel, the reference there is %.2f mm",
+                branch.name.c_str(), share * healthy, profile.diameter(s), s, share * most,
+                behind_sides(other.line.at(s), sides, s));
+  notes.push_back({"reference by a short healthy part", 1, detail, true});
+}
+
+// The profile that takes most sections as healthy. The branches' steps by the flow split are kept unless more sections
+// are healthy without; a dilatation or a step of another size has to bring many more.
+ReferenceProfile profile_of(const std::vector<Calibre>& measured, const Branch& branch, const Sides& branches,
+                            std::vector<Repair>& notes) {
+  const std::size_t n = measured.size();
+  std::vector<Sides> flow_splits{branches};
+  if (!branches.empty())
+    flow_splits.push_back({});
+  std::vector<std::vector<Candidate>> lines;
+  for (const Sides& sides : flow_splits)
+    lines.push_back(candidates(measured, sides));
+  Choice best;
+  std::size_t split = 0;
+  const auto take = [&](const auto& choice) {
+    const Choice before = best;
+    for (std::size_t k = 0; k < lines.size(); ++k)
+      if (const Choice one = choice(k);
+          one.score > best.score + (k > 0 ? fewest : 0) && one.healthy >= many_more * before.healthy) {
+        best = one;
+        split = k;
+      }
+  };
+  take([&](std::size_t k) { return plain(lines[k], 0, n); });
+  take([&](std::size_t k) { return beside_dilatation(lines[k]); });
+  take([&](std::size_t k) { return stepped(lines[k], measured, flow_splits[k], branches); });
+  const ReferenceProfile profile = fitted(best, measured, flow_splits[split]);
+  if (best.behind)
+    note_step(best, measured, branch, profile, branches, notes);
+  else if (best.narrower > 0)
+    note_dilatation(best, measured, branch, profile, notes);
+  note_other_reading(lines[split], best.healthy, measured, branch, flow_splits[split], profile, notes);
+  return profile;
 }
 
 ReferenceProfile constant(const Branch& branch) {
   std::vector<double> radius = branch.radius;
   std::nth_element(radius.begin(), radius.begin() + static_cast<long>(radius.size() / 2), radius.end());
-  return {2 * radius[radius.size() / 2], 0, {}};
+  return {{2 * radius[radius.size() / 2], 0}, {}, {}};
 }
 
 } // namespace
 
 double ReferenceProfile::diameter(double s) const {
-  const double line = at_start + slope * s, trunk = std::pow(line, flow_exponent);
-  if (sides.empty())
-    return line;
-  return std::pow(std::max(trunk - carried_off(sides, s), least_share * trunk), 1 / flow_exponent);
+  double healthy = line.at(s);
+  if (step && s >= step->to)
+    healthy = step->line.at(s);
+  else if (step && s > step->from)
+    healthy = std::lerp(line.at(step->from), step->line.at(step->to), (s - step->from) / (step->to - step->from));
+  return behind_sides(healthy, sides, s);
 }
 
 std::vector<Calibre> calibres(const std::vector<Branch>& branches, const std::vector<Section>& sections,
@@ -175,21 +356,16 @@ std::vector<ReferenceProfile> reference_profiles(const std::vector<Branch>& bran
                    [&](std::size_t a, std::size_t b) { return generation(a) > generation(b); });
   for (std::size_t b : order) {
     const std::vector<Calibre> measured = without_ectasia(calibres(branches, sections, b), branches[b], notes);
-    if (measured.size() < fewest) {
+    if (std::ssize(measured) < fewest) {
       profiles[b] = constant(branches[b]);
       notes.push_back({"constant reference diameter", 1, branches[b].name + " is too short for a profile"});
       continue;
     }
-    std::vector<std::pair<double, double>> sides;
+    Sides sides;
     for (std::size_t k = 0; k < branches.size(); ++k)
       if (branches[k].parent == static_cast<int>(b))
         sides.emplace_back(branches[k].s_on_parent, profiles[k].diameter(branches[k].s_outside));
-    profiles[b] = beside_dilatations(measured, branches[b], notes);
-    if (sides.empty())
-      continue;
-    const ReferenceProfile stepped = fitted(measured, sides);
-    if (healthy(stepped, measured) > healthy(profiles[b], measured))
-      profiles[b] = stepped;
+    profiles[b] = profile_of(measured, branches[b], sides, notes);
   }
   return profiles;
 }

@@ -117,7 +117,7 @@ std::vector<Lesion> two_narrowings(double between, bool mouth) {
     section.flag = mouth && s >= 15 && s <= 20 ? "ostium" : "ok";
     sections.push_back(section);
   }
-  return find_lesions(branches, sections, {ReferenceProfile{3, 0, {}}});
+  return find_lesions(branches, sections, {ReferenceProfile{{3, 0}, {}, {}}});
 }
 
 TEST(Lesions, PartWhereHalfOfTheLesserNarrowingIsRecovered) {
@@ -128,6 +128,46 @@ TEST(Lesions, PartWhereHalfOfTheLesserNarrowingIsRecovered) {
   EXPECT_LE(two[0].s_end, two[1].s_start);
   EXPECT_EQ(two_narrowings(21, false).size(), 1u);
   EXPECT_EQ(two_narrowings(19, true).size(), 1u);
+}
+
+// A straight vessel of the given diameters, sections every 0.25 mm.
+std::vector<Section> sections_every_quarter(Branch& branch, const std::function<double(double)>& diameter,
+                                            double length) {
+  std::vector<Section> sections;
+  for (double s = 0; s <= length; s += 0.25) {
+    Section section;
+    section.sample = branch.s.size();
+    section.area = M_PI / 4 * diameter(s) * diameter(s);
+    section.flag = "ok";
+    branch.s.push_back(s);
+    sections.push_back(section);
+  }
+  return sections;
+}
+
+TEST(Lesions, MeasuredWhereTheStenosisIsGreatest) {
+  // a left main stem narrowed by 58 %, and the thinner vessel behind it by 46 %: there the lumen is less
+  const ReferenceProfile healthy{{4.4, 0}, {}, ReferenceStep{12, 12, {3.4, 0}}};
+  const auto narrowed = [&](double s) {
+    return healthy.diameter(s) * (s < 4 || s > 20 ? 1 : s < 8 ? 0.42 : s < 14 ? 0.5 : 0.54);
+  };
+  std::vector<Branch> branches(1);
+  const std::vector<Section> sections = sections_every_quarter(branches[0], narrowed, 40);
+  const std::vector<Lesion> lesions = find_lesions(branches, sections, {healthy});
+  ASSERT_EQ(lesions.size(), 1u);
+  EXPECT_NEAR(lesions[0].diameter_stenosis, 58, 1e-6);
+  EXPECT_NEAR(lesions[0].mld, 0.42 * 4.4, 1e-6);
+  EXPECT_LT(lesions[0].s_mla, 8);
+}
+
+TEST(Lesions, OfPlacesThatMeasureAlikeTheSmallest) {
+  const ReferenceProfile healthy{{4, -0.05}, {}, {}};
+  const auto narrowed = [&](double s) { return healthy.diameter(s) * (s < 5 || s > 35 ? 1 : s < 8 ? 0.495 : 0.5); };
+  std::vector<Branch> branches(1);
+  const std::vector<Section> sections = sections_every_quarter(branches[0], narrowed, 40);
+  const std::vector<Lesion> lesions = find_lesions(branches, sections, {healthy});
+  ASSERT_EQ(lesions.size(), 1u);
+  EXPECT_NEAR(lesions[0].s_mla, 35, 1e-6);
 }
 
 TEST(Lesions, NoneInAHealthyTube) {
@@ -176,14 +216,84 @@ TEST(Reference, StepsDownPastASideBranchByTheFlowSplit) {
   EXPECT_NEAR(find_lesions(branches, sections, profiles).at(0).diameter_stenosis, 60, 0.5);
 }
 
-// Profile of a single vessel with the given diameters over 40 mm.
-ReferenceProfile profile_of(const std::function<double(double)>& diameter) {
+TEST(Reference, StepsDownByTheFlowSplitWhereTheLumenBeforeTheSideBranchIsNarrowed) {
+  const auto healthy = [](double s) {
+    const double d = 4.3 - 0.01 * s;
+    return s > 15 ? std::pow(std::pow(d, 2.55) - std::pow(3.0, 2.55), 1 / 2.55) : d;
+  };
   std::vector<Branch> branches;
   std::vector<Repair> notes;
+  const auto diseased = [&](double s) {
+    return healthy(s) * (s > 16 ? 1 : 1 - 0.5 * std::exp(-std::pow((s - 8) / 5, 2)));
+  };
+  const auto profiles = reference_profiles(branches, sections_of(branches, diseased, 3.0), notes);
+  for (double s : {2.0, 8.0, 14.0, 20.0, 39.0})
+    EXPECT_NEAR(profiles[0].diameter(s), healthy(s), 0.05) << s;
+}
+
+// Profile of a single vessel with the given diameters over 40 mm, and its warnings.
+ReferenceProfile profile_of(const std::function<double(double)>& diameter, std::vector<Repair>& notes) {
+  std::vector<Branch> branches;
   std::vector<Section> sections = sections_of(branches, diameter, 1);
   branches.resize(1);
   std::erase_if(sections, [](const Section& section) { return section.branch != 0; });
   return reference_profiles(branches, sections, notes)[0];
+}
+
+ReferenceProfile profile_of(const std::function<double(double)>& diameter) {
+  std::vector<Repair> notes;
+  return profile_of(diameter, notes);
+}
+
+// 1 outside a to b, `left` inside, with flanks of 2 mm.
+double narrowing(double s, double a, double b, double left) {
+  return 1 - (1 - left) * std::clamp(std::min(s - a, b - s) / 2, 0.0, 1.0);
+}
+
+TEST(Reference, LiesOnTheHealthyEndsOfALongNarrowing) {
+  std::vector<Repair> notes;
+  const ReferenceProfile profile = profile_of([](double s) { return 3.4 * narrowing(s, 3, 36, 0.45); }, notes);
+  for (double s : {1.0, 20.0, 39.0})
+    EXPECT_NEAR(profile.diameter(s), 3.4, 0.02) << s;
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_TRUE(notes[0].warning);
+  EXPECT_EQ(notes[0].what, "reference by a short healthy part");
+  EXPECT_NE(notes[0].detail.find("the reference there is 1.53 mm"), std::string::npos) << notes[0].detail;
+}
+
+TEST(Reference, OfATaperingVesselWithSeveralNarrowings) {
+  const auto healthy = [](double s) { return 4 - 0.05 * s; };
+  const ReferenceProfile profile = profile_of([&](double s) {
+    return healthy(s) * std::min({narrowing(s, 3, 8, 0.45), narrowing(s, 4, 33, 0.7), narrowing(s, 25, 33, 0.57)});
+  });
+  for (double s : {1.0, 6.0, 20.0, 39.0})
+    EXPECT_NEAR(profile.diameter(s), healthy(s), 0.02) << s;
+}
+
+TEST(Reference, IsCarriedOnBehindTheHealthyPart) {
+  // half as wide from 15 mm up to the end: no branch that is left out explains this
+  const ReferenceProfile profile = profile_of([](double s) { return 3.4 * narrowing(s, 15, 60, 0.5); });
+  for (double s : {1.0, 10.0, 20.0, 39.0})
+    EXPECT_NEAR(profile.diameter(s), 3.4, 0.02) << s;
+}
+
+TEST(Reference, StepsDownAtABranchThatIsLeftOut) {
+  std::vector<Repair> notes;
+  const auto healthy = [](double s) { return s < 10 ? 4.6 : 3.6 - 0.02 * (s - 10); };
+  const ReferenceProfile profile = profile_of([&](double s) { return healthy(s) * narrowing(s, 18, 28, 0.4); }, notes);
+  for (double s : {1.0, 9.0, 12.0, 23.0, 39.0})
+    EXPECT_NEAR(profile.diameter(s), healthy(s), 0.02) << s;
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_TRUE(notes[0].warning);
+  EXPECT_EQ(notes[0].what, "reference steps down where no branch leaves");
+}
+
+TEST(Reference, IsInterpolatedOverAStepThatANarrowingHides) {
+  const auto healthy = [](double s) { return s < 15 ? 4.4 : 3.6; };
+  const ReferenceProfile profile = profile_of([&](double s) { return healthy(s) * narrowing(s, 11, 19, 0.5); });
+  for (double s : {1.0, 10.0, 20.0, 39.0})
+    EXPECT_NEAR(profile.diameter(s), healthy(s), 0.02) << s;
+  EXPECT_NEAR(profile.diameter(15), 4.0, 0.1);
 }
 
 TEST(Reference, LeavesAnEctasiaOut) {
@@ -191,7 +301,7 @@ TEST(Reference, LeavesAnEctasiaOut) {
   const auto vessel = [](double s) { return s < 23 ? 1.4 : 1.0; };
   const ReferenceProfile profile =
       profile_of([&](double s) { return std::max(4.7 - 0.35 * std::abs(s - 23), vessel(s)); });
-  EXPECT_LE(profile.slope, 0);
+  EXPECT_LE(profile.line.slope, 0);
   EXPECT_NEAR(profile.diameter(10), 1.4, 0.1);
   EXPECT_LT(profile.diameter(38), 1.45);
 }
@@ -206,7 +316,7 @@ TEST(Reference, KeepsTheHealthyVesselBetweenANarrowOstiumAndItsEnd) {
 
 TEST(Reference, DoesNotWidenAlongTheVessel) {
   const ReferenceProfile profile = profile_of([](double s) { return 2 + 0.02 * s; });
-  EXPECT_EQ(profile.slope, 0);
+  EXPECT_EQ(profile.line.slope, 0);
 }
 
 TEST(Reference, HasNoStepWhereTheVesselHasNone) {

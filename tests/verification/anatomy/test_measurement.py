@@ -126,6 +126,47 @@ def test_minimal_lumen_area_of_a_long_lesion(process, tmp_path):
     assert lesion["diameter_stenosis_percent"] == pytest.approx(59, abs=0.7)  # there, as its reference
 
 
+def trapezium(s, a, b):
+    """0 outside a to b, 1 inside, with flanks of 2 mm."""
+    return np.clip(np.minimum(s - a, b - s) / 2, 0, 1)
+
+
+def lesions_of(process, tmp_path, radius, length):
+    surface = surfaces.write(tmp_path / "tube.stl", *surfaces.tube(surfaces.arc(0.03), radius, length, 0.3))
+    summary, _ = process(surface, tmp_path / "out", "--inlet", "0,0,0")
+    return summary["lesions"], {one["what"]: one["detail"] for one in summary["repairs"] if one["warning"]}
+
+
+def test_worst_stenosis_is_not_hidden_by_a_thinner_lumen(process, tmp_path):
+    """58 % in a tapering vessel, and behind it, without recovery, 46 %, where the lumen is less."""
+
+    def radius(s):
+        return (2.3 - 0.02 * s) * (1 - np.interp(s, [10, 12, 15, 17, 38, 40, 42], [0, 0.58, 0.58, 0.44, 0.44, 0.46, 0]))
+
+    assert radius(40) < radius(15) - 0.02
+    (lesion,), warnings = lesions_of(process, tmp_path, radius, 60)
+    assert lesion["diameter_stenosis_percent"] == pytest.approx(58, abs=1)
+    assert 11.8 < lesion["s_mla_mm"] < 15.2
+    assert lesion["reference_diameter_mm"] == pytest.approx(4.0, rel=0.02)
+    assert not warnings
+
+
+def test_narrowing_of_nearly_the_whole_vessel(process, tmp_path):
+    """Healthy over 5 mm at either end: the narrow part is no reference, and the warning gives that reading as well."""
+    (lesion,), warnings = lesions_of(process, tmp_path, lambda s: 1.7 * (1 - 0.55 * trapezium(s, 5, 41)), 46)
+    assert lesion["diameter_stenosis_percent"] == pytest.approx(55, abs=1)
+    assert lesion["s_start_mm"] == pytest.approx(5, abs=0.5) and lesion["s_end_mm"] == pytest.approx(41, abs=0.5)
+    assert "1.53 mm" in warnings["reference by a short healthy part"]
+
+
+def test_narrowing_up_to_the_outlet(process, tmp_path):
+    """Half as wide from 18 mm on: one lesion, measured against the vessel before it."""
+    (lesion,), _ = lesions_of(process, tmp_path, lambda s: 1.7 * (1 - 0.5 * trapezium(s, 18, 80)), 45)
+    assert lesion["diameter_stenosis_percent"] == pytest.approx(50, abs=1)
+    assert lesion["s_start_mm"] == pytest.approx(18, abs=0.5)
+    assert lesion["reference_diameter_mm"] == pytest.approx(3.4, rel=0.01)
+
+
 TREE = [
     ((0, 0, 0), (40, 0, 0), 1.7, 1.4),
     ((14, 0, 0), (14 + 10 * np.cos(0.9), 10 * np.sin(0.9), 0), 1.0, 0.9),
