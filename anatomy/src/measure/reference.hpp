@@ -22,7 +22,7 @@ struct ReferenceStep {
 struct ReferenceProfile {
   ReferenceLine line;
   std::vector<std::pair<double, double>> sides; ///< (s_k, d_k), mm; empty where the diameters show no such steps
-  std::optional<ReferenceStep> step;            ///< one of another size
+  std::optional<ReferenceStep> step{};          ///< one of another size
   double diameter(double s) const;
 };
 
