@@ -42,6 +42,10 @@ std::vector<Calibre> trunk_of(std::vector<Calibre> measured, const Sides& sides)
   return measured;
 }
 
+bool is_less_wide(const Calibre& a, const Calibre& b) {
+  return a.diameter < b.diameter;
+}
+
 // How healthy a section is by a profile: 1 on it, 0 from `band` away.
 double health(const Calibre& c, double profile) {
   const double off = (c.diameter - profile) / (band * c.diameter);
@@ -83,6 +87,8 @@ std::vector<Candidate> candidates(const std::vector<Calibre>& measured, const Si
     }
     found.push_back(std::move(one));
   };
+  // level with the widest section, which nothing can rule out
+  add({std::max_element(trunk.begin(), trunk.end(), is_less_wide)->diameter, 0});
   for (std::size_t i = 0; i < trunk.size(); i += every) {
     add({trunk[i].diameter, 0});
     for (std::size_t j = i + every; j < trunk.size(); j += every) {
@@ -201,10 +207,9 @@ ReferenceProfile fitted(const Choice& choice, const std::vector<Calibre>& measur
 // `ectatic` times as wide as any of them. Its flanks are left out as well.
 std::vector<Calibre> without_ectasia(std::vector<Calibre> measured, const Branch& branch, std::vector<Repair>& notes) {
   const std::size_t all = measured.size();
-  const auto wider = [](const Calibre& a, const Calibre& b) { return a.diameter < b.diameter; };
   Calibre widest{};
   while (std::ssize(measured) > 2 * fewest) {
-    const Calibre peak = *std::max_element(measured.begin(), measured.end(), wider);
+    const Calibre peak = *std::max_element(measured.begin(), measured.end(), is_less_wide);
     const auto wide = [&](const Calibre& c) { return c.diameter >= peak.diameter / ectatic; };
     const auto first = std::find_if(measured.begin(), measured.end(), wide);
     const auto last = std::find_if(measured.rbegin(), measured.rend(), wide).base();
@@ -232,8 +237,7 @@ void note_dilatation(const Choice& choice, const std::vector<Calibre>& measured,
                      const ReferenceProfile& profile, std::vector<Repair>& notes) {
   const auto first = measured.begin() + static_cast<long>(choice.dilated);
   const auto last = measured.begin() + static_cast<long>(choice.narrower) - 1;
-  const auto widest =
-      std::max_element(first, last + 1, [](const Calibre& a, const Calibre& b) { return a.diameter < b.diameter; });
+  const auto widest = std::max_element(first, last + 1, is_less_wide);
   char detail[192];
   std::snprintf(detail, sizeof detail, "%s from %.1f to %.1f mm along it: up to %.2f mm wide, %.2f mm beside it",
                 branch.name.c_str(), first->s, last->s, widest->diameter, profile.diameter(first->s));

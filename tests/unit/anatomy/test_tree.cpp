@@ -314,6 +314,21 @@ TEST(Reference, KeepsTheHealthyVesselBetweenANarrowOstiumAndItsEnd) {
   EXPECT_NEAR(profile.diameter(30), healthy(30), 0.02);
 }
 
+// Lines are drawn through some of the sections of a long vessel only. Here all of these are far below the others.
+TEST(Reference, IsFoundWhereNoneOfTheWideSectionsIsDrawn) {
+  std::vector<Branch> branches(1);
+  std::vector<Section> sections(200);
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    branches[0].s.push_back(0.25 * static_cast<double>(i));
+    const double d = i % 3 == 0 ? 2.0 : 2.6;
+    sections[i].sample = i;
+    sections[i].area = M_PI / 4 * d * d;
+    sections[i].flag = "ok";
+  }
+  std::vector<Repair> notes;
+  EXPECT_NEAR(reference_profiles(branches, sections, notes)[0].diameter(20), 2.6, 0.05);
+}
+
 TEST(Reference, DoesNotWidenAlongTheVessel) {
   const ReferenceProfile profile = profile_of([](double s) { return 2 + 0.02 * s; });
   EXPECT_EQ(profile.line.slope, 0);
