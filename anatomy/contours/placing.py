@@ -11,9 +11,7 @@ from .outlines import area_mm2, centroid
 
 FARTHEST_MM = 3.0  # largest disagreement of landmarks along the line: a frame is picked to within 2 or 3 mm
 NEAREST_MM = 0.2  # least distance of a landmark from the axis; nearer, half a voxel turns it by a right angle
-FARTHEST_RADII = (
-    3.0  # of a landmark from the lumen's centre, as in anatomy/register: the wall, a mouth, an ostium's rim
-)
+FARTHEST_RADII = 3.0  # of a landmark from the lumen's centre: the wall, a branch's mouth, the ostium's rim
 LARGEST_TURN_DEG = 45.0  # largest disagreement of landmarks about it; beyond, tables are mirrored or points mixed up
 
 
