@@ -98,10 +98,11 @@ Opened cut_behind(const Mesh& mesh, const OpenEnd& end) {
     first = std::move(second);
     second = std::move(third);
   }
-  throw InputError("an open end is too ragged to be cut flat", place(end.centre),
-                   "no three like sections within " + std::to_string(end.depth + (most_attempts - 1) * end.spacing) +
-                       " mm behind its rim",
-                   cut_remedy);
+  char value[160];
+  std::snprintf(value, sizeof value, "diameter %.2f mm; no three like sections within %.1f mm behind its rim",
+                2 * std::sqrt(end.area / M_PI), end.depth + (most_attempts - 1) * end.spacing);
+  throw InputError("an open end is too ragged to be cut flat", place(end.centre), value,
+                   std::string(cut_remedy) + "; if no vessel ends there, the wall is torn: fill the hole");
 }
 
 void untag(Mesh& mesh, int tag) {

@@ -4,17 +4,18 @@
 namespace anatomy {
 namespace {
 
-constexpr double lost_voxels = 1.1; // a lumen this thin is a chain of voxels that touch at their corners only
-constexpr double of_lost = 50;      // possible error of such a lumen's area, per cent
-constexpr double of_mask = 25;      // the same for a radius of 1.1 to 2 voxels (anatomy/measured.md)
-constexpr double of_surface = 35;   // the same if another program contoured and smoothed the voxels
+// Radius of a lumen, in voxels, below which its place on the grid decides its area (anatomy/measured.md).
+constexpr double lost_voxels = 1.1;   // a chain of voxels that touch at their corners only
+constexpr double lost_smoothed = 1.5; // the same after another program's smoothing, which takes up to .3 voxels
+constexpr double of_lost = 50;        // possible error of such a lumen's area, per cent
+constexpr double of_few = 25;         // the same from there to 2 voxels
 
 // Possible error of an area (mm2) in per cent; 0 if the voxels are small enough.
 double area_error(double area, const Voxels& voxels) {
   const double radius = std::sqrt(area / M_PI);
   if (radius >= fewest_voxels * voxels.edge)
     return 0;
-  return radius < lost_voxels * voxels.edge ? of_lost : voxels.of_mask ? of_mask : of_surface;
+  return radius < (voxels.of_mask ? lost_voxels : lost_smoothed) * voxels.edge ? of_lost : of_few;
 }
 
 } // namespace
@@ -52,8 +53,7 @@ std::string line_of(const Voxels& voxels) {
     return "";
   char line[200];
   std::snprintf(line, sizeof line, "%s of %.3g mm: areas of a lumen below %.2g mm in radius may be wrong by %.0f %%\n",
-                voxels.of_mask ? "voxels" : "contoured on a grid", voxels.edge, fewest_voxels * voxels.edge,
-                voxels.of_mask ? of_mask : of_surface);
+                voxels.of_mask ? "voxels" : "contoured on a grid", voxels.edge, fewest_voxels * voxels.edge, of_few);
   return line;
 }
 
