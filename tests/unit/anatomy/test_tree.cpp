@@ -258,7 +258,7 @@ TEST(Reference, LiesOnTheHealthyEndsOfALongNarrowing) {
   ASSERT_EQ(notes.size(), 1u);
   EXPECT_TRUE(notes[0].warning);
   EXPECT_EQ(notes[0].what, "reference by a short healthy part");
-  EXPECT_NE(notes[0].detail.find("the reference there is 1.53 mm"), std::string::npos) << notes[0].detail;
+  EXPECT_NE(notes[0].detail.find("for healthy: 1.53 mm there"), std::string::npos) << notes[0].detail;
 }
 
 TEST(Reference, OfATaperingVesselWithSeveralNarrowings) {

@@ -151,6 +151,18 @@ def test_worst_stenosis_is_not_hidden_by_a_thinner_lumen(process, tmp_path):
     assert not warnings
 
 
+def test_lesion_near_the_outlet_of_a_short_wide_vessel(process, tmp_path):
+    """Its shoulder is no healthy taper, though most of the few sections lie on it."""
+
+    def radius(s):
+        return 2.5 * (1 - 0.6 * np.exp(-(((s - 10) / 2.2) ** 2)))
+
+    points, triangles = surfaces.tube(surfaces.straight, radius, 14, 0.3)
+    summary, sections = process(surfaces.write(tmp_path / "s.vtp", points, triangles), tmp_path / "out")
+    assert summary["lesions"][0]["diameter_stenosis_percent"] == pytest.approx(60, abs=4)
+    assert min(float(row["reference_diameter_mm"]) for row in sections) > 4.2
+
+
 def test_narrowing_of_nearly_the_whole_vessel(process, tmp_path):
     """Healthy over 5 mm at either end: the narrow part is no reference, and the warning gives that reading as well."""
     (lesion,), warnings = lesions_of(process, tmp_path, lambda s: 1.7 * (1 - 0.55 * trapezium(s, 5, 41)), 46)
