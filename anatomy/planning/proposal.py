@@ -65,7 +65,8 @@ def propose(summary, sections, families, where, treat=CULPRIT, least_percent=Non
             "no lesion to plan for",
             where,
             f"plan: {requested}: {_narrowest(summary, sections)}",
-            "to treat it all the same, list the plan's steps: each with its action and its devices, placed by branch"
+            "look at `anatomy picture`: are inlet, ends and reference right? To treat the vessel all the same,"
+            " list the plan's steps: each with its action and its devices, placed by branch"
             " and centre_s_mm (docs/design.md); a vessel narrowed all along its length has no healthy reference in the"
             " lumen: where its outer wall is known, give that (lumen: contours)",
         )

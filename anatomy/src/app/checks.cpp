@@ -92,7 +92,8 @@ void warn_of_corner(std::vector<Repair>& repairs, const Quality& quality) {
   if (quality.min_angle_deg >= smallest_angle)
     return;
   char detail[160];
-  std::snprintf(detail, sizeof detail, "of %.1f degrees at %s: %.0f are wanted; try another edge length",
+  std::snprintf(detail, sizeof detail,
+                "of %.1f degrees at %s: %.0f are wanted. The surface can be used; another --edge may do better",
                 quality.min_angle_deg, place(quality.min_angle_at).c_str(), smallest_angle);
   repairs.push_back({"narrow corner in the new surface", 1, detail, true});
 }

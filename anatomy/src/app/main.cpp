@@ -3,6 +3,7 @@
 #include "app/vtk_output.hpp"
 #include "common/command_line.hpp"
 #include "common/processor.hpp"
+#include "ends/naming.hpp"
 #include "files/surface_file.hpp"
 #include "trees/table.hpp"
 #include <algorithm>
@@ -86,6 +87,17 @@ std::vector<const CoronaryTree*> to_check(const Closed& closed, const Options& o
   return trees;
 }
 
+// The end that becomes the inlet, and why.
+std::string line_of_inlet(const Prepared& prepared) {
+  if (prepared.ends.size() < 2 || tagged_inlet(prepared.input))
+    return "";
+  const End& inlet = prepared.ends[inlet_of(prepared.ends, prepared.named.inlet)];
+  char line[160];
+  std::snprintf(line, sizeof line, "inlet: %s, diameter %.2f mm, %s\n", place(inlet.centre).c_str(), 2 * inlet.radius(),
+                prepared.named.inlet ? "named" : "since it is the largest end; --inlet names another");
+  return line;
+}
+
 void check(const Options& options, const std::string& repaired, const std::string& ends) {
   if (!repaired.empty())
     check_surface_name(repaired);
@@ -106,8 +118,9 @@ void check(const Options& options, const std::string& repaired, const std::strin
     }
     std::copy_if(prepared.candidates.begin(), prepared.candidates.end(), std::back_inserter(candidates),
                  [&](const Candidate& one) { return one.is_end || trees.size() == 1; });
-    if (const std::string line = line_of(prepared.voxels); said.insert(line).second)
-      std::cout << line;
+    for (const std::string& line : {line_of(prepared.voxels), tree ? std::string() : line_of_inlet(prepared)})
+      if (said.insert(line).second)
+        std::cout << line;
     if (tree)
       shown.push_back({*tree, prepared.ends.size() - 1});
     if (trees.size() == 1)

@@ -36,6 +36,9 @@ void check_options(const Options& options) {
                        std::to_string(radii) + " radii", "choose 0.5 to 20 radii, or 0 for none");
   if (!options.caps.empty() && (options.inlet || !options.outlets.empty()))
     throw InputError("ends given twice", "--cap", "with --inlet or --outlet", "give caps or points, not both");
+  if (options.caps.size() == 1)
+    throw InputError("one cap for a vessel with two ends or more", options.caps.front(), "1 cap",
+                     "give the cap of every end, the inlet's first");
 }
 
 std::set<int> tags_of(const std::vector<OpenEnd>& open) {

@@ -1,10 +1,12 @@
 #include "app/process.hpp"
 #include "app/checks.hpp"
+#include "app/inlet_doubts.hpp"
 #include "common/error.hpp"
 #include "ends/ends.hpp"
 #include "ends/extend.hpp"
 #include "ends/naming.hpp"
 #include "files/surface_file.hpp"
+#include "measure/end_zones.hpp"
 #include "measure/section_noise.hpp"
 #include "remesh/local_edge.hpp"
 #include <CGAL/Polygon_mesh_processing/measure.h>
@@ -173,13 +175,17 @@ Anatomy process(const Options& options, StepTimer& timer) {
   const std::vector<End> before = out.ends;
   out.branches = build_tree(start.paths, out.ends, naming.inlet, wall, options.spacing, naming.branch);
   retag(start.mesh, out.ends, before);
+  std::size_t said = out.repairs.size();
+  if (!like && !prepared.named.inlet && !tagged_inlet(prepared.input))
+    doubt_inlet(out.ends, out.branches, out.repairs);
   timer.start("sections");
   out.sections = cut_sections(prepared.mesh, out.branches, out.ends, prepared.splits);
   smooth_noisy_areas(out.branches, out.sections, out.repairs);
-  std::size_t said = out.repairs.size();
   timer.start("lesions");
   out.profiles = reference_profiles(out.branches, out.sections, out.repairs);
   out.lesions = find_lesions(out.branches, out.sections, out.profiles);
+  note_wide_ends(out.branches, out.profiles, out.lesions, out.repairs);
+  note_narrow_ends(out.branches, out.sections, out.profiles, out.repairs);
   set_area_errors(out.lesions, prepared.voxels);
   note_few_voxels(out.branches, out.sections, out.lesions, prepared.voxels, out.repairs);
   say_warnings(out.repairs, said);

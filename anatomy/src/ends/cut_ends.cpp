@@ -26,6 +26,7 @@ constexpr double still_at_tip = 1;       // radii from a ball's surface to the t
 constexpr double longest_edge = 0.3;     // mean radii; halved until the inscribed balls connect all tips
 constexpr double finest_edge = 0.075;
 constexpr double beyond_tip = 2; // radii of the ball: if the vessel goes on this far from the tip, the ball leads away
+constexpr double much_lost = 2;  // mm; an ostial lesion lies within 3 mm of the ostium
 constexpr double reach = 3;      // radii within which a point names a tip or a place on the axis
 
 // An end and the distance from its centre within which a tip is part of the end's rim.
@@ -249,8 +250,13 @@ std::vector<Tip> tips_beside_ends(const Mesh& mesh, const std::vector<End>& ends
 }
 
 void cut_rounded(Mesh& mesh, const RoundedEnd& end, std::vector<Repair>& repairs) {
+  const double along = end.plane.normal.dot(end.plane.centre - end.at);
   report_cut(repairs, "rounded end cut flat", end.plane,
              cut(mesh, end.plane, end.tip, "cut the end flat, or leave it open"));
+  char more[48];
+  std::snprintf(more, sizeof more, ", %.1f mm of the vessel", along);
+  repairs.back().detail += more;
+  repairs.back().warning = along > much_lost;
 }
 
 void cut_across(Mesh& mesh, const Mesh& tagged, const std::vector<End>& ends, const std::vector<Vec3>& points,

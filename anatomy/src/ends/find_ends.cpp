@@ -3,6 +3,7 @@
 #include "ends/cap_open_ends.hpp"
 #include "ends/cut_ends.hpp"
 #include "ends/ends.hpp"
+#include "ends/rims.hpp"
 #include "repair/spikes.hpp"
 #include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/repair.h>
@@ -215,6 +216,23 @@ std::vector<End> tagged_ends(Mesh& mesh, const std::vector<Place>& places) {
   return measured_ends(mesh);
 }
 
+// Cuts off the rounded rims of flat ends. The cap behind is as wide as the vessel; on the flat part alone it would be
+// too small, and narrow the flow.
+void cut_rims(Mesh& mesh, const std::vector<Place>& places, std::vector<Repair>& repairs) {
+  std::vector<std::pair<Plane, Vertex>> cuts;
+  const Slices slices(mesh);
+  for (const Place& one : places) {
+    if (one.shown.kind != "flat" || !one.shown.is_end)
+      continue;
+    const PatchPlane end = plane_of(mesh, one.faces);
+    if (const auto plane = plane_behind_rim(slices, end, one.shown.evidence.section))
+      cuts.emplace_back(*plane, mesh.target(mesh.halfedge(one.faces.front())));
+  }
+  for (const auto& [plane, vertex] : cuts)
+    report_cut(repairs, "rounded rim of a flat end cut off", plane,
+               cut(mesh, plane, vertex, "cut the end flat, or leave it open"));
+}
+
 // Cuts where the user asks, and notes the caps of these cuts among the openings.
 void cut_asked(Mesh& mesh, NamedEnds& named, double least_radius, std::vector<Repair>& repairs) {
   Mesh tagged = mesh;
@@ -257,6 +275,7 @@ std::vector<Candidate> find_ends(Mesh& mesh, NamedEnds named, double least_radiu
   if (all_named)
     keep_named(places, named, repairs);
   tagged_ends(mesh, places);
+  cut_rims(mesh, places, repairs);
   for (const Place& one : places)
     if (one.is_rounded() && one.shown.is_end)
       cut_rounded(mesh, one.rounded, repairs);

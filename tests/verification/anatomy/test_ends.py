@@ -173,8 +173,27 @@ def test_flat_ends_with_chamfered_rims(summary_of, tmp_path):
     summary = summary_of(surfaces.write(tmp_path / "tree.stl", *surfaces.arrays(surface.GetOutput())))
     assert reported(summary, "rounded end cut flat") == 0 and len(summary["ends"]) == 3
     for end, r, centre in zip(summary["ends"], (1.7, 1.4, 0.9), [TREE[0][0], TREE[0][1], TREE[1][1]]):
-        assert -0.25 < end["diameter_mm"] - 2 * r < 0  # the chamfer is not the cap's
-        assert np.linalg.norm(np.subtract(end["centre_mm"], centre)) < 0.05
+        assert -0.09 < end["diameter_mm"] - 2 * r < 0.01  # the chamfer is cut off
+        assert np.linalg.norm(np.subtract(end["centre_mm"], centre)) < 0.25
+
+
+@pytest.mark.parametrize("edge", [0.25, 0.3])
+def test_a_flat_end_whose_rim_was_smoothed_is_as_wide_as_its_vessel(summary_of, tmp_path, edge):
+    """Its flat part has half of the section, so the vessel would run from its narrow, round end to its wide one."""
+    points, triangles = surfaces.tube(surfaces.straight, lambda s: np.interp(s, [0, 25], [1.7, 1.4]), 25, 0.3)
+    summary = summary_of(surfaces.write(tmp_path / "t.stl", *lofts.contoured(points, triangles, edge)))
+    inlet, outlet = summary["ends"]
+    assert reported(summary, "rounded rim of a flat end cut off") > 0
+    for end, at, diameter in ((inlet, 0, 3.4), (outlet, 25, 2.8)):
+        assert abs(end["centre_mm"][0] - at) < 1.3 and end["diameter_mm"] == pytest.approx(diameter, rel=0.07)
+
+
+def test_one_cap_of_two_ends_is_refused(lumen, tmp_path):
+    points, triangles = surfaces.tube(surfaces.straight, lambda s: 1.5 + 0 * s, 20, 0.4)
+    flat = np.abs(points[triangles][:, :, 0]).max(axis=1) < 1e-9
+    cap = surfaces.write(tmp_path / "cap.stl", points, triangles[flat])
+    done = lumen(surfaces.write(tmp_path / "t.stl", points, triangles), tmp_path / "out", "--cap", cap)
+    assert done.returncode == 2 and "give the cap of every end" in done.stderr
 
 
 def test_cut_on_request(summary_of, tmp_path):

@@ -97,3 +97,40 @@ def test_a_cap_that_is_nearly_flat_is_noted_not_warned_of(said, off_mm, told):
     errors, rows = said(points, triangles)
     assert ("repair: caps flattened" in errors) == told and "warning: caps flattened" not in errors
     assert areas(rows) == pytest.approx(np.pi * 1.5**2, rel=0.01)
+
+
+@pytest.mark.parametrize("inlet, told", [(2.1, True), (1.8, False)])
+def test_a_lesion_beside_an_end_that_is_wider_than_the_reference(said, inlet, told):
+    """The vessel loses a fifth of its width in the lesion, as where a branch leaves that the file lacks."""
+
+    def radius(s):
+        healthy = np.where(s < 4.2, inlet, 1.7)
+        return healthy - 0.85 * np.exp(-(((s - 4.2) / 1.2) ** 2))
+
+    errors, _ = said(*surfaces.tube(surfaces.straight, radius, 26, 0.25))
+    assert ("warning: end wider than the reference" in errors) == told
+
+
+@pytest.mark.parametrize("throat, told", [(0.0, True), (8.0, False)])
+def test_a_lesion_on_the_inlet_itself(said, throat, told):
+    """60 % at the plane of the ostium, where no section is measured."""
+
+    def radius(s):
+        return 1.6 - 0.96 * np.exp(-(((s - throat) / 1.5) ** 2))
+
+    points, triangles = surfaces.tube(surfaces.straight, radius, 26, 0.25)
+    errors, _ = said(points, triangles, "--inlet", "0,0,0")
+    assert ("warning: narrowing at an end" in errors) == told
+
+
+@pytest.mark.parametrize("named", [False, True])
+def test_an_inlet_that_only_its_width_names(said, named):
+    """The ostium is narrowed, so the outlet is the larger end; the user's own word is not doubted."""
+
+    def radius(s):
+        return 1.8 - 0.02 * s - 0.7 * np.exp(-((s / 3) ** 2))
+
+    points, triangles = surfaces.tube(surfaces.straight, radius, 26, 0.25)
+    errors, rows = said(points, triangles, *(["--inlet", "0,0,0"] if named else []))
+    assert ("warning: inlet chosen by its width alone: the vessel widens from it" in errors) == (not named)
+    assert (float(rows[0]["x_mm"]) < 13) == named

@@ -1,0 +1,11 @@
+// What speaks against an inlet that was chosen by its size alone.
+#pragma once
+#include "centreline/tree.hpp"
+
+namespace anatomy {
+
+/// `notes` takes a warning if another end is about as wide as the inlet, if the main branch widens from it, or if most
+/// side branches lean back towards it. The inlet is the largest end, which is wrong where the ostium is narrowed.
+void doubt_inlet(const std::vector<End>& ends, const std::vector<Branch>& branches, std::vector<Repair>& notes);
+
+} // namespace anatomy

@@ -1,0 +1,29 @@
+#include "ends/rims.hpp"
+#include <algorithm>
+
+namespace anatomy {
+namespace {
+
+constexpr double as_large = 1.1; // ratio of areas: a vessel that widens by 6 degrees on each side over half a radius
+constexpr double settled = 1.05; // the same from which the cut gains little
+constexpr double further = 0.5;  // radii
+constexpr double step = 0.05;    // radii between planes that are tried
+constexpr double deepest = 0.75; // radii
+constexpr double covers = 1.15;  // half width of the cut over the section's reach from its centre
+
+} // namespace
+
+std::optional<Plane> plane_behind_rim(const Slices& slices, const PatchPlane& end, double section) {
+  if (section < as_large * end.area)
+    return std::nullopt;
+  const double radius = std::sqrt(section / M_PI);
+  const auto outline = [&](double depth) { return slices.outline({end.centre - depth * end.normal, end.normal}); };
+  for (double depth = step * radius - end.lowest; depth < deepest * radius; depth += step * radius) {
+    const Outline here = outline(depth);
+    if (here.area > 0 && outline(depth + further * radius).area < settled * here.area)
+      return Plane{end.centre - depth * end.normal, -end.normal, std::max(radius, covers * here.reach / half_width)};
+  }
+  return std::nullopt;
+}
+
+} // namespace anatomy

@@ -1,0 +1,88 @@
+#include "measure/end_zones.hpp"
+#include <algorithm>
+
+namespace anatomy {
+namespace {
+
+constexpr double wider = 1.1;   // over the reference
+constexpr double close = 2.5;   // radii between end and lesion, of which a line takes the first 1.5 for the end's own
+constexpr double narrowed = 20; // per cent by diameter
+constexpr double still_narrowing = 5; // points
+
+struct Widest {
+  double s = 0, diameter = 0, ratio = 0;
+};
+
+// The inscribed ball between two arc lengths that exceeds the reference most.
+Widest widest_between(const Branch& branch, const ReferenceProfile& profile, double from, double to) {
+  Widest best;
+  for (std::size_t i = 0; i < branch.s.size(); ++i) {
+    const double s = branch.s[i], diameter = 2 * branch.radius[i], ratio = diameter / profile.diameter(s);
+    if (s >= from && s <= to && ratio > best.ratio)
+      best = {s, diameter, ratio};
+  }
+  return best;
+}
+
+} // namespace
+
+void note_wide_ends(const std::vector<Branch>& branches, const std::vector<ReferenceProfile>& profiles,
+                    const std::vector<Lesion>& lesions, std::vector<Repair>& notes) {
+  for (const Lesion& lesion : lesions) {
+    const Branch& branch = branches[lesion.branch];
+    const ReferenceProfile& profile = profiles[lesion.branch];
+    const auto is_close = [&](double s, double end) { return std::abs(s - end) < close * profile.diameter(s) / 2; };
+    const auto note = [&](double from, double to) {
+      const Widest end = widest_between(branch, profile, from, to);
+      if (end.ratio < wider)
+        return;
+      char detail[256];
+      std::snprintf(
+          detail, sizeof detail,
+          "%s is %.2f mm wide %.1f mm along it, the reference there %.2f mm. A lesion of %.0f %% begins beside "
+          "that end; by the end's width it is %.0f %%",
+          branch.name.c_str(), end.diameter, end.s, end.diameter / end.ratio, lesion.diameter_stenosis,
+          100 * (1 - lesion.mld / (lesion.reference * end.ratio)));
+      notes.push_back({"end wider than the reference", 1, detail, true});
+    };
+    if (branch.parent < 0 && is_close(lesion.s_start, 0))
+      note(0, lesion.s_start);
+    if (is_close(lesion.s_end, branch.s.back()))
+      note(lesion.s_end, branch.s.back());
+  }
+}
+
+void note_narrow_ends(const std::vector<Branch>& branches, const std::vector<Section>& sections,
+                      const std::vector<ReferenceProfile>& profiles, std::vector<Repair>& notes) {
+  for (std::size_t b = 0; b < branches.size(); ++b) {
+    const Branch& branch = branches[b];
+    const std::vector<Calibre> measured = calibres(branches, sections, b);
+    if (measured.empty())
+      continue;
+    const auto note = [&](const Calibre& next, double from, double to) {
+      const auto stenosis = [&](double s) {
+        return 100 * (1 - next.diameter * branch.radius_at(s) / branch.radius_at(next.s) / profiles[b].diameter(s));
+      };
+      double worst = 0, at = next.s;
+      for (double s : branch.s)
+        if (s >= from && s <= to && stenosis(s) > worst) {
+          worst = stenosis(s);
+          at = s;
+        }
+      if (worst < narrowed || worst < stenosis(next.s) + still_narrowing)
+        return;
+      char detail[256];
+      std::snprintf(
+          detail, sizeof detail,
+          "%s is narrowed by about %.0f %% %.1f mm along it, so near its end that no section is measured. Its "
+          "stenosis and smallest area are not in the results; give a longer lumen",
+          branch.name.c_str(), worst, at);
+      notes.push_back({"narrowing at an end", 1, detail, true});
+    };
+    if (branch.parent < 0)
+      note(measured.front(), 0, measured.front().s);
+    note(measured.back(), measured.back().s, branch.s.back());
+  }
+}
+
+} // namespace anatomy
