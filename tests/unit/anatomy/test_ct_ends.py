@@ -16,11 +16,11 @@ def pair(distance):
 
 
 def test_end_points_of_a_short_vessel():
-    assert len(segment.checked_ends(pair(1.01), "case")) == 2
+    assert len(ends_check.checked_ends(pair(1.01), "case")) == 2
     with pytest.raises(InputError, match="(?s)at one place.*1.0 mm from inlet"):
-        segment.checked_ends(pair(0.99), "case")
+        ends_check.checked_ends(pair(0.99), "case")
     with pytest.raises(InputError, match="(?s)too few end points.*an outlet for each branch"):
-        segment.checked_ends(pair(5.0)[:1], "case")
+        ends_check.checked_ends(pair(5.0)[:1], "case")
 
 
 @pytest.mark.parametrize("miss, near", [(1.95, True), (2.05, False)])
