@@ -132,6 +132,11 @@ def smoothed(points, spread_mm=SMOOTHING_MM):
     s = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     keep = np.concatenate([[True], np.diff(s) > 1e-6])
     points, s = points[keep], s[keep]
+    if len(s) < 2 or not np.isfinite(points).all():
+        remedy = (
+            "check that the volume is in CT numbers, and that the end points lie in the vessel; or give a centreline"
+        )
+        raise ComputationError("an axis has no length", "CT volume", f"{len(s)} points that differ", remedy)
     weights = np.ones(len(s))
     weights[[0, -1]] = 20.0
     spline, _ = splprep(points.T, u=s, w=weights, k=min(5, len(s) - 1), s=3 * len(s) * spread_mm**2)

@@ -13,7 +13,7 @@ from common.implicit import surface
 from common.volume import SIGMA_PER_FWHM, Image
 
 from . import blood as blood_level
-from . import calcium, edges, ends_check, paths, volumes, warnings
+from . import calcium, edges, ends_check, paths, saturation, volumes, warnings
 from .tubes import LevelField, Tube, TubeField
 
 SCHEMA = "vci-segmentation-1"
@@ -98,7 +98,7 @@ def segment(volume, ends, settings, given=None, stented=False):
     volume: common.volume.Image; ends: [(name, centre (3,))], the inlet first; given: {branch: points (n, 3)} or None;
     stented: whether the vessels hold a stent, by the user's word.
     """
-    smoothing = settings["smoothing_fwhm_mm"] * SIGMA_PER_FWHM
+    smoothing, scan = settings["smoothing_fwhm_mm"] * SIGMA_PER_FWHM, volume
     if smoothing > 0:
         smooth = gaussian_filter(volume.values.astype(np.float32), smoothing / volume.spacing_mm)
         volume = Image(smooth, volume.origin_mm, volume.spacing_mm)
@@ -134,6 +134,7 @@ def segment(volume, ends, settings, given=None, stented=False):
     bright = [edges.bright(profile, blood, stented) for profile in profiles]
     noise = edges.noise_hu(profiles[0].hu, profiles[0], blood)
     doubts = warnings.find(lines, result, profiles, bright, ends, (blood, noise), settings, measured is None, stented)
+    doubts += saturation.find(scan, result)
     return {
         "field": field,
         "lines": lines,

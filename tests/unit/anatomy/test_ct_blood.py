@@ -63,3 +63,21 @@ def test_levelling_changes_the_blood_and_not_the_wall():
     assert flat.hu[:, :, 0] == pytest.approx(320) and flat.axis_hu == pytest.approx(320)
     assert flat.hu[:, :, 1:] == pytest.approx(edges.HEALTHY_WALL_HU)
     assert flat.after(40).gain == pytest.approx(270 / (350 - 4 * S[40:]))
+
+
+@pytest.mark.parametrize("top, smoothing", [(300.0, 0.0), (240.0, 0.0), (300.0, 0.5)])
+def test_blood_cut_off_by_a_window_is_warned_of(top, smoothing):
+    image = ct_vessels.image()
+    image.values = np.clip(image.values, -160, top)
+    settings = ct_vessels.settings(smoothing_fwhm_mm=smoothing)
+    said = [w for w in segment.segment(image, ct_vessels.ends(), settings)["warnings"] if w["code"] == "saturated"]
+    assert len(said) == 1 and said[0]["value"] == top and "without a window" in said[0]["message"]
+    assert said[0]["s_end_mm"] - said[0]["s_start_mm"] > 36
+
+
+def test_calcium_cut_off_is_none_of_the_bloods():
+    """A window that ends above the blood takes nothing from the edge; nor do single voxels of blood at its top."""
+    image = ct_vessels.image()
+    image.values = np.clip(image.values, -160, 420)
+    found = segment.segment(image, ct_vessels.ends(), ct_vessels.settings())
+    assert [w["code"] for w in found["warnings"]] == []
