@@ -71,7 +71,7 @@ def doubts(patient):
 
 
 def _unused(patient):
-    """[sentence] on values beside the one that tells the flow: a measured inflow, else a cardiac output, else a mass."""
+    """[sentence] on values beside the one that tells the flow: an inflow, else a cardiac output, else a mass."""
     order = ("hyperaemic_inflow_ml_per_min", "cardiac_output_l_per_min", "lvm_g")
     used, *others = [key for key in order if patient.get(key) is not None] or [None]
     if not others:
