@@ -13,7 +13,7 @@ from common.implicit import surface
 from common.volume import SIGMA_PER_FWHM, Image
 
 from . import blood as blood_level
-from . import calcium, edges, ends_check, paths, saturation, volumes, warnings
+from . import calcium, edges, ends_check, paths, saturation, volumes, wall, warnings
 from .tubes import LevelField, Tube, TubeField
 
 SCHEMA = "vci-segmentation-1"
@@ -135,6 +135,8 @@ def segment(volume, ends, settings, given=None, stented=False):
     noise = edges.noise_hu(profiles[0].hu, profiles[0], blood)
     doubts = warnings.find(lines, result, profiles, bright, ends, (blood, noise), settings, measured is None, stented)
     doubts += saturation.find(scan, result)
+    if settings["method"] == "psf_edge":
+        doubts += wall.find(result[0], profiles[0], bright[0], blood)
     return {
         "field": field,
         "lines": lines,
