@@ -108,17 +108,17 @@ def _add_ct(commands):
 
 
 def _ct(options):
-    from .ct import segment
+    from .ct import ends_check, segment
 
     if (options.ends is None) == (options.inlet is None):
         raise InputError(
             "end points are given in one way", "--ends, --inlet", "both or none", "--inlet and --outlet, or --ends"
         )
     if options.ends:
-        ends = segment.load_ends(options.ends)
+        ends = ends_check.load_ends(options.ends)
     else:
         outlets = [(f"outlet{number}", point) for number, point in enumerate(options.outlet, start=1)]
-        ends = segment.checked_ends([("inlet", options.inlet), *outlets], "--inlet, --outlet")
+        ends = ends_check.checked_ends([("inlet", options.inlet), *outlets], "--inlet, --outlet")
     given = (options.settings, options.centreline, options.series, options.stented)
     segment.run(options.volume, ends, options.out, *given)
 

@@ -10,8 +10,9 @@ from common.errors import InputError
 
 ENDS_OF = {"contours": "z_from says which end is proximal", "ct": "ct.inlet_mm and ct.outlets_mm say where they are"}
 LUMEN_WAYS = ("path", "contours", "ct")
-# Whole hearts have 582 +- 138 mL/min (flow/inflow.md), which is 10 mL/s. So what is less is in mL/s.
-LEAST_INFLOW_ML_PER_MIN = 10
+# Whole hearts have 582 +- 138 mL/min (flow/inflow.md), which is 10 mL/s. So what is less is in mL/s or in L/min.
+LEAST_INFLOW_ML_PER_MIN, MOST_INFLOW_ML_PER_MIN = 10, 1000
+INFLOW_UNITS = {"mL/s": 60.0, "L/min": 1000.0}
 SECTIONS = ("anatomy", "deployment", "flow", "reference", "ct", "metrics")
 
 
@@ -74,7 +75,12 @@ def _check_flow(document):
     if inflow in patient:
         if patient[inflow] < LEAST_INFLOW_ML_PER_MIN:
             what = "a hyperaemic flow too small for a coronary artery"
-            remedy = f"give mL/min; if it is in mL/s, that is {60 * patient[inflow]:g}"
+            readings = [
+                f"{unit}, that is {factor * patient[inflow]:g}"
+                for unit, factor in INFLOW_UNITS.items()
+                if LEAST_INFLOW_ML_PER_MIN <= factor * patient[inflow] <= MOST_INFLOW_ML_PER_MIN
+            ]
+            remedy = "give mL/min" + "".join(f"; if it is in {reading}" for reading in readings)
             _refuse(document, ("patient", inflow), what, remedy)
     elif "cardiac_output_l_per_min" in patient and patient.get("territory", "whole") == "whole":
         what = "a cardiac output is shared out by territory"

@@ -1,6 +1,6 @@
 """The lumen's edge along rays perpendicular to an axis."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
@@ -31,13 +31,25 @@ HARMONICS = 4
 
 @dataclass
 class Profiles:
-    """Sections of one branch: s_mm (n,), theta (m,), hu (n, m, k) along rays at r_mm (k,), axis_hu (n,)."""
+    """Sections of one branch: s_mm (n,), theta (m,), hu (n, m, k) along rays at r_mm (k,), axis_hu (n,).
+
+    gain (n,): by which blood.levelled has multiplied the contrast, and with it the noise.
+    """
 
     s_mm: np.ndarray
     theta: np.ndarray
     r_mm: np.ndarray
     hu: np.ndarray
     axis_hu: np.ndarray
+    gain: np.ndarray = None
+
+    def __post_init__(self):
+        self.gain = np.ones(len(self.s_mm)) if self.gain is None else self.gain
+
+    def after(self, first):
+        """The sections from number `first` on."""
+        rest = {name: getattr(self, name)[first:] for name in ("s_mm", "hu", "axis_hu", "gain")}
+        return replace(self, **rest)
 
 
 def sample(at, axis, spacing_mm, rays):
@@ -102,8 +114,8 @@ def bright(profiles, blood, stented=False):
     rays and their neighbours' are mostly bright; an arc of calcium may look the same.
     """
     smooth = uniform_filter(profiles.hu, (3, 3, 5), mode=("nearest", "wrap", "nearest"))
-    level = max(BRIGHT * blood, blood + DEVIATIONS * noise_hu(smooth, profiles, blood))
-    above = (smooth > level) & (profiles.r_mm < BRIGHT_REACH_MM)
+    level = np.maximum(BRIGHT * blood, blood + DEVIATIONS * noise_hu(smooth, profiles, blood) * profiles.gain)
+    above = (smooth > level[:, None, None]) & (profiles.r_mm < BRIGHT_REACH_MM)
     met = above.any(axis=2)
     stent = stented & (uniform_filter1d(met.mean(axis=1), 9, mode="nearest") > STENT_SHARE)
     calcium = met & ~stent[:, None]

@@ -1,4 +1,7 @@
-"""Whether end points lie in a volume and in its contrast, before any work; errors are in the user's coordinates."""
+"""Reads end points, and whether they lie in a volume and in its contrast; errors are in the user's coordinates."""
+
+import json
+import pathlib
 
 import numpy as np
 
@@ -6,8 +9,48 @@ from common.errors import InputError
 
 from . import paths, volumes
 
+CLOSEST_MM = 1.0  # between two end points; nearer points are one end given twice, since no vessel is so short
 LEAST_BLOOD_HU = 100.0  # blood without contrast has 30 to 60 HU; coronary angiograms have 200 and more
 REVERSED = np.array([-1.0, -1.0, 1.0])  # between right-anterior-superior and left-posterior-superior
+
+
+def load_ends(path):
+    """[(name, centre (3,))] from a JSON file with `ends: [{name, centre_mm}]`, the inlet first. Raises InputError."""
+    path = pathlib.Path(path)
+    if not path.is_file():
+        raise InputError("no such file", path, "missing", "give the vessels' end points as JSON (--ends)")
+    try:
+        document = json.loads(path.read_text())
+    except ValueError as error:
+        raise InputError("not a JSON file", path, error, "ends [{name, centre_mm}]") from error
+    entries = document.get("ends") if isinstance(document, dict) else None
+    if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
+        raise InputError("no end points", f"{path}: ends", "none", "ends [{name, centre_mm}], the inlet first")
+    return checked_ends(
+        [(entry.get("name", f"end{k}"), entry.get("centre_mm")) for k, entry in enumerate(entries, 1)], path
+    )
+
+
+def checked_ends(given, where):
+    """[(name, centre (3,))] of pairs of name and point. Raises InputError for a bad point, or a name given twice."""
+    found = []
+    if len(given) < 2:
+        remedy = "at least two: the inlet first, then an outlet for each branch"
+        raise InputError("too few end points", f"{where}: ends", len(given), remedy)
+    for number, (name, centre) in enumerate(given, start=1):
+        key = f"{where}: ends[{number}]"
+        good = isinstance(centre, list) and len(centre) == 3 and all(type(x) in (int, float) for x in centre)
+        if not good or not np.all(np.isfinite(centre)):
+            raise InputError("not a point", f"{key}.centre_mm", centre, "three numbers, mm")
+        name, centre = str(name), np.array(centre, float)
+        if name in [other for other, _ in found]:
+            raise InputError("two end points of one name", f"{key}.name", name, "a name for each")
+        near = [other for other, place in found if np.linalg.norm(place - centre) < CLOSEST_MM]
+        if near:
+            remedy = f"at least {CLOSEST_MM} mm from {near[0]}: one point for each end of a vessel"
+            raise InputError("two end points at one place", f"{key}.centre_mm", centre.tolist(), remedy)
+        found.append((name, centre))
+    return found
 
 
 def check(volume, ends):

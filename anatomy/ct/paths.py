@@ -17,16 +17,21 @@ SEED_RADIUS_MM = 0.6
 PASSABLE, LUMEN = 0.2, 0.5
 OUTSIDE = "give the end points in mm, in the volume's own coordinates"
 BRIGHT = 1.15  # calcium and metal are brighter than this multiple of the blood
+RISES = 1.5  # blood at another end may be this much brighter than at the inlet; more is calcium
 SMOOTHING_MM = 0.15
 
 
 @dataclass
 class Line:
-    """Axis of one branch. parent: index of the branch it leaves (-1: none); end: index of its end point."""
+    """Axis of one branch. parent: index of the branch it leaves (-1: none); end: index of its end point.
+
+    blood: CT number of its blood along it (blood.Trend); None: the same all along.
+    """
 
     axis: Curve
     parent: int
     end: int
+    blood: object = None
 
 
 def blood_hu(image, inlet_mm):
@@ -70,11 +75,12 @@ def find(image, ends):
     cannot be reached.
     """
     blood = blood_hu(image, ends[0][1])
+    top = min(max(blood_hu(image, centre) for _, centre in ends), RISES * blood)
     smooth = gaussian_filter(image.values.astype(np.float32), 0.25 / image.spacing_mm)
-    lumen = (smooth > LUMEN * blood) & (smooth < BRIGHT * blood)
+    lumen = (smooth > LUMEN * blood) & (smooth < BRIGHT * top)
     depth = distance_transform_edt(lumen, sampling=image.spacing_mm)
     cost = np.where(lumen, 1 / (0.1 + depth) ** 2, 100.0 * (LUMEN * blood / np.maximum(smooth, 1.0)) ** 2)
-    cost[smooth > BRIGHT * blood] = 400.0
+    cost[smooth > BRIGHT * top] = 400.0
     cost[smooth < PASSABLE * blood] = np.inf
     seeds = [_seed(image, smooth, name, centre, blood) for name, centre in ends]
     parts, _ = label(np.isfinite(cost), np.ones((3, 3, 3)))
@@ -126,6 +132,11 @@ def smoothed(points, spread_mm=SMOOTHING_MM):
     s = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     keep = np.concatenate([[True], np.diff(s) > 1e-6])
     points, s = points[keep], s[keep]
+    if len(s) < 2 or not np.isfinite(points).all():
+        remedy = (
+            "check that the volume is in CT numbers, and that the end points lie in the vessel; or give a centreline"
+        )
+        raise ComputationError("an axis has no length", "CT volume", f"{len(s)} points that differ", remedy)
     weights = np.ones(len(s))
     weights[[0, -1]] = 20.0
     spline, _ = splprep(points.T, u=s, w=weights, k=min(5, len(s) - 1), s=3 * len(s) * spread_mm**2)

@@ -1,6 +1,5 @@
 """Finds a closed lumen in a CT volume from the vessels' end points, with warnings."""
 
-import json
 import pathlib
 import sys
 
@@ -13,56 +12,18 @@ from common.files import write_json
 from common.implicit import surface
 from common.volume import SIGMA_PER_FWHM, Image
 
-from . import calcium, edges, ends_check, paths, volumes, warnings
+from . import blood as blood_level
+from . import calcium, edges, ends_check, paths, saturation, volumes, wall, warnings
 from .tubes import LevelField, Tube, TubeField
 
 SCHEMA = "vci-segmentation-1"
 CENTRINGS = 3
+FEW_RAYS = 8  # are enough for the blood near the axis
 USUAL_FWHM_MM = 0.7
-CLOSEST_MM = 1.0  # between two end points; nearer points are one end given twice, since no vessel is so short
 FARTHEST_MM = 2.0  # from a line's end to its end point: about a vessel's radius, since both are picked by hand
 FEWEST_OUTSIDE = 5  # sections of a branch outside its parent, which its radii need
 LEAST_CONTRAST = 6.0  # contrast of blood and wall over noise; below it radii are off by 0.2 mm and ends may not close
 MARGIN_MM = 30.0  # of the used part of the volume round the end points, since vessels bow out between them
-
-
-def load_ends(path):
-    """[(name, centre (3,))] from a JSON file with `ends: [{name, centre_mm}]`, the inlet first. Raises InputError."""
-    path = pathlib.Path(path)
-    if not path.is_file():
-        raise InputError("no such file", path, "missing", "give the vessels' end points as JSON (--ends)")
-    try:
-        document = json.loads(path.read_text())
-    except ValueError as error:
-        raise InputError("not a JSON file", path, error, "ends [{name, centre_mm}]") from error
-    entries = document.get("ends") if isinstance(document, dict) else None
-    if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
-        raise InputError("no end points", f"{path}: ends", "none", "ends [{name, centre_mm}], the inlet first")
-    return checked_ends(
-        [(entry.get("name", f"end{k}"), entry.get("centre_mm")) for k, entry in enumerate(entries, 1)], path
-    )
-
-
-def checked_ends(given, where):
-    """[(name, centre (3,))] of pairs of name and point. Raises InputError for a bad point, or a name given twice."""
-    found = []
-    if len(given) < 2:
-        remedy = "at least two: the inlet first, then an outlet for each branch"
-        raise InputError("too few end points", f"{where}: ends", len(given), remedy)
-    for number, (name, centre) in enumerate(given, start=1):
-        key = f"{where}: ends[{number}]"
-        good = isinstance(centre, list) and len(centre) == 3 and all(type(x) in (int, float) for x in centre)
-        if not good or not np.all(np.isfinite(centre)):
-            raise InputError("not a point", f"{key}.centre_mm", centre, "three numbers, mm")
-        name, centre = str(name), np.array(centre, float)
-        if name in [other for other, _ in found]:
-            raise InputError("two end points of one name", f"{key}.name", name, "a name for each")
-        near = [other for other, place in found if np.linalg.norm(place - centre) < CLOSEST_MM]
-        if near:
-            remedy = f"at least {CLOSEST_MM} mm from {near[0]}: one point for each end of a vessel"
-            raise InputError("two end points at one place", f"{key}.centre_mm", centre.tolist(), remedy)
-        found.append((name, centre))
-    return found
 
 
 def run(image_path, ends, out, settings_path=None, centreline_path=None, series=None, stented=False):
@@ -137,27 +98,21 @@ def segment(volume, ends, settings, given=None, stented=False):
     volume: common.volume.Image; ends: [(name, centre (3,))], the inlet first; given: {branch: points (n, 3)} or None;
     stented: whether the vessels hold a stent, by the user's word.
     """
-    smoothing = settings["smoothing_fwhm_mm"] * SIGMA_PER_FWHM
+    smoothing, scan = settings["smoothing_fwhm_mm"] * SIGMA_PER_FWHM, volume
     if smoothing > 0:
         smooth = gaussian_filter(volume.values.astype(np.float32), smoothing / volume.spacing_mm)
         volume = Image(smooth, volume.origin_mm, volume.spacing_mm)
     lines = _given_lines(given, ends) if given else paths.find(volume, ends)
-    at, blood = volume.interpolator(), paths.blood_hu(volume, lines[0].axis.points_mm[0])
-    spacing, rays = settings["section_spacing_mm"], settings["rays"]
-    _check_noise(edges.sample(at, lines[0].axis, spacing, rays), blood)
-    tubes = []
-    for rank, line in enumerate(lines):
-        parent = tubes[line.parent] if rank else None
-        for _ in range(0 if given else CENTRINGS):
-            tube, _, _ = _tube(at, line, parent, "half_maximum", blood, None, spacing, rays, stented)
-            line.axis = _centred(tube, parent)
-        tubes.append(_tube(at, line, parent, "half_maximum", blood, None, spacing, rays, stented)[0])
-    blood = _blood(at, tubes[0], blood)
-    measured = edges.point_spread(edges.sample(at, lines[0].axis, spacing, rays), tubes[0].radii_mm, blood)
+    at, spacing, rays = volume.interpolator(), settings["section_spacing_mm"], settings["rays"]
+    blood = _main_blood(at, lines[0], spacing, rays)
+    tubes = _first_tubes(at, lines, blood, spacing, rays, stented, 0 if given else CENTRINGS)
+    main = blood_level.levelled(edges.sample(at, lines[0].axis, spacing, rays), lines[0].blood, blood)
+    measured = edges.point_spread(main, tubes[0].radii_mm, blood)
     sigma = measured or USUAL_FWHM_MM * SIGMA_PER_FWHM
     if settings["psf_fwhm_mm"] != "auto":
         given_sigma = settings["psf_fwhm_mm"] * SIGMA_PER_FWHM
         sigma = np.sqrt(given_sigma**2 + smoothing**2 + np.mean(volume.spacing_mm**2) / 12)
+    blood = _settled_blood(at, lines, tubes, spacing, sigma)
     method = "half_maximum" if settings["method"] == "threshold" else settings["method"]
     result, profiles, replaced = [], [], []
     for rank, line in enumerate(lines):
@@ -171,11 +126,17 @@ def segment(volume, ends, settings, given=None, stented=False):
     field, level = TubeField(result), None
     if settings["method"] == "threshold":
         level = settings["threshold_hu"]
-        level = 0.5 * (blood + float(np.median(tissue[0]))) if level == "auto" else level
-        field = LevelField(result, at, level, blood / (2.5 * sigma))
+        levels = None
+        if level == "auto":
+            level = 0.5 * (blood + float(np.median(tissue[0])))
+            levels = [level + 0.5 * (line.blood(tube.s_mm) - blood) for line, tube in zip(lines, result)]
+        field = LevelField(result, at, level, blood / (2.5 * sigma), levels)
     bright = [edges.bright(profile, blood, stented) for profile in profiles]
     noise = edges.noise_hu(profiles[0].hu, profiles[0], blood)
     doubts = warnings.find(lines, result, profiles, bright, ends, (blood, noise), settings, measured is None, stented)
+    doubts += saturation.find(scan, result)
+    if settings["method"] == "psf_edge":
+        doubts += wall.find(result[0], profiles[0], bright[0], blood)
     return {
         "field": field,
         "lines": lines,
@@ -206,11 +167,38 @@ def _check_noise(profiles, blood):
         raise ComputationError("the contrast is too low against the noise", "CT volume", value, remedy)
 
 
-def _blood(at, tube, first_guess):
-    """Median CT number on the axis of the main vessel, where it is so wide that the blur does not reach the axis."""
-    wide = tube.radius(tube.s_mm) > 1.0
-    values = at(tube.axis.point(tube.s_mm[wide])) if wide.any() else np.array([first_guess])
-    return float(np.median(values))
+def _main_blood(at, main, spacing_mm, rays):
+    """First trend of the main vessel's blood, put into its Line, and the one CT number that stands for it."""
+    profiles = edges.sample(at, main.axis, spacing_mm, rays)
+    main.blood = blood_level.first(profiles)
+    blood = float(np.median(main.blood(profiles.s_mm)))
+    _check_noise(blood_level.levelled(profiles, main.blood, blood), blood)
+    return blood
+
+
+def _first_tubes(at, lines, blood, spacing_mm, rays, stented, centrings):
+    """Tubes by half maximum, about axes that are centred meanwhile; each Line gets the trend of its blood."""
+    tubes = []
+    for line in lines:
+        parent = tubes[line.parent] if tubes else None
+        if parent is not None:
+            start = lines[line.parent].axis.nearest(line.axis.points_mm[:1])
+            line.blood = blood_level.Trend(0.0, lines[line.parent].blood(start))
+        for turn in range(centrings + 1):
+            tube = _tube(at, line, parent, "half_maximum", blood, None, spacing_mm, rays, stented)[0]
+            line.blood = blood_level.within(edges.sample(at, line.axis, spacing_mm, FEW_RAYS), tube, line.blood)
+            if turn < centrings:
+                line.axis = _centred(tube, parent)
+        tubes.append(tube)
+    return tubes
+
+
+def _settled_blood(at, lines, tubes, spacing_mm, sigma_mm):
+    """The CT number that stands for the main vessel's blood, once the trends know the point spread."""
+    for line, tube in zip(lines, tubes):
+        profiles = edges.sample(at, line.axis, spacing_mm, FEW_RAYS)
+        line.blood = blood_level.within(profiles, tube, line.blood, sigma_mm)
+    return float(np.median(lines[0].blood(tubes[0].s_mm)))
 
 
 def _tube(at, line, parent, method, blood, sigma_mm, spacing_mm, rays, stented=False):
@@ -219,6 +207,8 @@ def _tube(at, line, parent, method, blood, sigma_mm, spacing_mm, rays, stented=F
     Raises ComputationError if too little of the branch is outside the parent.
     """
     profiles = edges.sample(at, line.axis, spacing_mm, rays)
+    if line.blood is not None:
+        profiles = blood_level.levelled(profiles, line.blood, blood)
     radii, bad = edges.find(profiles, method, blood, sigma_mm, stented)
     if parent is not None:
         inside = _within_parent(line.axis, profiles.s_mm, parent)
@@ -230,14 +220,7 @@ def _tube(at, line, parent, method, blood, sigma_mm, spacing_mm, rays, stented=F
                 "a branch hardly leaves its parent", f"outlet {line.end} of those given", value, remedy
             )
         # Measure again only outside the parent, so that no filter mixes in sections within it.
-        outside = edges.Profiles(
-            profiles.s_mm[inside:],
-            profiles.theta,
-            profiles.r_mm,
-            profiles.hu[inside:],
-            profiles.axis_hu[inside:],
-        )
-        own, own_bad = edges.find(outside, method, blood, sigma_mm, stented)
+        own, own_bad = edges.find(profiles.after(inside), method, blood, sigma_mm, stented)
         radii = np.concatenate([np.repeat(own[:1], inside, axis=0), own])
         bad = np.concatenate([np.ones((inside, rays), bool), own_bad])
     tube = Tube(None if parent is None else parent.name, line.axis, profiles.s_mm, profiles.theta, radii)
@@ -284,6 +267,7 @@ def _document(found, settings, image_name, given, volume, stented):
                 "s_mm": tube.s_mm.round(4).tolist(),
                 "points_mm": volume.to_patient(tube.axis.point(tube.s_mm)).round(4).tolist(),
                 "equivalent_radius_mm": tube.radius(tube.s_mm).round(5).tolist(),
+                "blood_hu": line.blood(tube.s_mm).round(1).tolist(),
             }
         )
     return {

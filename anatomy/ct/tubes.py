@@ -2,6 +2,7 @@
 
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
+from scipy.spatial import cKDTree
 
 from common.implicit.field import BAND_MM, LumenField
 
@@ -49,10 +50,14 @@ class TubeField(LumenField):
 class LevelField(LumenField):
     """The image's own level set near the tubes' axes: (level - HU) over a typical slope, roughly a distance in mm."""
 
-    def __init__(self, branches, at, level_hu, slope_hu_per_mm):
+    def __init__(self, branches, at, level_hu, slope_hu_per_mm, levels=None):
+        """levels: [level (n,)] at each branch's sections, where it follows the blood; else level_hu holds all over."""
         super().__init__(branches)
         self._at, self._level, self._slope = at, level_hu, slope_hu_per_mm
+        self._near = cKDTree(np.concatenate([b.axis.point(b.s_mm) for b in branches])) if levels else None
+        self._levels = np.concatenate(levels) if levels else None
 
     def value(self, points_mm, iterations=4):
         """Field (n,), limited to the grid's band, since a level set far from the wall is meaningless."""
-        return np.clip((self._level - self._at(points_mm)) / self._slope, -BAND_MM, BAND_MM)
+        level = self._levels[self._near.query(points_mm)[1]] if self._near else self._level
+        return np.clip((level - self._at(points_mm)) / self._slope, -BAND_MM, BAND_MM)

@@ -15,6 +15,7 @@ UNEVEN = 0.25  # error of a slice's place over the slices' distance; rounding to
 SAME_PLACE_MM, ALIKE = 1e-3, 1e-3  # differences by rounding in a header: of places; of directions and sizes
 FEWEST_SLICES = 10  # of a series with a vessel; scouts and dose reports have fewer
 AIR_AND_FAT_HU = 0.0  # round any heart a hundredth of the voxels, air and fat, are below water
+AIR_HU = -1024.0  # the lowest CT number that scanners give
 FRAMES = "right-anterior-superior for NIfTI, left-posterior-superior for DICOM: x and y change sign between them"
 LENGTHS = {"meter": 1000.0, "mm": 1.0, "micron": 0.001, "unknown": 1.0}
 
@@ -55,13 +56,20 @@ def read(path, series=None):
     if not np.isfinite(values).all():
         count = int((~np.isfinite(values)).sum())
         raise InputError("a CT number is not finite", path, f"{count} voxels", "export the volume again, as integers")
-    lowest = float(np.percentile(values[::2, ::2, ::2], 1))
+    lowest = float(np.percentile(_within_padding(values[::2, ::2, ::2]), 1))
     if lowest > AIR_AND_FAT_HU:
         remedy = "give CT numbers in HU: the rescale intercept (often -1024) is missing, or it is no CT;"
         remedy += " a volume cropped to blood and muscle alone needs some fat or lung round it"
         value = f"only a hundredth of the voxels lie below {lowest:.0f} HU: no fat, no air"
         raise InputError("no CT numbers", path, value, remedy)
     return _along_axes(values, affine, path)
+
+
+def _within_padding(values):
+    """Values but those of a padding: one number, the lowest, that is no air's and fills corners and margins."""
+    lowest = values.min()
+    inside = values[values > lowest]
+    return inside if inside.size and not AIR_HU <= lowest < AIR_AND_FAT_HU else values
 
 
 def _along_axes(values, affine, path):

@@ -25,7 +25,7 @@ def find(lines, tubes, profiles, bright, ends, levels, settings, point_spread_as
         for a, b in runs(dark < settings["occluded_below"]):
             least = float(dark[a:b].min())
             found.append(
-                _entry(
+                entry(
                     "occluded_by_voxels",
                     tube,
                     profile.s_mm[[a, b - 1]],
@@ -41,16 +41,16 @@ def find(lines, tubes, profiles, bright, ends, levels, settings, point_spread_as
             message = (
                 f"the axis ends {miss:.2f} mm from the end point {ends[line.end][0]}: move it to the vessel's middle"
             )
-            found.append(_entry("end_off_axis", tube, [tube.axis.length_mm] * 2, miss, message))
+            found.append(entry("end_off_axis", tube, [tube.axis.length_mm] * 2, miss, message))
     found += _low_contrast(tubes[0], blood_hu, noise_hu)
     if stented and not any(stent.any() for _, _, stent in bright):
         message = "called stented, but no section is bright all round: read as a vessel without a stent"
-        found.append(_entry("no_stent_seen", tubes[0], [0.0, tubes[0].axis.length_mm], 0.0, message))
+        found.append(entry("no_stent_seen", tubes[0], [0.0, tubes[0].axis.length_mm], 0.0, message))
     found += _widening(tubes[0])
     found += _close_pairs(lines, tubes)
     if point_spread_assumed and settings["psf_fwhm_mm"] == "auto" and settings["method"] == "psf_edge":
         message = "no section wide enough to measure the point spread; 0.7 mm is assumed (psf_fwhm_mm gives it)"
-        found.append(_entry("point_spread_assumed", tubes[0], [0.0, tubes[0].axis.length_mm], 0.7, message))
+        found.append(entry("point_spread_assumed", tubes[0], [0.0, tubes[0].axis.length_mm], 0.7, message))
     return found
 
 
@@ -68,14 +68,14 @@ def _bright_stretches(tube, profile, places, method, stented):
             message += "the edge is fitted inside it; the area may be a tenth too small, or too large where it touches"
         if most > ALL_ROUND and not stented:
             message += "; if it is a stent, the area is far too small: say so (--stented, ct: stented: true in a case)"
-        found.append(_entry("calcium_or_metal", tube, profile.s_mm[[a, b - 1]], most, message))
+        found.append(entry("calcium_or_metal", tube, profile.s_mm[[a, b - 1]], most, message))
     for a, b in runs(stent):
         message = "a stent's metal: " + (
             "its bloom is taken off; calcium behind it may still count as lumen, so the area may be too large"
             if method == "psf_edge"
             else "its bloom counts as lumen, so the area is too large; psf_edge takes it off"
         )
-        found.append(_entry("calcium_or_metal", tube, profile.s_mm[[a, b - 1]], 1.0, message))
+        found.append(entry("calcium_or_metal", tube, profile.s_mm[[a, b - 1]], 1.0, message))
     return found
 
 
@@ -96,11 +96,11 @@ def _low_contrast(main, blood_hu, noise_hu):
             f"contrast over noise is {contrast / noise_hu:.1f} (blood {blood_hu:.0f} HU, noise {noise_hu:.0f}): below"
         )
         message += f" {DOUBTFUL_CONTRAST:g} radii are off by more than 0.06 mm; a softer kernel, or smoothing_fwhm_mm"
-        found.append(_entry("noise", main, reach, float(contrast / noise_hu), message))
+        found.append(entry("noise", main, reach, float(contrast / noise_hu), message))
     if blood_hu < LOW_BLOOD_HU:
         message = f"blood has {blood_hu:.0f} HU only: what the wall differs from the {HEALTHY_WALL_HU:.0f} HU assumed"
         message += " moves the edge; at 180 HU a wall of 80 made radii 0.3 mm too large"
-        found.append(_entry("faint_blood", main, reach, float(blood_hu), message))
+        found.append(entry("faint_blood", main, reach, float(blood_hu), message))
     return found
 
 
@@ -111,7 +111,7 @@ def _widening(main):
     if last <= WIDER * first:
         return []
     message = f"the far end is {last / first:.2f} times as wide as the inlet: are the end points in order, inlet first?"
-    return [_entry("widens_from_the_inlet", main, main.s_mm[[0, -1]], float(last / first), message)]
+    return [entry("widens_from_the_inlet", main, main.s_mm[[0, -1]], float(last / first), message)]
 
 
 def runs(flags):
@@ -120,7 +120,7 @@ def runs(flags):
     return list(zip(edge[::2], edge[1::2]))
 
 
-def _entry(code, tube, s_mm, value, message):
+def entry(code, tube, s_mm, value, message):
     start, end = float(s_mm[0]), float(s_mm[1])
     return {
         "code": code,
@@ -152,7 +152,7 @@ def _close_pairs(lines, tubes):
                 least = float(min(gap for _, gap in near))
                 message = f"within {max(least, 0):.2f} mm of {second.name}: the image may have merged them; look there,"
                 message += " and give a centreline if the axis changes the vessel"
-                found.append(_entry("close_vessels", first, at, least, message))
+                found.append(entry("close_vessels", first, at, least, message))
     return found
 
 

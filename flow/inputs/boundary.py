@@ -81,8 +81,10 @@ def make(anatomy, centreline, patient, settings, measured=None, ranged=False):
             outlet.update(resistance_pa_s_per_m3=0.0, pressure_pa=pressure)
     given = settings.inlet_flow_ml_per_min * M3_PER_S_PER_ML_PER_MIN
     read_at = probes(anatomy, centreline, settings.probe_distance_mm)
+    doubted = doubts(patient, measured) + too_near(read_at, settings.probe_distance_mm)
     if measured:
         read_at.append(wire.probe(measured["probe"], centreline))
+        doubted += wire.before_lesions(read_at[-1], anatomy)
     document = {
         "schema": "vci-boundary-1",
         "inlet_flow_m3_per_s": given if settings.inlet_condition == "flow" else None,
@@ -95,7 +97,7 @@ def make(anatomy, centreline, patient, settings, measured=None, ranged=False):
         "flow_source": source,
         "outlets": outlets,
         "probes": read_at,
-        "warnings": said(doubts(patient, measured) + too_near(read_at, settings.probe_distance_mm)),
+        "warnings": said(doubted),
     }
     if ranged:
         document["plausible_flows"] = hyperaemia.plausible(patient, settings.hyperaemia_fraction)

@@ -66,6 +66,21 @@ def source(patient, hyperaemia_fraction):
 
 
 def doubts(patient):
+    """[sentence] on a measured inflow above what the territory has in people, and on values that are not used."""
+    return _too_much(patient) + _unused(patient)
+
+
+def _unused(patient):
+    """[sentence] on values beside the one that tells the flow: an inflow, else a cardiac output, else a mass."""
+    order = ("hyperaemic_inflow_ml_per_min", "cardiac_output_l_per_min", "lvm_g")
+    used, *others = [key for key in order if patient.get(key) is not None] or [None]
+    if not others:
+        return []
+    names = " and ".join(f"patient.{key}" for key in others)
+    return [f"{names}: not used, since patient.{used}, {patient[used]:g}, tells the flow; leave one out"]
+
+
+def _too_much(patient):
     """[sentence] on a measured inflow above what the territory has in people; empty without one."""
     given, territory = patient.get("hyperaemic_inflow_ml_per_min"), patient.get("territory", WHOLE)
     most = (HEART_ML_PER_MIN + 2 * HEART_SD) * (1.0 if territory == WHOLE else share(territory))

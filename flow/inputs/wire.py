@@ -35,6 +35,28 @@ def doubts(measured):
     return [f"measured.ffr_post, {after:g}, is below measured.ffr_pre, {before:g}: are they swapped?"]
 
 
+def before_lesions(place, anatomy):
+    """[sentence] if no lesion lies between the inlet and the sensor: its reading then says nothing of the lesions.
+
+    place: as from `probe`; anatomy: document of anatomy.json.
+    """
+    lesions, branches = anatomy.get("lesions", []), {b["name"]: b for b in anatomy.get("branches", [])}
+    name, s_mm = place["branch"], place["s_mm"]
+    while name is not None:
+        if any(lesion["branch"] == name and lesion.get("s_start_mm", lesion["s_end_mm"]) < s_mm for lesion in lesions):
+            return []
+        here = branches.get(name, {})
+        name, s_mm = here.get("parent"), here.get("s_on_parent_mm")
+    if not lesions:
+        return []
+    first = min(lesions, key=lambda lesion: lesion["s_end_mm"])
+    return [
+        f"measured.probe, {place['branch']} at {place['s_mm']:.1f} mm, lies upstream of every lesion (the first ends at"
+        f" {first['s_end_mm']:.1f} mm of {first['branch']}): a wire reads a lesion's FFR beyond it; give the sensor's"
+        " place, in mm from the branch's start"
+    ]
+
+
 def _check_beyond(line, beyond_mm, where):
     """Raises InputError for a place further beyond a branch's end than the radius there; less is rounding."""
     if beyond_mm > line.radius_mm[-1]:

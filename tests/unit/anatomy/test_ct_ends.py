@@ -16,11 +16,11 @@ def pair(distance):
 
 
 def test_end_points_of_a_short_vessel():
-    assert len(segment.checked_ends(pair(1.01), "case")) == 2
+    assert len(ends_check.checked_ends(pair(1.01), "case")) == 2
     with pytest.raises(InputError, match="(?s)at one place.*1.0 mm from inlet"):
-        segment.checked_ends(pair(0.99), "case")
+        ends_check.checked_ends(pair(0.99), "case")
     with pytest.raises(InputError, match="(?s)too few end points.*an outlet for each branch"):
-        segment.checked_ends(pair(5.0)[:1], "case")
+        ends_check.checked_ends(pair(5.0)[:1], "case")
 
 
 @pytest.mark.parametrize("miss, near", [(1.95, True), (2.05, False)])
@@ -145,3 +145,10 @@ def test_points_of_the_other_convention_are_recognised(inlet):
     said = r"(?s)inlet.*\[3.0, -\d.0, 1.0\], with x and y reversed, has 400 HU: the point is of the other convention"
     with pytest.raises(InputError, match=said):
         ends_check.check(volumes.Volume(block, np.eye(3)), [("inlet", np.array(inlet)), ("outlet1", np.array(inlet))])
+
+
+@pytest.mark.parametrize("points", [np.ones((5, 3)), np.full((5, 3), np.nan)])
+def test_an_axis_without_length_is_an_error_of_the_users(points):
+    """Instead of a traceback from the spline."""
+    with pytest.raises(ComputationError, match="(?s)axis has no length.*CT numbers.*centreline"):
+        paths.smoothed(points)

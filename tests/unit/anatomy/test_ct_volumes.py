@@ -235,6 +235,12 @@ def test_what_is_no_volume_is_refused(volume, tmp_path):
     nibabel.save(nibabel.Nifti1Image(volume.values + 1024, affine), tmp_path / "raw.nii")
     with pytest.raises(InputError, match="no CT numbers"):
         volumes.read(tmp_path / "raw.nii")
+    for padding in (0, -2000):  # round the scanner's circle, where nothing was measured
+        padded = volume.values + 1024
+        padded[:6] = padding
+        nibabel.save(nibabel.Nifti1Image(padded, affine), tmp_path / "padded.nii")
+        with pytest.raises(InputError, match="(?s)no CT numbers.*intercept"):
+            volumes.read(tmp_path / "padded.nii")
     sheared = affine.copy()
     sheared[0, 2] = 0.1
     nibabel.save(nibabel.Nifti1Image(volume.values, sheared), tmp_path / "tilted.nii")

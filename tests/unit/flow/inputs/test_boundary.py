@@ -150,12 +150,30 @@ def test_a_sensor_less_than_a_radius_beyond_the_end_is_at_the_end(settings, plac
 
 def test_unusual_values_are_said(settings, capsys):
     """A wire's FFR that falls by the procedure, and an inflow that no heart has; both are computed with."""
-    patient = PATIENT | {"hyperaemic_inflow_ml_per_min": 900}
+    patient = PATIENT | {"hyperaemic_inflow_ml_per_min": 900, "lvm_g": None}
     measured = {"ffr_pre": 0.92, "ffr_post": 0.71, "probe": {"branch": "main", "s_mm": 48.0}}
     flow, swapped = boundary.make(_anatomy(), _tree(), patient, settings, measured)["warnings"]
     assert "900 mL/min" in flow and "858" in flow and "0.71, is below measured.ffr_pre, 0.92" in swapped
     assert flow in capsys.readouterr().err
     assert boundary.doubts(patient | {"hyperaemic_inflow_ml_per_min": 850}, measured | {"ffr_post": 0.92}) == []
+
+
+@pytest.mark.parametrize("branch, s_mm, doubted", [("main", 2.5, True), ("side1", 9.0, True), ("main", 48.0, False)])
+def test_a_sensor_upstream_of_every_lesion_is_doubted(settings, branch, s_mm, doubted):
+    """Also one in a side branch that leaves before the lesion; without lesions nothing is to be said."""
+    lesion = {"branch": "main", "s_start_mm": 25.0, "s_end_mm": 33.0}
+    tree = [
+        {"name": "main", "parent": None, "s_on_parent_mm": None, "length_mm": 60.0},
+        {"name": "side1", "parent": "main", "s_on_parent_mm": 20.0, "length_mm": 20.0},
+    ]
+    measured = {**WIRE, "probe": {"branch": branch, "s_mm": s_mm}}
+    anatomy = _anatomy([lesion]) | {"branches": tree}
+    said = boundary.make(anatomy, _tree(), PATIENT, settings, measured)["warnings"]
+    assert len(said) == doubted and all("upstream of every lesion" in one and "33.0 mm of main" in one for one in said)
+    assert boundary.make(anatomy | {"lesions": []}, _tree(), PATIENT, settings, measured)["warnings"] == []
+    tree[1]["s_on_parent_mm"] = 40.0  # beyond the lesion its reading is the lesion's
+    if branch == "side1":
+        assert boundary.make(anatomy, _tree(), PATIENT, settings, measured)["warnings"] == []
 
 
 def test_negative_resistance_is_refused(settings):

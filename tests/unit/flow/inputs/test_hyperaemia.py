@@ -52,6 +52,14 @@ def test_an_inflow_is_doubted_two_deviations_above_its_territory(territory, most
     assert hyperaemia.doubts({"lvm_g": 500}) == []
 
 
+def test_values_that_are_not_used_are_said():
+    (said,) = hyperaemia.doubts({"lvm_g": 150, "cardiac_output_l_per_min": 5.0, "territory": "lad"})
+    assert said.startswith("patient.lvm_g: not used, since patient.cardiac_output_l_per_min, 5,")
+    (said,) = hyperaemia.doubts({"lvm_g": 150, "cardiac_output_l_per_min": 5.0, "hyperaemic_inflow_ml_per_min": 140})
+    assert "cardiac_output_l_per_min and patient.lvm_g: not used" in said and "140, tells the flow" in said
+    assert hyperaemia.doubts({"hyperaemic_inflow_ml_per_min": 140, "lvm_g": None}) == []
+
+
 def test_plausible_flows():
     def factors(**patient):
         return {one["what"]: one["factor"] for one in hyperaemia.plausible(patient, 0.16)}

@@ -1,0 +1,78 @@
+"""The blood's CT number along each branch, which falls where the contrast has not filled the vessel evenly."""
+
+import dataclasses
+
+import numpy as np
+
+from .edges import HEALTHY_WALL_HU, USUAL_SIGMA_MM
+
+KNOTS_MM = 40.0  # between the corners of the trend: contrast changes over centimetres, lesions and calcium over less
+WIDE = 3.2  # point spreads; a wider section shows its blood on the axis, but for 1 % that is known
+LEAST_MM = 15.0  # of wide sections, which a slope needs; over less, contrast changes by less than its noise
+FEW_MM = 2.0  # of them, which even a constant needs
+ROUNDS, SOFT_HU = 30, 3.0  # of the fit; deviations below the noise count as squares
+RANGE = 0.5, 1.5  # of the median: a trend beyond it comes from something else than contrast
+
+
+class Trend:
+    """CT number of the blood at arc lengths of a branch: linear between knots, and beyond them constant."""
+
+    def __init__(self, s_mm, hu):
+        self.s_mm, self.hu = np.atleast_1d(s_mm).astype(float), np.atleast_1d(hu).astype(float)
+
+    def __call__(self, s_mm):
+        """CT number (n,) at arc lengths (n,)."""
+        return np.interp(s_mm, self.s_mm, self.hu)
+
+
+def trend(s_mm, hu, use, otherwise):
+    """Trend through the values hu (n,) at s_mm (n,) of the sections use (n,) bool.
+
+    The sum of the absolute deviations is least, as for a median: lesions and calcium on less than about a quarter of
+    the length do not move it. Over a short length it is their median. otherwise: the Trend if there are hardly any.
+    """
+    long_mm = use.sum() * (s_mm[1] - s_mm[0])
+    if long_mm < FEW_MM:
+        return otherwise
+    middle = float(np.median(hu[use]))
+    if long_mm < LEAST_MM:
+        return Trend(0.0, middle)
+    knots = np.linspace(0, s_mm[-1], max(int(round(s_mm[-1] / KNOTS_MM)), 1) + 1)
+    hats = np.stack([np.interp(s_mm, knots, row) for row in np.eye(len(knots))], axis=1)
+    # A little stiffness carries the slope on to knots without sections of their own.
+    stiff = np.diff(np.eye(len(knots)), 2, axis=0)
+    left, values, weights = hats[use], hu[use] - middle, np.ones(int(use.sum()))
+    for _ in range(ROUNDS):
+        rows = np.concatenate([weights[:, None] * left, stiff])
+        found = np.linalg.lstsq(rows, np.concatenate([weights * values, np.zeros(len(stiff))]), rcond=None)[0]
+        weights = 1 / np.sqrt(np.maximum(np.abs(left @ found - values), SOFT_HU))
+    return Trend(knots, np.clip(middle + found, RANGE[0] * middle, RANGE[1] * middle))
+
+
+def first(profiles):
+    """Trend of the axis before any radius is known: most of a vessel is wide."""
+    constant = Trend(0.0, np.median(profiles.axis_hu))
+    return trend(profiles.s_mm, profiles.axis_hu, np.ones(len(profiles.s_mm), bool), constant)
+
+
+def within(profiles, tube, otherwise, sigma_mm=USUAL_SIGMA_MM):
+    """Trend of the axis where the vessel is wide, with what the blur takes from it there given back.
+
+    profiles: as sampled; tube: the lumen found; otherwise: the Trend where the branch is narrow or short.
+    """
+    radius_mm = tube.radius(profiles.s_mm)
+    share = 1 - np.exp(-0.5 * (radius_mm / sigma_mm) ** 2)
+    wide = radius_mm > WIDE * sigma_mm
+    hu = HEALTHY_WALL_HU + (profiles.axis_hu - HEALTHY_WALL_HU) / np.where(wide, share, 1.0)
+    return trend(profiles.s_mm, hu, wide, otherwise)
+
+
+def levelled(profiles, level, blood):
+    """Profiles as they would be if the blood had the same CT number all along; a wall's stays what it is.
+
+    level: the branch's Trend; blood: the one CT number.
+    """
+    scale = (blood - HEALTHY_WALL_HU) / np.maximum(level(profiles.s_mm) - HEALTHY_WALL_HU, 1.0)
+    hu = HEALTHY_WALL_HU + (profiles.hu - HEALTHY_WALL_HU) * scale[:, None, None]
+    axis = HEALTHY_WALL_HU + (profiles.axis_hu - HEALTHY_WALL_HU) * scale
+    return dataclasses.replace(profiles, hu=hu, axis_hu=axis, gain=scale)

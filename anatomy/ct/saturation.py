@@ -1,0 +1,27 @@
+"""Blood that is as bright as the image can be: a display's window has cut it off."""
+
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+
+from . import warnings
+
+STRETCH_MM, SHARE = 5.0, 0.5  # of so long a stretch of the axis half is at the top; of noisy blood hardly a voxel is
+SAME_HU = 1.0  # below the top, for what a resampling after the window leaves of it
+
+
+def find(image, tubes):
+    """Warnings on stretches of the tubes whose blood is at the top of the image, where its true level is unknown."""
+    top, found = float(image.values.max()), []
+    for tube in tubes:
+        places = np.rint((tube.axis.point(tube.s_mm) - image.origin_mm) / image.spacing_mm).astype(int)
+        places = np.clip(places, 0, np.array(image.values.shape) - 1)
+        flat = (image.values[tuple(places.T)] > top - SAME_HU).astype(float)
+        width = max(int(round(STRETCH_MM / (tube.s_mm[1] - tube.s_mm[0]))), 1)
+        for a, b in warnings.runs(uniform_filter1d(flat, width, mode="nearest") > SHARE):
+            message = (
+                f"blood has the image's highest CT number, {top:.0f} HU, all over: a display's window seems to have cut"
+                " it off. Radii are too large, by 0.1 mm to 0.2 mm for 400 HU cut to 300 or 240; export the image"
+                " without a window (an image without any noise looks like this too)"
+            )
+            found.append(warnings.entry("saturated", tube, tube.s_mm[[a, b - 1]], top, message))
+    return found

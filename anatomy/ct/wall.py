@@ -1,0 +1,61 @@
+"""What surrounds the lumen: whether it has the CT number that `psf_edge` assumes of a healthy wall."""
+
+import numpy as np
+from scipy.interpolate import RectBivariateSpline
+from scipy.optimize import curve_fit
+
+from . import warnings
+from .edges import HEALTHY_WALL_HU, USUAL_SIGMA_MM
+from .stented import disc
+
+OFFSETS_MM = np.arange(-0.8, 1.61, 0.05)  # about the edge: through the wall and into what is behind it
+WIDE_MM, FEWEST = 1.1, 8  # radius of the sections that are used, and how many there must be
+FOUND_TOO_DARK_HU = 8.0  # on phantoms: 0 where voxels are small beside the blur, 16 where they add to it
+START, LEAST, MOST = (USUAL_SIGMA_MM, 0, 50, 0.7, -80), (0.1, -0.3, -150, 0.25, -250), (1.0, 0.3, 250, 2.0, 250)
+DOUBTFUL_MM = 0.04  # expected error of the radius; noise alone gives 0.02
+
+
+def level(profiles, radius, blood, clear):
+    """CT number next to the lumen; None where it cannot be told.
+
+    radius (n, m); clear (n,): sections without calcium and metal. The mean profile about the edges is fitted by a
+    blurred lumen within a wall of any thickness and CT number, within tissue of any.
+    """
+    wide = np.flatnonzero((radius.mean(axis=1) > WIDE_MM) & clear)
+    if len(wide) < FEWEST:
+        return None
+    rays, mean, centre = np.arange(len(profiles.theta)), np.zeros(len(OFFSETS_MM)), radius[wide].mean()
+    for i in wide:
+        section = RectBivariateSpline(rays, profiles.r_mm, profiles.hu[i], kx=1, ky=3)
+        mean += section.ev(rays[:, None], radius[i][:, None] + OFFSETS_MM[None]).mean(axis=0) / len(wide)
+
+    def walled(at, sigma, shift, wall, thickness, behind):
+        lumen = disc(centre + at, centre + shift, sigma)
+        return behind + (wall - behind) * disc(centre + at, centre + shift + thickness, sigma) + (blood - wall) * lumen
+
+    try:
+        found, _ = curve_fit(walled, OFFSETS_MM, mean, START, bounds=(LEAST, MOST))
+    except RuntimeError:
+        return None
+    return float(found[2]) + FOUND_TOO_DARK_HU
+
+
+def expected_error_mm(wall_hu, blood):
+    """By how much radii are too large where the wall has wall_hu: from phantoms, most of them within 40 %."""
+    return 0.5 * (wall_hu - HEALTHY_WALL_HU) / max(blood - wall_hu, 1.0)
+
+
+def find(tube, profiles, bright, blood):
+    """Warning [entry] if what surrounds the main vessel makes its radii wrong."""
+    clear = ~(bright[0].any(axis=1) | bright[2])
+    wall = level(profiles, tube.radii_mm, blood, clear)
+    error = 0.0 if wall is None else expected_error_mm(wall, blood)
+    if abs(error) < DOUBTFUL_MM:
+        return []
+    area = 200 * abs(error) / float(tube.radii_mm.mean())
+    message = (
+        f"beside the lumen there are about {wall:.0f} HU, and psf_edge assumes {HEALTHY_WALL_HU:.0f}: radii are too"
+        f" {'large' if error > 0 else 'small'} by about {abs(error):.2f} mm, the area by {area:.0f} %, since blood"
+        f" has {blood:.0f} HU; half_maximum does not assume it, and a scan with brighter blood depends on it less"
+    )
+    return [warnings.entry("wall_brightness", tube, [0.0, tube.axis.length_mm], wall, message)]
