@@ -29,7 +29,7 @@ def outlines_of(frames, z_mm, count):
 
 
 def reach_mm(frames, z_mm):
-    """(lowest, highest) z in mm at which the outer wall is known: half-way beyond the traced frames to the next ones."""
+    """(lowest, highest) z in mm at which the wall is known: half-way to the next frames beyond the traced ones."""
     have = np.flatnonzero(traced(frames))
     first, last = have[0], have[-1]
     low = 0.5 * (z_mm[first] + z_mm[max(first - 1, 0)])
