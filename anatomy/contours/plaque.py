@@ -6,7 +6,7 @@ from scipy.spatial import cKDTree
 
 from common.errors import InputError
 
-from . import rings
+from . import outer_wall, rings
 from .outlines import area_mm2, centroid
 
 NONE, FIBROUS, LIPID, CALCIFIED = 0, 1, 2, 3
@@ -26,21 +26,20 @@ def thickness_of_frame(ring, outer_wall):
     return np.where(Path(fine).contains_points(ring), distance, -distance)
 
 
-def thickness(frames, ring_list, path, warnings):
-    """Distance (frames, n) in mm from lumen to outer wall; nan in frames whose outer wall was not traced.
+def thickness(frames, z_mm, ring_list, path):
+    """Distance (frames, n) in mm from lumen to outer wall, at the rising z_mm. One frame's wall or more was traced.
 
-    Raises InputError if a lumen is not inside its outer wall.
+    In other frames it is the distance to the interpolated wall (outer_wall.outlines_of), at least 0. Raises InputError
+    if a lumen is not inside its traced outer wall.
     """
-    found = np.full((len(frames), len(ring_list[0])), np.nan)
-    for row, frame, ring in zip(found, frames, ring_list):
+    walls = outer_wall.outlines_of(frames, z_mm, len(ring_list[0]))
+    found = np.empty((len(frames), len(ring_list[0])))
+    for row, frame, ring, wall in zip(found, frames, ring_list, walls):
         if frame.outer_wall is None:
+            row[:] = np.maximum(thickness_of_frame(ring, wall), 0)
             continue
         row[:] = thickness_of_frame(ring, frame.outer_wall)
         _check_inside(row, CROSSING_MM, "the lumen", f"{path}: frame {frame.name}", frame)
-    missing = [frame for frame in frames if frame.outer_wall is None]
-    if missing:
-        names = ", ".join(str(frame.name) for frame in missing)
-        warnings.append(f"no outer wall in frames {names}: the wall's thickness is interpolated from the others")
     return found
 
 
@@ -69,12 +68,11 @@ def healthy_wall_mm(distance, given="auto"):
     """Thickness in mm of the healthy wall: the given one, or the mean of the frame with the thinnest wall.
 
     It is at most THICKEST_HEALTHY_MM, since a pull-back whose thinnest wall is thicker has no healthy frame.
-    distance: (frames, n) as `thickness` returns it.
+    distance: (frames, n) as `thickness` returns it, of the traced frames.
     """
     if given != "auto":
         return float(given)
-    traced = ~np.isnan(distance).any(axis=1)
-    return float(min(distance[traced].mean(axis=1).min(), THICKEST_HEALTHY_MM))
+    return float(min(distance.mean(axis=1).min(), THICKEST_HEALTHY_MM))
 
 
 def types_of_frame(frame, ring):

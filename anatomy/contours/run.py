@@ -9,7 +9,7 @@ from common import vtp
 from common.errors import InputError
 from common.files import write_json
 
-from . import line, loft, picture, placing, plaque, pullback, rings
+from . import line, loft, outer_wall, picture, placing, plaque, pullback, rings
 from .outlines import area_mm2
 
 SCHEMA = "vci-contours-1"
@@ -84,21 +84,25 @@ def _plaque(pull, files, healthy_wall_mm, lumen):
             "no outer wall (outer_wall): the plaque behind the lumen is estimated from its narrowing alone"
         )
         return {}, {"kinds": kinds}
-    plaque.check_regions(frames, files)
-    distance = plaque.thickness(frames, of_frames, files["outer_wall"], pull.warnings)
-    traced = ~np.isnan(distance).any(axis=1)
+    traced = outer_wall.traced(frames)
     if not traced.any():
         remedy = "the first column names a frame alike in both tables; check z_range_mm and drop_frames"
         value = f"frames of the lumen: {', '.join(str(frame.name) for frame in frames[:5])}, ..."
         raise InputError("no frame of the outer wall is one of the lumen", files["outer_wall"], value, remedy)
-    healthy = plaque.healthy_wall_mm(distance, healthy_wall_mm)
+    plaque.check_regions(frames, files)
+    distance = plaque.thickness(frames, pull.z_mm, of_frames, files["outer_wall"])
+    pull.warnings.extend(outer_wall.warnings(pull))
+    healthy = plaque.healthy_wall_mm(distance[traced], healthy_wall_mm)
     if healthy_wall_mm == "auto" and distance[traced].mean(axis=1).min() > healthy:
         pull.warnings.append(
             f"no healthy frame: the thinnest wall has {distance[traced].mean(axis=1).min():.2f} mm; "
             f"{healthy:.2f} mm of it are taken for the healthy wall (healthy_wall_mm says otherwise)"
         )
     z = lumen["z_mm"]
-    thickness = np.maximum(rings.between(pull.z_mm[traced], distance[traced])(z) - healthy, 0)
+    thickness = np.maximum(rings.between(pull.z_mm, distance)(z) - healthy, 0)
+    low, high = outer_wall.reach_mm(frames, pull.z_mm)
+    # nan: not known. There `lumen process` keeps its estimate from the narrowing.
+    thickness[(z < low - 1e-9) | (z > high + 1e-9)] = np.nan
     nearest = np.abs(z[:, None] - pull.z_mm[None]).argmin(axis=1)
     kind = np.where(thickness > 0, kinds[nearest], plaque.NONE)
     inner = len(lumen["points"]) - thickness.size  # inner points of the caps, which are not wall

@@ -2,14 +2,13 @@
 
 import gzip
 import pathlib
-import re
 
 import numpy as np
 
 from common.errors import InputError
 from common.files import replacing
 
-from . import outlines
+from . import columns, outlines
 
 MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 0.001}
 PLANE_MM = 0.01  # scatter of z within a frame, by rounding to two decimals or by rotating there and back
@@ -21,7 +20,8 @@ def read_rows(path, units):
     """Rows (n, 5) of frame, x, y, z in mm and the outline's number, of a text table, compressed if it ends in .gz.
 
     Columns are separated by tabs, commas, semicolons or blanks. A first line of names and lines that begin with # are
-    skipped. Without a fifth column the number is 0. Raises InputError with the line that cannot be read.
+    skipped, but known names say where the columns are (columns.order). Without a fifth column the number is 0. Raises
+    InputError with the line that cannot be read.
     """
     path = pathlib.Path(path)
     if not path.is_file():
@@ -32,28 +32,37 @@ def read_rows(path, units):
     except (OSError, EOFError, UnicodeDecodeError) as error:
         remedy = "a spreadsheet: export it as CSV; a compressed table: copy it again, it is damaged"
         raise InputError("the contour table is not text", path, error, remedy) from error
-    rows, named = [], False
+    rows, names = [], None
     for number, line in enumerate(lines, start=1):
         line = line.strip()
         if not line or line.startswith("#"):
             continue
-        fields = [field for field in re.split(r"[,;\t ]+", line) if field]
+        fields = columns.fields(line)
         try:
             row = [float(field) for field in fields]
         except ValueError:
-            if not rows and not named:
-                named = True
+            if not rows and names is None:
+                names = columns.order(columns.names_in(line), units, f"{path}, line {number}")
                 continue
-            raise InputError("not a number", f"{path}, line {number}", line, "frame, x, y, z; decimal points") from None
+            raise _no_numbers(fields, f"{path}, line {number}", line, bool(rows)) from None
         if len(row) not in (4, 5) or len(row) != len((rows or [row])[0]) or not np.isfinite(row).all():
             raise InputError("not a point of a contour", f"{path}, line {number}", line, COLUMNS)
         rows.append(row)
     if not rows:
         raise InputError("no points in the contour table", path, f"{len(lines)} lines", "lines of frame, x, y, z")
     table = np.zeros((len(rows), 5))
-    table[:, : len(rows[0])] = rows
+    by_name = names and len(names) == len(rows[0])
+    table[:, : len(rows[0])] = np.array(rows)[:, names] if by_name else rows
     table[:, 1:4] *= MILLIMETRES[units]
     return table
+
+
+def _no_numbers(fields, where, line, after_points):
+    """The InputError for a line that is not of numbers: a second line of names, or a damaged point."""
+    if not after_points and not any(character.isdigit() for field in fields for character in field):
+        remedy = "one line of names; put # before further ones, and declare units by units (--units)"
+        return InputError("a second line of names", where, line, remedy)
+    return InputError("not a number", where, line, "frame, x, y, z; decimal points")
 
 
 def read_outlines(path, units, what, wanted=None):

@@ -3,6 +3,8 @@
 Intravascular contours with an outer wall give the plaque's thickness beyond a healthy wall. The lumen's diameter plus
 twice the mean thickness round a section is the diameter that the vessel would have without plaque. This is the
 reference. A line fitted through the diameters would be too small in diffuse disease, where all diameters are diseased.
+Where the wall was not traced, the plaque of lumen.vtp is the estimate from the narrowing: the reference is then that of
+the healthy profile, or the lumen itself where it is wider.
 """
 
 import numpy as np

@@ -5,7 +5,7 @@ from scipy.spatial import cKDTree
 
 from common.errors import InputError
 
-from . import search
+from . import search, sliding
 from .match import matched
 from .tree import MIRROR, Line, Tree
 
@@ -88,21 +88,44 @@ def check_fit(where, target, tree, found, match, landmarks):
         )
 
 
-def check_direction(where, pre, post, found, landmarks):
-    """Raises InputError if a single vessel fits better the other way round, so that its inlet is at the other end."""
+def check_direction(where, pre, post, target, found, landmarks):
+    """Raises InputError if the lumen afterwards lies the other way round, or a single vessel would fit better so.
+
+    A landmark can turn a straight vessel round: its inlet then lies where the outlet was.
+    """
+    along = sliding.runs_along(target, post, found.placement)
+    if along < 0:
+        raise _other_way(where, post, "lies", f"its main vessel runs against that before (cosine {along:.2f})")
     if len(post.branches) > 1 or len(pre.branches) > 1 or search.spans_a_plane(landmarks[1]):
         return
     line = post.branches["main"]
     turned = Line(line.points[::-1], line.radius[::-1], line.branch)
     other = search.best(pre, Tree({"main": turned}, {"main": turned}, post.summary, post.source), landmarks)
     if other.cost + search.ALIKE < found.cost:
-        x, y, z = post.summary["ends"][-1]["centre_mm"]
-        raise InputError(
-            "the lumen after the procedure fits better the other way round",
-            where,
-            f"misfit {found.cost:.2f} of 1, turned round {other.cost:.2f}",
-            f"if its inlet is at {x:.2f}, {y:.2f}, {z:.2f} mm give that as post.inlet_point_mm (or correct lumen's)",
-        )
+        raise _other_way(where, post, "fits better", f"misfit {found.cost:.2f} of 1, turned round {other.cost:.2f}")
+
+
+def _other_way(where, post, what, value):
+    x, y, z = post.summary["ends"][-1]["centre_mm"]
+    remedy = (
+        f"if its inlet is at {x:.2f}, {y:.2f}, {z:.2f} mm give that as post.inlet_point_mm (or correct lumen's);"
+        " of contours z_from says at which end z begins; or a landmark is at the wrong place"
+    )
+    return InputError(f"the lumen after the procedure {what} the other way round", where, value, remedy)
+
+
+def check_place(where, target, tree, found, match, landmarks):
+    """Raises InputError if nothing fixes the place of the lumen afterwards along the vessel."""
+    if len(landmarks[0]) or not sliding.slides(target, tree, found.placement, match):
+        return
+    residual = sliding.slid_residual(target, tree, found.placement)
+    slid = "a straight vessel" if residual is None else f"slid by a radius it has a residual of {residual:.2f} of it"
+    raise InputError(
+        "the vessel's course does not fix the place along it",
+        where,
+        f"{slid}, in place {match.trimmed_mm / target.usual_radius_mm:.2f} (radius {target.usual_radius_mm:.2f} mm)",
+        LANDMARKS,
+    )
 
 
 def check_handedness(where, pre, post, target, found, match, landmarks):
@@ -129,16 +152,22 @@ def unusual(match):
     return match.trimmed_mm > USUAL_RESIDUAL * match.usual_radius_mm
 
 
-def warnings(match):
-    """Sentences on a placement that is not refused, yet may be of another vessel; mostly none."""
-    if not unusual(match):
-        return []
-    share = match.trimmed_mm / match.usual_radius_mm
-    return [
-        f"the axes after the procedure lie {match.trimmed_mm:.2f} mm off those before (without the worst fifth),"
-        f" {share:.2f} of the usual radius. Pairs of one vessel have {USUAL_RESIDUAL:g} at most: it may be"
-        " another vessel, another scale, or a vessel that has changed its course"
-    ]
+def warnings(target, tree, found, match, landmarks):
+    """Sentences on a placement that is not refused, yet may be wrong; mostly none."""
+    said = []
+    if unusual(match):
+        share = match.trimmed_mm / match.usual_radius_mm
+        said.append(
+            f"the axes after the procedure lie {match.trimmed_mm:.2f} mm off those before (without the worst fifth),"
+            f" {share:.2f} of the usual radius. Pairs of one vessel have {USUAL_RESIDUAL:g} at most: it may be"
+            " another vessel, another scale, or a vessel that has changed its course"
+        )
+    if len(landmarks[0]) == 1 and sliding.slides(target, tree, found.placement, match):
+        said.append(
+            "nothing but the landmark fixes the place along a straight vessel: what the landmark is off, all areas"
+            " are off. Check its two places, or give a second landmark, which checks the first"
+        )
+    return said
 
 
 def check_outlets(where, match):

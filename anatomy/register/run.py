@@ -31,15 +31,16 @@ def run(case_file, pre_folder, post_folder, out):
     found = search.best(pre, post, landmarks)
     match = matched(target, post, found.placement)
     judge.check_handedness(where, pre, post, target, found, match, landmarks)
-    judge.check_direction(where, pre, post, found, landmarks)
+    judge.check_direction(where, pre, post, target, found, landmarks)
     judge.check_fit(where, target, post, found, match, landmarks)
+    judge.check_place(where, target, post, found, match, landmarks)
     if wanted["compare"] == "flow":
         judge.check_outlets(where, match)
     surface = vtp.read_triangles(pathlib.Path(post_folder) / "lumen.vtp", "run `lumen process` again")
     surface.GetPoints().SetData(_points(found.placement.apply(vtp.points(surface))))
     vtp.write(out / "lumen.vtp", surface)
     write_json(out / "like.json", like(post.summary, found.placement, match))
-    for said in judge.warnings(match):
+    for said in judge.warnings(target, post, found, match, landmarks):
         print(f"warning: {where}: {said}", file=sys.stderr)
     write_json(out / "registration.json", document(target, post, found, match, landmarks, wanted["compare"]))
 
@@ -86,7 +87,7 @@ def document(target, post, found, match, landmarks, compare):
         if found.rival is None
         else {"misfit": found.rival_cost, "apart_mm": found.placement.apart_mm(found.rival, post.points)},
         "misfit": found.cost,
-        "warnings": judge.warnings(match),
+        "warnings": judge.warnings(target, post, found, match, landmarks),
         "turn_about_axis_known": bool(_has_width(target.points) or len(landmarks[0]) > 1),
     }
 

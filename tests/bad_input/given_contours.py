@@ -90,6 +90,16 @@ def _(folder):
     return contours(folder, "\n".join(",".join(f"{v:.7f}" for v in row) for row in rows(scale=1e-3)))
 
 
+@given("contours in centimetres by the names of their columns, declared as millimetres")
+def _(folder):
+    return contours(folder, text(rows(scale=0.1), head="frame,x_cm,y_cm,z_cm\n"))
+
+
+@given("contours with a second line of names")
+def _(folder):
+    return contours(folder, text(rows(), head="frame,x,y,z\n-,mm,mm,mm\n"))
+
+
 @given("a contour that crosses itself")
 def _(folder):
     table = rows()
@@ -198,6 +208,11 @@ def _(folder):
     return contours(folder, "# from our own program\n\n" + table.replace("\n5,", "\n# frame 5\n\n5,", 1))
 
 
+@given("contours whose columns are named in another order")
+def _(folder):
+    return contours(folder, text([(z, x, y, f) for f, x, y, z in rows()], head="z_mm,x_mm,y_mm,frame\n"))
+
+
 @given("contours whose frames are out of order")
 def _(folder):
     return contours(folder, text(sorted(rows(), key=lambda row: (row[0] * 7 % 12))))
@@ -227,4 +242,4 @@ def _(folder):
 
 @given("contours in centimetres, so declared")
 def _(folder):
-    return contours(folder, text(rows(scale=0.1)), "--units", "cm")
+    return contours(folder, text(rows(scale=0.1), head="frame,x_cm,y_cm,z_cm\n"), "--units", "cm")

@@ -4,6 +4,7 @@ import csv
 import json
 
 import pytest
+from contour_tables import text
 from narrowed_vessels import drawn
 
 from common import config
@@ -40,5 +41,17 @@ def written(tmp_path):
             writer.writeheader()
             writer.writerows(table)
         return folder
+
+    return write
+
+
+@pytest.fixture
+def table(tmp_path):
+    """Writes a contour table of {frame: (z, outline)} and returns its path."""
+
+    def write(frames, name="lumen.csv", **kwargs):
+        path = tmp_path / name
+        path.write_text(text(frames, **kwargs))
+        return path
 
     return write

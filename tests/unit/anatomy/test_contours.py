@@ -5,37 +5,11 @@ import gzip
 import numpy as np
 import pytest
 
-from anatomy.contours import loft, outlines, plaque, pullback, rings, run, tables
+from contour_tables import circle, sector, text, tube
+
+from anatomy.contours import loft, outlines, pullback, rings, run, tables
 from common import vtp
 from common.errors import InputError
-
-
-def circle(radius, count=60, centre=(4.0, 5.0), start=0.3, turn=1):
-    angle = start + turn * 2 * np.pi * np.arange(count) / count
-    return np.column_stack([centre[0] + radius * np.cos(angle), centre[1] + radius * np.sin(angle)])
-
-
-def text(frames, separator=",", closed=True):
-    """frames: {frame: (z, outline)}."""
-    lines = []
-    for name, (z, outline) in frames.items():
-        points = np.vstack([outline, outline[:1]]) if closed else outline
-        lines += [separator.join(map(str, (name, x, y, z))) for x, y in points]
-    return "\n".join(lines) + "\n"
-
-
-@pytest.fixture
-def table(tmp_path):
-    def write(frames, name="lumen.csv", **kwargs):
-        path = tmp_path / name
-        path.write_text(text(frames, **kwargs))
-        return path
-
-    return write
-
-
-def tube(radii, spacing=1.0, **kwargs):
-    return {10 * k + 3: (k * spacing, circle(radius, **kwargs)) for k, radius in enumerate(radii)}
 
 
 @pytest.mark.parametrize("separator", [",", "\t", ";", " "])
@@ -237,55 +211,6 @@ def test_between_frames_nothing_is_narrower_than_both(table, tmp_path):
     assert np.array(areas) == pytest.approx(np.pi * 0.9, rel=0.001)
 
 
-def test_wall_beyond_the_healthy_one_is_plaque(table, tmp_path):
-    """Concentric circles: the healthy end has 0.2 mm of wall, the lesion 0.7 mm, of which 0.5 are plaque."""
-    files = {"lumen": table(tube([1.5, 1.5, 1.0, 1.5, 1.5])), "outer_wall": table(tube([1.7] * 5), "wall.csv")}
-    document = run.run(files, tmp_path / "out")
-    assert document["healthy_wall_mm"] == pytest.approx(0.2, abs=0.002)
-    surface = vtp.read_triangles(tmp_path / "out" / "lumen.vtp", "")
-    points = vtp.points(surface)
-    thickness = np.array(surface.GetPointData().GetArray("plaque_thickness_mm"))
-    kind = np.array(surface.GetPointData().GetArray("plaque_type"))
-    rim = np.hypot(*points[:, :2].T)
-    throat = (np.abs(points[:, 2] - 2) < 1e-6) & (rim > 0.9)
-    assert thickness[throat] == pytest.approx(0.5, abs=0.005) and (kind[throat] == plaque.FIBROUS).all()
-    assert thickness[(points[:, 2] < 1) & (rim > 1.4)] == pytest.approx(0, abs=0.005)
-    assert document["frames"][2]["plaque_burden_percent"] == pytest.approx(100 * (1 - 1 / 1.7**2), abs=0.1)
-    given = run.run(files, tmp_path / "given", healthy_wall_mm=0.1)
-    assert given["healthy_wall_mm"] == 0.1
-
-
-def test_a_pull_back_without_a_healthy_frame_takes_the_usual_wall(table, tmp_path):
-    files = {"lumen": table(tube([1.0] * 3)), "outer_wall": table(tube([1.6] * 3), "wall.csv")}
-    document = run.run(files, tmp_path / "out")
-    assert document["healthy_wall_mm"] == plaque.THICKEST_HEALTHY_MM
-    assert any("no healthy frame" in warning for warning in document["warnings"])
-
-
-def test_outer_wall_that_is_missing_in_a_frame_is_interpolated(table, tmp_path):
-    wall = tube([1.7, 1.7, 1.9, 1.7, 1.7])
-    del wall[13]
-    files = {"lumen": table(tube([1.5] * 5)), "outer_wall": table(wall, "wall.csv")}
-    document = run.run(files, tmp_path / "out")
-    assert any("no outer wall in frames 13" in warning for warning in document["warnings"])
-    assert document["frames"][1]["wall_mean_mm"] is None
-
-
-def test_a_lumen_outside_its_outer_wall_is_refused(table, tmp_path):
-    files = {"lumen": table(tube([1.5] * 3)), "outer_wall": table(tube([1.7, 1.39, 1.7]), "wall.csv")}
-    with pytest.raises(InputError, match="outside the outer wall"):
-        run.run(files, tmp_path / "out")
-    assert not (tmp_path / "out" / "lumen.vtp").exists()
-    files["outer_wall"] = table(tube([1.7, 1.41, 1.7]), "wall.csv")  # hand-drawn lines that cross by 0.09 mm
-    run.run(files, tmp_path / "out")
-
-
-def sector(inner, outer, first_deg, last_deg, centre=(4.0, 5.0)):
-    angle = np.radians(np.linspace(first_deg, last_deg, 60))
-    arc = np.column_stack([np.cos(angle), np.sin(angle)])
-    return np.vstack([inner * arc, outer * arc[::-1]]) + centre
-
-
 @pytest.mark.parametrize("first, last", [(20, 110), (150, 390), (5, 354)])
 def test_calcium_counts_round_the_lumen_whatever_its_depth(table, tmp_path, first, last):
     calcium = {23: (2.0, sector(1.3, 1.5, first, last))}
@@ -296,16 +221,6 @@ def test_calcium_counts_round_the_lumen_whatever_its_depth(table, tmp_path, firs
     assert arcs[2] == pytest.approx(last - first, abs=6) and arcs[:2] + arcs[3:] == [0, 0, 0, 0]
     shadow = any("shadow" in warning for warning in document["warnings"])
     assert shadow == (last - first > 93) or last - first == 90
-
-
-@pytest.mark.parametrize("given, good", [("1", True), ("0", True), ("1.1", False), ("-0.1", False), ("thin", False)])
-def test_a_healthy_wall_is_a_thickness(table, tmp_path, run_module, given, good):
-    lumen, wall = table(tube([1.5] * 3)), table(tube([1.8] * 3), "wall.csv")
-    done = run_module(
-        "anatomy", "contours", lumen, "--outer-wall", wall, f"--healthy-wall={given}", "--out", tmp_path / "out"
-    )
-    assert done.returncode == (0 if good else 2), done.stderr
-    assert good or ("0 to 1, or auto" in done.stderr and given in done.stderr)
 
 
 def raw(parts, numbered=False, closed=False, frame=23, z=2.0):

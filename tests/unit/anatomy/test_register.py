@@ -4,91 +4,12 @@ import json
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
+from registered_vessels import NONE, SHIFT, TURN, alone, moved, registered, straight, tree_of, vessel
 
-from anatomy.register import judge, run, search
-from anatomy.register.match import matched
-from anatomy.register.placement import Placement, Target
+from anatomy.register import judge, run
+from anatomy.register.placement import Placement
 from anatomy.register.run import like
-from anatomy.register.tree import STEP_MM, Line, Tree
 from common.errors import InputError
-
-NONE = (np.zeros((0, 3)), np.zeros((0, 3)))
-TURN = Rotation.from_rotvec(np.radians(40) * np.array([1, 2, -1.5]) / np.linalg.norm([1, 2, -1.5]))
-SHIFT = 60 * np.array([0.6, -0.64, 0.48])
-
-
-def curve(length_mm, seed, start=(0.0, 0.0, 0.0), heading=None, bend=0.06):
-    """Points STEP_MM apart of a smooth curve whose direction wanders, curvature about `bend` (1/mm)."""
-    random = np.random.default_rng(seed)
-    count = int(length_mm / STEP_MM) + 1
-    s = np.arange(count) * STEP_MM
-    direction = np.array([1.0, 0.0, 0.0]) if heading is None else np.asarray(heading) / np.linalg.norm(heading)
-    waves, points = random.uniform(0, 2 * np.pi, (2, 3)), [np.asarray(start, float)]
-    for at in s[1:]:
-        push = np.sin(2 * np.pi * at / 37 + waves[0]) + 0.7 * np.sin(2 * np.pi * at / 19 + waves[1])
-        direction = direction + bend * STEP_MM * (push - direction * (push @ direction))
-        direction = direction / np.linalg.norm(direction)
-        points.append(points[-1] + STEP_MM * direction)
-    return np.array(points)
-
-
-def tree_of(branches, parents, radius=1.5):
-    """A Tree of {name: points}, {name: (parent, sample where it leaves)}."""
-    lines = {
-        name: Line(points, np.linspace(radius, 0.8 * radius, len(points)), np.full(len(points), name))
-        for name, points in branches.items()
-    }
-    routes, ends = {}, []
-    for name, line in lines.items():
-        pieces, at = [line], parents.get(name)
-        while at:
-            parent = lines[at[0]]
-            cut = slice(0, at[1] + 1)
-            pieces.insert(0, Line(parent.points[cut], parent.radius[cut], parent.branch[cut]))
-            at = parents.get(at[0])
-        routes[name] = Line(*(np.concatenate([getattr(p, k) for p in pieces]) for k in ("points", "radius", "branch")))
-        ends.append({"name": f"outlet{len(ends) + 1}", "kind": "outlet", "branch": name})
-        ends[-1].update(centre_mm=line.points[-1].tolist(), normal=[0.0, 0.0, 1.0], region_id=1 + len(ends))
-    inlet = {"name": "inlet", "kind": "inlet", "branch": "main", "region_id": 1, "normal": [0.0, 0.0, 1.0]}
-    inlet["centre_mm"] = lines["main"].points[0].tolist()
-    return Tree(lines, routes, {"ends": [inlet, *ends]}, "test")
-
-
-def vessel(seed=1):
-    """60 mm with a branch at 20 mm and one at 40 mm."""
-    main = curve(60, seed)
-    side1 = curve(15, seed + 10, main[40], np.cross(main[41] - main[40], [0, 0, 1]) + 0.5 * (main[41] - main[40]))
-    side2 = curve(12, seed + 20, main[80], np.cross(main[81] - main[80], [0, 1, 0]) + 0.5 * (main[81] - main[80]))
-    return tree_of({"main": main, "side1": side1, "side2": side2}, {"side1": ("main", 40), "side2": ("main", 80)})
-
-
-def moved(tree, keep=None, names=None, noise=0.05, change=None):
-    """The tree turned by 40 degrees and moved by 60 mm, with noise; keep: {name: slice}, names: {old: new}."""
-    random, branches, parents = np.random.default_rng(3), {}, {}
-    for name, line in tree.branches.items():
-        rows = (keep or {}).get(name, slice(None))
-        if rows is not None:
-            points = line.points if change is None else change(line.points)
-            points = points[rows] + noise * random.standard_normal(points[rows].shape)
-            branches[(names or {}).get(name, name)] = TURN.apply(points) + SHIFT
-    first = (keep or {}).get("main", slice(None)).start or 0
-    for name, at in (("side1", 40), ("side2", 80)):
-        if (names or {}).get(name, name) in branches:
-            parents[(names or {}).get(name, name)] = ("main", at - first)
-    return tree_of(branches, parents)
-
-
-def registered(pre, post, landmarks=NONE):
-    """(Found, Match, Target), refused as the command does."""
-    judge.check_landmarks("case", pre, post, landmarks)
-    target = Target(pre)
-    found = search.best(pre, post, landmarks)
-    match = matched(target, post, found.placement)
-    judge.check_handedness("case: post", pre, post, target, found, match, landmarks)
-    judge.check_direction("case: post", pre, post, found, landmarks)
-    judge.check_fit("case: post", target, post, found, match, landmarks)
-    return found, match, target
 
 
 def wrong_by(found, tree):
@@ -99,12 +20,13 @@ def wrong_by(found, tree):
 
 
 def test_moved_and_noised():
-    found, match, _ = registered(vessel(), moved(vessel()))
+    found, match, target = registered(vessel(), moved(vessel()))
     distance, turn = wrong_by(found, vessel())
     assert distance < 0.05 and turn < 0.2, "of 60 mm and 40 degrees, noise of 0.05 mm a point"
     assert match.names == {"main": "main", "side1": "side1", "side2": "side2"}
     assert not match.missing and not match.new
-    assert match.trimmed_mm < 0.1 and match.shared_mm > 80 and judge.warnings(match) == []
+    assert match.trimmed_mm < 0.1 and match.shared_mm > 80
+    assert judge.warnings(target, moved(vessel()), found, match, NONE) == []
 
 
 def test_cropped_at_both_ends_without_a_branch():
@@ -163,13 +85,6 @@ def test_another_vessel_is_refused(seed):
     assert "usual radius" in str(error.value) or "fit alike" in str(error.value)
 
 
-def straight(length_mm, radius=1.5):
-    points = np.zeros((int(length_mm / STEP_MM) + 1, 3))
-    points[:, 2] = np.arange(len(points)) * STEP_MM
-    line = Line(points, np.full(len(points), radius), np.full(len(points), "main"))
-    return Tree({"main": line}, {"main": line}, vessel().summary, "test")
-
-
 def test_a_straight_vessel_needs_a_landmark():
     """A part of a straight vessel could be any part of it; one place that is seen in both says which."""
     pre, post = straight(16), straight(20)
@@ -225,10 +140,6 @@ def test_the_wrong_inlet_is_named():
         registered(pre, post)
 
 
-def alone(points):
-    return tree_of({"main": points}, {})
-
-
 @pytest.mark.parametrize("marked", [False, True])
 def test_a_mirrored_vessel_is_refused(marked):
     """A single vessel of 60 mm and its mirror image lie within 0.15 radii of each other, which passed before."""
@@ -241,8 +152,10 @@ def test_a_mirrored_vessel_is_refused(marked):
 
 def test_a_vessel_of_another_scale_is_warned_of():
     line = vessel().branches["main"].points
-    _, match, _ = registered(alone(line), alone(TURN.apply(1.1 * line) + SHIFT))
-    assert ["may be another vessel, another scale" in said for said in judge.warnings(match)] == [True]
+    post = alone(TURN.apply(1.1 * line) + SHIFT)
+    found, match, target = registered(alone(line), post)
+    (said,) = judge.warnings(target, post, found, match, NONE)
+    assert "may be another vessel, another scale" in said
 
 
 def test_like_is_json():
@@ -258,8 +171,9 @@ def test_how_much_a_vessel_may_have_changed_its_course(bow_mm, fits):
     bowed = line + bow_mm * np.sin(1.5 * s)[:, None] * np.array([0.0, 0.0, 1.0])
     pre, post = tree_of({"main": line}, {}), tree_of({"main": TURN.apply(bowed) + SHIFT}, {})
     if fits:
-        _, match, _ = registered(pre, post)
-        assert match.trimmed_mm > 0.15 * match.usual_radius_mm and judge.warnings(match), "a hard case"
+        found, match, target = registered(pre, post)
+        assert match.trimmed_mm > 0.15 * match.usual_radius_mm, "a hard case"
+        assert judge.warnings(target, post, found, match, NONE)
     else:
         with pytest.raises(InputError, match="at most 0.3 of 1.[0-9]* mm"):
             registered(pre, post)

@@ -11,6 +11,8 @@ import pytest
 import vtk
 
 from anatomy.contours import run
+from anatomy.measured import read_sections
+from anatomy.planning import outer_wall
 from anatomy.register.run import run as register
 from common import vtp
 
@@ -124,6 +126,28 @@ def test_pull_backs_go_through_the_anatomy(binary, repo_root, shared_data, tmp_p
         arrays = vtp.read_triangles(tmp_path / "anatomy" / "lumen.vtp", "").GetPointData()
         assert set(np.array(arrays.GetArray("plaque_type"))) == {0, 1, 3}
         assert np.array(arrays.GetArray("plaque_thickness_mm")).max() == pytest.approx(1.1, abs=0.1)
+
+
+def test_plaque_where_the_wall_was_traced_in_part(binary, tmp_path):
+    """A vessel of 30 mm, 3 mm wide, in a wall of 3.8 mm; that was traced in the throat alone, as in daily work."""
+    turn = 2 * np.pi * np.arange(60) / 60
+    for name, frames in (("lumen", range(61)), ("wall", [24])):
+        with (tmp_path / f"{name}.csv").open("w") as file:
+            for k in frames:
+                narrowed = 0.35 * (1 + np.cos(np.pi * (k - 24) / 10)) if abs(k - 24) < 10 else 0
+                radius = 1.9 if name == "wall" else 1.5 - narrowed
+                file.writelines(f"{k},{radius * np.cos(t):.4f},{radius * np.sin(t):.4f},{k / 2}\n" for t in turn)
+    run.run({"lumen": tmp_path / "lumen.csv", "outer_wall": tmp_path / "wall.csv"}, tmp_path)
+    command = [binary("lumen"), "process", tmp_path / "lumen.vtp", "--out", tmp_path / "anatomy"]
+    subprocess.run(command, check=True, capture_output=True)
+    found = outer_wall.referenced(read_sections(tmp_path / "anatomy"), tmp_path / "anatomy" / "lumen.vtp")["main"]
+    at = np.array([row["z_mm"] for row in found])
+    plaque = np.array([np.nan if row["plaque_mm"] is None else row["plaque_mm"] for row in found])
+    diameter = np.array([row["reference_diameter_mm"] for row in found])
+    healthy = np.abs(at - 12) > 5
+    assert np.nanmax(plaque[healthy]) < 0.05 and diameter[healthy] == pytest.approx(3.0, abs=0.1)
+    assert plaque[np.abs(at - 12).argmin()] == pytest.approx(0.8, abs=0.05)
+    assert diameter[~healthy].min() > 2.9 and diameter.max() < 3.3
 
 
 @pytest.mark.parametrize("z_from", ["distal", "proximal"])

@@ -1,0 +1,69 @@
+"""The columns of contour tables: by their names where these are known, else frame, x, y, z."""
+
+import numpy as np
+import pytest
+from contour_tables import text, tube
+
+from anatomy.contours import tables
+from common.errors import InputError
+
+ROWS = [line.split(",") for line in text(tube([1.5, 1.4, 1.5])).split()]
+USUAL = "frame,x,y,z"
+
+
+def found(tmp_path, head, order, divider=",", units="mm", quote="", more=()):
+    """The rows read from a table with a line of names, and columns in the order of `order` (of frame, x, y, z)."""
+    lines = [divider.join(f"{quote}{[*row, *more][k]}{quote}" for k in order) for row in ROWS]
+    (tmp_path / "lumen.csv").write_text("\n".join([head, *lines]) + "\n")
+    return tables.read_rows(tmp_path / "lumen.csv", units)
+
+
+@pytest.mark.parametrize(
+    "head, order",
+    [
+        (USUAL, (0, 1, 2, 3)),
+        ("z,x,y,frame", (3, 1, 2, 0)),
+        ("frame,y,x,z", (0, 2, 1, 3)),
+        ("x_mm,y_mm,z_mm,Frame", (1, 2, 3, 0)),
+        ("Z [mm], X [mm], Y [mm], slice", (3, 1, 2, 0)),
+        ("frame_nr,z (mm),x (mm),y (mm)", (0, 3, 1, 2)),
+        ("a,b,c,d", (0, 1, 2, 3)),
+        ("id,x,y,z", (0, 1, 2, 3)),
+        ("Time of the pull-back", (0, 1, 2, 3)),
+    ],
+)
+def test_columns_are_read_by_their_names(tmp_path, head, order):
+    """A table of z, x, y, frame was once read as frame, x, y, z, with areas of another vessel."""
+    assert found(tmp_path, head, order)[:, :4] == pytest.approx(np.array(ROWS, float))
+
+
+def test_a_fifth_column_may_stand_anywhere(tmp_path):
+    rows = found(tmp_path, "deposit,z,y,x,frame", (4, 3, 2, 1, 0), more=[7])
+    assert rows[:, :4] == pytest.approx(np.array(ROWS, float)) and (rows[:, 4] == 7).all()
+    with pytest.raises(InputError, match="(?s)no column is named frame.*line 1"):
+        found(tmp_path, "slice,z,y,x,deposit", (0, 3, 2, 1, 4), more=[7])
+    assert found(tmp_path, "slice,x,y,z,deposit", (0, 1, 2, 3, 4), more=[7])[0, 4] == 7
+
+
+@pytest.mark.parametrize("head, named", [("frame,x_cm,y_cm,z_cm", "cm"), ("frame,x,y,z [um]", "um"), (USUAL, "")])
+def test_units_in_the_names_are_those_declared(tmp_path, head, named):
+    assert len(found(tmp_path, head, (0, 1, 2, 3), units=named or "cm"))
+    if named:
+        with pytest.raises(InputError, match=f"(?s)state other units.*column.*{named}, declared mm.*--units {named}"):
+            found(tmp_path, head, (0, 1, 2, 3))
+    with pytest.raises(InputError, match="image pixels"):
+        found(tmp_path, "frame,x_px,y_px,z_mm", (0, 1, 2, 3))
+
+
+@pytest.mark.parametrize("divider", [",", ";", "\t", " "])
+def test_quoted_fields_are_read(tmp_path, divider):
+    head = divider.join(f'"{name}"' for name in ("z", "x", "y", "frame"))
+    rows = found(tmp_path, head, (3, 1, 2, 0), divider, quote='"')
+    assert rows[:, :4] == pytest.approx(np.array(ROWS, float))
+
+
+def test_a_second_line_of_names_has_its_remedy(tmp_path):
+    with pytest.raises(InputError, match="(?s)a second line of names.*line 2.*-,mm,mm,mm.*one line of names.*--units"):
+        found(tmp_path, USUAL + "\n-,mm,mm,mm", (0, 1, 2, 3))
+    with pytest.raises(InputError, match="(?s)not a number.*line 2"):
+        found(tmp_path, USUAL + "\n3,1.5,n/a,0", (0, 1, 2, 3))

@@ -1,0 +1,48 @@
+"""What fixes the place of a lumen along its vessel, and which way round it lies."""
+
+import numpy as np
+import pytest
+from registered_vessels import SHIFT, TURN, bent, moved, registered, straight, vessel
+
+from anatomy.register import judge
+from anatomy.register.tree import Line, Tree
+from common.errors import InputError
+
+
+@pytest.mark.parametrize("pre, post", [((0, 10), (0, 10)), ((0, 8), (12, 20)), ((0, 12), (0, 10))])
+def test_straight_pieces_of_like_length_need_a_landmark(pre, post):
+    """No rival differs in misfit by less than a tenth, for what juts out at the ends costs more than that."""
+    with pytest.raises(InputError, match="(?s)does not fix the place along it.*slid by a radius.*in place.*landmarks"):
+        registered(bent(*pre), bent(*post))
+
+
+def test_a_vessel_with_bends_needs_no_landmark():
+    found, _, _ = registered(bent(0, 30, bow_mm=3), bent(3, 28, bow_mm=3))
+    assert found.placement.apply(np.array([[0, 0, 10.0]]))[0] == pytest.approx([0, 0, 10], abs=0.1)
+
+
+def test_a_lone_landmark_on_a_straight_vessel_is_warned_of():
+    """Three millimetres wrong, it moved the lumen by as much, with a residual of 0.06 mm and no word."""
+    pre, post = straight(16), straight(20)
+    marks = np.array([[0, 0, 15.68]]), np.array([[0, 0, 16.75]])
+    found, match, target = registered(pre, post, marks)
+    (said,) = judge.warnings(target, post, found, match, marks)
+    assert "nothing but the landmark fixes the place along a straight vessel" in said
+    two = tuple(np.vstack([mark, mark - [[0, 0, 9]]]) for mark in marks)
+    assert judge.warnings(target, post, found, match, two) == []
+    at = vessel().branches["main"].points[[40]]
+    marks, post = (at, TURN.apply(at) + SHIFT), moved(vessel())
+    found, match, target = registered(vessel(), post, marks)
+    assert judge.warnings(target, post, found, match, marks) == []
+
+
+@pytest.mark.parametrize("marks_mm", [[15.68], [15.68, 6.0]])
+def test_landmarks_do_not_turn_a_vessel_round(marks_mm):
+    """Contours read from the wrong end: the inlet afterwards came to the outlet before."""
+    pre, post = straight(16), straight(20)
+    line = post.branches["main"]
+    turned = Line(line.points[::-1], line.radius, line.branch)
+    marks = tuple(np.array([[0, 0, z + more] for z in marks_mm]) for more in (0, 4.07))
+    assert registered(pre, post, marks)
+    with pytest.raises(InputError, match="(?s)the other way round.*inlet_point_mm.*z_from"):
+        registered(pre, Tree({"main": turned}, {"main": turned}, post.summary, "test"), marks)
