@@ -2,6 +2,7 @@
 
 import numpy as np
 from scipy.interpolate import CubicSpline, make_lsq_spline
+from vtkmodules.util.numpy_support import vtk_to_numpy
 
 from common import vtp
 from common.errors import InputError
@@ -11,7 +12,9 @@ from .tables import MILLIMETRES
 SPACING_MM = 0.05
 FEWEST_POINTS = 4  # points that a cubic curve needs
 SHORTEST_MM = 1.0  # shorter than any pull-back: metres of a vessel of 20 to 150 mm were taken for millimetres
-LONGEST_MM = 500.0  # longer than a coronary artery with the aorta: millimetres were taken for metres
+LONGEST_MM = 400.0  # longer than a coronary artery with the aorta: millimetres were taken for centimetres or metres
+RADII = ("MaximumInscribedSphereRadius", "radius_mm", "Radius")  # arrays of radii, by VMTK, by this package, by others
+END_SHARE, WIDER = 0.2, 1.1  # share of a line that is an end; ratio of its radius to that of the first end
 KNOTS_MM = 3.0  # spacing of knots; a coronary bends over longer stretches, a line through voxels jitters over shorter
 
 
@@ -22,7 +25,8 @@ class Line:
     by double reflection: Wang et al., ACM Trans Graph 27 (2008) 2).
     """
 
-    def __init__(self, points):
+    def __init__(self, points, warnings=()):
+        self.warnings = list(warnings)
         points = _smoothed(np.asarray(points, float))
         along = _lengths(points)
         count = max(int(np.ceil(along[-1] / SPACING_MM)), 3) + 1
@@ -68,7 +72,8 @@ def read(path, units, number=None):
         raise InputError("several lines to lay the pull-back on", path, f"{len(found)} lines", which)
     if number is not None and not 1 <= number <= len(found):
         raise InputError("no such line", path, f"line {number} of {len(found)}", which)
-    points = vtp.points(poly)[found[(number or 1) - 1]] * MILLIMETRES[units]
+    rows = found[(number or 1) - 1]
+    points = vtp.points(poly)[rows] * MILLIMETRES[units]
     if not np.isfinite(points).all():
         value = f"point {int((~np.isfinite(points)).any(axis=1).argmax()) + 1} of line {number or 1}"
         raise InputError("a point of the centreline is not finite", path, value, "remove it and export the line again")
@@ -80,7 +85,21 @@ def read(path, units, number=None):
         remedy = "declare the units of the centreline's file (centreline: units, --centreline-units)"
         which = "shorter" if length < SHORTEST_MM else "longer"
         raise InputError(f"the centreline is {which} than any vessel", path, f"{length:.3g} mm as {units}", remedy)
-    return Line(points)
+    return Line(points, _widening(poly, rows))
+
+
+def _widening(poly, rows):
+    """Warns of a line whose radii, if the file has them, grow along it: it probably begins at the distal end."""
+    radii = next((array for name in RADII if (array := poly.GetPointData().GetArray(name))), None)
+    if radii is None:
+        return
+    radius, end = vtk_to_numpy(radii)[rows], max(1, int(END_SHARE * len(rows)))
+    first, last = np.median(radius[:end]), np.median(radius[-end:])
+    if last > WIDER * first > 0:
+        yield (
+            f"the centreline's radius grows from {first:.3g} to {last:.3g} along it: does it begin at the proximal end?"
+            " Otherwise turn it round"
+        )
 
 
 def _unit(vectors):

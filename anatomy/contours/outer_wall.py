@@ -3,7 +3,7 @@
 import numpy as np
 
 from . import rings
-from .outlines import area_mm2, centroid
+from .outlines import centroid
 
 NAMED = 5  # frames that a warning names; of more it gives the range
 
@@ -23,7 +23,7 @@ def outlines_of(frames, z_mm, count):
     have = np.flatnonzero(traced(frames))
     centre = np.array([centroid(rings.smooth(frame.lumen)) for frame in frames])
     walls = np.array([rings.ring(frames[k].outer_wall, count) - centre[k] for k in have])
-    areas = np.array([area_mm2(rings.smooth(frames[k].outer_wall)) for k in have])
+    areas = np.array([rings.area_mm2(frames[k].outer_wall) for k in have])
     shapes, sizes = (rings.between(z_mm[have], values)(z_mm) for values in (walls, areas))
     return rings.scaled(shapes, sizes) + centre[:, None]
 

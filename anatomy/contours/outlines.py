@@ -3,6 +3,7 @@
 from collections import Counter
 
 import numpy as np
+from matplotlib.path import Path
 
 from common.errors import InputError
 
@@ -11,6 +12,7 @@ FEWEST_POINTS = 8  # of an outline; with fewer a round lumen cannot be told from
 WIDEST_MM = 15.0  # coronary arteries, even with ectasia, are narrower; outlines in pixels are wider
 LEAST_AREA_MM2 = 0.03  # a radius of 0.1 mm, less than the catheter's own
 UNEVEN = 1.5  # of the longest step of a line: largest gap over which it still comes back to its beginning
+MOSTLY = 0.9  # share of an outline's points within another: the rest touches it
 BRIDGE = 3.0  # of such a gap: from this length on, the two steps to the next outline and back are a bridge
 
 
@@ -45,8 +47,10 @@ def split(points):
     return found
 
 
-def checked(points, where, several):
+def checked(points, where, several, may_be_ring=False):
     """The outline of points (n, 2), counter-clockwise, each once. several: the remedy for several that were joined.
+
+    may_be_ring: it may go round and come back within itself, as a sheet of calcium round nearly the whole vessel.
 
     Raises InputError for an outline with points listed twice, one that crosses itself, one with a second outline behind
     it, too few points, or a size that no coronary artery has.
@@ -61,7 +65,7 @@ def checked(points, where, several):
         raise InputError("too wide for a coronary artery", where, f"{size:.4g} mm", remedy)
     _refuse("points of an outline are listed twice", _twice(points), where, f"list each once; {several}")
     _refuse("the outline crosses itself", _crossing(points), where, f"trace the frame again, or drop_frames; {several}")
-    _refuse("two outlines in one", _second(points), where, several)
+    _refuse("two outlines in one", _second(points, may_be_ring), where, several)
     area = area_mm2(points)
     if abs(area) < LEAST_AREA_MM2:
         remedy = f"at least {LEAST_AREA_MM2} mm2: check units, or leave out what is no outline, or points listed twice"
@@ -108,7 +112,7 @@ def _crossing(points):
     return begin[i[both][0]] if both.any() else None
 
 
-def _second(points):
+def _second(points, may_be_ring):
     """The point (2,) of a closed outline where a second one begins after the first has come back to its beginning.
 
     Both come back as evenly as they are drawn. The gap left is narrow: at most a quarter of the outline's width if it
@@ -122,9 +126,20 @@ def _second(points):
     for first, *both in zip(k[even], gaps[0][even], gaps[1][even]):
         bridge, others = min(step[first - 1], step[-1]), np.delete(step, [first - 1, -1])
         over = bridge / BRIDGE if bridge > others.max() else 0.0
-        if all(gap <= max(_half_radius(part), over) for gap, part in zip(both, np.split(points, [first]))):
+        parts = np.split(points, [first])
+        if may_be_ring and _comes_back_within(*parts):
+            continue
+        if all(gap <= max(_half_radius(part), over) for gap, part in zip(both, parts)):
             return points[first]
     return None
+
+
+def _comes_back_within(one, other):
+    """Whether one part of an outline lies within the other and runs the other way, as a sheet's inner line does."""
+    if area_mm2(one) * area_mm2(other) > 0:
+        return False
+    outer, inner = sorted((one, other), key=lambda part: -abs(area_mm2(part)))
+    return Path(outer).contains_points(inner).mean() > MOSTLY
 
 
 def _half_radius(outline):

@@ -7,7 +7,7 @@ import numpy as np
 from common.errors import InputError
 
 from . import rings
-from .outlines import area_mm2, centroid
+from .outlines import centroid
 
 FARTHEST_MM = 3.0  # largest disagreement of landmarks along the line: a frame is picked to within 2 or 3 mm
 NEAREST_MM = 0.2  # least distance of a landmark from the axis; nearer, half a voxel turns it by a right angle
@@ -155,7 +155,7 @@ def _check_far(pullback, z, where, distance):
 
     The radius is the frames' median, or that at the landmark's z (m,) if it is larger.
     """
-    radii = np.sqrt([area_mm2(frame.lumen) / np.pi for frame in pullback.frames])
+    radii = np.sqrt([rings.area_mm2(frame.lumen) / np.pi for frame in pullback.frames])
     radius = np.maximum(rings.between(pullback.z_mm, radii)(z), np.median(radii))
     k = int((distance / radius).argmax())
     if distance[k] > FARTHEST_RADII * radius[k]:

@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 from common.errors import InputError
 
 from . import outer_wall, rings
-from .outlines import area_mm2, centroid
+from .outlines import centroid
 
 NONE, FIBROUS, LIPID, CALCIFIED = 0, 1, 2, 3
 KINDS = {"lipid": LIPID, "calcium": CALCIFIED}  # where both are traced, the later one counts
@@ -108,5 +108,5 @@ def burden_percent(frame):
     """Plaque burden in percent: area between outer wall and lumen over area within the outer wall; None without it."""
     if frame.outer_wall is None:
         return None
-    outer = area_mm2(rings.smooth(frame.outer_wall))
-    return 100 * (outer - area_mm2(rings.smooth(frame.lumen))) / outer
+    outer = rings.area_mm2(frame.outer_wall)
+    return 100 * (outer - rings.area_mm2(frame.lumen)) / outer

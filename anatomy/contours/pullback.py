@@ -6,8 +6,7 @@ import numpy as np
 
 from common.errors import InputError
 
-from . import tables
-from .outlines import area_mm2
+from . import rings, tables
 
 SAME_Z_MM = 0.01  # difference in z of one frame in two tables, which may be rounded to two decimals
 SAME_PLACE_MM = 0.005  # frames nearer are at one place; at 0.5 mm/s and 60 frames a second they are 0.008 mm apart
@@ -121,7 +120,7 @@ def _matched(found, files, what, frames, warnings):
 
 
 def _say_branches(branches, warnings):
-    widths = {z: 2 * np.sqrt(max(map(area_mm2, several)) / np.pi) for z, several in branches.values()}
+    widths = {z: 2 * np.sqrt(max(map(rings.area_mm2, several)) / np.pi) for z, several in branches.values()}
     if widths:
         warnings.append(
             f"a side branch runs beside the vessel from z {min(widths):.1f} to {max(widths):.1f} mm, up to "

@@ -3,7 +3,8 @@
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from .outlines import area_mm2, centroid
+from . import outlines
+from .outlines import centroid
 
 FINE = 1000  # points of a spline through an outline, for lengths and distances
 
@@ -17,6 +18,11 @@ def smooth(outline, count=FINE):
     along = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(fine, axis=0), axis=1))])
     wanted = np.linspace(0, along[-1], count, endpoint=False)
     return np.column_stack([np.interp(wanted, along, fine[:, k]) for k in range(2)])
+
+
+def area_mm2(outline):
+    """Area within the spline through an outline (n, 2), the one measure of frames; its corners alone enclose less."""
+    return outlines.area_mm2(smooth(outline))
 
 
 def ring(outline, count):
@@ -55,5 +61,5 @@ def scaled(ring_list, areas_mm2):
     out = np.empty_like(ring_list)
     for k, (one, area) in enumerate(zip(ring_list, areas_mm2)):
         centre = centroid(one)
-        out[k] = centre + np.sqrt(area / area_mm2(one)) * (one - centre)
+        out[k] = centre + np.sqrt(area / outlines.area_mm2(one)) * (one - centre)
     return out

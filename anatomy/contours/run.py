@@ -9,8 +9,7 @@ from common import vtp
 from common.errors import InputError
 from common.files import write_json
 
-from . import line, loft, outer_wall, picture, placing, plaque, pullback, rings
-from .outlines import area_mm2
+from . import doubts, line, loft, outer_wall, picture, placing, plaque, pullback, rings
 
 SCHEMA = "vci-contours-1"
 ARRAYS = ("plaque_thickness_mm", "plaque_type")  # at the surface's points
@@ -26,6 +25,7 @@ def run(files, out, units="mm", healthy_wall_mm="auto", reading=None, laying=Non
     proximal_s_mm, rotation_deg, mirrored}; reading: {z_from, z_range_mm, drop_frames}. Raises InputError.
     """
     pull = pullback.read(files, units, **(reading or {}))
+    pull.warnings.extend(doubts.warnings(pull))
     place = _placing(pull, dict(laying)) if laying else placing.straight(pull)
     lumen = loft_of(pull, place)
     arrays, found = _plaque(pull, files, healthy_wall_mm, lumen)
@@ -60,11 +60,12 @@ def loft_of(pull, place):
 
 def _areas(pull, z_mm):
     """Areas in mm2 at z: the outlines' areas at the frames, interpolated monotonically between them."""
-    return rings.between(pull.z_mm, np.array([area_mm2(rings.smooth(frame.lumen)) for frame in pull.frames]))(z_mm)
+    return rings.between(pull.z_mm, np.array([rings.area_mm2(frame.lumen) for frame in pull.frames]))(z_mm)
 
 
 def _placing(pull, laying):
     axis = line.read(laying.pop("centreline"), laying.pop("units", "mm"), laying.pop("line", None))
+    pull.warnings.extend(axis.warnings)
     return placing.on_line(pull, axis, **laying)
 
 
@@ -133,8 +134,8 @@ def _document(pull, place, lumen, found):
             {
                 "frame": frame.name,
                 "z_mm": pull.sign * frame.z_mm,
-                "lumen_area_mm2": area_mm2(frame.lumen),
-                "outer_wall_area_mm2": area_mm2(frame.outer_wall) if traced else None,
+                "lumen_area_mm2": rings.area_mm2(frame.lumen),
+                "outer_wall_area_mm2": rings.area_mm2(frame.outer_wall) if traced else None,
                 "plaque_burden_percent": plaque.burden_percent(frame),
                 "wall_mean_mm": float(distance.mean()) if traced else None,
                 "wall_max_mm": float(distance.max()) if traced else None,

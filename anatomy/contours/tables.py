@@ -13,6 +13,7 @@ from . import columns, outlines
 MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 0.001}
 PLANE_MM = 0.01  # scatter of z within a frame, by rounding to two decimals or by rotating there and back
 COLUMNS = "four numbers: frame, x, y, z; decimal points; a fifth, the outline's number, in all lines or in none"
+SHEETS = ("calcium", "lipid")  # deposits, which may reach round nearly the whole vessel
 NUMBER_THEM = "number several deposits of a frame in a fifth column"
 
 
@@ -74,7 +75,7 @@ def read_outlines(path, units, what, wanted=None):
     name = what.replace("_", " ")
     one = f"one outline of the {name} in each frame, listed once; side branches have their own table (branches)"
     found = {}
-    for frame, (z, several) in _read(path, units, what, wanted, one).items():
+    for frame, (z, several) in _read(path, units, what, wanted, one, False).items():
         if len(several) > 1:
             raise InputError("several outlines in one frame", _where(path, what, frame), len(several), one)
         found[frame] = z, several[0]
@@ -86,16 +87,17 @@ def read_regions(path, units, what, wanted=None):
 
     They are told apart by their number, or by each of them ending on the point where it began.
     """
-    return _read(path, units, what, wanted, NUMBER_THEM)
+    return _read(path, units, what, wanted, NUMBER_THEM, what in SHEETS)
 
 
-def _read(path, units, what, wanted, remedy):
+def _read(path, units, what, wanted, remedy, may_be_ring):
     found = {}
     for frame, rows in _frames(read_rows(path, units)):
         if wanted is None or wanted(frame, rows[0, 3]):
             where = _where(path, what, frame)
             _check_plane(rows, where)
-            found[frame] = float(rows[0, 3]), [outlines.checked(part, where, remedy) for part in _parts(rows)]
+            several = [outlines.checked(part, where, remedy, may_be_ring) for part in _parts(rows)]
+            found[frame] = float(rows[0, 3]), several
     return found
 
 

@@ -1,0 +1,51 @@
+"""Warnings of a pull-back that can be read, yet is probably of other units, the other way round or of mixed phases."""
+
+import numpy as np
+
+from . import rings
+
+WIDER = 1.1  # ratio of the distal third's diameter to that of the proximal third
+HEALTHY_PERCENTILE = 90  # of the diameters in a third, so that a lesion there does not count
+WIDEST_USUAL_MM, NARROWEST_USUAL_MM = 6.0, 1.2  # median diameter; mean radii of coronaries, even ectatic, are 0.6 to 3
+# Of areas from frame to frame: share of changes of sign, and the usual change against both neighbours. Hand-drawn
+# outlines of one phase change sign in three of four frames; systole differs from diastole by 8 % and more.
+ALTERNATING, PHASES_PERCENT, PHASES_FRAMES = 0.9, 5.0, 8
+
+
+def warnings(pull):
+    """Sentences on the pull-back's width, direction and phases; mostly none."""
+    areas = np.array([rings.area_mm2(frame.lumen) for frame in pull.frames])
+    return [*_width(areas), *_widening(pull, areas), *_phases(areas)]
+
+
+def _width(areas):
+    usual = 2 * np.sqrt(np.median(areas) / np.pi)
+    if not NARROWEST_USUAL_MM <= usual <= WIDEST_USUAL_MM:
+        yield (
+            f"the lumen is {usual:.2f} mm wide (median), coronary arteries {NARROWEST_USUAL_MM:g} to"
+            f" {WIDEST_USUAL_MM:g} mm: check units, or the size of a pixel"
+        )
+
+
+def _widening(pull, areas):
+    third = np.ptp(pull.z_mm) / 3
+    thirds = pull.z_mm <= pull.z_mm[0] + third, pull.z_mm >= pull.z_mm[-1] - third
+    distal, proximal = (np.percentile(np.sqrt(areas[end]), HEALTHY_PERCENTILE) for end in thirds)
+    if distal > WIDER * proximal:
+        yield (
+            f"the distal third is {distal / proximal:.2f} times as wide as the proximal one: does z rise from the"
+            " distal end? Otherwise set z_from: proximal (--z-from). A narrowed or anomalous first part looks the same"
+        )
+
+
+def _phases(areas):
+    if len(areas) < PHASES_FRAMES:
+        return
+    off = areas[1:-1] / (0.5 * (areas[:-2] + areas[2:])) - 1
+    alternating = np.mean(np.sign(off[1:]) != np.sign(off[:-1]))
+    percent = 100 * np.median(np.abs(off))
+    if alternating >= ALTERNATING and percent >= PHASES_PERCENT:
+        yield (
+            f"areas rise and fall by turns, by {percent:.0f} % from frame to frame (median): are systole and diastole"
+            " mixed? Use the frames of one phase, best diastole (drop_frames)"
+        )

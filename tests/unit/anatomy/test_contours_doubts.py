@@ -1,0 +1,77 @@
+"""A pull-back of probably other units, the other way round, or of mixed phases is warned of; sound ones are not."""
+
+import numpy as np
+import pytest
+from contour_tables import sector, tube
+
+from anatomy.contours import line, run
+
+
+def warnings_of(table, folder, frames, **options):
+    return run.run({"lumen": table(frames)}, folder, **options)["warnings"]
+
+
+def said(warnings, words):
+    return any(words in warning for warning in warnings)
+
+
+@pytest.mark.parametrize("radius, told", [(1.5, False), (2.9, False), (4.5, True), (0.5, True)])
+def test_a_lumen_too_wide_or_too_narrow_for_its_units(table, tmp_path, radius, told):
+    assert said(warnings_of(table, tmp_path / "out", tube([radius] * 6)), "check units") == told
+
+
+@pytest.mark.parametrize("turned, told", [(False, False), (True, True)])
+def test_a_vessel_that_widens_towards_its_distal_end(table, tmp_path, turned, told):
+    """z rises from the distal end; a lesion in the proximal third does not count."""
+    radii = np.linspace(1.2, 1.8, 13)
+    radii[10] = 0.9
+    found = warnings_of(table, tmp_path / "out", tube(radii[::-1] if turned else radii))
+    assert said(found, "z_from: proximal") == told
+
+
+@pytest.mark.parametrize("systole, told", [(0.9, True), (0.99, False)])
+def test_frames_of_two_phases(table, tmp_path, systole, told):
+    radii = 1.5 * np.where(np.arange(20) % 2, systole, 1.0)
+    assert said(warnings_of(table, tmp_path / "out", tube(radii)), "systole and diastole") == told
+
+
+def test_a_lesion_between_two_healthy_ends_is_no_mixture_of_phases(table, tmp_path):
+    radii = 1.5 - 0.6 * np.exp(-(((np.arange(20) - 9) / 3.0) ** 2))
+    found = warnings_of(table, tmp_path / "out", tube(radii))
+    assert not said(found, "systole") and not said(found, "z_from") and not said(found, "units")
+
+
+def test_the_record_has_the_area_of_the_lumen_that_is_built(table, tmp_path):
+    """Eight corners enclose 10 % less than the circle that they lie on."""
+    document = run.run({"lumen": table(tube([1.5] * 5, count=8))}, tmp_path / "out")
+    assert document["frames"][2]["lumen_area_mm2"] == pytest.approx(np.pi * 1.5**2, rel=0.005)
+
+
+def test_a_sheet_of_calcium_round_nearly_the_whole_vessel_is_one_deposit(table, tmp_path):
+    ring = {23: (2.0, sector(1.6, 1.8, 0, 358))}
+    files = {"lumen": table(tube([1.5] * 5)), "outer_wall": table(tube([1.9] * 5), "wall.csv")}
+    document = run.run(files | {"calcium": table(ring, "calcium.csv")}, tmp_path / "out")
+    assert document["frames"][2]["calcium_arc_deg"] == pytest.approx(359, abs=2)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_centreline_that_begins_at_its_distal_end(tmp_path, turned):
+    import vtkmodules.all as vtk  # writes a line with radii, as VMTK does
+
+    points, cells = vtk.vtkPoints(), vtk.vtkCellArray()
+    radii = vtk.vtkDoubleArray()
+    radii.SetName("MaximumInscribedSphereRadius")
+    s = np.linspace(0, 40, 81)
+    cells.InsertNextCell(len(s))
+    for one in s[::-1] if turned else s:
+        cells.InsertCellPoint(points.InsertNextPoint(one, 0.02 * one**2, 0))
+        radii.InsertNextValue(1.9 - 0.018 * one)
+    poly = vtk.vtkPolyData()
+    poly.SetPoints(points)
+    poly.SetLines(cells)
+    poly.GetPointData().AddArray(radii)
+    writer = vtk.vtkXMLPolyDataWriter()
+    writer.SetFileName(str(tmp_path / "line.vtp"))
+    writer.SetInputData(poly)
+    writer.Write()
+    assert said(line.read(tmp_path / "line.vtp", "mm").warnings, "begin at the proximal end") == turned
