@@ -16,8 +16,8 @@ constexpr double deepest_step = 0.737;  // ratio past a fork into two equal bran
 constexpr double ectatic = 1.5;         // width over the widest lumen beside it (definition of coronary ectasia)
 constexpr double flank = 0.99;          // of an ectasia: ratio of neighbouring sections, steeper than any taper
 constexpr double least_share = 0.1;     // of D^m without side branches: least value behind them
-// Taper per mm, over the diameter. Six times that of the LAD: 3.7 to 1.9 mm, Dodge 1992.
-constexpr double steepest = 0.03;
+// Taper per mm, over the first diameter. The LAD loses half of its width (3.7 to 1.9 mm, Dodge 1992), .5 % per mm.
+constexpr double steepest = 0.015;
 constexpr double other_reading = 1.05; // ratio from which another reading is told
 
 using Sides = std::vector<std::pair<double, double>>;
@@ -97,7 +97,7 @@ std::vector<Candidate> candidates(const std::vector<Calibre>& measured, const Si
     for (std::size_t j = i + every; j < trunk.size(); j += every) {
       const double slope = (trunk[j].diameter - trunk[i].diameter) / (trunk[j].s - trunk[i].s);
       const ReferenceLine line{trunk[i].diameter - slope * trunk[i].s, slope};
-      if (slope < 0 && -slope < steepest * trunk[i].diameter && line.at(trunk.back().s) > 0)
+      if (slope < 0 && -slope < steepest * line.at_start && line.at(trunk.back().s) > 0)
         add(line);
     }
   }
@@ -156,7 +156,7 @@ ReferenceLine fitted(ReferenceLine line, const std::vector<Calibre>& trunk, std:
     }
     const double spread = wss - ws * ws / w;
     // a healthy vessel does not widen, nor does it taper as the shoulder of a lesion does
-    line.slope = spread > 1e-9 * wss ? std::clamp((wsd - ws * wd / w) / spread, -steepest * wd / w, 0.0) : 0;
+    line.slope = spread > 1e-9 * wss ? std::clamp((wsd - ws * wd / w) / spread, -steepest * line.at_start, 0.0) : 0;
     line.at_start = (wd - line.slope * ws) / w;
   }
   return line;
