@@ -6,6 +6,7 @@ import re
 from common.errors import InputError
 
 PLACES = ("x", "y", "z")
+OUTLINE = re.compile(r"|(?:outline|contour|part|deposit|region|number)(?:[ _.-]?(?:no|nr|number|id|index))?")
 USUAL = [0, 1, 2, 3]  # frame, x, y, z, where no names say otherwise
 UNITS = {"µm": "um", "μm": "um", "micron": "um", "microns": "um", "pixel": "px", "pixels": "px"}
 NAME = re.compile(
@@ -29,7 +30,9 @@ def names_in(line):
 
 
 def order(names, units, where):
-    """Numbers of the columns of frame, x, y, z, and of a fifth if there is one, by a line of names (fields).
+    """Numbers of the columns of frame, x, y, z, and of the outline's number if there is one, by names (fields).
+
+    A fifth column of another name is not read, nor is one without a name before the others: a spreadsheet's row number.
 
     Names that are not known leave the columns where they usually are. Raises InputError if the names contradict the
     units declared, or if x, y and z stand at other places and the frame cannot be told.
@@ -50,7 +53,9 @@ def order(names, units, where):
     if frame is None or ("frame" not in found and len(others) > 1 and [found[p] for p in PLACES] != USUAL[1:]):
         remedy = "name the frame's column frame; the fifth is the number of an outline"
         raise InputError("no column is named frame", where, ", ".join(names), remedy)
-    return [frame, *(found[place] for place in PLACES), *(number for number in others if number != frame)]
+    fifth = [k for k in others if k != frame and (names[k].strip() or k == 4)]
+    fifth = [k for k in fifth if OUTLINE.fullmatch(names[k].strip().lower())]
+    return [frame, *(found[place] for place in PLACES), *fifth[:1]]
 
 
 def _check_units(named, units, where):

@@ -33,7 +33,7 @@ def read_rows(path, units):
     except (OSError, EOFError, UnicodeDecodeError) as error:
         remedy = "a spreadsheet: export it as CSV; a compressed table: copy it again, it is damaged"
         raise InputError("the contour table is not text", path, error, remedy) from error
-    rows, names = [], None
+    rows, names, named = [], None, 0
     for number, line in enumerate(lines, start=1):
         line = line.strip()
         if not line or line.startswith("#"):
@@ -43,7 +43,8 @@ def read_rows(path, units):
             row = [float(field) for field in fields]
         except ValueError:
             if not rows and names is None:
-                names = columns.order(columns.names_in(line), units, f"{path}, line {number}")
+                found = columns.names_in(line)
+                names, named = columns.order(found, units, f"{path}, line {number}"), len(found)
                 continue
             raise _no_numbers(fields, f"{path}, line {number}", line, bool(rows)) from None
         if len(row) not in (4, 5) or len(row) != len((rows or [row])[0]) or not np.isfinite(row).all():
@@ -52,8 +53,8 @@ def read_rows(path, units):
     if not rows:
         raise InputError("no points in the contour table", path, f"{len(lines)} lines", "lines of frame, x, y, z")
     table = np.zeros((len(rows), 5))
-    by_name = names and len(names) == len(rows[0])
-    table[:, : len(rows[0])] = np.array(rows)[:, names] if by_name else rows
+    wanted = names if names and named == len(rows[0]) else range(len(rows[0]))
+    table[:, : len(wanted)] = np.array(rows)[:, wanted]
     table[:, 1:4] *= MILLIMETRES[units]
     return table
 

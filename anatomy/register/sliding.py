@@ -8,6 +8,7 @@ from .tree import STEP_MM
 
 SLID_RADII = 1.0  # by how much the lumen afterwards is slid, in usual radii
 AS_WELL = 0.07  # of the usual radius: right pairs have up to 0.05, 30 mm of a real artery slid by a radius 0.10
+DIFFERS = 0.14  # of the usual radius: a piece that fits so badly when slid is not straight, whatever its spread
 STRAIGHT = 0.25  # of the usual radius: rms distance from a straight line, as of the centres of an eccentric lumen
 NO_LANDMARKS = (np.zeros((0, 3)), np.zeros((0, 3)))
 
@@ -24,7 +25,9 @@ def slides(target, tree, placement, match):
     points = tree.branches["main"].points
     spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[1] / np.sqrt(len(points))
     residual = slid_residual(target, tree, placement)
-    return spread < STRAIGHT * target.usual_radius_mm or (residual is not None and residual < AS_WELL)
+    if residual is None:
+        return spread < STRAIGHT * target.usual_radius_mm
+    return residual < (DIFFERS if spread < STRAIGHT * target.usual_radius_mm else AS_WELL)
 
 
 def slid_residual(target, tree, placement):

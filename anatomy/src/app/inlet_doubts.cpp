@@ -5,8 +5,10 @@ namespace anatomy {
 namespace {
 
 constexpr double about_as_wide = 0.9; // over the inlet's diameter
-constexpr double widening = 1.1;      // of the last third's widest ball over that of the first
+constexpr double widening = 1.04;     // of the last third's healthy width over that of the first
+constexpr double healthy = 0.9;       // quantile of the widths in a third: lesions and short ectasias do not count
 constexpr double leans_back = -0.2;   // cosine: twelve degrees beyond a right angle
+constexpr double far_back = -0.5;     // the same for a single branch: a conus branch may lean back by 25 degrees
 constexpr double leaving = 2;         // radii of the side branch along which its direction is taken
 
 std::string by_another_end(const std::vector<End>& ends) {
@@ -24,14 +26,20 @@ std::string by_another_end(const std::vector<End>& ends) {
   return text;
 }
 
+double healthy_width(std::vector<double> radii) {
+  const auto at = static_cast<std::ptrdiff_t>(healthy * static_cast<double>(radii.size() - 1));
+  std::nth_element(radii.begin(), radii.begin() + at, radii.end());
+  return 2 * radii[static_cast<std::size_t>(at)];
+}
+
 std::string by_widening(const Branch& main) {
-  const auto third = static_cast<std::ptrdiff_t>(main.radius.size() / 3);
-  const double first = *std::max_element(main.radius.begin(), main.radius.begin() + std::max<std::ptrdiff_t>(third, 1));
-  const double last = *std::max_element(main.radius.end() - std::max<std::ptrdiff_t>(third, 1), main.radius.end());
+  const auto third = std::max<std::ptrdiff_t>(std::ssize(main.radius) / 3, 1);
+  const double first = healthy_width({main.radius.begin(), main.radius.begin() + third});
+  const double last = healthy_width({main.radius.end() - third, main.radius.end()});
   if (last < widening * first)
     return "";
   char text[120];
-  std::snprintf(text, sizeof text, "the vessel widens from it, from %.2f to %.2f mm", 2 * first, 2 * last);
+  std::snprintf(text, sizeof text, "the vessel widens from it, from %.2f to %.2f mm", first, last);
   return text;
 }
 
@@ -46,15 +54,17 @@ Vec3 direction(const Branch& branch, double s, double length) {
 
 std::string by_side_branches(const std::vector<Branch>& branches) {
   int all = 0, back = 0;
+  double cosine = 0;
   for (const Branch& side : branches) {
     if (side.parent < 0)
       continue;
     const double length = leaving * side.radius_at(side.s_outside);
     const Branch& parent = branches[static_cast<std::size_t>(side.parent)];
     ++all;
-    back += direction(side, side.s_outside, length).dot(direction(parent, side.s_on_parent, length)) < leans_back;
+    cosine = direction(side, side.s_outside, length).dot(direction(parent, side.s_on_parent, length));
+    back += cosine < leans_back;
   }
-  if (2 * back <= all)
+  if (2 * back <= all || (all == 1 && cosine > far_back))
     return "";
   return std::to_string(back) + " of " + std::to_string(all) + " side branches lean back towards it";
 }

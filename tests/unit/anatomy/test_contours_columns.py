@@ -45,6 +45,15 @@ def test_a_fifth_column_may_stand_anywhere(tmp_path):
     assert found(tmp_path, "slice,x,y,z,deposit", (0, 1, 2, 3, 4), more=[7])[0, 4] == 7
 
 
+@pytest.mark.parametrize(
+    "head, places",
+    [("frame,x,y,z,angle", (0, 1, 2, 3, 4)), ("point,frame,x,y,z", (4, 0, 1, 2, 3)), (",frame,x,y,z", (4, 0, 1, 2, 3))],
+)
+def test_a_fifth_column_that_numbers_no_outline_is_not_read(tmp_path, head, places):
+    rows = found(tmp_path, head, places, more=[7])
+    assert rows[:, :4] == pytest.approx(np.array(ROWS, float)) and (rows[:, 4] == 0).all()
+
+
 @pytest.mark.parametrize("head, named", [("frame,x_cm,y_cm,z_cm", "cm"), ("frame,x,y,z [um]", "um"), (USUAL, "")])
 def test_units_in_the_names_are_those_declared(tmp_path, head, named):
     assert len(found(tmp_path, head, (0, 1, 2, 3), units=named or "cm"))

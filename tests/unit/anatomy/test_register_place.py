@@ -2,10 +2,13 @@
 
 import numpy as np
 import pytest
-from registered_vessels import SHIFT, TURN, bent, moved, registered, straight, vessel
+from registered_vessels import SHIFT, TURN, alone, bent, moved, registered, straight, vessel
+from scipy.spatial.transform import Rotation
 
-from anatomy.register import judge
-from anatomy.register.tree import Line, Tree
+from anatomy.register import judge, sliding
+from anatomy.register.match import matched
+from anatomy.register.placement import Placement, Target
+from anatomy.register.tree import STEP_MM, Line, Tree
 from common.errors import InputError
 
 
@@ -19,6 +22,20 @@ def test_straight_pieces_of_like_length_need_a_landmark(pre, post):
 def test_a_vessel_with_bends_needs_no_landmark():
     found, _, _ = registered(bent(0, 30, bow_mm=3), bent(3, 28, bow_mm=3))
     assert found.placement.apply(np.array([[0, 0, 10.0]]))[0] == pytest.approx([0, 0, 10], abs=0.1)
+
+
+def test_narrow_bends_fix_the_place_though_the_vessel_is_nearly_straight():
+    """The axis stays within a quarter of the radius of a line, but slid by a radius it fits no more."""
+
+    def wound(first, last):
+        z = np.arange(first, last, STEP_MM)
+        return alone(np.column_stack([0.3 * np.cos(z), 0.3 * np.sin(0.75 * z), z]))
+
+    target, piece = Target(wound(0, 22)), wound(3, 19)
+    in_place = Placement(Rotation.identity(), np.zeros(3))
+    assert not sliding.slides(target, piece, in_place, matched(target, piece, in_place))
+    target, piece = Target(bent(0, 22)), bent(3, 19)
+    assert sliding.slides(target, piece, in_place, matched(target, piece, in_place))
 
 
 def test_a_lone_landmark_on_a_straight_vessel_is_warned_of():

@@ -1,6 +1,6 @@
 """The real surfaces of the shared data, from the file to the volume mesh of the deployed lumen, as a table.
 
-Run: /usr/bin/python3 tests/verification/anatomy/real_table.py --out FOLDER [--build build]. FOLDER/real.md has a row for
+Run: /usr/bin/python3 tests/verification/anatomy/real_table.py --out FOLDER [--build build]. FOLDER/real.md has a row of
 each surface: its ends, worst lesion, plan by `plan: auto`, the first step that was refused, or the tetrahedra of the
 mesh, and CPU seconds. Each surface keeps its folder with all files.
 """
@@ -35,7 +35,9 @@ def plan_of(plan):
     """The devices of a plan in the order of its steps, and the number of its remarks."""
     used = [one["device"] for step in plan["procedure"] for one in step["devices"]]
     remarks = len(plan["reference"].get("remarks", []))
-    return ", ".join(name.replace("_", " ") for name in used) + (f"; {remarks} remark{'s' * (remarks > 1)}" if remarks else "")
+    return ", ".join(name.replace("_", " ") for name in used) + (
+        f"; {remarks} remark{'s' * (remarks > 1)}" if remarks else ""
+    )
 
 
 def row_of(surface, ends, folder, build):
