@@ -14,7 +14,7 @@ MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 0.001}
 PLANE_MM = 0.01  # scatter of z within a frame, by rounding to two decimals or by rotating there and back
 COLUMNS = "four numbers: frame, x, y, z; decimal points; a fifth, the outline's number, in all lines or in none"
 SHEETS = ("calcium", "lipid")  # deposits, which may reach round nearly the whole vessel
-NUMBER_THEM = "number several deposits of a frame in a fifth column"
+NUMBER_THEM = "number several deposits of a frame in a fifth column, named outline if the table has names"
 
 
 def read_rows(path, units):

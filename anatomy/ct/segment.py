@@ -107,6 +107,7 @@ def segment(volume, ends, settings, given=None, stented=False):
     blood = _main_blood(at, lines[0], spacing, rays)
     tubes = _first_tubes(at, lines, blood, spacing, rays, stented, 0 if given else CENTRINGS)
     main = blood_level.levelled(edges.sample(at, lines[0].axis, spacing, rays), lines[0].blood, blood)
+    _check_noise(main, float(np.median(lines[0].blood(main.s_mm))))
     measured = edges.point_spread(main, tubes[0].radii_mm, blood)
     sigma = measured or USUAL_FWHM_MM * SIGMA_PER_FWHM
     if settings["psf_fwhm_mm"] != "auto":
@@ -171,9 +172,7 @@ def _main_blood(at, main, spacing_mm, rays):
     """First trend of the main vessel's blood, put into its Line, and the one CT number that stands for it."""
     profiles = edges.sample(at, main.axis, spacing_mm, rays)
     main.blood = blood_level.first(profiles)
-    blood = float(np.median(main.blood(profiles.s_mm)))
-    _check_noise(blood_level.levelled(profiles, main.blood, blood), blood)
-    return blood
+    return float(np.median(main.blood(profiles.s_mm)))
 
 
 def _first_tubes(at, lines, blood, spacing_mm, rays, stented, centrings):

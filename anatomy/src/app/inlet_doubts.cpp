@@ -7,9 +7,8 @@ namespace {
 constexpr double about_as_wide = 0.9; // over the inlet's diameter
 constexpr double widening = 1.04;     // of the last third's healthy width over that of the first
 constexpr double healthy = 0.9;       // quantile of the widths in a third: lesions and short ectasias do not count
-constexpr double leans_back = -0.2;   // cosine: twelve degrees beyond a right angle
-constexpr double far_back = -0.5;     // the same for a single branch: a conus branch may lean back by 25 degrees
-constexpr double leaving = 2;         // radii of the side branch along which its direction is taken
+constexpr double leans_back = -0.45;  // mean cosine: 27 degrees beyond a right angle, where a conus branch has 25
+constexpr double leaving = 4;         // radii of the side branch along which its direction is taken
 
 std::string by_another_end(const std::vector<End>& ends) {
   const End *inlet = nullptr, *other = nullptr;
@@ -53,20 +52,17 @@ Vec3 direction(const Branch& branch, double s, double length) {
 }
 
 std::string by_side_branches(const std::vector<Branch>& branches) {
-  int all = 0, back = 0;
-  double cosine = 0;
+  int all = 0;
+  double sum = 0;
   for (const Branch& side : branches) {
     if (side.parent < 0)
       continue;
     const double length = leaving * side.radius_at(side.s_outside);
     const Branch& parent = branches[static_cast<std::size_t>(side.parent)];
     ++all;
-    cosine = direction(side, side.s_outside, length).dot(direction(parent, side.s_on_parent, length));
-    back += cosine < leans_back;
+    sum += direction(side, side.s_outside, length).dot(direction(parent, side.s_on_parent, length));
   }
-  if (2 * back <= all || (all == 1 && cosine > far_back))
-    return "";
-  return std::to_string(back) + " of " + std::to_string(all) + " side branches lean back towards it";
+  return sum < leans_back * all ? "the side branches lean back towards it" : "";
 }
 
 } // namespace

@@ -218,15 +218,18 @@ std::vector<End> tagged_ends(Mesh& mesh, const std::vector<Place>& places) {
 
 // Cuts off the rounded rims of flat ends. The cap behind is as wide as the vessel; on the flat part alone it would be
 // too small, and narrow the flow.
-void cut_rims(Mesh& mesh, const std::vector<Place>& places, std::vector<Repair>& repairs) {
+void cut_rims(Mesh& mesh, std::vector<Place>& places, std::vector<Repair>& repairs) {
   std::vector<std::pair<Plane, Vertex>> cuts;
   const Slices slices(mesh);
-  for (const Place& one : places) {
+  for (Place& one : places) {
     if (one.shown.kind != "flat" || !one.shown.is_end)
       continue;
     const PatchPlane end = plane_of(mesh, one.faces);
-    if (const auto plane = plane_behind_rim(slices, end, one.shown.evidence.section))
+    if (const auto plane = plane_behind_rim(slices, end, one.shown.evidence.section)) {
       cuts.emplace_back(*plane, mesh.target(mesh.halfedge(one.faces.front())));
+      one.shown.diameter = 2 * std::sqrt(slices.outline({plane->centre, plane->normal}).area / M_PI);
+      one.shown.why += ", behind its rounded rim";
+    }
   }
   for (const auto& [plane, vertex] : cuts)
     report_cut(repairs, "rounded rim of a flat end cut off", plane,

@@ -4,10 +4,10 @@
 namespace anatomy {
 namespace {
 
-constexpr double wider = 1.1;   // over the reference
-constexpr double close = 2.5;   // radii between end and lesion, of which a line takes the first 1.5 for the end's own
-constexpr double narrowed = 20; // per cent by diameter
-constexpr double still_narrowing = 5; // points
+constexpr double wider = 1.1;         // over the reference
+constexpr double close = 2.5;         // radii from an end to a lesion; no section is measured in the first 1.5 of them
+constexpr double narrowed = 20;       // per cent by diameter
+constexpr double still_narrowing = 5; // points of per cent
 
 struct Widest {
   double s = 0, diameter = 0, ratio = 0;

@@ -9,13 +9,18 @@ from common.volume import Image
 LENGTH_MM, RADIUS_MM, SIGMA_MM = 40.0, 1.6, 0.315
 
 
-def image(blood=400.0, falls=0.0, wall=50.0, fat=-80.0, noise=20.0, voxel=0.4):
-    """Image of a vessel with a wall of 0.7 mm in fat; its blood falls by `falls` HU over the 40 mm."""
+def image(blood=400.0, falls=0.0, wall=50.0, fat=-80.0, noise=20.0, voxel=0.4, narrow_mm=None):
+    """Image of a vessel with a wall of 0.7 mm in fat; its blood falls by `falls` HU over the 40 mm.
+
+    narrow_mm: radius from 6 to 34 mm along it; None where it is as wide as the rest.
+    """
     rng, side = np.random.default_rng(4), 0.5 * voxel * 31
     x = np.arange(32) * voxel - side
     z = np.arange(-4, LENGTH_MM + 4, voxel)
     r = np.hypot(*np.meshgrid(x, x, indexing="ij"))
     lumen, outer = (disc(r, radius, SIGMA_MM)[..., None] for radius in (RADIUS_MM, RADIUS_MM + 0.7))
+    if narrow_mm is not None:
+        lumen = np.where((z > 6) & (z < 34), disc(r, narrow_mm, SIGMA_MM)[..., None], lumen)
     level = blood - falls * np.clip(z, 0, LENGTH_MM) / LENGTH_MM
     values = fat + (wall - fat) * outer + (level - wall) * lumen
     values = values + rng.normal(0, noise, values.shape)

@@ -25,6 +25,15 @@ def test_a_vessel_keeps_its_radius_where_the_contrast_falls(method, off, reverse
     assert sorted(level) == pytest.approx([281, 399], abs=12)
 
 
+def test_a_vessel_that_is_narrow_over_most_of_its_length_is_not_too_noisy():
+    """The blur lowers the axis of the narrow part; that is neither its blood nor noise."""
+    found = segment.segment(ct_vessels.image(narrow_mm=0.65), ct_vessels.ends(), ct_vessels.settings())
+    tube = found["tubes"][0]
+    assert tube.radius(np.array([12.0, 20.0, 28.0])) == pytest.approx(0.65, abs=0.05)
+    assert tube.radius(np.array([4.0, 36.5])) == pytest.approx(ct_vessels.RADIUS_MM, abs=0.05)
+    assert found["lines"][0].blood(tube.s_mm) == pytest.approx(400, abs=12)
+
+
 def test_the_level_that_is_contoured_follows_the_blood():
     """Half-way between the blood here and the tissue, so that the fainter end is not thinner."""
     found = segment.segment(ct_vessels.image(falls=120.0), ct_vessels.ends(), ct_vessels.settings(method="threshold"))

@@ -188,6 +188,14 @@ def test_a_flat_end_whose_rim_was_smoothed_is_as_wide_as_its_vessel(summary_of, 
         assert abs(end["centre_mm"][0] - at) < 1.3 and end["diameter_mm"] == pytest.approx(diameter, rel=0.07)
 
 
+@pytest.mark.parametrize("angle, told", [(0.9, False), (np.pi - 0.9, True), (np.radians(112), False)])
+def test_side_branches_that_lean_back_speak_against_the_inlet(summary_of, tmp_path, angle, told):
+    """One branch may leave at 112 degrees, as a conus branch does; at 128 the vessel runs the other way."""
+    side = ((15, 0, 0), (15 + 9 * np.cos(angle), 9 * np.sin(angle), 0), 0.8, 0.7)
+    summary = summary_of(surfaces.write(tmp_path / "t.stl", *surfaces.tree([((0, 0, 0), (30, 0, 0), 1.9, 1.6), side])))
+    assert (reported(summary, "inlet chosen by its width alone") > 0) == told
+
+
 def test_one_cap_of_two_ends_is_refused(lumen, tmp_path):
     points, triangles = surfaces.tube(surfaces.straight, lambda s: 1.5 + 0 * s, 20, 0.4)
     flat = np.abs(points[triangles][:, :, 0]).max(axis=1) < 1e-9
