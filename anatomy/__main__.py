@@ -175,7 +175,7 @@ def main(arguments=None):
     elif options.command == "ct":
         _ct(options)
     elif options.command == "thin-contours":
-        from .contours import tables
+        from .contours.reading import tables
 
         tables.thin(options.table, options.out, options.points)
     elif options.command == "plan-picture":

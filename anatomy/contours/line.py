@@ -7,7 +7,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from common import vtp
 from common.errors import InputError
 
-from .tables import MILLIMETRES
+from .reading.tables import MILLIMETRES
 
 SPACING_MM = 0.05
 FEWEST_POINTS = 4  # points that a cubic curve needs

@@ -3,7 +3,7 @@
 import numpy as np
 
 from . import rings
-from .outlines import centroid
+from .reading.outlines import centroid
 
 NAMED = 5  # frames that a warning names; of more it gives the range
 

@@ -7,7 +7,7 @@ import numpy as np
 from common.errors import InputError
 
 from . import rings
-from .outlines import centroid
+from .reading.outlines import centroid
 
 FARTHEST_MM = 3.0  # largest disagreement of landmarks along the line: a frame is picked to within 2 or 3 mm
 NEAREST_MM = 0.2  # least distance of a landmark from the axis; nearer, half a voxel turns it by a right angle

@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 from common.errors import InputError
 
 from . import outer_wall, rings
-from .outlines import centroid
+from .reading.outlines import centroid
 
 NONE, FIBROUS, LIPID, CALCIFIED = 0, 1, 2, 3
 KINDS = {"lipid": LIPID, "calcium": CALCIFIED}  # where both are traced, the later one counts

@@ -6,7 +6,8 @@ import numpy as np
 
 from common.errors import InputError
 
-from . import rings, tables
+from . import rings
+from .reading import tables
 
 SAME_Z_MM = 0.01  # difference in z of one frame in two tables, which may be rounded to two decimals
 SAME_PLACE_MM = 0.005  # frames nearer are at one place; at 0.5 mm/s and 60 frames a second they are 0.008 mm apart

@@ -3,8 +3,8 @@
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from . import outlines
-from .outlines import centroid
+from .reading import outlines
+from .reading.outlines import centroid
 
 FINE = 1000  # points of a spline through an outline, for lengths and distances
 

@@ -12,8 +12,9 @@ from common.files import write_json
 from common.implicit import surface
 from common.volume import SIGMA_PER_FWHM, Image
 
-from . import blood as blood_level
-from . import calcium, edges, ends_check, paths, saturation, volumes, wall, warnings
+from . import calcium, ends_check, paths, saturation, volumes, wall, warnings
+from .rays import blood as blood_level
+from .rays import edges
 from .tubes import LevelField, Tube, TubeField
 
 SCHEMA = "vci-segmentation-1"

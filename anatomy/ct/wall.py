@@ -5,8 +5,8 @@ from scipy.interpolate import RectBivariateSpline
 from scipy.optimize import curve_fit
 
 from . import warnings
-from .edges import HEALTHY_WALL_HU, USUAL_SIGMA_MM
-from .stented import disc
+from .rays.edges import HEALTHY_WALL_HU, USUAL_SIGMA_MM
+from .rays.stented import disc
 
 OFFSETS_MM = np.arange(-0.8, 1.61, 0.05)  # about the edge: through the wall and into what is behind it
 WIDE_MM, FEWEST = 1.1, 8  # radius of the sections that are used, and how many there must be

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial import cKDTree
 
-from .edges import HEALTHY_WALL_HU
+from .rays.edges import HEALTHY_WALL_HU
 
 NEAR_MM = 1.0  # beyond the edge; bright places this near affect it by blooming
 SHARE_OF_RAYS, ALL_ROUND = 0.05, 0.8

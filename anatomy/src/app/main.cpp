@@ -3,8 +3,8 @@
 #include "app/vtk_output.hpp"
 #include "common/command_line.hpp"
 #include "common/processor.hpp"
-#include "ends/naming.hpp"
 #include "files/surface_file.hpp"
+#include "trees/naming.hpp"
 #include "trees/table.hpp"
 #include <algorithm>
 #include <cmath>

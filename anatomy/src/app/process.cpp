@@ -4,11 +4,11 @@
 #include "common/error.hpp"
 #include "ends/ends.hpp"
 #include "ends/extend.hpp"
-#include "ends/naming.hpp"
 #include "files/surface_file.hpp"
 #include "measure/end_zones.hpp"
 #include "measure/section_noise.hpp"
 #include "remesh/local_edge.hpp"
+#include "trees/naming.hpp"
 #include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/repair.h>
 #include <array>

@@ -7,7 +7,8 @@ import pytest
 
 from contour_tables import circle, sector, text, tube
 
-from anatomy.contours import loft, outlines, pullback, rings, run, tables
+from anatomy.contours import loft, pullback, rings, run
+from anatomy.contours.reading import outlines, tables
 from common import vtp
 from common.errors import InputError
 

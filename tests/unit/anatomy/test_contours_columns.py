@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from contour_tables import text, tube
 
-from anatomy.contours import tables
+from anatomy.contours.reading import tables
 from common.errors import InputError
 
 ROWS = [line.split(",") for line in text(tube([1.5, 1.4, 1.5])).split()]

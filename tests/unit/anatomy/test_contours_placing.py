@@ -7,7 +7,8 @@ import pytest
 import vtk
 from scipy.spatial import cKDTree
 
-from anatomy.contours import line, loft, outlines, placing, pullback, run
+from anatomy.contours import line, loft, placing, pullback, run
+from anatomy.contours.reading import outlines
 from common import vtp
 from common.errors import InputError
 

@@ -4,7 +4,8 @@ import ct_vessels
 import numpy as np
 import pytest
 
-from anatomy.ct import blood, edges, segment
+from anatomy.ct import segment
+from anatomy.ct.rays import blood, edges
 
 S = np.linspace(0, 40, 161)
 ALL = np.ones(len(S), bool)

@@ -2,7 +2,7 @@
 #include "common/error.hpp"
 #include "ends/cap_open_ends.hpp"
 #include "ends/ends.hpp"
-#include "ends/naming.hpp"
+#include "trees/naming.hpp"
 #include "ends/ragged_ends.hpp"
 #include "remesh/remesh.hpp"
 #include "repair/repair.hpp"

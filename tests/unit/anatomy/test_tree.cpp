@@ -1,5 +1,5 @@
 #include "ends/ends.hpp"
-#include "ends/naming.hpp"
+#include "trees/naming.hpp"
 #include "measure/lesions.hpp"
 #include "remesh/remesh.hpp"
 #include "repair/repair.hpp"

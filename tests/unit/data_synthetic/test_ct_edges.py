@@ -3,7 +3,7 @@ import pytest
 from scipy.ndimage import gaussian_filter
 from scipy.special import erf
 
-from anatomy.ct import calcified, edges, stented
+from anatomy.ct.rays import calcified, edges, stented
 from common import volume as image
 from common.implicit.curves import Curve
 

@@ -1,4 +1,4 @@
-#include "ends/naming.hpp"
+#include "trees/naming.hpp"
 #include "common/error.hpp"
 #include <algorithm>
 

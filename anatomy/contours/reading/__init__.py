@@ -1,0 +1,1 @@
+"""Contour tables as frames of outlines, and the checks of each outline."""
