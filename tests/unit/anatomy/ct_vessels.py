@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from anatomy.ct.stented import disc
+from anatomy.ct.rays.stented import disc
 from common import config
 from common.volume import Image
 

@@ -143,6 +143,16 @@ def test_noise_is_measured_beside_a_slow_fall_of_the_blood():
     assert edges.noise_hu(profiles.hu, profiles, 400.0) == pytest.approx(10, rel=0.1)
 
 
+def test_noise_is_not_the_blur_of_a_long_narrow_lumen():
+    profiles = profiles_of(calcified_image(0, 0.3, noise=0))
+    depth = 0.14 * (1 - ((profiles.s_mm - 6) / 8) ** 2)  # of the narrowing; the axis loses that share of the blood
+    narrow = 1 - depth[:, None] * (1 + profiles.r_mm / 0.4)[None]
+    profiles.hu = 10 * np.random.default_rng(4).normal(size=profiles.hu.shape) + 400 * narrow[:, None]
+    profiles.axis_hu = 400 * narrow[:, 0]
+    assert edges.noise_hu(profiles.hu, profiles, 400.0) == pytest.approx(10, rel=0.25)
+    assert edges.noise_hu(profiles.hu, profiles, 400.0, np.inf) > 15
+
+
 @pytest.mark.parametrize(
     "radius, gap, thick, hu", [(1.6, 0.3, 0.75, 1000), (0.8, 0.0, 1.0, 900), (1.2, 0.6, 0.5, 1300)]
 )
