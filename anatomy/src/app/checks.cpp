@@ -18,8 +18,16 @@ constexpr double much_of_cap = 0.1;    // radii by which a cap moved: as a tilt 
 constexpr double smallest_angle = 30;  // degrees
 constexpr double rough = 0.15;         // edges, rms: flat ends are found to 12 degrees
 constexpr double least_stub = 0.4;     // mean radii, least length of a stub, measured as its tip's prominence
+constexpr double least_wide_stub = 1;  // the same of a stub that may be the inlet
+constexpr double beyond_rim = 2;       // radii from an end's centre
 constexpr double tube = 1.5;           // least length of a tube in its own radii; a sac is as wide as it is long
 constexpr double narrowest_stub = 0.3; // mm, radius
+
+// Whether p is so far from every end that it is not at the end's rim.
+bool far_from(const Vec3& p, const std::vector<End>& ends) {
+  return std::all_of(ends.begin(), ends.end(),
+                     [&](const End& end) { return (end.centre - p).norm() > beyond_rim * end.radius(); });
+}
 
 } // namespace
 
@@ -59,6 +67,21 @@ void check_no_stub(const Mesh& mesh, const std::vector<End>& ends, bool named, s
   }
 }
 
+void check_no_wide_stub(const Mesh& mesh, const std::vector<End>& ends) {
+  double widest = 0; // mm, radius
+  for (const End& end : ends)
+    widest = std::max(widest, end.radius());
+  for (const RoundedEnd& stub : rounded_ends(mesh, ends, least_wide_stub, true)) {
+    if (stub.widest <= widest)
+      continue;
+    char value[160];
+    std::snprintf(value, sizeof value, "%.2f mm wide, stands out by %.2f mm; the widest end has %.2f mm",
+                  2 * stub.widest, stub.prominence, 2 * widest);
+    throw InputError("a closed stub is wider than every end: where does blood enter?", "at " + place(stub.at), value,
+                     "name the inlet by --inlet x,y,z, here or at another end; or cut the stub flat or open it");
+  }
+}
+
 void warn_of_stubs(const Mesh& mesh, const std::vector<End>& ends, const std::vector<Candidate>& candidates,
                    std::vector<Repair>& repairs) {
   const double mean = 2 * PMP::volume(mesh) / PMP::area(mesh);
@@ -68,6 +91,13 @@ void warn_of_stubs(const Mesh& mesh, const std::vector<End>& ends, const std::ve
       known.push_back(one.centre);
   for (const Tip& tip : tips_beside_ends(mesh, ends, least_stub * mean)) {
     const Vec3 at = vec(mesh.point(tip.vertex));
+    if (tip.is_extremity && far_from(at, ends)) {
+      char value[80];
+      std::snprintf(value, sizeof value, "%.1f mm along the wall from the other extremity", tip.prominence);
+      throw InputError("the lumen goes on beyond its ends", "to " + place(at), value,
+                       "cut it flat or open it there, or cut across it by --cut x,y,z; to leave it closed name every "
+                       "outlet by --outlet");
+    }
     if (std::any_of(known.begin(), known.end(), [&](const Vec3& p) { return (p - at).norm() < mean; }))
       continue;
     known.push_back(at);

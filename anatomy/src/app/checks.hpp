@@ -21,8 +21,12 @@ void check_ends_seen(const Mesh& mesh, const std::vector<End>& ends);
 /// lost. It only warns if the tube is not longer than wide, or if the user has named all ends (`named`).
 void check_no_stub(const Mesh& mesh, const std::vector<End>& ends, bool named, std::vector<Repair>& repairs);
 
+/// Throws InputError with the place of a closed stub that is wider than every end. The inlet is the largest end, so it
+/// may be the stub that blood comes from, such as a short left main.
+void check_no_wide_stub(const Mesh& mesh, const std::vector<End>& ends);
+
 /// Warns of each closed stub that counts as wall, since a branch may have been cut off there. Stubs that are already
-/// among the `candidates` for ends are left out.
+/// among the `candidates` for ends are left out. Throws InputError if the farthest place of the lumen is at no end.
 void warn_of_stubs(const Mesh& mesh, const std::vector<End>& ends, const std::vector<Candidate>& candidates,
                    std::vector<Repair>& repairs);
 

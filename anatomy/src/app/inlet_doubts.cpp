@@ -6,6 +6,7 @@ namespace {
 
 constexpr double about_as_wide = 0.9; // over the inlet's diameter
 constexpr double widening = 1.04;     // of the last third's healthy width over that of the first
+constexpr double narrowed = 0.85;     // an end's width over the healthy width of the third before it
 constexpr double healthy = 0.9;       // quantile of the widths in a third: lesions and short ectasias do not count
 constexpr double leans_back = -0.45;  // mean cosine: 27 degrees beyond a right angle, where a conus branch has 25
 constexpr double leaving = 4;         // radii of the side branch along which its direction is taken
@@ -31,14 +32,31 @@ double healthy_width(std::vector<double> radii) {
   return 2 * radii[static_cast<std::size_t>(at)];
 }
 
-std::string by_widening(const Branch& main) {
+// The healthy widths (mm) of the first and the last third of the main branch.
+std::pair<double, double> healthy_widths(const Branch& main) {
   const auto third = std::max<std::ptrdiff_t>(std::ssize(main.radius) / 3, 1);
-  const double first = healthy_width({main.radius.begin(), main.radius.begin() + third});
-  const double last = healthy_width({main.radius.end() - third, main.radius.end()});
+  return {healthy_width({main.radius.begin(), main.radius.begin() + third}),
+          healthy_width({main.radius.end() - third, main.radius.end()})};
+}
+
+std::string by_widening(const Branch& main) {
+  const auto [first, last] = healthy_widths(main);
   if (last < widening * first)
     return "";
   char text[120];
   std::snprintf(text, sizeof text, "the vessel widens from it, from %.2f to %.2f mm", first, last);
+  return text;
+}
+
+std::string by_narrowed_end(const std::vector<End>& ends, const Branch& main) {
+  const double last = healthy_widths(main).second;
+  const End& end = ends[main.end];
+  const auto inlet = std::find_if(ends.begin(), ends.end(), [](const End& one) { return one.inlet; });
+  if (inlet == ends.end() || 2 * end.radius() > narrowed * last || last < about_as_wide * 2 * inlet->radius())
+    return "";
+  char text[200];
+  std::snprintf(text, sizeof text, "it is %.2f mm wide, the vessel %.2f mm before it narrows to %.2f mm at its end %s",
+                2 * inlet->radius(), last, 2 * end.radius(), place(end.centre).c_str());
   return text;
 }
 
@@ -69,7 +87,8 @@ std::string by_side_branches(const std::vector<Branch>& branches) {
 
 void doubt_inlet(const std::vector<End>& ends, const std::vector<Branch>& branches, std::vector<Repair>& notes) {
   std::string why;
-  for (const std::string& one : {by_another_end(ends), by_widening(branches.front()), by_side_branches(branches)})
+  for (const std::string& one : {by_another_end(ends), by_narrowed_end(ends, branches.front()),
+                                 by_widening(branches.front()), by_side_branches(branches)})
     if (!one.empty())
       why += (why.empty() ? "" : "; ") + one;
   if (!why.empty())

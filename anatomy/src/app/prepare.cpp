@@ -170,8 +170,11 @@ Prepared with_ends(Closed closed, const CoronaryTree* tree, const Options& optio
   out.ends = measured_ends(out.mesh);
   if (tree)
     check_no_stub(out.mesh, out.ends, !out.named.outlets.empty() || out.named.tagged, out.repairs);
-  else if (out.named.outlets.empty() && !out.named.tagged)
+  else if (out.named.outlets.empty() && !out.named.tagged && out.ends.size() >= 2) {
     warn_of_stubs(out.mesh, out.ends, out.candidates, out.repairs);
+    if (!out.named.inlet && options.like.empty())
+      check_no_wide_stub(out.mesh, out.ends);
+  }
   check_no_handle(out.mesh);
   report_move(out.repairs, flatten_caps(out.mesh), out.ends.size());
   check_mean_radius(2 * PMP::volume(out.mesh) / PMP::area(out.mesh), options.units, options.input);

@@ -7,6 +7,7 @@
 #include "files/surface_file.hpp"
 #include "measure/end_zones.hpp"
 #include "measure/section_noise.hpp"
+#include "measure/steep_taper.hpp"
 #include "remesh/local_edge.hpp"
 #include "trees/naming.hpp"
 #include <CGAL/Polygon_mesh_processing/measure.h>
@@ -184,6 +185,7 @@ Anatomy process(const Options& options, StepTimer& timer) {
   timer.start("lesions");
   out.profiles = reference_profiles(out.branches, out.sections, out.repairs);
   out.lesions = find_lesions(out.branches, out.sections, out.profiles);
+  note_steep_tapers(out.branches, out.sections, out.profiles, out.repairs);
   note_wide_ends(out.branches, out.profiles, out.lesions, out.repairs);
   note_narrow_ends(out.branches, out.sections, out.profiles, out.repairs);
   set_area_errors(out.lesions, prepared.voxels);

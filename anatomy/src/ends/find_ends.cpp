@@ -33,9 +33,10 @@ struct Place {
   bool named = false;
 
   bool is_rounded() const { return faces.empty(); }
+  bool is_stub() const { return !rounded.why_short.empty(); }
   // Distance from a point over the largest distance at which a point names this place.
   double distance(const Vec3& p) const {
-    return is_rounded() ? (p - rounded.at).norm() / (reach_of_tip * rounded.radius)
+    return is_rounded() ? (p - rounded.at).norm() / (reach_of_tip * (is_stub() ? rounded.widest : rounded.radius))
                         : (p - shown.centre).norm() / (reach_of_flat * 0.5 * shown.diameter);
   }
 };
@@ -126,6 +127,20 @@ void name_nearest(const Vec3& p, const std::string& option, std::vector<Place>& 
     throw InputError("two points name the same end", option, place(p) + " and another: " + line_of(best->shown),
                      "give one point near each end; ends not named: " + list_of(places, false));
   best->named = true;
+}
+
+// A stub that the inlet's point names is an end: a left main may be shorter than it is wide. A point nearer to an end
+// names that end.
+void keep_stub_at_inlet(std::vector<Place>& places, const Vec3& inlet) {
+  Place* best = nullptr;
+  for (Place& one : places)
+    if ((one.shown.is_end || one.is_stub()) && one.distance(inlet) < 1 &&
+        (!best || one.distance(inlet) < best->distance(inlet)))
+      best = &one;
+  if (!best || best->shown.is_end)
+    return;
+  best->shown.is_end = true;
+  best->shown.why += ", but named";
 }
 
 // An opening narrower than the vessel is an end if the user says so. It also restricts the flow; this is said.
@@ -264,19 +279,23 @@ std::vector<Candidate> find_ends(Mesh& mesh, NamedEnds named, double least_radiu
   const std::vector<End> ends = tagged_ends(mesh, places);
   flatten_spikes(mesh, repairs); // caps are left alone, once they are known
   const bool all_named = !named.outlets.empty();
-  for (const RoundedEnd& end : rounded_ends(mesh, ends, all_named ? stands_out_named : stands_out)) {
-    if (!end.reached && !named.tagged && !all_named)
+  for (const RoundedEnd& end : rounded_ends(mesh, ends, all_named || named.inlet ? stands_out_named : stands_out)) {
+    if (!end.reached && end.why_short.empty() && !named.tagged && !all_named)
       throw InputError("no way through the lumen to a rounded end", place(end.at),
                        "it stands out by " + std::to_string(end.prominence) + " mm",
                        "cut that end flat or leave it open, name every end by points, or export a finer surface");
     places.push_back(rounded_place(end, end.why_short.empty() && !named.tagged));
-    if (!end.why_short.empty() || named.tagged)
-      repairs.push_back(
-          {"rounded end left closed", 1,
-           "at " + place(end.at) + ": " + (named.tagged ? "the surface's caps are its ends" : end.why_short), true});
   }
   if (all_named)
     keep_named(places, named, repairs);
+  else if (named.inlet && !named.tagged)
+    keep_stub_at_inlet(places, *named.inlet);
+  for (const Place& one : places)
+    if (one.is_rounded() && !one.shown.is_end && (named.tagged || one.is_stub()))
+      repairs.push_back({"rounded end left closed", 1,
+                         "at " + place(one.rounded.at) + ": " +
+                             (named.tagged ? "the surface's caps are its ends" : one.rounded.why_short),
+                         true});
   tagged_ends(mesh, places);
   cut_rims(mesh, places, repairs);
   for (const Place& one : places)

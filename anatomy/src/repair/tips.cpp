@@ -59,9 +59,9 @@ std::vector<Tip> tips_of(const Mesh& mesh, double least_prominence, bool from_fa
   const std::vector<double>& height = sweep.height;
   UnionFind higher_parts(height.size());
   std::vector<Tip> tips;
-  const auto keep = [&](std::size_t v, double prominence) {
+  const auto keep = [&](std::size_t v, double prominence, bool is_extremity = false) {
     if (prominence >= least_prominence)
-      tips.push_back({Vertex(static_cast<Mesh::size_type>(v)), prominence});
+      tips.push_back({Vertex(static_cast<Mesh::size_type>(v)), prominence, is_extremity});
   };
   // vertices are added from the highest down; where two parts meet, the lower part's tip gets its prominence
   for (std::size_t v : sweep.order)
@@ -76,8 +76,8 @@ std::vector<Tip> tips_of(const Mesh& mesh, double least_prominence, bool from_fa
       keep(b, height[b] - height[v]);
       higher_parts.above[b] = a;
     }
-  keep(sweep.order.front(), height[sweep.order.front()]);
-  keep(sweep.root, height[sweep.order.front()]);
+  keep(sweep.order.front(), height[sweep.order.front()], true);
+  keep(sweep.root, height[sweep.order.front()], true);
   std::stable_sort(tips.begin(), tips.end(), [](const Tip& a, const Tip& b) { return a.prominence > b.prominence; });
   return tips;
 }

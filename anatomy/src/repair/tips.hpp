@@ -6,7 +6,8 @@ namespace anatomy {
 
 struct Tip {
   Vertex vertex;
-  double prominence = 0; ///< mm along the surface from the tip to where its vessel joins a longer one
+  double prominence = 0;     ///< mm along the surface from the tip to where its vessel joins a longer one
+  bool is_extremity = false; ///< one of the two ends of the longest way; `prominence` is then its length
 };
 
 /// Vertices whose distance along the edges from the farthest extremity is a local maximum of at least this prominence

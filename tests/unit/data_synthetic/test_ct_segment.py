@@ -142,7 +142,7 @@ def test_a_vessel_called_stented_that_shows_none_is_warned_of(open_throat):
 def test_noise_is_warned_of_and_then_refused_and_smoothing_is_the_remedy(ct_tubes):
     volume, ends, _, _, settings = scanned(ct_tubes, throat(0.9), noise_hu=55)
     assert [w["code"] for w in segment.segment(volume, ends, settings)["warnings"]] == ["noise"]
-    volume, ends, _, _, settings = scanned(ct_tubes, throat(0.9), noise_hu=120)
+    volume, ends, _, _, settings = scanned(ct_tubes, throat(0.9), noise_hu=110)
     with pytest.raises(ComputationError, match="(?s)contrast is too low against the noise.*smoothing_fwhm_mm: 0.7"):
         segment.segment(volume, ends, settings)
     found = segment.segment(volume, ends, dict(settings, smoothing_fwhm_mm=0.7))

@@ -38,7 +38,8 @@ def test_clean_tube(process, tmp_path, name, edge):
     assert abs(ratio.mean() - 1) < 0.01 and ratio.std() < 0.01
     assert abs(summary["branches"][0]["length_mm"] - length) < 0.005 * length
     assert summary["mesh"]["min_angle_deg"] > 30
-    assert not summary["lesions"] and not summary["repairs"]
+    assert not summary["lesions"]
+    assert [one["what"] for one in summary["repairs"]] == (["reference tapers steeply"] if name == "tapered" else [])
     if name == "helix":
         assert column(rows, "torsion_per_mm").mean() == pytest.approx(3 / 25, rel=0.05)
 

@@ -51,3 +51,60 @@ def test_a_dilatation_is_no_stub(lumen, tmp_path):
     surface = surfaces.write(tmp_path / "sac.vtp", *surfaces.tree([((0, 0, 0), (24, 0, 0), 1.5, 1.3), sac], inner=(1,)))
     done = lumen(surface, tmp_path / "out")
     assert done.returncode == 0 and "left closed" not in done.stderr
+
+
+def fork(out):
+    """A stem of radius 1.75 and two branches of 1.3, `out` mm long, closed by balls."""
+    branches = [((12, 0, 0), (12 + out, sign * 0.6 * out, 0), 1.3, 1.25) for sign in (1, -1)]
+    return surfaces.tree([((0, 0, 0), (12, 0, 0), 1.75, 1.75), *branches], rounded=True)
+
+
+def short_left_main(length):
+    """Left main of radius 2.2 with two branches, of radii 1.75 and 1.5 that taper to 1.35 and 1.2; closed by balls."""
+    ends = (length + 24, 12, 3), (length + 9, -18, -2)
+    branches = [((length, 0, 0), ends[0], 1.75, 1.35), ((length, 0, 0), ends[1], 1.5, 1.2)]
+    return surfaces.tree([((0, 0, 0), (length, 0, 0), 2.2, 2.2), *branches], rounded=True)
+
+
+@pytest.mark.parametrize("length", [2.0, 3.0])
+def test_a_left_main_shorter_than_wide_is_the_inlet_once_named(lumen, tmp_path, length):
+    """It counts as a stub, and the largest of the other ends would become the inlet."""
+    surface = surfaces.write(tmp_path / "left.vtp", *short_left_main(length))
+    done = lumen(surface, tmp_path / "out")
+    assert done.returncode == 2 and "a closed stub is wider than every end" in done.stderr
+    assert "--inlet" in done.stderr and not (tmp_path / "out" / "anatomy.json").exists()
+    done = lumen(surface, tmp_path / "named", "--inlet", "-2,0,0")
+    assert done.returncode == 0, done.stderr
+    ends = json.loads((tmp_path / "named" / "anatomy.json").read_text())["ends"]
+    assert [end["name"] for end in ends] == ["inlet", "outlet1", "outlet2"]
+    assert ends[0]["diameter_mm"] == pytest.approx(4.4, abs=0.2) and ends[0]["centre_mm"][0] < length + 1
+
+
+def test_a_left_main_longer_than_wide_is_the_inlet(lumen, tmp_path):
+    done = lumen(surfaces.write(tmp_path / "left.vtp", *short_left_main(7.0)), tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    ends = json.loads((tmp_path / "out" / "anatomy.json").read_text())["ends"]
+    assert ends[0]["diameter_mm"] == pytest.approx(4.4, abs=0.2) and ends[0]["centre_mm"][0] < 1
+
+
+def test_an_inlet_named_at_an_end_leaves_a_stub_closed(lumen, tmp_path):
+    """Its point is nearer to the end than to the stub, within reach of both."""
+    main, stub = ((0, 0, 0), (24, 0, 0), 1.5, 1.3), ((3, 0, 0), (3, 2.6, 0), 0.9, 0.9)
+    surface = surfaces.write(tmp_path / "stub.vtp", *surfaces.tree([main, stub], inner=(1,)))
+    done = lumen(surface, tmp_path / "out", "--inlet", "0,0,0")
+    assert done.returncode == 0, done.stderr
+    assert len(json.loads((tmp_path / "out" / "anatomy.json").read_text())["ends"]) == 2
+
+
+@pytest.mark.parametrize("out", [3, 4])
+def test_a_fork_cut_close_behind_it_loses_no_outlet_in_silence(lumen, tmp_path, out):
+    """Once one tip is cut flat, the other is the farthest place of the lumen."""
+    done = lumen(surfaces.write(tmp_path / "fork.vtp", *fork(out)), tmp_path / "out")
+    assert done.returncode == 2 and "the lumen goes on beyond its ends" in done.stderr
+
+
+def test_a_fork_cut_farther_behind_it_has_two_outlets(lumen, tmp_path):
+    done = lumen(surfaces.write(tmp_path / "fork.vtp", *fork(6)), tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    ends = json.loads((tmp_path / "out" / "anatomy.json").read_text())["ends"]
+    assert [end["diameter_mm"] for end in ends[1:]] == [pytest.approx(2.5, abs=0.1)] * 2

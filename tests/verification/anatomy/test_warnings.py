@@ -132,5 +132,26 @@ def test_an_inlet_that_only_its_width_names(said, named):
 
     points, triangles = surfaces.tube(surfaces.straight, radius, 26, 0.25)
     errors, rows = said(points, triangles, *(["--inlet", "0,0,0"] if named else []))
-    assert ("warning: inlet chosen by its width alone: the vessel widens from it" in errors) == (not named)
+    assert ("warning: inlet chosen by its width alone" in errors) == (not named)
+    assert ("the vessel widens from it" in errors) == (not named)
     assert (float(rows[0]["x_mm"]) < 13) == named
+
+
+@pytest.mark.parametrize("throat, told", [(0.0, True), (9.0, False)])
+def test_an_inlet_larger_only_because_the_other_end_is_narrowed(said, throat, told):
+    """The vessel tapers so little that nothing else tells; a lesion away from the end is no doubt of the inlet."""
+
+    def radius(s):
+        return 1.6 - 0.006 * s - 0.5 * np.exp(-(((s - throat) / 3) ** 2))
+
+    errors, rows = said(*surfaces.tube(surfaces.straight, radius, 40, 0.25))
+    assert ("before it narrows to" in errors) == told
+    assert (float(rows[0]["x_mm"]) > 20) == told
+
+
+@pytest.mark.parametrize("taper, length, told", [(0.012, 30, True), (0.008, 30, False), (0.012, 15, False)])
+def test_a_taper_steeper_than_coronaries_have(said, taper, length, told):
+    """Even diffuse disease cannot be told from it; a short stretch says too little."""
+    points, triangles = surfaces.tube(surfaces.straight, lambda s: 1.7 * (1 - taper * s), length, 0.25)
+    errors, _ = said(points, triangles)
+    assert ("warning: reference tapers steeply" in errors) == told

@@ -1,0 +1,12 @@
+// Reference profiles that taper more than coronary arteries do.
+#pragma once
+#include "measure/reference.hpp"
+
+namespace anatomy {
+
+/// `notes` takes a warning of each branch of 20 mm or more whose reference tapers by more than 1 % of its first
+/// diameter per mm, twice as much as an LAD does. Diffuse disease that narrows a vessel evenly looks the same.
+void note_steep_tapers(const std::vector<Branch>& branches, const std::vector<Section>& sections,
+                       const std::vector<ReferenceProfile>& profiles, std::vector<Repair>& notes);
+
+} // namespace anatomy
