@@ -22,6 +22,7 @@ WALL_SHARE = 0.45  # tissue beside the lumen is at most this share of the blood:
 BRIGHT, DEVIATIONS = 1.15, 4.0
 BRIGHT_REACH_MM, STENT_SHARE = 3.0, 0.5
 SLOW_MM = 10.0  # vessel for each degree of the polynomial that noise deviates from
+SHOWS_BLOOD = 0.85  # of the blood's CT number on the axis
 CORE_MM = 0.4  # about the axis, where a vessel shows only blood
 BLOOMS_MM = 0.6  # calcium this near beyond an edge moves it
 BESIDE_MM = 0.5  # past a stent's end, where blurred metal is visible and the filter along the axis would spread it
@@ -97,20 +98,38 @@ def first_fall(hu, r_mm, level, start_mm=0.0):
     return np.where(found, radius, np.where(hu[:, :, 0] < level, 0.0, np.nan))
 
 
-def noise_hu(hu, profiles, blood, slow_mm=SLOW_MM):
+def noise_hu(hu, profiles, blood):
     """Standard deviation of hu (n, m, k) about the axis, where it shows blood.
 
     A slow change along the vessel is none, nor is the fall away from the axis, which the blur brings into narrow lumens.
     So at each distance from the axis the deviations are those from a polynomial of the arc length, of a degree more for
-    each slow_mm.
+    each SLOW_MM.
     """
-    wide = profiles.axis_hu > 0.85 * blood
-    if wide.sum() < 8:
+    s, core = _core(hu, profiles, blood)
+    if len(s) < 8:
         return 0.0
-    s, core = profiles.s_mm[wide], hu[wide][:, :, : int(CORE_MM / STEP_MM) + 1]
-    degree = 1 + int((s[-1] - s[0]) / slow_mm)
+    degree = 1 + int((s[-1] - s[0]) / SLOW_MM)
     slow = np.stack([np.polynomial.Polynomial.fit(s, ring, degree)(s) for ring in core.mean(axis=1).T], axis=1)
-    return 1.4826 * float(np.median(np.abs(core - slow[:, None, :])))  # of a normal distribution's median
+    return _deviation(core - slow[:, None, :])
+
+
+def unevenness_hu(hu, profiles, blood):
+    """Standard deviation (HU) about the line along the vessel: noise, steps of the contrast and the blur together."""
+    s, core = _core(hu, profiles, blood)
+    if len(s) < 8:
+        return 0.0
+    slow = np.polyval(np.polyfit(s, profiles.axis_hu[profiles.axis_hu > SHOWS_BLOOD * blood], 1), s)
+    return _deviation(core - slow[:, None, None])
+
+
+def _core(hu, profiles, blood):
+    """(s (n,), hu (n, m, k)) near the axis, of the sections whose axis shows blood."""
+    wide = profiles.axis_hu > SHOWS_BLOOD * blood
+    return profiles.s_mm[wide], hu[wide][:, :, : int(CORE_MM / STEP_MM) + 1]
+
+
+def _deviation(values):
+    return 1.4826 * float(np.median(np.abs(values)))  # of a normal distribution's median
 
 
 def bright(profiles, blood, stented=False):
@@ -121,7 +140,7 @@ def bright(profiles, blood, stented=False):
     rays and their neighbours' are mostly bright; an arc of calcium may look the same.
     """
     smooth = uniform_filter(profiles.hu, (3, 3, 5), mode=("nearest", "wrap", "nearest"))
-    uneven = noise_hu(smooth, profiles, blood, np.inf)  # with steps of the contrast, which are no calcium
+    uneven = unevenness_hu(smooth, profiles, blood)  # a step of the contrast is no calcium
     level = np.maximum(BRIGHT * blood, blood + DEVIATIONS * uneven * profiles.gain)
     above = (smooth > level[:, None, None]) & (profiles.r_mm < BRIGHT_REACH_MM)
     met = above.any(axis=2)

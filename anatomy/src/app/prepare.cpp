@@ -113,10 +113,11 @@ Closed closed_surface(const Options& options, StepTimer& timer) {
   Closed out;
   timer.start("read");
   const std::vector<GivenCap> caps = read_caps(options.caps, options.units);
-  out.input = read_surface(options.input, options.units, options.label, out.repairs);
+  out.input = read_surface(options.input, options.units, options.label, out.repairs, options.inlet);
   const Soup soup = soup_of(out.input);
   timer.start("repair");
-  out.mesh = repaired(soup, out.repairs, caps.empty() ? named_by(points_of(named_ends(options, {}))) : closed_by(caps));
+  out.mesh = repaired(soup, out.repairs, caps.empty() ? named_by(points_of(named_ends(options, {}))) : closed_by(caps),
+                      options.inlet);
   region_map(out.mesh);
   if (!soup.region.empty())
     tag_from_soup(out.mesh, soup);

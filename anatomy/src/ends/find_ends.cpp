@@ -279,7 +279,8 @@ std::vector<Candidate> find_ends(Mesh& mesh, NamedEnds named, double least_radiu
   const std::vector<End> ends = tagged_ends(mesh, places);
   flatten_spikes(mesh, repairs); // caps are left alone, once they are known
   const bool all_named = !named.outlets.empty();
-  for (const RoundedEnd& end : rounded_ends(mesh, ends, all_named || named.inlet ? stands_out_named : stands_out)) {
+  const bool any_named = all_named || named.inlet;
+  for (const RoundedEnd& end : rounded_ends(mesh, ends, any_named ? stands_out_named : stands_out, any_named)) {
     if (!end.reached && end.why_short.empty() && !named.tagged && !all_named)
       throw InputError("no way through the lumen to a rounded end", place(end.at),
                        "it stands out by " + std::to_string(end.prominence) + " mm",

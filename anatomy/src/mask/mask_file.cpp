@@ -1,16 +1,17 @@
 #include "mask/mask_file.hpp"
 #include "common/error.hpp"
+#include "mask/islands.hpp"
 #include "mask/mask_header.hpp"
 #include "mask/mask_labels.hpp"
 #include "mask/nifti_check.hpp"
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <vtkDataArrayRange.h>
 #include <vtkDoubleArray.h>
 #include <vtkFieldData.h>
 #include <vtkFlyingEdges3D.h>
 #include <vtkImageCast.h>
-#include <vtkImageConnectivityFilter.h>
 #include <vtkImageGaussianSmooth.h>
 #include <vtkImageWeightedSum.h>
 #include <vtkMatrix4x4.h>
@@ -19,6 +20,7 @@
 #include <vtkNrrdReader.h>
 #include <vtkPointData.h>
 #include <vtkPolyDataConnectivityFilter.h>
+#include <vtkStaticPointLocator.h>
 
 namespace anatomy {
 namespace {
@@ -29,7 +31,9 @@ constexpr double smoothing = 0.85; // voxels
 constexpr double kernel_reach = 4; // standard deviations
 constexpr int padding = 8;         // voxels: beyond the wider kernel
 constexpr double fragment = 0.01;  // of the largest piece's triangles: smaller pieces come from spurs of a few voxels
-constexpr double flattest = 1e-6;  // volume of a voxel over the product of its edges; a skewed voxel's is far larger
+constexpr std::size_t fewest_faces = 4; // of voxels, between two labels of one vessel
+constexpr double of_the_wall = 0.2;     // share of the label's faces from which another label is its wall
+constexpr double flattest = 1e-6; // volume of a voxel over the product of its edges; a skewed voxel's is far larger
 
 std::string suffix_of(const std::string& path) {
   std::string lower = path;
@@ -79,40 +83,6 @@ vtkSmartPointer<vtkImageData> indicator_of(vtkImageData* labels, int label) {
   return box;
 }
 
-// A place in the file's coordinates, in the file's own unit.
-std::string place_in_file(const Mask& mask, const Eigen::Vector4d& voxel) {
-  const Eigen::Vector4d p = mask.to_file * voxel;
-  char text[96];
-  std::snprintf(text, sizeof text, "(%.5g, %.5g, %.5g) in the file's own unit", p.x(), p.y(), p.z());
-  return text;
-}
-
-double longest_edge(const Mask& mask) {
-  return mask.to_file.topLeftCorner<3, 3>().colwise().norm().maxCoeff();
-}
-
-void keep_largest_island(vtkImageData* indicator, std::vector<Repair>& repairs) {
-  vtkNew<vtkImageConnectivityFilter> islands;
-  islands->SetInputData(indicator);
-  islands->SetScalarRange(0.5, 2);
-  islands->SetLabelModeToSizeRank();
-  islands->SetLabelScalarTypeToInt();
-  islands->Update();
-  if (islands->GetNumberOfExtractedRegions() < 2)
-    return;
-  vtkIdType dropped = 0;
-  const auto* rank = static_cast<const int*>(islands->GetOutput()->GetScalarPointer());
-  auto* value = static_cast<float*>(indicator->GetScalarPointer());
-  for (vtkIdType i = 0; i < indicator->GetNumberOfPoints(); ++i)
-    if (rank[i] > 1) {
-      value[i] = 0;
-      ++dropped;
-    }
-  repairs.push_back({"islands of the mask dropped",
-                     static_cast<std::size_t>(islands->GetNumberOfExtractedRegions() - 1),
-                     std::to_string(dropped) + " voxels; kept the largest"});
-}
-
 vtkSmartPointer<vtkImageData> smoothed(vtkImageData* image, double deviation) {
   vtkNew<vtkImageGaussianSmooth> smooth;
   smooth->SetInputData(image);
@@ -157,6 +127,33 @@ void report_border(const Mask& mask, int label, std::vector<Repair>& repairs) {
     repairs.push_back({"lumen cut by the image's border", touching, "voxels, first at " + place_in_file(mask, first)});
 }
 
+// The point of one region that is nearest to another region.
+Eigen::Vector3d nearest_between(vtkPolyData* regions, int from, int to) {
+  const auto region = vtk::DataArrayValueRange<1>(regions->GetPointData()->GetScalars());
+  vtkNew<vtkPoints> targets;
+  for (vtkIdType i = 0; i < regions->GetNumberOfPoints(); ++i)
+    if (region[i] == to)
+      targets->InsertNextPoint(regions->GetPoint(i));
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(targets);
+  vtkNew<vtkStaticPointLocator> locator;
+  locator->SetDataSet(data);
+  locator->BuildLocator();
+  Eigen::Vector3d best = Eigen::Vector3d::Zero();
+  double least = 1e300;
+  for (vtkIdType i = 0; i < regions->GetNumberOfPoints(); ++i) {
+    if (region[i] != from)
+      continue;
+    const Eigen::Vector3d p(regions->GetPoint(i));
+    const Eigen::Vector3d q(targets->GetPoint(locator->FindClosestPoint(p.data())));
+    if ((p - q).norm() < least) {
+      least = (p - q).norm();
+      best = p;
+    }
+  }
+  return best;
+}
+
 void check_one_piece(vtkPolyData* surface, const Mask& mask, const std::string& path) {
   vtkNew<vtkPolyDataConnectivityFilter> pieces;
   pieces->SetInputData(surface);
@@ -171,14 +168,50 @@ void check_one_piece(vtkPolyData* surface, const Mask& mask, const std::string& 
   for (int r = 0; r < pieces->GetNumberOfExtractedRegions(); ++r) {
     if (r == largest || count(r) < fragment * count(largest))
       continue;
-    const auto region = vtk::DataArrayValueRange<1>(pieces->GetOutput()->GetPointData()->GetScalars());
-    const auto first = static_cast<vtkIdType>(std::find(region.begin(), region.end(), r) - region.begin());
-    const double* x = pieces->GetOutput()->GetPoint(first);
-    throw InputError("a narrowing of the mask is lost between its voxels", path,
-                     "a piece of the lumen stands alone near " +
-                         place_in_file(mask, Eigen::Vector4d(x[0], x[1], x[2], 1)),
-                     "resample the image to smaller voxels before segmenting, or give a surface");
+    const Eigen::Vector3d x = nearest_between(pieces->GetOutput(), r, largest);
+    throw InputError(
+        "a narrowing of the mask is lost between its voxels", path,
+        "a piece of the lumen stands alone near " + place_in_file(mask, Eigen::Vector4d(x[0], x[1], x[2], 1)),
+        "halve the voxels of the labels (nearest neighbour), segment on smaller voxels, or give a surface");
   }
+}
+
+// Warns of other labels that the lumen's label goes on into, as where each branch has a label of its own. Labels that
+// touch it all along are its wall.
+void report_neighbours(vtkImageData* labels, int label, std::vector<Repair>& repairs) {
+  const int* size = labels->GetDimensions();
+  const auto at = [&](int i, int j, int k) { return *static_cast<const int*>(labels->GetScalarPointer(i, j, k)); };
+  std::map<int, std::size_t> touching; // faces of voxels, by the label on their other side
+  std::size_t all = 0;
+  const auto visit = [&](int one, int other) {
+    if (one == other || (one != label && other != label))
+      return;
+    ++all;
+    if (one != 0 && other != 0)
+      ++touching[one == label ? other : one];
+  };
+  for (int k = 0; k < size[2]; ++k)
+    for (int j = 0; j < size[1]; ++j)
+      for (int i = 0; i < size[0]; ++i) {
+        if (i + 1 < size[0])
+          visit(at(i, j, k), at(i + 1, j, k));
+        if (j + 1 < size[1])
+          visit(at(i, j, k), at(i, j + 1, k));
+        if (k + 1 < size[2])
+          visit(at(i, j, k), at(i, j, k + 1));
+      }
+  std::string others;
+  std::size_t faces = 0;
+  for (const auto& [other, count] : touching) {
+    others += (others.empty() ? "" : ", ") + std::to_string(other);
+    faces += count;
+  }
+  if (faces < fewest_faces || static_cast<double>(faces) > of_the_wall * static_cast<double>(all))
+    return;
+  repairs.push_back({"the lumen's label touches others", touching.size(),
+                     "label " + std::to_string(label) + " goes on into " + others +
+                         "; if these are branches of the lumen, give all of them one label",
+                     true});
 }
 
 } // namespace
@@ -247,11 +280,12 @@ Mask read_mask(const std::string& path) {
 }
 
 vtkSmartPointer<vtkPolyData> surface_of_label(const Mask& mask, int label, const std::string& path,
-                                              std::vector<Repair>& repairs) {
+                                              const std::optional<Vec3>& inlet, std::vector<Repair>& repairs) {
   const int chosen = chosen_label(vtkIntArray::SafeDownCast(mask.labels->GetPointData()->GetScalars()), label, path);
   const auto indicator = indicator_of(mask.labels, chosen);
-  keep_largest_island(indicator, repairs);
+  keep_one_island(indicator, mask, inlet, repairs);
   report_border(mask, chosen, repairs);
+  report_neighbours(mask.labels, chosen, repairs);
   vtkSmartPointer<vtkPolyData> surface = level_surface(indicator);
   if (surface->GetNumberOfPolys() == 0)
     throw InputError("the lumen is too thin for the mask's voxels", path,

@@ -1,6 +1,7 @@
 // Labelled masks as segmentation programs write them: NIfTI, NRRD, MetaImage; and the sub-voxel surface of a label.
 #pragma once
 #include "core/types.hpp"
+#include <optional>
 #include <vtkImageData.h>
 #include <vtkPolyData.h>
 #include <vtkSmartPointer.h>
@@ -24,12 +25,13 @@ Mask read_mask(const std::string& path);
 /// The surface of one label in the file's unit. The label's indicator function is smoothed by 2 G(s) - G(2 s), where G
 /// is a Gaussian and s = 0.85 voxels; the surface is its level 0.5. One Gaussian would move a wall of radius R inward
 /// by s^2 / 2 R. The one-sided moments of the two cancel, so that to first order a curved wall does not move.
-/// Islands other than the largest are left out and reported. A label that reaches the image's border is reported.
+/// One piece of the label is kept, by keep_one_island. A label that reaches the image's border is reported.
 /// @param label 0 for the only label in the mask
+/// @param inlet in the file's unit, in the piece that is kept; none for the largest piece
 /// Throws InputError if the label is absent or ambiguous, if the lumen is too thin for its voxels, or if a narrowing is
 /// lost between them.
 vtkSmartPointer<vtkPolyData> surface_of_label(const Mask& mask, int label, const std::string& path,
-                                              std::vector<Repair>& repairs);
+                                              const std::optional<Vec3>& inlet, std::vector<Repair>& repairs);
 
 constexpr const char* voxel_edge_array = "voxel_edge"; ///< of the surface's field data: the longest edge of a voxel
 

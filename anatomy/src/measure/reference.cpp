@@ -13,6 +13,8 @@ constexpr std::size_t drawn = 80;       // sections through pairs of which lines
 constexpr double least_widening = 1.15; // of a dilatation
 constexpr double many_more = 1.25;      // ratio of healthy sections that a dilatation or a step has to bring
 constexpr double deepest_step = 0.737;  // ratio past a fork into two equal branches: D = 0.678 (d1 + d2), Finet 2007
+constexpr double lesser_daughter = 0.6; // the same into the lesser of two branches, where the other one has 0.87
+constexpr double split_error = 0.1;     // of the ratio past a branch of known calibre, by the flow split
 constexpr double ectatic = 1.5;         // width over the widest lumen beside it (definition of coronary ectasia)
 constexpr double flank = 0.99;          // of an ectasia: ratio of neighbouring sections, steeper than any taper
 constexpr double least_share = 0.1;     // of D^m without side branches: least value behind them
@@ -162,8 +164,19 @@ ReferenceLine fitted(ReferenceLine line, const std::vector<Calibre>& trunk, std:
   return line;
 }
 
-// Two lines with a step down between them, no deeper than at a fork; most sections on either side are healthy. The step
-// is at a side branch, or reaches from the last healthy section of the first line to the first one of the second.
+// The diameter of the widest branch that leaves at a step from s = `from` to `to` of a vessel of that diameter; 0 if
+// none does. Where branches leave at a small angle, their axes part up to two diameters behind the step.
+double branch_at(const Sides& branches, double from, double to, double vessel) {
+  double widest = 0;
+  for (const auto& [s, diameter] : branches)
+    if (s > from - vessel && s < to + 2 * vessel)
+      widest = std::max(widest, diameter);
+  return widest;
+}
+
+// Two lines with a step down between them, no deeper than at a fork into two equal branches, or than the flow split
+// with the branch that leaves there; most sections on either side are healthy. The step is at a side branch, or reaches
+// from the last healthy section of the first line to the first one of the second.
 Choice stepped(const std::vector<Candidate>& lines, const std::vector<Calibre>& measured, const Sides& sides,
                const Sides& branches) {
   const std::size_t n = measured.size();
@@ -183,9 +196,12 @@ Choice stepped(const std::vector<Candidate>& lines, const std::vector<Calibre>& 
       --last;
     while (!at_a_branch && behind.line->on(k, first + 1) == 0)
       ++first;
-    const double ratio = fitted(behind.line->line, trunk, k, n).at(measured[k].s) /
-                         fitted(before.line->line, trunk, 0, k).at(measured[k].s);
-    if (ratio >= deepest_step && ratio <= 1)
+    const double parent = fitted(before.line->line, trunk, 0, k).at(measured[k].s);
+    const double ratio = fitted(behind.line->line, trunk, k, n).at(measured[k].s) / parent;
+    const double side = branch_at(branches, measured[last].s, measured[first].s, parent);
+    const double split = behind_sides(parent, {{0, side}}, 1) / parent;
+    const double deepest = std::min(deepest_step, std::max(lesser_daughter, (1 - split_error) * split));
+    if (ratio >= deepest && ratio <= 1)
       best = {before.score + behind.score, before.healthy + behind.healthy, before.line, behind.line, last, first};
   };
   for (const auto& [at, diameter] : branches)
@@ -251,8 +267,7 @@ void note_step(const Choice& choice, const std::vector<Calibre>& measured, const
                const ReferenceProfile& profile, const Sides& branches, std::vector<Repair>& notes) {
   const double from = profile.step->from, to = profile.step->to;
   const double before = profile.diameter(measured[choice.last - 1].s), behind = profile.diameter(to);
-  const auto beside = [&](const auto& side) { return side.first > from - before && side.first < to + before; };
-  if (behind > (1 - 2 * band) * before || std::any_of(branches.begin(), branches.end(), beside))
+  if (behind > (1 - 2 * band) * before || branch_at(branches, from, to, before) > 0)
     return;
   char detail[256];
   std::snprintf(

@@ -21,7 +21,8 @@ namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
 using ComponentMap = Mesh::Property_map<Face, std::size_t>;
 
-constexpr double comparable = 0.2; // of the largest component's area
+constexpr double comparable = 0.2;  // of the largest component's area
+constexpr double vessel_length = 5; // mm, diagonal of a component's box; voids and specks are shorter
 
 // Whether b lists a's corners in the opposite sense; orienting keeps the order of triangles and only swaps corners.
 bool reversed(const std::vector<std::size_t>& a, const std::vector<std::size_t>& b) {
@@ -49,29 +50,48 @@ Mesh oriented_mesh(const Soup& soup, std::vector<Repair>& repairs) {
   return mesh;
 }
 
-// Warns of components of comparable size, which are likely other vessels. Reports their places and the kept one's.
-void warn_of_vessels(const Mesh& mesh, const ComponentMap& component, const std::vector<double>& area,
-                     std::size_t largest, std::vector<Repair>& repairs) {
+// Warns of components of comparable size or as long as a vessel. Reports their places and the kept one's.
+void warn_of_vessels(const Mesh& mesh, const ComponentMap& component, const std::vector<double>& area, std::size_t kept,
+                     std::vector<Repair>& repairs) {
   std::vector<Vec3> centre(area.size(), Vec3::Zero());
+  std::vector<Eigen::AlignedBox3d> box(area.size());
   for (Face f : mesh.faces()) {
     Vec3 middle = Vec3::Zero();
-    for (Vertex v : mesh.vertices_around_face(mesh.halfedge(f)))
+    for (Vertex v : mesh.vertices_around_face(mesh.halfedge(f))) {
       middle += vec(mesh.point(v)) / 3;
+      box[component[f]].extend(vec(mesh.point(v)));
+    }
     centre[component[f]] += PMP::face_area(f, mesh) / area[component[f]] * middle;
   }
   for (std::size_t c = 0; c < area.size(); ++c) {
-    if (c == largest || area[c] < comparable * area[largest])
+    if (c == kept || (area[c] < comparable * area[kept] && box[c].diagonal().norm() < vessel_length))
       continue;
-    char sizes[96];
-    std::snprintf(sizes, sizeof sizes, "%.0f mm2 of wall, the one kept has %.0f mm2 ", area[c], area[largest]);
+    char sizes[128];
+    std::snprintf(sizes, sizeof sizes, "%.0f mm2 of wall, %.1f mm long, the one kept has %.0f mm2 ", area[c],
+                  box[c].diagonal().norm(), area[kept]);
     repairs.push_back({"another vessel left out", 1,
-                       "round " + place(centre[c]) + ": " + sizes + "round " + place(centre[largest]) +
-                           "; give each vessel as a file of its own, or join them",
+                       "round " + place(centre[c]) + ": " + sizes + "round " + place(centre[kept]) +
+                           "; --inlet chooses between trees; of one vessel in two pieces, join them",
                        true});
   }
 }
 
-void keep_largest_component(Mesh& mesh, std::vector<Repair>& repairs) {
+// The component with the vertex nearest to p, of those of comparable size to the largest.
+std::size_t component_at(const Mesh& mesh, const ComponentMap& component, const std::vector<double>& area,
+                         std::size_t largest, const Vec3& p) {
+  std::size_t best = largest;
+  double least = 1e300;
+  for (Face f : mesh.faces())
+    if (area[component[f]] >= comparable * area[largest])
+      for (Vertex v : mesh.vertices_around_face(mesh.halfedge(f)))
+        if (const double away = (vec(mesh.point(v)) - p).norm(); away < least) {
+          least = away;
+          best = component[f];
+        }
+  return best;
+}
+
+void keep_one_component(Mesh& mesh, const std::optional<Vec3>& inlet, std::vector<Repair>& repairs) {
   auto component = mesh.add_property_map<Face, std::size_t>("f:component").first;
   const std::size_t n = PMP::connected_components(mesh, component);
   if (n > 1) {
@@ -79,15 +99,16 @@ void keep_largest_component(Mesh& mesh, std::vector<Repair>& repairs) {
     for (Face f : mesh.faces())
       area[component[f]] += PMP::face_area(f, mesh);
     const auto largest = static_cast<std::size_t>(std::max_element(area.begin(), area.end()) - area.begin());
+    const std::size_t kept = inlet ? component_at(mesh, component, area, largest, *inlet) : largest;
     double total = 0;
     for (double a : area)
       total += a;
     char detail[96];
-    std::snprintf(detail, sizeof detail, "kept the largest of %zu, %.2f %% of the area", n,
-                  100 * area[largest] / total);
+    std::snprintf(detail, sizeof detail, "kept the %s of %zu, %.2f %% of the area",
+                  kept == largest ? "largest" : "one with the inlet", n, 100 * area[kept] / total);
     repairs.push_back({"components dropped", n - 1, detail});
-    warn_of_vessels(mesh, component, area, largest, repairs);
-    PMP::keep_connected_components(mesh, std::vector<std::size_t>{largest}, component);
+    warn_of_vessels(mesh, component, area, kept, repairs);
+    PMP::keep_connected_components(mesh, std::vector<std::size_t>{kept}, component);
   }
   mesh.remove_property_map(component);
 }
@@ -118,7 +139,8 @@ void fill_holes(Mesh& mesh, const IsGivenEnd& is_given_end, std::vector<Repair>&
 
 } // namespace
 
-Mesh repaired(const Soup& soup, std::vector<Repair>& repairs, const IsGivenEnd& is_given_end) {
+Mesh repaired(const Soup& soup, std::vector<Repair>& repairs, const IsGivenEnd& is_given_end,
+              const std::optional<Vec3>& inlet) {
   CGAL::Bbox_3 box;
   for (const Point& p : soup.points)
     box += p.bbox();
@@ -133,7 +155,7 @@ Mesh repaired(const Soup& soup, std::vector<Repair>& repairs, const IsGivenEnd& 
   const std::size_t stitched = PMP::stitch_borders(mesh);
   if (stitched > 0)
     repairs.push_back({"borders stitched", stitched, "pairs of edges"});
-  keep_largest_component(mesh, repairs);
+  keep_one_component(mesh, inlet, repairs);
   PMP::remove_degenerate_faces(mesh);
   close_t_junctions(mesh, weld_tolerance * diagonal, repairs);
   fill_holes(mesh, is_given_end, repairs);

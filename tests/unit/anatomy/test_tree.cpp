@@ -1,8 +1,8 @@
 #include "ends/ends.hpp"
-#include "trees/naming.hpp"
 #include "measure/lesions.hpp"
 #include "remesh/remesh.hpp"
 #include "repair/repair.hpp"
+#include "trees/naming.hpp"
 #include "tube_mesh.hpp"
 #include <gtest/gtest.h>
 
@@ -229,6 +229,28 @@ TEST(Reference, StepsDownByTheFlowSplitWhereTheLumenBeforeTheSideBranchIsNarrowe
   const auto profiles = reference_profiles(branches, sections_of(branches, diseased, 3.0), notes);
   for (double s : {2.0, 8.0, 14.0, 20.0, 39.0})
     EXPECT_NEAR(profiles[0].diameter(s), healthy(s), 0.05) << s;
+}
+
+TEST(Reference, StepsIntoTheLesserBranchOfAForkBehindSmallBranches) {
+  // As a right coronary artery: it tapers past a small branch without a step, and forks from 3.5 into 2.6 and 2.5 mm,
+  // 3 mm before the axes part. The step is deeper than into two equal branches.
+  const auto healthy = [](double s) { return s < 24 ? 3.7 - 0.008 * s : 2.5 - 0.015 * (s - 24); };
+  std::vector<Branch> branches;
+  std::vector<Repair> notes;
+  std::vector<Section> sections = sections_of(branches, healthy, 1.6);
+  branches.push_back(branches[1]);
+  branches[2].id = 2;
+  branches[2].s_on_parent = 27;
+  for (std::size_t i = 80; i < 160; ++i) {
+    Section section = sections[i];
+    section.branch = 2;
+    section.area = M_PI / 4 * 2.6 * 2.6;
+    sections.push_back(section);
+  }
+  const auto profiles = reference_profiles(branches, sections, notes);
+  for (double s : {1.0, 20.0, 27.0, 39.0})
+    EXPECT_NEAR(profiles[0].diameter(s), healthy(s), 0.05) << s;
+  EXPECT_TRUE(notes.empty());
 }
 
 // Profile of a single vessel with the given diameters over 40 mm, and its warnings.

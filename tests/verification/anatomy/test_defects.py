@@ -217,6 +217,23 @@ def test_another_vessel_is_warned_of(lumen, tube, tmp_path):
             assert abs(places[0][2] - places[1][2]) == pytest.approx(offset, abs=0.1)
 
 
+def test_the_inlet_chooses_the_vessel_and_a_lost_piece_is_told(lumen, tube, tmp_path):
+    """A piece of 6 mm is small beside the whole, yet a branch may be lost with it."""
+    points, triangles = tube
+    far = 0.3 * points + [0, 0, 9]
+    length = np.linalg.norm(np.ptp(far, axis=0))
+    both = np.vstack([points, 0.8 * points + [0, 0, 12], far]), np.vstack(
+        [triangles, triangles + len(points), triangles + 2 * len(points)]
+    )
+    surface = surfaces.write(tmp_path / "two.vtp", *both)
+    inlet = min(0.8 * points + [0, 0, 12], key=lambda p: p[0])
+    done = lumen(surface, tmp_path / "out", "--inlet", ",".join(f"{x:.3f}" for x in inlet))
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.count("warning: another vessel left out") == 1 + (length > 5)
+    summary = json.loads((tmp_path / "out" / "anatomy.json").read_text())
+    assert all(abs(end["centre_mm"][2] - 12) < 3 for end in summary["ends"])
+
+
 @pytest.mark.parametrize("change", [-400, -7, 1000])
 def test_binary_stl_of_another_size_is_refused(lumen, tube, tmp_path, change):
     whole = surfaces.write(tmp_path / "tube.stl", *tube).read_bytes()

@@ -177,6 +177,60 @@ def test_islands_are_dropped_and_said(lumen, tmp_path):
     assert ("islands of the mask dropped", 1) in [(r["what"], r["count"]) for r in repairs]
 
 
+@pytest.mark.parametrize("inlet, x_mm", [(None, 10), ("6,8,12.5", 10), ("6,14,4.5", 8)])
+def test_the_inlet_chooses_between_two_vessels_of_a_label(lumen, tmp_path, inlet, x_mm):
+    """Without it the larger one is kept, as a label with both coronary trees has them."""
+    matrix = masks.affine([0.4] * 3)
+    labels, *_ = vessel(matrix, (82, 50, 44), ((15, 20, 31), (66, 30, 32)))
+    labels |= vessel(matrix, (82, 50, 44), ((15, 35, 11), (56, 35, 11)))[0]
+    done = lumen(
+        masks.nifti(tmp_path / "mask.nii", labels, matrix), tmp_path / "out", *(["--inlet", inlet] if inlet else [])
+    )
+    assert done.returncode == 0, done.stderr
+    assert "warning: another vessel left out" in done.stderr and "--inlet in it chooses it" in done.stderr
+    ends = json.loads((tmp_path / "out" / "anatomy.json").read_text())["ends"]
+    assert (ends[0]["centre_mm"][2] > 8.5) == (x_mm == 10)
+
+
+@pytest.mark.parametrize("wall, told", [(False, True), (True, False)], ids=["branches", "wall"])
+def test_labels_that_one_vessel_goes_on_into_are_told(lumen, tmp_path, wall, told):
+    """One label a branch: the label that is named is a part of the lumen. A label of the wall is no lumen."""
+    matrix = masks.affine([0.4] * 3)
+    labels, a, b = vessel(matrix, (82, 50, 24))
+    if wall:
+        outer = masks.capsules(masks.voxels((82, 50, 24), matrix), [(a, b, 2.4, 2.1)]).astype(int)
+        labels = np.where(labels == 1, 1, 2 * outer)
+    else:
+        labels[40:] *= 2
+    done = lumen(masks.meta(tmp_path / "mask.mha", labels, matrix), tmp_path / "out", "--label", "1")
+    assert done.returncode == 0, done.stderr
+    assert ("warning: the lumen's label touches others: label 1 goes on into 2;" in done.stderr) == told
+
+
+def test_a_vessel_with_an_empty_slice_is_said(lumen, tmp_path):
+    """Its far part is left out: an outlet would be at the gap without a word."""
+    matrix = masks.affine([0.4] * 3)
+    labels, *_ = vessel(matrix, (82, 50, 24))
+    labels[48] = 0
+    done = lumen(masks.meta(tmp_path / "mask.mha", labels, matrix), tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    said = next(line for line in done.stderr.splitlines() if "another vessel left out" in line)
+    assert "it is 0.8 from it at (19.6," in said and "fill the gap in the mask" in said
+
+
+def test_pieces_that_touch_by_corners_are_one_vessel(lumen, tmp_path):
+    """Most segmentation tools count them as one piece."""
+    matrix = masks.affine([0.4] * 3)
+    labels, *_ = vessel(matrix, (82, 50, 24))
+    i, j = np.meshgrid(np.arange(82), np.arange(50), indexing="ij")
+    labels[i + j == 65] = 0  # what is left on both sides touches by the voxels' edges
+    done = lumen(masks.meta(tmp_path / "mask.mha", labels, matrix), tmp_path / "out")
+    assert done.returncode == 0 and "left out" not in done.stderr, done.stderr
+    summary = json.loads((tmp_path / "out" / "anatomy.json").read_text())
+    assert summary["branches"][0]["length_mm"] > 18
+    assert "voxels filled where the label touches itself by corners only" in [r["what"] for r in summary["repairs"]]
+
+
 def test_a_lost_throat_is_refused_with_its_place(lumen, tmp_path):
     matrix = masks.affine([0.5] * 3)
     labels, *_ = vessel(matrix, (70, 40, 24), ((10, 20, 12), (60, 20, 12)), (1.6, 1.6))
