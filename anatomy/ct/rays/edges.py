@@ -101,7 +101,7 @@ def first_fall(hu, r_mm, level, start_mm=0.0):
 def noise_hu(hu, profiles, blood):
     """Standard deviation of hu (n, m, k) about the axis, where it shows blood.
 
-    A slow change along the vessel is none, nor is the fall away from the axis, which the blur brings into narrow lumens.
+    A slow change along the vessel is none, nor is the fall away from the axis that the blur makes in narrow lumens.
     So at each distance from the axis the deviations are those from a polynomial of the arc length, of a degree more for
     each SLOW_MM.
     """

@@ -5,7 +5,7 @@ namespace {
 
 // The LAD loses half of its width (3.7 to 1.9 mm, Dodge 1992), .5 % per mm of the first diameter; other vessels less.
 constexpr double usual = 0.5, steep = 1; // per cent per mm
-constexpr double long_enough = 20;         // mm: a short stretch tapers as its few sections say
+constexpr double long_enough = 20;       // mm: a short stretch tapers as its few sections say
 
 } // namespace
 

@@ -2,10 +2,10 @@
 #include "common/error.hpp"
 #include "ends/cap_open_ends.hpp"
 #include "ends/ends.hpp"
-#include "trees/naming.hpp"
 #include "ends/ragged_ends.hpp"
 #include "remesh/remesh.hpp"
 #include "repair/repair.hpp"
+#include "trees/naming.hpp"
 #include "tube_mesh.hpp"
 #include <CGAL/boost/graph/helpers.h>
 #include <gtest/gtest.h>
