@@ -105,7 +105,7 @@ void warn_of_stubs(const Mesh& mesh, const std::vector<End>& ends, const std::ve
     std::snprintf(
         detail, sizeof detail,
         "at %s: it stands out by %.2f mm and counts as wall; if it is a branch, cut it flat or open it in the "
-        "surface",
+        "surface, or name it among all outlets by --outlet",
         place(at).c_str(), tip.prominence);
     repairs.push_back({"stub left closed", 1, detail, true});
   }

@@ -139,7 +139,7 @@ void keep_stub_at_inlet(std::vector<Place>& places, const Vec3& inlet) {
       best = &one;
   if (!best || best->shown.is_end)
     return;
-  best->shown.is_end = true;
+  best->shown.is_end = best->named = true;
   best->shown.why += ", but named";
 }
 
@@ -151,6 +151,22 @@ void warn_of_narrow(const Place& end, std::vector<Repair>& repairs) {
   std::snprintf(behind, sizeof behind, "; the vessel behind it is %.2f mm wide: cut the end where the vessel is whole",
                 2 * end.shown.evidence.ball);
   repairs.push_back({"end narrower than its vessel", 1, line_of(end.shown) + behind, true});
+}
+
+// In a surface that is open at its ends, a closed end may be blind, as at an occlusion. It is an outlet if it is as
+// long as a vessel; this is said.
+void warn_of_blind(const std::vector<Place>& places, std::vector<Repair>& repairs) {
+  const auto open =
+      std::count_if(places.begin(), places.end(), [](const Place& one) { return one.shown.kind == "open"; });
+  if (open < 2)
+    return;
+  for (const Place& one : places)
+    if (one.is_rounded() && one.shown.is_end && !one.named)
+      repairs.push_back({"closed end among open ones", 1,
+                         "at " + place(one.rounded.at) +
+                             ": it becomes an outlet, with flow; if the vessel is blind there, name every outlet by "
+                             "--outlet and leave it out",
+                         true});
 }
 
 // Leaves as ends those that the points name. If the inlet has no point, it is the largest of the other ends.
@@ -291,6 +307,7 @@ std::vector<Candidate> find_ends(Mesh& mesh, NamedEnds named, double least_radiu
     keep_named(places, named, repairs);
   else if (named.inlet && !named.tagged)
     keep_stub_at_inlet(places, *named.inlet);
+  warn_of_blind(places, repairs);
   for (const Place& one : places)
     if (one.is_rounded() && !one.shown.is_end && (named.tagged || one.is_stub()))
       repairs.push_back({"rounded end left closed", 1,

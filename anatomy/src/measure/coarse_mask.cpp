@@ -7,14 +7,18 @@ namespace {
 // Radius of a lumen, in voxels, below which its place on the grid decides its area (anatomy/measured.md).
 constexpr double lost_voxels = 1.1;   // a chain of voxels that touch at their corners only
 constexpr double lost_smoothed = 1.5; // the same after another program's smoothing, which takes up to .3 voxels
-constexpr double of_lost = 50;        // possible error of such a lumen's area, per cent
-constexpr double of_few = 25;         // the same from there to 2 voxels
+constexpr double thread_voxels = 0.5; // a throat of 0.47 voxels came out with a radius of 0.24
+constexpr double of_thread = 75;      // possible error of such a lumen's area, per cent
+constexpr double of_lost = 50;        // the same from there on
+constexpr double of_few = 25;         // the same up to 2 voxels
 
 // Possible error of an area (mm2) in per cent; 0 if the voxels are small enough.
 double area_error(double area, const Voxels& voxels) {
   const double radius = std::sqrt(area / M_PI);
   if (radius >= fewest_voxels * voxels.edge)
     return 0;
+  if (radius < thread_voxels * voxels.edge)
+    return of_thread;
   return radius < (voxels.of_mask ? lost_voxels : lost_smoothed) * voxels.edge ? of_lost : of_few;
 }
 

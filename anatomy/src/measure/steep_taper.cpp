@@ -1,11 +1,27 @@
 #include "measure/steep_taper.hpp"
+#include <algorithm>
 
 namespace anatomy {
 namespace {
 
 // The LAD loses half of its width (3.7 to 1.9 mm, Dodge 1992), .5 % per mm of the first diameter; other vessels less.
 constexpr double usual = 0.5, steep = 1; // per cent per mm
-constexpr double long_enough = 20;       // mm: a short stretch tapers as its few sections say
+constexpr double long_enough = 15;       // mm: a shorter stretch tapers as its few sections say
+constexpr double beside = 0.01;          // mm from a fork, where the reference steps down
+
+// Where the reference of a branch may step down between its first and last section: at forks, and over a step.
+std::vector<double> cuts_of(const std::vector<Branch>& branches, std::size_t b, const ReferenceProfile& profile,
+                            double from, double to) {
+  std::vector<double> cuts{from, to};
+  for (const Branch& side : branches)
+    if (side.parent == static_cast<int>(b))
+      cuts.push_back(side.s_on_parent);
+  if (profile.step)
+    cuts.insert(cuts.end(), {profile.step->from, profile.step->to});
+  std::erase_if(cuts, [&](double s) { return s < from || s > to; });
+  std::sort(cuts.begin(), cuts.end());
+  return cuts;
+}
 
 } // namespace
 
@@ -15,18 +31,21 @@ void note_steep_tapers(const std::vector<Branch>& branches, const std::vector<Se
     const std::vector<Calibre> measured = calibres(branches, sections, b);
     if (measured.empty())
       continue;
-    const double from = measured.front().s, to = measured.back().s;
-    const ReferenceLine& line = profiles[b].line;
-    const double taper = -100 * line.slope / line.at(from);
-    if (taper < steep || to - from < long_enough)
-      continue;
-    char detail[320];
-    std::snprintf(
-        detail, sizeof detail,
-        "%s: its reference falls from %.2f to %.2f mm over %.0f mm, by %.1f %% per mm; an LAD tapers by %.1f "
-        "%% per mm. Diffuse disease that narrows the vessel evenly looks the same, and counts as healthy here",
-        branches[b].name.c_str(), line.at(from), line.at(to), to - from, taper, usual);
-    notes.push_back({"reference tapers steeply", 1, detail, true});
+    const std::vector<double> cuts = cuts_of(branches, b, profiles[b], measured.front().s, measured.back().s);
+    for (std::size_t k = 1; k < cuts.size(); ++k) {
+      const double from = cuts[k - 1], to = cuts[k];
+      const double first = profiles[b].diameter(from + beside), last = profiles[b].diameter(to - beside);
+      const double taper = 100 * (first - last) / first / std::max(to - from, beside);
+      if (to - from < long_enough || taper < steep)
+        continue;
+      char detail[320];
+      std::snprintf(detail, sizeof detail,
+                    "%s from %.0f to %.0f mm along it: its reference falls from %.2f to %.2f mm, by %.1f %% per mm; an "
+                    "LAD tapers by %.1f %% per mm. Diffuse disease that narrows the vessel evenly looks the same, and "
+                    "counts as healthy here",
+                    branches[b].name.c_str(), from, to, first, last, taper, usual);
+      notes.push_back({"reference tapers steeply", 1, detail, true});
+    }
   }
 }
 

@@ -155,3 +155,14 @@ def test_a_taper_steeper_than_coronaries_have(said, taper, length, told):
     points, triangles = surfaces.tube(surfaces.straight, lambda s: 1.7 * (1 - taper * s), length, 0.25)
     errors, _ = said(points, triangles)
     assert ("warning: reference tapers steeply" in errors) == told
+
+
+def test_a_closed_end_among_open_ones_is_said(lumen, tmp_path):
+    """A branch that is blind, as behind an occlusion, would get flow as an outlet."""
+    main, blind = ((0, 0, 0), (24, 0, 0), 1.5, 1.3), ((12, 0, 0), (16, 8, 0), 0.9, 0.9)
+    surface = surfaces.write(tmp_path / "blind.vtp", *surfaces.tree([main, blind], inner=(1,)))
+    done = lumen(surface, tmp_path / "out")
+    assert done.returncode == 0 and "warning: closed end among open ones" in done.stderr, done.stderr
+    done = lumen(surface, tmp_path / "named", "--inlet", "0,0,0", "--outlet", "24,0,0")
+    assert done.returncode == 0 and "closed end among open ones" not in done.stderr, done.stderr
+    assert len(json.loads((tmp_path / "named" / "anatomy.json").read_text())["ends"]) == 2
