@@ -180,7 +180,8 @@ void check_one_piece(vtkPolyData* surface, const Mask& mask, const std::string& 
 // touch it all along are its wall.
 void report_neighbours(vtkImageData* labels, int label, std::vector<Repair>& repairs) {
   const int* size = labels->GetDimensions();
-  const auto at = [&](int i, int j, int k) { return *static_cast<const int*>(labels->GetScalarPointer(i, j, k)); };
+  const auto* values = static_cast<const int*>(labels->GetScalarPointer());
+  const auto row = static_cast<std::ptrdiff_t>(size[0]), slice = row * size[1];
   std::map<int, std::size_t> touching; // faces of voxels, by the label on their other side
   std::size_t all = 0;
   const auto visit = [&](int one, int other) {
@@ -193,12 +194,14 @@ void report_neighbours(vtkImageData* labels, int label, std::vector<Repair>& rep
   for (int k = 0; k < size[2]; ++k)
     for (int j = 0; j < size[1]; ++j)
       for (int i = 0; i < size[0]; ++i) {
+        const int here = *values;
         if (i + 1 < size[0])
-          visit(at(i, j, k), at(i + 1, j, k));
+          visit(here, values[1]);
         if (j + 1 < size[1])
-          visit(at(i, j, k), at(i, j + 1, k));
+          visit(here, values[row]);
         if (k + 1 < size[2])
-          visit(at(i, j, k), at(i, j, k + 1));
+          visit(here, values[slice]);
+        ++values;
       }
   std::string others;
   std::size_t faces = 0;
