@@ -107,7 +107,10 @@ class Inputs:
             options += " --close-others"
         for point in given.get("cut_points_mm", ()):
             options += " --cut " + ",".join(map(str, point))
-        for key in ("label", "extend_inlet_radii", "extend_outlets_radii"):
+        if "label" in given:
+            labels = given["label"]
+            options += " --label " + ",".join(map(str, labels if isinstance(labels, list) else [labels]))
+        for key in ("extend_inlet_radii", "extend_outlets_radii"):
             if key in given:
                 options += f" --{key.removesuffix('_radii').replace('_', '-')} {given[key]}"
         return options

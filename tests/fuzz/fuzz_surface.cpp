@@ -37,7 +37,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   vci::tests::expect_answer(bytes + 1, size - 1, [suffix](const std::filesystem::path& file) {
     const Named named(file, suffix);
     std::vector<anatomy::Repair> repairs;
-    anatomy::read_surface(named.path(), "mm", 0, repairs);
+    anatomy::read_surface(named.path(), "mm", {}, repairs);
   });
   return 0;
 }

@@ -39,7 +39,10 @@ void add_input(CLI::App& command, Options& options, GivenPoints& given) {
                   "lumen surface (.stl, .vtp, .ply, .obj) or labelled mask (.nii, .nii.gz, .nrrd, .mha, .mhd)")
       ->required();
   command.add_option("--units", options.units, "length unit of the file: mm, cm or m")->capture_default_str();
-  command.add_option("--label", options.label, "the lumen's label in a mask; default: the only one")
+  command
+      .add_option("--label", options.labels,
+                  "the lumen's label in a mask, or the labels of all its branches, as 1,2; default: the only one")
+      ->delimiter(',')
       ->check([](const std::string& label) { return std::string(label == "0" ? "0 is what is no vessel" : ""); });
   command.add_option("--cut", given.cuts, "cut the vessel flat across at its axis near x,y,z (mm); repeat for each")
       ->delimiter(',');

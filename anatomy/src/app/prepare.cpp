@@ -113,7 +113,7 @@ Closed closed_surface(const Options& options, StepTimer& timer) {
   Closed out;
   timer.start("read");
   const std::vector<GivenCap> caps = read_caps(options.caps, options.units);
-  out.input = read_surface(options.input, options.units, options.label, out.repairs, options.inlet);
+  out.input = read_surface(options.input, options.units, options.labels, out.repairs, options.inlet);
   const Soup soup = soup_of(out.input);
   timer.start("repair");
   out.mesh = repaired(soup, out.repairs, caps.empty() ? named_by(points_of(named_ends(options, {}))) : closed_by(caps),

@@ -6,15 +6,16 @@
 #include "measure/coarse_mask.hpp"
 #include "trees/choose.hpp"
 #include <optional>
+#include <vector>
 #include <vtkPolyData.h>
 
 namespace anatomy {
 
 struct Options {
   std::string input, units = "mm";
-  int label = 0;         ///< of a mask; 0: its only label
-  double edge = 0.4;     ///< mm
-  double spacing = 0.25; ///< mm between sections
+  std::vector<int> labels; ///< of a mask; none: its only label
+  double edge = 0.4;       ///< mm
+  double spacing = 0.25;   ///< mm between sections
   std::optional<Vec3> inlet;
   std::vector<Vec3> outlets;     ///< in the order of their names, or empty
   std::vector<Vec3> cuts;        ///< points where the vessel is cut across

@@ -112,12 +112,12 @@ void check_stl_length(const std::string& path) {
                      "export it again");
 }
 
-vtkSmartPointer<vtkPolyData> read_by_suffix(const std::string& path, int label, const std::optional<Vec3>& inlet,
-                                            std::vector<Repair>& repairs) {
+vtkSmartPointer<vtkPolyData> read_by_suffix(const std::string& path, const std::vector<int>& labels,
+                                            const std::optional<Vec3>& inlet, std::vector<Repair>& repairs) {
   if (is_mask_file(path))
-    return surface_of_label(read_mask(path), label, path, inlet, repairs);
-  if (label != any_label)
-    throw InputError("only masks have labels", "--label", std::to_string(label) + " for " + path,
+    return surface_of_label(read_mask(path), labels, path, inlet, repairs);
+  if (!labels.empty())
+    throw InputError("only masks have labels", "--label", std::to_string(labels.front()) + " for " + path,
                      "leave the label out (--label, label in a case file), or give a mask");
   std::string suffix = std::filesystem::path(path).extension().string();
   std::transform(suffix.begin(), suffix.end(), suffix.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -193,8 +193,9 @@ void check_indices(vtkPolyData* data, const std::string& path) {
   }
 }
 
-vtkSmartPointer<vtkPolyData> in_millimetres(const std::string& path, const std::string& units, int label,
-                                            vtkIdType fewest, std::optional<Vec3> inlet, std::vector<Repair>& repairs) {
+vtkSmartPointer<vtkPolyData> in_millimetres(const std::string& path, const std::string& units,
+                                            const std::vector<int>& labels, vtkIdType fewest, std::optional<Vec3> inlet,
+                                            std::vector<Repair>& repairs) {
   const double scale = millimetres_per(units);
   if (inlet)
     inlet = *inlet / scale; // in the file's unit
@@ -202,7 +203,7 @@ vtkSmartPointer<vtkPolyData> in_millimetres(const std::string& path, const std::
   check_kind(path);
   vtkSmartPointer<vtkPolyData> read;
   try {
-    read = read_by_suffix(path, label, inlet, repairs);
+    read = read_by_suffix(path, labels, inlet, repairs);
   } catch (const std::bad_alloc&) {
     throw InputError("the file claims more than there is memory for", path,
                      std::to_string(std::filesystem::file_size(path)) + " bytes",
@@ -270,12 +271,13 @@ void check_mean_radius(double radius_mm, const std::string& units, const std::st
 
 vtkSmartPointer<vtkPolyData> read_triangles(const std::string& path, const std::string& units) {
   std::vector<Repair> repairs; // only masks have any
-  return in_millimetres(path, units, any_label, 1, std::nullopt, repairs);
+  return in_millimetres(path, units, {}, 1, std::nullopt, repairs);
 }
 
-vtkSmartPointer<vtkPolyData> read_surface(const std::string& path, const std::string& units, int label,
-                                          std::vector<Repair>& repairs, const std::optional<Vec3>& inlet) {
-  const auto data = in_millimetres(path, units, label, 4, inlet, repairs);
+vtkSmartPointer<vtkPolyData> read_surface(const std::string& path, const std::string& units,
+                                          const std::vector<int>& labels, std::vector<Repair>& repairs,
+                                          const std::optional<Vec3>& inlet) {
+  const auto data = in_millimetres(path, units, labels, 4, inlet, repairs);
   check_diagonal(data->GetLength(), units, path);
   return data;
 }

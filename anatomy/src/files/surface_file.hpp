@@ -2,6 +2,7 @@
 #pragma once
 #include "core/types.hpp"
 #include <optional>
+#include <vector>
 #include <vtkPolyData.h>
 #include <vtkSmartPointer.h>
 
@@ -11,12 +12,13 @@ namespace anatomy {
 vtkSmartPointer<vtkPolyData> read_triangles(const std::string& path, const std::string& units);
 
 /// Reads a surface as triangles, in mm. Point and cell arrays of a VTP are kept.
-/// units: "mm", "cm" or "m", the file's length unit. label: of a mask (mask_file.hpp), 0 for its only one. Parts of a
-/// mask that are left out are noted in `repairs`; the part with the `inlet` (mm) is kept, or else the largest.
-/// Throws InputError: unknown suffix or unit, missing or unreadable file, no triangles, coordinates that are not
-/// finite, a label for a file that is no mask, or a size that is not a coronary lumen's (with the likely unit).
-vtkSmartPointer<vtkPolyData> read_surface(const std::string& path, const std::string& units, int label,
-                                          std::vector<Repair>& repairs, const std::optional<Vec3>& inlet = {});
+/// units: "mm", "cm" or "m", the file's length unit. labels: of a mask (mask_file.hpp), none for its only one. Parts of
+/// a mask that are left out are noted in `repairs`; the part with the `inlet` (mm) is kept, or else the largest. Throws
+/// InputError: unknown suffix or unit, missing or unreadable file, no triangles, coordinates that are not finite, a
+/// label for a file that is no mask, or a size that is not a coronary lumen's (with the likely unit).
+vtkSmartPointer<vtkPolyData> read_surface(const std::string& path, const std::string& units,
+                                          const std::vector<int>& labels, std::vector<Repair>& repairs,
+                                          const std::optional<Vec3>& inlet = {});
 
 /// The longest edge of the voxels (mm) of the mask that a surface was read from; 0 for other surfaces.
 double voxel_edge(vtkPolyData* data);

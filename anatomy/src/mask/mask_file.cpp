@@ -213,7 +213,8 @@ void report_neighbours(vtkImageData* labels, int label, std::vector<Repair>& rep
     return;
   repairs.push_back({"the lumen's label touches others", touching.size(),
                      "label " + std::to_string(label) + " goes on into " + others +
-                         "; if these are branches of the lumen, give all of them one label",
+                         "; if these are branches of the lumen, name them all, as in --label " + std::to_string(label) +
+                         "," + std::to_string(touching.begin()->first),
                      true});
 }
 
@@ -282,9 +283,9 @@ Mask read_mask(const std::string& path) {
   return mask;
 }
 
-vtkSmartPointer<vtkPolyData> surface_of_label(const Mask& mask, int label, const std::string& path,
+vtkSmartPointer<vtkPolyData> surface_of_label(const Mask& mask, const std::vector<int>& wanted, const std::string& path,
                                               const std::optional<Vec3>& inlet, std::vector<Repair>& repairs) {
-  const int chosen = chosen_label(vtkIntArray::SafeDownCast(mask.labels->GetPointData()->GetScalars()), label, path);
+  const int chosen = join_labels(vtkIntArray::SafeDownCast(mask.labels->GetPointData()->GetScalars()), wanted, path);
   const auto indicator = indicator_of(mask.labels, chosen);
   keep_one_island(indicator, mask, inlet, repairs);
   report_border(mask, chosen, repairs);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <vtkDataArrayRange.h>
 #include <vtkPointData.h>
 
@@ -54,22 +55,31 @@ void check_labels(vtkImageData* image, const std::string& path) {
   }
 }
 
-int chosen_label(vtkIntArray* labels, int label, const std::string& path) {
+int join_labels(vtkIntArray* labels, const std::vector<int>& wanted, const std::string& path) {
   std::map<int, vtkIdType> counts;
   for (const int value : vtk::DataArrayValueRange<1>(labels))
     if (value != 0)
       ++counts[value];
-  if (label == any_label ? counts.size() == 1 : counts.contains(label)) {
-    const int chosen = label == any_label ? counts.begin()->first : label;
-    check_not_the_background(counts.at(chosen), labels->GetNumberOfValues(), path);
-    return chosen;
-  }
   if (counts.empty())
     throw InputError("the mask is empty", path, "no voxel other than 0",
                      "save the segmentation with the lumen's voxels other than 0");
-  throw InputError(
-      label == any_label ? "the mask has several labels" : "no such label in the mask", path, known_labels(counts),
-      "name the lumen's (--label, label in a case file); an image of the CT itself goes in as lumen: {ct: ...}");
+  std::set<int> chosen(wanted.begin(), wanted.end());
+  if (wanted.empty() && counts.size() == 1)
+    chosen.insert(counts.begin()->first);
+  const auto absent = [&](int label) { return !counts.contains(label); };
+  if (chosen.empty() || std::any_of(chosen.begin(), chosen.end(), absent))
+    throw InputError(chosen.empty() ? "the mask has several labels" : "no such label in the mask", path,
+                     known_labels(counts),
+                     "name the lumen's, or those of all its branches (--label 1 or 1,2; label in a case file); an "
+                     "image of the CT itself goes in as lumen: {ct: ...}");
+  vtkIdType voxels = 0;
+  for (const int label : chosen)
+    voxels += counts.at(label);
+  check_not_the_background(voxels, labels->GetNumberOfValues(), path);
+  for (int& value : vtk::DataArrayValueRange<1>(labels))
+    if (chosen.contains(value))
+      value = *chosen.begin();
+  return *chosen.begin();
 }
 
 } // namespace anatomy

@@ -1,6 +1,7 @@
 // Finds the label of the lumen in a mask.
 #pragma once
 #include <string>
+#include <vector>
 #include <vtkImageData.h>
 #include <vtkIntArray.h>
 
@@ -10,10 +11,9 @@ namespace anatomy {
 /// whole numbers.
 void check_labels(vtkImageData* image, const std::string& path);
 
-/// The lumen's label: the requested one, or for any_label the only one in the mask. Throws InputError if it is absent
-/// or ambiguous, or fills the image.
-int chosen_label(vtkIntArray* labels, int label, const std::string& path);
-
-constexpr int any_label = 0;
+/// The lumen's label. Of several wanted labels, as of branches that have one each, the voxels of all get the first.
+/// @param wanted empty for the only label in the mask
+/// Throws InputError if a label is absent or ambiguous, or fills the image.
+int join_labels(vtkIntArray* labels, const std::vector<int>& wanted, const std::string& path);
 
 } // namespace anatomy

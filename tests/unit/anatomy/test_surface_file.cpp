@@ -29,7 +29,7 @@ protected:
   std::string message(const std::string& path, const std::string& units) {
     try {
       std::vector<Repair> repairs;
-      read_surface(path, units, 0, repairs);
+      read_surface(path, units, {}, repairs);
     } catch (const common::InputError& error) {
       return error.what();
     }
@@ -39,7 +39,7 @@ protected:
 
 TEST_F(SurfaceFile, ScalesToMillimetres) {
   std::vector<Repair> repairs;
-  const Soup soup = soup_of(read_surface(octahedron(2), "cm", 0, repairs));
+  const Soup soup = soup_of(read_surface(octahedron(2), "cm", {}, repairs));
   ASSERT_EQ(soup.triangles.size(), 8u);
   EXPECT_NEAR(vec(soup.points[0]).norm(), 20, 1e-5);
   EXPECT_TRUE(soup.region.empty());

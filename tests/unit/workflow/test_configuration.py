@@ -183,6 +183,20 @@ lumen: {path: data/aorta.stl, units: cm, tree: left, ostium_point_mm: [-1, 2, 3.
         Configuration(folder, tmp_path)
 
 
+@pytest.mark.parametrize("given, option", [("2", "2"), ("[1, 3]", "1,3")])
+def test_labels_of_a_mask_reach_the_command(folder, tmp_path, given, option):
+    case = """
+kind: surface
+description: a segmentation
+patient: {lvm_g: 150, sbp_mmhg: 120, dbp_mmhg: 80}
+lumen: {path: data/mask.nii.gz, units: mm, label: LABEL}
+"""
+    (tmp_path / "mask.nii.gz").write_bytes(b"mask")
+    (folder / "cases/own.yaml").write_text(case.replace("LABEL", given))
+    inputs = Inputs(Configuration(folder, tmp_path))
+    assert inputs.lumen_options(SimpleNamespace(case="own")) == f"--units mm --label {option}"
+
+
 def test_a_ct_reaches_the_command_with_its_ends(folder, tmp_path):
     case = """
 kind: surface

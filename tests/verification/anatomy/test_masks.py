@@ -205,6 +205,12 @@ def test_labels_that_one_vessel_goes_on_into_are_told(lumen, tmp_path, wall, tol
     done = lumen(masks.meta(tmp_path / "mask.mha", labels, matrix), tmp_path / "out", "--label", "1")
     assert done.returncode == 0, done.stderr
     assert ("warning: the lumen's label touches others: label 1 goes on into 2;" in done.stderr) == told
+    if not told:
+        return
+    whole = lumen(masks.meta(tmp_path / "mask.mha", labels, matrix), tmp_path / "whole", "--label", "1,2")
+    assert whole.returncode == 0 and "touches others" not in whole.stderr, whole.stderr
+    lumen(masks.meta(tmp_path / "one.mha", np.minimum(labels, 1), matrix), tmp_path / "one")
+    assert (tmp_path / "whole" / "lumen.vtp").read_bytes() == (tmp_path / "one" / "lumen.vtp").read_bytes()
 
 
 def test_a_vessel_with_an_empty_slice_is_said(lumen, tmp_path):
