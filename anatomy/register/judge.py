@@ -13,6 +13,7 @@ LEAST_SHARE = 0.6  # of both axes that coincide: right pairs with a third cut of
 USUAL_RESIDUAL = 0.1  # of the usual radius: right pairs have up to 0.05, with noise, cuts or a stent
 LARGEST_RESIDUAL = 0.3  # of the usual radius: other vessels that lie on each other have 0.11 to 0.48
 WITH_LANDMARKS = 0.6  # of the usual radius: largest residual if the user gives landmarks
+DOUBTFUL_MISS = 0.5  # of the usual radius: distance between corresponding landmarks from which it is said
 LARGEST_MISS = 1.0  # of the usual radius: largest distance between corresponding landmarks
 FARTHEST_RADII = 3.0  # of a landmark from its vessel's axes: a spot on the wall, a branch's mouth, the ostium's rim
 LANDMARKS = "give `registration: landmarks` (pre_mm, post_mm of each): places that are seen in both lumens"
@@ -58,7 +59,7 @@ def check_fit(where, target, tree, found, match, landmarks):
         raise InputError(
             "a landmark does not fit",
             f"{where}: landmark {1 + int(misses.argmax())}",
-            f"{misses.max():.2f} mm off, at most {radius}",
+            f"{misses.max():.2f} mm off, at most {radius}; the axes fit within {match.trimmed_mm:.2f} mm",
             "correct its place in the one lumen or the other",
         )
     share, of = (contained, "the shorter lumen's axes") if marked else (both, "both lumens' axes")
@@ -155,6 +156,12 @@ def unusual(match):
 def warnings(target, tree, found, match, landmarks):
     """Sentences on a placement that is not refused, yet may be wrong; mostly none."""
     said = []
+    misses = landmark_misses(found.placement, landmarks)
+    for k in np.flatnonzero(misses > DOUBTFUL_MISS * match.usual_radius_mm):
+        said.append(
+            f"landmark {k + 1} lies {misses[k]:.2f} mm from where the axes put it, which fit within"
+            f" {match.trimmed_mm:.2f} mm: check its two places"
+        )
     if unusual(match):
         share = match.trimmed_mm / match.usual_radius_mm
         said.append(
@@ -170,7 +177,7 @@ def warnings(target, tree, found, match, landmarks):
     return said
 
 
-def check_outlets(where, match):
+def check_outlets(where, match, landmarks):
     """Raises InputError if the two lumens have different outlets, since flow needs a resistance at each outlet."""
     if match.new or match.missing:
         says = []
@@ -182,7 +189,8 @@ def check_outlets(where, match):
             "the two lumens have not the same branches",
             where,
             "; ".join(says),
-            "close or cut off what only one of them has, or compare areas only: `registration: {compare: areas}`",
+            ("correct the landmarks' places; " if len(landmarks[0]) else "")
+            + "close or cut off what only one of them has, or compare areas only: `registration: {compare: areas}`",
         )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from common import config, vtp
 from common.files import write_json
 
-from . import judge, search, tree
+from . import judge, search, settling, tree
 from .match import matched
 from .placement import Target
 
@@ -28,14 +28,14 @@ def run(case_file, pre_folder, post_folder, out):
     pre, post = tree.read(pre_folder), tree.read(post_folder)
     judge.check_landmarks(case_file, pre, post, landmarks)
     where, target = f"{case_file}: post", Target(pre)
-    found = search.best(pre, post, landmarks)
+    found = settling.settled(target, post, search.best(pre, post, landmarks), landmarks)
     match = matched(target, post, found.placement)
     judge.check_handedness(where, pre, post, target, found, match, landmarks)
     judge.check_direction(where, pre, post, target, found, landmarks)
     judge.check_fit(where, target, post, found, match, landmarks)
     judge.check_place(where, target, post, found, match, landmarks)
     if wanted["compare"] == "flow":
-        judge.check_outlets(where, match)
+        judge.check_outlets(where, match, landmarks)
     surface = vtp.read_triangles(pathlib.Path(post_folder) / "lumen.vtp", "run `lumen process` again")
     surface.GetPoints().SetData(_points(found.placement.apply(vtp.points(surface))))
     vtp.write(out / "lumen.vtp", surface)
@@ -88,14 +88,8 @@ def document(target, post, found, match, landmarks, compare):
         else {"misfit": found.rival_cost, "apart_mm": found.placement.apart_mm(found.rival, post.points)},
         "misfit": found.cost,
         "warnings": judge.warnings(target, post, found, match, landmarks),
-        "turn_about_axis_known": bool(_has_width(target.points) or len(landmarks[0]) > 1),
+        "turn_about_axis_known": bool(settling.has_width(target.points) or len(landmarks[0]) > 1),
     }
-
-
-def _has_width(points):
-    """Whether an axis deviates from a straight line by 1 mm rms; only then it fixes the turn about that line."""
-    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False) / np.sqrt(len(points))
-    return spread[1] > 1.0
 
 
 def _landmarks(wanted):

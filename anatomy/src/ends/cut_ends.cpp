@@ -28,6 +28,7 @@ constexpr double finest_edge = 0.075;
 constexpr double beyond_tip = 2; // radii of the ball: if the vessel goes on this far from the tip, the ball leads away
 constexpr double much_lost = 2;  // mm; an ostial lesion lies within 3 mm of the ostium
 constexpr double reach = 3;      // radii within which a point names a tip or a place on the axis
+constexpr double same_cut = 0.5; // radii between the cuts of two tips of one dome, which is wider than the mean vessel
 
 // An end and the distance from its centre within which a tip is part of the end's rim.
 struct EndReach {
@@ -179,6 +180,10 @@ std::vector<Tip> tips_from_both(const Mesh& mesh, double prominence, double apar
   return tips;
 }
 
+bool cut_alike(const Plane& a, const Plane& b) {
+  return (a.centre - b.centre).norm() < same_cut * std::max(a.radius, b.radius) && a.normal.dot(b.normal) > 0;
+}
+
 // Balls of the surface and the ball of each tip.
 struct TipBalls {
   Balls balls;
@@ -237,7 +242,9 @@ std::vector<RoundedEnd> rounded_ends(const Mesh& mesh, const std::vector<End>& e
     else if (tip.prominence < std::max(least_prominence * mean, least_own * way.radius.front()))
       std::snprintf(why, sizeof why, "it stands out by %.2f mm only: a stub", tip.prominence);
     end.why_short = why;
-    rounded.push_back(end);
+    if (std::none_of(rounded.begin(), rounded.end(),
+                     [&](const RoundedEnd& before) { return cut_alike(before.plane, end.plane); }))
+      rounded.push_back(end);
   }
   return rounded;
 }

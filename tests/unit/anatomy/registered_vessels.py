@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from anatomy.register import judge, search
+from anatomy.register import judge, search, settling
 from anatomy.register.match import matched
 from anatomy.register.placement import Target
 from anatomy.register.tree import STEP_MM, Line, Tree
@@ -78,7 +78,7 @@ def registered(pre, post, landmarks=NONE):
     """(Found, Match, Target), refused as the command does."""
     judge.check_landmarks("case", pre, post, landmarks)
     target = Target(pre)
-    found = search.best(pre, post, landmarks)
+    found = settling.settled(target, post, search.best(pre, post, landmarks), landmarks)
     match = matched(target, post, found.placement)
     judge.check_handedness("case: post", pre, post, target, found, match, landmarks)
     judge.check_direction("case: post", pre, post, target, found, landmarks)

@@ -39,7 +39,7 @@ def test_cropped_at_both_ends_without_a_branch():
     start, end = match.shared["main"]
     assert start == pytest.approx(7, abs=0.6) and end == pytest.approx(52, abs=0.6)
     with pytest.raises(InputError, match="side1 of `lumen` not found in `post`"):
-        judge.check_outlets("case: post", match)
+        judge.check_outlets("case: post", match, NONE)
     named = like(post.summary, found.placement, match)["ends"]
     assert [(end["branch"], end["name"], end["region_id"]) for end in named] == [
         ("main", "inlet", 1),
@@ -130,6 +130,23 @@ def test_three_landmarks_decide_alone():
     with pytest.raises(InputError, match="a landmark does not fit.*\n.*landmark 2"):
         other = TURN.apply(marks + [[0, 0, 0], [3, 0, 0], [0, 0, 0]]) + SHIFT
         registered(vessel(), moved(vessel()), (marks, other))
+
+
+@pytest.mark.parametrize("off_mm, said", [(0.5, None), (1.0, "landmark 1 lies 1.0"), (2.2, "does not fit")])
+def test_a_landmark_that_was_marked_roughly_moves_no_lumen_that_its_axes_place(off_mm, said):
+    """A landmark 1 mm off once moved the axes of such a pair by 0.46 mm, without a word."""
+    pre, post = vessel(), moved(vessel(), noise=0.01)
+    line = pre.branches["main"].points
+    place = line[60:61] + off_mm * (line[61] - line[60]) / np.linalg.norm(line[61] - line[60])
+    marks = place, TURN.apply(line[60:61]) + SHIFT
+    if said == "does not fit":
+        with pytest.raises(InputError, match="a landmark does not fit"):
+            registered(pre, post, marks)
+        return
+    found, match, target = registered(pre, post, marks)
+    assert wrong_by(found, pre)[0] < 0.02
+    warned = judge.warnings(target, post, found, match, marks)
+    assert not warned if said is None else said in warned[0]
 
 
 def test_the_wrong_inlet_is_named():

@@ -80,6 +80,17 @@ def test_a_left_main_shorter_than_wide_is_the_inlet_once_named(lumen, tmp_path, 
     assert ends[0]["diameter_mm"] == pytest.approx(4.4, abs=0.2) and ends[0]["centre_mm"][0] < length + 1
 
 
+def test_two_tips_of_one_wide_dome_are_one_end(lumen, tmp_path):
+    """The dome of a left main is wider than the mean vessel. It was cut at one tip, and then the other one was gone."""
+    stem, ends = ((0, 0, 0), (5, 0, 0), 2.25, 2.25), ((45, 18, 3), (25, -35, -2))
+    branches = [((5, 0, 0), end, 1.0, 0.7) for end in ends] + [((25, 9, 1.5), (35, -6, 8), 0.8, 0.7)]
+    surface = surfaces.write(tmp_path / "left.vtp", *surfaces.tree([stem, *branches], rounded=True))
+    done = lumen(surface, tmp_path / "out", "--inlet", "0,0,0")
+    assert done.returncode == 0, done.stderr
+    ends = json.loads((tmp_path / "out" / "anatomy.json").read_text())["ends"]
+    assert len(ends) == 4 and ends[0]["diameter_mm"] == pytest.approx(4.5, abs=0.1)
+
+
 def test_a_left_main_longer_than_wide_is_the_inlet(lumen, tmp_path):
     done = lumen(surfaces.write(tmp_path / "left.vtp", *short_left_main(7.0)), tmp_path / "out")
     assert done.returncode == 0, done.stderr

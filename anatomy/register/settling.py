@@ -1,0 +1,33 @@
+"""Places the lumen by its axes alone, near the placement that the landmarks chose, where the axes fix the place."""
+
+import numpy as np
+
+from . import judge, search, sliding
+from .match import matched
+from .placement import cost, refined
+
+
+def settled(target, tree, found, landmarks):
+    """The Found for a Target and a Tree, moved to where the axes alone place it near `found`; a landmark chose among
+    places.
+
+    Places are marked by hand, about a millimetre off. Axes of right pairs fit within a tenth of that. The placement
+    stays as it is if the axes fit no better than unlike pairs do, or leave the place along the vessel or its turn open.
+    Three landmarks that are not in one line decide alone.
+    """
+    if not len(landmarks[0]) or search.spans_a_plane(landmarks[1]) or not has_width(target.points):
+        return found
+    placement = refined(target, tree, found.placement, sliding.NO_LANDMARKS)
+    match, misfit = matched(target, tree, placement), cost(target, tree, placement)
+    if misfit > cost(target, tree, found.placement) or judge.unusual(match):
+        return found
+    if sliding.slides(target, tree, placement, match):
+        return found
+    found.placement, found.cost = placement, misfit
+    return found
+
+
+def has_width(points):
+    """Whether an axis deviates from a straight line by 1 mm rms; only then it fixes the turn about that line."""
+    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False) / np.sqrt(len(points))
+    return spread[1] > 1.0
