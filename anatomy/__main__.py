@@ -100,7 +100,7 @@ def _add_ct(commands):
         "--ends", type=pathlib.Path, help="the same as JSON: ends [{name, centre_mm}], the inlet first"
     )
     command.add_argument(
-        "--centreline", type=pathlib.Path, help="the user's own centreline; default: found in the image"
+        "--centreline", type=pathlib.Path, help="lines to each outlet, to be centred; default: found in the image"
     )
     command.add_argument("--stented", action="store_true", help="the vessels hold a stent; default: bright is calcium")
     command.add_argument("--settings", type=pathlib.Path, help="YAML or JSON with the keys of the section `ct`")

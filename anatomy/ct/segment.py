@@ -32,8 +32,8 @@ def run(image_path, ends, out, settings_path=None, centreline_path=None, series=
 
     image_path, series: as for volumes.read. ends: [(name, centre (3,))], the inlet first, in the volume's own
     coordinates, which are also the surface's. The centreline comes from the image and the end points. If the user gives
-    centreline_path, it is used unchanged. stented: whether the vessels hold a stent. Raises InputError, or
-    ComputationError if the contrast is interrupted or too low.
+    centreline_path, it says which vessels are meant, and is centred in them. stented: whether the vessels hold a stent.
+    Raises InputError, or ComputationError if the contrast is interrupted or too low.
     """
     settings = config.load_section(settings_path, "ct")["segmentation"]
     volume = volumes.read(image_path, series)
@@ -76,7 +76,7 @@ def _surface(found, spacing_mm, volume):
 
 
 def _given_lines(given, ends):
-    """Lines of the user's centreline; every line must end within FARTHEST_MM of an outlet's point."""
+    """Lines of the user's centreline. Each must end within FARTHEST_MM of an outlet's point, one at each outlet."""
     lines, axes = [], {name: paths.smoothed(points, 0.01) for name, points in given.items()}
     names = list(axes)
     for rank, (name, axis) in enumerate(axes.items()):
@@ -90,6 +90,12 @@ def _given_lines(given, ends):
         start = axis.points_mm[0]
         away = [np.linalg.norm(axes[other].point(axes[other].nearest(start[None])) - start) for other in names[:rank]]
         lines.append(paths.Line(axis, int(np.argmin(away)) if rank else -1, int(np.argmin(miss)) + 1))
+    for number, (end, _) in enumerate(ends[1:], start=1):
+        reaching = [name for name, line in zip(names, lines) if line.end == number]
+        if len(reaching) != 1:
+            value = "none of its lines" if not reaching else " and ".join(reaching)
+            remedy = "one line for each outlet's point, or leave the centreline out: it is found in the image"
+            raise InputError("the centreline has not one line to each outlet", end, f"reached by {value}", remedy)
     return lines
 
 
@@ -106,7 +112,7 @@ def segment(volume, ends, settings, given=None, stented=False):
     lines = _given_lines(given, ends) if given else paths.find(volume, ends)
     at, spacing, rays = volume.interpolator(), settings["section_spacing_mm"], settings["rays"]
     blood = _main_blood(at, lines[0], spacing, rays)
-    tubes = _first_tubes(at, lines, blood, spacing, rays, stented, 0 if given else CENTRINGS)
+    tubes = _first_tubes(at, lines, blood, spacing, rays, stented)
     main = blood_level.levelled(edges.sample(at, lines[0].axis, spacing, rays), lines[0].blood, blood)
     _check_noise(main, float(np.median(lines[0].blood(main.s_mm))))
     measured = edges.point_spread(main, tubes[0].radii_mm, blood)
@@ -176,7 +182,7 @@ def _main_blood(at, main, spacing_mm, rays):
     return float(np.median(main.blood(profiles.s_mm)))
 
 
-def _first_tubes(at, lines, blood, spacing_mm, rays, stented, centrings):
+def _first_tubes(at, lines, blood, spacing_mm, rays, stented):
     """Tubes by half maximum, about axes that are centred meanwhile; each Line gets the trend of its blood."""
     tubes = []
     for line in lines:
@@ -184,10 +190,10 @@ def _first_tubes(at, lines, blood, spacing_mm, rays, stented, centrings):
         if parent is not None:
             start = lines[line.parent].axis.nearest(line.axis.points_mm[:1])
             line.blood = blood_level.Trend(0.0, lines[line.parent].blood(start))
-        for turn in range(centrings + 1):
+        for turn in range(CENTRINGS + 1):
             tube = _tube(at, line, parent, "half_maximum", blood, None, spacing_mm, rays, stented)[0]
             line.blood = blood_level.within(edges.sample(at, line.axis, spacing_mm, FEW_RAYS), tube, line.blood)
-            if turn < centrings:
+            if turn < CENTRINGS:
                 line.axis = _centred(tube, parent)
         tubes.append(tube)
     return tubes

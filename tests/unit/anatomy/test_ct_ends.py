@@ -1,5 +1,6 @@
 """End points of a CT's vessels: what may stand beside what is refused, and what the user is told."""
 
+import ct_vessels
 import nibabel
 import numpy as np
 import pytest
@@ -32,6 +33,28 @@ def test_a_line_may_end_a_radius_away_from_its_point(miss, near):
     else:
         with pytest.raises(InputError, match="(?s)away from every end point.*within 2 mm.*left-posterior-superior"):
             segment._given_lines(line, ends)
+
+
+def test_a_centreline_reaches_every_outlet():
+    """A branch whose line was missing was left out without a word."""
+    ends = [("inlet", np.zeros(3)), ("outlet1", np.array([0.0, 0.0, 20.0])), ("outlet2", np.array([10.0, 0.0, 10.0]))]
+    main = np.column_stack([np.zeros(60), np.zeros(60), np.linspace(0, 20, 60)])
+    side = np.column_stack([np.linspace(0, 10, 60), np.zeros(60), np.full(60, 10.0)])
+    assert [line.end for line in segment._given_lines({"main": main, "side1": side}, ends)] == [1, 2]
+    with pytest.raises(InputError, match="(?s)not one line to each outlet.*outlet2.*reached by none"):
+        segment._given_lines({"main": main}, ends)
+    with pytest.raises(InputError, match="(?s)not one line to each outlet.*outlet1.*reached by main and side1"):
+        segment._given_lines({"main": main, "side1": main, "side2": side}, ends)
+
+
+def test_a_centreline_off_the_axis_is_centred():
+    """Lines of workstations are some tenths of a millimetre off; such a line, used as it was, made a false lesion."""
+    z = np.linspace(0.5, ct_vessels.LENGTH_MM - 0.5, 120)
+    off = np.column_stack([0.7 * np.exp(-(((z - 20) / 5) ** 2)), np.zeros(120), z])
+    found = segment.segment(ct_vessels.image(), ct_vessels.ends(), ct_vessels.settings(), {"main": off})
+    tube = found["tubes"][0]
+    assert np.abs(tube.axis.point(tube.s_mm)[:, :2]).max() < 0.1
+    assert tube.radius(tube.s_mm) == pytest.approx(ct_vessels.RADIUS_MM, abs=0.08)
 
 
 @pytest.mark.parametrize("share, filled", [(0.52, True), (0.48, False)])
