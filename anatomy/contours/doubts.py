@@ -1,4 +1,7 @@
-"""Warnings of a pull-back that can be read, yet is probably of other units, the other way round or of mixed phases."""
+"""Warnings of a pull-back that can be read, yet is probably of other units, the other way round or of mixed phases.
+
+Each compares the pull-back with what coronary arteries and catheters are like. None changes the result.
+"""
 
 import numpy as np
 
@@ -10,12 +13,14 @@ WIDEST_USUAL_MM, NARROWEST_USUAL_MM = 6.0, 1.2  # median diameter; mean radii of
 # Of areas from frame to frame: share of changes of sign, and the usual change against both neighbours. Hand-drawn
 # outlines of one phase change sign in three of four frames; systole differs from diastole by 8 % and more.
 ALTERNATING, PHASES_PERCENT, PHASES_FRAMES = 0.9, 5.0, 8
+SHORTEST_DIAMETERS = 2.0  # of the lumen (median): a pull-back reaches over a lesion at least
+COUNTED_FRAMES = 8  # fewer frames may be at whole millimetres by chance
 
 
 def warnings(pull):
-    """Sentences on the pull-back's width, direction and phases; mostly none."""
+    """Sentences on the pull-back's width, length, direction and phases; mostly none."""
     areas = np.array([rings.area_mm2(frame.lumen) for frame in pull.frames])
-    return [*_width(areas), *_widening(pull, areas), *_phases(areas)]
+    return [*_width(areas), *_length(pull, areas), *_counted(pull), *_widening(pull, areas), *_phases(areas)]
 
 
 def _width(areas):
@@ -25,6 +30,24 @@ def _width(areas):
             f"the lumen is {usual:.2f} mm wide (median), coronary arteries {NARROWEST_USUAL_MM:g} to"
             f" {WIDEST_USUAL_MM:g} mm: check units, or the size of a pixel"
         )
+
+
+def _length(pull, areas):
+    length, usual = np.ptp(pull.z_mm), 2 * np.sqrt(np.median(areas) / np.pi)
+    if length < SHORTEST_DIAMETERS * usual:
+        yield f"the pull-back is {length:.2f} mm long and {usual:.2f} mm wide (median): is z in another unit than x and y?"
+
+
+def _counted(pull):
+    """z that holds the frames' numbers, by the table's own columns."""
+    if len(pull.frames) < COUNTED_FRAMES or not all(isinstance(frame.name, (int, float)) for frame in pull.frames):
+        return
+    names, z = np.array([frame.name for frame in pull.frames], float), pull.sign * pull.z_mm
+    length = f"over {np.ptp(z):g} mm. If z counts frames, multiply it by their distance"
+    if np.abs(z - names).max() < 1e-6:
+        yield f"z is the frame's number in all {len(z)} frames, {length}"
+    elif np.abs(z - np.round(z)).max() < 1e-6 < np.abs(names - np.round(names)).max():
+        yield f"z is a whole number in all frames and the frame is not: are the two columns exchanged? z reaches {length}"
 
 
 def _widening(pull, areas):

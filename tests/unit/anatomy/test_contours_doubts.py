@@ -29,6 +29,30 @@ def test_a_vessel_that_widens_towards_its_distal_end(table, tmp_path, turned, to
     assert said(found, "z_from: proximal") == told
 
 
+def numbered(spacing, count=20):
+    """Frames 0 to 19 at a distance of `spacing` mm."""
+    frames = tube([1.5] * count, spacing=spacing).values()
+    return {k: (k * spacing, outline) for k, (_, outline) in enumerate(frames)}
+
+
+@pytest.mark.parametrize("spacing, told", [(1.0, True), (0.5, False)])
+def test_z_that_counts_frames(table, tmp_path, spacing, told):
+    """The vessel would be twice as long, and so its lesion."""
+    assert said(warnings_of(table, tmp_path / "out", numbered(spacing)), "z is the frame's number") == told
+
+
+def test_the_columns_of_frame_and_z_exchanged(table, tmp_path):
+    """Without known names the first column is the frame."""
+    frames = {0.5 * k: (float(k), outline) for k, (_, outline) in numbered(1.0).items()}
+    assert said(warnings_of(table, tmp_path / "out", frames), "are the two columns exchanged")
+
+
+@pytest.mark.parametrize("spacing, told", [(0.2, True), (0.5, False)])
+def test_a_pull_back_shorter_than_two_diameters(table, tmp_path, spacing, told):
+    frames = tube([1.5] * 20, spacing=spacing)
+    assert said(warnings_of(table, tmp_path / "out", frames), "z in another unit than x and y") == told
+
+
 @pytest.mark.parametrize("systole, told", [(0.9, True), (0.99, False)])
 def test_frames_of_two_phases(table, tmp_path, systole, told):
     radii = 1.5 * np.where(np.arange(20) % 2, systole, 1.0)
