@@ -77,8 +77,10 @@ void check_no_wide_stub(const Mesh& mesh, const std::vector<End>& ends) {
     char value[160];
     std::snprintf(value, sizeof value, "%.2f mm wide, stands out by %.2f mm; the widest end has %.2f mm",
                   2 * stub.widest, stub.prominence, 2 * widest);
-    throw InputError("a closed stub is wider than every end: where does blood enter?", "at " + place(stub.at), value,
-                     "name the inlet by --inlet x,y,z, here or at another end; or cut the stub flat or open it");
+    throw InputError(
+        "a closed stub is wider than every end: where does blood enter?", "at " + place(stub.at), value,
+        "name the inlet by --inlet x,y,z, at the stub's tip or, if the stub is an aneurysm, at the end where blood "
+        "enters; or cut the stub flat or open it");
   }
 }
 

@@ -259,7 +259,7 @@ std::vector<Tip> tips_beside_ends(const Mesh& mesh, const std::vector<End>& ends
 void cut_rounded(Mesh& mesh, const RoundedEnd& end, std::vector<Repair>& repairs) {
   const double along = end.plane.normal.dot(end.plane.centre - end.at);
   report_cut(repairs, "rounded end cut flat", end.plane,
-             cut(mesh, end.plane, end.tip, "cut the end flat, or leave it open"));
+             cut(mesh, end.plane, end.tip, "cut the end flat or leave it open, or cut the vessel there by --cut"));
   char more[48];
   std::snprintf(more, sizeof more, ", %.1f mm of the vessel", along);
   repairs.back().detail += more;

@@ -264,7 +264,7 @@ void cut_rims(Mesh& mesh, std::vector<Place>& places, std::vector<Repair>& repai
   }
   for (const auto& [plane, vertex] : cuts)
     report_cut(repairs, "rounded rim of a flat end cut off", plane,
-               cut(mesh, plane, vertex, "cut the end flat, or leave it open"));
+               cut(mesh, plane, vertex, "cut the end flat or leave it open, or cut the vessel there by --cut"));
 }
 
 // Cuts where the user asks, and notes the caps of these cuts among the openings.

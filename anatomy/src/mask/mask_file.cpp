@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <vtkDataArrayRange.h>
 #include <vtkDoubleArray.h>
 #include <vtkFieldData.h>
@@ -81,6 +82,27 @@ vtkSmartPointer<vtkImageData> indicator_of(vtkImageData* labels, int label) {
   box->GetPointData()->GetScalars()->Fill(0);
   visit([&](int i, int j, int k) { *static_cast<float*>(box->GetScalarPointer(i, j, k)) = 1; });
   return box;
+}
+
+// Into how many voxels along each axis a mask's own ones were divided, at least; 1 if they were not. In a mask with
+// divided voxels the label begins and ends at multiples of their number.
+int divided_by(vtkImageData* indicator) {
+  const int* extent = indicator->GetExtent();
+  std::array<int, 3> common{0, 0, 0}, first{-1, -1, -1};
+  for (int k = extent[4] + 1; k <= extent[5]; ++k)
+    for (int j = extent[2] + 1; j <= extent[3]; ++j)
+      for (int i = extent[0] + 1; i <= extent[1]; ++i) {
+        const auto* here = static_cast<const float*>(indicator->GetScalarPointer(i, j, k));
+        const std::array<int, 3> at{i, j, k};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          if (*here == *(here - indicator->GetIncrements()[axis]))
+            continue;
+          if (first[axis] < 0)
+            first[axis] = at[axis];
+          common[axis] = std::gcd(common[axis], at[axis] - first[axis]);
+        }
+      }
+  return std::max(1, *std::min_element(common.begin(), common.end()));
 }
 
 vtkSmartPointer<vtkImageData> smoothed(vtkImageData* image, double deviation) {
@@ -287,6 +309,10 @@ vtkSmartPointer<vtkPolyData> surface_of_label(const Mask& mask, const std::vecto
                                               const std::optional<Vec3>& inlet, std::vector<Repair>& repairs) {
   const int chosen = join_labels(vtkIntArray::SafeDownCast(mask.labels->GetPointData()->GetScalars()), wanted, path);
   const auto indicator = indicator_of(mask.labels, chosen);
+  const int divided = divided_by(indicator);
+  if (divided > 1)
+    repairs.push_back({"voxels of the mask are divided", static_cast<std::size_t>(divided),
+                       "along each axis; errors are stated for the undivided ones"});
   keep_one_island(indicator, mask, inlet, repairs);
   report_border(mask, chosen, repairs);
   report_neighbours(mask.labels, chosen, repairs);
@@ -306,7 +332,7 @@ vtkSmartPointer<vtkPolyData> surface_of_label(const Mask& mask, const std::vecto
   surface->SetPoints(points);
   vtkNew<vtkDoubleArray> edge;
   edge->SetName(voxel_edge_array);
-  edge->InsertNextValue(longest_edge(mask));
+  edge->InsertNextValue(divided * longest_edge(mask));
   surface->GetFieldData()->AddArray(edge);
   if (mask.to_file.determinant() < 0) // a left-handed frame turns the triangles inward
     for (vtkIdType i = 0; i < surface->GetNumberOfCells(); ++i)

@@ -35,6 +35,7 @@ Mask read_mask(const std::string& path);
 vtkSmartPointer<vtkPolyData> surface_of_label(const Mask& mask, const std::vector<int>& wanted, const std::string& path,
                                               const std::optional<Vec3>& inlet, std::vector<Repair>& repairs);
 
-constexpr const char* voxel_edge_array = "voxel_edge"; ///< of the surface's field data: the longest edge of a voxel
+constexpr const char* voxel_edge_array =
+    "voxel_edge"; ///< of the surface's field data: a voxel's longest edge, as it was segmented
 
 } // namespace anatomy

@@ -24,6 +24,15 @@ Widest widest_between(const Branch& branch, const ReferenceProfile& profile, dou
   return best;
 }
 
+// The section of the branch nearest to s, those in the end zones among them; none if the branch has no section.
+const Section* nearest_section(const Branch& branch, const std::vector<Section>& sections, std::size_t b, double s) {
+  const Section* nearest = nullptr;
+  for (const Section& one : sections)
+    if (one.branch == b && (!nearest || std::abs(branch.s[one.sample] - s) < std::abs(branch.s[nearest->sample] - s)))
+      nearest = &one;
+  return nearest;
+}
+
 } // namespace
 
 void note_wide_ends(const std::vector<Branch>& branches, const std::vector<ReferenceProfile>& profiles,
@@ -60,8 +69,11 @@ void note_narrow_ends(const std::vector<Branch>& branches, const std::vector<Sec
     if (measured.empty())
       continue;
     const auto note = [&](const Calibre& next, double from, double to) {
+      // The ball is too small where the axis leaves the middle, the section where a slanted end cuts it.
       const auto stenosis = [&](double s) {
-        return 100 * (1 - next.diameter * branch.radius_at(s) / branch.radius_at(next.s) / profiles[b].diameter(s));
+        const double by_ball = next.diameter * branch.radius_at(s) / branch.radius_at(next.s);
+        const Section* section = nearest_section(branch, sections, b, s);
+        return 100 * (1 - std::max(by_ball, section->equivalent_diameter()) / profiles[b].diameter(s));
       };
       double worst = 0, at = next.s;
       for (double s : branch.s)

@@ -12,7 +12,8 @@ void note_wide_ends(const std::vector<Branch>& branches, const std::vector<Refer
                     const std::vector<Lesion>& lesions, std::vector<Repair>& notes);
 
 /// Warns of a lumen that goes on narrowing there: by 20 % of the reference or more, and by 5 points more than in the
-/// first section that is measured. The diameter is that section's, times the ratio of the inscribed balls.
+/// first section that is measured. The diameter is that section's, times the ratio of the inscribed balls, or that of
+/// the section in the end zone if it is larger.
 void note_narrow_ends(const std::vector<Branch>& branches, const std::vector<Section>& sections,
                       const std::vector<ReferenceProfile>& profiles, std::vector<Repair>& notes);
 

@@ -21,6 +21,7 @@ constexpr double least_share = 0.1;     // of D^m without side branches: least v
 // Taper per mm, over the first diameter. The LAD loses half of its width (3.7 to 1.9 mm, Dodge 1992), .5 % per mm.
 constexpr double steepest = 0.015;
 constexpr double other_reading = 1.05; // ratio from which another reading is told
+constexpr double noticed_side = 0.4;   // of the widest section: a smaller branch makes a step of less than `band`
 
 using Sides = std::vector<std::pair<double, double>>;
 
@@ -308,36 +309,65 @@ void note_other_reading(const std::vector<Candidate>& lines, double healthy, con
   notes.push_back({"reference by a short healthy part", 1, detail, true});
 }
 
+// The branches whose steps by the flow split are tried: all, none, and all but one. That one may bring blood, as a
+// graft does, or lead none.
+std::vector<Sides> flow_splits_of(const Sides& branches, double widest) {
+  std::vector<Sides> splits{branches};
+  if (!branches.empty())
+    splits.push_back({});
+  for (std::size_t k = 0; branches.size() > 1 && k < branches.size(); ++k)
+    if (branches[k].second > noticed_side * widest) {
+      splits.push_back(branches);
+      splits.back().erase(splits.back().begin() + static_cast<std::ptrdiff_t>(k));
+    }
+  return splits;
+}
+
+// Warns of a branch past which the reference does not step while it steps past others.
+void note_left_out(const Sides& sides, const Sides& branches, const Branch& branch, const ReferenceProfile& profile,
+                   std::vector<Repair>& notes) {
+  if (sides.empty() || sides.size() == branches.size())
+    return;
+  const auto at = std::mismatch(sides.begin(), sides.end(), branches.begin()).second;
+  char detail[256];
+  std::snprintf(detail, sizeof detail,
+                "%s %.1f mm along it: a branch of %.2f mm leaves, and the reference is %.2f mm before and behind it. "
+                "The branch may bring blood, as a graft does, or the vessel may be narrowed up to it",
+                branch.name.c_str(), at->first, at->second, profile.diameter(at->first));
+  notes.push_back({"reference does not step down past a branch", 1, detail, true});
+}
+
 // The profile that takes most sections as healthy. The branches' steps by the flow split are kept unless more sections
 // are healthy without; a dilatation or a step of another size has to bring many more.
 ReferenceProfile profile_of(const std::vector<Calibre>& measured, const Branch& branch, const Sides& branches,
                             std::vector<Repair>& notes) {
   const std::size_t n = measured.size();
-  std::vector<Sides> flow_splits{branches};
-  if (!branches.empty())
-    flow_splits.push_back({});
+  const std::vector<Sides> flow_splits =
+      flow_splits_of(branches, std::max_element(measured.begin(), measured.end(), is_less_wide)->diameter);
   std::vector<std::vector<Candidate>> lines;
   for (const Sides& sides : flow_splits)
     lines.push_back(candidates(measured, sides));
   Choice best;
   std::size_t split = 0;
-  const auto take = [&](const auto& choice) {
+  const std::size_t all_or_none = branches.empty() ? 1 : 2; // a step of its own size needs no branch without one
+  const auto take = [&](const auto& choice, std::size_t splits) {
     const Choice before = best;
-    for (std::size_t k = 0; k < lines.size(); ++k)
+    for (std::size_t k = 0; k < splits; ++k)
       if (const Choice one = choice(k);
           one.score > best.score + (k > 0 ? fewest : 0) && one.healthy >= many_more * before.healthy) {
         best = one;
         split = k;
       }
   };
-  take([&](std::size_t k) { return plain(lines[k], 0, n); });
-  take([&](std::size_t k) { return beside_dilatation(lines[k]); });
-  take([&](std::size_t k) { return stepped(lines[k], measured, flow_splits[k], branches); });
+  take([&](std::size_t k) { return plain(lines[k], 0, n); }, lines.size());
+  take([&](std::size_t k) { return beside_dilatation(lines[k]); }, lines.size());
+  take([&](std::size_t k) { return stepped(lines[k], measured, flow_splits[k], branches); }, all_or_none);
   const ReferenceProfile profile = fitted(best, measured, flow_splits[split]);
   if (best.behind)
     note_step(best, measured, branch, profile, branches, notes);
   else if (best.narrower > 0)
     note_dilatation(best, measured, branch, profile, notes);
+  note_left_out(flow_splits[split], branches, branch, profile, notes);
   note_other_reading(lines[split], best.healthy, measured, branch, flow_splits[split], profile, notes);
   return profile;
 }

@@ -23,6 +23,8 @@ using ComponentMap = Mesh::Property_map<Face, std::size_t>;
 
 constexpr double comparable = 0.2;  // of the largest component's area
 constexpr double vessel_length = 5; // mm, diagonal of a component's box; voids and specks are shorter
+constexpr double as_long = 0.9;     // ratio of the boxes of a wall's two sides
+constexpr double beyond_box = 0.02; // of the outer box: by how much the inner one may stand out at an open end
 
 // Whether b lists a's corners in the opposite sense; orienting keeps the order of triangles and only swaps corners.
 bool reversed(const std::vector<std::size_t>& a, const std::vector<std::size_t>& b) {
@@ -50,9 +52,26 @@ Mesh oriented_mesh(const Soup& soup, std::vector<Repair>& repairs) {
   return mesh;
 }
 
+// Throws InputError if the largest component holds another one all along it, as a wall's outer side holds the lumen.
+void check_no_wall(const std::vector<Eigen::AlignedBox3d>& box, std::size_t largest) {
+  const double length = box[largest].diagonal().norm();
+  Eigen::AlignedBox3d outer = box[largest];
+  outer.extend(Vec3(outer.max() + Vec3::Constant(beyond_box * length)));
+  outer.extend(Vec3(outer.min() - Vec3::Constant(beyond_box * length)));
+  for (std::size_t c = 0; c < box.size(); ++c) {
+    if (c == largest || !outer.contains(box[c]) || box[c].diagonal().norm() < as_long * length)
+      continue;
+    char value[96];
+    std::snprintf(value, sizeof value, "%.1f mm long, within one of %.1f mm", box[c].diagonal().norm(), length);
+    throw InputError("one surface lies inside another: are they the two sides of a vessel's wall?",
+                     "round " + place(box[c].center()), value,
+                     "export the lumen's surface, the inner one, alone; or name the inlet on its axis by --inlet");
+  }
+}
+
 // Warns of components of comparable size or as long as a vessel. Reports their places and the kept one's.
 void warn_of_vessels(const Mesh& mesh, const ComponentMap& component, const std::vector<double>& area, std::size_t kept,
-                     std::vector<Repair>& repairs) {
+                     bool chosen, std::vector<Repair>& repairs) {
   std::vector<Vec3> centre(area.size(), Vec3::Zero());
   std::vector<Eigen::AlignedBox3d> box(area.size());
   for (Face f : mesh.faces()) {
@@ -63,6 +82,8 @@ void warn_of_vessels(const Mesh& mesh, const ComponentMap& component, const std:
     }
     centre[component[f]] += PMP::face_area(f, mesh) / area[component[f]] * middle;
   }
+  if (!chosen)
+    check_no_wall(box, kept);
   for (std::size_t c = 0; c < area.size(); ++c) {
     if (c == kept || (area[c] < comparable * area[kept] && box[c].diagonal().norm() < vessel_length))
       continue;
@@ -107,7 +128,7 @@ void keep_one_component(Mesh& mesh, const std::optional<Vec3>& inlet, std::vecto
     std::snprintf(detail, sizeof detail, "kept the %s of %zu, %.2f %% of the area",
                   kept == largest ? "largest" : "one with the inlet", n, 100 * area[kept] / total);
     repairs.push_back({"components dropped", n - 1, detail});
-    warn_of_vessels(mesh, component, area, kept, repairs);
+    warn_of_vessels(mesh, component, area, kept, inlet.has_value(), repairs);
     PMP::keep_connected_components(mesh, std::vector<std::size_t>{kept}, component);
   }
   mesh.remove_property_map(component);

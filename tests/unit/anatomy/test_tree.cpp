@@ -253,6 +253,33 @@ TEST(Reference, StepsIntoTheLesserBranchOfAForkBehindSmallBranches) {
   EXPECT_TRUE(notes.empty());
 }
 
+TEST(Reference, DoesNotStepDownPastABranchThatBringsBlood) {
+  // a graft of 2.6 mm joins at 32 mm; by the flow split the healthy vessel before it would be narrowed by a fifth
+  const auto healthy = [](double s) {
+    const double d = 4.4 - 0.012 * s;
+    return s > 15 ? std::pow(std::pow(d, 2.55) - std::pow(3.0, 2.55), 1 / 2.55) : d;
+  };
+  const auto diseased = [&](double s) { return healthy(s) * (s > 19 && s < 27 ? 0.4 : 1); };
+  std::vector<Branch> branches;
+  std::vector<Repair> notes;
+  std::vector<Section> sections = sections_of(branches, diseased, 3.0);
+  branches.push_back(branches[1]);
+  branches[2].id = 2;
+  branches[2].s_on_parent = 32;
+  for (std::size_t i = 80; i < 160; ++i) {
+    Section section = sections[i];
+    section.branch = 2;
+    section.area = M_PI / 4 * 2.6 * 2.6;
+    sections.push_back(section);
+  }
+  const auto profiles = reference_profiles(branches, sections, notes);
+  for (double s : {1.0, 14.0, 17.0, 30.0, 39.0})
+    EXPECT_NEAR(profiles[0].diameter(s), healthy(s), 0.05) << s;
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_EQ(notes[0].what, "reference does not step down past a branch");
+  EXPECT_NE(notes[0].detail.find("32.0 mm along it: a branch of 2.60 mm"), std::string::npos) << notes[0].detail;
+}
+
 // Profile of a single vessel with the given diameters over 40 mm, and its warnings.
 ReferenceProfile profile_of(const std::function<double(double)>& diameter, std::vector<Repair>& notes) {
   std::vector<Branch> branches;

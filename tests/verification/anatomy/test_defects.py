@@ -217,6 +217,23 @@ def test_another_vessel_is_warned_of(lumen, tube, tmp_path):
             assert abs(places[0][2] - places[1][2]) == pytest.approx(offset, abs=0.1)
 
 
+def test_the_two_sides_of_a_wall_are_no_lumen(lumen, tmp_path):
+    """The outer side is the larger: its ends would be too wide, and a lesion hardly seen. The inlet chooses the lumen."""
+
+    def side(thickness):
+        return surfaces.tube(surfaces.arc(0.02), lambda s: 1.5 + thickness + 0 * s, 20, 0.3)
+
+    (points, triangles), (outer, around) = side(0.0), side(0.7)
+    both = np.vstack([points, outer]), np.vstack([triangles, around + len(points)])
+    surface = surfaces.write(tmp_path / "wall.vtp", *both)
+    done = lumen(surface, tmp_path / "out")
+    assert done.returncode == 2 and "the two sides of a vessel's wall" in done.stderr and "--inlet" in done.stderr
+    done = lumen(surface, tmp_path / "named", "--inlet", "0,0,0")
+    assert done.returncode == 0, done.stderr
+    ends = json.loads((tmp_path / "named" / "anatomy.json").read_text())["ends"]
+    assert [end["diameter_mm"] for end in ends] == [pytest.approx(3.0, abs=0.1)] * 2
+
+
 def test_the_inlet_chooses_the_vessel_and_a_lost_piece_is_told(lumen, tube, tmp_path):
     """A piece of 6 mm is small beside the whole, yet a branch may be lost with it."""
     points, triangles = tube

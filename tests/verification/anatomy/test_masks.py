@@ -192,6 +192,19 @@ def test_the_inlet_chooses_between_two_vessels_of_a_label(lumen, tmp_path, inlet
     assert (ends[0]["centre_mm"][2] > 8.5) == (x_mm == 10)
 
 
+def test_divided_voxels_are_no_finer_image(lumen, tmp_path):
+    """Halved labels, the remedy for a throat that is lost between voxels, have the errors of the voxels segmented."""
+    matrix = masks.affine([0.4] * 3)
+    labels, *_ = vessel(matrix, (82, 50, 24), radii=(0.75, 0.7))
+    coarse = lumen(masks.meta(tmp_path / "mask.mha", labels, matrix), tmp_path / "out")
+    half = masks.affine([0.2] * 3)
+    halved = np.kron(labels, np.ones((2, 2, 2), int))
+    fine = lumen(masks.meta(tmp_path / "half.mha", halved, half), tmp_path / "half")
+    assert "voxels of the mask are divided (2)" in fine.stderr and "divided" not in coarse.stderr
+    for done in (coarse, fine):
+        assert "below 2 voxels of 0.4 mm in radius" in done.stderr, done.stderr
+
+
 @pytest.mark.parametrize("wall, told", [(False, True), (True, False)], ids=["branches", "wall"])
 def test_labels_that_one_vessel_goes_on_into_are_told(lumen, tmp_path, wall, told):
     """One label a branch: the label that is named is a part of the lumen. A label of the wall is no lumen."""

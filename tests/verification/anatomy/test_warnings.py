@@ -111,6 +111,14 @@ def test_a_lesion_beside_an_end_that_is_wider_than_the_reference(said, inlet, to
     assert ("warning: end wider than the reference" in errors) == told
 
 
+def test_noise_at_the_inlet_is_no_narrowing(said):
+    """It moves the axis off the middle there, where the largest ball in the lumen is a third narrower."""
+    points, triangles = surfaces.tube(surfaces.straight, lambda s: 1.8 - 0.55 * s / 40, 40, 0.25)
+    points = np.asarray(points) + 0.03 * np.random.default_rng(1).standard_normal(np.shape(points))
+    errors, _ = said(points, triangles, "--inlet", "0,0,0")
+    assert "narrowing at an end" not in errors
+
+
 @pytest.mark.parametrize("throat, told", [(0.0, True), (8.0, False)])
 def test_a_lesion_on_the_inlet_itself(said, throat, told):
     """60 % at the plane of the ostium, where no section is measured."""
