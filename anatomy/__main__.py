@@ -5,6 +5,7 @@ import pathlib
 
 from common.errors import InputError, guarded
 
+XYZ = ("X", "Y", "Z")
 THICKEST_WALL_MM = 1.0  # as in config/schemas: three times the normal intima, so not healthy
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
@@ -66,7 +67,9 @@ def _add_contours(commands):
         command.add_argument(f"--{name}", type=pathlib.Path, help=f"table of the {name.replace('-', ' ')}")
     command.add_argument("--units", choices=("mm", "cm", "m"), default="mm", help="units of the tables")
     command.add_argument("--z-from", choices=("distal", "proximal"), default="distal", help="end of the smallest z")
-    command.add_argument("--z-range", type=float, nargs=2, help="first and last z of the frames used")
+    command.add_argument(
+        "--z-range", type=float, nargs=2, metavar=("FIRST", "LAST"), help="first and last z of the frames used"
+    )
     command.add_argument("--drop-frame", type=float, action="append", default=[], help="a frame not used; repeat")
     command.add_argument("--healthy-wall", default="auto", help="wall that is no plaque, mm; default: auto")
     command.add_argument("--centreline", type=pathlib.Path, help="lines (.vtp) from the proximal end on")
@@ -76,6 +79,7 @@ def _add_contours(commands):
         "--landmark-point",
         type=float,
         nargs=3,
+        metavar=XYZ,
         action="append",
         default=[],
         help="where a landmark of the table lies in the centreline's space, mm; repeat in the table's order",
@@ -92,9 +96,17 @@ def _add_ct(commands):
     command = commands.add_parser("ct", help="lumen and calcium of a CT angiogram, from the vessels' end points")
     command.add_argument("volume", type=pathlib.Path, help="NIfTI file, or folder with a DICOM series")
     command.add_argument("--series", help="UID of the series, where the folder has several")
-    command.add_argument("--inlet", type=float, nargs=3, help="point on the vessel's axis where it begins, mm")
     command.add_argument(
-        "--outlet", type=float, nargs=3, action="append", default=[], help="where a branch ends; repeat"
+        "--inlet", type=float, nargs=3, metavar=XYZ, help="point on the vessel's axis where it begins, mm"
+    )
+    command.add_argument(
+        "--outlet",
+        type=float,
+        nargs=3,
+        metavar=XYZ,
+        action="append",
+        default=[],
+        help="where a branch ends; repeat",
     )
     command.add_argument(
         "--ends", type=pathlib.Path, help="the same as JSON: ends [{name, centre_mm}], the inlet first"

@@ -35,7 +35,7 @@ def _width(areas):
 def _length(pull, areas):
     length, usual = np.ptp(pull.z_mm), 2 * np.sqrt(np.median(areas) / np.pi)
     if length < SHORTEST_DIAMETERS * usual:
-        yield f"the pull-back is {length:.2f} mm long and {usual:.2f} mm wide (median): is z in another unit than x and y?"
+        yield (f"the pull-back is {length:.2f} mm long and {usual:.2f} mm wide (median): is z in a unit of its own?")
 
 
 def _counted(pull):
@@ -47,7 +47,10 @@ def _counted(pull):
     if np.abs(z - names).max() < 1e-6:
         yield f"z is the frame's number in all {len(z)} frames, {length}"
     elif np.abs(z - np.round(z)).max() < 1e-6 < np.abs(names - np.round(names)).max():
-        yield f"z is a whole number in all frames and the frame is not: are the two columns exchanged? z reaches {length}"
+        yield (
+            "z is a whole number in all frames and the frame is not: are the two columns exchanged? z reaches"
+            f" {length}"
+        )
 
 
 def _widening(pull, areas):

@@ -218,7 +218,7 @@ def test_another_vessel_is_warned_of(lumen, tube, tmp_path):
 
 
 def test_the_two_sides_of_a_wall_are_no_lumen(lumen, tmp_path):
-    """The outer side is the larger: its ends would be too wide, and a lesion hardly seen. The inlet chooses the lumen."""
+    """The outer side is larger. Its ends would be too wide, and a lesion hardly seen. The inlet chooses the lumen."""
 
     def side(thickness):
         return surfaces.tube(surfaces.arc(0.02), lambda s: 1.5 + thickness + 0 * s, 20, 0.3)
