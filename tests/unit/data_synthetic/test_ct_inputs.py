@@ -46,12 +46,12 @@ def test_files_without_struts_are_refused(tmp_path):
         struts.from_file(write_lines(tmp_path / "empty.vtp", []))
 
 
-def test_a_given_centreline_is_used_and_not_moved(ct_tubes, tmp_path):
+def test_a_given_centreline_is_centred(ct_tubes, tmp_path):
     poly, direction = ct_tubes.tube(lambda z: np.full(len(z), 1.5))
     settings = ct_tubes.settings()
     volume = phantom.render(vessel.from_surface(poly, "tube"), settings["phantom"])
     ends = [("inlet", 0 * direction), ("outlet1", 14 * direction)]
-    # A user's line, a little off the middle: the radii see it, the line stays.
+    # A user's line says which vessel is meant; it may be some tenths of a millimetre off the middle.
     across = np.cross(direction, [0.0, 1.0, 0.0])
     across /= np.linalg.norm(across)
     line = np.linspace(0, 14, 57)[:, None] * direction + 0.2 * across
@@ -59,9 +59,9 @@ def test_a_given_centreline_is_used_and_not_moved(ct_tubes, tmp_path):
     found = segment.segment(volume, ends, settings["segmentation"], given)
     tube = found["tubes"][0]
     away = tube.axis.points_mm - (tube.axis.points_mm @ direction)[:, None] * direction
-    assert np.allclose(away, 0.2 * across, atol=0.02)
+    assert np.allclose(away, 0.0, atol=0.03)
     middle = tube.radii_mm[10:-10].mean(axis=0)
-    assert middle.max() - middle.min() == pytest.approx(0.4, abs=0.05)
+    assert middle.max() - middle.min() < 0.05
     with pytest.raises(InputError, match="away from every end point"):
         segment.segment(volume, ends, settings["segmentation"], {"main": line[:30]})
 
