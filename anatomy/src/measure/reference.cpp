@@ -338,7 +338,7 @@ void note_left_out(const Sides& sides, const Sides& branches, const Branch& bran
 }
 
 // The profile that takes most sections as healthy. The branches' steps by the flow split are kept unless more sections
-// are healthy without; a dilatation or a step of another size has to bring many more.
+// are healthy without; a dilatation, a branch without its step or a step of another size has to bring many more.
 ReferenceProfile profile_of(const std::vector<Calibre>& measured, const Branch& branch, const Sides& branches,
                             std::vector<Repair>& notes) {
   const std::size_t n = measured.size();
@@ -349,7 +349,7 @@ ReferenceProfile profile_of(const std::vector<Calibre>& measured, const Branch& 
     lines.push_back(candidates(measured, sides));
   Choice best;
   std::size_t split = 0;
-  const std::size_t all_or_none = branches.empty() ? 1 : 2; // a step of its own size needs no branch without one
+  const std::size_t all_or_none = branches.empty() ? 1 : 2; // of flow_splits
   const auto take = [&](const auto& choice, std::size_t splits) {
     const Choice before = best;
     for (std::size_t k = 0; k < splits; ++k)
@@ -359,8 +359,9 @@ ReferenceProfile profile_of(const std::vector<Calibre>& measured, const Branch& 
         split = k;
       }
   };
+  take([&](std::size_t k) { return plain(lines[k], 0, n); }, all_or_none);
+  take([&](std::size_t k) { return beside_dilatation(lines[k]); }, all_or_none);
   take([&](std::size_t k) { return plain(lines[k], 0, n); }, lines.size());
-  take([&](std::size_t k) { return beside_dilatation(lines[k]); }, lines.size());
   take([&](std::size_t k) { return stepped(lines[k], measured, flow_splits[k], branches); }, all_or_none);
   const ReferenceProfile profile = fitted(best, measured, flow_splits[split]);
   if (best.behind)

@@ -29,8 +29,8 @@ struct ReferenceProfile {
 /// One profile per branch, from the sections away from the ends. It is the line that most sections lie on, within 3 %.
 /// - Lumen that is wider than the line before or behind all its healthy sections rules the line out. Of two readings, a
 ///   long narrowing or a widening at an end, the narrowing is so taken.
-/// - The steps at the side branches are kept unless more sections lie on a profile without them, or without one of
-///   them, which may bring blood as a graft does. The latter is warned of.
+/// - The steps at the side branches are kept unless more sections lie on a profile without them. One of them, which may
+///   bring blood as a graft does, is left out if that finds many more healthy sections. This is warned of.
 /// - A dilatation, a stretch wider than the healthy vessel on both sides, is left out if that finds many more healthy
 ///   sections. An ectasia, 1.5 times as wide as all sections before and behind it, is always left out.
 /// - One more step, of the size that the sections show, is taken if that finds many more healthy sections. It is no
