@@ -1,6 +1,7 @@
 # source_folder(PART FOLDER [DEPENDS folder...] [LIBRARIES target...]): the library <part>_<folder> of the sources in one
 # folder of a part. Its include tree holds links to the folder's own headers alone, so that an include of anything
-# beyond what it depends on does not compile. tests/unit/test_layers.py reads these lines too.
+# beyond what it depends on does not compile. tests/unit/test_layers.py reads these lines too. The variable parsed_by
+# names a target whose precompiled headers are used again.
 function(source_folder part folder)
   cmake_parse_arguments(ARG "" "" "DEPENDS;LIBRARIES" ${ARGN})
   string(REPLACE "/" "_" target ${part}_${folder})
@@ -18,6 +19,9 @@ function(source_folder part folder)
   if(sources)
     add_library(${target} STATIC ${sources})
     set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON) # the Python module is a shared library
+    if(parsed_by)
+      target_precompile_headers(${target} REUSE_FROM ${parsed_by})
+    endif()
     set(scope PUBLIC)
   else()
     add_library(${target} INTERFACE)
