@@ -5,7 +5,8 @@ import pathlib
 
 from common.errors import InputError, guarded
 
-XYZ = ("X", "Y", "Z")
+POINT = {"type": float, "nargs": 3, "metavar": ("X", "Y", "Z")}
+POINTS = POINT | {"action": "append", "default": []}  # the option is repeated
 THICKEST_WALL_MM = 1.0  # as in config/schemas: three times the normal intima, so not healthy
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
@@ -77,11 +78,7 @@ def _add_contours(commands):
     command.add_argument("--line", type=int, help="which of several lines, from 1")
     command.add_argument(
         "--landmark-point",
-        type=float,
-        nargs=3,
-        metavar=XYZ,
-        action="append",
-        default=[],
+        **POINTS,
         help="where a landmark of the table lies in the centreline's space, mm; repeat in the table's order",
     )
     command.add_argument("--proximal-s", type=float, help="mm along the line at the proximal frame, without landmarks")
@@ -96,18 +93,8 @@ def _add_ct(commands):
     command = commands.add_parser("ct", help="lumen and calcium of a CT angiogram, from the vessels' end points")
     command.add_argument("volume", type=pathlib.Path, help="NIfTI file, or folder with a DICOM series")
     command.add_argument("--series", help="UID of the series, where the folder has several")
-    command.add_argument(
-        "--inlet", type=float, nargs=3, metavar=XYZ, help="point on the vessel's axis where it begins, mm"
-    )
-    command.add_argument(
-        "--outlet",
-        type=float,
-        nargs=3,
-        metavar=XYZ,
-        action="append",
-        default=[],
-        help="where a branch ends; repeat",
-    )
+    command.add_argument("--inlet", **POINT, help="point on the vessel's axis where it begins, mm")
+    command.add_argument("--outlet", **POINTS, help="where a branch ends; repeat")
     command.add_argument(
         "--ends", type=pathlib.Path, help="the same as JSON: ends [{name, centre_mm}], the inlet first"
     )

@@ -35,7 +35,10 @@ def _width(areas):
 def _length(pull, areas):
     length, usual = np.ptp(pull.z_mm), 2 * np.sqrt(np.median(areas) / np.pi)
     if length < SHORTEST_DIAMETERS * usual:
-        yield (f"the pull-back is {length:.2f} mm long and {usual:.2f} mm wide (median): is z in a unit of its own?")
+        yield (
+            f"the pull-back is {length:.2f} mm long, its lumen {usual:.2f} mm wide (median): are z, x and y in the same"
+            " unit?"
+        )
 
 
 def _counted(pull):

@@ -32,8 +32,8 @@ def run(image_path, ends, out, settings_path=None, centreline_path=None, series=
 
     image_path, series: as for volumes.read. ends: [(name, centre (3,))], the inlet first, in the volume's own
     coordinates, which are also the surface's. The centreline comes from the image and the end points. If the user gives
-    centreline_path, it says which vessels are meant, and is centred in them. stented: whether the vessels hold a stent.
-    Raises InputError, or ComputationError if the contrast is interrupted or too low.
+    centreline_path, it says which vessels are meant; it is centred like one that was found. stented: whether the
+    vessels hold a stent. Raises InputError, or ComputationError if the contrast is interrupted or too low.
     """
     settings = config.load_section(settings_path, "ct")["segmentation"]
     volume = volumes.read(image_path, series)
@@ -95,7 +95,7 @@ def _given_lines(given, ends):
         if len(reaching) != 1:
             value = "none of its lines" if not reaching else " and ".join(reaching)
             remedy = "one line for each outlet's point, or leave the centreline out: it is found in the image"
-            raise InputError("the centreline has not one line to each outlet", end, f"reached by {value}", remedy)
+            raise InputError("the centreline does not have one line to each outlet", end, f"reached by {value}", remedy)
     return lines
 
 

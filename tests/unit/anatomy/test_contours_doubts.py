@@ -50,7 +50,7 @@ def test_the_columns_of_frame_and_z_exchanged(table, tmp_path):
 @pytest.mark.parametrize("spacing, told", [(0.2, True), (0.5, False)])
 def test_a_pull_back_shorter_than_two_diameters(table, tmp_path, spacing, told):
     frames = tube([1.5] * 20, spacing=spacing)
-    assert said(warnings_of(table, tmp_path / "out", frames), "is z in a unit of its own") == told
+    assert said(warnings_of(table, tmp_path / "out", frames), "are z, x and y in the same") == told
 
 
 @pytest.mark.parametrize("systole, told", [(0.9, True), (0.99, False)])

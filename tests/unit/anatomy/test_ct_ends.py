@@ -41,9 +41,9 @@ def test_a_centreline_reaches_every_outlet():
     main = np.column_stack([np.zeros(60), np.zeros(60), np.linspace(0, 20, 60)])
     side = np.column_stack([np.linspace(0, 10, 60), np.zeros(60), np.full(60, 10.0)])
     assert [line.end for line in segment._given_lines({"main": main, "side1": side}, ends)] == [1, 2]
-    with pytest.raises(InputError, match="(?s)not one line to each outlet.*outlet2.*reached by none"):
+    with pytest.raises(InputError, match="(?s)not have one line to each outlet.*outlet2.*reached by none"):
         segment._given_lines({"main": main}, ends)
-    with pytest.raises(InputError, match="(?s)not one line to each outlet.*outlet1.*reached by main and side1"):
+    with pytest.raises(InputError, match="(?s)not have one line to each outlet.*outlet1.*reached by main and side1"):
         segment._given_lines({"main": main, "side1": main, "side2": side}, ends)
 
 

@@ -200,6 +200,19 @@ std::vector<Section> sections_of(std::vector<Branch>& branches, const std::funct
   return sections;
 }
 
+// Adds a second side branch of constant diameter to those of `sections_of`.
+void add_side(std::vector<Branch>& branches, std::vector<Section>& sections, double s, double diameter) {
+  branches.push_back(branches[1]);
+  branches[2].id = 2;
+  branches[2].s_on_parent = s;
+  for (std::size_t i = 80; i < 160; ++i) {
+    Section section = sections[i];
+    section.branch = 2;
+    section.area = M_PI / 4 * diameter * diameter;
+    sections.push_back(section);
+  }
+}
+
 TEST(Reference, StepsDownPastASideBranchByTheFlowSplit) {
   const auto healthy = [](double s) {
     const double d = 3.8 - 0.01 * s;
@@ -238,15 +251,7 @@ TEST(Reference, StepsIntoTheLesserBranchOfAForkBehindSmallBranches) {
   std::vector<Branch> branches;
   std::vector<Repair> notes;
   std::vector<Section> sections = sections_of(branches, healthy, 1.6);
-  branches.push_back(branches[1]);
-  branches[2].id = 2;
-  branches[2].s_on_parent = 27;
-  for (std::size_t i = 80; i < 160; ++i) {
-    Section section = sections[i];
-    section.branch = 2;
-    section.area = M_PI / 4 * 2.6 * 2.6;
-    sections.push_back(section);
-  }
+  add_side(branches, sections, 27, 2.6);
   const auto profiles = reference_profiles(branches, sections, notes);
   for (double s : {1.0, 20.0, 27.0, 39.0})
     EXPECT_NEAR(profiles[0].diameter(s), healthy(s), 0.05) << s;
@@ -263,15 +268,7 @@ TEST(Reference, DoesNotStepDownPastABranchThatBringsBlood) {
   std::vector<Branch> branches;
   std::vector<Repair> notes;
   std::vector<Section> sections = sections_of(branches, diseased, 3.0);
-  branches.push_back(branches[1]);
-  branches[2].id = 2;
-  branches[2].s_on_parent = 32;
-  for (std::size_t i = 80; i < 160; ++i) {
-    Section section = sections[i];
-    section.branch = 2;
-    section.area = M_PI / 4 * 2.6 * 2.6;
-    sections.push_back(section);
-  }
+  add_side(branches, sections, 32, 2.6);
   const auto profiles = reference_profiles(branches, sections, notes);
   for (double s : {1.0, 14.0, 17.0, 30.0, 39.0})
     EXPECT_NEAR(profiles[0].diameter(s), healthy(s), 0.05) << s;

@@ -234,6 +234,21 @@ def test_the_two_sides_of_a_wall_are_no_lumen(lumen, tmp_path):
     assert [end["diameter_mm"] for end in ends] == [pytest.approx(3.0, abs=0.1)] * 2
 
 
+def test_a_shorter_vessel_beside_the_curve_of_another_is_no_wall(lumen, tmp_path):
+    """Its box lies within the other's, and is 0.85 times as long."""
+    points, triangles = surfaces.tube(surfaces.arc(0.06), lambda s: 1.5 + 0 * s, 30, 0.3)
+    inner, around = surfaces.tube(surfaces.arc(0.06), lambda s: 1.0 + 0 * s, 25.5, 0.3)
+    middle, other = (0.5 * (one.min(axis=0) + one.max(axis=0)) for one in (points, inner))
+    inner = inner + middle - other
+    length, shorter = (np.linalg.norm(np.ptp(one, axis=0)) for one in (points, inner))
+    assert 0.8 * length < shorter < 0.9 * length
+    assert (inner.min(axis=0) > points.min(axis=0)).all() and (inner.max(axis=0) < points.max(axis=0)).all()
+    both = np.vstack([points, inner]), np.vstack([triangles, around + len(points)])
+    done = lumen(surfaces.write(tmp_path / "two.vtp", *both), tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert "warning: another vessel left out" in done.stderr
+
+
 def test_the_inlet_chooses_the_vessel_and_a_lost_piece_is_told(lumen, tube, tmp_path):
     """A piece of 6 mm is small beside the whole, yet a branch may be lost with it."""
     points, triangles = tube
