@@ -59,7 +59,7 @@ def read(files, units="mm", z_from="distal", z_range_mm=None, drop_frames=()):
     def wanted(frame, z):
         return first <= z <= last and frame not in dropped
 
-    warnings = []
+    warnings = [said for path in files.values() if path and (said := tables.unknown_names(path))]
     lumen = tables.read_outlines(files["lumen"], units, "lumen", wanted)
     _check_frames(lumen, files["lumen"], warnings)
     frames = {name: Frame(name, z, outline) for name, (z, outline) in lumen.items()}

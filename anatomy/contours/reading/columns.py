@@ -58,6 +58,21 @@ def order(names, units, where):
     return [frame, *(found[place] for place in PLACES), *fifth[:1]]
 
 
+def name_places(names):
+    """Whether the names say which columns are x, y and z."""
+    found = [NAME.fullmatch(name.strip().lower()) for name in names]
+    return {match[1] for match in found if match} >= set(PLACES)
+
+
+def is_number(field):
+    """Whether a field is a number."""
+    try:
+        float(field)
+    except ValueError:
+        return False
+    return True
+
+
 def _check_units(named, units, where):
     named = UNITS.get(named, named)
     if named == "px":

@@ -24,15 +24,7 @@ def read_rows(path, units):
     skipped, but known names say where the columns are (columns.order). Without a fifth column the number is 0. Raises
     InputError with the line that cannot be read.
     """
-    path = pathlib.Path(path)
-    if not path.is_file():
-        raise InputError("no such contour table", path, "missing", "check the path, or VCI_DATA_DIR")
-    try:
-        content = gzip.open(path).read() if path.suffix == ".gz" else path.read_bytes()
-        lines = content.decode("utf-8-sig").splitlines()
-    except (OSError, EOFError, UnicodeDecodeError) as error:
-        remedy = "a spreadsheet: export it as CSV; a compressed table: copy it again, it is damaged"
-        raise InputError("the contour table is not text", path, error, remedy) from error
+    lines = _lines(path)
     rows, names, named = [], None, 0
     for number, line in enumerate(lines, start=1):
         line = line.strip()
@@ -57,6 +49,26 @@ def read_rows(path, units):
     table[:, : len(wanted)] = np.array(rows)[:, wanted]
     table[:, 1:4] *= MILLIMETRES[units]
     return table
+
+
+def unknown_names(path):
+    """A sentence on the names of a table that do not say which columns are x, y and z; None if they do, or if none."""
+    line = next((line for line in map(str.strip, _lines(path)) if line and not line.startswith("#")), "")
+    if any(columns.is_number(field) for field in columns.fields(line)) or columns.name_places(columns.names_in(line)):
+        return None
+    return f"{path}: the names `{line}` are not known; the columns are read as frame, x, y, z"
+
+
+def _lines(path):
+    path = pathlib.Path(path)
+    if not path.is_file():
+        raise InputError("no such contour table", path, "missing", "check the path, or VCI_DATA_DIR")
+    try:
+        content = gzip.open(path).read() if path.suffix == ".gz" else path.read_bytes()
+        return content.decode("utf-8-sig").splitlines()
+    except (OSError, EOFError, UnicodeDecodeError) as error:
+        remedy = "a spreadsheet: export it as CSV; a compressed table: copy it again, it is damaged"
+        raise InputError("the contour table is not text", path, error, remedy) from error
 
 
 def _no_numbers(fields, where, line, after_points):

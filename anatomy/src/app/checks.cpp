@@ -113,6 +113,14 @@ void warn_of_stubs(const Mesh& mesh, const std::vector<End>& ends, const std::ve
   }
 }
 
+std::vector<Vec3> tips_of_stubs(const Mesh& mesh, const std::vector<End>& ends) {
+  std::vector<Vec3> out;
+  for (const Tip& tip : tips_beside_ends(mesh, ends, least_stub * 2 * PMP::volume(mesh) / PMP::area(mesh)))
+    if (const Vec3 at = vec(mesh.point(tip.vertex)); far_from(at, ends))
+      out.push_back(at);
+  return out;
+}
+
 void report_move(std::vector<Repair>& repairs, const Move& move, std::size_t ends) {
   if (move.distance > least_move)
     repairs.push_back({"caps flattened", ends,

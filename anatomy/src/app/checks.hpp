@@ -30,6 +30,9 @@ void check_no_wide_stub(const Mesh& mesh, const std::vector<End>& ends);
 void warn_of_stubs(const Mesh& mesh, const std::vector<End>& ends, const std::vector<Candidate>& candidates,
                    std::vector<Repair>& repairs);
 
+/// The tips of all closed stubs, whether they count as wall by the user's word or by the search for ends.
+std::vector<Vec3> tips_of_stubs(const Mesh& mesh, const std::vector<End>& ends);
+
 /// Reports the largest move of the caps of `ends`, with the wall's rim, onto their planes. A move of more than a tenth
 /// of the cap's radius gives a warning. A smaller one changes the cap's area by at most half a per cent, and no section
 /// so near is used.

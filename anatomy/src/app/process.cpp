@@ -180,10 +180,11 @@ Anatomy process(const Options& options, StepTimer& timer) {
   if (!like && !prepared.named.inlet && !tagged_inlet(prepared.input))
     doubt_inlet(out.ends, out.branches, out.repairs);
   timer.start("sections");
-  out.sections = cut_sections(prepared.mesh, out.branches, out.ends, prepared.splits);
+  const std::vector<ClosedStub> stubs = closed_stubs(out.branches, tips_of_stubs(prepared.given, before));
+  out.sections = cut_sections(prepared.mesh, out.branches, out.ends, prepared.splits, stubs);
   smooth_noisy_areas(out.branches, out.sections, out.repairs);
   timer.start("lesions");
-  out.profiles = reference_profiles(out.branches, out.sections, out.repairs);
+  out.profiles = reference_profiles(out.branches, out.sections, out.repairs, stubs);
   out.lesions = find_lesions(out.branches, out.sections, out.profiles);
   note_steep_tapers(out.branches, out.sections, out.profiles, out.repairs);
   note_wide_ends(out.branches, out.profiles, out.lesions, out.repairs);

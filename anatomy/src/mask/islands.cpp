@@ -1,5 +1,7 @@
 #include "mask/islands.hpp"
+#include "common/error.hpp"
 #include <algorithm>
+#include <set>
 #include <vtkImageConnectivityFilter.h>
 #include <vtkStaticPointLocator.h>
 
@@ -7,6 +9,7 @@ namespace anatomy {
 namespace {
 
 constexpr double vessel_length = 8; // voxels: islets of noise are shorter
+constexpr int few_slices = 3;       // that were not segmented; farther apart are separate trees
 
 using Voxel = std::array<int, 3>;
 
@@ -125,6 +128,36 @@ std::size_t nearest_piece(const std::vector<Piece>& pieces, const Eigen::Vector3
   return best;
 }
 
+// Throws InputError if the kept piece goes on as another one of vessel length behind up to three slices without any
+// voxel of the label. The slices were not segmented, so an end there would be cut between voxels.
+void check_no_empty_slice(vtkImageData* ranks, const std::vector<Piece>& pieces, std::size_t kept, const Mask& mask) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::set<int> filled;
+    for (const Piece& piece : pieces)
+      for (const Voxel& v : piece.voxels)
+        filled.insert(v[axis]);
+    for (auto low = filled.begin(), high = std::next(low); high != filled.end(); low = high++) {
+      const int empty = *high - *low - 1;
+      if (empty == 0 || empty > few_slices)
+        continue;
+      for (std::size_t k = 0; k < pieces.size(); ++k)
+        for (Voxel v : pieces[k].voxels) {
+          if (k == kept || pieces[k].length < vessel_length * longest_edge(mask) ||
+              (v[axis] != *low && v[axis] != *high))
+            continue;
+          const std::string at = place_in_file(mask, Eigen::Vector4d(v[0], v[1], v[2], 1));
+          v[axis] = v[axis] == *low ? *high : *low;
+          if (rank_at(ranks, v) == static_cast<int>(kept) + 1)
+            throw common::InputError("the vessel is cut by slices without its label", at,
+                                     std::to_string(empty) + " empty, and " + std::to_string(pieces[k].voxels.size()) +
+                                         " voxels of the vessel behind",
+                                     "fill the slices from their neighbours in the mask; to use one part alone, clear "
+                                     "the other");
+        }
+    }
+  }
+}
+
 } // namespace
 
 std::string place_in_file(const Mask& mask, const Eigen::Vector4d& voxel) {
@@ -149,6 +182,7 @@ void keep_one_island(vtkImageData* indicator, const Mask& mask, const std::optio
   if (pieces.size() < 2)
     return;
   const std::size_t kept = inlet ? nearest_piece(pieces, *inlet, mask) : 0;
+  check_no_empty_slice(ranks, pieces, kept, mask);
   const auto locator = locator_of(pieces[kept], mask);
   std::size_t dropped = 0;
   for (std::size_t k = 0; k < pieces.size(); ++k) {

@@ -8,6 +8,7 @@ namespace anatomy {
 /// Sets all pieces of the indicator (1 in the label, 0 elsewhere) to 0 but one: the largest, or the one nearest to
 /// `inlet` (in the file's unit) among those as long as a vessel. Pieces that touch by corners or edges of their voxels
 /// are joined first. `repairs` takes a warning of each piece that is as long as a vessel, with its place.
+/// Throws InputError if up to three slices without the label divide the kept piece from the vessel behind them.
 void keep_one_island(vtkImageData* indicator, const Mask& mask, const std::optional<Vec3>& inlet,
                      std::vector<Repair>& repairs);
 

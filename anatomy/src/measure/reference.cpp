@@ -165,21 +165,31 @@ ReferenceLine fitted(ReferenceLine line, const std::vector<Calibre>& trunk, std:
   return line;
 }
 
-// The diameter of the widest branch that leaves at a step from s = `from` to `to` of a vessel of that diameter; 0 if
-// none does. Where branches leave at a small angle, their axes part up to two diameters behind the step.
+// Whether s is at a step from s = `from` to `to` of a vessel of that diameter. Where branches leave at a small angle,
+// their axes part up to two diameters behind the step.
+bool is_at_a_step(double s, double from, double to, double vessel) {
+  return s > from - vessel && s < to + 2 * vessel;
+}
+
+bool one_is_near(const std::vector<double>& stubs, double from, double to, double vessel) {
+  return std::any_of(stubs.begin(), stubs.end(), [&](double s) { return is_at_a_step(s, from, to, vessel); });
+}
+
+// The diameter of the widest branch that leaves at such a step; 0 if none does.
 double branch_at(const Sides& branches, double from, double to, double vessel) {
   double widest = 0;
   for (const auto& [s, diameter] : branches)
-    if (s > from - vessel && s < to + 2 * vessel)
+    if (is_at_a_step(s, from, to, vessel))
       widest = std::max(widest, diameter);
   return widest;
 }
 
 // Two lines with a step down between them, no deeper than at a fork into two equal branches, or than the flow split
 // with the branch that leaves there; most sections on either side are healthy. The step is at a side branch, or reaches
-// from the last healthy section of the first line to the first one of the second.
+// from the last healthy section of the first line to the first one of the second. The calibre of a closed stub's branch
+// is not known, so a step beside it may be as deep as into the lesser of two branches.
 Choice stepped(const std::vector<Candidate>& lines, const std::vector<Calibre>& measured, const Sides& sides,
-               const Sides& branches) {
+               const Sides& branches, const std::vector<double>& stubs) {
   const std::size_t n = measured.size();
   const std::vector<Calibre> trunk = trunk_of(measured, sides);
   const auto mostly = [](double healthy, std::size_t all) {
@@ -200,7 +210,9 @@ Choice stepped(const std::vector<Candidate>& lines, const std::vector<Calibre>& 
     const double parent = fitted(before.line->line, trunk, 0, k).at(measured[k].s);
     const double ratio = fitted(behind.line->line, trunk, k, n).at(measured[k].s) / parent;
     const double side = branch_at(branches, measured[last].s, measured[first].s, parent);
-    const double split = behind_sides(parent, {{0, side}}, 1) / parent;
+    const double split = one_is_near(stubs, measured[last].s, measured[first].s, parent)
+                             ? 0
+                             : behind_sides(parent, {{0, side}}, 1) / parent;
     const double deepest = std::min(deepest_step, std::max(lesser_daughter, (1 - split_error) * split));
     if (ratio >= deepest && ratio <= 1)
       best = {before.score + behind.score, before.healthy + behind.healthy, before.line, behind.line, last, first};
@@ -340,7 +352,7 @@ void note_left_out(const Sides& sides, const Sides& branches, const Branch& bran
 // The profile that takes most sections as healthy. The branches' steps by the flow split are kept unless more sections
 // are healthy without; a dilatation, a branch without its step or a step of another size has to bring many more.
 ReferenceProfile profile_of(const std::vector<Calibre>& measured, const Branch& branch, const Sides& branches,
-                            std::vector<Repair>& notes) {
+                            const std::vector<double>& stubs, std::vector<Repair>& notes) {
   const std::size_t n = measured.size();
   const std::vector<Sides> flow_splits =
       flow_splits_of(branches, std::max_element(measured.begin(), measured.end(), is_less_wide)->diameter);
@@ -362,7 +374,7 @@ ReferenceProfile profile_of(const std::vector<Calibre>& measured, const Branch& 
   take([&](std::size_t k) { return plain(lines[k], 0, n); }, all_or_none);
   take([&](std::size_t k) { return beside_dilatation(lines[k]); }, all_or_none);
   take([&](std::size_t k) { return plain(lines[k], 0, n); }, lines.size());
-  take([&](std::size_t k) { return stepped(lines[k], measured, flow_splits[k], branches); }, all_or_none);
+  take([&](std::size_t k) { return stepped(lines[k], measured, flow_splits[k], branches, stubs); }, all_or_none);
   const ReferenceProfile profile = fitted(best, measured, flow_splits[split]);
   if (best.behind)
     note_step(best, measured, branch, profile, branches, notes);
@@ -400,7 +412,8 @@ std::vector<Calibre> calibres(const std::vector<Branch>& branches, const std::ve
 }
 
 std::vector<ReferenceProfile> reference_profiles(const std::vector<Branch>& branches,
-                                                 const std::vector<Section>& sections, std::vector<Repair>& notes) {
+                                                 const std::vector<Section>& sections, std::vector<Repair>& notes,
+                                                 const std::vector<ClosedStub>& stubs) {
   std::vector<ReferenceProfile> profiles(branches.size());
   // a branch comes after its side branches, whose calibre it needs: the deepest generation first
   std::vector<std::size_t> order(branches.size());
@@ -425,7 +438,11 @@ std::vector<ReferenceProfile> reference_profiles(const std::vector<Branch>& bran
     for (std::size_t k = 0; k < branches.size(); ++k)
       if (branches[k].parent == static_cast<int>(b))
         sides.emplace_back(branches[k].s_on_parent, profiles[k].diameter(branches[k].s_outside));
-    profiles[b] = profile_of(measured, branches[b], sides, notes);
+    std::vector<double> stubs_here; // s, mm
+    for (const ClosedStub& stub : stubs)
+      if (stub.branch == b)
+        stubs_here.push_back(stub.s);
+    profiles[b] = profile_of(measured, branches[b], sides, stubs_here, notes);
   }
   return profiles;
 }

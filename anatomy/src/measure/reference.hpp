@@ -34,12 +34,14 @@ struct ReferenceProfile {
 /// - A dilatation, a stretch wider than the healthy vessel on both sides, is left out if that finds many more healthy
 ///   sections. An ectasia, 1.5 times as wide as all sections before and behind it, is always left out.
 /// - One more step, of the size that the sections show, is taken if that finds many more healthy sections. It is no
-///   deeper than past a fork into two equal branches. Where no branch leaves, it stands for one that the surface lacks.
+///   deeper than past a fork into two equal branches, or at a closed stub into two unequal ones. Where no branch
+///   leaves, it stands for one that the surface lacks.
 /// - A branch with fewer than 8 such sections has a constant profile, twice the median of its inscribed radius.
 /// `notes` takes a warning of each dilatation, ectasia and step without a branch, and a note of each constant profile.
 /// If twice as many sections as the healthy ones lie on a narrower line, a warning states that reading as well.
 std::vector<ReferenceProfile> reference_profiles(const std::vector<Branch>& branches,
-                                                 const std::vector<Section>& sections, std::vector<Repair>& notes);
+                                                 const std::vector<Section>& sections, std::vector<Repair>& notes,
+                                                 const std::vector<ClosedStub>& stubs = {});
 
 /// A section away from the ends: arc length and equivalent diameter (mm), and whether a side branch's mouth widens it.
 struct Calibre {

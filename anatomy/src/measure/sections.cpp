@@ -51,6 +51,11 @@ bool on_a_cap(const Vec3& p, const std::vector<End>& ends) {
   });
 }
 
+bool in_a_stub(const Vec3& p, std::size_t branch, const Vec3& on_axis, const std::vector<ClosedStub>& stubs) {
+  return std::any_of(stubs.begin(), stubs.end(),
+                     [&](const ClosedStub& stub) { return stub.branch == branch && stub.contains(p, on_axis); });
+}
+
 } // namespace
 
 bool near_an_end(const Branch& branch, const std::vector<End>& ends, double s) {
@@ -61,7 +66,7 @@ bool near_an_end(const Branch& branch, const std::vector<End>& ends, double s) {
 }
 
 std::vector<Section> cut_sections(const Mesh& surface, const std::vector<Branch>& branches,
-                                  const std::vector<End>& ends, int splits) {
+                                  const std::vector<End>& ends, int splits, const std::vector<ClosedStub>& stubs) {
   const Slices slices(surface);
   std::vector<Section> sections;
   for (std::size_t b = 0; b < branches.size(); ++b) {
@@ -88,7 +93,8 @@ std::vector<Section> cut_sections(const Mesh& surface, const std::vector<Branch>
         if (on_a_cap(p, ends))
           section.flag = "end";
         const double limit = ostium_clip * branch.radius[i];
-        if (branches.size() > 1 && q.norm() > limit && nearest_axis(branches, p).branch != b) {
+        if (q.norm() > limit &&
+            (in_a_stub(p, b, branch.x[i], stubs) || (branches.size() > 1 && nearest_axis(branches, p).branch != b))) {
           q *= limit / q.norm();
           if (section.flag == "ok")
             section.flag = "ostium";

@@ -37,6 +37,15 @@ def test_columns_are_read_by_their_names(tmp_path, head, order):
     assert found(tmp_path, head, order)[:, :4] == pytest.approx(np.array(ROWS, float))
 
 
+@pytest.mark.parametrize(
+    "head, said", [(USUAL, False), ("", False), ("frame_nr,z (mm),x (mm),y (mm)", False), ("Nr,U,V,W", True)]
+)
+def test_names_that_are_not_known_are_told(tmp_path, head, said):
+    """The columns are then read in the usual order, which may not be that of the table."""
+    found(tmp_path, head, (0, 1, 2, 3))
+    assert bool(tables.unknown_names(tmp_path / "lumen.csv")) == said
+
+
 def test_a_fifth_column_may_stand_anywhere(tmp_path):
     rows = found(tmp_path, "deposit,z,y,x,frame", (4, 3, 2, 1, 0), more=[7])
     assert rows[:, :4] == pytest.approx(np.array(ROWS, float)) and (rows[:, 4] == 7).all()

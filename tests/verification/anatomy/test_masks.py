@@ -226,15 +226,27 @@ def test_labels_that_one_vessel_goes_on_into_are_told(lumen, tmp_path, wall, tol
     assert (tmp_path / "whole" / "lumen.vtp").read_bytes() == (tmp_path / "one" / "lumen.vtp").read_bytes()
 
 
-def test_a_vessel_with_an_empty_slice_is_said(lumen, tmp_path):
-    """Its far part is left out: an outlet would be at the gap without a word."""
+@pytest.mark.parametrize("axis, slices", [(0, 1), (0, 3), (1, 1)])
+def test_a_vessel_with_empty_slices_is_refused(lumen, tmp_path, axis, slices):
+    """Its far part was left out. An outlet at the gap, cut between voxels, looked like a lesion."""
     matrix = masks.affine([0.4] * 3)
     labels, *_ = vessel(matrix, (82, 50, 24))
-    labels[48] = 0
+    np.moveaxis(labels, axis, 0)[(48, 25)[axis] :][:slices] = 0
     done = lumen(masks.meta(tmp_path / "mask.mha", labels, matrix), tmp_path / "out")
+    assert done.returncode == 2 and "the vessel is cut by slices without its label" in done.stderr, done.stderr
+    assert f"{slices} empty, and" in done.stderr and "fill the slices" in done.stderr
+
+
+def test_a_gap_in_the_vessel_alone_is_said(lumen, tmp_path):
+    """Another vessel goes through the slice, which was segmented therefore. The far part may be a third one."""
+    matrix = masks.affine([0.4] * 3)
+    labels, *_ = vessel(matrix, (82, 50, 44), ((15, 15, 31), (66, 20, 32)))
+    labels[48] = 0
+    labels |= vessel(matrix, (82, 50, 44), ((15, 35, 11), (56, 35, 11)))[0]
+    done = lumen(masks.meta(tmp_path / "mask.mha", labels, matrix), tmp_path / "out", "--inlet", "6,6,12.5")
     assert done.returncode == 0, done.stderr
-    said = next(line for line in done.stderr.splitlines() if "another vessel left out" in line)
-    assert "it is 0.8 from it at (19.6," in said and "fill the gap in the mask" in said
+    said = [line for line in done.stderr.splitlines() if "another vessel left out" in line]
+    assert any("it is 0.8 from it at (19.6," in line and "fill the gap in the mask" in line for line in said), said
 
 
 def test_pieces_that_touch_by_corners_are_one_vessel(lumen, tmp_path):

@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 import surfaces
 
@@ -96,6 +97,22 @@ def test_a_left_main_longer_than_wide_is_the_inlet(lumen, tmp_path):
     assert done.returncode == 0, done.stderr
     ends = json.loads((tmp_path / "out" / "anatomy.json").read_text())["ends"]
     assert ends[0]["diameter_mm"] == pytest.approx(4.4, abs=0.2) and ends[0]["centre_mm"][0] < 1
+
+
+def test_an_occluded_branch_explains_the_step_of_the_vessel_that_goes_on(lumen, tmp_path):
+    """A left main of 4.5 mm, a stump of 3.6 mm, and a vessel of 3.2 mm with a lesion of 40 %. The step by .71 is deeper
+    than into two equal branches, and the sections at the stump's mouth are wider than the left main."""
+    stem, stump = ((0, 0, 0), (10, 0, 0), 2.25, 2.25), ((10, 0, 0), (13, 3, 0), 1.8, 1.8)
+    along = np.array([0, 9, 12, 15, 45.0])[:, None] * (0.9, -np.sqrt(0.19), 0) + (10, 0, 0)
+    radii = [1.6, 1.6, 0.96, 1.6, 1.5]
+    vessel = [(along[k], along[k + 1], radii[k], radii[k + 1]) for k in range(4)]
+    surface = surfaces.write(tmp_path / "left.vtp", *surfaces.tree([stem, stump, *vessel], inner=range(5)))
+    done = lumen(surface, tmp_path / "out")
+    assert done.returncode == 0 and "stub left closed" in done.stderr
+    assert "reference steps down where no branch leaves" in done.stderr
+    (lesion,) = json.loads((tmp_path / "out" / "anatomy.json").read_text())["lesions"]
+    assert lesion["diameter_stenosis_percent"] == pytest.approx(40, abs=2)
+    assert lesion["s_mla_mm"] == pytest.approx(22, abs=1)
 
 
 def test_an_inlet_named_at_an_end_leaves_a_stub_closed(lumen, tmp_path):
