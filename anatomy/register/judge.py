@@ -63,21 +63,21 @@ def check_fit(where, target, tree, found, match, landmarks):
             "correct its place in the one lumen or the other",
         )
     share, of = (contained, "the shorter lumen's axes") if marked else (both, "both lumens' axes")
-    if share < LEAST_SHARE:
-        raise InputError(
-            "the lumen after the procedure does not fit on the one before",
-            where,
-            f"{100 * share:.0f} % of {of} lie on the other's, {100 * LEAST_SHARE:.0f} % are wanted (within {radius})",
-            "is it the same vessel, with the right units and inlet? Cut what only one of them has, or " + LANDMARKS,
-        )
     largest = WITH_LANDMARKS if marked else LARGEST_RESIDUAL
-    if match.trimmed_mm > largest * match.usual_radius_mm:
+    value = None
+    if share < LEAST_SHARE:
+        value = f"{100 * share:.0f} % of {of} lie on the other's, "
+        value += f"{100 * LEAST_SHARE:.0f} % are wanted (within {radius})"
+    elif match.trimmed_mm > largest * match.usual_radius_mm:
         value = f"residual {match.trimmed_mm:.2f} mm (without the worst fifth), at most {largest:g} of {radius}"
+    if value:
+        _check_fits_without(where, target, tree, landmarks)
         raise InputError(
             "the lumen after the procedure does not fit on the one before",
             where,
             value,
-            "is it the same vessel, with the right units and inlet? Or " + LANDMARKS,
+            "is it the same vessel, with the right units and inlet? Cut what only one of them has, or "
+            + ("check the landmarks' places" if marked else LANDMARKS),
         )
     if found.rival is not None and found.rival_cost < found.cost + search.ALIKE:
         apart = found.placement.apart_mm(found.rival, tree.points)
@@ -87,6 +87,24 @@ def check_fit(where, target, tree, found, match, landmarks):
             f"misfits {found.cost:.2f} and {found.rival_cost:.2f} of 1, {apart:.1f} mm apart",
             LANDMARKS,
         )
+
+
+def _check_fits_without(where, target, tree, landmarks):
+    """Raises InputError naming the landmark that is farthest off if the axes fit well, and alone, without any."""
+    if not len(landmarks[0]):
+        return
+    alone = search.best(target.tree, tree, sliding.NO_LANDMARKS)
+    match = matched(target, tree, alone.placement)
+    both, _ = shares(target, tree, alone.placement)
+    if unusual(match) or both < LEAST_SHARE or alone.rival is not None and alone.rival_cost < alone.cost + search.ALIKE:
+        return
+    misses = landmark_misses(alone.placement, landmarks)
+    raise InputError(
+        "a landmark does not fit",
+        f"{where}: landmark {1 + int(misses.argmax())}",
+        f"{misses.max():.2f} mm off where the axes alone fit within {match.trimmed_mm:.2f} mm",
+        "correct its place in the one lumen or the other, or leave the landmarks out",
+    )
 
 
 def check_direction(where, pre, post, target, found, landmarks):
@@ -132,13 +150,16 @@ def check_place(where, target, tree, found, match, landmarks):
 def check_handedness(where, pre, post, target, found, match, landmarks):
     """Raises InputError if the lumen afterwards fits as right pairs do once it is mirrored, and not as it is.
 
-    It is asked only where the residual is unusual. A vessel whose axis lies in a plane is its own mirror image.
+    It is asked only where the residual is unusual or a branch has no partner: landmarks can turn a mirror image so that
+    it nearly fits. A vessel whose axis lies in a plane is its own mirror image.
     """
-    if not unusual(match):
+    lacking = len(match.missing) + len(match.new)
+    if not unusual(match) and not lacking:
         return
     other = search.best(pre, post.mirrored(), (landmarks[0], landmarks[1] * MIRROR))
     mirrored = matched(target, post.mirrored(), other.placement)
-    if other.cost < found.cost and not unusual(mirrored) and mirrored.trimmed_mm < 0.5 * match.trimmed_mm:
+    better = mirrored.trimmed_mm < 0.5 * match.trimmed_mm and len(mirrored.missing) + len(mirrored.new) <= lacking
+    if other.cost < found.cost and not unusual(mirrored) and better:
         raise InputError(
             "the lumen after the procedure is a mirror image of the one before",
             where,
@@ -169,7 +190,7 @@ def warnings(target, tree, found, match, landmarks):
             f" {share:.2f} of the usual radius. Pairs of one vessel have {USUAL_RESIDUAL:g} at most: it may be"
             " another vessel, another scale, or a vessel that has changed its course"
         )
-    if len(landmarks[0]) == 1 and sliding.slides(target, tree, found.placement, match):
+    if len(landmarks[0]) == 1 and sliding.may_slide(target, tree, found.placement, match):
         said.append(
             "nothing but the landmark fixes the place along a straight vessel: what the landmark is off, all areas"
             " are off. Check its two places, or give a second landmark, which checks the first"

@@ -20,14 +20,31 @@ def slides(target, tree, placement, match):
     compared: the ends say where a piece was cut, not where it lies. Radii do not count, since the procedure has changed
     them. A second branch seen in both lumens fixes the place.
     """
-    if sum(name in target.tree.branches for name in match.names.values()) > 1:
+    if _shares_a_branch(target, match):
         return False
-    points = tree.branches["main"].points
-    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[1] / np.sqrt(len(points))
+    straight = _is_straight(target, tree)
     residual = slid_residual(target, tree, placement)
     if residual is None:
-        return spread < STRAIGHT * target.usual_radius_mm
-    return residual < (DIFFERS if spread < STRAIGHT * target.usual_radius_mm else AS_WELL)
+        return straight
+    return residual < (DIFFERS if straight else AS_WELL)
+
+
+def may_slide(target, tree, placement, match):
+    """Whether a lone landmark may be all that fixes the place along the vessel: also any straight one, since the slid
+    residual at a wrong place says nothing."""
+    if _shares_a_branch(target, match):
+        return False
+    return _is_straight(target, tree) or slides(target, tree, placement, match)
+
+
+def _shares_a_branch(target, match):
+    return sum(name in target.tree.branches for name in match.names.values()) > 1
+
+
+def _is_straight(target, tree):
+    points = tree.branches["main"].points
+    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[1] / np.sqrt(len(points))
+    return spread < STRAIGHT * target.usual_radius_mm
 
 
 def slid_residual(target, tree, placement):

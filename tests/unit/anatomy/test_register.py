@@ -7,7 +7,7 @@ import pytest
 from registered_vessels import NONE, SHIFT, TURN, alone, moved, registered, straight, tree_of, vessel
 
 from anatomy.register import judge, run
-from anatomy.register.placement import Placement
+from anatomy.register.placement import Placement, Target
 from anatomy.register.run import like
 from common.errors import InputError
 
@@ -165,6 +165,30 @@ def test_a_mirrored_vessel_is_refused(marked):
     marks = (line[[30]], mirrored[[30]]) if marked else NONE
     with pytest.raises(InputError, match="mirror image(.|\n)*negate one of its coordinates"):
         registered(alone(line), alone(mirrored), marks)
+
+
+def test_a_mirror_image_that_two_landmarks_make_nearly_fit_is_refused():
+    """Its main axis lies nearly in a plane. Its branch had become a new one, and the other one missing."""
+    z = np.arange(0, 40, 0.5)
+    main = np.column_stack([0.004 * (z - 20) ** 2, 0.05 * np.sin(z / 6), z])
+    side = main[30] + np.arange(0, 12, 0.5)[:, None] * np.array([0.1, 0.8, 0.59])
+    pre = tree_of({"main": main, "side1": side}, {"side1": ("main", 30)})
+    lines = {"main": main, "side1": side}
+    other = {name: TURN.apply(points * [1, -1, 1]) + SHIFT for name, points in lines.items()}
+    post = tree_of(other, {"side1": ("main", 30)})
+    marks = main[[10, 60]], other["main"][[10, 60]]
+    with pytest.raises(InputError, match="mirror image"):
+        registered(pre, post, marks)
+
+
+def test_the_landmark_that_spoils_a_good_fit_is_named():
+    """The remedy was to give landmarks, which the user had done."""
+    pre, post = vessel(), moved(vessel())
+    at = pre.branches["main"].points[[20]]
+    with pytest.raises(InputError, match="(?s)a landmark does not fit.*landmark 1.*3.4[0-9]* mm off where"):
+        judge._check_fits_without("post", Target(pre), post, (at + [[0, 3.4, 0]], TURN.apply(at) + SHIFT))
+    other = tree_of({"main": vessel(7).branches["main"].points}, {})  # another vessel: no landmark is to blame
+    judge._check_fits_without("post", Target(pre), other, (at, at))
 
 
 def test_a_vessel_of_another_scale_is_warned_of():
