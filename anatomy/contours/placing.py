@@ -12,6 +12,9 @@ from .reading.outlines import centroid
 FARTHEST_MM = 3.0  # largest disagreement of landmarks along the line: a frame is picked to within 2 or 3 mm
 NEAREST_MM = 0.2  # least distance of a landmark from the axis; nearer, half a voxel turns it by a right angle
 FARTHEST_RADII = 3.0  # of a landmark from the lumen's centre: the wall, a branch's mouth, the ostium's rim
+# From the landmarks' mean. A side branch's mouth is marked to about this: 0.4 mm on the wall of a lumen of 3 mm. The
+# catheter turns by 10 degrees (standard deviation) between frames.
+USUAL_TURN_DEG = 15.0
 LARGEST_TURN_DEG = 45.0  # largest disagreement of landmarks about it; beyond, tables are mirrored or points mixed up
 
 
@@ -94,6 +97,17 @@ def on_line(pullback, line, landmark_points_mm=(), proximal_s_mm=None, rotation_
 
     report.update({"distal_s_mm": last, "proximal_s_mm": first, "rotation_deg": float(np.degrees(turn))})
     return Placing(lay, "centreline" + (", by landmarks" if len(landmark_points_mm) else ", least twist"), report)
+
+
+def warnings(place):
+    """Sentences on a Placing whose landmarks disagree about the turn by more than they are marked to; mostly none."""
+    off = place.report.get("landmarks_differ_deg", 0.0)
+    if off > USUAL_TURN_DEG:
+        yield (
+            f"the landmarks differ by {off:.0f} degrees about the centreline from their mean, {USUAL_TURN_DEG:g} are"
+            " usual: check mirrored (true if x, y, z are left-handed: images seen from the other side, or z alone"
+            " turned round), the points' order, and the place of each in the table and on the line"
+        )
 
 
 def _axes(one, two, turn):

@@ -14,6 +14,7 @@ KINDS = {"lipid": LIPID, "calcium": CALCIFIED}  # where both are traced, the lat
 # Normal intima is below 0.3 mm by IVUS (0.22 to 0.25 mm at 30 to 40 years). The media behind it has 0.2 mm by
 # histology, but is thinner beneath plaque (0.1 mm in vivo: Gussenhoven et al., Am J Cardiol 68 (1991) 1625).
 THICKEST_HEALTHY_MM = 0.3
+THINNEST_WALL_MM = 0.1  # media alone, beneath plaque (as above); the thinnest frame of the real pull-back has 0.12 mm
 CROSSING_MM = 0.1  # by which two hand-drawn outlines that touch may cross
 SHADOW_MM = 0.3  # by which calcium may leave the outer wall, which is a guess in its shadow; shipped calcium: 0.07
 STEP_MM = 0.02  # along a ray from the lumen outwards
@@ -44,15 +45,26 @@ def thickness(frames, z_mm, ring_list, path):
 
 
 def check_regions(frames, paths):
-    """Raises InputError if calcium or lipid is not inside the outer wall, in frames where that was traced.
+    """Raises InputError if calcium or lipid lies within the lumen, or outside the outer wall where that was traced.
 
     paths: {calcium, lipid: path of its table}.
     """
     for frame in frames:
-        for name, several in frame.regions.items() if frame.outer_wall is not None else ():
+        for name, several in frame.regions.items():
+            where = f"{paths[name]}: frame {frame.name}"
             for region in several:
-                distance = thickness_of_frame(region, frame.outer_wall)
-                _check_inside(distance, SHADOW_MM, name, f"{paths[name]}: frame {frame.name}", frame)
+                _check_behind(region, name, where, frame)
+                if frame.outer_wall is not None:
+                    distance = thickness_of_frame(region, frame.outer_wall)
+                    _check_inside(distance, SHADOW_MM, name, where, frame)
+
+
+def _check_behind(region, what, where, frame):
+    """Raises InputError if a region (n, 2) lies wholly within the lumen, where no ray into the wall would meet it."""
+    if (distance := thickness_of_frame(region, frame.lumen)).min() > 0:
+        value = f"all of it {distance.min():.2f} mm or more within the lumen's outline"
+        remedy = f"trace {what} behind the lumen, in the same coordinates, or leave the frame out"
+        raise InputError(f"{what} lies within the lumen", where, value, f"{remedy} (drop_frames: [{frame.name}])")
 
 
 def _check_inside(distance, most_mm, what, where, frame):

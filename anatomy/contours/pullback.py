@@ -54,9 +54,10 @@ def read(files, units="mm", z_from="distal", z_range_mm=None, drop_frames=()):
     first, last = z_range_mm or (-np.inf, np.inf)
     if not first < last:
         raise InputError("empty range of z", "z_range_mm", [first, last], "the lower z first")
-    dropped = set(drop_frames)
+    dropped, seen = set(drop_frames), set()
 
     def wanted(frame, z):
+        seen.add(frame)
         return first <= z <= last and frame not in dropped
 
     warnings = [said for path in files.values() if path and (said := tables.unknown_names(path))]
@@ -74,12 +75,22 @@ def read(files, units="mm", z_from="distal", z_range_mm=None, drop_frames=()):
                 frames[name].regions[kind] = several
     if files.get("branches"):
         _say_branches(tables.read_regions(files["branches"], units, "branches", wanted), warnings)
+    _check_dropped(dropped - seen, seen, files["lumen"])
     landmarks = tables.read_points(files["landmarks"], units) if files.get("landmarks") else []
     sign = 1.0 if z_from == "distal" else -1.0
     for frame in frames.values():
         frame.z_mm *= sign
     ordered = sorted(frames.values(), key=lambda frame: frame.z_mm)
     return Pullback(ordered, [(sign * z, point) for _, z, point in landmarks], warnings, sign)
+
+
+def _check_dropped(missing, seen, path):
+    """Raises InputError for frames to leave out that no table has: the frame that was meant would stay in."""
+    if missing:
+        names = sorted(seen)
+        value = f"{', '.join(f'{name:g}' for name in sorted(missing))}; the tables have {len(names)} frames from"
+        value += f" {names[0]:g} to {names[-1]:g}"
+        raise InputError("no such frame to leave out", f"drop_frames, {path}", value, "name frames as the tables do")
 
 
 def _check_frames(lumen, path, warnings):

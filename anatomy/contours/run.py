@@ -66,7 +66,9 @@ def _areas(pull, z_mm):
 def _placing(pull, laying):
     axis = line.read(laying.pop("centreline"), laying.pop("units", "mm"), laying.pop("line", None))
     pull.warnings.extend(axis.warnings)
-    return placing.on_line(pull, axis, **laying)
+    place = placing.on_line(pull, axis, **laying)
+    pull.warnings.extend(placing.warnings(place))
+    return place
 
 
 def _perimeter(outline):
@@ -99,6 +101,7 @@ def _plaque(pull, files, healthy_wall_mm, lumen):
             f"no healthy frame: the thinnest wall has {distance[traced].mean(axis=1).min():.2f} mm; "
             f"{healthy:.2f} mm of it are taken for the healthy wall (healthy_wall_mm says otherwise)"
         )
+    _say_thin(pull, distance.mean(axis=1))
     z = lumen["z_mm"]
     thickness = np.maximum(rings.between(pull.z_mm, distance)(z) - healthy, 0)
     low, high = outer_wall.reach_mm(frames, pull.z_mm)
@@ -113,6 +116,19 @@ def _plaque(pull, files, healthy_wall_mm, lumen):
         np.concatenate([kind.ravel(), np.zeros(inner, int)]).astype(np.int32),
     )
     return dict(zip(ARRAYS, values)), {"kinds": kinds, "distance": distance, "healthy_wall_mm": healthy}
+
+
+def _say_thin(pull, means):
+    """Warns of traced walls thinner than any artery's. means: (frames,) in mm from lumen to outer wall."""
+    thin = [k for k, frame in enumerate(pull.frames) if frame.outer_wall is not None]
+    thin = [k for k in thin if means[k] < plaque.THINNEST_WALL_MM]
+    if thin:
+        at = min(thin, key=lambda k: means[k])
+        pull.warnings.append(
+            f"the wall is thinner than {plaque.THINNEST_WALL_MM:g} mm, the media alone, in {len(thin)} frames:"
+            f" {max(means[at], 0):.2f} mm on average in frame {pull.frames[at].name}, z"
+            f" {pull.sign * pull.frames[at].z_mm:.1f} mm. Is outer_wall the table of the lumen, or of another membrane?"
+        )
 
 
 def _say_shadow(pull, of_frames, kinds):

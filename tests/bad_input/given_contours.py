@@ -95,6 +95,21 @@ def _(folder):
     return contours(folder, text(rows(scale=0.1), head="frame,x_cm,y_cm,z_cm\n"))
 
 
+@given("contours in micrometres by the names of their columns")
+def _(folder):
+    return contours(folder, text(rows(scale=1000), head="frame,x_um,y_um,z_um\n"))
+
+
+@given("contours of which a frame that is not there is left out")
+def _(folder):
+    return contours(folder, text(rows()), "--drop-frame", "99")
+
+
+@given("contours whose columns are x, y, z, frame without names")
+def _(folder):
+    return contours(folder, text([(f"{x:.4f}", y, z, f) for f, x, y, z in rows()], head=""))
+
+
 @given("contours with a second line of names")
 def _(folder):
     return contours(folder, text(rows(), head="frame,x,y,z\n-,mm,mm,mm\n"))
@@ -121,6 +136,11 @@ def _(folder):
 @given("two deposits of calcium in one line")
 def _(folder):
     return calcium(folder, text([row for spot in spots() for row in spot]))
+
+
+@given("calcium within the lumen")
+def _(folder):
+    return calcium(folder, text([row for row in rows(radius=0.2) if row[0] == 5]))
 
 
 @given("calcium with another origin than the lumen")
@@ -211,6 +231,12 @@ def _(folder):
 @given("contours whose columns are named in another order")
 def _(folder):
     return contours(folder, text([(z, x, y, f) for f, x, y, z in rows()], head="z_mm,x_mm,y_mm,frame\n"))
+
+
+@given("contours of six named columns, one of words")
+def _(folder):
+    table = [("left main", f, 0.9, x, y, z) for f, x, y, z in rows()]
+    return contours(folder, text(table, head="vessel,frame,quality,x_mm,y_mm,z_mm\n"))
 
 
 @given("contours whose frames are out of order")

@@ -8,6 +8,7 @@ from common.errors import InputError
 PLACES = ("x", "y", "z")
 OUTLINE = re.compile(r"|(?:outline|contour|part|deposit|region|number)(?:[ _.-]?(?:no|nr|number|id|index))?")
 USUAL = [0, 1, 2, 3]  # frame, x, y, z, where no names say otherwise
+DECLARED = ("mm", "cm", "m")  # units that a case and the command line can declare
 UNITS = {"µm": "um", "μm": "um", "micron": "um", "microns": "um", "pixel": "px", "pixels": "px"}
 NAME = re.compile(
     r"(frame(?:[ _.-]?(?:no|nr|number|id|index))?|[xyz])(?:[ _.\[(]+(mm|cm|m|um|µm|μm|microns?|px|pixels?)[\])]?)?"
@@ -32,7 +33,8 @@ def names_in(line):
 def order(names, units, where):
     """Numbers of the columns of frame, x, y, z, and of the outline's number if there is one, by names (fields).
 
-    A fifth column of another name is not read, nor is one without a name before the others: a spreadsheet's row number.
+    A further column of another name is not read, nor is one without a name before the others: a spreadsheet's row
+    number.
 
     Names that are not known leave the columns where they usually are. Raises InputError if the names contradict the
     units declared, or if x, y and z stand at other places and the frame cannot be told.
@@ -44,18 +46,29 @@ def order(names, units, where):
             found.setdefault(match[1][:5], number)
             _check_units(match[2], units, f"{where}, column {name.strip()}")
     usual = USUAL + [4] * (len(names) == 5)
-    if len(names) not in (4, 5) or any(place not in found for place in PLACES):
+    if len(names) < len(USUAL) or any(place not in found for place in PLACES):
         return usual
     others = [number for number in range(len(names)) if number not in [found[place] for place in PLACES]]
     frame = found.get("frame", 0 if 0 in others else None)
     if frame is None and len(others) == 1:
         frame = others[0]
     if frame is None or ("frame" not in found and len(others) > 1 and [found[p] for p in PLACES] != USUAL[1:]):
-        remedy = "name the frame's column frame; the fifth is the number of an outline"
+        remedy = "name the frame's column frame; a further one may be named outline, the number of an outline"
         raise InputError("no column is named frame", where, ", ".join(names), remedy)
-    fifth = [k for k in others if k != frame and (names[k].strip() or k == 4)]
+    fifth = [k for k in others if k != frame and (names[k].strip() or k == len(names) - 1 == 4)]
     fifth = [k for k in fifth if OUTLINE.fullmatch(names[k].strip().lower())]
     return [frame, *(found[place] for place in PLACES), *fifth[:1]]
+
+
+def picked(line, names, order_of_names):
+    """The numbers in the columns `order_of_names` of a line that has as many fields as there are names, else None.
+
+    Other columns are not looked at: they may hold words, or nothing.
+    """
+    for cells in (fields(line), names_in(line)):
+        if len(cells) == len(names) and all(is_number(cells[k]) for k in order_of_names):
+            return [float(cells[k]) for k in order_of_names]
+    return None
 
 
 def name_places(names):
@@ -81,4 +94,6 @@ def _check_units(named, units, where):
         )
     if named not in (None, units):
         remedy = f"declare the units of all columns (units: {named}, --units {named}), or correct the names"
+        if named not in DECLARED:
+            remedy = "multiply x, y, z by 0.001, and the names say mm; declare mm (units: mm, --units mm)"
         raise InputError("the names of the columns state other units", where, f"{named}, declared {units}", remedy)

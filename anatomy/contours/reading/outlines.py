@@ -8,6 +8,7 @@ from matplotlib.path import Path
 from common.errors import InputError
 
 SAME_MM = 1e-6  # points nearer are one point
+COLUMNS = "Without names frame, x, y, z over them the columns are taken in that order"
 FEWEST_POINTS = 8  # of an outline; with fewer a round lumen cannot be told from a square one
 WIDEST_MM = 15.0  # coronary arteries, even with ectasia, are narrower; outlines in pixels are wider
 LEAST_AREA_MM2 = 0.03  # a radius of 0.1 mm, less than the catheter's own
@@ -57,7 +58,7 @@ def checked(points, where, several, may_be_ring=False):
     """
     points = points[_distance(points, np.roll(points, 1, axis=0)) > SAME_MM]
     if len(points) < FEWEST_POINTS:
-        remedy = f"at least {FEWEST_POINTS} different ones, or leave the frame out (drop_frames)"
+        remedy = f"at least {FEWEST_POINTS} different ones, or leave the frame out (drop_frames). {COLUMNS}"
         raise InputError("too few points for an outline", where, len(points), remedy)
     size = np.ptp(points, axis=0).max()
     if size > WIDEST_MM:

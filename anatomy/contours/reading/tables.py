@@ -25,30 +25,39 @@ def read_rows(path, units):
     InputError with the line that cannot be read.
     """
     lines = _lines(path)
-    rows, names, named = [], None, 0
+    rows, names, by_name = [], None, None
     for number, line in enumerate(lines, start=1):
         line = line.strip()
         if not line or line.startswith("#"):
             continue
-        fields = columns.fields(line)
-        try:
-            row = [float(field) for field in fields]
-        except ValueError:
-            if not rows and names is None:
-                found = columns.names_in(line)
-                names, named = columns.order(found, units, f"{path}, line {number}"), len(found)
-                continue
-            raise _no_numbers(fields, f"{path}, line {number}", line, bool(rows)) from None
+        where = f"{path}, line {number}"
+        if not rows and names is None and not all(map(columns.is_number, columns.fields(line))):
+            names = columns.names_in(line)
+            order = columns.order(names, units, where)
+            continue
+        if not rows:  # the first point decides for all: by their names, or in the usual order
+            known = names is not None and columns.name_places(names)
+            by_name = known and (len(names) > 5 or columns.picked(line, names, order) is not None)
+        row = columns.picked(line, names, order) if by_name else _numbers(line, where, bool(rows))
+        if row is None:
+            raise _no_numbers(columns.fields(line), where, line, bool(rows))
         if len(row) not in (4, 5) or len(row) != len((rows or [row])[0]) or not np.isfinite(row).all():
-            raise InputError("not a point of a contour", f"{path}, line {number}", line, COLUMNS)
+            raise InputError("not a point of a contour", where, line, COLUMNS)
         rows.append(row)
     if not rows:
         raise InputError("no points in the contour table", path, f"{len(lines)} lines", "lines of frame, x, y, z")
     table = np.zeros((len(rows), 5))
-    wanted = names if names and named == len(rows[0]) else range(len(rows[0]))
-    table[:, : len(wanted)] = np.array(rows)[:, wanted]
+    table[:, : len(rows[0])] = rows
     table[:, 1:4] *= MILLIMETRES[units]
     return table
+
+
+def _numbers(line, where, after_points):
+    """All fields of a line as numbers. Raises InputError."""
+    fields = columns.fields(line)
+    if not all(map(columns.is_number, fields)):
+        raise _no_numbers(fields, where, line, after_points)
+    return [float(field) for field in fields]
 
 
 def unknown_names(path):
@@ -76,7 +85,7 @@ def _no_numbers(fields, where, line, after_points):
     if not after_points and not any(character.isdigit() for field in fields for character in field):
         remedy = "one line of names; put # before further ones, and declare units by units (--units)"
         return InputError("a second line of names", where, line, remedy)
-    return InputError("not a number", where, line, "frame, x, y, z; decimal points")
+    return InputError("not a number", where, line, "numbers for frame, x, y, z; decimal points; a field for each name")
 
 
 def read_outlines(path, units, what, wanted=None):
@@ -132,7 +141,8 @@ def _parts(rows):
 def _check_plane(rows, where):
     if np.ptp(rows[:, 3]) > PLANE_MM:
         value = f"z from {rows[:, 3].min():g} to {rows[:, 3].max():g} mm"
-        remedy = "one z for each frame, its way in the pull-back; contours that lie in space go in as a surface"
+        remedy = "one z for each frame, its way in the pull-back; contours that lie in space go in as a surface."
+        remedy += f" {outlines.COLUMNS}"
         raise InputError("a frame's points do not lie in one plane", where, value, remedy)
 
 

@@ -292,6 +292,28 @@ def test_calcium_outside_its_outer_wall_is_refused(with_calcium, outside_mm, tak
             with_calcium(deposit)
 
 
+@pytest.mark.parametrize("reach, taken", [(1.45, False), (1.55, True)])
+def test_calcium_within_the_lumen_is_refused(table, tmp_path, reach, taken):
+    """No ray into the wall met it, and it was lost. A nodule that reaches into the lumen of 1.5 mm is taken."""
+    files = {"lumen": table(tube([1.5] * 5)), "outer_wall": table(tube([1.9] * 5), "wall.csv")}
+    files["calcium"] = table({23: (2.0, sector(1.1, reach, 20, 60))}, "calcium.csv")
+    if taken:
+        assert run.run(files, tmp_path / "out")["frames"][2]["calcium_arc_deg"] > 30
+    else:
+        with pytest.raises(InputError, match="(?s)calcium lies within the lumen.*frame 23.*drop_frames: .23."):
+            run.run(files, tmp_path / "out")
+
+
+def test_a_frame_to_leave_out_must_be_in_a_table(table):
+    """A misspelt one stayed in. One of another table than the lumen's, or outside z_range_mm, is there."""
+    lumen, wall = tube([1.5] * 5), {99: (9.0, circle(1.9)), **tube([1.9] * 5)}
+    files = {"lumen": table(lumen), "outer_wall": table(wall, "wall.csv")}
+    with pytest.raises(InputError, match="(?s)no such frame to leave out.*drop_frames.*98; the tables have 6 frames"):
+        pullback.read(files, drop_frames=[23, 98])
+    pull = pullback.read(files, drop_frames=[23.0, 43, 99], z_range_mm=(-0.5, 3.5))
+    assert [frame.name for frame in pull.frames] == [3, 13, 33] and pull.warnings == []
+
+
 def test_calcium_without_an_outer_wall_is_refused(table, tmp_path):
     files = {"lumen": table(tube([1.5] * 5)), "calcium": table({23: (2.0, sector(1.6, 1.9, 0, 90))}, "calcium.csv")}
     with pytest.raises(InputError, match="without an outer wall"):

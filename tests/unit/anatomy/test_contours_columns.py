@@ -63,11 +63,54 @@ def test_a_fifth_column_that_numbers_no_outline_is_not_read(tmp_path, head, plac
     assert rows[:, :4] == pytest.approx(np.array(ROWS, float)) and (rows[:, 4] == 0).all()
 
 
+@pytest.mark.parametrize(
+    "head, cells, number",
+    [
+        ("frame,x,y,z,quality,area", "{0},{1},{2},{3},0.9,7.1", 0),
+        ("id,frame,point,x_mm,y_mm,z_mm", "1,{0},3,{1},{2},{3}", 0),
+        ("label,frame,x,y,z", "left main,{0},{1},{2},{3}", 0),
+        ("frame;note;x;y;z;deposit", "{0};;{1};{2};{3};7", 7),
+        ("frame,x,y,z,,area", "{0},{1},{2},{3},5,7.1", 0),
+        ('"label" "z" "y" "x" "frame" "more"', '"left main" {3} {2} {1} {0} nan', 0),
+    ],
+)
+def test_named_columns_are_read_from_among_others(tmp_path, head, cells, number):
+    """They were refused: six columns, and words, which no number of a point depends on."""
+    (tmp_path / "lumen.csv").write_text("\n".join([head, *(cells.format(*row) for row in ROWS)]) + "\n")
+    rows = tables.read_rows(tmp_path / "lumen.csv", "mm")
+    assert rows[:, :4] == pytest.approx(np.array(ROWS, float)) and (rows[:, 4] == number).all()
+    assert tables.unknown_names(tmp_path / "lumen.csv") is None
+
+
+def test_what_is_read_of_several_columns_must_be_numbers_in_all_lines(tmp_path):
+    lines = [",".join([*row, "0.9", "7.1"]) for row in ROWS]
+    for damaged in ("23,n/a,5,1.0,0.9,7.1", "23,4,5,1.0,0.9"):
+        (tmp_path / "lumen.csv").write_text("\n".join(["frame,x,y,z,quality,area", *lines, damaged]) + "\n")
+        with pytest.raises(InputError, match=f"(?s)not a number.*line {len(lines) + 2}"):
+            tables.read_rows(tmp_path / "lumen.csv", "mm")
+    (tmp_path / "lumen.csv").write_text("\n".join(["z,y,x,frame,quality,area", lines[0][:-4], *lines]) + "\n")
+    with pytest.raises(InputError, match="(?s)line 2.*a field for each name"):
+        tables.read_rows(tmp_path / "lumen.csv", "mm")
+    (tmp_path / "lumen.csv").write_text("\n".join(["a,b,c,d,e,f", *lines]) + "\n")
+    with pytest.raises(InputError, match="(?s)not a point of a contour.*line 2.*four numbers"):
+        tables.read_rows(tmp_path / "lumen.csv", "mm")
+
+
+@pytest.mark.parametrize("wander, what", [(0, "one plane"), (0.01, "too few points")])
+def test_columns_in_another_order_without_names_are_told(tmp_path, wander, what):
+    """Each x was taken for a frame, of a few points: the order of columns is the likelier remedy."""
+    rows = [(float(x) + wander * float(z), y, z, frame) for frame, x, y, z in ROWS]
+    (tmp_path / "lumen.csv").write_text("\n".join(",".join(map(str, row)) for row in rows) + "\n")
+    with pytest.raises(InputError, match=f"(?s){what}.*Without names frame, x, y, z over them"):
+        tables.read_outlines(tmp_path / "lumen.csv", "mm", "lumen")
+
+
 @pytest.mark.parametrize("head, named", [("frame,x_cm,y_cm,z_cm", "cm"), ("frame,x,y,z [um]", "um"), (USUAL, "")])
 def test_units_in_the_names_are_those_declared(tmp_path, head, named):
     assert len(found(tmp_path, head, (0, 1, 2, 3), units=named or "cm"))
     if named:
-        with pytest.raises(InputError, match=f"(?s)state other units.*column.*{named}, declared mm.*--units {named}"):
+        remedy = {"cm": "--units cm", "um": "multiply x, y, z by 0.001.*--units mm"}[named]  # um cannot be declared
+        with pytest.raises(InputError, match=f"(?s)state other units.*column.*{named}, declared mm.*{remedy}"):
             found(tmp_path, head, (0, 1, 2, 3))
     with pytest.raises(InputError, match="image pixels"):
         found(tmp_path, "frame,x_px,y_px,z_mm", (0, 1, 2, 3))

@@ -65,6 +65,48 @@ def test_a_lesion_between_two_healthy_ends_is_no_mixture_of_phases(table, tmp_pa
     assert not said(found, "systole") and not said(found, "z_from") and not said(found, "units")
 
 
+@pytest.mark.parametrize(
+    "radius, spacing, told",
+    [(0.45, 0.5, True), (3.0, 0.5, True), (2.2, 0.5, True), (2.05, 0.5, False), (0.45, 1.1, False)],
+)
+def test_a_frame_that_is_much_wider_or_narrower_than_its_neighbours(table, tmp_path, radius, spacing, told):
+    """Of 1.5 mm. In four real pull-backs areas within 1 mm differ by 1.97 at most."""
+    frames = tube([1.5] * 8 + [radius] + [1.5] * 8, spacing=spacing)
+    found = [one for one in warnings_of(table, tmp_path / "out", frames) if "changes by more than a factor" in one]
+    assert len(found) == told
+    if told:
+        assert "frames 73 to 83 (z 3.50 to 4.00 mm" in found[0] and "83 to 93" in found[0] and "drop_frames" in found[0]
+
+
+def test_frames_in_the_guide_catheter(table, tmp_path):
+    """1.8 mm wide behind a vessel of 3.4 mm; z from the proximal end is told as the table has it."""
+    frames = tube([0.9] * 6 + [1.7] * 20, spacing=0.5)
+    (found,) = [
+        one
+        for one in warnings_of(table, tmp_path / "out", frames, reading={"z_from": "proximal"})
+        if "guide catheter" in one
+    ]
+    assert "63 to 53 (z 3.00 to 2.50 mm" in found and "z_range_mm" in found
+
+
+@pytest.mark.parametrize("left, told", [(30, True), (50, True), (52, False)])
+@pytest.mark.parametrize("shift", [0, 9])
+def test_an_outline_of_which_a_part_is_missing(table, tmp_path, left, told, shift):
+    """Of 60 points. Half was closed by a chord, and had the area of a lesion. 60 degrees have a radius' chord."""
+    frames = tube([1.5] * 8, spacing=0.5)
+    frames[43] = (frames[43][0], np.roll(frames[43][1][:left], shift, axis=0))
+    found = warnings_of(table, tmp_path / "out", frames)
+    assert said(found, "in frame 43 (z 2.00 mm, lumen") == told
+
+
+def test_a_point_of_an_outline_far_off(table, tmp_path):
+    frames = tube([1.5] * 8, spacing=0.5)
+    frames[43][1][10] += (2.5, 1.0)
+    assert said(warnings_of(table, tmp_path / "out", frames), "a point far off")
+    frames = tube([1.5] * 8, spacing=0.5, count=8)  # drawn by few points, all steps long
+    assert not said(warnings_of(table, tmp_path / "few", frames), "a point far off")
+
+
 def test_the_record_has_the_area_of_the_lumen_that_is_built(table, tmp_path):
     """Eight corners enclose 10 % less than the circle that they lie on."""
     document = run.run({"lumen": table(tube([1.5] * 5, count=8))}, tmp_path / "out")

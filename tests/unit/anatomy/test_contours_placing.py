@@ -5,6 +5,7 @@ import functools
 import numpy as np
 import pytest
 import vtk
+from contour_tables import tube
 from scipy.spatial import cKDTree
 
 from anatomy.contours import line, loft, placing, pullback, run
@@ -193,29 +194,52 @@ def test_landmarks_that_do_not_fit_are_refused(pull_back):
     placing.on_line(pull, axis_line, places + [0, 0, 1.0])  # a millimetre off is how well such points are picked
 
 
+def moved(places, axis_line, along_mm, about_deg):
+    """Places (3, 3) of three landmarks, the second moved along the line and about it."""
+    s = np.array([axis_line.nearest(place) for place in places])
+    middle, tangent, one, two = axis_line.place(s)
+    away, turn = (places - middle)[1], np.radians(about_deg)
+    u, v = away @ one[1], away @ two[1]
+    place, _, first, second = (x[0] for x in axis_line.place(s[1:2] + along_mm))
+    points = places.copy()
+    points[1] = place + (u * np.cos(turn) - v * np.sin(turn)) * first + (u * np.sin(turn) + v * np.cos(turn)) * second
+    return points
+
+
 def test_landmarks_that_were_picked_roughly_are_taken(pull_back):
     """One of three is off: by 4.2 mm along the vessel (2.8 mm from what all say), by 60 degrees about it (41)."""
     pull, places = pull_back(0.4)
     axis_line = line.Line(centred_line())
-    s = np.array([axis_line.nearest(place) for place in places])
-    middle, tangent, one, two = axis_line.place(s)
-
-    def moved(along_mm, about_deg):
-        away, turn = (places - middle)[1], np.radians(about_deg)
-        u, v = away @ one[1], away @ two[1]
-        place, _, first, second = (x[0] for x in axis_line.place(s[1:2] + along_mm))
-        points = places.copy()
-        points[1] = (
-            place + (u * np.cos(turn) - v * np.sin(turn)) * first + (u * np.sin(turn) + v * np.cos(turn)) * second
-        )
-        return points
-
     for off in ((4.2, 0), (0, 60)):
-        report = placing.on_line(pull, axis_line, moved(*off)).report
+        report = placing.on_line(pull, axis_line, moved(places, axis_line, *off)).report
         assert report["landmarks_differ_mm"] > 2.5 or report["landmarks_differ_deg"] > 38
     for off, said in (((4.9, 0), "landmark 2 lies 3.[1-5] mm"), ((0, 72), "landmark 2 (49|5.) degrees")):
         with pytest.raises(InputError, match=f"(?s)landmarks contradict.*{said}.*which line"):
-            placing.on_line(pull, axis_line, moved(*off))
+            placing.on_line(pull, axis_line, moved(places, axis_line, *off))
+
+
+@pytest.mark.parametrize("about_deg, told", [(0, False), (20, False), (26, True), (60, True)])
+def test_landmarks_that_disagree_by_more_than_they_are_marked_to_are_told(pull_back, about_deg, told):
+    """Off by two thirds of it from the mean of three. Two landmarks 150 degrees apart hide a mirror image so."""
+    pull, places = pull_back(0.4)
+    axis_line = line.Line(centred_line())
+    found = list(placing.warnings(placing.on_line(pull, axis_line, moved(places, axis_line, 0, about_deg))))
+    assert len(found) == told and all("mirrored" in one and "place of each" in one for one in found)
+
+
+def test_the_command_tells_that_landmarks_disagree(table, tmp_path):
+    """A mirror image of round frames on a straight line: its two landmarks are 150 degrees apart, and 30 off."""
+    frames, angles = tube([1.5] * 20), np.radians([0.0, 150.0])
+    write_lines(tmp_path / "line.vtp", np.column_stack([np.zeros((41, 2)), np.linspace(30, -10, 41)]))
+    marks = [(z, 4 + 1.5 * np.cos(a), 5 - 1.5 * np.sin(a)) for z, a in zip((5, 15), angles)]
+    (tmp_path / "marks.csv").write_text("\n".join(f"0,{x},{y},{z}" for z, x, y in marks))
+    points = [[1.5 * np.cos(a), 1.5 * np.sin(a), z] for z, a in zip((5, 15), angles)]
+    files = {"lumen": table(frames), "landmarks": tmp_path / "marks.csv"}
+    laying = {"centreline": tmp_path / "line.vtp", "landmark_points_mm": points}
+    for mirrored in (False, True):
+        document = run.run(files, tmp_path / "out", laying=laying | {"mirrored": mirrored})
+        assert document["placing"]["landmarks_differ_deg"] == pytest.approx(0 if mirrored else 30, abs=1)
+        assert any("check mirrored" in one for one in document["warnings"]) != mirrored
 
 
 @pytest.mark.parametrize("distance, taken", [(0.23, True), (0.17, False)])

@@ -34,6 +34,15 @@ def test_a_pull_back_without_a_healthy_frame_takes_the_usual_wall(table, tmp_pat
     assert any("no healthy frame" in warning for warning in document["warnings"])
 
 
+@pytest.mark.parametrize("wall, told", [(0.0, True), (0.09, True), (0.11, False)])
+def test_a_wall_thinner_than_its_media_is_told(table, tmp_path, wall, told):
+    """The lumen's own table given as the outer wall: no plaque in a lesion, without a word."""
+    radii = np.array([1.5, 1.5, 1.0, 1.5])
+    files = {"lumen": table(tube(radii)), "outer_wall": table(tube(radii + wall), "wall.csv")}
+    found = [one for one in run.run(files, tmp_path / "out")["warnings"] if "the media alone" in one]
+    assert len(found) == told and all("in 4 frames" in one and "the table of the lumen" in one for one in found)
+
+
 def test_outer_wall_that_is_missing_in_a_frame_is_interpolated(table, tmp_path):
     wall = tube([1.7, 1.7, 1.9, 1.7, 1.7])
     del wall[13]
