@@ -15,6 +15,7 @@ class Profile:
 
     `usable` (n,): sections that show the branch's own lumen, neither in a side branch's mouth nor at a cap.
     `mouths`: {side branch: (s_low, s_high)} in mm. `limits_mm`: (s_low, s_high) between which a stent may be placed.
+    `is_side`: whether it leaves another branch; otherwise it begins at a cut end of the vessel.
     Arc lengths of a side branch count from its parent's axis; its first section is outside the parent's lumen.
     """
 
@@ -28,7 +29,8 @@ class Profile:
         self.s, self.diameter, self.reference = np.array(
             [[row[key] for key in ("s_mm", "equivalent_diameter_mm", "reference_diameter_mm")] for row in rows]
         ).T
-        first = EDGE_MM if described["parent"] is None else float(self.s[0])
+        self.is_side = described["parent"] is not None
+        first = float(self.s[0]) if self.is_side else EDGE_MM
         self.limits_mm = first, self.length_mm - EDGE_MM
         self.stenosis = 100 * (1 - self.diameter / self.reference)
         self.measured = np.array([row["flag"] != "end" for row in rows])

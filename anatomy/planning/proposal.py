@@ -177,13 +177,26 @@ def _steps(one, families, where):
     before, stents, after = [], [], []
     for stent in one.stents:
         low, high = max(stent.span.start, target.start), min(stent.span.end, target.end)
-        place = (branch, stent.span.centre)
         diameter, length = sizing.predilatation(families, stent, high - low, where)
         size = (sizing.PREDILATATION, diameter, length)
-        before.append(sizing.step(families, "predilatation", *size, *place, (diameter, math.inf), where))
+        centre = _over(low, high, target.s_mla, length, stent.span)
+        before.append(sizing.step(families, "predilatation", *size, branch, centre, (diameter, math.inf), where))
         size = (sizing.STENT, stent.diameter, stent.span.length)
-        stents.append(sizing.step(families, "stent", *size, *place, (stent.diameter, math.inf), where))
+        centre = stent.span.centre
+        stents.append(sizing.step(families, "stent", *size, branch, centre, (stent.diameter, math.inf), where))
         diameter, length, centre, wide = sizing.postdilatation(families, stent, where)
         size = (sizing.POSTDILATATION, diameter, length)
         after.append(sizing.step(families, "postdilatation", *size, branch, centre, wide, where))
     return before + stents + after
+
+
+def _over(low, high, tightest, length, span):
+    """Arc length (mm) of the middle of a balloon over the stretch from low to high, all of it within the stent's span.
+
+    A balloon shorter than the stretch is moved to the tightest place, if that is in the stretch. Beyond the stent it
+    would injure a wall that nothing covers.
+    """
+    middle = 0.5 * (low + high)
+    if low <= tightest <= high:
+        middle = min(max(middle, tightest - length / 2), tightest + length / 2)
+    return round(min(max(middle, span.start + length / 2), span.end - length / 2), 3)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from . import landing, targets
+from .profile import EDGE_MM
 
 WIDE_BRANCH_MM = 2.0  # diameter from which a side branch under a stent is usually treated too
 TOLERANCE_MM = 0.05
@@ -75,11 +76,34 @@ def _covered(one):
     for side, margin in sides:
         if margin < landing.MARGIN_MM - TOLERANCE_MM:
             reaches = "past" if margin >= 0 else "short of"
-            limit = "begins" if side == "proximal" else "ends"
             yield (
                 f"the stent reaches {abs(margin):.1f} mm {reaches} {one.target.name} at its {side} end,"
-                f" {landing.MARGIN_MM} mm past it are wanted: the branch {limit} there"
+                f" {landing.MARGIN_MM} mm past it are wanted: {_cut_short(one, side)}"
             )
+
+
+def _cut_short(one, side):
+    """Why a stent ends so near: at the mouth of its branch, or at a cut end of the vessel. Then what to do about it."""
+    profile, (start, end) = one.target.profile, one.ends
+    if not _at_a_cut_end(profile, side, start if side == "proximal" else end):
+        return "the branch begins there"
+    low, high = (0.0, start) if side == "proximal" else (end, profile.length_mm)
+    at = np.append(profile.s[(profile.s > low) & (profile.s < high)], start if side == "proximal" else end)
+    worst = float(profile.stenosis_at(at).max())
+    name, which, more = "begin", "first", ", with the left main or the aorta before it"
+    if side == "distal":
+        name, which, more = "end", "last", ""
+    left = f". The {which} {high - low:.1f} mm, narrowed by up to {worst:.0f} %, stay uncovered"
+    return (
+        f"no stent is planned within {EDGE_MM:g} mm of the vessel's cut {name}{left * (worst >= DIFFUSE_PERCENT)}."
+        f" Give a longer lumen{more}, or place the stent by the plan's steps"
+    )
+
+
+def _at_a_cut_end(profile, side, end):
+    """Whether a stent's end is as near to a cut end of the vessel as stents are planned. A side branch has one only."""
+    limit = profile.limits_mm[0 if side == "proximal" else 1]
+    return abs(end - limit) < TOLERANCE_MM and not (side == "proximal" and profile.is_side)
 
 
 def _row(one):
@@ -110,8 +134,11 @@ def _landing(one):
             low, high = profile.mouths[mouth]
             yield f"the stent ends in the mouth of {mouth} ({low:.1f} to {high:.1f} mm), which no length avoids"
         elif profile.unlike(end) > LANDING_PERCENT:
-            off = f"{profile.unlike(end):.0f} % off the reference: {landing.WITHIN_MM:g} mm hold no better"
-            yield f"the stent's {side} end, at {end:.1f} mm, lies where the lumen is up to {off}"
+            off = f"{profile.unlike(end):.0f} % off the reference"
+            why = f"{landing.WITHIN_MM:g} mm hold no better"
+            if _at_a_cut_end(profile, side, end):
+                why = "none is planned nearer to the vessel's cut end"
+            yield f"the stent's {side} end, at {end:.1f} mm, lies where the lumen is up to {off}: {why}"
 
 
 def _diffuse(one):

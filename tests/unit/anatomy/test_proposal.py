@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from narrowed_vessels import drawn, focal, plateau, rows, worst_of
 
-from anatomy.planning import plan, proposal
+from anatomy.planning import landing, plan, proposal
 from common.errors import InputError
 
 
@@ -31,6 +31,35 @@ def test_one_lesion(families):
     assert stent["diameter_mm"] == 2.75 and stent["length_mm"] == 12  # 2.73 mm distal to it
     assert pre["diameter_mm"] == 2.75 and stent["pressure_bar"] == 11 and 12 <= post["pressure_bar"] <= 20
     assert {d["branch"] for d in (pre, stent, post)} == {"main"}
+
+
+@pytest.mark.parametrize(
+    "narrowing, covered",
+    [
+        (worst_of(focal(2.5, 4, 75), plateau(-1, 9, 40)), (1.5, 8.5)),
+        (plateau(41, 48, 70), (41.5, 47.5)),
+        (plateau(14, 24, 70), (14.2, 23.8)),
+        (worst_of(plateau(10, 44, 60), focal(12, 3, 80)), (12, 12)),
+    ],
+)
+def test_the_balloon_before_a_stent_lies_over_the_stretch_within_the_stent(families, narrowing, covered):
+    """Near the vessel's begin it lay at the stent's middle, and the tightest place was left as it was."""
+    done = proposed(families, narrowing, length=50.0)
+    for before, stent in zip(done.steps, [step for step in done.steps if step["action"] == "stent"]):
+        (low, high), (start, end) = (
+            (d["centre_s_mm"] - d["length_mm"] / 2, d["centre_s_mm"] + d["length_mm"] / 2)
+            for d in (before["devices"][0], stent["devices"][0])
+        )
+        assert start - 1e-3 <= low and high <= end + 1e-3
+        if start <= covered[0] <= end:
+            assert low <= covered[0] and high >= min(covered[1], end)
+
+
+def test_a_balloon_shorter_than_the_stretch_covers_its_tightest_place():
+    span = landing.Span(10.0, 38.0)
+    assert proposal._over(12.0, 46.0, 13.0, 30.0, span) == 28.0
+    assert proposal._over(12.0, 46.0, 12.5, 30.0, span) == 27.5
+    assert proposal._over(20.0, 24.0, 22.0, 8.0, landing.Span(18.0, 8.0)) == 22.0
 
 
 def test_mild_diffuse_disease_behind_a_severe_lesion_takes_a_short_stent(families):

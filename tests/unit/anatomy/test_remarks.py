@@ -29,6 +29,24 @@ def test_lesion_that_is_mild_or_near_an_end(families, narrowing, words):
     assert [words in remark for remark in said(families, narrowing)] == [True]
 
 
+near_begin, near_end = worst_of(plateau(-1, 8, 58), focal(4, 3, 62)), plateau(42, 50, 60)
+
+
+@pytest.mark.parametrize(
+    "narrowing, words",
+    [
+        (near_begin, "within 1.5 mm of the vessel's cut begin. The first 1.5 mm, narrowed by up to 58 %, stay"),
+        (near_end, "within 1.5 mm of the vessel's cut end. The last 1.5 mm, narrowed by up to 60 %, stay"),
+        (plateau(2.0, 8.0, 60), "of the vessel's cut begin. Give a longer lumen, with the left main or the aorta"),
+    ],
+)
+def test_a_lesion_that_reaches_to_a_cut_end_is_told_with_its_remedy(families, narrowing, words):
+    """It once said that the branch began there, and that 5 mm held no better lumen."""
+    found = said(families, narrowing)
+    assert [words in remark for remark in found].count(True) == 1
+    assert not any("hold no better" in remark or "the branch begins" in remark for remark in found)
+
+
 def test_short_stent_that_a_balloon_cannot_open_to_its_proximal_end(families):
     taper = {"healthy": lambda s: 3.6 - 0.7 * (s > 21)}
     words = "8 mm stent at lesion1 is too short for a balloon in its proximal part"
