@@ -68,8 +68,10 @@ def _surface(found, spacing_mm, volume):
         ends = "; ".join(f"{name} {np.round(volume.to_patient(at), 2).tolist()}" for name, at in found["ends"])
         contrast = (found["blood_hu"] - edges.HEALTHY_WALL_HU) / max(found["noise_hu"], 1e-9)
         value = f"with {spacing_mm} mm, ends {ends}, contrast over noise {contrast:.1f}"
-        remedy = "put the end points on the vessel's axis, where it is round; or change surface_spacing_mm, or"
-        remedy += " smoothing_fwhm_mm where the noise is high, in ct: segmentation (--settings)"
+        remedy = "put the end points on the vessel's axis, where it is round; or give your own lines (--centreline, in"
+        remedy += " a case ct: centreline) where a path left the vessel, as it does into a chamber that touches it; or"
+        remedy += " change surface_spacing_mm, or smoothing_fwhm_mm where the noise is high, in ct: segmentation"
+        remedy += " (--settings)"
         raise ComputationError(
             f"the found lumen has no closed surface: {error.what}", error.where, value, remedy
         ) from error

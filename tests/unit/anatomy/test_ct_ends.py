@@ -125,6 +125,9 @@ def test_a_lumen_without_a_surface_names_the_settings(monkeypatch):
     found = {"field": None, "blood_hu": 400.0, "noise_hu": 50.0, "ends": [("inlet", np.array([1.0, 2.0, 3.0]))]}
     with pytest.raises(ComputationError, match=r"(?s)turns back.*\[-1.0, -2.0, 3.0\].*noise 7.0.*surface_spacing_mm"):
         segment._surface(found, 0.2, block)
+    # The points may be right and the path not: a chamber that touches the vessel draws it in.
+    with pytest.raises(ComputationError, match="or give your own lines .--centreline.* chamber"):
+        segment._surface(found, 0.2, block)
 
 
 def test_an_end_point_outside_is_told_in_the_users_coordinates(tmp_path):
