@@ -91,9 +91,9 @@ def _fill(data, schema):
 def _deepest(error):
     """For alternatives (anyOf), the error of the alternative that fits best: the one the author probably meant.
 
-    If the value is of no alternative's type, the error names all alternatives.
+    If the value itself is wrong, of no alternative's type or a number out of range, the error names all alternatives.
     """
-    while any(inner.absolute_path != error.absolute_path or inner.validator not in _KINDS for inner in error.context):
+    while any(inner.absolute_path != error.absolute_path or inner.validator not in _WHOLE for inner in error.context):
         error = max(
             error.context, key=lambda inner: (len(inner.absolute_path), inner.validator not in ("type", "const"))
         )
@@ -156,7 +156,7 @@ def describe(schema):
 
 
 _NUMBER = re.compile(r"\s*[-+]?[.\d]")
-_KINDS = ("type", "const", "enum")
+_WHOLE = ("type", "const", "enum", "minimum", "exclusiveMinimum", "maximum", "exclusiveMaximum")  # no part is wrong
 _TYPES = {
     "number": "a number",
     "integer": "a whole number",

@@ -14,7 +14,8 @@ def run_validate(options):
 
     found = Configuration(options.folder)
     for name, case in found.cases.items():
-        for said in doubts(case["patient"], case.get("measured")):
+        fraction = found.settings(name)["flow"]["hyperaemia_fraction"]
+        for said in doubts(case["patient"], case.get("measured"), fraction):
             print(f"warning: {found.case_file(name)}: {said}", file=sys.stderr)
     print(f"{options.folder}: {len(found.cases)} cases and {len(found.devices)} device families are valid")
 

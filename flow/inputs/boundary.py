@@ -81,7 +81,7 @@ def make(anatomy, centreline, patient, settings, measured=None, ranged=False):
             outlet.update(resistance_pa_s_per_m3=0.0, pressure_pa=pressure)
     given = settings.inlet_flow_ml_per_min * M3_PER_S_PER_ML_PER_MIN
     read_at = probes(anatomy, centreline, settings.probe_distance_mm)
-    doubted = doubts(patient, measured) + too_near(read_at, settings.probe_distance_mm)
+    doubted = doubts(patient, measured, settings.hyperaemia_fraction) + too_near(read_at, settings.probe_distance_mm)
     if measured:
         read_at.append(wire.probe(measured["probe"], centreline))
         doubted += wire.before_lesions(read_at[-1], anatomy)
@@ -105,9 +105,9 @@ def make(anatomy, centreline, patient, settings, measured=None, ranged=False):
     return document
 
 
-def doubts(patient, measured):
+def doubts(patient, measured, hyperaemia_fraction=None):
     """[sentence] on a patient's values that can be computed with and are unusual. measured: as in `make`."""
-    return hyperaemia.doubts(patient) + wire.doubts(measured or {})
+    return hyperaemia.doubts(patient, hyperaemia_fraction) + wire.doubts(measured or {})
 
 
 def said(warnings):

@@ -15,6 +15,7 @@ Hall, Textbook of Medical Physiology), times RESERVE (2.78 by thermodilution: Ga
 
 import math
 
+from common import schema
 from common.errors import InputError
 
 M3_PER_S_PER_ML_PER_MIN = 1e-6 / 60.0
@@ -61,13 +62,17 @@ def source(patient, hyperaemia_fraction):
             remedy = "give patient.territory: left, lad, lcx, rca or a share of the heart's flow"
             raise InputError("a cardiac output is shared out by territory", "patient.territory", territory, remedy)
         return _source(of_mass(patient["lvm_g"], hyperaemia_fraction), territory, None, "0.71 M^0.75, all of it here")
-    by = "cardiac output" if patient.get("cardiac_output_l_per_min") is not None else f"{PER_GRAM} mL/min/g"
-    return _source(share(territory) * of_heart(patient), territory, share(territory), by)
+    return _source(share(territory) * of_heart(patient), territory, share(territory), _by(patient))
 
 
-def doubts(patient):
+def _by(patient):
+    """What tells the whole heart's flow, of which a territory gets its share."""
+    return "cardiac output" if patient.get("cardiac_output_l_per_min") is not None else f"{PER_GRAM} mL/min/g"
+
+
+def doubts(patient, hyperaemia_fraction=None):
     """[sentence] on a measured inflow above what the territory has in people, and on values that are not used."""
-    return _too_much(patient) + _unused(patient)
+    return _too_much(patient) + _unused(patient) + _unused_fraction(patient, hyperaemia_fraction)
 
 
 def _unused(patient):
@@ -78,6 +83,22 @@ def _unused(patient):
         return []
     names = " and ".join(f"patient.{key}" for key in others)
     return [f"{names}: not used, since patient.{used}, {patient[used]:g}, tells the flow; leave one out"]
+
+
+def _unused_fraction(patient, hyperaemia_fraction):
+    """[sentence] on a fraction that somebody chose, so not the default, where the published law is not used."""
+    default = schema.read("flow")["properties"]["hyperaemia_fraction"]["default"]
+    inflow, territory = patient.get("hyperaemic_inflow_ml_per_min"), patient.get("territory", WHOLE)
+    if hyperaemia_fraction in (None, default) or (inflow is None and territory == WHOLE):
+        return []
+    if inflow is not None:
+        teller = f"patient.hyperaemic_inflow_ml_per_min, {inflow:g},"
+    else:
+        teller = f"patient.territory, {territory}, with {_by(patient)}"
+    return [
+        f"settings.flow.hyperaemia_fraction is {hyperaemia_fraction:g}: not used, since {teller} tells the flow;"
+        " it acts in the published law alone (territory: whole)"
+    ]
 
 
 def _too_much(patient):
@@ -95,6 +116,15 @@ def _too_much(patient):
 
 def _source(flow, territory, part, by):
     return {"flow_m3_per_s": flow, "territory": territory, "share": part, "by": by}
+
+
+def _a_segment_off(part):
+    """The share of the heart's flow with one of the 17 segments less, and with one more.
+
+    A small territory keeps something: half a segment, and half of itself if it is less than a segment.
+    """
+    segment = 1 / ALL_SEGMENTS
+    return max(part - segment, 0.5 * min(part, segment)), part + segment
 
 
 def plausible(patient, hyperaemia_fraction):
@@ -117,9 +147,8 @@ def plausible(patient, hyperaemia_fraction):
         heart = of_heart(patient)
         found += [(f"territory {name}", share(name) * heart / base["flow_m3_per_s"]) for name in SEGMENTS]
     else:
-        segment = 1 / ALL_SEGMENTS
         found += [
-            (f"territory {sign}1 of 17 segments", max(base["share"] + off, 0.5 * segment) / base["share"])
-            for sign, off in (("-", -segment), ("+", segment))
+            (f"territory {sign}1 of 17 segments", part / base["share"])
+            for sign, part in zip("-+", _a_segment_off(base["share"]))
         ]
     return [{"what": what, "factor": factor} for what, factor in found if math.isfinite(factor)]

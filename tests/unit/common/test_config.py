@@ -127,7 +127,11 @@ def test_blood_pressures_that_are_swapped_or_equal(edited, sbp, dbp):
         ({"hyperaemic_inflow_ml_per_min": 0.15}, "too small(.|\n)*give mL/min; if it is in L/min, that is 150"),
         ({"hyperaemic_inflow_ml_per_min": 0.001}, "too small(.|\n)*give mL/min$"),
         ({"lvm_g": 150, "territory": 0.3}, None),
-        ({"lvm_g": 150, "territory": "lm"}, "lm"),
+        (
+            {"lvm_g": 150, "territory": "lm"},
+            "lm\n.*one of whole, .* or a number at least 0.02 at most 1: the territory",
+        ),
+        ({"lvm_g": 150, "territory": 30}, "30\n.*one of whole, .* or a number at least 0.02 at most 1: the territory"),
     ],
 )
 def test_what_tells_the_flow(edited, flow, refused):

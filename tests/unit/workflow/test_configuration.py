@@ -90,6 +90,15 @@ def test_unusual_values_of_a_patient_are_said(folder, capsys):
     assert "real_artery.yaml: measured.ffr_post, 0.71, is below" in capsys.readouterr().err
 
 
+def test_a_setting_that_does_not_act_for_a_territory_is_said(folder, capsys):
+    file = folder / "cases" / "real_artery.yaml"
+    case = file.read_text() + "settings: {flow: {hyperaemia_fraction: 0.32}}\n"
+    for territory, said in (("whole", False), ("lad", True)):
+        file.write_text(case.replace("dbp_mmhg: 80}", f"dbp_mmhg: 80, territory: {territory}}}"))
+        run_validate(SimpleNamespace(folder=folder))
+        assert ("settings.flow.hyperaemia_fraction is 0.32: not used" in capsys.readouterr().err) == said
+
+
 def test_make_help_lists_the_shipped_cohorts(folder, repo_root):
     listed = re.search(r"COHORT=([a-z|]+)\)", (repo_root / "Makefile").read_text()).group(1).split("|")
     assert sorted(listed) == sorted(Configuration(folder).study["cohorts"])

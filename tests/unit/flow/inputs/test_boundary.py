@@ -156,6 +156,10 @@ def test_unusual_values_are_said(settings, capsys):
     assert "900 mL/min" in flow and "858" in flow and "0.71, is below measured.ffr_pre, 0.92" in swapped
     assert flow in capsys.readouterr().err
     assert boundary.doubts(patient | {"hyperaemic_inflow_ml_per_min": 850}, measured | {"ffr_post": 0.92}) == []
+    (unused,) = boundary.make(
+        _anatomy(), _tree(), PATIENT | {"territory": "lad"}, settings_module.make(hyperaemia_fraction=0.32)
+    )["warnings"]
+    assert "hyperaemia_fraction is 0.32: not used" in unused
 
 
 @pytest.mark.parametrize("branch, s_mm, doubted", [("main", 2.5, True), ("side1", 9.0, True), ("main", 48.0, False)])

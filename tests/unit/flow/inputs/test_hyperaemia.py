@@ -60,10 +60,35 @@ def test_values_that_are_not_used_are_said():
     assert hyperaemia.doubts({"hyperaemic_inflow_ml_per_min": 140, "lvm_g": None}) == []
 
 
-def test_plausible_flows():
-    def factors(**patient):
-        return {one["what"]: one["factor"] for one in hyperaemia.plausible(patient, 0.16)}
+@pytest.mark.parametrize(
+    "patient, teller",
+    [
+        ({"lvm_g": 150, "territory": "lad"}, "patient.territory, lad, with 3.69 mL/min/g tells"),
+        ({"cardiac_output_l_per_min": 5.0, "territory": 0.3}, "patient.territory, 0.3, with cardiac output tells"),
+        ({"hyperaemic_inflow_ml_per_min": 140}, "patient.hyperaemic_inflow_ml_per_min, 140, tells"),
+    ],
+)
+def test_a_fraction_without_the_published_law_is_said(patient, teller):
+    (said,) = hyperaemia.doubts(patient, 0.32)
+    assert said.startswith("settings.flow.hyperaemia_fraction is 0.32: not used") and teller in said
+    assert hyperaemia.doubts(patient, 0.16) == hyperaemia.doubts({"lvm_g": 150}, 0.32) == []
 
+
+def factors(**patient):
+    return {one["what"]: one["factor"] for one in hyperaemia.plausible(patient, 0.16)}
+
+
+@pytest.mark.parametrize(
+    "share, less",
+    [(0.02, 0.5), (1 / 17, 0.5), (1.25 / 17, 0.4), (2 / 17, 0.5), (7 / 17, 6 / 7)],
+)
+def test_a_segment_less_lowers_the_flow_of_any_share(share, less):
+    found = factors(lvm_g=150, territory=share)
+    assert found["territory -1 of 17 segments"] == pytest.approx(less)
+    assert found["territory +1 of 17 segments"] == pytest.approx(1 + 1 / 17 / share)
+
+
+def test_plausible_flows():
     whole, lad = factors(lvm_g=150), factors(lvm_g=150, territory="lad")
     assert whole["mass +20 %"] == pytest.approx(1.2**0.75) and lad["mass +20 %"] == pytest.approx(1.2)
     assert whole["territory left"] * flow(lvm_g=150) == pytest.approx(flow(lvm_g=150, territory="left"))
