@@ -9,6 +9,8 @@ constexpr double widening = 1.04;     // of the last third's healthy width over 
 constexpr double narrowed = 0.85;     // an end's width over the healthy width of the third before it
 constexpr double healthy = 0.9;       // quantile of the widths in a third: lesions and short ectasias do not count
 constexpr double leans_back = -0.45;  // mean cosine: 27 degrees beyond a right angle, where a conus branch has 25
+constexpr double much_wider = 1.25;   // an outlet's width over the named inlet's
+constexpr double turns_back = 100;    // degrees; a left main turns into the circumflex by a right angle at the most
 constexpr double leaving = 4;         // radii of the side branch along which its direction is taken
 
 std::string by_another_end(const std::vector<End>& ends) {
@@ -83,7 +85,50 @@ std::string by_side_branches(const std::vector<Branch>& branches) {
   return sum < leans_back * all ? "the side branches lean back towards it" : "";
 }
 
+// The greatest turn (degrees) of an axis within `length` mm of s, and its place. It is the angle between the directions
+// over `length` before and behind.
+std::pair<double, double> greatest_turn(const Branch& branch, double s, double length) {
+  std::pair<double, double> greatest{0, s};
+  for (double at : branch.s)
+    if (std::abs(at - s) < length && at > length && at < branch.s.back() - length) {
+      const double cosine = direction(branch, at - length, length).dot(direction(branch, at, length));
+      greatest = std::max(greatest, {std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / M_PI, at});
+    }
+  return greatest;
+}
+
 } // namespace
+
+void doubt_named_inlet(const std::vector<End>& ends, std::vector<Repair>& notes) {
+  const auto inlet = std::find_if(ends.begin(), ends.end(), [](const End& end) { return end.inlet; });
+  const auto widest =
+      std::max_element(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.area < b.area; });
+  if (inlet == ends.end() || widest->radius() < much_wider * inlet->radius())
+    return;
+  char detail[240];
+  std::snprintf(detail, sizeof detail,
+                "the inlet that was named is %.2f mm wide, the outlet at %s %.2f mm. Does blood enter there?",
+                2 * inlet->radius(), place(widest->centre).c_str(), 2 * widest->radius());
+  notes.push_back({"inlet narrower than an outlet", 1, detail, true});
+}
+
+void doubt_course(const std::vector<Branch>& branches, std::vector<Repair>& notes) {
+  for (const Branch& side : branches) {
+    if (side.parent < 0)
+      continue;
+    const Branch& parent = branches[static_cast<std::size_t>(side.parent)];
+    const auto [turn, at] = greatest_turn(parent, side.s_on_parent, leaving * parent.radius_at(side.s_on_parent));
+    if (turn < turns_back)
+      continue;
+    char detail[320];
+    std::snprintf(
+        detail, sizeof detail,
+        "%s turns back by %.0f degrees %.1f mm along it, where %s leaves, as from an artery into a graft. Its "
+        "sections there may be false; name the ends by --inlet and --outlet, the main vessel's outlet first",
+        parent.name.c_str(), turn, at, side.name.c_str());
+    notes.push_back({"a vessel turns back at a branch", 1, detail, true});
+  }
+}
 
 void doubt_inlet(const std::vector<End>& ends, const std::vector<Branch>& branches, std::vector<Repair>& notes) {
   std::string why;

@@ -83,6 +83,16 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
     throw common::InputError("the file cannot be written", path.string(), "", "check the folder and the free space");
 }
 
+// The equivalent diameter (mm) of the vessel at an end, across the last radius of its axis. A slanted cap has a larger
+// area.
+double width_of(const End& end, const std::vector<Branch>& branches) {
+  const Axis& axis =
+      std::find_if(branches.begin(), branches.end(), [&](const Branch& one) { return one.name == end.branch; })->axis;
+  const double last = std::min(end.radius(), axis.length());
+  const Vec3 way = end.inlet ? axis.at(last) - axis.at(0) : axis.at(axis.length()) - axis.at(axis.length() - last);
+  return 2 * end.radius() * std::sqrt(std::abs(way.normalized().dot(end.normal)));
+}
+
 nlohmann::ordered_json summary(const Anatomy& anatomy, const StepTimer& timer) {
   nlohmann::ordered_json out;
   out["schema"] = "vci-anatomy-1";
@@ -98,7 +108,7 @@ nlohmann::ordered_json summary(const Anatomy& anatomy, const StepTimer& timer) {
                            {"centre_mm", triple(end.centre)},
                            {"normal", triple(end.normal)},
                            {"area_mm2", end.area},
-                           {"diameter_mm", 2 * end.radius()},
+                           {"diameter_mm", width_of(end, anatomy.branches)},
                            {"extension_mm", end.extension}});
   out["branches"] = nlohmann::ordered_json::array();
   for (const Branch& branch : anatomy.branches)

@@ -6,6 +6,7 @@
 #include "ends/extend.hpp"
 #include "files/surface_file.hpp"
 #include "measure/end_zones.hpp"
+#include "measure/fused_vessels.hpp"
 #include "measure/section_noise.hpp"
 #include "measure/steep_taper.hpp"
 #include "remesh/local_edge.hpp"
@@ -179,6 +180,9 @@ Anatomy process(const Options& options, StepTimer& timer) {
   std::size_t said = out.repairs.size();
   if (!like && !prepared.named.inlet && !tagged_inlet(prepared.input))
     doubt_inlet(out.ends, out.branches, out.repairs);
+  else if (!like)
+    doubt_named_inlet(out.ends, out.repairs);
+  doubt_course(out.branches, out.repairs);
   timer.start("sections");
   const std::vector<ClosedStub> stubs = closed_stubs(out.branches, tips_of_stubs(prepared.given, before));
   out.sections = cut_sections(prepared.mesh, out.branches, out.ends, prepared.splits, stubs);
@@ -190,6 +194,7 @@ Anatomy process(const Options& options, StepTimer& timer) {
   note_wide_ends(out.branches, out.profiles, out.lesions, out.repairs);
   note_narrow_ends(out.branches, out.sections, out.profiles, out.repairs);
   set_area_errors(out.lesions, prepared.voxels);
+  note_fused_vessels(out.branches, out.sections, out.profiles, out.repairs);
   note_few_voxels(out.branches, out.sections, out.lesions, prepared.voxels, out.repairs);
   say_warnings(out.repairs, said);
   timer.start("grade");

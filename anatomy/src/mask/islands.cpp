@@ -9,15 +9,17 @@ namespace anatomy {
 namespace {
 
 constexpr double vessel_length = 8; // voxels: islets of noise are shorter
+constexpr std::size_t noise = 8;    // voxels of a cavity that needs no warning
 constexpr int few_slices = 3;       // that were not segmented; farther apart are separate trees
 
 using Voxel = std::array<int, 3>;
 
-// The pieces by faces of their voxels, numbered from 1 by falling size; 0 is no vessel.
-vtkSmartPointer<vtkImageData> pieces_of(vtkImageData* indicator) {
+// The pieces of the voxels with values from `least` to `most` by faces of voxels, numbered from 1 by falling size; the
+// other voxels have 0.
+vtkSmartPointer<vtkImageData> pieces_of(vtkImageData* indicator, double least = 0.5, double most = 2) {
   vtkNew<vtkImageConnectivityFilter> pieces;
   pieces->SetInputData(indicator);
-  pieces->SetScalarRange(0.5, 2);
+  pieces->SetScalarRange(least, most);
   pieces->SetLabelModeToSizeRank();
   pieces->SetLabelScalarTypeToInt();
   pieces->Update();
@@ -206,6 +208,28 @@ void keep_one_island(vtkImageData* indicator, const Mask& mask, const std::optio
   repairs.push_back(
       {"islands of the mask dropped", pieces.size() - 1,
        std::to_string(dropped) + " voxels; kept the " + (inlet ? "one nearest to the inlet" : "largest")});
+}
+
+void fill_cavities(vtkImageData* indicator, const Mask& mask, std::vector<Repair>& repairs) {
+  const vtkSmartPointer<vtkImageData> ranks = pieces_of(indicator, -1, 0.5);
+  const int* extent = indicator->GetExtent();
+  const int outside = rank_at(ranks, {extent[0], extent[2], extent[4]}); // in the margin
+  std::size_t filled = 0;
+  Voxel last{};
+  visit(ranks, [&](const Voxel& v) {
+    if (const int rank = rank_at(ranks, v); rank == 0 || rank == outside)
+      return;
+    *static_cast<float*>(indicator->GetScalarPointer(v[0], v[1], v[2])) = 1;
+    ++filled;
+    last = v;
+  });
+  if (filled == 0)
+    return;
+  const std::string at = place_in_file(mask, Eigen::Vector4d(last[0], last[1], last[2], 1));
+  repairs.push_back({"cavities of the mask filled", filled,
+                     std::to_string(filled) + " voxels that the label encloses, one at " + at +
+                         ". They count as blood; open a cavity of calcium at the wall to the outside in the mask",
+                     filled > noise});
 }
 
 } // namespace anatomy

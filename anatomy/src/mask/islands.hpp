@@ -12,6 +12,10 @@ namespace anatomy {
 void keep_one_island(vtkImageData* indicator, const Mask& mask, const std::optional<Vec3>& inlet,
                      std::vector<Repair>& repairs);
 
+/// Sets the voxels that the piece encloses to 1. `repairs` takes a note, and a warning from 9 voxels on: they may be
+/// calcium or a thrombus that was cut out of the label.
+void fill_cavities(vtkImageData* indicator, const Mask& mask, std::vector<Repair>& repairs);
+
 /// A place in the file's coordinates, in the file's own unit, for a message.
 std::string place_in_file(const Mask& mask, const Eigen::Vector4d& voxel);
 

@@ -146,7 +146,10 @@ void report_border(const Mask& mask, int label, std::vector<Repair>& repairs) {
           first = Eigen::Vector4d(i, j, k, 1);
       }
   if (touching > 0)
-    repairs.push_back({"lumen cut by the image's border", touching, "voxels, first at " + place_in_file(mask, first)});
+    repairs.push_back({"lumen cut by the image's border", touching,
+                       std::to_string(touching) + " voxels, first at " + place_in_file(mask, first) +
+                           ". An end there lies along the border; --cut across the vessel before it gives a better one",
+                       true});
 }
 
 // The point of one region that is nearest to another region.
@@ -314,6 +317,7 @@ vtkSmartPointer<vtkPolyData> surface_of_label(const Mask& mask, const std::vecto
     repairs.push_back({"voxels of the mask are divided", static_cast<std::size_t>(divided),
                        "along each axis; errors are stated for the undivided ones"});
   keep_one_island(indicator, mask, inlet, repairs);
+  fill_cavities(indicator, mask, repairs);
   report_border(mask, chosen, repairs);
   report_neighbours(mask.labels, chosen, repairs);
   vtkSmartPointer<vtkPolyData> surface = level_surface(indicator);

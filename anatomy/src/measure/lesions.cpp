@@ -6,6 +6,7 @@ namespace anatomy {
 namespace {
 
 constexpr double shortest = 1.0; // mm
+constexpr double severe = 50;    // per cent: noise does not halve a lumen, so a web counts however short
 constexpr double alike = 0.03;   // of the diameter: as near as a section is measured
 
 using Part = std::vector<Calibre>;
@@ -88,9 +89,10 @@ std::vector<Lesion> find_lesions(const std::vector<Branch>& branches, const std:
     Part part;
     const auto close = [&] {
       for (const Part& one : narrowings(part, profiles[b]))
-        if (one.size() > 1 && one.back().s - one.front().s >= shortest) {
+        if (one.size() > 1) {
           const Lesion lesion = measured(one, profiles[b], b);
-          if (lesion.diameter_stenosis >= least_stenosis)
+          const bool is_long = lesion.s_end - lesion.s_start >= shortest;
+          if (lesion.diameter_stenosis >= (is_long ? least_stenosis : severe))
             lesions.push_back(lesion);
         }
       part.clear();

@@ -14,9 +14,9 @@ struct Lesion {
 };
 
 /// Stretches at least 1 mm long whose diameter stenosis exceeds `shoulder` per cent throughout and reaches
-/// `least_stenosis` per cent, most severe first. A stretch is split if the lumen between two narrowings recovers
-/// `recovered` of the lesser one's stenosis. It is measured where the stenosis is greatest; of places whose diameters
-/// agree within 3 % of the reference's course, at the smallest.
+/// `least_stenosis` per cent, and shorter ones that reach 50 per cent; most severe first. A stretch is split if the
+/// lumen between two narrowings recovers `recovered` of the lesser one's stenosis. It is measured where the stenosis is
+/// greatest; of places whose diameters agree within 3 % of the reference's course, at the smallest.
 std::vector<Lesion> find_lesions(const std::vector<Branch>& branches, const std::vector<Section>& sections,
                                  const std::vector<ReferenceProfile>& profiles);
 

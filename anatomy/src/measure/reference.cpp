@@ -1,10 +1,11 @@
 #include "measure/reference.hpp"
 #include <algorithm>
+#include <array>
 
 namespace anatomy {
 namespace {
 
-constexpr double flow_exponent = 2.55;
+constexpr std::array<double, 2> other_exponents{3, 7.0 / 3}; // of forks: Murray 1926; Huo and Kassab 2012
 constexpr double band = 0.03;           // of the diameter: sections this near to the profile count as healthy
 constexpr double too_wide = 1.08;       // over the profile: an ostium's sections may be 8 % too wide
 constexpr double ruled_out = -1e9;      // score
@@ -23,28 +24,26 @@ constexpr double steepest = 0.015;
 constexpr double other_reading = 1.05; // ratio from which another reading is told
 constexpr double noticed_side = 0.4;   // of the widest section: a smaller branch makes a step of less than `band`
 
-using Sides = std::vector<std::pair<double, double>>;
-
 // Sum of d_k^m over the side branches that leave before s, in mm^m.
 double carried_off(const Sides& sides, double s) {
   double sum = 0;
-  for (const auto& [at, diameter] : sides)
+  for (const auto& [at, diameter] : sides.branches)
     if (at < s)
-      sum += std::pow(diameter, flow_exponent);
+      sum += std::pow(diameter, sides.exponent);
   return sum;
 }
 
 double behind_sides(double line, const Sides& sides, double s) {
-  if (sides.empty())
+  if (sides.branches.empty())
     return line;
-  const double trunk = std::pow(line, flow_exponent);
-  return std::pow(std::max(trunk - carried_off(sides, s), least_share * trunk), 1 / flow_exponent);
+  const double trunk = std::pow(line, sides.exponent);
+  return std::pow(std::max(trunk - carried_off(sides, s), least_share * trunk), 1 / sides.exponent);
 }
 
 // The diameters as they would be without the side branches.
 std::vector<Calibre> trunk_of(std::vector<Calibre> measured, const Sides& sides) {
   for (Calibre& c : measured)
-    c.diameter = std::pow(std::pow(c.diameter, flow_exponent) + carried_off(sides, c.s), 1 / flow_exponent);
+    c.diameter = std::pow(std::pow(c.diameter, sides.exponent) + carried_off(sides, c.s), 1 / sides.exponent);
   return measured;
 }
 
@@ -178,7 +177,7 @@ bool one_is_near(const std::vector<double>& stubs, double from, double to, doubl
 // The diameter of the widest branch that leaves at such a step; 0 if none does.
 double branch_at(const Sides& branches, double from, double to, double vessel) {
   double widest = 0;
-  for (const auto& [s, diameter] : branches)
+  for (const auto& [s, diameter] : branches.branches)
     if (is_at_a_step(s, from, to, vessel))
       widest = std::max(widest, diameter);
   return widest;
@@ -212,12 +211,12 @@ Choice stepped(const std::vector<Candidate>& lines, const std::vector<Calibre>& 
     const double side = branch_at(branches, measured[last].s, measured[first].s, parent);
     const double split = one_is_near(stubs, measured[last].s, measured[first].s, parent)
                              ? 0
-                             : behind_sides(parent, {{0, side}}, 1) / parent;
+                             : behind_sides(parent, {{{0, side}}}, 1) / parent;
     const double deepest = std::min(deepest_step, std::max(lesser_daughter, (1 - split_error) * split));
     if (ratio >= deepest && ratio <= 1)
       best = {before.score + behind.score, before.healthy + behind.healthy, before.line, behind.line, last, first};
   };
-  for (const auto& [at, diameter] : branches)
+  for (const auto& [at, diameter] : branches.branches)
     attempt(static_cast<std::size_t>(
                 std::count_if(measured.begin(), measured.end(), [at = at](const Calibre& c) { return c.s <= at; })),
             true);
@@ -321,16 +320,20 @@ void note_other_reading(const std::vector<Candidate>& lines, double healthy, con
   notes.push_back({"reference by a short healthy part", 1, detail, true});
 }
 
-// The branches whose steps by the flow split are tried: all, none, and all but one. That one may bring blood, as a
-// graft does, or lead none.
-std::vector<Sides> flow_splits_of(const Sides& branches, double widest) {
-  std::vector<Sides> splits{branches};
-  if (!branches.empty())
+// The branches whose steps are tried: all, none, all by another exponent, and all but one. That one may bring blood, as
+// a graft does, or lead none.
+std::vector<Sides> flow_splits_of(const Sides& sides, double widest) {
+  std::vector<Sides> splits{sides};
+  if (!sides.branches.empty())
     splits.push_back({});
-  for (std::size_t k = 0; branches.size() > 1 && k < branches.size(); ++k)
-    if (branches[k].second > noticed_side * widest) {
-      splits.push_back(branches);
-      splits.back().erase(splits.back().begin() + static_cast<std::ptrdiff_t>(k));
+  if (std::any_of(sides.branches.begin(), sides.branches.end(),
+                  [&](const auto& side) { return side.second > noticed_side * widest; }))
+    for (double exponent : other_exponents)
+      splits.push_back({sides.branches, exponent});
+  for (std::size_t k = 0; sides.branches.size() > 1 && k < sides.branches.size(); ++k)
+    if (sides.branches[k].second > noticed_side * widest) {
+      splits.push_back(sides);
+      splits.back().branches.erase(splits.back().branches.begin() + static_cast<std::ptrdiff_t>(k));
     }
   return splits;
 }
@@ -338,9 +341,9 @@ std::vector<Sides> flow_splits_of(const Sides& branches, double widest) {
 // Warns of a branch past which the reference does not step while it steps past others.
 void note_left_out(const Sides& sides, const Sides& branches, const Branch& branch, const ReferenceProfile& profile,
                    std::vector<Repair>& notes) {
-  if (sides.empty() || sides.size() == branches.size())
+  if (sides.branches.empty() || sides.branches.size() == branches.branches.size())
     return;
-  const auto at = std::mismatch(sides.begin(), sides.end(), branches.begin()).second;
+  const auto at = std::mismatch(sides.branches.begin(), sides.branches.end(), branches.branches.begin()).second;
   char detail[256];
   std::snprintf(detail, sizeof detail,
                 "%s %.1f mm along it: a branch of %.2f mm leaves, and the reference is %.2f mm before and behind it. "
@@ -361,7 +364,11 @@ ReferenceProfile profile_of(const std::vector<Calibre>& measured, const Branch& 
     lines.push_back(candidates(measured, sides));
   Choice best;
   std::size_t split = 0;
-  const std::size_t all_or_none = branches.empty() ? 1 : 2; // of flow_splits
+  const std::size_t all_or_none = branches.branches.empty() ? 1 : 2; // of flow_splits
+  const auto whole = static_cast<std::size_t>(                       // those without a branch left out
+      std::count_if(flow_splits.begin(), flow_splits.end(), [&](const Sides& one) {
+        return one.branches.empty() || one.branches.size() == branches.branches.size();
+      }));
   const auto take = [&](const auto& choice, std::size_t splits) {
     const Choice before = best;
     for (std::size_t k = 0; k < splits; ++k)
@@ -374,7 +381,7 @@ ReferenceProfile profile_of(const std::vector<Calibre>& measured, const Branch& 
   take([&](std::size_t k) { return plain(lines[k], 0, n); }, all_or_none);
   take([&](std::size_t k) { return beside_dilatation(lines[k]); }, all_or_none);
   take([&](std::size_t k) { return plain(lines[k], 0, n); }, lines.size());
-  take([&](std::size_t k) { return stepped(lines[k], measured, flow_splits[k], branches, stubs); }, all_or_none);
+  take([&](std::size_t k) { return stepped(lines[k], measured, flow_splits[k], branches, stubs); }, whole);
   const ReferenceProfile profile = fitted(best, measured, flow_splits[split]);
   if (best.behind)
     note_step(best, measured, branch, profile, branches, notes);
@@ -437,7 +444,7 @@ std::vector<ReferenceProfile> reference_profiles(const std::vector<Branch>& bran
     Sides sides;
     for (std::size_t k = 0; k < branches.size(); ++k)
       if (branches[k].parent == static_cast<int>(b))
-        sides.emplace_back(branches[k].s_on_parent, profiles[k].diameter(branches[k].s_outside));
+        sides.branches.emplace_back(branches[k].s_on_parent, profiles[k].diameter(branches[k].s_outside));
     std::vector<double> stubs_here; // s, mm
     for (const ClosedStub& stub : stubs)
       if (stub.branch == b)

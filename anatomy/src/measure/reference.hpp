@@ -16,21 +16,27 @@ struct ReferenceStep {
   ReferenceLine line; ///< behind it
 };
 
+/// The side branches past which a reference steps down, and the exponent m of the steps.
+struct Sides {
+  std::vector<std::pair<double, double>> branches; ///< (s_k, d_k), mm; empty where the diameters show no such steps
+  double exponent = 2.55;                          ///< by which the flow is split, or 3 (Murray 1926), or 7/3 (HK)
+};
+
 /// Healthy equivalent diameter D (mm) along a branch: a straight line that does not widen, with a step down past each
-/// side branch k of diameter d_k at s_k. D^m = line(s)^m - sum of d_k^m over s_k < s. The flow is split by the same
-/// exponent m = 2.55.
+/// side branch k of diameter d_k at s_k. D^m = line(s)^m - sum of d_k^m over s_k < s.
 struct ReferenceProfile {
   ReferenceLine line;
-  std::vector<std::pair<double, double>> sides; ///< (s_k, d_k), mm; empty where the diameters show no such steps
-  std::optional<ReferenceStep> step{};          ///< one of another size
+  Sides sides;
+  std::optional<ReferenceStep> step{}; ///< one of another size
   double diameter(double s) const;
 };
 
 /// One profile per branch, from the sections away from the ends. It is the line that most sections lie on, within 3 %.
 /// - Lumen that is wider than the line before or behind all its healthy sections rules the line out. Of two readings, a
 ///   long narrowing or a widening at an end, the narrowing is so taken.
-/// - The steps at the side branches are kept unless more sections lie on a profile without them. One of them, which may
-///   bring blood as a graft does, is left out if that finds many more healthy sections. This is warned of.
+/// - The steps at the side branches are kept unless more sections lie on a profile without them. Their exponent is 2.55
+///   unless 3 or 7/3 finds many more healthy sections. One of them, which may bring blood as a graft does, is left out
+///   if that finds many more. This is warned of.
 /// - A dilatation, a stretch wider than the healthy vessel on both sides, is left out if that finds many more healthy
 ///   sections. An ectasia, 1.5 times as wide as all sections before and behind it, is always left out.
 /// - One more step, of the size that the sections show, is taken if that finds many more healthy sections. It is no

@@ -160,6 +160,16 @@ TEST(Lesions, MeasuredWhereTheStenosisIsGreatest) {
   EXPECT_LT(lesions[0].s_mla, 8);
 }
 
+TEST(Lesions, ShorterThanAMillimetreIfTheyHalveTheLumen) {
+  const ReferenceProfile healthy{{3, 0}, {}, {}};
+  for (const auto& [left, found] : {std::pair{0.45, 1u}, {0.55, 0u}}) {
+    const auto web = [left = left](double s) { return 3 * (s > 20 && s < 20.6 ? left : 1); };
+    std::vector<Branch> branches(1);
+    const std::vector<Section> sections = sections_every_quarter(branches[0], web, 40);
+    EXPECT_EQ(find_lesions(branches, sections, {healthy}).size(), found) << left;
+  }
+}
+
 TEST(Lesions, OfPlacesThatMeasureAlikeTheSmallest) {
   const ReferenceProfile healthy{{4, -0.05}, {}, {}};
   const auto narrowed = [&](double s) { return healthy.diameter(s) * (s < 5 || s > 35 ? 1 : s < 8 ? 0.495 : 0.5); };
@@ -223,7 +233,7 @@ TEST(Reference, StepsDownPastASideBranchByTheFlowSplit) {
   std::vector<Repair> notes;
   const std::vector<Section> sections = sections_of(branches, diseased, 2.2);
   const auto profiles = reference_profiles(branches, sections, notes);
-  EXPECT_EQ(profiles[0].sides.size(), 1u);
+  EXPECT_EQ(profiles[0].sides.branches.size(), 1u);
   for (double s : {5.0, 14.0, 16.0, 25.0, 39.0})
     EXPECT_NEAR(profiles[0].diameter(s), healthy(s), 0.01) << s;
   EXPECT_NEAR(find_lesions(branches, sections, profiles).at(0).diameter_stenosis, 60, 0.5);
@@ -254,6 +264,24 @@ TEST(Reference, StepsIntoTheLesserBranchOfAForkBehindSmallBranches) {
   add_side(branches, sections, 27, 2.6);
   const auto profiles = reference_profiles(branches, sections, notes);
   for (double s : {1.0, 20.0, 27.0, 39.0})
+    EXPECT_NEAR(profiles[0].diameter(s), healthy(s), 0.05) << s;
+  EXPECT_TRUE(notes.empty());
+}
+
+TEST(Reference, StepsDownByMurraysLawWhereTheVesselDoes) {
+  // two forks by the third power: by the power of 2.55 the healthy vessel behind the first one is 8 % too wide
+  const auto healthy = [](double s) {
+    const double trunk = 4.2 - 0.008 * s;
+    return std::cbrt(std::pow(trunk, 3) - (s > 15 ? std::pow(3.2, 3) : 0) - (s > 28 ? std::pow(2.2, 3) : 0));
+  };
+  const auto diseased = [&](double s) { return healthy(s) * (s > 18 && s < 24 ? 0.4 : 1); };
+  std::vector<Branch> branches;
+  std::vector<Repair> notes;
+  std::vector<Section> sections = sections_of(branches, diseased, 3.2);
+  add_side(branches, sections, 28, 2.2);
+  const auto profiles = reference_profiles(branches, sections, notes);
+  EXPECT_EQ(profiles[0].sides.exponent, 3);
+  for (double s : {1.0, 14.0, 17.0, 26.0, 39.0})
     EXPECT_NEAR(profiles[0].diameter(s), healthy(s), 0.05) << s;
   EXPECT_TRUE(notes.empty());
 }
@@ -387,7 +415,7 @@ TEST(Reference, HasNoStepWhereTheVesselHasNone) {
                                            sections_of(
                                                branches, [](double s) { return 3.8 - 0.01 * s; }, 2.2),
                                            notes);
-  EXPECT_TRUE(profiles[0].sides.empty());
+  EXPECT_TRUE(profiles[0].sides.branches.empty());
   EXPECT_NEAR(profiles[0].diameter(30), 3.5, 1e-3);
 }
 

@@ -157,6 +157,9 @@ def test_slanted_ends_stay_as_they_are(summary_of, tmp_path, slant):
     assert len(summary["ends"]) == 2 and reported(summary, "rounded end cut flat") == 0
     for end in summary["ends"]:
         assert np.degrees(np.arccos(abs(end["normal"][0]))) == pytest.approx(slant, abs=1)
+        # the flow is split by the vessel's width, not by the cap's, which is 14 % wider at 40 degrees
+        assert end["diameter_mm"] == pytest.approx(3.0, abs=0.06)
+        assert end["area_mm2"] == pytest.approx(np.pi * 1.5**2 / np.cos(np.radians(slant)), rel=0.03)
 
 
 def test_flat_ends_with_chamfered_rims(summary_of, tmp_path):

@@ -237,6 +237,21 @@ def test_a_vessel_with_empty_slices_is_refused(lumen, tmp_path, axis, slices):
     assert f"{slices} empty, and" in done.stderr and "fill the slices" in done.stderr
 
 
+@pytest.mark.parametrize("size, told", [(2, False), (3, True)])
+def test_a_cavity_counts_as_lumen(lumen, tmp_path, size, told):
+    """Calcium cut out of the label: it was refused as a piece of lumen that stands alone."""
+    matrix = masks.affine([0.4] * 3)
+    labels, *_ = vessel(matrix, (82, 50, 24))
+    whole = lumen(masks.meta(tmp_path / "whole.mha", labels, matrix), tmp_path / "whole")
+    at = np.rint(np.mean(np.argwhere(labels), axis=0)).astype(int)
+    assert labels[tuple(at)]
+    labels[tuple(slice(k - 1, k - 1 + size) for k in at)] = 0
+    done = lumen(masks.meta(tmp_path / "mask.mha", labels, matrix), tmp_path / "out")
+    assert done.returncode == whole.returncode == 0, done.stderr
+    assert ("warning: cavities of the mask filled" in done.stderr) == told
+    assert (tmp_path / "out" / "lumen.vtp").read_bytes() == (tmp_path / "whole" / "lumen.vtp").read_bytes()
+
+
 def test_a_gap_in_the_vessel_alone_is_said(lumen, tmp_path):
     """Another vessel goes through the slice, which was segmented therefore. The far part may be a third one."""
     matrix = masks.affine([0.4] * 3)

@@ -157,12 +157,41 @@ def test_an_inlet_larger_only_because_the_other_end_is_narrowed(said, throat, to
     assert (float(rows[0]["x_mm"]) > 20) == told
 
 
-@pytest.mark.parametrize("taper, length, told", [(0.012, 30, True), (0.008, 30, False), (0.012, 15, False)])
-def test_a_taper_steeper_than_coronaries_have(said, taper, length, told):
-    """Even diffuse disease cannot be told from it; a short stretch says too little."""
-    points, triangles = surfaces.tube(surfaces.straight, lambda s: 1.7 * (1 - taper * s), length, 0.25)
+@pytest.mark.parametrize(
+    "radius, taper, length, told",
+    [(1.7, 0.012, 30, True), (1.7, 0.008, 30, False), (1.7, 0.012, 15, False), (1.2, 0.012, 30, False)],
+)
+def test_a_taper_steeper_than_coronaries_have(said, radius, taper, length, told):
+    """Even diffuse disease cannot be told from it; a short stretch says too little, and a small branch tapers more."""
+    points, triangles = surfaces.tube(surfaces.straight, lambda s: radius * (1 - taper * s), length, 0.25)
     errors, _ = said(points, triangles)
     assert ("warning: reference tapers steeply" in errors) == told
+
+
+@pytest.mark.parametrize("inlet, told", [("0,0,0", False), ("40,0,0", True)])
+def test_an_inlet_that_was_named_at_a_far_narrower_end(said, inlet, told):
+    """A slip of the user's; the user's word still decides."""
+    points, triangles = surfaces.tube(surfaces.straight, lambda s: 1.9 - 0.015 * s, 40, 0.25)
+    errors, rows = said(points, triangles, "--inlet", inlet)
+    assert ("warning: inlet narrower than an outlet" in errors) == told
+    assert (float(rows[0]["x_mm"]) > 20) == told
+
+
+@pytest.mark.parametrize("apart, told", [(3.2, True), (12.0, False)])
+def test_another_vessel_fused_along_the_lumen(said, apart, told):
+    """As a vein that touches the artery over 10 mm. Its lumen hid a lesion without a word. A branch leaves at once."""
+    artery = ((0, 0, 0), (40, 0, 0), 1.6, 1.4)
+    vein = [((14, 3.2, 0), (28, 3.2, 0), 1.9, 1.9)] if told else [((14, 0, 0), (28, apart, 0), 1.2, 1.1)]
+    errors, _ = said(*surfaces.tree([artery, *vein], inner=(1,) if told else ()), "--inlet", "0,0,0")
+    assert ("warning: another vessel may be fused to the lumen" in errors) == told
+
+
+@pytest.mark.parametrize("lean, told", [(-14, True), (14, False)])
+def test_a_vessel_that_turns_back_into_a_graft(said, lean, told):
+    """The longest way from the inlet goes up the graft, with false sections where it turns."""
+    artery, graft = ((0, 0, 0), (34, 0, 0), 1.6, 1.3), ((22, 0, 0), (22 + lean, 16, 0), 1.3, 1.3)
+    errors, _ = said(*surfaces.tree([artery, graft]), "--inlet", "0,0,0")
+    assert ("warning: a vessel turns back at a branch" in errors) == told
 
 
 def test_a_closed_end_among_open_ones_is_said(lumen, tmp_path):

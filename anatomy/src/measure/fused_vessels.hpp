@@ -1,0 +1,12 @@
+// Stretches of the lumen that another vessel may be fused to.
+#pragma once
+#include "measure/reference.hpp"
+
+namespace anatomy {
+
+/// Warns of each stretch of 3 mm and more whose sections are wider than the reference and twice as long as wide. The
+/// outline then holds a second vessel, such as a vein that touches the artery, and a narrowing there is not seen.
+void note_fused_vessels(const std::vector<Branch>& branches, const std::vector<Section>& sections,
+                        const std::vector<ReferenceProfile>& profiles, std::vector<Repair>& notes);
+
+} // namespace anatomy
