@@ -38,7 +38,7 @@ def script_code(script, *folders):
         if file in found:
             continue
         found.add(file)
-        for name in _named(ast.walk(ast.parse((ROOT / file).read_text())), ""):
+        for name in _named(_statements(ast.parse((ROOT / file).read_text())), ""):
             beside = [place / f"{name}.py" for place in places if (ROOT / place / f"{name}.py").is_file()]
             pending += beside[:1]
             names |= {name} if not beside and _file(name) else set()
@@ -83,6 +83,7 @@ def _packages(name):
     return [package for k in range(1, len(parts)) if _file(package := ".".join(parts[:k])) is not None]
 
 
+@functools.lru_cache(maxsize=None)
 def _file(name):
     """File of a module of this repository, or None."""
     path = ROOT.joinpath(*name.split("."))
@@ -97,7 +98,7 @@ def _imported(name, top_level_only):
     """Names of this repository's modules that the module `name` imports."""
     file = _file(name)
     tree = ast.parse(file.read_text(), filename=str(file))
-    nodes = tree.body if top_level_only else ast.walk(tree)
+    nodes = tree.body if top_level_only else _statements(tree)
     package = name if file.name == "__init__.py" else name.rpartition(".")[0]
     return frozenset(module for module in _named(nodes, package) if _file(module) is not None)
 
@@ -118,6 +119,15 @@ def _imported_by(name, function):
             pending += [node.id for node in nodes if isinstance(node, ast.Name) and node.id in bodies]
             named |= _named(nodes, name.rpartition(".")[0])
     return frozenset(module for module in named if _file(module) is not None)
+
+
+def _statements(node):
+    """All statements within an ast node. Expressions hold no imports, and are nine tenths of the nodes."""
+    for field in ("body", "orelse", "finalbody", "handlers", "cases"):
+        inner = getattr(node, field, [])
+        for one in inner if isinstance(inner, list) else []:  # of a lambda or a conditional value it is an expression
+            yield one
+            yield from _statements(one)
 
 
 def _named(nodes, package):

@@ -1,5 +1,6 @@
 """The import closure: what it follows, what it leaves to other commands, and that it agrees with Python."""
 
+import ast
 import json
 import subprocess
 
@@ -35,9 +36,11 @@ def part(tmp_path, monkeypatch):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text)
     monkeypatch.setattr(imports, "ROOT", tmp_path)
-    imports._imported.cache_clear()
+    for cached in (imports._file, imports._imported):
+        cached.cache_clear()
     yield
-    imports._imported.cache_clear()
+    for cached in (imports._file, imports._imported):
+        cached.cache_clear()
 
 
 def test_a_module_that_is_its_own_command(part):
@@ -124,3 +127,23 @@ def test_agrees_with_what_python_loads(repo_root, part_name, module):
     """Everything of the repository that importing the modules loads is in the closure."""
     loaded = _loaded(repo_root, f"import {module}, {part_name}.__main__")
     assert loaded and loaded <= set(imports.code(part_name, module))
+
+
+def test_an_import_is_found_in_every_kind_of_statement():
+    text = """
+if a: import b1
+else: import b2
+try: import b3
+except E: import b4
+else: import b5
+finally: import b6
+for i in a: import b7
+while a: import b8
+with a: import b9
+class C:
+    async def f(self):
+        match a:
+            case 1: import b10
+x = lambda: (1 if a else 2)
+"""
+    assert imports._named(imports._statements(ast.parse(text)), "") == {f"b{k}" for k in range(1, 11)}
