@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Fuzzes each reader in C++ with libFuzzer, and the readers in Python with mutants: run.sh SECONDS JOBS.
-# What it finds stays in build-fuzz/found.
+# What it finds stays in build-fuzz/found. A run of ten minutes for each reader writes docs/fuzzing.md.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 seconds=$1 jobs=$2
@@ -18,6 +18,8 @@ for corpus in fuzz_corpus surface_corpus; do
   PYTHONPATH=. /usr/bin/python3 "tests/fuzz/$corpus.py" --out build-fuzz/seeds
 done
 mkdir -p build-fuzz/found
+rm -f build-fuzz/*.log
+export LSAN_OPTIONS=suppressions=$PWD/tests/fuzz/leaks.txt:print_suppressions=0
 failed=0
 for target in "${targets[@]}"; do
   reader=${target#*_fuzz_}
@@ -25,7 +27,7 @@ for target in "${targets[@]}"; do
   words=()
   [ ! -f "build-fuzz/seeds/$reader.dict" ] || words=(-dict="build-fuzz/seeds/$reader.dict")
   echo "fuzzing the reader of a $reader for $seconds s; log: build-fuzz/$reader.log"
-  if ! "build-fuzz/$target" -max_total_time="$seconds" -timeout=5 -report_slow_units=1 -print_final_stats=1 \
+  if ! "build-fuzz/$target" -max_total_time="$seconds" -timeout=25 -report_slow_units=5 -print_final_stats=1 \
     "${words[@]}" -artifact_prefix="build-fuzz/found/$reader-" \
     "build-fuzz/corpus/$reader" "build-fuzz/seeds/$reader" 2>"build-fuzz/$reader.log"; then
     echo "$reader: a fault, kept in build-fuzz/found: $(grep -m1 -E 'ERROR|SUMMARY' "build-fuzz/$reader.log" || true)" >&2
@@ -34,5 +36,7 @@ for target in "${targets[@]}"; do
   grep -E '(number_of_executed_units|slowest_unit_time_sec|peak_rss_mb)' "build-fuzz/$reader.log" || true
   grep -oE 'cov: [0-9]+ ft: [0-9]+' "build-fuzz/$reader.log" | tail -1 || true # edges, features
 done
-PYTHONPATH=. /usr/bin/python3 tests/fuzz/python_readers.py --seconds "$seconds" --out build-fuzz/found || failed=1
+PYTHONPATH=. /usr/bin/python3 tests/fuzz/python_readers.py --seconds "$seconds" --out build-fuzz/found |
+  tee build-fuzz/python.log || failed=1
+[ "$seconds" -lt 600 ] || /usr/bin/python3 tests/fuzz/page.py --logs build-fuzz --seconds "$seconds" --out docs/fuzzing.md
 exit $failed

@@ -24,6 +24,7 @@
 #include <vtkSTLReader.h>
 #include <vtkTriangleFilter.h>
 #include <vtkXMLPolyDataReader.h>
+#include <vtksys/SystemTools.hxx>
 
 namespace anatomy {
 namespace {
@@ -91,7 +92,8 @@ void check_stl_text(std::ifstream& file, std::uintmax_t size, const std::string&
                      "export it again");
 }
 
-// VTK's reader allocates memory for the number of triangles that a binary file claims, and reads no more than these.
+// VTK's reader allocates memory for the number of triangles that a binary file claims, and reads no more than these. It
+// takes a file for text if nearly all of its first bytes are printable; the same function decides here.
 void check_stl_length(const std::string& path) {
   std::array<unsigned char, stl_head> head{};
   std::ifstream file(path, std::ios::binary);
@@ -101,9 +103,7 @@ void check_stl_length(const std::string& path) {
   for (std::size_t k = 4; k-- > 0;)
     count = 256 * count + head[80 + k];
   const std::uintmax_t expected = stl_head + stl_triangle * count;
-  const bool text = std::string(head.begin(), head.begin() + 5) == "solid" &&
-                    std::all_of(head.begin(), head.end(), [](unsigned char c) { return c < 128; });
-  if (text && size != expected)
+  if (vtksys::SystemTools::DetectFileType(path.c_str()) == vtksys::SystemTools::FileTypeText)
     return check_stl_text(file, size, path);
   if (size < expected || size >= expected + stl_triangle)
     throw InputError("the file's size is not that of its triangles", path,

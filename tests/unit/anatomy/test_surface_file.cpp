@@ -72,6 +72,13 @@ TEST_F(SurfaceFile, RefusesWhatIsNotASurface) {
   EXPECT_NE(message(folder / "empty.stl", "mm").find("0 triangles"), std::string::npos);
 }
 
+TEST_F(SurfaceFile, AnStlIsTextWhereItsReaderTakesItForText) {
+  // text, then other bytes: to VTK's reader it is binary, and the text at its bytes 80 to 83 a count of 900 million
+  std::ofstream(folder / "damaged.stl") << "solid " << std::string(100, '8') << std::string(60, '\xb0')
+                                        << "\nendsolid\n";
+  EXPECT_NE(message(folder / "damaged.stl", "mm").find("not that of its triangles"), std::string::npos);
+}
+
 TEST_F(SurfaceFile, Sha256OfAKnownText) {
   std::ofstream(folder / "abc") << "abc"; // FIPS 180-2, appendix B.1
   EXPECT_EQ(sha256_of_file(folder / "abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
