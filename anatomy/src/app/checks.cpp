@@ -1,16 +1,13 @@
 #include "app/checks.hpp"
 #include "common/error.hpp"
+#include "core/measures.hpp"
 #include "ends/cut_ends.hpp"
 #include "repair/spikes.hpp"
 #include "repair/tips.hpp"
-#include <CGAL/Polygon_mesh_processing/measure.h>
-#include <CGAL/Polygon_mesh_processing/repair.h>
 #include <algorithm>
 
 namespace anatomy {
 namespace {
-
-namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
 
 constexpr double least_move = 1e-3;    // mm
@@ -32,7 +29,7 @@ bool far_from(const Vec3& p, const std::vector<End>& ends) {
 } // namespace
 
 void check_no_handle(Mesh& mesh, long most) {
-  PMP::remove_isolated_vertices(mesh);
+  remove_isolated_vertices(mesh);
   mesh.collect_garbage();
   const auto places = places_on_handles(mesh);
   if (places.empty())
@@ -86,7 +83,7 @@ void check_no_wide_stub(const Mesh& mesh, const std::vector<End>& ends) {
 
 void warn_of_stubs(const Mesh& mesh, const std::vector<End>& ends, const std::vector<Candidate>& candidates,
                    std::vector<Repair>& repairs) {
-  const double mean = 2 * PMP::volume(mesh) / PMP::area(mesh);
+  const double mean = mean_radius(mesh);
   std::vector<Vec3> known; // tips with a warning already, by the search for the ends or by this function
   for (const Candidate& one : candidates)
     if (one.kind == "rounded")
@@ -115,7 +112,7 @@ void warn_of_stubs(const Mesh& mesh, const std::vector<End>& ends, const std::ve
 
 std::vector<Vec3> tips_of_stubs(const Mesh& mesh, const std::vector<End>& ends) {
   std::vector<Vec3> out;
-  for (const Tip& tip : tips_beside_ends(mesh, ends, least_stub * 2 * PMP::volume(mesh) / PMP::area(mesh)))
+  for (const Tip& tip : tips_beside_ends(mesh, ends, least_stub * mean_radius(mesh)))
     if (const Vec3 at = vec(mesh.point(tip.vertex)); far_from(at, ends))
       out.push_back(at);
   return out;

@@ -1,6 +1,7 @@
 #include "app/prepare.hpp"
 #include "app/checks.hpp"
 #include "common/error.hpp"
+#include "core/measures.hpp"
 #include "ends/cap_open_ends.hpp"
 #include "ends/ends.hpp"
 #include "ends/given_caps.hpp"
@@ -10,13 +11,10 @@
 #include "remesh/refine.hpp"
 #include "repair/handles.hpp"
 #include "repair/repair.hpp"
-#include <CGAL/Polygon_mesh_processing/measure.h>
 #include <iostream>
 
 namespace anatomy {
 namespace {
-
-namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
 
 constexpr double smallest_cap = 1.5; // voxels; a thin lumen from voxels has facets of about one voxel on its wall
@@ -178,7 +176,7 @@ Prepared with_ends(Closed closed, const CoronaryTree* tree, const Options& optio
   }
   check_no_handle(out.mesh);
   report_move(out.repairs, flatten_caps(out.mesh), out.ends.size());
-  check_mean_radius(2 * PMP::volume(out.mesh) / PMP::area(out.mesh), options.units, options.input);
+  check_mean_radius(mean_radius(out.mesh), options.units, options.input);
   out.given = out.mesh;
   if (is_coarse(out.mesh)) {
     out.mesh = curved_refined(out.mesh);

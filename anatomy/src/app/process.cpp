@@ -2,6 +2,7 @@
 #include "app/checks.hpp"
 #include "app/inlet_doubts.hpp"
 #include "common/error.hpp"
+#include "core/measures.hpp"
 #include "ends/ends.hpp"
 #include "ends/extend.hpp"
 #include "files/surface_file.hpp"
@@ -11,8 +12,6 @@
 #include "measure/steep_taper.hpp"
 #include "remesh/local_edge.hpp"
 #include "trees/naming.hpp"
-#include <CGAL/Polygon_mesh_processing/measure.h>
-#include <CGAL/Polygon_mesh_processing/repair.h>
 #include <array>
 #include <filesystem>
 #include <fstream>
@@ -22,8 +21,6 @@
 
 namespace anatomy {
 namespace {
-
-namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
 
 constexpr double finest_start = 0.05;     // mm
@@ -31,7 +28,7 @@ constexpr double most_triangles = 250000; // of a mesh to start from; it takes s
 
 // Whether a mesh of this edge (mm) may be tried after a coarser one has failed.
 bool may_start_from(double edge, const Mesh& surface) {
-  return edge >= finest_start && PMP::area(surface) / (std::sqrt(3.0) / 4 * edge * edge) < most_triangles;
+  return edge >= finest_start && surface_area(surface) / (std::sqrt(3.0) / 4 * edge * edge) < most_triangles;
 }
 
 // The earlier state's summary, checked for all values of its ends that are used.
@@ -92,7 +89,7 @@ Naming named(std::vector<End>& ends, const NamedEnds& given, const std::optional
 // Whether the mesh may already have the wanted edge: an earlier state is given, and there are caps' tags and not too
 // many triangles.
 bool may_be_kept(const Options& options, const Prepared& prepared, bool tagged) {
-  const double triangles = PMP::area(prepared.given) / (std::sqrt(3.0) / 4 * options.edge * options.edge);
+  const double triangles = surface_area(prepared.given) / (std::sqrt(3.0) / 4 * options.edge * options.edge);
   return tagged && !options.like.empty() && static_cast<double>(prepared.given.number_of_faces()) < 4 * triangles;
 }
 

@@ -1,8 +1,8 @@
 #include "centreline/inner_balls.hpp"
 #include "common/error.hpp"
+#include "core/measures.hpp"
 #include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Polygon_mesh_processing/compute_normal.h>
-#include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Side_of_triangle_mesh.h>
 #include <CGAL/Triangulation_cell_base_with_info_3.h>
 #include <CGAL/Triangulation_vertex_base_with_info_3.h>
@@ -75,7 +75,7 @@ void wall_points(const Mesh& mesh, std::size_t every, std::vector<std::pair<Poin
     for (Face f : mesh.faces_around_target(mesh.halfedge(v)))
       if (f != Mesh::null_face() && region[f] == 0) {
         const Vector n = PMP::compute_face_normal(f, mesh);
-        normal += PMP::face_area(f, mesh) * Vec3(n.x(), n.y(), n.z());
+        normal += face_area(mesh, f) * Vec3(n.x(), n.y(), n.z());
       }
     if (normal.norm() == 0)
       continue;

@@ -1,10 +1,9 @@
 #include "ends/cut_ends.hpp"
 #include "centreline/ball_way.hpp"
 #include "common/error.hpp"
+#include "core/measures.hpp"
 #include "core/slices.hpp"
-#include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/remesh.h>
-#include <CGAL/Polygon_mesh_processing/repair.h>
 #include <algorithm>
 
 namespace anatomy {
@@ -158,10 +157,6 @@ Mesh sampled(const Mesh& mesh, double longest) {
       wall.push_back(e);
   PMP::split_long_edges(wall, longest, out);
   return out;
-}
-
-double mean_radius(const Mesh& mesh) {
-  return 2 * std::abs(PMP::volume(mesh)) / PMP::area(mesh);
 }
 
 // The tips seen from either extremity, the most prominent first. A branch that leans towards one extremity stands out

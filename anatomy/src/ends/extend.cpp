@@ -1,12 +1,10 @@
 #include "ends/extend.hpp"
 #include "common/error.hpp"
-#include <CGAL/Polygon_mesh_processing/self_intersections.h>
+#include "core/crossings.hpp"
 #include <algorithm>
 
 namespace anatomy {
 namespace {
-
-namespace PMP = CGAL::Polygon_mesh_processing;
 
 struct Extruder {
   const Mesh& from;
@@ -44,8 +42,7 @@ struct Extruder {
 };
 
 void check_clear(const Mesh& mesh) {
-  std::vector<std::pair<Face, Face>> pairs;
-  PMP::self_intersections(mesh, std::back_inserter(pairs));
+  const auto pairs = crossings(mesh);
   if (!pairs.empty())
     throw common::InputError("a flow extension meets the vessel or another extension",
                              place(vec(mesh.point(mesh.target(mesh.halfedge(pairs.front().first))))),

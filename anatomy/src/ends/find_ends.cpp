@@ -1,18 +1,15 @@
 #include "ends/find_ends.hpp"
 #include "common/error.hpp"
+#include "core/measures.hpp"
 #include "ends/cap_open_ends.hpp"
 #include "ends/cut_ends.hpp"
 #include "ends/ends.hpp"
 #include "ends/rims.hpp"
 #include "repair/spikes.hpp"
-#include <CGAL/Polygon_mesh_processing/measure.h>
-#include <CGAL/Polygon_mesh_processing/repair.h>
 #include <algorithm>
 
 namespace anatomy {
 namespace {
-
-namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
 
 constexpr double smallest_radius = 0.25; // mean radii: bumps of a few triangles are no vessels
@@ -89,7 +86,7 @@ std::vector<Place> flat_places(const Mesh& mesh, const NamedEnds& named, double 
     places.push_back(flat_place(mesh, tubes, faces, named.openings.contains(value) ? "open" : "given", false));
   if (named.tagged)
     return places;
-  const double mean = 2 * std::abs(PMP::volume(mesh)) / PMP::area(mesh);
+  const double mean = mean_radius(mesh);
   const double radius = std::max(least_radius, smallest_radius * mean);
   const double reach = noise_reach * roughness_of(mesh).rms;
   const double flat = std::clamp(reach, off_plane * mean, off_plane_of_noise * mean);
@@ -276,7 +273,7 @@ void cut_asked(Mesh& mesh, NamedEnds& named, double least_radius, std::vector<Re
     known.insert(value);
   cut_across(mesh, tagged, ends, named.cuts, repairs);
   cap_open_ends(mesh, repairs);
-  PMP::remove_isolated_vertices(mesh);
+  remove_isolated_vertices(mesh);
   mesh.collect_garbage();
   for (const auto& [value, faces] : tagged_faces(mesh))
     if (!known.contains(value))
@@ -286,7 +283,7 @@ void cut_asked(Mesh& mesh, NamedEnds& named, double least_radius, std::vector<Re
 } // namespace
 
 std::vector<Candidate> find_ends(Mesh& mesh, NamedEnds named, double least_radius, std::vector<Repair>& repairs) {
-  PMP::remove_isolated_vertices(mesh);
+  remove_isolated_vertices(mesh);
   mesh.collect_garbage(); // faces count on from zero
   region_map(mesh);       // a mesh without tags is all wall
   if (!named.cuts.empty())

@@ -1,8 +1,8 @@
 #include "ends/plane_cut.hpp"
 #include "common/error.hpp"
+#include "core/measures.hpp"
 #include <CGAL/Polygon_mesh_processing/connected_components.h>
 #include <CGAL/Polygon_mesh_processing/corefinement.h>
-#include <CGAL/Polygon_mesh_processing/measure.h>
 #include <algorithm>
 
 namespace anatomy {
@@ -86,7 +86,7 @@ bool holds(const Mesh& mesh, const std::vector<Face>& faces, Vertex vertex) {
 }
 
 double dropped(Mesh& mesh, const std::vector<Face>& faces) {
-  const double lost = PMP::area(faces, mesh);
+  const double lost = surface_area(mesh, faces);
   for (Face f : faces)
     CGAL::Euler::remove_face(mesh.halfedge(f), mesh);
   return lost;
@@ -96,11 +96,11 @@ double dropped(Mesh& mesh, const std::vector<Face>& faces) {
 
 double cut(Mesh& mesh, const Plane& plane, Vertex tip, const std::string& remedy) {
   auto [drop, other] = sides(mesh, plane, remedy);
-  if (tip == Mesh::null_vertex() ? PMP::area(other, mesh) < PMP::area(drop, mesh) : holds(mesh, other, tip))
+  if (tip == Mesh::null_vertex() ? surface_area(mesh, other) < surface_area(mesh, drop) : holds(mesh, other, tip))
     std::swap(drop, other);
   if (tip != Mesh::null_vertex() && (!holds(mesh, drop, tip) || holds(mesh, other, tip)))
     refuse(plane, remedy);
-  if (PMP::area(drop, mesh) > 0.5 * PMP::area(mesh)) // both sides are connected somewhere else
+  if (surface_area(mesh, drop) > 0.5 * surface_area(mesh)) // both sides are connected somewhere else
     refuse(plane, remedy);
   const double lost = dropped(mesh, drop);
   PMP::keep_largest_connected_components(mesh, 1); // drops bumps of a rough wall that the plane has cut off

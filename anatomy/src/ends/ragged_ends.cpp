@@ -1,15 +1,13 @@
 #include "ends/ragged_ends.hpp"
 #include "common/error.hpp"
 #include "core/faces.hpp"
+#include "core/measures.hpp"
 #include "ends/cap_open_ends.hpp"
-#include <CGAL/Polygon_mesh_processing/repair.h>
 #include <algorithm>
 #include <optional>
 
 namespace anatomy {
 namespace {
-
-namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
 
 constexpr double same_cap = 0.02;     // largest change of a cap's area by repairs
@@ -115,7 +113,7 @@ void untag(Mesh& mesh, int tag) {
 } // namespace
 
 void cut_ragged(Mesh& mesh, const std::vector<OpenEnd>& ends, std::vector<Repair>& repairs) {
-  PMP::remove_isolated_vertices(mesh);
+  remove_isolated_vertices(mesh);
   mesh.collect_garbage();
   for (const OpenEnd& end : ends) {
     if (!end.ragged && !is_damaged(mesh, end))

@@ -1,8 +1,8 @@
 #include "remesh/corners.hpp"
+#include "core/crossings.hpp"
 #include "core/faces.hpp"
 #include "core/tags.hpp"
 #include "remesh/remesh.hpp"
-#include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/boost/graph/Euler_operations.h>
 #include <algorithm>
 #include <functional>
@@ -253,7 +253,7 @@ struct AngleOptimiser {
         for (Vertex w : in.vertices_around_target(in.halfedge(v)))
           for (Face f : in.faces_around_target(in.halfedge(w)))
             faces.insert(f);
-    return CGAL::Polygon_mesh_processing::does_self_intersect(faces, in);
+    return crosses_itself(in, {faces.begin(), faces.end()});
   }
 
   double smallest() const {

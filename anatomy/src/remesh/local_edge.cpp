@@ -1,11 +1,11 @@
 #include "remesh/local_edge.hpp"
+#include "core/crossings.hpp"
 #include "core/faces.hpp"
 #include "core/tags.hpp"
 #include "ends/ends.hpp"
 #include "remesh/corners.hpp"
 #include "remesh/remesh.hpp"
 #include <CGAL/Polygon_mesh_processing/remesh.h>
-#include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <algorithm>
 
 namespace anatomy {
@@ -139,7 +139,7 @@ struct Remesher {
     for (const auto& [passes, careful] : {std::pair{3, false}, {1, false}, {3, true}}) {
       Mesh widened = mesh;
       widen_corners(widened, surface, wall, aimed_corner, passes, careful);
-      if (!PMP::does_self_intersect(widened))
+      if (!crosses_itself(widened))
         return widened;
     }
     return mesh;

@@ -1,10 +1,8 @@
 #include "remesh/refine.hpp"
-#include <CGAL/Polygon_mesh_processing/measure.h>
+#include "core/measures.hpp"
 
 namespace anatomy {
 namespace {
-
-namespace PMP = CGAL::Polygon_mesh_processing;
 
 constexpr double cos_sharp = 0.8;             // 37 degrees
 constexpr double largest_bulge = 0.01;        // mm; at a blunt crease the normals give too large a bulge
@@ -57,7 +55,7 @@ double turning_share(const Mesh& mesh) {
       const double cosine = normals[mesh.source(h)].dot(normals[mesh.target(h)]);
       turns = turns || (cosine < cos_turn && cosine > cos_sharp);
     }
-    const double area = PMP::face_area(f, mesh);
+    const double area = face_area(mesh, f);
     turning += turns ? area : 0;
     total += area;
   }
@@ -71,7 +69,7 @@ bool is_coarse(const Mesh& mesh) {
   for (Edge e : mesh.edges())
     edges += (vec(mesh.point(mesh.vertex(e, 0))) - vec(mesh.point(mesh.vertex(e, 1)))).norm();
   const double mean = edges / static_cast<double>(mesh.number_of_edges());
-  return mean > 0.12 * 2 * PMP::volume(mesh) / PMP::area(mesh) ||
+  return mean > 0.12 * mean_radius(mesh) ||
          (mesh.number_of_faces() < most_to_split && turning_share(mesh) > thin_share);
 }
 

@@ -1,11 +1,10 @@
 #include "remesh/remesh.hpp"
 #include "common/error.hpp"
+#include "core/crossings.hpp"
+#include "core/measures.hpp"
 #include "core/tags.hpp"
 #include "ends/ends.hpp"
-#include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/remesh.h>
-#include <CGAL/Polygon_mesh_processing/repair_self_intersections.h>
-#include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <algorithm>
 
 namespace anatomy {
@@ -66,17 +65,16 @@ Mesh remeshed(const Mesh& mesh, double edge, const Mesh& surface) {
 }
 
 void untangle(Mesh& mesh) {
-  if (!PMP::does_self_intersect(mesh))
+  if (!crosses_itself(mesh))
     return;
   const auto on_caps = [](const Mesh& m) {
     const RegionMap region = region_map(m);
     return std::count_if(m.faces().begin(), m.faces().end(), [&](Face f) { return region[f] != 0; });
   };
   Mesh copy = mesh;
-  PMP::experimental::remove_self_intersections(copy);
-  copy.collect_garbage();
+  replace_crossings(copy);
   // the topology must be a ball's, so that nothing has fused or torn
-  const bool sound = CGAL::is_closed(copy) && !PMP::does_self_intersect(copy) && on_caps(copy) == on_caps(mesh) &&
+  const bool sound = CGAL::is_closed(copy) && !crosses_itself(copy) && on_caps(copy) == on_caps(mesh) &&
                      copy.number_of_vertices() + copy.number_of_faces() == copy.number_of_edges() + 2;
   if (sound)
     mesh = copy;
@@ -86,8 +84,7 @@ void check_remeshed(const Mesh& out, double edge) {
   if (!CGAL::is_closed(out))
     throw common::ComputationError("remeshing left the surface open", "remeshing", std::to_string(edge) + " mm",
                                    "try a smaller edge");
-  std::vector<std::pair<Face, Face>> pairs;
-  PMP::self_intersections(out, std::back_inserter(pairs));
+  const auto pairs = crossings(out);
   if (!pairs.empty())
     throw common::ComputationError(
         "remeshing made the surface cross itself", place(vec(out.point(out.target(out.halfedge(pairs.front().first))))),
@@ -121,7 +118,7 @@ Quality quality_of(const Mesh& mesh) {
       quality.min_angle_at = vec(mesh.point(mesh.target(mesh.halfedge(f))));
     }
   }
-  quality.volume_mm3 = PMP::volume(mesh);
+  quality.volume_mm3 = enclosed_volume(mesh);
   return quality;
 }
 

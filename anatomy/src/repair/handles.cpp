@@ -1,16 +1,13 @@
 #include "repair/handles.hpp"
 #include "common/error.hpp"
+#include "core/measures.hpp"
 #include "repair/fill_hole.hpp"
 #include "repair/tips.hpp"
-#include <CGAL/Polygon_mesh_processing/measure.h>
-#include <CGAL/Polygon_mesh_processing/repair.h>
 #include <CGAL/boost/graph/Euler_operations.h>
 #include <set>
 
 namespace anatomy {
 namespace {
-
-namespace PMP = CGAL::Polygon_mesh_processing;
 
 constexpr double largest_patch = 0.35;                         // mean radii of the vessel
 constexpr std::array<double, 5> patch_edges{2, 3, 4.5, 7, 10}; // tried in turn, in mean edges round the place
@@ -104,7 +101,7 @@ long close_patch(Mesh& mesh, Vertex v, double edge, double largest) {
 }
 
 void tidy(Mesh& mesh) {
-  PMP::remove_isolated_vertices(mesh);
+  remove_isolated_vertices(mesh);
   mesh.collect_garbage();
 }
 
@@ -112,7 +109,7 @@ void tidy(Mesh& mesh) {
 
 void remove_small_handles(Mesh& mesh, std::vector<Repair>& repairs) {
   tidy(mesh);
-  const double edge = mean_edge(mesh), largest = largest_patch * 2 * PMP::volume(mesh) / PMP::area(mesh);
+  const double edge = mean_edge(mesh), largest = largest_patch * mean_radius(mesh);
   long removed = 0;
   Vec3 first = Vec3::Zero();
   for (int round = 0; round < most_rounds; ++round) {

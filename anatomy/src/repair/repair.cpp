@@ -1,16 +1,15 @@
 #include "repair/repair.hpp"
 #include "common/error.hpp"
+#include "core/crossings.hpp"
+#include "core/measures.hpp"
 #include "repair/fill_hole.hpp"
 #include "repair/weld.hpp"
 #include <CGAL/Polygon_mesh_processing/bbox.h>
 #include <CGAL/Polygon_mesh_processing/connected_components.h>
-#include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
 #include <CGAL/Polygon_mesh_processing/orientation.h>
 #include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
 #include <CGAL/Polygon_mesh_processing/repair_degeneracies.h>
-#include <CGAL/Polygon_mesh_processing/repair_self_intersections.h>
-#include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Polygon_mesh_processing/stitch_borders.h>
 #include <algorithm>
 
@@ -80,7 +79,7 @@ void warn_of_vessels(const Mesh& mesh, const ComponentMap& component, const std:
       middle += vec(mesh.point(v)) / 3;
       box[component[f]].extend(vec(mesh.point(v)));
     }
-    centre[component[f]] += PMP::face_area(f, mesh) / area[component[f]] * middle;
+    centre[component[f]] += face_area(mesh, f) / area[component[f]] * middle;
   }
   if (!chosen)
     check_no_wall(box, kept);
@@ -118,7 +117,7 @@ void keep_one_component(Mesh& mesh, const std::optional<Vec3>& inlet, std::vecto
   if (n > 1) {
     std::vector<double> area(n, 0);
     for (Face f : mesh.faces())
-      area[component[f]] += PMP::face_area(f, mesh);
+      area[component[f]] += face_area(mesh, f);
     const auto largest = static_cast<std::size_t>(std::max_element(area.begin(), area.end()) - area.begin());
     const std::size_t kept = inlet ? component_at(mesh, component, area, largest, *inlet) : largest;
     double total = 0;
@@ -186,24 +185,20 @@ Mesh repaired(const Soup& soup, std::vector<Repair>& repairs, const IsGivenEnd& 
 
 void orient_outward(Mesh& mesh, std::vector<Repair>& repairs) {
   // by the volume, since CGAL's own test uses only the highest vertex, where a rough wall may be folded
-  if (PMP::volume(mesh) >= 0)
+  if (enclosed_volume(mesh) >= 0)
     return;
   PMP::reverse_face_orientations(mesh);
   repairs.push_back({"normals turned outward", mesh.number_of_faces(), "the whole surface faced inward"});
 }
 
 void remove_self_intersections(Mesh& mesh, std::vector<Repair>& repairs) {
-  std::vector<std::pair<Face, Face>> pairs;
-  PMP::self_intersections(mesh, std::back_inserter(pairs));
+  const auto pairs = crossings(mesh);
   if (pairs.empty())
     return;
   const Vec3 where = vec(mesh.point(mesh.target(mesh.halfedge(pairs.front().first))));
   const std::size_t found = pairs.size();
-  PMP::experimental::remove_self_intersections(mesh);
-  mesh.collect_garbage();
-  pairs.clear();
-  PMP::self_intersections(mesh, std::back_inserter(pairs));
-  if (!pairs.empty() || !CGAL::is_closed(mesh))
+  replace_crossings(mesh);
+  if (crosses_itself(mesh) || !CGAL::is_closed(mesh))
     throw InputError("the surface crosses itself and could not be repaired", "near " + place(where),
                      std::to_string(found) + " pairs of triangles", "separate, smooth or re-segment the surface there");
   repairs.push_back({"self-intersections removed", found, "pairs of triangles, first near " + place(where)});

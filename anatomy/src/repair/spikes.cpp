@@ -1,11 +1,9 @@
 #include "repair/spikes.hpp"
-#include <CGAL/Polygon_mesh_processing/measure.h>
+#include "core/measures.hpp"
 #include <algorithm>
 
 namespace anatomy {
 namespace {
-
-namespace PMP = CGAL::Polygon_mesh_processing;
 
 constexpr double least_slope = 0.5;         // edges: 27 degrees all round
 constexpr double least_radii = 0.15;        // mean radii of the lumen; a lower spike hardly changes a section
@@ -80,7 +78,7 @@ bool near_cap(const Mesh& mesh, const RegionMap& region, const Ring& ring) {
 
 void flatten_spikes(Mesh& mesh, std::vector<Repair>& repairs) {
   const RegionMap region = region_map(mesh);
-  const double radius = 2 * std::abs(PMP::volume(mesh)) / PMP::area(mesh);
+  const double radius = mean_radius(mesh);
   std::vector<std::pair<Vertex, Vec3>> moves;
   double highest = 0;
   Vec3 where = Vec3::Zero();

@@ -1,7 +1,7 @@
 #include "trees/choose.hpp"
 #include "common/error.hpp"
+#include "core/measures.hpp"
 #include <CGAL/Polygon_mesh_processing/bbox.h>
-#include <CGAL/Polygon_mesh_processing/repair.h>
 #include <algorithm>
 
 namespace anatomy {
@@ -159,7 +159,7 @@ void cut_off(Mesh& mesh, const CoronaryTree& tree, const Plane& plane, std::vect
       tip = v;
     }
   keep_beyond(mesh, plane, tip, "give --ostium x,y,z, a point on the tree's axis where it is alone");
-  PMP::remove_isolated_vertices(mesh);
+  remove_isolated_vertices(mesh);
   mesh.collect_garbage();
   char detail[200];
   std::snprintf(detail, sizeof detail, "%s, at %s; the aorta and what else hangs on it is left away", tree.name.c_str(),

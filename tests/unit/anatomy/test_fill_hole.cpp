@@ -1,13 +1,12 @@
+#include "core/crossings.hpp"
+#include "core/measures.hpp"
 #include "repair/fill_hole.hpp"
 #include "repair/repair.hpp"
 #include "tube.hpp"
-#include <CGAL/Polygon_mesh_processing/measure.h>
-#include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/boost/graph/helpers.h>
 #include <gtest/gtest.h>
 
 using namespace anatomy;
-namespace PMP = CGAL::Polygon_mesh_processing;
 
 namespace {
 
@@ -44,11 +43,11 @@ TEST(Capped, ClosesAPlaneLoopByAFlatCap) {
       for (const Loop& loop : boundary_loops(mesh)) {
         const std::vector<Face> cap = capped(mesh, loop);
         ASSERT_FALSE(cap.empty());
-        EXPECT_NEAR(PMP::area(cap, mesh), loop.area, 1e-9 * loop.area); // flat, and nothing folded
-        EXPECT_GT(cap.size(), loop.halfedges - 2);                      // refined
+        EXPECT_NEAR(surface_area(mesh, cap), loop.area, 1e-9 * loop.area); // flat, and nothing folded
+        EXPECT_GT(cap.size(), loop.halfedges - 2);                         // refined
       }
       EXPECT_TRUE(CGAL::is_closed(mesh));
-      EXPECT_FALSE(PMP::does_self_intersect(mesh));
+      EXPECT_FALSE(crosses_itself(mesh));
     }
 }
 

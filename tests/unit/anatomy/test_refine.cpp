@@ -1,7 +1,7 @@
+#include "core/measures.hpp"
 #include "ends/ends.hpp"
 #include "remesh/refine.hpp"
 #include "tube_mesh.hpp"
-#include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/boost/graph/helpers.h>
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ TEST(Refine, MiddlesComeToTheTrueCylinder) {
         EXPECT_NEAR(std::hypot(p.y(), p.z()), 1.5, 0.002); // the chords' middles lie 0.0075 inside
       }
   const double truth = M_PI * 1.5 * 1.5 * 10;
-  const auto missing = [&](const Mesh& m) { return 1 - CGAL::Polygon_mesh_processing::volume(m) / truth; };
+  const auto missing = [&](const Mesh& m) { return 1 - enclosed_volume(m) / truth; };
   EXPECT_GT(missing(mesh), 0.005);
   EXPECT_LT(missing(fine), 0.3 * missing(mesh));
   EXPECT_GT(missing(fine), 0);

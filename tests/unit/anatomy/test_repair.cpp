@@ -1,8 +1,8 @@
 #include "common/error.hpp"
+#include "core/measures.hpp"
 #include "repair/loops.hpp"
 #include "repair/repair.hpp"
 #include "tube.hpp"
-#include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/boost/graph/helpers.h>
 #include <gtest/gtest.h>
 
@@ -39,7 +39,7 @@ TEST(Repair, TurnsFlippedTriangles) {
   ASSERT_TRUE(shapes::reported(repairs, "triangles turned"));
   EXPECT_EQ(repairs[0].count, (soup.triangles.size() + 2) / 3);
   orient_outward(mesh, repairs);
-  EXPECT_GT(CGAL::Polygon_mesh_processing::volume(mesh), 60);
+  EXPECT_GT(enclosed_volume(mesh), 60);
 }
 
 TEST(Repair, TurnsAnInwardSurfaceOutward) {
@@ -50,7 +50,7 @@ TEST(Repair, TurnsAnInwardSurfaceOutward) {
   Mesh mesh = repaired(soup, repairs);
   orient_outward(mesh, repairs);
   EXPECT_TRUE(shapes::reported(repairs, "normals turned outward"));
-  EXPECT_GT(CGAL::Polygon_mesh_processing::volume(mesh), 60);
+  EXPECT_GT(enclosed_volume(mesh), 60);
 }
 
 TEST(Repair, FillsAHoleInTheWallButNotAnEnd) {
