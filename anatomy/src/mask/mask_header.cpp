@@ -19,6 +19,7 @@ namespace {
 using common::InputError;
 using Fields = std::map<std::string, std::string>;
 constexpr std::uintmax_t best_packing = 1100; // largest compression ratio; deflate's own limit is 1032
+constexpr std::size_t longest_key = 200;      // characters; VTK's reader of MetaImage overruns its memory from 255 on
 
 bool is_text(const std::string& line) {
   return std::none_of(line.begin(), line.end(),
@@ -37,6 +38,26 @@ void check_header_ends(const std::string& path) {
       throw InputError("the header of the mask cannot be read", path + ", line " + std::to_string(n + 1),
                        "a control character", "export the mask again");
   throw InputError("the header of the mask is incomplete", path, "no empty line ends it", "export the mask again");
+}
+
+// Checks the lines of a MetaImage header: a key that is not too long, "=" or ":", a value. VTK's reader takes a line
+// without a key for a part of the next key.
+void check_meta_lines(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string line;
+  for (int n = 1; std::getline(file, line); ++n) {
+    const std::size_t at = line.find_first_of("=:"), first = line.find_first_not_of(" \t\r");
+    if (first == std::string::npos)
+      continue;
+    if (!is_text(line) || at == std::string::npos || at - std::min(first, at) > longest_key)
+      throw InputError("the header of the mask cannot be read", path + ", line " + std::to_string(n),
+                       !is_text(line)            ? "a control character"
+                       : at == std::string::npos ? "no key = value"
+                                                 : "a key of " + std::to_string(at - first) + " characters",
+                       "export the mask again");
+    if (line.compare(first, 15, "ElementDataFile") == 0)
+      return;
+  }
 }
 
 // The "key <separator> value" lines up to the first empty line, the key `last`, or a line that is no text.
@@ -243,6 +264,7 @@ Eigen::Matrix4d nrrd_affine(const std::string& path) {
 }
 
 Eigen::Matrix4d meta_affine(const std::string& path) {
+  check_meta_lines(path);
   const Fields fields = header_of(path, '=', "ElementDataFile");
   const std::string turn = field(fields, {"TransformMatrix", "Rotation", "Orientation"}),
                     origin = field(fields, {"Offset", "Origin", "Position"}),

@@ -79,6 +79,18 @@ TEST_F(SurfaceFile, AnStlIsTextWhereItsReaderTakesItForText) {
   EXPECT_NE(message(folder / "damaged.stl", "mm").find("not that of its triangles"), std::string::npos);
 }
 
+TEST_F(SurfaceFile, AHeaderThatOverrunsItsReaderIsRefused) {
+  const auto refused = [&](const std::string& line) {
+    std::ofstream(folder / "mask.mha") << "ObjectType = Image\nNDims = 3\n" << line << "\nElementDataFile = LOCAL\n";
+    return message(folder / "mask.mha", "mm");
+  };
+  EXPECT_NE(refused(std::string(201, 'k') + " = 1").find("line 3"), std::string::npos);
+  EXPECT_NE(refused("no key at all").find("no key = value"), std::string::npos);
+  EXPECT_NE(refused("Comment = \x01").find("a control character"), std::string::npos);
+  EXPECT_EQ(refused(std::string(199, 'k') + "=1").find("line 3"), std::string::npos);
+  EXPECT_EQ(refused("\r\n0008|0005 = ISO_IR 100\nComment = a = b: c").find("line"), std::string::npos);
+}
+
 TEST_F(SurfaceFile, Sha256OfAKnownText) {
   std::ofstream(folder / "abc") << "abc"; // FIPS 180-2, appendix B.1
   EXPECT_EQ(sha256_of_file(folder / "abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
