@@ -19,7 +19,8 @@ namespace {
 using common::InputError;
 using Fields = std::map<std::string, std::string>;
 constexpr std::uintmax_t best_packing = 1100; // largest compression ratio; deflate's own limit is 1032
-constexpr std::size_t longest_key = 200;      // characters; VTK's reader of MetaImage overruns its memory from 255 on
+const std::string nrrd_separator = ": "; // with the blank, as the format says; VTK's reader skips a line without it
+constexpr std::size_t longest_key = 200; // characters; VTK's reader of MetaImage overruns its memory from 255 on
 
 bool is_text(const std::string& line) {
   return std::none_of(line.begin(), line.end(),
@@ -61,7 +62,7 @@ void check_meta_lines(const std::string& path) {
 }
 
 // The "key <separator> value" lines up to the first empty line, the key `last`, or a line that is no text.
-Fields header_of(const std::string& path, char separator, const std::string& last) {
+Fields header_of(const std::string& path, const std::string& separator, const std::string& last) {
   std::ifstream file(path, std::ios::binary);
   Fields fields;
   std::string line;
@@ -74,7 +75,7 @@ Fields header_of(const std::string& path, char separator, const std::string& las
       continue;
     std::string key = line.substr(0, at);
     key.erase(key.find_last_not_of(' ') + 1);
-    fields[key] = line.substr(at + 1);
+    fields[key] = line.substr(at + separator.size());
     if (key == last)
       break;
   }
@@ -107,7 +108,7 @@ std::vector<double> numbers(std::string text, std::size_t count, const std::stri
   for (double x; stream >> x;)
     out.push_back(x);
   if (out.size() != count || !stream.eof())
-    throw InputError("the header of the mask cannot be read", path + ": " + what, value,
+    throw InputError("the header of the mask cannot be read", path + ": " + what, value.empty() ? "missing" : value,
                      "give a three-dimensional image with " + std::to_string(count) + " numbers here");
   return out;
 }
@@ -249,7 +250,7 @@ const std::vector<double> identity{1, 0, 0, 0, 1, 0, 0, 0, 1}, ones{1, 1, 1}, ze
 
 Eigen::Matrix4d nrrd_affine(const std::string& path) {
   check_header_ends(path);
-  const Fields fields = header_of(path, ':', "");
+  const Fields fields = header_of(path, nrrd_separator, "");
   if (numbers(field(fields, {"dimension"}), 1, "dimension", path)[0] != 3)
     throw InputError("the mask is not three-dimensional", path, "dimension" + field(fields, {"dimension"}),
                      "give one label for each voxel: in 3D Slicer export the segmentation to a labelmap volume and "
@@ -265,7 +266,7 @@ Eigen::Matrix4d nrrd_affine(const std::string& path) {
 
 Eigen::Matrix4d meta_affine(const std::string& path) {
   check_meta_lines(path);
-  const Fields fields = header_of(path, '=', "ElementDataFile");
+  const Fields fields = header_of(path, "=", "ElementDataFile");
   const std::string turn = field(fields, {"TransformMatrix", "Rotation", "Orientation"}),
                     origin = field(fields, {"Offset", "Origin", "Position"}),
                     spacing = field(fields, {"ElementSpacing", "ElementSize"});
@@ -275,13 +276,13 @@ Eigen::Matrix4d meta_affine(const std::string& path) {
 }
 
 void check_nrrd_length(const std::string& path, std::uintmax_t bytes) {
-  const Fields fields = header_of(path, ':', "");
+  const Fields fields = header_of(path, nrrd_separator, "");
   check_length(path, trimmed(field(fields, {"data file", "datafile"})), bytes,
                trimmed(field(fields, {"encoding"})) != "raw");
 }
 
 void check_meta_length(const std::string& path, std::uintmax_t bytes) {
-  const Fields fields = header_of(path, '=', "ElementDataFile");
+  const Fields fields = header_of(path, "=", "ElementDataFile");
   const std::string data = trimmed(field(fields, {"ElementDataFile"}));
   const bool packed =
       trimmed(field(fields, {"CompressedData"})) == "True" || trimmed(field(fields, {"BinaryData"})) == "False";

@@ -91,6 +91,13 @@ TEST_F(SurfaceFile, AHeaderThatOverrunsItsReaderIsRefused) {
   EXPECT_EQ(refused("\r\n0008|0005 = ISO_IR 100\nComment = a = b: c").find("line"), std::string::npos);
 }
 
+TEST_F(SurfaceFile, AFieldOfNrrdNeedsItsBlank) { // else VTK's reader passes over it, and reads into memory it has not
+  std::ofstream(folder / "mask.nrrd") << "NRRD0004\ntype: uchar\ndimension:3\nsizes: 12 12 16\nencoding: raw\n"
+                                         "space directions: (0.5,0,0) (0,0.5,0) (0,0,0.5)\n\n"
+                                      << std::string(12 * 12 * 16, '\1');
+  EXPECT_NE(message(folder / "mask.nrrd", "mm").find("dimension"), std::string::npos);
+}
+
 TEST_F(SurfaceFile, Sha256OfAKnownText) {
   std::ofstream(folder / "abc") << "abc"; // FIPS 180-2, appendix B.1
   EXPECT_EQ(sha256_of_file(folder / "abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
