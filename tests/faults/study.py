@@ -14,7 +14,7 @@ sys.path.insert(0, str(ROOT))
 from workflow.manifest import digest  # noqa: E402
 
 CASE = "quick_focal"
-COARSE = "\n  flow: {coarse_rings: 2, ffr_tolerance: 0.1}\n  ct: {enabled: false}\n"  # one mesh, a flow of seconds
+COARSE = "\n  flow: {ffr_tolerance: 0.1}\n  ct: {enabled: false}\n"  # one mesh, a flow of seconds
 STEPS = ("vci/deployment.json", "rc/deployment.json", "flow/vci/ffr.json", "anatomy/tree.png")
 TARGETS = [f"results/cases/{CASE}/{step}" for step in STEPS]
 LOCKED = "the folder is locked"

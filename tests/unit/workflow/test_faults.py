@@ -4,6 +4,8 @@ import importlib
 
 import pytest
 
+from common import config
+
 
 @pytest.fixture
 def run(repo_root, monkeypatch):
@@ -45,3 +47,10 @@ def test_page_has_a_row_a_fault_and_sums_the_kills(run, tmp_path):
     assert "| the disk is full | 1 | `No space left` | 0 | to the end | 1 |" in page
     assert "| read-only | not tried: mounting needs root | | | | |" in page
     assert "flow of vci (1), virtual deployment (1)" in page and "33 products" in page
+
+
+def test_the_study_that_is_disturbed_has_a_valid_configuration(run, tmp_path):
+    """Its case is the shipped one with settings of its own, which a change of the schema may make invalid."""
+    case = run.Study(tmp_path).folder / "config" / "cases" / "quick_focal.yaml"
+    config.load_case(case)
+    assert "ffr_tolerance: 0.1" in case.read_text()
