@@ -1,4 +1,7 @@
-"""Writes docs/fuzzing.md from the logs of `make fuzz`: page.py --logs build-fuzz --seconds 600 --out docs/fuzzing.md."""
+"""Writes docs/fuzzing.md from the logs of `make fuzz`.
+
+    page.py --logs build-fuzz --seconds 600 --out docs/fuzzing.md
+"""
 
 import argparse
 import pathlib
@@ -6,17 +9,17 @@ import re
 
 HEAD = """# What the readers do with damaged files
 
-Written by `make fuzz FUZZ_SECONDS={seconds}`. A reader gets changed copies of sound files for {seconds} seconds. It must read
-each one, or refuse it with a message. A crash, an unfreed block of memory, undefined behaviour or a file that takes too long is a
-fault.
+Written by `make fuzz FUZZ_SECONDS={seconds}`. A reader gets changed copies of sound files for {seconds} seconds.
+It must read each one, or refuse it with a message. A crash, an unfreed block of memory, undefined behaviour or a file
+that takes too long is a fault.
 
 | reader | language | files | faults |
 | --- | --- | --- | --- |
 """
 TAIL = """
-The C++ readers run under the address and undefined-behaviour sanitizers, and libFuzzer chooses the changes by the code that they
-reach. The Python readers get random changes of lines, words, numbers and bytes. `tests/fuzz/leaks.txt` names a leak in VTK that is
-left out. The files that caused faults are in `build-fuzz/found`.
+The C++ readers run under the address and undefined-behaviour sanitizers, and libFuzzer chooses the changes by the code
+that they reach. The Python readers get random changes of lines, words, numbers and bytes. `tests/fuzz/leaks.txt` names
+a leak in VTK that is left out. The files that caused faults are in `build-fuzz/found`.
 """
 OF_CPP = {
     "scene": "scene of the deployment",

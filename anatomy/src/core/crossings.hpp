@@ -1,4 +1,4 @@
-// Triangles of a surface that cross each other. CGAL's headers for them are slow to compile, so one file alone includes them.
+// Triangles of a surface that cross each other. CGAL's headers for them compile slowly: one file alone includes them.
 #pragma once
 #include "core/types.hpp"
 #include <utility>

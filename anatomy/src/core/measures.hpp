@@ -1,4 +1,4 @@
-// Area, volume and mean radius of a surface. CGAL's headers for them are slow to compile, so one file alone includes them.
+// Area, volume and mean radius of a surface. CGAL's headers for them compile slowly, so one file alone includes them.
 #pragma once
 #include "core/types.hpp"
 

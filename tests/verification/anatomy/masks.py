@@ -53,7 +53,8 @@ def meta(path, labels, affine):
     spacing = np.linalg.norm(affine[:3, :3], axis=0)
     turn = " ".join(f"{x:.12g}" for x in (affine[:3, :3] / spacing).T.ravel())
     header = (
-        "ObjectType = Image\nNDims = 3\n0008|0005 = ISO_IR 100\nITK_InputFilterName = NrrdImageIO\nBinaryData = True\nBinaryDataByteOrderMSB = False\n"
+        "ObjectType = Image\nNDims = 3\n0008|0005 = ISO_IR 100\nITK_InputFilterName = NrrdImageIO\n"
+        "BinaryData = True\nBinaryDataByteOrderMSB = False\n"
         f"TransformMatrix = {turn}\nOffset = {' '.join(f'{x:.12g}' for x in affine[:3, 3])}\n"
         f"ElementSpacing = {' '.join(f'{x:.12g}' for x in spacing)}\n"
         f"DimSize = {' '.join(map(str, labels.shape))}\nElementType = MET_SHORT\nElementDataFile = LOCAL\n"
