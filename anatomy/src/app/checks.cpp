@@ -8,6 +8,7 @@
 
 namespace anatomy {
 namespace {
+
 using common::InputError;
 
 constexpr double least_move = 1e-3;    // mm

@@ -15,6 +15,7 @@
 
 namespace anatomy {
 namespace {
+
 using common::InputError;
 
 constexpr double smallest_cap = 1.5; // voxels; a thin lumen from voxels has facets of about one voxel on its wall

@@ -21,6 +21,7 @@
 
 namespace anatomy {
 namespace {
+
 using common::InputError;
 
 constexpr double finest_start = 0.05;     // mm

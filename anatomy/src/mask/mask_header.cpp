@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -19,17 +20,16 @@ namespace {
 using common::InputError;
 using Fields = std::map<std::string, std::string>;
 constexpr std::uintmax_t best_packing = 1100; // largest compression ratio; deflate's own limit is 1032
-const std::string nrrd_separator = ": "; // with the blank, as the format says; VTK's reader skips a line without it
-constexpr std::size_t longest_key = 200; // characters; VTK's reader of MetaImage overruns its memory from 255 on
+constexpr std::size_t longest_key = 200;      // characters; VTK's reader of MetaImage overruns its memory from 255 on
 
 bool is_text(const std::string& line) {
   return std::none_of(line.begin(), line.end(),
                       [](unsigned char c) { return std::iscntrl(c) && c != '\t' && c != '\r'; });
 }
 
-// Checks that an empty line ends a NRRD header. VTK's reader never returns if the line is missing, or if a line before
-// it is no text.
-void check_header_ends(const std::string& path) {
+// Checks the lines of a NRRD header up to the empty one that ends it. VTK's reader never returns if that is missing, or
+// if a line before it is no text. It passes over a field without the blank after its colon, which the format asks for.
+void check_nrrd_lines(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string line;
   for (int n = 0; std::getline(file, line); ++n)
@@ -38,6 +38,10 @@ void check_header_ends(const std::string& path) {
     else if (!is_text(line))
       throw InputError("the header of the mask cannot be read", path + ", line " + std::to_string(n + 1),
                        "a control character", "export the mask again");
+    else if (const std::size_t next = line.find(':') + 1;
+             next > 0 && next < line.size() && line[0] != '#' && !std::strchr(" =\r", line[next]))
+      throw InputError("the header of the mask cannot be read", path + ", line " + std::to_string(n + 1),
+                       "no blank after the colon", "write the blank, or export the mask again");
   throw InputError("the header of the mask is incomplete", path, "no empty line ends it", "export the mask again");
 }
 
@@ -62,7 +66,7 @@ void check_meta_lines(const std::string& path) {
 }
 
 // The "key <separator> value" lines up to the first empty line, the key `last`, or a line that is no text.
-Fields header_of(const std::string& path, const std::string& separator, const std::string& last) {
+Fields header_of(const std::string& path, char separator, const std::string& last) {
   std::ifstream file(path, std::ios::binary);
   Fields fields;
   std::string line;
@@ -75,7 +79,7 @@ Fields header_of(const std::string& path, const std::string& separator, const st
       continue;
     std::string key = line.substr(0, at);
     key.erase(key.find_last_not_of(' ') + 1);
-    fields[key] = line.substr(at + separator.size());
+    fields[key] = line.substr(at + 1);
     if (key == last)
       break;
   }
@@ -249,8 +253,8 @@ const std::vector<double> identity{1, 0, 0, 0, 1, 0, 0, 0, 1}, ones{1, 1, 1}, ze
 } // namespace
 
 Eigen::Matrix4d nrrd_affine(const std::string& path) {
-  check_header_ends(path);
-  const Fields fields = header_of(path, nrrd_separator, "");
+  check_nrrd_lines(path);
+  const Fields fields = header_of(path, ':', "");
   if (numbers(field(fields, {"dimension"}), 1, "dimension", path)[0] != 3)
     throw InputError("the mask is not three-dimensional", path, "dimension" + field(fields, {"dimension"}),
                      "give one label for each voxel: in 3D Slicer export the segmentation to a labelmap volume and "
@@ -266,7 +270,7 @@ Eigen::Matrix4d nrrd_affine(const std::string& path) {
 
 Eigen::Matrix4d meta_affine(const std::string& path) {
   check_meta_lines(path);
-  const Fields fields = header_of(path, "=", "ElementDataFile");
+  const Fields fields = header_of(path, '=', "ElementDataFile");
   const std::string turn = field(fields, {"TransformMatrix", "Rotation", "Orientation"}),
                     origin = field(fields, {"Offset", "Origin", "Position"}),
                     spacing = field(fields, {"ElementSpacing", "ElementSize"});
@@ -276,13 +280,13 @@ Eigen::Matrix4d meta_affine(const std::string& path) {
 }
 
 void check_nrrd_length(const std::string& path, std::uintmax_t bytes) {
-  const Fields fields = header_of(path, nrrd_separator, "");
+  const Fields fields = header_of(path, ':', "");
   check_length(path, trimmed(field(fields, {"data file", "datafile"})), bytes,
                trimmed(field(fields, {"encoding"})) != "raw");
 }
 
 void check_meta_length(const std::string& path, std::uintmax_t bytes) {
-  const Fields fields = header_of(path, "=", "ElementDataFile");
+  const Fields fields = header_of(path, '=', "ElementDataFile");
   const std::string data = trimmed(field(fields, {"ElementDataFile"}));
   const bool packed =
       trimmed(field(fields, {"CompressedData"})) == "True" || trimmed(field(fields, {"BinaryData"})) == "False";

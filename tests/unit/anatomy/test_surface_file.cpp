@@ -91,11 +91,14 @@ TEST_F(SurfaceFile, AHeaderThatOverrunsItsReaderIsRefused) {
   EXPECT_EQ(refused("\r\n0008|0005 = ISO_IR 100\nComment = a = b: c").find("line"), std::string::npos);
 }
 
-TEST_F(SurfaceFile, AFieldOfNrrdNeedsItsBlank) { // else VTK's reader passes over it, and reads into memory it has not
-  std::ofstream(folder / "mask.nrrd") << "NRRD0004\ntype: uchar\ndimension:3\nsizes: 12 12 16\nencoding: raw\n"
-                                         "space directions: (0.5,0,0) (0,0.5,0) (0,0,0.5)\n\n"
-                                      << std::string(12 * 12 * 16, '\1');
-  EXPECT_NE(message(folder / "mask.nrrd", "mm").find("dimension"), std::string::npos);
+TEST_F(SurfaceFile, AFieldOfNrrdNeedsItsBlank) { // VTK's reader passes over it without: of the sizes, of the directions
+  const auto refused = [&](const std::string& line) {
+    std::ofstream(folder / "mask.nrrd") << "NRRD0004\n# made: by hand\nkey:=value\ncontent:\n" << line << "\n\n";
+    return message(folder / "mask.nrrd", "mm");
+  };
+  EXPECT_NE(refused("dimension:3").find("line 5"), std::string::npos);
+  EXPECT_NE(refused("space origin:(1,2,3)").find("no blank after the colon"), std::string::npos);
+  EXPECT_EQ(refused("dimension: 3").find("no blank"), std::string::npos);
 }
 
 TEST_F(SurfaceFile, Sha256OfAKnownText) {
