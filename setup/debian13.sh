@@ -11,7 +11,8 @@ Makes a Debian 13 in FOLDER (build-debian13) unless it is there, installs setup/
 ships, whose page is left as FOLDER/vci/results/debian13.md.
 
 Needs root, mmdebstrap, 7 GB, and the archive that this system's apt takes its packages from. Nothing outside FOLDER is written,
-and mounts end with the command. CORES (all) and OMP_NUM_THREADS (1) pass into it. Exit code 77 where it cannot run at all.
+and mounts end with the command. CORES (all) and OMP_NUM_THREADS (1) pass into it, and so do the certificates in the file that
+NODE_EXTRA_CA_CERTS names, for npm behind a proxy. Exit code 77 where it cannot run at all.
 TEXT
 }
 
@@ -49,12 +50,18 @@ git init -q "$root/vci"
 git -C "$root/vci" fetch -q --depth 1 "file://$here" HEAD
 git -C "$root/vci" reset -q --hard FETCH_HEAD
 
+extra=
+if [ -f "${NODE_EXTRA_CA_CERTS:-}" ]; then
+  extra=/etc/ssl/extra-ca.crt
+  cp "$NODE_EXTRA_CA_CERTS" "$root$extra"
+fi
+
 # A mount namespace of its own: /dev has MPI's shared memory, /proc is that of the new processes alone.
-export ROOT="$root" COMMAND="$command"
+export ROOT="$root" COMMAND="$command" EXTRA="$extra"
 export CORES=${CORES:-$(nproc)} OMP_NUM_THREADS=${OMP_NUM_THREADS:-1}
 exec unshare --mount --pid --fork --kill-child bash -euc '
   mount --rbind /dev "$ROOT/dev"
   mount -t proc proc "$ROOT/proc"
   mount -t sysfs sysfs "$ROOT/sys"
   exec chroot "$ROOT" /usr/bin/env -i HOME=/root LANG=C.UTF-8 PATH=/usr/sbin:/usr/bin:/sbin:/bin \
-    CORES="$CORES" OMP_NUM_THREADS="$OMP_NUM_THREADS" bash -euc "cd /vci && bash setup/install.sh && $COMMAND"'
+    CORES="$CORES" OMP_NUM_THREADS="$OMP_NUM_THREADS" ${EXTRA:+NODE_EXTRA_CA_CERTS="$EXTRA"} bash -euc "cd /vci && bash setup/install.sh && $COMMAND"'
