@@ -8,8 +8,9 @@ import pathlib
 import time
 
 import basix
+import numpy as np
 import ufl
-from dolfinx import fem, jit, plot
+from dolfinx import fem, geometry, jit, plot
 
 # of two programs that need the same form, one compiles it and the other waits: by default for 10 s only
 WAIT_S = 300
@@ -57,6 +58,10 @@ if hasattr(fem, "functionspace"):  # 0.9
         """(cells, dofs of a cell) node numbers of a space; for a part of a mixed space the dof numbers."""
         return space.dofmap.list
 
+    def _near(mesh, points):
+        tree = geometry.bb_tree(mesh, mesh.topology.dim)
+        return geometry.compute_collisions_points(tree, points)
+
     def _shape(size):
         return None if size is None else (size,)
 
@@ -91,6 +96,10 @@ else:  # 0.5
         lists = space.dofmap.list.array
         return lists.reshape(-1, len(space.dofmap.cell_dofs(0)))
 
+    def _near(mesh, points):
+        tree = geometry.BoundingBoxTree(mesh, mesh.topology.dim)
+        return geometry.compute_collisions(tree, points)
+
     def interpolation_matrix(coarse, fine):
         return cpp_petsc.interpolation_matrix(coarse._cpp_object, fine._cpp_object)
 
@@ -103,6 +112,12 @@ else:  # 0.5
 def cell_of(mesh):
     """Name of a mesh's cells."""
     return mesh.ufl_cell().cellname()
+
+
+def cells_at(mesh, points):
+    """Number (n,) of a cell that holds each of points (n, 3) in the mesh's unit; where several do, the first."""
+    found = geometry.compute_colliding_cells(mesh, _near(mesh, points), points)
+    return np.array([found.links(k)[0] for k in range(len(points))], np.int32)
 
 
 def quadratic_domain(cell):

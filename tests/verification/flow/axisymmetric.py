@@ -7,10 +7,12 @@ at the outlet.
 
 import numpy as np
 import ufl
-from dolfinx import fem, geometry, mesh
+from dolfinx import fem, mesh
 from dolfinx.fem import petsc as fem_petsc
 from mpi4py import MPI
 from petsc4py import PETSc
+
+from common import fenicsx
 
 FRACTIONS = (0.1, 0.25, 0.5, 0.65, 0.8, 0.9, 1.0)
 
@@ -43,8 +45,7 @@ def cells_of(number):
 
 def quadrilaterals(points, cells):
     """Mesh of curved quadrilaterals (c, 9) at points (n, 2) in m."""
-    element = ufl.VectorElement("Lagrange", ufl.Cell("quadrilateral", geometric_dimension=2), 2)
-    return mesh.create_mesh(MPI.COMM_WORLD, cells, points, ufl.Mesh(element))
+    return mesh.create_mesh(MPI.COMM_WORLD, cells, points, fenicsx.quadratic_domain("quadrilateral"))
 
 
 class Tube:
@@ -54,9 +55,9 @@ class Tube:
         self.document, self.radius, self.radius_0, self.factor = document, radius, float(radius(0.0)) * 1e-3, None
         self.cells, self.place = cells, _graded(length, throat, cells[0])
         self.domain = domain = self._mesh()
-        velocity = ufl.VectorElement("Q", domain.ufl_cell(), degree)
-        pressure = ufl.FiniteElement("Q", domain.ufl_cell(), degree - 1)
-        W = fem.FunctionSpace(domain, ufl.MixedElement([velocity, pressure]))
+        velocity = fenicsx.lagrange("quadrilateral", degree, 2)
+        pressure = fenicsx.lagrange("quadrilateral", degree - 1)
+        W = fenicsx.function_space(domain, fenicsx.mixed(velocity, pressure))
         self.state = fem.Function(W)
         self._boundaries(W, length * 1e-3)
         self._forms(W, backflow, 3 * degree + 1)
@@ -116,18 +117,19 @@ class Tube:
         ksp.setType("preonly")
         ksp.getPC().setType("lu")
         ksp.getPC().setFactorSolverType("mumps")
+        state = fenicsx.petsc_vector(self.state)
         for _ in range(25):
             b = fem_petsc.assemble_vector(self.residual)
             A = fem_petsc.assemble_matrix(self.tangent, bcs=self.conditions)
             A.assemble()
-            fem_petsc.apply_lifting(b, [self.tangent], [self.conditions], [self.state.vector], -1.0)
-            fem_petsc.set_bc(b, self.conditions, self.state.vector, -1.0)
+            fem_petsc.apply_lifting(b, [self.tangent], [self.conditions], [state], -1.0)
+            fem_petsc.set_bc(b, self.conditions, state, -1.0)
             update = b.copy()
             ksp.setOperators(A)
             ksp.solve(b, update)
-            self.state.vector.axpy(-1.0, update)
+            state.axpy(-1.0, update)
             A.destroy()
-            if update.norm() < 1e-8 * self.state.vector.norm():
+            if update.norm() < 1e-8 * state.norm():
                 ksp.destroy()
                 return fem.assemble_scalar(self.inlet_pressure)
         raise RuntimeError("the axisymmetric flow did not converge")
@@ -189,6 +191,4 @@ class Tube:
 
     def _on_axis(self, s_mm):
         point = np.array([[s_mm * 1e-3, 1e-7, 0.0]])
-        tree = geometry.BoundingBoxTree(self.domain, 2)
-        cell = geometry.compute_colliding_cells(self.domain, geometry.compute_collisions(tree, point), point).links(0)
-        return float(self.state.sub(1).eval(point, cell[:1])[0])
+        return float(self.state.sub(1).eval(point, fenicsx.cells_at(self.domain, point))[0])

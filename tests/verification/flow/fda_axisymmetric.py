@@ -7,7 +7,8 @@ Cells are graded towards the expansion and the throat's edge.
 import axisymmetric
 import fda_nozzle
 import numpy as np
-from dolfinx import geometry
+
+from common import fenicsx
 
 ENDS = np.cumsum([0.0, fda_nozzle.INLET_MM, fda_nozzle.CONE_MM, fda_nozzle.THROAT_MM, fda_nozzle.OUTLET_MM])
 WIDTHS = (fda_nozzle.RADIUS, fda_nozzle.RADIUS, fda_nozzle.THROAT, fda_nozzle.THROAT)  # radius of the core at ENDS
@@ -50,9 +51,7 @@ class Nozzle(axisymmetric.Tube):
         """(velocity along the axis (n,) in m/s, pressure (n,) in Pa) at s_mm (n,), r_mm from the axis."""
         points = np.zeros((len(s_mm), 3))
         points[:, 0], points[:, 1] = 1e-3 * np.asarray(s_mm), 1e-3 * r_mm
-        tree = geometry.BoundingBoxTree(self.domain, 2)
-        found = geometry.compute_colliding_cells(self.domain, geometry.compute_collisions(tree, points), points)
-        cells = np.array([found.links(k)[0] for k in range(len(points))], np.int32)
+        cells = fenicsx.cells_at(self.domain, points)
         return self.state.sub(0).eval(points, cells)[:, 0], self.state.sub(1).eval(points, cells)[:, 0]
 
     def solve(self, flow):

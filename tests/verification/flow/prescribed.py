@@ -3,6 +3,8 @@
 from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
+from common import fenicsx
+
 MOST_STEPS = 20
 
 
@@ -16,7 +18,7 @@ def solve(forms, state, conditions, load=None, tolerance=1e-11):
     ksp.setType("preonly")
     ksp.getPC().setType("lu")
     ksp.getPC().setFactorSolverType("mumps")
-    x = state.vector
+    x = fenicsx.petsc_vector(state)
     for _ in range(MOST_STEPS):
         b = residual(forms, load)
         A = fem_petsc.assemble_matrix(forms.whole_tangent, bcs=conditions)
