@@ -16,6 +16,9 @@ import jsonschema
 from common import yaml_reader
 from common.errors import InputError
 
+# A key that has no place: `false` as YAML has it, of which jsonschema 4.19 forgets the key.
+NO_PLACE = {"not": {}}
+
 FOLDER = pathlib.Path(__file__).resolve().parent.parent / "config" / "schemas"
 
 
@@ -39,7 +42,7 @@ def _expand(schema, partial):
         if partial and key in ("required", "default"):
             continue
         if key == "properties":  # holds names of keys, which may be "default" or "required"
-            expanded[key] = {name: _expand(item, inside) for name, item in value.items()}
+            expanded[key] = {name: NO_PLACE if item is False else _expand(item, inside) for name, item in value.items()}
         else:
             expanded[key] = _expand(value, inside)
     return expanded
@@ -58,7 +61,7 @@ def _order(document, error):
 
     An unknown key comes before a missing one, because it is often that key misspelt.
     """
-    rank = 0 if error.schema is False else 1 if error.validator == "additionalProperties" else 2
+    rank = 0 if error.schema == NO_PLACE else 1 if error.validator == "additionalProperties" else 2
     return document.line(error.absolute_path), rank, str(error.message)
 
 
@@ -120,7 +123,7 @@ def _explain(document, error):
             else f"add {missing}"
         )
         return InputError("key is missing", where, "none", remedy)
-    if error.schema is False or error.validator is None:
+    if error.schema == NO_PLACE:
         return InputError("key has no place here", document.where(path), _short(value), "remove it")
     return InputError("value is not allowed", document.where(path), _short(value), f"allowed: {allowed}")
 

@@ -1,6 +1,7 @@
 """The solver on small tubes: Poiseuille's drop, balances, quadratic convergence, which mesh answers."""
 
 import json
+import pathlib
 import subprocess
 import sys
 import types
@@ -202,6 +203,7 @@ def test_same_input_same_bits(case, coarse_mesh, tmp_path):
     files = ["--boundary", str(case / "boundary.json"), "--centreline", str(case / "centreline.vtp")]
     line = ["solve", str(case / "mesh.msh"), "--coarse", str(coarse_mesh), *files, "--ffr-tolerance", "0"]
     environment = {"PYTHONPATH": str(imports.ROOT), "PATH": "/usr/bin:/bin", "OMP_NUM_THREADS": "1"}
+    environment["HOME"] = str(pathlib.Path.home())  # without it Open MPI 5 does not start
     found = []
     for name in "ab":
         command = [sys.executable, "-m", "flow", *line, "--out", str(tmp_path / name)]

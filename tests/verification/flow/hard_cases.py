@@ -208,6 +208,7 @@ def run(name, folder):
             command += ["--boundary", "boundary.json"]
         with open(folder / f"{command[0]}.log", "w") as log:
             environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin", "OMP_NUM_THREADS": "1"}
+            environment["HOME"] = str(pathlib.Path.home())  # without it Open MPI 5 does not start
             done = subprocess.run(
                 [sys.executable, "-m", "flow", *command], cwd=folder, stderr=log, stdout=log, env=environment
             )
