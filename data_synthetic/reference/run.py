@@ -5,6 +5,7 @@ import pathlib
 import time
 
 import numpy as np
+from scipy.integrate import trapezoid
 
 from common import config, schema, vtp
 from common.errors import InputError
@@ -151,7 +152,7 @@ def _recoil(records, spans):
         last = [r["history"][-1] for r in held]
         loss = np.array([100 * (1 - h["radius_mm"] / h["inflated_radius_mm"]) for h in last])
         order = np.argsort(s)
-        lost, length = lost + np.trapz(loss[order], s[order]), length + np.ptp(s)
+        lost, length = lost + trapezoid(loss[order], s[order]), length + np.ptp(s)
     return float(lost / length) if length else None
 
 

@@ -23,6 +23,7 @@ import openfoam_case  # noqa: E402
 import openfoam_run  # noqa: E402
 import tubes  # noqa: E402
 import ufl  # noqa: E402
+from scipy.integrate import trapezoid  # noqa: E402
 
 from common.errors import ComputationError, InputError, guarded  # noqa: E402
 from flow import settings  # noqa: E402
@@ -159,7 +160,7 @@ def volume_mm3(path):
 def check(row):
     """Raises ComputationError where a converged row's geometry or flow is not the one that all are to share."""
     s = np.linspace(0, LENGTH, 20001)
-    exact = {"volume_mm3": float(np.trapz(np.pi * RADIUS_PROFILE(s) ** 2, s)), "flow_ml_per_min": FLOW * 6e7}
+    exact = {"volume_mm3": float(trapezoid(np.pi * RADIUS_PROFILE(s) ** 2, s)), "flow_ml_per_min": FLOW * 6e7}
     shared = [] if row["outcome"].startswith("not") else SHARED.items()
     for name, part in shared:
         if name in row and abs(row[name] / exact[name] - 1) > part:

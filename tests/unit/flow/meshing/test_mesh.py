@@ -8,6 +8,7 @@ import sys
 
 import numpy as np
 import pytest
+from scipy.integrate import trapezoid
 from scipy.spatial.transform import Rotation
 
 import tubes
@@ -50,7 +51,7 @@ def _volume(quadratic):
 def test_curved_volume_is_that_of_the_smooth_vessel(built):
     tube, (quadratic, _) = built
     s = np.linspace(0, 16, 4001)
-    exact = np.trapz(np.pi * tubes.lesion(1.5, 0.4, 8, 8)(s) ** 2, s)
+    exact = trapezoid(np.pi * tubes.lesion(1.5, 0.4, 8, 8)(s) ** 2, s)
     straight = tube.volume_mm3()
     assert abs(straight - exact) / exact > 0.01
     assert abs(_volume(quadratic) - exact) / exact < 0.001

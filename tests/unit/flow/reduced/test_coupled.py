@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from scipy.integrate import trapezoid
 
 import tubes
 from flow import __main__ as command_line
@@ -36,7 +37,7 @@ def test_a_leak_takes_its_flow_through_the_wall():
     _, rho, axial, _, _ = tube.fields()
 
     def through(section):
-        return np.trapz(2 * np.pi * rho * axial[section], rho) * radius[section] ** 2
+        return trapezoid(2 * np.pi * rho * axial[section], rho) * radius[section] ** 2
 
     assert through(20) == pytest.approx(flow, rel=0.01)
     assert through(100) == pytest.approx(0.6 * flow, rel=0.01)
