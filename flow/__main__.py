@@ -68,7 +68,8 @@ def mesh_command(arguments):
     centreline.check_ends(tree, lumen, arguments.centreline)
     used = {name: value for name, value in vars(settings).items() if "mesh" in settings_module.commands_of(name)}
     report = {"schema": "vci-mesh-1", "settings": used, "made_from_sha256": mesh.fingerprint(lumen, tree)}
-    meshes = mesh.sequence([*coarse, (arguments.out, settings.rings)], lumen, tree, settings, report)
+    make = mesh.sequence if settings.model == "3d" else mesh.alone
+    meshes = make([*coarse, (arguments.out, settings.rings)], lumen, tree, settings, report)
     mesh.write_all(meshes, report, command_files.mesh_report(arguments))
 
 

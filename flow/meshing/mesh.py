@@ -114,6 +114,15 @@ def sequence(paths, surface, tree, settings, report):
     return meshes
 
 
+def alone(paths, surface, tree, settings, report):
+    """As `sequence`, but the coarsest mesh alone, in the last file. A reduced model only shows its fields on it."""
+    (*others, (path, rings)), few = paths, paths[0][1]
+    cells_per_radius = settings.coarse_cells_per_radius if others else settings.cells_per_radius
+    built, figures = build(surface, tree, cells_per_radius, settings, few, rings / few)
+    report.update(figures)
+    return [(built, report, path), *((None, {}, other) for other, _ in others)]
+
+
 def _unlayered(settings):
     """The warning, printed too, that wall_layers has no effect where nothing is swept; empty for a single layer."""
     if settings.wall_layers == 1:

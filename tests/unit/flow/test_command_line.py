@@ -214,6 +214,20 @@ def test_the_same_lumen_has_the_same_mesh_and_report(case, meshes, tmp_path):
         assert (tmp_path / name).read_bytes() == (meshes / name).read_bytes()
 
 
+def test_a_reduced_model_answers_the_same_on_its_single_mesh(case, meshes, tmp_path):
+    reduced = ["--model", "axisymmetric"]
+    command_line.main(_mesh(case, tmp_path, *reduced))
+    found = []
+    for there in (meshes, tmp_path):
+        both = ["--coarse", str(there / "coarse.msh"), "--lumen", str(case / "lumen.vtp"), *reduced]
+        command_line.main(_solve(case, there, tmp_path / "out", *both))
+        found.append(json.loads((tmp_path / "out" / "ffr.json").read_text()))
+    assert (tmp_path / "coarse.msh").stat().st_size == 0
+    assert found[0]["ffr"] == found[1]["ffr"] and found[0]["outlets"] == found[1]["outlets"]
+    sizes = [json.loads((folder / "mesh.json").read_text()) for folder in (meshes, tmp_path)]
+    assert sizes[1]["cells"] == sizes[0]["coarse"][0]["cells"] < sizes[0]["cells"]
+
+
 @pytest.mark.parametrize("name, option", [("anatomy.json", "--anatomy"), ("sections.csv", "--sections")])
 def test_files_of_the_anatomy_step_that_lie_elsewhere_are_asked_for(case, meshes, tmp_path, capsys, name, option):
     for there in {"centreline.vtp", "boundary.json", "anatomy.json", "sections.csv"} - {name}:

@@ -269,6 +269,17 @@ def test_a_mesh_that_is_not_coarser_is_left_out_of_the_sequence(monkeypatch, tmp
     assert report["left_out"] == [{"file": "b.msh", "rings": 3, "cells": 400, "not_fewer_than": 300}]
 
 
+@pytest.mark.parametrize("others, of_the_mesh", [([("a.msh", 2), ("b.msh", 3)], (2.0, 2, 2.0)), ([], (3.0, 4, 1.0))])
+def test_the_mesh_of_a_reduced_model_is_the_coarsest(monkeypatch, tmp_path, others, of_the_mesh):
+    monkeypatch.setattr(mesh, "build", lambda *given: ("made", {"built": (given[2], *given[4:])}))
+    monkeypatch.setattr(mesh, "write", lambda built, path: path.write_text(built))
+    paths, report = [(tmp_path / name, rings) for name, rings in [*others, ("c.msh", 4)]], {}
+    settings = settings_module.make(coarse_cells_per_radius=2.0, cells_per_radius=3.0)
+    mesh.write_all(mesh.alone(paths, None, None, settings, report), report, tmp_path / "mesh.json")
+    assert report["built"] == of_the_mesh and "coarse" not in report
+    assert [path.read_text() for path, _ in paths] == [*("" for _ in others), "made"]
+
+
 def test_cells_on_the_same_side_of_a_face_overlap():
     """Each of positive volume: the second's tip lies beyond the face, then before it."""
     points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0.2, 0.2, -1.0]])
