@@ -14,7 +14,7 @@ rule plan:
         code=code("anatomy", "anatomy.planning.plan"),
     output:
         "results/cases/{case}/vci/plan.json",
-    priority: 1  # early, so that a device that does not fit is refused before any flow is computed
+    priority: 2  # early, so that a device that does not fit is refused before any flow is computed
     log:
         "results/cases/{case}/logs/plan.log",
     benchmark:

@@ -1,4 +1,5 @@
 # FFR of every state, with the patient's one set of boundary values.
+# Flows take the longest. They have priority 1, so that short steps are left to fill the cores beside the last of them.
 
 COARSE_FILES = [f"results/cases/{{case}}/flow/{{state}}/{name}" for name in COARSE_MESHES]
 
@@ -38,6 +39,7 @@ rule flow_mesh:
         mesh="results/cases/{case}/flow/{state}/mesh.msh",
         coarse=COARSE_FILES,
         summary="results/cases/{case}/flow/{state}/mesh.json",
+    priority: 1
     log:
         "results/cases/{case}/logs/{state}/flow_mesh.log",
     benchmark:
@@ -63,6 +65,7 @@ rule flow_solve:
         solution="results/cases/{case}/flow/{state}/solution.vtu",
         ffr="results/cases/{case}/flow/{state}/ffr.json",
         pullback="results/cases/{case}/flow/{state}/pullback.csv",
+    priority: 1
     log:
         "results/cases/{case}/logs/{state}/flow_solve.log",
     benchmark:

@@ -1,4 +1,5 @@
 # From a case's surface to its checked lumen, centreline, sections and lesions. Every later state takes the same steps.
+# The steps before a plan have priority 2: input that cannot be used is refused before any flow is computed.
 
 
 rule settings:
@@ -6,6 +7,7 @@ rule settings:
         "{wildcards.case}: settings of {wildcards.section}"
     output:
         "results/cases/{case}/settings/{section}.json",
+    priority: 2
     log:
         "results/cases/{case}/logs/settings/{section}.log",
     params:
@@ -25,6 +27,7 @@ rule generate:
         truth="results/cases/{case}/source/truth.json",
     wildcard_constraints:
         case="|".join(STUDY.of_kind("synthetic")) or "(?!)",
+    priority: 2
     log:
         "results/cases/{case}/logs/generate.log",
     benchmark:
@@ -48,6 +51,7 @@ rule contours:
         picture="results/cases/{case}/source/contours.png",
     wildcard_constraints:
         case="|".join(INPUTS.of_contours()) or "(?!)",
+    priority: 2
     log:
         "results/cases/{case}/logs/contours.log",
     benchmark:
@@ -71,6 +75,7 @@ rule ct_lumen:
         segmentation="results/cases/{case}/source/segmentation.json",
     wildcard_constraints:
         case="|".join(INPUTS.of_ct()) or "(?!)",
+    priority: 2
     log:
         "results/cases/{case}/logs/ct_lumen.log",
     benchmark:
@@ -96,6 +101,7 @@ rule anatomy:
         centreline="results/cases/{case}/anatomy/centreline.vtp",
         sections="results/cases/{case}/anatomy/sections.csv",
         anatomy="results/cases/{case}/anatomy/anatomy.json",
+    priority: 2
     log:
         "results/cases/{case}/logs/anatomy.log",
     benchmark:
