@@ -68,11 +68,17 @@ bool SurfaceContact::excluded(const System& system, int body, int vertex) const 
   return !flags.empty() && flags[vertex - system.body(body).first];
 }
 
+/// Whether the surface is open at a vertex, in a window or on its rim.
+bool SurfaceContact::open_at(const System& system, int body, int vertex) const {
+  const bool on_rim = body == outer_ && !sides_.outer_rim.empty() && sides_.outer_rim[vertex - system.body(body).first];
+  return on_rim || excluded(system, body, vertex);
+}
+
 ContactFade SurfaceContact::fade_at(const System& system, int body, const Triangle& t, const Vec3& weights) const {
   const Body& target = system.body(body);
   double before_rims = 1, before_ends = 1, before_windows = 1;
   for (int k = 0; k < 3; ++k) {
-    const bool end = target.boundary[t[k] - target.first], window = excluded(system, body, t[k]);
+    const bool end = target.boundary[t[k] - target.first], window = open_at(system, body, t[k]);
     before_ends -= end ? weights[k] : 0;
     before_windows -= window ? weights[k] : 0;
     before_rims -= end || window ? weights[k] : 0;
@@ -165,18 +171,21 @@ void SurfaceContact::measure(const System& system, const Normals& normals, int f
   const Body& target = system.body(onto);
   Vectors slip(system.body(from).count, Vec3::Zero());
   side.slip.resize(slip.size(), Vec3::Zero());
-  slip.swap(side.slip); // a vertex without contact starts anew, in slip and in scale
-  std::vector<double> deep_scale(slip.size(), 1.0);
+  slip.swap(side.slip); // a vertex without contact starts anew
   side.deep_scale.resize(slip.size(), 1.0);
-  deep_scale.swap(side.deep_scale);
   const double sign = vertex_inside ? 1.0 : -1.0; // gap = sign (projection - vertex) . n
   const int first = system.body(from).first;
   for (std::size_t place = 0; place < side.facing.size(); ++place) {
     Facing& c = side.facing[place];
     const int vertex = first + static_cast<int>(place);
     const Vec3& p = system.x[vertex];
-    if (c.triangles.empty() || !c.measure.exceeded(p, side.travel))
+    // The scale is kept until the vertex is clear of the surface. A vertex beside a rim may lose its contact in one
+    // step and be deep again in the next. If it started anew, a stage might be balanced and sent on for ever.
+    double& deep_scale = side.deep_scale[place];
+    if (c.triangles.empty() || !c.measure.exceeded(p, side.travel)) {
+      deep_scale = 1;
       continue;
+    }
     SurfaceProjection projection;
     double clear = 0;
     if (!follow_projection(p, c.last_triangle, system, units, target, projection)) {
@@ -201,7 +210,7 @@ void SurfaceContact::measure(const System& system, const Normals& normals, int f
       continue;
     const double gap =
         sign * (n.dot(q - p) + (settings_.smooth ? sagitta(t, projection.weights, system.x, units) : 0.0));
-    fade.deep *= deep_scale[place];
+    fade.deep *= deep_scale;
     PenaltyResponse law = penalty_response(gap, settings_, fade);
     if (settings_.time_averaged && ahead > 0) {
       const Vec3 closing = system.velocity[vertex] - projection.weights[0] * system.velocity[t[0]] -
@@ -210,6 +219,7 @@ void SurfaceContact::measure(const System& system, const Normals& normals, int f
       law = averaged_response(gap, gap - sign * n.dot(closing) * ahead, settings_, fade);
     }
     if (law.pressure <= 0) {
+      deep_scale = 1;
       c.measure.length =
           settings_.time_averaged ? -1 : clear - settings_.distance - largest_sagitta(t, system.x, units);
       continue;
@@ -221,11 +231,9 @@ void SurfaceContact::measure(const System& system, const Normals& normals, int f
         n,
         area * law.stiffness,
         0.0};
-    side.deep_scale[place] = deep_scale[place];
     Vec3& kept = side.slip[place];
     kept = slip[place] - n.dot(slip[place]) * n;
-    ContactPoint point{stencil, fade.ordinary * area,   gap, area * law.pressure, Vec3::Zero(),
-                       &kept,   &side.deep_scale[place]};
+    ContactPoint point{stencil, fade.ordinary * area, gap, area * law.pressure, Vec3::Zero(), &kept, &deep_scale};
     add_friction(point, settings_);
     points.push_back(point);
   }

@@ -59,6 +59,10 @@ void add_friction(ContactPoint& point, const ContactSettings& settings);
 struct ContactSides {
   bool nested = true; ///< false: side by side, the outward normals face each other
   std::vector<char> inner_excluded, outer_excluded;
+  /// The outer vertices round a window. The surface fades out towards them, as towards an end, but they meet the inner
+  /// surface like any others. If it faded out towards excluded vertices, these would bear the load of the last row of
+  /// triangles and hold nothing off themselves. A device would then rise through the window and lie over the edge.
+  std::vector<char> outer_rim = {};
 };
 
 /// Area vectors of all vertices (mm^2), and the unit vectors along them.
@@ -122,6 +126,7 @@ private:
                Direction& side, std::vector<ContactPoint>& points) const;
   double largest_move(const System& system, int body) const;
   bool excluded(const System& system, int body, int vertex) const;
+  bool open_at(const System& system, int body, int vertex) const;
   ContactFade fade_at(const System& system, int body, const Triangle& t, const Vec3& weights) const;
 
   int inner_, outer_;

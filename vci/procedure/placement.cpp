@@ -34,6 +34,16 @@ OnAxis nearest_on_axis(const Vec3& p, const Vectors& centres, const std::vector<
   return best;
 }
 
+/// The vertices round a window: not in it, but with a neighbour in it.
+std::vector<char> rim_of(const std::vector<char>& window, const Body& body) {
+  std::vector<char> rim(window.size(), 0);
+  for (const Triangle& t : body.triangles)
+    if (std::any_of(t.begin(), t.end(), [&](int v) { return window[v - body.first]; }))
+      for (int v : t)
+        rim[v - body.first] = !window[v - body.first];
+  return rim;
+}
+
 Vectors origins(const DeviceLayout& layout) {
   Vectors points;
   for (const Frame& f : layout.frames)
@@ -71,6 +81,7 @@ ContactSides leaving_through(const System& system, const Stent& stent, const Dev
           (p - a.point).dot(device_axis[r] - a.point) > 0)
         sides.outer_excluded[v] = 1;
   }
+  sides.outer_rim = rim_of(sides.outer_excluded, body);
   return sides;
 }
 

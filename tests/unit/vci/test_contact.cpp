@@ -237,6 +237,12 @@ TEST(SurfaceContact, StiffensOnlyWhatIsDeeperThanTheLimitUntilABound) {
   while (stiffen_deep_contacts(found(), depth - 0.001))
     ASSERT_LT(++times, 100);
   EXPECT_EQ(times, 6);
+  const double stiffened = tip_force();
+  system.x[9][0] = 2.05; // beyond the sheet's edge, and back: it has not left the depth
+  for (const ContactPoint& p : found())
+    EXPECT_NE(p.stencil.vertex[0], 9);
+  system.x[9][0] = 0.1;
+  EXPECT_EQ(tip_force(), stiffened);
   system.x[9][2] = -0.2; // apart, and back: the vertex starts anew
   EXPECT_TRUE(found().empty());
   system.x[9][2] = depth;

@@ -80,25 +80,29 @@ TEST(SurfaceContact, FindsOnTheWayWhatItWouldFindAnew) {
 /// A tube through one with a window, whose rows of 12 vertices are its rings.
 struct Windowed {
   System system;
-  std::vector<char> window;
+  std::vector<char> window, rim;
   Vectors normals;
   std::vector<ContactPoint> found;
-  explicit Windowed(double depth) {
+  explicit Windowed(double depth, bool with_rim = false) {
     add_tube(system, 12, 1.5, 0);
     add_tube(system, 16, 1.5 + depth, 0.1);
     for (int v = system.body(1).first; v < system.vertices(); ++v)
       system.x[v][2] += 0.3;
     window.assign(system.body(0).count, 0);
     window[6 * 12 + 3] = window[6 * 12 + 4] = window[7 * 12 + 4] = 1;
+    rim.assign(window.size(), 0);
+    for (const Triangle& t : system.body(0).triangles)
+      for (int v : t)
+        rim[v] |= with_rim && !window[v] && (window[t[0]] || window[t[1]] || window[t[2]]);
     normals = area_vectors(system);
-    SurfaceContact(1, 0, {}, {true, {}, window}).detect(system, normals, found);
+    SurfaceContact(1, 0, {}, {true, {}, window, rim}).detect(system, normals, found);
   }
   /// How much of the surface is there where a point of the second tube meets it: of an end's row, of a window's.
   std::array<double, 2> left(const ContactPoint& p) const {
     std::array<double, 2> left{1, 1};
     for (int k = 1; k < 4; ++k) {
       left[0] -= system.body(0).boundary[p.stencil.vertex[k]] ? p.stencil.weight[k] : 0;
-      left[1] -= window[p.stencil.vertex[k]] ? p.stencil.weight[k] : 0;
+      left[1] -= window[p.stencil.vertex[k]] || rim[p.stencil.vertex[k]] ? p.stencil.weight[k] : 0;
     }
     return left;
   }
@@ -122,6 +126,28 @@ TEST(SurfaceContact, HoldsDeepVerticesNearlyToAWindowsRimButNotToAnEnd) {
   }
   EXPECT_GE(at_window, 3);
   EXPECT_GE(at_end, 8);
+}
+
+TEST(SurfaceContact, EndsAtVerticesRoundAWindowThatTouchInTurn) {
+  const Windowed tubes(0.06, true);
+  std::vector<int> touching(tubes.window.size(), 0);
+  int before_rim = 0;
+  for (const ContactPoint& p : tubes.found) {
+    if (!tubes.of_the_second(p)) {
+      ++touching[p.stencil.vertex[0]];
+      continue;
+    }
+    const auto [end, rim] = tubes.left(p);
+    EXPECT_GT(rim, 0) << "nothing meets the rim or the window";
+    EXPECT_NEAR(p.area, (end < 1 ? end : rim) * tubes.normals[p.stencil.vertex[0]].norm(), 1e-12);
+    before_rim += rim < 0.9;
+  }
+  EXPECT_GE(before_rim, 6);
+  for (std::size_t v = 0; v < touching.size(); ++v) {
+    EXPECT_FALSE(tubes.window[v] && touching[v]) << v;
+    EXPECT_TRUE(!tubes.rim[v] || touching[v]) << v << " holds the second tube off";
+  }
+  EXPECT_GE(std::count(tubes.rim.begin(), tubes.rim.end(), 1), 8);
 }
 
 TEST(Malapposition, IsTheGapBetweenTheCirclesNotTheirChords) {
