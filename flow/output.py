@@ -8,6 +8,7 @@ from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 
 from common.errors import InputError
 from common.files import replacing, write_json
+from flow.geometry import tet10
 
 MM_PER_M = 1e3
 FILES = ("ffr.json", "pullback.csv", "solution.vtu")
@@ -41,10 +42,8 @@ def write_vtu(path, points, cells, fields):
     vtk_points.SetDataTypeToDouble()
     vtk_points.SetData(numpy_to_vtk(np.ascontiguousarray(points * MM_PER_M), deep=True))
     grid.SetPoints(vtk_points)
-    # VTK's last two middle nodes are those of the edges 13, 23
-    order = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
     array = vtk.vtkCellArray()
-    connectivity = np.ascontiguousarray(cells[:, order]).ravel().astype(np.int64)
+    connectivity = np.ascontiguousarray(cells[:, tet10.VTK_ORDER]).ravel().astype(np.int64)
     offsets = np.arange(0, connectivity.size + 1, 10, dtype=np.int64)
     array.SetData(numpy_to_vtkIdTypeArray(offsets, deep=True), numpy_to_vtkIdTypeArray(connectivity, deep=True))
     grid.SetCells(vtk.VTK_QUADRATIC_TETRA, array)

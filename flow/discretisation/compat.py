@@ -12,6 +12,7 @@ from mpi4py import MPI
 
 from common import fenicsx
 from common.errors import InputError
+from flow.geometry import tet10
 
 logging.getLogger("FFC").setLevel(logging.WARNING)
 logging.getLogger("root").setLevel(logging.WARNING)
@@ -120,5 +121,4 @@ def quadratic_cells(space):
     """(points (n, 3), cells (t, 10)) of a quadratic space: its nodes, cells in the node order of geometry.tet10."""
     topology, _, points = fenicsx.vtk_cells(space)
     cells = np.asarray(topology).reshape(-1, 11)[:, 1:]
-    # VTK's last two middle nodes are those of the edges 13, 23; gmsh's those of 23, 13
-    return points, cells[:, [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]]
+    return points, cells[:, tet10.VTK_ORDER]

@@ -8,6 +8,7 @@ import numpy as np
 from flow.geometry.vectors import determinant
 
 EDGES = np.array([[0, 1], [1, 2], [0, 2], [0, 3], [2, 3], [1, 3]])  # gmsh's order of middle nodes
+VTK_ORDER = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]  # VTK's last two middle nodes are those of the edges 13, 23
 OUTWARD_FACES = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))  # of a tetrahedron of positive volume
 LEAST_JACOBIAN_RATIO = 0.05  # least over largest Jacobian of a cell that is solved on
 

@@ -69,7 +69,7 @@ def read(folder, tree, other):
     values = {name: grid.GetPointData().GetArray(name) for name in ("velocity_m_per_s", "pressure_pa")}
     if grid.GetNumberOfCells() == 0 or grid.GetMaxCellSize() != 10 or not all(values.values()):
         raise InputError("not a solution of the flow", path, f"{grid.GetNumberOfCells()} cells", REMEDY)
-    cells = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, 10).astype(int)
+    cells = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, 10)[:, tet10.VTK_ORDER].astype(int)
     points = vtk_to_numpy(grid.GetPoints().GetData()).astype(float)
     fields = [vtk_to_numpy(values[name]).astype(float) for name in values]
     inflow, artificial = document["inlet_flow_m3_per_s"], document["artificial_viscosity"]
