@@ -9,18 +9,18 @@ import numpy as np
 
 from common import config, json_reader
 from common.errors import InputError, guarded
-from common.files import write_json, write_table
+from common.files import sha256, write_json, write_table
 from flow import command_files
 from flow import settings as settings_module
 
 
-def _patient(arguments):
+def _patient(arguments, case):
     given = {key: getattr(arguments, key) for key in ("lvm_g", "sbp_mmhg", "dbp_mmhg")}
     if arguments.case:
         twice = [settings_module.option(key) for key, value in given.items() if value is not None]
         if twice:
             raise InputError("patient values given twice", "command line", twice, "give --case, or the values")
-        return config.load_case(arguments.case)["patient"]
+        return case["patient"]
     missing = [key for key, value in given.items() if value is None]
     if missing:
         raise InputError(
@@ -35,13 +35,13 @@ def boundary_command(arguments):
     from flow.inputs import boundary, lumen_summary
     from flow.reduced import flow_range, network as network_model
 
-    settings, patient = settings_module.from_arguments(arguments), _patient(arguments)
+    settings = settings_module.from_arguments(arguments)
+    case = config.load_case(arguments.case) if arguments.case else {}
+    patient, real = _patient(arguments, case), case.get("kind") == "surface"
     anatomy = lumen_summary.read(arguments.anatomy, "ends")
     tree = centreline.read(arguments.centreline or pathlib.Path(arguments.anatomy).with_name("centreline.vtp"))
     lumen_summary.check_lengths(anatomy, tree, arguments.anatomy)
-    measured = config.load_case(arguments.case).get("measured") if arguments.case else None
-    real = bool(arguments.case) and config.load_case(arguments.case)["kind"] == "surface"
-    document = boundary.make(anatomy, tree, patient, settings, measured, ranged=real)
+    document = boundary.make(anatomy, tree, patient, settings, case.get("measured"), ranged=real)
     if patient.get("hyperaemic_inflow_ml_per_min") is not None:
         sections = network_model.read_sections(pathlib.Path(arguments.anatomy).with_name("sections.csv"))
 
@@ -57,7 +57,7 @@ def boundary_command(arguments):
 def mesh_command(arguments):
     """Volume meshes of a lumen, from coarse to fine."""
     from flow.geometry import centreline, surface
-    from flow.meshing import mesh
+    from flow.meshing import mesh, provenance
 
     settings = settings_module.from_arguments(arguments)
     coarse = command_files.with_rings(arguments.coarse, settings.coarse_rings)
@@ -67,7 +67,7 @@ def mesh_command(arguments):
     centreline.check_wall(tree, lumen.points[np.unique(lumen.triangles[lumen.region == surface.WALL])], arguments.lumen)
     centreline.check_ends(tree, lumen, arguments.centreline)
     used = {name: value for name, value in vars(settings).items() if "mesh" in settings_module.commands_of(name)}
-    report = {"schema": "vci-mesh-1", "settings": used, "made_from_sha256": mesh.fingerprint(lumen, tree)}
+    report = {"schema": "vci-mesh-1", "settings": used, "made_from_sha256": provenance.fingerprint(lumen, tree)}
     make = mesh.sequence if settings.model == "3d" else mesh.alone
     meshes = make([*coarse, (arguments.out, settings.rings)], lumen, tree, settings, report)
     mesh.write_all(meshes, report, command_files.mesh_report(arguments))
@@ -92,11 +92,12 @@ def _case(arguments):
     lumen_summary.check_lengths(anatomy, tree, anatomy_file)
     network_model.check_sections(sections, tree, sections_file)
     ffr.check_probes(document["probes"], tree)
-    given = arguments.mesh_report
-    extensions, warnings = extended.read(given, fine, coarse) if given else extended.beside(fine, coarse)
+    report = arguments.mesh_report or pathlib.Path(fine).with_suffix(".json")
+    read = extended.read if arguments.mesh_report else extended.beside
+    extensions, warnings, made_from = read(report, fine, coarse)
     case = extended.Extended(extensions, tree, anatomy, sections, document, settings, warnings)
     if arguments.lumen:
-        provenance.check(arguments.lumen, tree, given or pathlib.Path(arguments.mesh).with_suffix(".json"))
+        provenance.check(arguments.lumen, tree, made_from, report)
     return case
 
 
@@ -106,7 +107,8 @@ def solve_command(arguments):
 
     case = _case(arguments)
     start = _start(arguments, case) if arguments.start and case.settings.model == "3d" else None
-    answer = solve.run(command_files.meshes(arguments), case, arguments.out, start)
+    made_from = {"mesh_sha256": sha256(arguments.mesh), "boundary_sha256": sha256(arguments.boundary)}
+    answer = solve.run(command_files.meshes(arguments), case, arguments.out, start, made_from)
     print(solve.in_words(answer))
 
 
@@ -120,7 +122,7 @@ def _start(arguments, case):
 
 
 def audit_command(arguments):
-    """Whether the steady flow is the mean of the flow in time; takes as long as many solves."""
+    """Whether the steady flow is the mean of the flow in time; the march took half as long as the solve in lcx01."""
     from flow import adaptive, audit
 
     case = _case(arguments)

@@ -121,8 +121,7 @@ class Search:
 
     def at_probes(self, sampler):
         """FFR at the probes, `distal` first."""
-        reference = ffr.reference_pa(self.document, self.tree, sampler)
-        return [probe["ffr"] for probe in ffr.at_probes(self.document["probes"], self.tree, sampler, reference)]
+        return [probe["ffr"] for probe in ffr.at_probes(self.document, self.tree, sampler)]
 
     def record(self, solved):
         """Entry of `meshes` in ffr.json, printed too."""

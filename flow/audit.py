@@ -145,19 +145,15 @@ def evaluate(table, unit_s, steady, tolerance):
 
 def of_answer(solved, case):
     """(document of audit.json, series) of a solvers.solved_mesh.Solved, whose state changes; case: Extended."""
-    document, tree = case.document, case.original
-    probe = document["probes"][0]
 
     def read(sampler):
-        reference = ffr.reference_pa(document, tree, sampler)
-        return [one["ffr"] for one in ffr.at_probes(document["probes"], tree, sampler, reference)]
+        return [one["ffr"] for one in ffr.at_probes(case.document, case.original, sampler)]
 
     flow_of = dict(zip(solved.boundaries.names, solved.outflows))
     network = case.network
-    s_mm = tree[probe["branch"]].project(np.array(probe["point_mm"]))[0]
-    through = sum(flow_of[network.names[i]] for i in network.downstream(probe["branch"], s_mm))
-    radius_mm = np.interp(s_mm, tree[probe["branch"]].s_mm, tree[probe["branch"]].radius_mm)
-    unit_s, steady = float(time_unit(radius_mm, through)), read(solved.sampler)
+    branch, s_mm, _ = case.original.place_of(case.document["probes"][0])
+    through = sum(flow_of[network.names[i]] for i in network.downstream(branch.name, s_mm))
+    unit_s, steady = float(time_unit(branch.radius(s_mm), through)), read(solved.sampler)
     table = march(solved.problem, read, unit_s, case.settings.audit_units, case.settings.march_steps)
     answer = evaluate(table, unit_s, steady, case.settings.ffr_tolerance)
     answer["artificial_viscosity"] = solved.artificial

@@ -9,8 +9,8 @@ from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 from common.errors import InputError
 from common.files import replacing, write_json
 from flow.geometry import tet10
+from flow.physics.units import MM_PER_M
 
-MM_PER_M = 1e3
 FILES = ("ffr.json", "pullback.csv", "solution.vtu")
 
 

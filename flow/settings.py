@@ -7,7 +7,7 @@ import types
 
 import numpy as np
 
-from common import schema, yaml_reader
+from common import json_reader, schema, yaml_reader
 from common.errors import InputError
 
 
@@ -81,7 +81,7 @@ def from_arguments(arguments):
 def make(**values):
     """Settings namespace from keyword values; the rest are defaults. Raises InputError."""
     rules = schema.read("flow")
-    schema.validate(_Given(values), rules)
+    schema.validate(json_reader.Document("flow settings", values), rules)
     return types.SimpleNamespace(**schema.with_defaults(values, rules))
 
 
@@ -99,7 +99,7 @@ def check_switches(values, where, given=()):
 
 
 def check_meshes(values, where):
-    """Raises InputError unless each mesh is coarser than the next: the error estimate rests on it.
+    """Raises InputError unless each mesh is coarser than the next: the error estimate by two meshes rests on it.
 
     values: {setting: value}, complete.
     """
@@ -110,16 +110,3 @@ def check_meshes(values, where):
             raise InputError(
                 "the coarse mesh is not coarser than the fine one", f"{where}: {coarse}", values[coarse], remedy
             )
-
-
-class _Given:
-    """Values from options, in the shape that common.schema.validate expects of a document."""
-
-    def __init__(self, data):
-        self.data = data
-
-    def where(self, path):
-        return "flow settings: " + ".".join(map(str, path))
-
-    def line(self, path):
-        return list(self.data).index(path[0]) if path and path[0] in self.data else 0

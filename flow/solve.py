@@ -10,19 +10,22 @@ import numpy as np
 from common.errors import ComputationError
 from flow import adaptive, output
 from flow.errors import error_estimate, pointwise
-from flow.physics import energy, ffr, outlets
+from flow.physics import energy, ffr
 from flow.discretisation import spaces
 from flow.physics import viscosity, wall_shear
 from flow.reduced import answer as reduced_answer, flow_range
 from flow.solvers import solved_mesh
 
 LARGE = 0.05  # larger differences of the models' FFR get a warning
+# Largest difference of out- and inflow, over the inflow, that is trusted. Solves by factorization have 1e-14 to 1e-13.
+LARGEST_IMBALANCE = 1e-8
 
 
-def run(paths, case, folder, start=None):
+def run(paths, case, folder, start=None, made_from=None):
     """Solves and writes solution.vtu, pullback.csv and ffr.json to `folder`; returns the document of ffr.json.
 
     paths: of the meshes, the coarsest first; case: reduced.extended.Extended; start: inputs.solution.Start.
+    made_from: SHA-256 of files that the answer rests on, for the document.
     """
     begin, begin_cpu = time.perf_counter(), _cpu_seconds()
     spaces.check_coarser(paths)
@@ -34,28 +37,25 @@ def run(paths, case, folder, start=None):
     if settings.model == "3d":
         search = adaptive.Search(document, settings, tree, predicted)
         solved = search.run(paths, start)
-        estimate = solved.estimate
-        reference = ffr.reference_pa(document, tree, solved.sampler)
-        probes = ffr.at_probes(document["probes"], tree, solved.sampler, reference)
-        answer, table = collect(solved, probes, case, reference)
+    else:
+        solved = reduced_answer.Reduced(settings.model, predicted, paths[0])
+    reference, estimate = ffr.reference_pa(document, tree, solved.sampler), solved.estimate
+    answer, table = collect(solved, case, reference)
+    answer |= _of_flow(solved) if settings.model == "3d" else {"dofs": solved.dofs}
+    answer["error_estimate"] = error_estimate.document(estimate)
+    pointwise.write(solved, case, answer, table)
+    if settings.model == "3d":
         models["3d"] = {"ffr": answer["ffr"], "error_estimate": estimate["ffr"] if estimate else None}
-        for k, probe in enumerate(probes):
-            probe["error_estimate"] = estimate["probes"][k] if estimate else None
-        answer["error_estimate"] = error_estimate.document(estimate)
-        pointwise.write(solved, case, answer, table)
         answer["ffr_tolerance"] = settings.ffr_tolerance
         answer["tolerance_met"] = adaptive.within(estimate, settings)
         answer["mesh"], answer["meshes"] = pathlib.Path(solved.path).name, search.meshes
         answer["start"] = search.started
-        warnings = adaptive.missed(estimate, settings, [probe["name"] for probe in probes])
+        warnings = adaptive.missed(estimate, settings, [probe["name"] for probe in answer["probes"]])
     else:
-        solved = reduced_answer.Reduced(predicted, paths[0])
-        reference = ffr.reference_pa(document, tree, solved.sampler)
-        answer, table = reduced_answer.collect(settings.model, predicted, solved, case, reference)
-        pointwise.unknown(answer, table)
         warnings = reduced_answer.unknown_error(settings.model)
-    answer["models"] = models
-    answer["ffr_range"] = flow_range.of_answer(answer["ffr"], document, case.network_at, _distal(document, tree))
+    answer["made_from"], answer["models"] = made_from, models
+    branch, s_mm, _ = tree.place_of(document["probes"][0])
+    answer["ffr_range"] = flow_range.of_answer(answer["ffr"], document, case.network_at, (branch.name, s_mm))
     answer["warnings"] = case.warnings + document.get("warnings", []) + compared(models)
     answer["warnings"] += ffr.rising(answer["probes"], table)
     answer["warnings"] += ffr.displaced(answer["probes"], tree, table) + warnings
@@ -68,12 +68,6 @@ def run(paths, case, folder, start=None):
     solved.destroy()
     predicted.destroy()
     return answer
-
-
-def _distal(document, tree):
-    """(branch, s_mm) of the probe `distal` on the lumen's own axis."""
-    probe = document["probes"][0]
-    return probe["branch"], tree[probe["branch"]].project(np.array(probe["point_mm"]))[0]
 
 
 def _cpu_seconds():
@@ -101,31 +95,43 @@ def compared(models):
     return [said]
 
 
-def collect(solved, probes, case, reference):
-    """(document of ffr.json without timings, pullback table); case: reduced.extended.Extended."""
-    tree, network, names = case.original, case.network, solved.boundaries.names
+def collect(solved, case, reference):
+    """(the part of ffr.json's document that all models have, table of pullback.csv without errors).
+
+    solved: solvers.solved_mesh.Solved or reduced.answer.Reduced; case: reduced.extended.Extended; reference: pressure
+    in Pa that FFR is over.
+    """
+    tree, network, names, estimate = case.original, case.network, solved.names, solved.estimate
     flow_of = dict(zip(names, solved.outflows))
     by_index = np.array([flow_of[name] for name in network.names])
-    pressure = solved.boundaries.pressures(solved.outflows)
-    inflow, outcome = solved.problem.inflow, solved.outcome
 
     def flow_at(branch, s_mm):
         return float(by_index[network.downstream(branch, s_mm)].sum())
 
-    table = ffr.pullback(tree, solved.sampler, reference, flow_at)
-    at_ends = ffr.at_ends(names, pressure, case, solved.sampler, reference)
+    probes = ffr.at_probes(case.document, tree, solved.sampler)
+    for k, probe in enumerate(probes):
+        probe["error_estimate"] = estimate["probes"][k] if estimate else None
+    at_ends = ffr.at_ends(names, solved.pressures, case, solved.sampler, reference)
     answer = {
         "schema": "vci-ffr-1",
         "status": solved.status,
-        "model": "3D Navier-Stokes, Taylor-Hood P2-P1 on quadratic tetrahedra",
+        "model": solved.model,
         "ffr": probes[0]["ffr"],
         "probes": probes,
         "outlets": [
             {"name": name, "flow_m3_per_s": float(q), "pressure_pa": float(p), "ffr": value}
-            for name, q, p, value in zip(names, solved.outflows, pressure, at_ends)
+            for name, q, p, value in zip(names, solved.outflows, solved.pressures, at_ends)
         ],
-        "inlet_flow_m3_per_s": inflow,
-        "mass_imbalance": _conserved(solved.outflows.sum(), inflow),
+        "inlet_flow_m3_per_s": solved.inflow,
+    }
+    return answer, ffr.pullback(tree, solved.sampler, reference, flow_at)
+
+
+def _of_flow(solved):
+    """The part of ffr.json's document that only a flow in three dimensions has. Raises ComputationError."""
+    outcome = solved.outcome
+    return {
+        "mass_imbalance": _conserved(solved.outflows.sum(), solved.inflow),
         "energy": energy.balance(solved.problem),
         "iterations": outcome.iterations,
         "residual_absolute": outcome.residual_absolute,
@@ -134,18 +140,17 @@ def collect(solved, probes, case, reference):
         "dofs": solved.space.dofs,
         "cells": len(solved.space.nodes()[1]),
     }
-    return answer, table
 
 
 def _conserved(outflow, inflow):
-    """|outflow - inflow| / inflow. Raises ComputationError above outlets.LARGEST_IMBALANCE."""
+    """|outflow - inflow| / inflow. Raises ComputationError above LARGEST_IMBALANCE."""
     imbalance = float(abs(outflow - inflow) / abs(inflow))
-    if not imbalance <= outlets.LARGEST_IMBALANCE:
+    if not imbalance <= LARGEST_IMBALANCE:
         raise ComputationError(
             "mass is not conserved",
             "flow through the outlets against the inlet's",
             f"they differ by {imbalance:.3e} of the flow",
-            f"at most {outlets.LARGEST_IMBALANCE:g} is trusted: look at the mesh, lower residual_relative",
+            f"at most {LARGEST_IMBALANCE:g} is trusted: look at the mesh, lower residual_relative",
         )
     return imbalance
 

@@ -23,45 +23,40 @@ cell_dofs, degree, degrees = fenicsx.cell_dofs, fenicsx.degree_of, fenicsx.degre
 function_space, mixed_element, petsc_vector = fenicsx.function_space, fenicsx.mixed, fenicsx.petsc_vector
 
 
-def read_gmsh(path, comm=MPI.COMM_SELF, dimension=3):
+def read_gmsh(path, dimension=3):
     """(mesh, facet tags) of a gmsh file with `dimension` coordinates, which are as in the file. Raises InputError.
 
     gmshio.read_from_msh of 0.5.2 raises a NameError, hence the detour over gmsh's model.
     """
-    import gmsh
-
-    gmsh.initialize(["gmsh"], False)
-    try:
-        gmsh.option.setNumber("General.Verbosity", 1)
-        _open(gmsh, path)
-        with contextlib.redirect_stdout(io.StringIO()):
-            mesh, _, facets = gmshio.model_to_mesh(gmsh.model, comm, 0, gdim=dimension)
-    finally:
-        gmsh.finalize()
+    with _model_of(path) as model, contextlib.redirect_stdout(io.StringIO()):
+        mesh, _, facets = gmshio.model_to_mesh(model, MPI.COMM_SELF, 0, gdim=dimension)
     return mesh, facets
 
 
 def count_cells(path):
     """Number of cells of a gmsh file. Raises InputError."""
+    with _model_of(path) as model:
+        return sum(len(tags) for tags in model.mesh.getElements(3)[1])
+
+
+@contextlib.contextmanager
+def _model_of(path):
+    """Yields gmsh's model of a file. Raises InputError."""
     import gmsh
 
+    remedy = "make it with `flow mesh`"
     gmsh.initialize(["gmsh"], False)
     try:
         gmsh.option.setNumber("General.Verbosity", 1)
-        _open(gmsh, path)
-        return sum(len(tags) for tags in gmsh.model.mesh.getElements(3)[1])
+        try:
+            gmsh.open(str(path))
+        except Exception as error:  # gmsh raises nothing more precise
+            raise InputError("not a mesh that gmsh reads", path, error, remedy) from error
+        if len(gmsh.model.mesh.getNodes()[0]) == 0 or not gmsh.model.getPhysicalGroups():
+            raise InputError("a mesh without cells or tags", path, "no nodes or no physical groups", remedy)
+        yield gmsh.model
     finally:
         gmsh.finalize()
-
-
-def _open(gmsh, path):
-    remedy = "make it with `flow mesh`"
-    try:
-        gmsh.open(str(path))
-    except Exception as error:  # gmsh raises nothing more precise
-        raise InputError("not a mesh that gmsh reads", path, error, remedy) from error
-    if len(gmsh.model.mesh.getNodes()[0]) == 0 or not gmsh.model.getPhysicalGroups():
-        raise InputError("a mesh without cells or tags", path, "no nodes or no physical groups", remedy)
 
 
 def vector_element(mesh, degree):
@@ -84,15 +79,20 @@ def block_matrix(compiled):
     return fenicsx.create_matrix(compiled, "baij")
 
 
-def interpolation(coarse, fine):
-    """Sparse matrix (nodes of fine, nodes of coarse) from one component of a space's values to that of its interpolant
-    in another on the same mesh."""
-    scalars = [function_space(space.mesh, scalar_element(space.mesh, degree(space))) for space in (fine, coarse)]
-    matrix = fenicsx.interpolation_matrix(*scalars[::-1])
+def csr(matrix):
+    """scipy's CSR of a PETSc matrix, which is assembled and destroyed."""
     matrix.assemble()
     starts, columns, values = matrix.getValuesCSR()
     found = scipy.sparse.csr_matrix((values, columns, starts), matrix.size)
     matrix.destroy()
+    return found
+
+
+def interpolation(coarse, fine):
+    """Sparse matrix (nodes of fine, nodes of coarse) from one component of a space's values to that of its interpolant
+    in another on the same mesh."""
+    scalars = [function_space(space.mesh, scalar_element(space.mesh, degree(space))) for space in (fine, coarse)]
+    found = csr(fenicsx.interpolation_matrix(*scalars[::-1]))
     number = [np.empty(found.shape[k], int) for k in range(2)]
     for of, space, scalar in zip(number, (fine, coarse), scalars):
         of[cell_dofs(space)] = cell_dofs(scalar)  # each space numbers its nodes in its own way

@@ -46,7 +46,7 @@ class FlowState:
         return compat.petsc_vector(self.state)
 
     def set_guess(self, space, state, inflow):
-        """Takes the values `state` on another mesh's LumenSpace, sampled at this mesh's nodes."""
+        """Takes a flow on another mesh as the first guess: `state` over that mesh's `space`, at this mesh's nodes."""
         points, _ = self.space.nodes()
         velocity, pressure, _ = locate.FieldSampler(space, state)(points)
         self.take(velocity, pressure, inflow)

@@ -11,15 +11,15 @@ from petsc4py import PETSc
 
 from flow.discretisation import compat
 from flow.geometry.tags import PHYSICAL_INLET
-from flow.physics import navier_stokes as weak
+from flow.physics import navier_stokes as weak, viscosity as viscosities
 
 
 class NavierStokes:
     """Residual and tangents of a state w = (u, p) on a LumenSpace, SI units, compiled when first asked for.
 
     viscosity is one of physics.viscosity; space has W, mesh, facets (tags) and outlets (their tags), in three or two
-    dimensions, for all but `residual` and `whole_tangent` also W's parts V and Q; artificial is eps. picard freezes the
-    convecting velocity and the viscosities.
+    dimensions, for all but `residual` also W's parts V and Q; artificial is eps. picard freezes the convecting velocity
+    and the viscosities.
     """
 
     def __init__(self, space, state, density, viscosity, grad_div, backflow):
@@ -69,15 +69,12 @@ class NavierStokes:
 
     def assembled(self, vector):
         """The residual at the present state, into `vector`."""
-        with vector.localForm() as local:
-            local.set(0.0)
+        vector.set(0.0)
         fem_petsc.assemble_vector(vector, self.residual)
-        vector.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
 
     def artificial_force(self):
         """The artificial viscosity's part (n,) of the residual at the present state."""
         vector = fem_petsc.assemble_vector(self._once("artificial", lambda _: compat.form(self.losses["artificial"])))
-        vector.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
         values = vector.array_r.copy()
         vector.destroy()
         return values
@@ -86,12 +83,6 @@ class NavierStokes:
     def integral(form):
         """Value of a form without arguments."""
         return float(fem.assemble_scalar(compat.form(form)))
-
-    @property
-    def whole_tangent(self):
-        """Newton's over W, the derivative of the residual."""
-        trial = self._arguments[1]
-        return self._once("whole", lambda k: compat.form(ufl.derivative(self._residuals[k], self._state, trial)))
 
     @property
     def tangent(self):
@@ -132,3 +123,9 @@ class NavierStokes:
         du, v = self._velocities()
         momentum = ufl.replace(self._residuals[index], {self._arguments[0]: self._padded(v)})
         return ufl.derivative(momentum, self._state, self._padded(du))
+
+
+def of(space, state, document, settings):
+    """NavierStokes with the fluid of boundary.json's document and the weights of the settings."""
+    fluid = document["density_kg_per_m3"], viscosities.of(document)
+    return NavierStokes(space, state, *fluid, settings.grad_div_pa_s, settings.backflow_coefficient)

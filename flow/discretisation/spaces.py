@@ -14,8 +14,8 @@ from flow.discretisation import compat
 from flow.geometry import tet10
 from flow.geometry.tags import PHYSICAL_INLET, PHYSICAL_OUTLET_BASE, PHYSICAL_WALL
 from flow.geometry.tet10 import LEAST_JACOBIAN_RATIO, overlapping
+from flow.physics.units import M_PER_MM
 
-M_PER_MM = 1e-3
 STRAIGHT = 1e-6  # of an edge's length: its middle's distance from the chord, below which it is no curved one
 
 
@@ -69,9 +69,7 @@ class LumenSpace:
         """Vector over W of the integrals of v.n over a boundary, so that its product with a state is the outflow."""
         v, _ = ufl.TestFunctions(self.W)
         n = ufl.FacetNormal(self.mesh)
-        vector = fem_petsc.assemble_vector(compat.form(ufl.inner(n, v) * self.ds(tag)))
-        vector.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
-        return vector
+        return fem_petsc.assemble_vector(compat.form(ufl.inner(n, v) * self.ds(tag)))
 
     def nodes(self):
         """(points (n, 3) m, cells (t, 10)): the velocity nodes, cells in the node order of geometry.tet10."""
@@ -80,8 +78,10 @@ class LumenSpace:
         return self._nodes
 
     def nodal_pressure(self, state):
-        """Pressure (n,) in Pa at the velocity nodes of a state's values: P1 at corners, the mean of the ends at
-        middles."""
+        """Pressure (n,) in Pa at the velocity nodes, of a state's values over W.
+
+        It is P1, so at the middle node of an edge it is the mean of the edge's two corners.
+        """
         points, cells = self.nodes()
         pressure = np.empty(len(points))
         corner = state[self.q_map][compat.cell_dofs(self.Q)]

@@ -28,7 +28,7 @@ class FreeMatrix:
         self.velocity.assemble()
         self.entries = self.velocity.convert("aij", PETSc.Mat())
         self.given, self.found = self.velocity.createVecs()
-        self.divergence = divergence(forms)
+        self.divergence = compat.csr(fem_petsc.assemble_matrix(forms.divergence))  # B (dofs of Q, dofs of V)
         pattern = self._pattern()
         self.places = pattern.data.astype(np.int64) - 1
         self.fixed = np.flatnonzero(self.places < 0)  # where B and 0 are
@@ -86,16 +86,6 @@ class FreeMatrix:
         """Frees PETSc's memory."""
         for petsc_object in (self.velocity, self.entries, self.matrix, self.given, self.found):
             petsc_object.destroy()
-
-
-def divergence(forms):
-    """B as scipy CSR (dofs of Q, dofs of V)."""
-    matrix = fem_petsc.assemble_matrix(forms.divergence)
-    matrix.assemble()
-    starts, columns, values = matrix.getValuesCSR()
-    shape = matrix.size
-    matrix.destroy()
-    return scipy.sparse.csr_matrix((values, columns, starts), shape)
 
 
 def _numbered(matrix):

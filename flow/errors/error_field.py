@@ -23,15 +23,13 @@ from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
 from scipy.spatial import cKDTree
 
-from flow.discretisation import compat, spaces
-from flow.discretisation.forms import NavierStokes
+from flow.discretisation import compat, forms, spaces
 from flow.geometry import tet10
 from flow.errors.recovery import Patches
-from flow.physics import viscosity
+from flow.physics.units import M_PER_MM
 
-M_PER_MM = 1e-3
 BATCH = 16  # solutions at a time
-WINDOW = 5.0  # radii of a mean's ball, where its weight is exp(-25)
+WINDOW = 5.0  # radii round a point at which _means ends: the Gaussian weight is exp(-25) there
 
 
 class Field:
@@ -103,10 +101,9 @@ def of(solved, document, tree):
     problem = solved.problem
     loads = [sources(problem, document, tree), scipy.sparse.csc_matrix(-problem.forms.artificial_force()[:, None])]
     field = Field(solved, scipy.sparse.hstack(loads, "csc"))
-    on = [(tree[probe["branch"]], np.array(probe["point_mm"])) for probe in document["probes"]]
-    places = [(branch, branch.project(point)[0]) for branch, point in on]
-    points = np.array([branch.point(s_mm) for branch, s_mm in places])
-    return field.parts(document, tree, [], points, np.array([branch.radius(s_mm) for branch, s_mm in places])), field
+    on = [tree.place_of(probe)[:2] for probe in document["probes"]]
+    points = np.array([branch.point(s_mm) for branch, s_mm in on])
+    return field.parts(document, tree, [], points, np.array([branch.radius(s_mm) for branch, s_mm in on])), field
 
 
 def sources(problem, document, tree):
@@ -169,12 +166,7 @@ def _placed(part, rows, size):
 def _mass(space):
     """Sparse (q, q) mass matrix of the pressure's space."""
     p, q = ufl.TrialFunction(space.Q), ufl.TestFunction(space.Q)
-    matrix = fem_petsc.assemble_matrix(compat.form(p * q * ufl.dx))
-    matrix.assemble()
-    starts, columns, values = matrix.getValuesCSR()
-    found = scipy.sparse.csr_matrix((values, columns, starts), matrix.size)
-    matrix.destroy()
-    return found
+    return compat.csr(fem_petsc.assemble_matrix(compat.form(p * q * ufl.dx)))
 
 
 def carried(space, richer, values):
@@ -193,20 +185,13 @@ def carried(space, richer, values):
 
 def residual_of(problem, richer, document):
     """The momentum and continuity residual of the present flow as a vector over the richer space's W."""
-    settings, boundaries = problem.settings, problem.boundaries
+    boundaries = problem.boundaries
     state = fem.Function(richer.W)
     state.x.array[:] = carried(problem.space, richer, problem.state.x.array)
-    forms = NavierStokes(
-        richer,
-        state,
-        document["density_kg_per_m3"],
-        viscosity.of(document),
-        settings.grad_div_pa_s,
-        settings.backflow_coefficient,
-    )
-    forms.artificial.value = problem.artificial
+    weak = forms.of(richer, state, document, problem.settings)
+    weak.artificial.value = problem.artificial
     found = compat.new_vector(richer.W)
-    forms.assembled(found)
+    weak.assembled(found)
     outflows = boundaries.outflows(problem.state_vector())
     for tag, pressure in zip(richer.outlets, boundaries.pressures(outflows)):
         flux = richer.flux_vector(tag)

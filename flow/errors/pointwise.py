@@ -8,6 +8,7 @@ import numpy as np
 
 from flow.errors import error_estimate
 from flow.physics import ffr
+from flow.physics.units import M_PER_MM
 
 COLUMN = "ffr_error_estimate"  # of pullback.csv
 
@@ -16,23 +17,20 @@ def write(solved, case, answer, table):
     """Adds `error_estimate` to each outlet of ffr.json's document, the column COLUMN to the table of pullback.csv, and
     an entry on both to the document; None and NaN where the error is not known.
 
-    solved: the solvers.solved_mesh.Solved that answers; case: reduced.extended.Extended.
+    solved: the solvers.solved_mesh.Solved or reduced.answer.Reduced that answers; case: reduced.extended.Extended.
     """
+    if solved.estimate is None:
+        for outlet in answer["outlets"]:
+            outlet["error_estimate"] = None
+        table[COLUMN], answer["pullback_error_estimate"] = np.nan, None
+        return
     places = Places(solved, case, [outlet["name"] for outlet in answer["outlets"]], table)
     errors, method = of(solved, places)
     count = len(places.names)
     for outlet, error in zip(answer["outlets"], errors):
-        outlet["error_estimate"] = float(error) if method else None
+        outlet["error_estimate"] = float(error)
     table[COLUMN] = errors[count:]
-    along = {"largest": float(errors[count:].max()), "method": method} if method else None
-    answer["pullback_error_estimate"] = along
-
-
-def unknown(answer, table):
-    """Writes what `write` writes where no error is known: None and NaN."""
-    for outlet in answer["outlets"]:
-        outlet["error_estimate"] = None
-    table[COLUMN], answer["pullback_error_estimate"] = np.nan, None
+    answer["pullback_error_estimate"] = {"largest": float(errors[count:].max()), "method": method}
 
 
 class Places:
@@ -56,7 +54,7 @@ class Places:
         """FFR (o + m,) of a flow."""
         reference = ffr.reference_pa(self.case.document, self.tree, sampler)
         ends = ffr.at_ends(self.names, self.boundaries.pressures(outflows), self.case, sampler, reference)
-        points = self.points_mm[len(self.ends) :] * ffr.M_PER_MM
+        points = self.points_mm[len(self.ends) :] * M_PER_MM
         return np.concatenate([ends, sampler(points)[1] / reference])
 
     def of_field(self, field):
@@ -84,22 +82,17 @@ class Places:
 
 
 def of(solved, places):
-    """(errors (o + m,) of FFR at `places`, method in words) of a solvers.solved_mesh.Solved with its estimate.
-
-    Where no error is known the errors are NaN and the words empty.
-    """
-    basis = (solved.estimate or {}).get("basis")
+    """(errors (o + m,) of FFR at `places`, method in words) of a solvers.solved_mesh.Solved with an estimate."""
+    basis = solved.estimate["basis"]
     found, methods, artificial = [], [], 0.0
-    if basis and basis.field:
+    if basis.field:
         mesh, artificial = places.of_field(basis.field)
         found.append(mesh)
         methods.append("dual-weighted residual, linear interpolation")
-    if basis and basis.pair:
+    if basis.pair:
         fine, coarse, share = basis.pair
         found.append(share * np.abs(places.read(*fine) - places.read(*coarse)))
         methods.append("two meshes")
-    if not found:
-        return np.full(len(places.names) + len(places.points_mm) - len(places.ends), np.nan), ""
     errors = np.max(found, axis=0) + artificial
     errors[places.exact()] = 0.0
     return errors, ", ".join(methods)

@@ -48,6 +48,11 @@ class Branch:
         k = int(np.argmin(gap))
         return float(self.s_mm[k] + t[k] * (self.s_mm[k + 1] - self.s_mm[k])), float(gap[k])
 
+    def outside(self, points, radii):
+        """Whether each of points (n, 3) is further than `radii` local radii from the axis, (n,) bool."""
+        found = [self.project(point) for point in points]
+        return np.array([distance > radii * self.radius(s) for s, distance in found])
+
 
 class Tree:
     """The branches of an artery; iterates over them, main first, and finds them by name."""
@@ -69,11 +74,19 @@ class Tree:
     def main(self):
         return self.branches[0]
 
-    def nearest(self, points):
-        """For points (m, 3): index of the nearest sample in `samples()`, distance in mm."""
+    def place_of(self, probe):
+        """(Branch, s_mm, distance_mm) of the place on its branch's axis that is nearest to a probe of boundary.json."""
+        branch = self[probe["branch"]]
+        return branch, *branch.project(np.array(probe["point_mm"]))
+
+    def nearest(self, points, within_mm=np.inf):
+        """(number (m,) of the nearest of all branches' points, distance (m,) in mm) for points (m, 3).
+
+        Where none is as near as `within_mm` the distance is infinite, and the number that of no point.
+        """
         if not hasattr(self, "_kd"):
             self._kd = cKDTree(np.concatenate([branch.points for branch in self.branches]))
-        distance, index = self._kd.query(points)
+        distance, index = self._kd.query(points, distance_upper_bound=within_mm)
         return index, distance
 
 

@@ -63,6 +63,18 @@ class Surface:
         return float(np.einsum("ij,ij->", centroid, self.area_vectors()) / 3.0)
 
 
+def beside(side):
+    """Numbers (e, 2) of the two triangles at each edge of a closed surface; side: as `Surface.edges` gives it."""
+    return np.argsort(side.ravel(), kind="stable").reshape(-1, 2) // 3
+
+
+def border(triangles):
+    """Directed edges (r, 2) round triangles (m, 3), in their direction: the sides that only one of them has."""
+    sides = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    _, inverse, counts = np.unique(np.sort(sides, axis=1), axis=0, return_inverse=True, return_counts=True)
+    return sides[counts[inverse] == 1]
+
+
 def read(path):
     """Surface from lumen.vtp, checked by `check`. Raises InputError."""
     data = vtp.read(path, "make it with the anatomy step")
@@ -116,8 +128,7 @@ def _check_patches(surface, where, remedy):
             raise InputError(
                 "tag of a lumen end is not on one patch", where, f"region_id {cap}: {parts} patches", remedy
             )
-    _, side = surface.edges()
-    tags = np.repeat(surface.region, 3)[np.argsort(side.ravel(), kind="stable")].reshape(-1, 2)  # of each edge's sides
+    tags = surface.region[beside(surface.edges()[1])]
     touching = tags[(tags != WALL).all(axis=1) & (tags[:, 0] != tags[:, 1])]
     if len(touching):
         tags = sorted(touching[0].tolist())

@@ -15,15 +15,17 @@ from common import json_reader, schema
 from common.errors import InputError
 from flow.inputs import hyperaemia, lumen_summary, wire
 from flow.physics import viscosity
+from flow.physics.units import M3_PER_S_PER_ML_PER_MIN, PA_PER_MMHG
 
-PA_PER_MMHG = 133.322
-M3_PER_S_PER_ML_PER_MIN = 1e-6 / 60.0
 ROUNDING_MM = 1e-6
 FACTOR = 10.0  # largest ratio of R_i Q_i to MAP - P_v, either way: beyond it R_i has other units or is another outlet's
 
 
 def mean_arterial_pressure_mmhg(sbp_mmhg, dbp_mmhg):
-    """MAP in mmHg. Raises InputError when the pressures are out of order."""
+    """MAP in mmHg: the diastolic pressure plus 0.4 of the pulse pressure (Bos et al., J Hypertens 25 (2007) 751).
+
+    Raises InputError when the pressures are out of order.
+    """
     if not 0 < dbp_mmhg < sbp_mmhg:
         raise InputError(
             "blood pressures out of order",

@@ -17,8 +17,8 @@ import math
 
 from common import schema
 from common.errors import InputError
+from flow.physics.units import M3_PER_S_PER_ML_PER_MIN
 
-M3_PER_S_PER_ML_PER_MIN = 1e-6 / 60.0
 WHOLE = "whole"
 SEGMENTS = {"lad": 7, "lcx": 5, "rca": 5, "left": 12}  # of the left ventricle's
 ALL_SEGMENTS = 17

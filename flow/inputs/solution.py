@@ -10,9 +10,9 @@ from vtk.util.numpy_support import vtk_to_numpy
 from common import json_reader
 from common.errors import InputError
 from flow.geometry import correspondence, locate, tet10
+from flow.physics.units import M_PER_MM
 
 REMEDY = "give the folder that `flow solve` wrote"
-M_PER_MM = 1e-3
 WIDEST = 2.0  # largest factor on a velocity by the ratio of the areas
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from flow.geometry import vectors
 from flow.geometry.centreline import Branch, Tree
-from flow.geometry.surface import INLET, WALL, Surface
+from flow.geometry.surface import INLET, WALL, Surface, border
 from flow.meshing.sweep import spans, stations
 
 SPACING_MM = 0.25  # of the centreline's points in an extension
@@ -111,7 +111,7 @@ def _cap(surface, cap):
 def _extend(surface, cap, length):
     in_cap = surface.region == cap
     normal, _ = _cap(surface, cap)
-    rim = _rim(surface.triangles[in_cap])
+    rim = border(surface.triangles[in_cap])
     spacing = np.linalg.norm(surface.points[rim[:, 1]] - surface.points[rim[:, 0]], axis=1).mean()
     layers = max(1, round(length / spacing))
     # the cap's own vertices move to the end; the old rim and the layers between are new copies of it
@@ -139,10 +139,3 @@ def _extend(surface, cap, length):
     wall = np.concatenate(wall)[:, ::-1]
     region = np.concatenate([surface.region, np.full(len(wall), WALL)])
     return Surface(np.concatenate([points] + copies), np.concatenate([triangles, wall]), region)
-
-
-def _rim(triangles):
-    """Directed boundary edges (r, 2) of a patch, in the direction of its triangles."""
-    sides = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
-    _, inverse, counts = np.unique(np.sort(sides, axis=1), axis=0, return_inverse=True, return_counts=True)
-    return sides[counts[inverse] == 1]

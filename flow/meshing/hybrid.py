@@ -71,14 +71,14 @@ def build(surface, tree, sizes, settings, rings, coarsening=1.0):
 
 def _assemble(surface, slicer, found, disc, sizes, moved):
     """Linear mesh of the spans and the junctions between them. Raises StitchError."""
-    parts = _Parts(surface, slicer)
+    parts = _Parts(surface, slicer.normals)
     ends, cuts = [], []
     for number, span in enumerate(found):
         offset = parts.add_span(span, disc)
         own = []
         for which in (0, 1):
             if span.caps[which] is None:
-                own.append(_end((number, which), span, offset))
+                own.append(_end(number, which, span, offset))
         ends += own
         cuts.append(Cut(own, [cap for cap in span.caps if cap is not None], span.lattice.owners))
     taken = stitch.cut(surface, slicer.side, cuts)
@@ -102,23 +102,19 @@ class Cut:
     owners: np.ndarray
 
 
-def _end(key, span, offset):
-    which = key[1]
-    rim = span.lattice.first_rim if which == 0 else span.lattice.last_rim
-    level = 0 if which == 0 else -1
-    normal = span.sections.normals[level]
-    centre = span.sections.sections[level].centre
-    points = span.lattice.points[rim]
-    radius = float(np.linalg.norm(points - centre, axis=1).max())
-    return stitch.End(key, centre, -normal if which == 0 else normal, radius, offset + rim, points)
+def _end(number, which, span, offset):
+    """stitch.End at the first (0) or last (1) level of a span."""
+    rim, level, along = span.lattice.rims[which], -which, (-1, 1)[which]
+    centre, outwards = span.sections.sections[level].centre, along * span.sections.normals[level]
+    radius = float(np.linalg.norm(span.lattice.points[rim] - centre, axis=1).max())
+    return stitch.End((number, which), centre, outwards, radius, offset + rim)
 
 
 class _Parts:
     """Collects points, cells and boundary; the surface's vertices come first (those unused are dropped at the end)."""
 
-    def __init__(self, surface, slicer):
-        self.surface, self.slicer = surface, slicer
-        self.points, self.normals = [surface.points], [slicer.normals]
+    def __init__(self, surface, normals):
+        self.surface, self.points, self.normals = surface, [surface.points], [normals]
         self.count = len(surface.points)
         self.tetrahedra, self.swept, self.boundary, self.region = [], [], [], []
         self.edges, self.middles = [], []
@@ -144,7 +140,7 @@ class _Parts:
         self.edges.append(offset + lat.edges)
         self.middles.append(lat.middles)
         self.add_boundary(offset + lat.wall, WALL)
-        for cap, faces in ((span.caps[0], lat.first_disc[:, ::-1]), (span.caps[1], lat.last_disc)):
+        for cap, faces in zip(span.caps, lat.discs):
             if cap is not None:
                 self.add_boundary(offset + faces, cap)
         span.offset = offset
@@ -157,10 +153,10 @@ class _Parts:
         strip_of = stitch.strips(points, normals, triangles, ends)
         faces, tags = [triangles], [region]
         for key, strip in strip_of.items():
-            span = found[key[0]]
-            disc_faces = span.lattice.first_disc if key[1] == 0 else span.lattice.last_disc[:, ::-1]
+            span, which = found[key[0]], key[1]
+            disc_faces = span.lattice.discs[which][:, ::-1]
             faces += [strip, span.offset + disc_faces]
-            number = DISC_REGION + 2 * key[0] + key[1]
+            number = DISC_REGION + 2 * key[0] + which
             tags += [np.full(len(strip), WALL), np.full(len(disc_faces), number)]
         faces, tags = np.concatenate(faces), np.concatenate(tags)
         failed = []

@@ -2,7 +2,6 @@
 
 import contextlib
 import dataclasses
-import hashlib
 import math
 import pathlib
 import sys
@@ -17,19 +16,6 @@ from flow.geometry.tet10 import LEAST_JACOBIAN_RATIO, overlapping
 from flow.meshing import extension, hybrid, size_field, volume_mesh
 
 OTHER_SIZES = (1.0, 1.1, 0.9, 0.8)  # of the coarse mesh's cells per radius, tried in turn
-
-
-def fingerprint(surface, tree):
-    """SHA-256, in hexadecimal, of the input of a mesh: coordinates of surface and centrelines, and the tags."""
-    found = hashlib.sha256()
-    for array in (
-        surface.points,
-        surface.triangles,
-        surface.region,
-        *(a for b in tree for a in (b.points, b.radius_mm)),
-    ):
-        found.update(np.ascontiguousarray(array).tobytes())
-    return found.hexdigest()
 
 
 def build(surface, tree, cells_per_radius, settings, rings=None, coarsening=1.0):

@@ -1,19 +1,33 @@
 """Whether a mesh was made from a given surface, by the SHA-256 of the coordinates in its report."""
 
-from common import json_reader
+import hashlib
+
+import numpy as np
+
 from common.errors import InputError
 from flow.geometry import surface
-from flow.meshing import mesh
 
 
-def check(lumen, tree, report):
-    """Raises InputError unless the mesh of the file `report` was made from the surface file `lumen` and the centrelines
-    `tree`, both as `flow mesh` took them."""
-    made_from = json_reader.read(report, "mesh.json").data.get("made_from_sha256")
+def fingerprint(surface, tree):
+    """SHA-256, in hexadecimal, of the input of a mesh: coordinates of surface and centrelines, and the tags."""
+    found = hashlib.sha256()
+    for array in (
+        surface.points,
+        surface.triangles,
+        surface.region,
+        *(a for b in tree for a in (b.points, b.radius_mm)),
+    ):
+        found.update(np.ascontiguousarray(array).tobytes())
+    return found.hexdigest()
+
+
+def check(lumen, tree, made_from, report):
+    """Raises InputError unless a mesh was made from the surface file `lumen` and the centrelines `tree`, both as
+    `flow mesh` took them; made_from: `made_from_sha256` of its report, the file `report`, or None."""
     if not made_from:
         remedy = "make the mesh anew with `flow mesh`, or leave --lumen out"
         raise InputError("the report does not say what its mesh was made from", report, "no made_from_sha256", remedy)
-    found = mesh.fingerprint(surface.read(lumen), tree)
+    found = fingerprint(surface.read(lumen), tree)
     if found != made_from:
         remedy = "give the surface and the centreline that `flow mesh` was given, or mesh this one"
         what = "the mesh was made from another surface or centreline"

@@ -29,8 +29,7 @@ class SizeField:
         shape = np.ceil((high - low) / spacing).astype(int) + 1
         axes = [low[k] + spacing * np.arange(shape[k]) for k in range(3)]
         nodes = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-        self.tree.nearest(points[:1])
-        distance, index = self.tree._kd.query(nodes, distance_upper_bound=TALLEST)
+        index, distance = self.tree.nearest(nodes, TALLEST)
         values = np.full(len(nodes), self.size.max())
         near = np.isfinite(distance)
         values[near] = self.size[index[near]]

@@ -10,8 +10,8 @@ import pandas as pd
 
 from common.errors import ComputationError, InputError
 from flow.geometry import locate
+from flow.physics.units import M_PER_MM
 
-M_PER_MM = 1e-3
 SPACING_MM = 0.5
 AROUND_MM = 1.0  # the slope of FFR is taken within this of a probe
 RISING = 5e-4  # of FFR a mm: with a steeper slope the third decimal depends on the probe's place
@@ -40,8 +40,8 @@ def along_branch(branch, sampler):
     return s[inside], points[inside], pressure[inside]
 
 
-def pullback(tree, sampler, map_pa, flow_at):
-    """Table of pullback.csv. flow_at(branch name, s_mm) -> flow in m3/s."""
+def pullback(tree, sampler, reference, flow_at):
+    """Table of pullback.csv; reference: as of `reference_pa`; flow_at(branch name, s_mm) -> flow in m3/s."""
     tables = []
     for branch in tree:
         s, points, pressure = along_branch(branch, sampler)
@@ -55,7 +55,7 @@ def pullback(tree, sampler, map_pa, flow_at):
                     "y_mm": points[:, 1],
                     "z_mm": points[:, 2],
                     "pressure_pa": pressure,
-                    "ffr": pressure / map_pa,
+                    "ffr": pressure / reference,
                     "flow_m3_per_s": [flow_at(branch.name, x) for x in s],
                 }
             )
@@ -65,8 +65,7 @@ def pullback(tree, sampler, map_pa, flow_at):
 
 def _projected(probe, tree):
     """(branch, s_mm, shift_mm) of a probe's nearest point on this state's centreline. Raises InputError."""
-    branch = tree[probe["branch"]]
-    s_mm, shift = branch.project(np.array(probe["point_mm"]))
+    branch, s_mm, shift = tree.place_of(probe)
     if shift > FAR * branch.radius(s_mm):
         remedy = "boundary.json and centreline of one patient, both in mm"
         raise InputError(
@@ -97,10 +96,13 @@ def check_inside(probes, tree, space):
             raise InputError("probe lies outside the mesh", f"probe {probe['name']}", value, remedy)
 
 
-def at_probes(probes, tree, sampler, map_pa):
-    """[{name, branch, s_mm, point_mm, shift_mm, ffr}]: each probe projected on this state's centreline."""
-    found = []
-    for probe in probes:
+def at_probes(document, tree, sampler):
+    """[{name, branch, s_mm, point_mm, shift_mm, ffr}]: each probe projected on this state's centreline.
+
+    document: of boundary.json, `distal` is the first of its probes. Raises ComputationError for one outside the mesh.
+    """
+    found, reference = [], reference_pa(document, tree, sampler)
+    for probe in document["probes"]:
         branch, s_mm, shift = _projected(probe, tree)
         point = branch.point(s_mm)
         _, pressure, inside = sampler(point[None] * M_PER_MM)
@@ -115,7 +117,7 @@ def at_probes(probes, tree, sampler, map_pa):
                 "s_mm": s_mm,
                 "point_mm": point.tolist(),
                 "shift_mm": shift,
-                "ffr": float(pressure[0] / map_pa),
+                "ffr": float(pressure[0] / reference),
             }
         )
     return found

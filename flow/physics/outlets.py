@@ -8,11 +8,7 @@ import numpy as np
 
 from common.errors import InputError
 from flow.geometry.tags import PHYSICAL_INLET, physical_tag
-
-M_PER_MM = 1e-3
-
-# Largest difference of out- and inflow, over the inflow, that is trusted. Solves by factorization have 1e-14 to 1e-13.
-LARGEST_IMBALANCE = 1e-8
+from flow.physics.units import M_PER_MM
 
 
 def check_places(space, document, tree, where):

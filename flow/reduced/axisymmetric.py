@@ -23,6 +23,7 @@ from common.errors import ComputationError
 from flow.discretisation import compat
 from flow.physics import viscosity as viscosities
 from flow.physics.navier_stokes import SMALLEST_RATE
+from flow.physics.units import M3_PER_S_PER_ML_PER_MIN
 
 ACROSS = 10  # cells along a radius
 INLET, OUTLET = 1, 2
@@ -145,7 +146,7 @@ class Tube:
                 raise ComputationError(
                     "the axisymmetric model found no steady flow",
                     f"at {fraction:.2f} of the flow",
-                    f"{inflow * 6e7:.1f} mL/min",
+                    f"{inflow / M3_PER_S_PER_ML_PER_MIN:.1f} mL/min",
                     "check sections.csv",
                 )
 

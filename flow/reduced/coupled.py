@@ -14,10 +14,10 @@ from scipy.spatial import cKDTree
 
 from common.errors import ComputationError
 from flow.physics import viscosity
+from flow.physics.units import M3_PER_S_PER_ML_PER_MIN, M_PER_MM
 from flow.reduced.axisymmetric import Tube
 from flow.meshing.sweep import stations
 
-M_PER_MM = 1e-3
 FINER = 0.5  # distance of the tube's sections over the distance in the swept mesh
 MOST_ROUNDS, SAME_FLOW = 12, 1e-5  # rounds of the coupling; largest change of a flow over the whole at its end
 LEFT = 1.0  # a side branch has left its parent this many radii of the parent from the parent's axis
@@ -37,9 +37,7 @@ class Predictor:
         self.alone = self.flows = network.solve()
         self.alone_pressures = self.pressures = network.pressures(self.flows, network.inlet_pa)
         self.tube, self.reason, begin = None, None, time.process_time()
-        probe = document["probes"][0]
-        self.branch = tree[probe["branch"]]
-        self.s_probe_mm, _ = self.branch.project(np.array(probe["point_mm"]))
+        self.branch, self.s_probe_mm, _ = tree.place_of(document["probes"][0])
         self.radius_mm = {name: _radius(*profile) for name, profile in network.profile.items()}
         if not coupled:
             self.reason, self.cpu_seconds = "not asked for", 0.0
@@ -72,17 +70,16 @@ class Predictor:
         raise ComputationError(
             "the axisymmetric model and the network do not agree on a flow",
             f"branch {name}",
-            f"change {np.abs(flows - before).max() * 6e7:.3g} mL/min",
+            f"change {np.abs(flows - before).max() / M3_PER_S_PER_ML_PER_MIN:.3g} mL/min",
             "check sections.csv",
         )
 
     def _leaves_parent(self):
         """Arc length in mm at which the branch has left its parent; 0 for the root."""
-        for parent, children in self.network.children.items():
-            for where, child in children:
-                if child == self.branch.name:
-                    return min(LEFT * float(self.radius_mm[parent](where)), 0.5 * self.branch.length_mm)
-        return 0.0
+        if self.branch.name == self.network.root:
+            return 0.0
+        parent, where = self.network.parent[self.branch.name]
+        return min(LEFT * float(self.radius_mm[parent](where)), 0.5 * self.branch.length_mm)
 
     def _tube(self, settings):
         name = self.branch.name
@@ -157,13 +154,10 @@ class Predictor:
     def _owners(self, points_mm):
         """Number (m,) of the branch with the nearest axis. The part of an axis inside the parent does not count."""
         kept, number = [], []
-        parent_of = {child: name for name, children in self.network.children.items() for _, child in children}
         for k, branch in enumerate(self.tree):
             outside = np.ones(len(branch.points), bool)
-            if branch.name in parent_of:
-                parent = self.tree[parent_of[branch.name]]
-                found = [parent.project(point) for point in branch.points]
-                outside = np.array([distance > LEFT * parent.radius(s) for s, distance in found])
+            if branch.name != self.network.root:
+                outside = self.tree[self.network.parent[branch.name][0]].outside(branch.points, LEFT)
             kept.append(branch.points[outside])
             number.append(np.full(outside.sum(), k))
         _, nearest = cKDTree(np.concatenate(kept)).query(points_mm)

@@ -19,10 +19,11 @@ SAME = ("made_from_sha256", "extensions")  # keys that must agree in the reports
 
 
 def read(path, mesh, coarse=()):
-    """([meshing.extension.Extension], [warning]) from the report `path` of `flow mesh` on the file `mesh`.
+    """([meshing.extension.Extension], [warning], SHA-256 of what the mesh was made from, None where it is not said).
 
-    A warning, printed too, names each mesh that could not be swept. coarse: files of the coarser meshes. Raises
-    InputError, also where the report is of another mesh, or a coarse mesh is of another lumen.
+    path: report of `flow mesh` on the file `mesh`; coarse: files of the coarser meshes. A warning, printed too, names
+    each mesh that could not be swept. Raises InputError, also where the report is of another mesh, or a coarse mesh is
+    of another lumen.
     """
     report = json_reader.read(path, "mesh.json").data
     try:
@@ -49,7 +50,7 @@ def read(path, mesh, coarse=()):
     ]
     for said in warnings:
         print(said, file=sys.stderr, flush=True)
-    return extensions, warnings
+    return extensions, warnings, report.get("made_from_sha256")
 
 
 def _check_coarse(report, path, coarse):
@@ -80,17 +81,13 @@ def _named(report):
     return list(zip(("fine", "coarse", "coarsest"), (report, *report.get("coarse", [])[::-1])))
 
 
-def beside(mesh, coarse=()):
-    """([meshing.extension.Extension], [warning]) by the report beside a mesh, as `read`. Raises InputError.
-
-    Without a report there are no extensions, and a warning, printed too, says so.
-    """
-    path = pathlib.Path(mesh).with_suffix(".json")
+def beside(path, mesh, coarse=()):
+    """As `read`; without a report there are no extensions, and a warning, printed too, says so."""
     if path.is_file():
         return read(path, mesh, coarse)
     said = f"no report of the mesh ({path.name}): reduced models take it as without extensions; give --mesh-report"
     print(said, file=sys.stderr, flush=True)
-    return [], [said]
+    return [], [said], None
 
 
 class Extended:

@@ -10,9 +10,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 from common.errors import InputError
+from flow.physics.units import M3_PER_S_PER_ML_PER_MIN, M_PER_MM, PA_PER_MMHG
 
 LEAST_LOSS = 1e-3  # of FFR: smaller losses are compared by their difference, as their ratio would be noise
-PA_PER_MMHG = 133.322
 # Plausible variations beside a measured inflow: (name, flow over the measured one, mmHg added to MAP, exponent of the
 # split). Repeated measurements of a coronary flow differ by about a tenth, and a cuff may be off by 10 mmHg. Exponent 2
 # splits by area, 3 by Murray's law. Chosen, not fitted.
@@ -101,7 +101,7 @@ def loss_at(network, probe):
     """1 - FFR by a flow.reduced.network.Network at a probe (branch, s_mm)."""
     flows = network.solve()
     s, pressure = network.pressures(flows, network.inlet_pa)[probe[0]]
-    return 1 - float(np.interp(probe[1] * 1e-3, s, pressure)) / network.inlet_pa
+    return 1 - float(np.interp(probe[1] * M_PER_MM, s, pressure)) / network.inlet_pa
 
 
 def with_inflow(document, network_at):
@@ -115,7 +115,7 @@ def with_inflow(document, network_at):
         return float(np.sum(network_at(scaled(document, np.exp(log_factor))).solve())) / wanted - 1
 
     if lacking(np.log(FASTEST)) < 0:
-        most = (1 + lacking(np.log(FASTEST))) * wanted * 6e7
+        most = (1 + lacking(np.log(FASTEST))) * wanted / M3_PER_S_PER_ML_PER_MIN
         remedy = "is the flow of this vessel, before the intervention, and in mL/min?"
         where = "patient.hyperaemic_inflow_ml_per_min"
         raise InputError("the vessel does not let the measured flow pass", where, f"at most {most:.0f} mL/min", remedy)

@@ -14,9 +14,9 @@ import pandas as pd
 from scipy.optimize import least_squares
 
 from common.errors import ComputationError, InputError
+from flow.physics.units import M_PER_MM
 from flow.physics.viscosity import of as viscosity_of
 
-M_PER_MM = 1e-3
 CREEPING = 1e-10  # m3/s
 NEAR_END = 2.0  # largest distance of the last section from the branch's end, in radii
 # limits of a section's radius, sqrt(A / pi), over the largest inscribed sphere's: in the study 1.00 to 1.15, ostia 1.4
@@ -82,9 +82,10 @@ class Network:
         self.viscosity = viscosity_of(document)
         self.outlets = document["outlets"]
         branches = {branch["name"]: branch for branch in anatomy["branches"]}
-        self.children = {name: [] for name in branches}
+        self.children, self.parent = {name: [] for name in branches}, {}  # both with places s_mm on the parent
         for branch in branches.values():
             if branch["parent"]:
+                self.parent[branch["name"]] = branch["parent"], branch["s_on_parent_mm"]
                 self.children[branch["parent"]].append((branch["s_on_parent_mm"], branch["name"]))
         self.profile = {}
         for name in branches:
@@ -165,9 +166,7 @@ class Network:
         return (here - here[0]) * (flows[self.downstream(segment.branch, 0.0)].sum() / flow) ** 2
 
     def _at_junction(self, segment, result, flows, velocity):
-        parent, where = next(
-            (name, s) for name, children in self.children.items() for s, child in children if child == segment.branch
-        )
+        parent, where = self.parent[segment.branch]
         s, p = result[parent]
         area = np.interp(where, *self.profile[parent]) * M_PER_MM**2
         upstream = flows[self.downstream(parent, where)].sum() / area

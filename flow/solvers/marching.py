@@ -164,16 +164,8 @@ class Stepper:
         self.problem.linearise(self.problem.forms.tangent)
         self.factorized_weight, self.acceleration = self.inertia.weight, self.problem.acceleration()
 
-    def pause(self):
-        """Makes the problem steady again."""
-        self.problem.inertia = None
-        self.problem.forget()
-
-    def resume(self):
-        """Makes the problem unsteady again after `pause`."""
-        self.problem.inertia, self.factorized_weight = self.inertia, None
-
     def destroy(self):
         """Makes the problem steady again and frees PETSc's memory."""
-        self.pause()
+        self.problem.inertia = None
+        self.problem.forget()
         self.inertia.destroy()

@@ -38,12 +38,12 @@ class Step:
     factor: float
 
 
-def newton(problem, absolute, relative, limit, most_picard=0, exact=False):
+def newton(problem, absolute, relative, limit, most_picard=0):
     """Outcome of iterations from the present state to residuals `absolute` (N) and `relative` (over the load).
 
     Ends after `limit` factorizations (twice as many while whole steps are good), or when the settings allow no more. It
     also ends where two factors in a row are below FAR. Where no factor is good, up to `most_picard` steps of Picard's
-    method are tried. exact: every step factorizes its own tangent, and none is accelerated.
+    method are tried.
     """
     free, inlet, norm = problem.residual()
     start, last, factors = problem.solver.factorizations, None, []
@@ -68,7 +68,7 @@ def newton(problem, absolute, relative, limit, most_picard=0, exact=False):
             free, inlet, norm = reached
             problem.report(norm, f"Newton {last.factor:.2g}")
             near = last.factor == 1 and last.after < NEAR * last.before
-            if near and not exact and not problem.small(norm, absolute, relative):
+            if near and not problem.small(norm, absolute, relative):
                 moved = np.append(base[problem.space.free], base_inflow), np.append(update, inflow_update)
                 free, inlet, norm = _go_on(problem, reached, moved, last, (MARGIN * absolute, MARGIN * relative))
                 if last.after > NEARER * last.before:

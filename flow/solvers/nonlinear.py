@@ -4,8 +4,9 @@ Unknowns: the dofs x that no boundary fixes, the inflow Q (the inlet's velocity 
 P_i (held at P_v + R_i Q_i, so their equations leave no residual). The inflow's equation is the momentum equation
 tested with g: F(w; g) = MAP, in Pa. Times the inlet's area, it enters the norm in N like the other residuals.
 
-Newton's method first starts from the flow of the reduced models (solvers.predicted_start). If that fails in a single
-tube, the flow is raised in steps (solvers.ramp). The last way lowers an artificial viscosity (solvers.continuation).
+In a single tube, and in a tree that loses little pressure, Newton's method first starts from the flow of the reduced
+models (solvers.predicted_start). If that fails in a single tube, the flow is raised in steps (solvers.ramp). The last
+way, in other trees the first, lowers an artificial viscosity (solvers.continuation).
 """
 
 import dataclasses
@@ -16,26 +17,21 @@ from dolfinx import fem
 from petsc4py import PETSc
 
 from common.errors import ComputationError
-from flow.discretisation import compat, flow_state
+from flow.discretisation import compat, flow_state, forms, tangent
+from flow.physics.units import M3_PER_S_PER_ML_PER_MIN
 from flow.solvers import anderson, continuation, linear, newton, predicted_start, ramp
-from flow.discretisation import tangent
-from flow.physics import viscosity
-from flow.discretisation.forms import NavierStokes
-
 
 FROM_STATE = 6  # factorizations from the flow of another state; without convergence the usual way is taken then
 
 
 @dataclasses.dataclass
 class Outcome:
-    """What a solve did: whether it converged, iterations (factorizations), residual norms (N; over the load), history
-    of the former."""
+    """What a solve did: whether it converged, iterations (factorizations), residual norms (N; over the load)."""
 
     converged: bool
     iterations: int
     residual_absolute: float
     residual_relative: float
-    history: list
 
 
 class FlowProblem(flow_state.FlowState):
@@ -49,14 +45,7 @@ class FlowProblem(flow_state.FlowState):
         self.space, self.boundaries, self.settings, self.log = space, boundaries, settings, log or sys.stderr
         self.state = fem.Function(space.W)
         self.inflow = 0.0
-        self.forms = NavierStokes(
-            space,
-            self.state,
-            document["density_kg_per_m3"],
-            viscosity.of(document),
-            settings.grad_div_pa_s,
-            settings.backflow_coefficient,
-        )
+        self.forms = forms.of(space, self.state, document, settings)
         self.free_velocity = np.isin(space.free, space.v_map)
         self.matrix = None  # discretisation.tangent.FreeMatrix
         self.solver = linear.DirectSolver()
@@ -88,9 +77,10 @@ class FlowProblem(flow_state.FlowState):
         return PETSc.Vec().createSeq(len(self.space.free), comm=PETSc.COMM_SELF)
 
     def residual(self):
-        """(free part as vector, inflow equation in Pa, norm in N) at the present state.
+        """Residual at the present state: (vector of the free dofs, that of the inflow's equation in Pa, norm in N).
 
-        Where the inflow is given as Q0, its equation is (Q / Q0 - 1) MAP = 0.
+        The inflow's equation says that the mean inlet pressure is MAP. Where the inflow is given as Q0, it is
+        (Q / Q0 - 1) MAP = 0.
         """
         vector = self.full_residual
         self.forms.assembled(vector)
@@ -205,14 +195,15 @@ class FlowProblem(flow_state.FlowState):
 
     def outcome(self, norm, absolute, relative, iterations):
         """Outcome that says whether `norm` meets the limits."""
-        return Outcome(self.small(norm, absolute, relative), iterations, norm, norm / self.load, self.history)
+        return Outcome(self.small(norm, absolute, relative), iterations, norm, norm / self.load)
 
     def report(self, norm, kind):
         self.history.append(norm)
-        print(f"  residual {norm:.3e} N, {kind}, inflow {self.inflow * 6e7:.2f} mL/min", file=self.log, flush=True)
+        flow = self.inflow / M3_PER_S_PER_ML_PER_MIN
+        print(f"  residual {norm:.3e} N, {kind}, inflow {flow:.2f} mL/min", file=self.log, flush=True)
 
     def solve(self, resistances_at, predicted, begin_only=False):
-        """Outcome at full flow: from the flow that a reduced model predicts, and where this fails, from rest.
+        """Outcome at full flow: from the flow that a reduced model predicts, if it is near enough, or else from rest.
 
         resistances_at(fraction) -> (n,) outlet resistances; predicted: reduced.coupled.Predictor. begin_only: a finer
         mesh follows; a single tube then tries the predicted flow alone, a tree ends as continuation.from_rest says.

@@ -1,8 +1,9 @@
 """Newton's method from the flow of the reduced models, where that flow is near enough to the steady one.
 
-In a single tube Newton's method starts from the axisymmetric flow. In a tree the predicted velocities are parabolas,
-which are rough at the branch points; two steps of Picard's method smooth them first. That is near enough where the
-vessel loses little pressure, as after an intervention. Elsewhere the attempt costs more factorizations than it saves.
+In a single tube Newton's method starts from the axisymmetric flow. In a tree only the branch of the probe `distal` has
+one, the others have parabolas. Both are rough at the branch points, so two steps of Picard's method smooth them first.
+That is near enough where the vessel loses little pressure, as after an intervention. Elsewhere the attempt costs more
+factorizations than it saves.
 """
 
 import numpy as np

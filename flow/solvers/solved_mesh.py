@@ -6,6 +6,7 @@ from common.errors import ComputationError
 from flow.discretisation import spaces
 from flow.geometry import centreline, locate
 from flow.physics import ffr, outlets
+from flow.physics.units import M_PER_MM
 from flow.solvers import nonlinear
 
 # Effort on a mesh. BEGUN: finer meshes follow, so a large eps may be left. WHOLE: every way is tried. NEAR: only from
@@ -16,14 +17,21 @@ CONVERGED, ARTIFICIAL = STATUSES = ("converged", "converged with artificial visc
 
 
 class Solved:
-    """One mesh with its flow: FlowProblem and its Outcome, error estimate."""
+    """One mesh with its flow: FlowProblem and its Outcome, error estimate.
+
+    names, outflows in m3/s, pressures in Pa: of the outlets, in the mesh's order; inflow in m3/s.
+    """
+
+    model = "3D Navier-Stokes, Taylor-Hood P2-P1 on quadratic tetrahedra"
 
     def __init__(self, path, space, boundaries, problem, outcome):
         self.path, self.space, self.boundaries, self.problem, self.outcome = path, space, boundaries, problem, outcome
         self.artificial = problem.artificial  # eps of the steady flow
         self.estimate, self.cpu_seconds = None, 0.0
         self.sampler = locate.FieldSampler(self.space, self.problem.state.x.array)
+        self.names, self.inflow = boundaries.names, problem.inflow
         self.outflows = self.boundaries.outflows(self.problem.state_vector())
+        self.pressures = boundaries.pressures(self.outflows)
 
     @property
     def status(self):
@@ -44,7 +52,7 @@ def solve_mesh(path, document, settings, tree, predicted, before=None, spent=0, 
     """
     space = spaces.read(path)
     ffr.check_inside(document["probes"], tree, space)
-    centreline.check_wall(tree, space.nodes()[0][space.wall_nodes()] / ffr.M_PER_MM, path)
+    centreline.check_wall(tree, space.nodes()[0][space.wall_nodes()] / M_PER_MM, path)
     boundaries = outlets.Boundaries(space, document)
     outlets.check_places(space, document, predicted.tree, path)
     problem = nonlinear.FlowProblem(space, boundaries, document, settings, spent)

@@ -13,9 +13,9 @@ LAYER_GROWTH = 2.0  # of the layers' widths from the wall inwards
 
 @dataclasses.dataclass
 class Disc:
-    """vertices (n, 2) and edge middles (e, 2) as (rho, angle); triangles (t, 3) counter-clockwise; edges (e, 2).
+    """vertices (n, 2) and middles (e, 2) of the edges (e, 2), both as (rho, angle); triangles (t, 3) counter-clockwise.
 
-    middles (e, 2): of the edges, as (rho, angle); rim (6 rings,): the outermost vertices in order of angle.
+    rim (6 rings,): the outermost vertices in order of angle.
     """
 
     rings: int

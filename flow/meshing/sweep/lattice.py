@@ -16,9 +16,10 @@ from flow.meshing.sweep import axis as axis_module
 
 REACH = 2.5  # radii of the branch within which a section's wall is looked for
 LARGEST_ASPECT = 3.0  # largest over smallest radius of a section
-LARGEST_EDGE = 0.82  # of the rings (rings_at), as the next two: of up to three rings, of more
-# Fitted, each pair to the error of FFR at 62 %: 3 rings have -.0002 (with the second pair -.0005), 4 rings +.0007 (with
-# a LAST of 1 / 3 +.0010).
+# The next three are for rings_at. LARGEST_EDGE limits the jet's radius over the vessel's. GRADING and LAST have one
+# value for up to three rings and one for four. They were fitted to the error of FFR at a stenosis of 62 %: -.0002 with
+# three rings (-.0005 with the second values), +.0007 with four (+.0010 with a LAST of 1 / 3).
+LARGEST_EDGE = 0.82
 GRADING, LAST = (0.3, 0.5), (1 / 3, 1 / 2)
 # More than 4 are laid alike, so that meshes become finer everywhere: with as many outside the jet as 4 rings have, 6
 # had +.0003 instead of +.0001 and 10 left every tenth curved edge straight.
@@ -30,8 +31,8 @@ FULLNESS = 3  # power of rho with which edges follow the lattice
 class Lattice:
     """A span's linear tetrahedra with the middles of all its edges; vertex numbers are the span's own.
 
-    points (n, 3); tetrahedra (t, 4); edges (e, 2), middles (e, 3); wall (f, 3) triangles outwards; first_disc and
-    last_disc (d, 3): end discs, facing along the axis; first_rim, last_rim (r,): vertices in order of angle;
+    points (n, 3); tetrahedra (t, 4); edges (e, 2), middles (e, 3); wall (f, 3) triangles outwards; discs: triangles
+    (d, 3) outwards of the first end and of the last; rims: vertices (r,) of these in order of angle;
     normals (n, 3): of the smooth surface at the wall's vertices of the two end discs, else zero; owners: facets hit.
     """
 
@@ -40,10 +41,8 @@ class Lattice:
     edges: np.ndarray
     middles: np.ndarray
     wall: np.ndarray
-    first_disc: np.ndarray
-    last_disc: np.ndarray
-    first_rim: np.ndarray
-    last_rim: np.ndarray
+    discs: tuple
+    rims: tuple
     normals: np.ndarray
     owners: np.ndarray
 
@@ -139,10 +138,8 @@ def build(sections, disc, edge):
         edges,
         middle,
         wall,
-        disc.triangles,
-        last + disc.triangles,
-        disc.rim,
-        last + disc.rim,
+        (disc.triangles[:, ::-1], last + disc.triangles),
+        (disc.rim, last + disc.rim),
         normals,
         np.unique(facets[1:-1]),
     )

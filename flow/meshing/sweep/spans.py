@@ -58,8 +58,7 @@ def _starts_on(branch, parent):
 
 def _outside(branch, parent):
     """Points of a side branch past the one where it leaves its parent's lumen."""
-    found = [parent.project(point) for point in branch.points]
-    past = np.array([distance > LEFT * parent.radius(s) for s, distance in found])
+    past = parent.outside(branch.points, LEFT)
     first = int(np.argmax(past)) if past.any() else len(past)
     return np.arange(len(past)) >= first
 

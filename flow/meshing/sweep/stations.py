@@ -43,7 +43,7 @@ def _curvature(branch):
 
 
 def place(branch, settings, start_mm, end_mm, coarsening=1.0):
-    """Arc lengths (k,) of the sections from start_mm to end_mm inclusive, at least two cells apart from each other."""
+    """Arc lengths (k,) of the sections from start_mm to end_mm inclusive, in two gaps or more."""
     return spread(start_mm, end_mm, lambda s: coarsening * spacing(branch, settings, s), 2)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from flow.geometry.surface import WALL
+from flow.geometry.surface import WALL, beside, border
 from flow.geometry.vectors import dot
 
 CLEAR = 0.5  # local edges: least distance of a remaining facet from the plane of a span's end
@@ -24,7 +24,7 @@ class StitchError(Exception):
 def cut(surface, side, spans):
     """Facets (m,) bool that the spans take away. side: `surface.edges()[1]`; spans: [Cut]."""
     taken = np.zeros(len(surface.triangles), bool)
-    pairs = _neighbours(side)
+    pairs = beside(side)
     for span in spans:
         barrier = np.zeros(len(taken), bool)
         for end in span.ends:
@@ -38,21 +38,14 @@ def cut(surface, side, spans):
     return taken
 
 
-def _neighbours(side):
-    """Pairs (e, 2) of facets that share an edge."""
-    order = np.argsort(side.ravel(), kind="stable")
-    return (order // 3).reshape(-1, 2)
-
-
 class End:
     """One end of a span: key (span number, 0 or 1), plane, ring of global vertices in order of angle about the axis.
 
     outwards: unit vector along the axis, out of the span.
     """
 
-    def __init__(self, key, centre, outwards, radius, ring, ring_points):
-        self.key, self.centre, self.outwards, self.radius = key, centre, outwards, radius
-        self.ring, self.ring_points = ring, ring_points
+    def __init__(self, key, centre, outwards, radius, ring):
+        self.key, self.centre, self.outwards, self.radius, self.ring = key, centre, outwards, radius, ring
 
     def beyond(self, surface):
         """Facets near this end that lie clear of its plane, on the outer side."""
@@ -77,12 +70,10 @@ def trim_ears(surface, taken, wall):
 
 def loops(triangles):
     """Boundary loops of facets, each an array of vertices in the facets' direction. None where one touches itself."""
-    sides = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
-    _, inverse, counts = np.unique(np.sort(sides, axis=1), axis=0, return_inverse=True, return_counts=True)
-    border = sides[counts[inverse] == 1]
-    if len(np.unique(border[:, 0])) != len(border):
+    edges = border(triangles)
+    if len(np.unique(edges[:, 0])) != len(edges):
         return None
-    following = dict(border.tolist())
+    following = dict(edges.tolist())
     found = []
     while following:
         first, vertex = next(iter(following.items()))
@@ -109,7 +100,7 @@ def zipper(points, normals, loop, ring):
     a, b = np.meshgrid(np.arange(rows), np.arange(columns), indexing="ij")
     on_loop = np.stack([loop[a], loop[a - 1], ring[b]], axis=-1)
     on_ring = np.stack([loop[a], ring[b - 1], ring[b]], axis=-1)
-    cost_loop, cost_ring = (_badness(points, normals, one) for one in (on_loop, on_ring))
+    cost_loop, cost_ring = (_badness(points, normals, one)[0] for one in (on_loop, on_ring))
     cost = np.full((rows + 1, columns + 1), np.inf)
     cost[0, 0] = 0.0
     by_loop = np.zeros(cost.shape, bool)
@@ -131,15 +122,17 @@ def zipper(points, normals, loop, ring):
 
 
 def _badness(points, normals, triangles):
-    """1 over the shape (1 of an equilateral triangle) of triangles (..., 3); FOLDS more where one does not face as the
-    surface does."""
+    """(badness (...,), cosine with the surface's normal (...,)) of triangles (..., 3).
+
+    The badness is 1 over the shape (1 of an equilateral triangle), FOLDS more where one does not face as the surface.
+    """
     a, b, c = (points[triangles[..., k]] for k in range(3))
     area = np.cross(b - a, c - a)
     twice = np.linalg.norm(area, axis=-1)
     sides = sum(((one - other) ** 2).sum(axis=-1) for one, other in ((a, b), (b, c), (c, a)))
     facing = normals[triangles].sum(axis=-2)
     cosine = (area * facing).sum(axis=-1) / np.maximum(twice * np.linalg.norm(facing, axis=-1), 1e-300)
-    return sides / np.maximum(2.0 * np.sqrt(3.0) * twice, 1e-300) + FOLDS * (cosine < LEAST_COSINE)
+    return sides / np.maximum(2.0 * np.sqrt(3.0) * twice, 1e-300) + FOLDS * (cosine < LEAST_COSINE), cosine
 
 
 def strips(points, normals, kept, ends):
@@ -159,14 +152,9 @@ def strips(points, normals, kept, ends):
         # the ring runs counter-clockwise about the axis; seen from outside the span the loop may run either way
         ring = end.ring if _turns(points[loop], end) == _turns(points[end.ring], end) else end.ring[::-1]
         strip = zipper(points, normals, loop, ring)
-        a, b, c = (points[strip[:, k]] for k in range(3))
-        area = np.cross(b - a, c - a)
-        length = np.linalg.norm(area, axis=1)
-        facing = normals[strip].sum(axis=1)
-        facing /= np.linalg.norm(facing, axis=1)[:, None]
-        cosine = np.einsum("ij,ij->i", area, facing) / np.maximum(length, 1e-300)
-        if cosine.min() < LEAST_COSINE:
-            raise StitchError(f"a strip folds (cosine {cosine.min():.2f})", [end.key])
+        least = _badness(points, normals, strip)[1].min()
+        if least < LEAST_COSINE:
+            raise StitchError(f"a strip folds (cosine {least:.2f})", [end.key])
         result[end.key] = strip
     return result
 

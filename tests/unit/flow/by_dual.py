@@ -9,8 +9,9 @@ from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
 
 from flow.discretisation import compat, spaces
-from flow.errors.error_field import M_PER_MM, carried, places, residual_of, stretches
+from flow.errors.error_field import carried, places, residual_of, stretches
 from flow.errors.recovery import Patches
+from flow.physics.units import M_PER_MM
 
 
 def of(solved, document, tree):

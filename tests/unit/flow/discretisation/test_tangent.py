@@ -11,6 +11,7 @@ from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
 import tubes
+import whole_tangent
 from flow import settings
 from flow.discretisation import compat, forms, spaces, tangent
 from flow.physics import navier_stokes, outlets, viscosity
@@ -68,15 +69,15 @@ def test_it_is_the_whole_tangent_between_the_free_dofs(problem, eps):
     for factor in (1.0, -0.5):  # filled again, at another state
         values *= factor
         built.assemble(problem.forms.tangent)
-        assert _apart(_csr(built.matrix), _free(problem, problem.forms.whole_tangent)) < 1e-14
+        assert _apart(_csr(built.matrix), _free(problem, whole_tangent.of(problem.forms))) < 1e-14
     built.destroy()
 
 
 def test_the_artificial_viscosity_changes_it(problem):
     """What the test above compares at eps > 0 is not the part without."""
-    plain = _free(problem, problem.forms.whole_tangent)
+    plain = _free(problem, whole_tangent.of(problem.forms))
     problem.forms.artificial.value = 0.3
-    assert _apart(_free(problem, problem.forms.whole_tangent), plain) > 1e-6
+    assert _apart(_free(problem, whole_tangent.of(problem.forms)), plain) > 1e-6
 
 
 @pytest.mark.parametrize("eps", [0.0, 0.3])
@@ -134,7 +135,7 @@ def test_inertia_adds_its_mass_to_residual_and_matrix(problem):
 def test_products_with_a_profile_are_those_of_the_whole_matrix(problem):
     built, profile = tangent.FreeMatrix(problem.space, problem.forms), problem.boundaries.profile.x.array
     built.assemble(problem.forms.tangent)
-    matrix = fem_petsc.assemble_matrix(problem.forms.whole_tangent)
+    matrix = fem_petsc.assemble_matrix(whole_tangent.of(problem.forms))
     matrix.assemble()
     given, found = matrix.createVecs()
     given.array[:] = profile
@@ -161,6 +162,6 @@ def test_the_viscosity_by_shear_rate_is_in_the_matrix(problem):
     weak = forms.NavierStokes(problem.space, problem.state, DENSITY, thick, 0.2, 0.5)
     built = tangent.FreeMatrix(problem.space, weak)
     built.assemble(weak.tangent)
-    assert _apart(_csr(built.matrix), _free(problem, weak.whole_tangent)) < 1e-14
-    assert _apart(_csr(built.matrix), _free(problem, problem.forms.whole_tangent)) > 1e-6
+    assert _apart(_csr(built.matrix), _free(problem, whole_tangent.of(weak))) < 1e-14
+    assert _apart(_csr(built.matrix), _free(problem, whole_tangent.of(problem.forms))) > 1e-6
     built.destroy()

@@ -195,8 +195,10 @@ def test_each_part_of_an_estimate_counts(fork):
     assert meshes[:2] == pytest.approx(wanted, rel=1e-6)
     both, method = _estimated(fork, field=field, pair=pair)
     assert both == pytest.approx(np.maximum(residual, meshes)) and "two meshes" in method
-    unknown, method = _estimated(fork)
-    assert np.isnan(unknown).all() and method == ""
+    answer, (_, table) = {"outlets": [{}, {}]}, fork.places()
+    pointwise.write(fork, fork.case, answer, table)
+    assert answer == {"outlets": [{"error_estimate": None}] * 2, "pullback_error_estimate": None}
+    assert table[pointwise.COLUMN].isna().all()
 
 
 def test_an_outlet_behind_an_extension_has_the_error_of_its_vessels_end(fork):

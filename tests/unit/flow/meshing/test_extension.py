@@ -96,7 +96,7 @@ def test_a_report_of_the_mesh_gives_the_extensions(tmp_path, mesh):
     one = extension.Extension(2, "main", 3.0, [1.0, 0, 0], None)
     report = {"extensions": [vars(one)], "cells": 9, "swept": {"cells": 4, "spans": []}}
     path.write_text(json.dumps(report))
-    assert extended.read(path, mesh) == ([one], [])
+    assert extended.read(path, mesh) == ([one], [], None)
     path.write_text(json.dumps(report | {"cells": 8}))
     with pytest.raises(InputError, match="report is of another mesh"):
         extended.read(path, mesh)
@@ -149,8 +149,8 @@ def test_a_coarse_mesh_of_another_lumen_is_refused(tmp_path, mesh):
             own.write_text(json.dumps(beside))
         return extended.read(path, mesh, [coarse])
 
-    assert read(report | {"coarse": [{"swept": {"cells": 4}, "cells": 4}]}) == ([], [])
-    assert read(report, report | {"cells": 4}) == ([], [])
+    assert read(report | {"coarse": [{"swept": {"cells": 4}, "cells": 4}]}) == ([], [], "ab")
+    assert read(report, report | {"cells": 4}) == ([], [], "ab")
     other = report | {"coarse": [{"swept": {"cells": 5}, "cells": 5}]}
     longer = report | {"cells": 4, "extensions": [{"length_mm": 1.0}]}
     refused = [(other, None), (other, report | {"cells": 4}), (report, None), (report, report), (report, longer)]

@@ -1,13 +1,11 @@
 """A mesh and the surface that it was made from."""
 
-import json
-
 import pytest
 
 import tubes
 from common.errors import InputError
 from flow.geometry import centreline, surface
-from flow.meshing import mesh, provenance
+from flow.meshing import provenance
 
 LENGTH, RADIUS = 6.0, 1.2
 
@@ -19,15 +17,13 @@ def test_another_surface_centreline_or_report_is_refused(tmp_path):
     other.points[:, 1] += 1e-3
     for name, lumen in (("own", own), ("other", other)):
         tubes.write_case(tmp_path / name, lumen, [line])
-    tree, report = centreline.read(tmp_path / "own" / "centreline.vtp"), tmp_path / "mesh.json"
-    made_from = mesh.fingerprint(surface.read(tmp_path / "own" / "lumen.vtp"), tree)
-    report.write_text(json.dumps({"made_from_sha256": made_from}))
-    provenance.check(tmp_path / "own" / "lumen.vtp", tree, report)
+    tree = centreline.read(tmp_path / "own" / "centreline.vtp")
+    made_from = provenance.fingerprint(surface.read(tmp_path / "own" / "lumen.vtp"), tree)
+    provenance.check(tmp_path / "own" / "lumen.vtp", tree, made_from, "mesh.json")
     with pytest.raises(InputError, match="another surface"):
-        provenance.check(tmp_path / "other" / "lumen.vtp", tree, report)
+        provenance.check(tmp_path / "other" / "lumen.vtp", tree, made_from, "mesh.json")
     tree.main.points[:, 2] += 1e-3
     with pytest.raises(InputError, match="or centreline"):
-        provenance.check(tmp_path / "own" / "lumen.vtp", tree, report)
-    report.write_text("{}")
+        provenance.check(tmp_path / "own" / "lumen.vtp", tree, made_from, "mesh.json")
     with pytest.raises(InputError, match="what its mesh was made from"):
-        provenance.check(tmp_path / "own" / "lumen.vtp", tree, report)
+        provenance.check(tmp_path / "own" / "lumen.vtp", tree, None, "mesh.json")

@@ -5,6 +5,7 @@ import pandas as pd
 import pytest
 
 from common.errors import InputError
+from flow.physics.units import PA_PER_MMHG
 from flow.reduced import flow_range, network as network_model
 
 PROBE = ("main", 35.0)
@@ -87,7 +88,7 @@ def test_a_measured_inflow_has_a_range_of_its_own():
     assert network_at(faster).solve().sum() == pytest.approx(1.1 * FLOW, rel=1e-5)
     assert found["measured flow +10 %"] == pytest.approx(network_ffr(faster), abs=1e-5)
     assert found["measured flow +10 %"] < own < found["measured flow -10 %"]
-    lost = (1 - own) * MAP / (MAP + 10 * flow_range.PA_PER_MMHG)  # the same flow loses the same pressure
+    lost = (1 - own) * MAP / (MAP + 10 * PA_PER_MMHG)  # the same flow loses the same pressure
     assert 1 - found["pressure +10 mmHg"] == pytest.approx(lost, rel=1e-4)
 
 

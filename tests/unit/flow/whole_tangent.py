@@ -1,0 +1,10 @@
+"""Newton's tangent over velocity and pressure at once, which the solver never assembles as a whole."""
+
+import ufl
+
+from flow.discretisation import compat
+
+
+def of(forms):
+    """Compiled derivative of the residual of discretisation.forms.NavierStokes over W, at its present eps."""
+    return compat.form(ufl.derivative(forms._residuals[int(forms.artificial.value > 0)], forms._state))
