@@ -1,8 +1,8 @@
 """Other plans for the same lesion: the planned steps with one thing changed."""
 
 import copy
-import re
 
+from anatomy.planning import catalogue
 from common.errors import InputError
 
 PRESSURE_BAR = 4.0  # added to every inflation from the first stent on, up to the rated burst pressure
@@ -17,18 +17,23 @@ class NotOffered(Exception):
 
 
 def requests(plan):
-    """The steps of a plan.json as a case file lists them: devices by family, size, place and pressure."""
+    """The steps of a plan.json as a case file lists them: devices by family, size, place and pressure.
+
+    Raises InputError for a device that is not named after its family and size.
+    """
     return [
-        {"action": step["action"], "devices": [_request(use) for use in step["devices"]]} for step in plan["procedure"]
+        {"action": step["action"], "devices": [_request(use, plan["devices"]) for use in step["devices"]]}
+        for step in plan["procedure"]
     ]
 
 
-def _request(use):
-    found = re.fullmatch(r"(.+)_(\d+\.\d\d)x([\d.]+)", use["device"])
-    if found is None:
-        raise InputError("a device's name tells no size", "plan.json", use["device"], "make it by `anatomy plan`")
-    size = {"device": found[1], "diameter_mm": float(found[2]), "length_mm": float(found[3])}
-    return size | {key: use[key] for key in ("branch", "centre_s_mm", "pressure_bar")}
+def _request(use, devices):
+    name, device = use["device"], devices[use["device"]]
+    size = {"diameter_mm": float(device["nominal_diameter_mm"]), "length_mm": float(device["length_mm"])}
+    family = name.removesuffix(catalogue.key("", *size.values()))
+    if family == name:
+        raise InputError("a device's name tells no family", "plan.json", name, "make it by `anatomy plan`")
+    return {"device": family, **size, **{key: use[key] for key in ("branch", "centre_s_mm", "pressure_bar")}}
 
 
 def all_of(steps, families):

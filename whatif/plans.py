@@ -1,6 +1,5 @@
 """ranking.csv: other plans of one patient, deployed by the engine and ranked."""
 
-import json
 import pathlib
 import tempfile
 
@@ -10,8 +9,10 @@ from vtk.util.numpy_support import vtk_to_numpy
 
 from anatomy.measured import read_summary
 from anatomy.planning.plan import procedure
-from common import config, vtp
+from common import config, json_reader, vtp
 from common.errors import InputError
+from flow.geometry import centreline, surface
+from flow.meshing.provenance import fingerprint
 from whatif import alternatives, calibrated, engine
 from whatif.case import PLANNED
 
@@ -23,7 +24,7 @@ READOUTS = {
 }
 STRETCH_PERCENTILE = 99  # of the wall's points; the maximum may come from a single distorted triangle
 COLUMNS = ["rank", "plan", "change", "ffr", "ffr_error", "as_good_as_best", "ffr_3d", *READOUTS, "wall_stretch"]
-COLUMNS += ["warnings", "procedure", "status"]
+COLUMNS += ["warnings", "procedure", "status", "lumen_sha256"]
 DEPLOYED = "deployed"
 
 
@@ -67,7 +68,8 @@ def ordered(table, error):
 def planned_row(case, calibration, steps):
     """The row of the plan as given, from the study's own results."""
     answer = case.answer(PLANNED)
-    deployment = json.loads((case.folder / "vci" / "deployment.json").read_text())
+    deployed = case.folder / "vci" / "deployment.json"
+    deployment = json_reader.read(deployed, "deployment.json", "run `vci deploy` on the planned scene").data
     row = {
         "plan": "planned",
         "change": "as planned",
@@ -117,6 +119,7 @@ def outcome(case, calibration, deployment, lumen_file, anatomy, steps):
         "wall_stretch": wall_stretch(lumen_file),
         "warnings": "; ".join(deployment.get("warnings", [])),
         "procedure": in_words(steps),
+        "lumen_sha256": fingerprint(surface.read(anatomy / "lumen.vtp"), centreline.read(anatomy / "centreline.vtp")),
     }
 
 

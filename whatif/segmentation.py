@@ -19,19 +19,28 @@ def radius_input():
     return Input(NAME, "radius of the lumen found in CT, 1 SD", -BIAS_MM - SD_MM, 0.0, -BIAS_MM + SD_MM, "mm")
 
 
-def at_radius(lumen, off_mm, held=None):
-    """(anatomy, sections) of a lumen with all radii `off_mm` larger. Raises InputError if nothing would be left.
+def stented(scene):
+    """[(branch, start, end)] in mm along the branches: the stretches that a scene's stents hold at their own width."""
+    found = []
+    for step in scene["procedure"]:
+        for use in step["devices"]:
+            device = scene["devices"][use["device"]]
+            if device["kind"] == "stent":
+                half = device["length_mm"] / 2
+                found.append((use["branch"], use["centre_s_mm"] - half, use["centre_s_mm"] + half))
+    return found
 
-    held: (branch, start, end) in mm along the branch, a stretch that a stent holds at its own width; None without one.
-    """
+
+def at_radius(lumen, off_mm, held=()):
+    """(anatomy, sections) of a lumen with all radii `off_mm` larger but for the stretches `held`, as `stented` gives
+    them. Raises InputError if nothing would be left."""
     anatomy, sections = lumen
     if not off_mm:
         return lumen
     radius = np.sqrt(sections["area_mm2"].to_numpy(float) / np.pi)
     moved = np.ones(len(sections), bool)
-    if held is not None:
-        branch, start, end = held
-        moved = ~((sections["branch"] == branch) & sections["s_mm"].between(start, end)).to_numpy()
+    for branch, start, end in held:
+        moved &= ~((sections["branch"] == branch) & sections["s_mm"].between(start, end)).to_numpy()
     radius[moved] += off_mm
     if radius.min() <= 0:
         raise InputError("no lumen is left", "radius of the lumen", f"{radius.min():.3g} mm", "a smaller error")

@@ -31,28 +31,27 @@ class Answers:
         self.lumens = {state: case.lumen(case.anatomy(state)) for state in self.solved}
         self.planned = {state: self.loss(state, {}) for state in self.lumens}
 
-    def loss(self, state, values, lumen=None):
-        """The network's loss (1 - FFR) in a state's lumen, or in `lumen`, with inputs of the flow at `values`."""
+    def loss(self, state, values, other=None):
+        """The network's loss (1 - FFR) in a state's lumen, with inputs of the flow at `values`.
+
+        other: (scene, lumen) of another procedure, which takes the place of the state's.
+        """
         document = boundary_at(self.case, self.patient, self.measured, values)
         # the probes stay at the study's places, whatever the inputs are
         document["probes"] = self.case.boundary["probes"]
-        found = segmentation.at_radius(
-            lumen or self.lumens[state], values.get(segmentation.NAME, 0.0), self.held(state)
-        )
+        scene, lumen = other or (self.case.scene, self.lumens[state])
+        held = () if state == BEFORE else segmentation.stented(scene)  # stents have their width whatever the image says
+        found = segmentation.at_radius(lumen, values.get(segmentation.NAME, 0.0), held)
         return calibrated.network_loss(found, document, self.case.flow.expansion_loss)
 
-    def held(self, state):
-        """(branch, start, end) in mm of the stretch that stents hold, whatever the image's error; None before them."""
-        if state == BEFORE:
-            return None
-        segment = self.case.scene["segment"]
-        return segment["branch"], segment["s_start_mm"], segment["s_end_mm"]
+    def ffr(self, state, values, other=None):
+        """FFR of a state: the 3D answer's loss, times the network's loss at `values` over its loss as planned.
 
-    def ffr(self, state, values, lumen=None):
-        """FFR of a state: the 3D answer's loss, times the network's loss at `values` over its loss as planned."""
+        other: as `loss` takes it.
+        """
         if not self.planned[state] > 0:
             return self.solved[state]["ffr"]
-        grown = self.loss(state, values, lumen) / self.planned[state]
+        grown = self.loss(state, values, other) / self.planned[state]
         return max(0.0, 1 - (1 - self.solved[state]["ffr"]) * grown)
 
     def of_flow(self, values):
@@ -77,7 +76,7 @@ class Deployments:
         """{("vci", quantity): value} with inputs at `values`; empty if the engine has no answer."""
         own = {one.name for one in DEPLOYMENT} & set(values)
         flow = {name: value for name, value in values.items() if name not in own}
-        deployment, lumen = self.planned, None
+        deployment, other = self.planned, None
         if own:
             self.count += 1
             scene = varied(self.case.scene, values)
@@ -85,9 +84,9 @@ class Deployments:
                 deployment, anatomy = engine.deployed(self.case, scene, self.folder / str(self.count))
             except engine.Refused as error:
                 return no_answer(values, error.reason)
-            lumen = self.case.lumen(anatomy)
+            other = scene, self.case.lumen(anatomy)
         try:
-            found = {(PLANNED, FFR): self.answers.ffr(PLANNED, flow, lumen)}
+            found = {(PLANNED, FFR): self.answers.ffr(PLANNED, flow, other)}
         except InputError as error:
             return no_answer(values, error.what)
         area = deployment.get(AREA)

@@ -1,7 +1,10 @@
 """Reads the tables that `python3 -m whatif` writes into a case's folder."""
 
+import sys
+
 import pandas as pd
 
+from common.files import sha256
 from reports.inputs.reading import existing, read_json
 
 STATES = {"pre": "before PCI", "vci": "after the planned PCI"}
@@ -12,14 +15,21 @@ SOURCES = ("flow", "deployment")
 def ranking(folder):
     """Rows of plans/ranking.csv of a case's folder, None if a field is empty; [] without the file.
 
-    `ffr_3d` is filled in for plans whose flow was solved in three dimensions.
+    `ffr_3d` is filled in for plans whose flow was solved in three dimensions. Such a flow is made by its own name only,
+    so it may be older than the ranking. It counts if its lumen and its boundary.json are those of now.
     """
     path = folder / "plans" / "ranking.csv"
     rows = records(pd.read_csv(path)) if path.is_file() else []
     for row in rows:
         solved = folder / "plans" / row["plan"] / "flow" / "ffr.json"
-        if solved.is_file():
-            row["ffr_3d"] = read_json(solved, "flow solve")["ffr"]
+        if not solved.is_file():
+            continue
+        answer, mesh = read_json(solved, "flow solve"), read_json(solved.with_name("mesh.json"), "flow mesh")
+        made_from = {"mesh_sha256": mesh["file_sha256"], "boundary_sha256": sha256(folder / "flow" / "boundary.json")}
+        if answer.get("made_from") == made_from and mesh["made_from_sha256"] == row["lumen_sha256"]:
+            row["ffr_3d"] = answer["ffr"]
+        else:
+            _left_out(solved)
     return rows
 
 
@@ -35,7 +45,24 @@ def intervals(folder):
 
 
 def _sources(folder):
-    return [source for source in SOURCES if (folder / "sensitivity" / f"{source}.csv").is_file()]
+    """SOURCES that have a table. deployment.csv is made by its own name only: it counts if it rests on today's FFR."""
+    files = {source: folder / "sensitivity" / f"{source}.csv" for source in SOURCES}
+    found = {source: _planned_ffr(path) for source, path in files.items() if path.is_file()}
+    if "deployment" in found and not found["deployment"] <= found.get("flow", set()):
+        _left_out(files["deployment"])
+        del found["deployment"]
+    return list(found)
+
+
+def _planned_ffr(path):
+    """{(state, FFR)} as planned, of a table of `whatif`."""
+    table = pd.read_csv(path)
+    return set(table.loc[table["quantity"] == "ffr", ["state", "at_planned"]].itertuples(index=False, name=None))
+
+
+def _left_out(path):
+    said = "of an earlier lumen, procedure or boundary.json, left out; ask Snakemake for it again"
+    print(f"{path}: {said}", file=sys.stderr)
 
 
 def _found(folder, kind):

@@ -8,6 +8,7 @@ VARIED = [
     "results/cases/{case}/vci/lumen.vtp",
     "results/cases/{case}/vci/deployment.json",
 ]
+DEVICES = sorted(str(file) for file in (STUDY.folder / "devices").glob("*.yaml"))
 STATE_FILES = ("lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json")  # of a deployed lumen, as the flow takes it
 PLAN_ANATOMY = {name.partition(".")[0]: f"results/cases/{{case}}/plans/{{plan}}/anatomy/{name}" for name in STATE_FILES}
 
@@ -19,7 +20,7 @@ rule other_plans:
         VARIED,
         scene="results/cases/{case}/vci/scene.json",
         programs=[VCI, LUMEN],
-        devices=sorted(str(file) for file in (STUDY.folder / "devices").glob("*.yaml")),
+        devices=DEVICES,
         code=command_code("whatif", "run_plans"),
     output:
         ranking="results/cases/{case}/plans/ranking.csv",
@@ -49,6 +50,8 @@ rule plan_lumen:
     input:
         plans="results/cases/{case}/plans/plans.json",
         scene="results/cases/{case}/vci/scene.json",
+        before=[f"results/cases/{{case}}/anatomy/{name}" for name in ("lumen.vtp", "centreline.vtp", "anatomy.json")],
+        devices=DEVICES,
         programs=[VCI, LUMEN],
         code=command_code("whatif", "run_deploy"),
     output:

@@ -9,6 +9,7 @@ from flow.geometry.centreline import Branch, Tree
 from flow.inputs import boundary
 
 LENGTH_MM, PATIENT = 40.0, {"lvm_g": 150, "sbp_mmhg": 120, "dbp_mmhg": 80}
+BALLOON = {"kind": "balloon", "chart": {"pressure_bar": [4, 16]}, "rated_burst_pressure_bar": 14}
 
 
 class Vessel:
@@ -23,7 +24,13 @@ class Vessel:
         branch = {"name": "main", "parent": None, "s_on_parent_mm": None, "length_mm": LENGTH_MM}
         self.before = {"schema": "vci-anatomy-1", "ends": [end], "branches": [branch], "lesions": []}
         self.boundary = boundary.make(self.before, self.tree, PATIENT, self.flow)
-        self.scene = {"segment": {"branch": "main", "s_start_mm": 10.0, "s_end_mm": 28.0}}
+        stent = {"device": "des", "branch": "main", "centre_s_mm": 19.0, "pressure_bar": 10.0}
+        self.scene = {
+            "segment": {"branch": "main", "s_start_mm": 10.0, "s_end_mm": 28.0},
+            "devices": {"des": {"kind": "stent", "length_mm": 18.0, "balloon": "own"}, "own": BALLOON},
+            "procedure": [{"devices": [stent]}],
+            "wall": {"youngs_modulus_mpa": 0.8, "plaque": {}},
+        }
         self.radii = {"pre": 1.0, "vci": 1.4, "rc": 1.5}
         self.answers = {state: {"ffr": ffr} for state, ffr in (("pre", 0.70), ("vci", 0.90), ("rc", 0.92))}
 
@@ -48,10 +55,13 @@ def vessel():
 @pytest.fixture
 def plan():
     """The procedure of a plan.json: predilatation, stent, post-dilatation."""
+    devices = {}
 
-    def step(action, device, pressure):
+    def step(action, family, diameter, length, pressure):
+        device = f"{family}_{diameter:.2f}x{length}"
+        devices[device] = {"nominal_diameter_mm": diameter, "length_mm": length}
         use = {"device": device, "branch": "main", "centre_s_mm": 20.0, "pressure_bar": pressure}
         return {"name": action, "action": action, "devices": [use]}
 
-    steps = [step("predilatation", "semi_compliant_2.50x15", 10), step("stent", "des_3.00x18", 12)]
-    return {"procedure": [*steps, step("postdilatation", "non_compliant_3.25x15", 18)]}
+    steps = [step("predilatation", "semi_compliant", 2.5, 15, 10), step("stent", "des", 3.0, 18, 12)]
+    return {"devices": devices, "procedure": [*steps, step("postdilatation", "non_compliant", 3.25, 15, 18)]}

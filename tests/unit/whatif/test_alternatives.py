@@ -74,7 +74,7 @@ def test_a_plan_of_balloons_has_no_stent_to_change(plan, families):
     assert found["predilatation"][1:] == (None, "the plan has no other step")
 
 
-def test_a_device_without_a_size_in_its_name_is_refused(plan):
-    plan["procedure"][0]["devices"][0]["device"] = "balloon"
-    with pytest.raises(InputError, match="tells no size"):
+def test_a_device_that_is_not_named_after_its_size_is_refused(plan):
+    plan["devices"]["semi_compliant_2.50x15"]["length_mm"] = 20
+    with pytest.raises(InputError, match="tells no family"):
         alternatives.requests(plan)

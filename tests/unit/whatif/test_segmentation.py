@@ -21,10 +21,28 @@ def radii(lumen):
 def test_all_radii_move_alike_but_for_those_that_a_stent_holds(vessel):
     lumen = vessel.lumen("pre")
     assert radii(segmentation.at_radius(lumen, -0.1)) == pytest.approx(0.9)
-    found, s = segmentation.at_radius(lumen, 0.1, ("main", 10.0, 28.0)), lumen[1]["s_mm"]
-    assert radii(found) == pytest.approx(np.where((s >= 10) & (s <= 28), 1.0, 1.1))
-    assert radii(segmentation.at_radius(lumen, 0.1, ("side1", 10.0, 28.0))) == pytest.approx(1.1)
+    found, s = segmentation.at_radius(lumen, 0.1, [("main", 10, 18), ("main", 20, 28)]), lumen[1]["s_mm"]
+    assert radii(found) == pytest.approx(np.where((s >= 10) & (s <= 18) | (s >= 20) & (s <= 28), 1.0, 1.1))
+    assert radii(segmentation.at_radius(lumen, 0.1, [("side1", 10.0, 28.0)])) == pytest.approx(1.1)
     assert radii(lumen) == pytest.approx(1.0), "the lumen itself is left alone"
+
+
+def test_only_stents_hold_and_where_they_lie(vessel):
+    assert segmentation.stented(vessel.scene) == [("main", 10.0, 28.0)]
+    moved = sensitivity.varied(vessel.scene, {"placement": 2.0})
+    assert segmentation.stented(moved) == [("main", 12.0, 30.0)]
+    vessel.scene["devices"]["des"]["kind"] = "balloon"
+    assert segmentation.stented(vessel.scene) == []
+
+
+def test_a_varied_procedure_holds_its_own_stretch(vessel, tmp_path):
+    """In one lumen the image's error counts more where no stent holds a stretch of it."""
+    file = tmp_path / "case.yaml"
+    file.write_text(CASE)
+    answers, lumen, off = sensitivity.Answers(vessel, file), vessel.lumen("vci"), {segmentation.NAME: -0.02}
+    balloons = {"devices": {}, "procedure": []}
+    losses = [answers.loss("vci", off, (scene, lumen)) for scene in (vessel.scene, balloons)]
+    assert losses[0] == answers.loss("vci", off) and losses[1] > 1.01 * losses[0]
 
 
 def test_a_lumen_that_would_vanish_is_refused(vessel):
