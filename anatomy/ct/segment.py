@@ -118,7 +118,7 @@ def segment(volume, ends, settings, given=None, stented=False):
     main = blood_level.levelled(edges.sample(at, lines[0].axis, spacing, rays), lines[0].blood, blood)
     _check_noise(main, float(np.median(lines[0].blood(main.s_mm))))
     measured = edges.point_spread(main, tubes[0].radii_mm, blood)
-    sigma = measured or USUAL_FWHM_MM * SIGMA_PER_FWHM
+    sigma = measured or np.hypot(USUAL_FWHM_MM * SIGMA_PER_FWHM, smoothing)  # what is measured includes the smoothing
     if settings["psf_fwhm_mm"] != "auto":
         given_sigma = settings["psf_fwhm_mm"] * SIGMA_PER_FWHM
         sigma = np.sqrt(given_sigma**2 + smoothing**2 + np.mean(volume.spacing_mm**2) / 12)

@@ -19,23 +19,23 @@ SCHEMA = "vci-ct-1"
 def run(lumen_path, out, settings_path=None, struts_path=None, scene_path=None, centreline_path=None):
     """Writes `out`/ct.nii.gz and `out`/ct.json for the lumen at lumen_path; returns the sidecar.
 
-    The struts are the lines of struts_path, or a scene's stents laid on this lumen along its centreline. Raises
-    InputError.
+    The struts are the lines of struts_path, as thick as the settings say, or a scene's stents, as thick as it says,
+    laid on this lumen along its centreline. Raises InputError.
     """
     settings = config.load_section(settings_path, "ct")["phantom"]
     poly = vtp.read_triangles(lumen_path, "run the anatomy step first")
     found = vessel.from_surface(poly, lumen_path)
-    pieces, source = None, "none"
+    metal, source = None, "none"
     if struts_path:
-        pieces, source = struts.from_file(struts_path), "lines of a file"
+        centres, lengths = struts.from_file(struts_path)
+        metal, source = (centres, lengths * settings["strut_thickness_mm"] ** 2), "lines of a file"
     elif scene_path:
         if not centreline_path:
             raise InputError("stents need the lumen's centreline", "--centreline", "missing", "give centreline.vtp")
         scene = load_scene(scene_path)
         lines = vtp.read_named_lines(centreline_path, "the anatomy's centreline.vtp")
-        pieces = struts.of_scene(scene, poly, lines, scene_path)
-        source = "rings laid on the wall" if pieces else "none"
-    metal = (pieces[0], pieces[1] * settings["strut_thickness_mm"] ** 2) if pieces else None
+        metal = struts.of_scene(scene, poly, lines, scene_path)
+        source = "rings laid on the wall" if metal else "none"
     volume = phantom.add_noise(phantom.render(found, settings, metal), settings)
     document = sidecar(volume, settings, pathlib.Path(lumen_path), source)
     text = f"CT angiogram, synthetic; PSF {settings['psf_fwhm_mm']} mm, noise {settings['noise_hu']} HU"

@@ -68,7 +68,7 @@ def _pieces(lines):
 
 
 def from_file(path):
-    """Strut pieces of a vtp file of lines: centres (n, 3) mm and lengths (n,) mm."""
+    """Strut pieces of a vtp file of lines: centres (n, 3) mm and lengths (n,) mm. Raises InputError."""
     poly = vtp.read(path, "give the struts of a deployed stent")
     points, lines = vtp.points(poly), vtp.lines(poly)
     if not lines:
@@ -78,9 +78,10 @@ def from_file(path):
 
 
 def of_scene(scene, poly, centreline, where):
-    """Strut pieces of every stent that the scene's procedure places, laid on the wall: (centres, lengths).
+    """Strut pieces of every stent that the scene's procedure places, laid on the wall; None without a stent.
 
-    centreline: {branch name: points (n, 3) mm} of the same lumen. Raises InputError for a branch that it lacks.
+    Gives centres (n, 3) mm and volumes (n,) mm3 of square struts, as thick as the stent's. centreline: {branch name:
+    points (n, 3) mm} of the same lumen. Raises InputError for a branch that it lacks.
     """
     found = []
     for i, step in enumerate(scene["procedure"], start=1):
@@ -103,7 +104,8 @@ def of_scene(scene, poly, centreline, where):
                 inside = f"between {half:.1f} and {length - half:.1f} mm"
                 raise InputError("stent beyond the vessel", f"{key}.centre_s_mm", s, inside)
             size = device["strut_thickness_mm"]
-            found.append(laid_on(poly, axis, s - half, s + half, device["crowns"], device["links"], size))
+            places, lengths = laid_on(poly, axis, s - half, s + half, device["crowns"], device["links"], size)
+            found.append((places, lengths * size**2))
     if not found:
         return None
     return np.concatenate([p for p, _ in found]), np.concatenate([v for _, v in found])

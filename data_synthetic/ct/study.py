@@ -48,10 +48,11 @@ COLUMNS = [
 class Subject:
     """A lumen of known shape: branches, surface (points, triangles), its Vessel, and the stent's metal and extent."""
 
-    def __init__(self, case, where, stented):
+    def __init__(self, case, where, strut_mm):
+        """strut_mm: thickness of the struts of a stent; None without one."""
         description = copy.deepcopy(case["vessel"])
         lesions = description["lesions"]
-        if stented:
+        if strut_mm:
             # The vessel after a perfect treatment: healthy lumen, struts against the wall.
             description["lesions"] = []
         self.branches = tree.grow(description, where)
@@ -63,13 +64,14 @@ class Subject:
         wall = self.vessel.wall_points
         self.vessel.plaque_mm[: len(wall)], self.vessel.kind[: len(wall)] = thickness[wall], kind[wall]
         self.places = evaluate.sections(self.branches)
-        self.metal, self.extents, self.strut_mm = None, None, 0.0
-        if stented:
+        self.metal, self.extents = None, None
+        if strut_mm:
             main = self.branches[0]
             centre = lesions[0]["centre_s_mm"]
             low = max(centre - 0.5 * STENT_LENGTH_MM, 2.0)
             high = min(centre + 0.5 * STENT_LENGTH_MM, main.axis.length_mm - 2.0)
-            self.metal = struts.laid_on(poly, main.axis.points_mm, low, high, CROWNS, LINKS, 0.08)
+            places, lengths = struts.laid_on(poly, main.axis.points_mm, low, high, CROWNS, LINKS, strut_mm)
+            self.metal = places, lengths * strut_mm**2
             self.extents = {"main": (low + 1.0, high - 1.0)}
 
     def ends(self):
@@ -92,15 +94,13 @@ def run(cases, voxels_mm, seeds, out, methods=METHODS, settings_path=None):
     if seeds < 1:
         raise InputError("no noise seed", "--seeds", seeds, "at least 1")
     loaded = [(path.stem, patient.load(path), str(path)) for path in cases]
-    rows = []
+    thickness, rows = settings["phantom"]["strut_thickness_mm"], []
     for name, case, where in loaded:
         for state in ("unstented", "stented") if case["vessel"]["lesions"] else ("unstented",):
-            subject = Subject(case, where, state == "stented")
+            subject = Subject(case, where, thickness if state == "stented" else None)
             for voxel in voxels_mm:
                 scanner = dict(settings["phantom"], voxel_mm=[voxel] * 3)
-                area = scanner["strut_thickness_mm"] ** 2
-                metal = (subject.metal[0], subject.metal[1] * area) if subject.metal else None
-                clean = phantom.render(subject.vessel, scanner, metal)
+                clean = phantom.render(subject.vessel, scanner, subject.metal)
                 for seed in range(1, seeds + 1):
                     labels = (name, state, voxel, seed)
                     rows += _rows(subject, clean, dict(scanner, seed=seed), settings, methods, labels)

@@ -85,6 +85,15 @@ def test_blood_cut_off_by_a_window_is_warned_of(top, smoothing):
     assert said[0]["s_end_mm"] - said[0]["s_start_mm"] > 36
 
 
+@pytest.mark.parametrize("smoothing", [0.0, 0.7])
+def test_an_assumed_point_spread_includes_the_smoothing(monkeypatch, smoothing):
+    """Where no section is wide enough to measure it: 0.7 mm of the scanner, and what the smoothing adds."""
+    monkeypatch.setattr(edges, "point_spread", lambda *given: None)
+    settings = ct_vessels.settings(smoothing_fwhm_mm=smoothing)
+    found = segment.segment(ct_vessels.image(), ct_vessels.ends(), settings)
+    assert found["sigma_mm"] * np.sqrt(8 * np.log(2)) == pytest.approx(np.hypot(0.7, smoothing))
+
+
 def test_calcium_cut_off_is_none_of_the_bloods():
     """A window that ends above the blood takes nothing from the edge; nor do single voxels of blood at its top."""
     image = ct_vessels.image()
