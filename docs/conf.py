@@ -15,7 +15,7 @@ html_css_files = ["tables.css"]
 html_extra_path = ["site"]  # index.html, which leads to docs/index.html
 html_copy_source = False
 root_doc = "docs/index"
-# The source folder is the repository: README.md, and the pages of every part.
+# Sphinx's source folder is the repository's root. The site has README.md and the pages of every part.
 include_patterns = [
     "README.md",
     "CONTRIBUTING.md",

@@ -10,7 +10,7 @@ import re
 import sys
 import time
 
-# Rough guesses for one of the nine patients of `quick` on an idle core. Only the first minutes of a run use them.
+# Rough guesses for one of the patients of `nine` on an idle core. They hold until a step of the rule has finished.
 TYPICAL = {"flow_solve": 60, "flow_mesh": 15, "reference": 60, "ct_phantom": 15, "ct_segment": 20, "other_plans": 70}
 TYPICAL |= {"deploy": 8, "ct_deploy": 8, "generate": 8, "case_figures": 10, "ct_figure": 5, "procedure_figure": 8}
 TYPICAL |= {"half_maximum_segment": 20, "half_maximum_deploy": 8}

@@ -12,8 +12,9 @@ from .reading.outlines import centroid
 FARTHEST_MM = 3.0  # largest disagreement of landmarks along the line: a frame is picked to within 2 or 3 mm
 NEAREST_MM = 0.2  # least distance of a landmark from the axis; nearer, half a voxel turns it by a right angle
 FARTHEST_RADII = 3.0  # of a landmark from the lumen's centre: the wall, a branch's mouth, the ostium's rim
-# From the landmarks' mean. A side branch's mouth is marked to about this: 0.4 mm on the wall of a lumen of 3 mm. The
-# catheter turns by 10 degrees (standard deviation) between frames.
+# Turn of a landmark from the landmarks' mean above which a warning is given. A side branch's mouth is marked to about
+# 0.4 mm, which is 15 degrees on the wall of a lumen 3 mm wide. The catheter's own turn has a standard deviation of
+# 10 degrees over 9 mm (README.md).
 USUAL_TURN_DEG = 15.0
 LARGEST_TURN_DEG = 45.0  # largest disagreement of landmarks about it; beyond, tables are mirrored or points mixed up
 

@@ -51,7 +51,10 @@ class LevelField(LumenField):
     """The image's own level set near the tubes' axes: (level - HU) over a typical slope, roughly a distance in mm."""
 
     def __init__(self, branches, at, level_hu, slope_hu_per_mm, levels=None):
-        """levels: [level (n,)] at each branch's sections, where it follows the blood; else level_hu holds all over."""
+        """levels: for each branch the level (n,) in HU at its sections, if the level follows the blood's contrast.
+
+        None: level_hu holds everywhere.
+        """
         super().__init__(branches)
         self._at, self._level, self._slope = at, level_hu, slope_hu_per_mm
         self._near = cKDTree(np.concatenate([b.axis.point(b.s_mm) for b in branches])) if levels else None

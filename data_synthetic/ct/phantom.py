@@ -12,9 +12,8 @@ from vtk.util.numpy_support import vtk_to_numpy
 
 from common import vtp
 from common.errors import InputError
+from common.plaque_types import CALCIFIED, LIPID
 from common.volume import SIGMA_PER_FWHM, Image
-
-from .. import disease
 
 SLAB = 8  # voxel layers rendered at once; bounds the memory
 TISSUE_SAMPLES = 2  # per voxel edge; wall and plaque need fewer samples than the edge of the bright lumen
@@ -74,8 +73,8 @@ def tissue_hu(depth_mm, plaque_mm, kind, settings):
     depth_mm, plaque_mm, kind: arrays of one shape.
     """
     hu = settings["hu"]
-    sheet = (kind == disease.CALCIFIED) & (depth_mm > 0.5 * plaque_mm)
-    plaque = np.where(sheet, hu["calcium"], np.where(kind == disease.LIPID, hu["lipid"], hu["fibrous"]))
+    sheet = (kind == CALCIFIED) & (depth_mm > 0.5 * plaque_mm)
+    plaque = np.where(sheet, hu["calcium"], np.where(kind == LIPID, hu["lipid"], hu["fibrous"]))
     outside = np.where(depth_mm < plaque_mm + settings["wall_thickness_mm"], hu["wall"], hu["fat"])
     return np.where(depth_mm < plaque_mm, plaque, outside).astype(np.float32)
 
@@ -126,7 +125,8 @@ def _window(pieces, origin, voxel, shape, reach, first, layers):
         if piece_low[2] - reach < high_z and piece_high[2] + reach > low_z:
             points = vtk_to_numpy(poly.GetPoints().GetData())
             near = (points[:, 2] > low_z - reach - 1) & (points[:, 2] < high_z + reach + 1)
-            # A prism's triangles are as long as the prism, so it may cross the slab without a point in it.
+            # The prisms that extend the ends have points at their two ends only, and may cross the slab without a
+            # point in it. So the box of the whole prism is taken.
             low.append(points[near].min(axis=0) if poly is pieces[0][0] and near.any() else piece_low)
             high.append(points[near].max(axis=0) if poly is pieces[0][0] and near.any() else piece_high)
     if not low:

@@ -35,12 +35,12 @@ ON_OWN_DISK = ("full_disk", "read_only")
 NAMES = ("kills", "terminated", "step_killed", "memory_limit", "two_runs", *IN_NAMESPACE, *ON_OWN_DISK)
 PAGE = """# What happens when something breaks
 
-Written by `tests/faults/run.py` (`make faults`; seed {seed}, {kills} kills). The study is `quick_focal` to its
-deployments and one flow in three dimensions: {products} products. An undisturbed run gives what each product must be.
+Written by `tests/faults/run.py` (`make faults`; seed {seed}, {kills} kills). The study is `quick_focal` up to its
+deployments and one flow in three dimensions: {products} products. Each is compared with that of an undisturbed run.
 
-- "Half-made" counts products that stood at their final names after the fault and were not those of the undisturbed run.
-- After each fault came `make unlock` and the same command. "Differ" counts products that then were not the same bits,
-  without seconds and memory in JSON.
+- "Half-made" counts the products under their final names after the fault that differ from the undisturbed run's.
+- After each fault the run was resumed by `make unlock` and the same command. "Resumed" says how far it came.
+- "Differ" counts products that then differ in any bit. Keys of seconds and memory in JSON are left out.
 
 | fault | exit code | what the run said | half-made | resumed | differ |
 | --- | --- | --- | --- | --- | --- |

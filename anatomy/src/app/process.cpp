@@ -32,7 +32,8 @@ bool may_start_from(double edge, const Mesh& surface) {
   return edge >= finest_start && surface_area(surface) / (std::sqrt(3.0) / 4 * edge * edge) < most_triangles;
 }
 
-// The earlier state's summary, checked for all values of its ends that are used.
+// Reads the anatomy.json of the earlier state. Throws InputError if a value of its ends that is used later is missing
+// or invalid.
 nlohmann::json read_like(const std::string& path) {
   std::ifstream file(path);
   if (!file)

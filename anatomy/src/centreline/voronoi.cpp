@@ -6,7 +6,7 @@
 namespace anatomy {
 namespace {
 
-constexpr std::size_t most_compared = 3000; // balls of each side; they are dense, so a part of them gives the place
+constexpr std::size_t most_compared = 3000; // balls on each side; they lie densely, so a sample of them finds the gap
 
 // The middle of the smallest gap between balls that are connected to the inlet and balls connected to the end.
 Vec3 narrowest_gap(const Balls& balls, const Ways& from_inlet, std::size_t end) {

@@ -159,8 +159,9 @@ Mesh sampled(const Mesh& mesh, double longest) {
   return out;
 }
 
-// The tips seen from either extremity, the most prominent first. A branch that leans towards one extremity stands out
-// little as seen from there. Of two tips closer than `apart` (mm) the less prominent one is dropped.
+// The tips by the distance from one extremity of the surface and from the other, the most prominent first (tips_of).
+// Both are needed: a branch that leans towards an extremity hardly stands out in the distance from it. Of two tips
+// closer than `apart` (mm) the less prominent one is dropped.
 std::vector<Tip> tips_from_both(const Mesh& mesh, double prominence, double apart) {
   std::vector<Tip> all = tips_of(mesh, prominence), tips;
   const std::vector<Tip> from_far_end = tips_of(mesh, prominence, true);

@@ -55,8 +55,8 @@ struct Opened {
   double lost, depth; // mm2 of wall, mm of the vessel
 };
 
-// The mesh cut by a plane, `deeper` mm beyond the planned one. Nothing is returned where the cut leaves more than one
-// opening, or an opening unlike the rim.
+// The mesh cut by `plane`, which lies `deeper` mm behind the planned one. Nothing is returned if the cut fails, if it
+// does not leave exactly one opening, or if the opening's area differs from the rim's by more than like_rim.
 std::optional<Opened> opened(const Mesh& mesh, const OpenEnd& end, const Plane& plane, double deeper) {
   Opened out{mesh, {}, 0, end.depth + deeper};
   try {

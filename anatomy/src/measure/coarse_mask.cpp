@@ -4,7 +4,8 @@
 namespace anatomy {
 namespace {
 
-// Radius of a lumen, in voxels, below which its place on the grid decides its area (anatomy/measured.md).
+// Radii of a lumen in voxel edges. Below the first (of a mask) or the second (of a surface) the measured area depends
+// on where the lumen lies on the grid (anatomy/measured.md). Below the third the error is larger still.
 constexpr double lost_voxels = 1.1;   // a chain of voxels that touch at their corners only
 constexpr double lost_smoothed = 1.5; // the same after another program's smoothing, which takes up to .3 voxels
 constexpr double thread_voxels = 0.5; // a throat of 0.47 voxels came out with a radius of 0.24

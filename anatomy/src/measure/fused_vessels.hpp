@@ -4,8 +4,9 @@
 
 namespace anatomy {
 
-/// Warns of each stretch of 3 mm and more whose sections are wider than the reference and twice as long as wide. The
-/// outline then holds a second vessel, such as a vein that touches the artery, and a narrowing there is not seen.
+/// Warns of each stretch of 3 mm and more whose sections are 15 % wider than the reference and more than 1.8 times as
+/// long as wide. The outline may then hold a second vessel, such as a vein that touches the artery. A narrowing there
+/// is not seen.
 void note_fused_vessels(const std::vector<Branch>& branches, const std::vector<Section>& sections,
                         const std::vector<ReferenceProfile>& profiles, std::vector<Repair>& notes);
 

@@ -16,8 +16,9 @@ double stenosis(const Calibre& sample, const ReferenceProfile& profile) {
   return 100 * (1 - sample.diameter / profile.diameter(sample.s));
 }
 
-// The section at which a stretch splits into two narrowings; 0: none. There the stenosis is least in relation to the
-// lesser narrowing's, and at most half of it. Sections at a side branch's mouth do not count, as the mouth widens them.
+// Index of the section at which a stretch splits into two narrowings; 0 if it does not split. Of all sections it has
+// the least ratio of its stenosis to that of the milder narrowing, and this ratio is at most one half. Sections at a
+// side branch's mouth do not count, as the mouth widens them.
 std::size_t recovery(const Part& part, const ReferenceProfile& profile) {
   std::vector<double> lacking(part.size()), behind(part.size());
   for (std::size_t i = 0; i < part.size(); ++i)

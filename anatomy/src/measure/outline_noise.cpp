@@ -61,7 +61,8 @@ private:
   std::vector<Complex> turn_;
 };
 
-// Distance of each point from the smooth outline of the waves of fewer than `modes` turns, along its normal.
+// Signed distance of each point from a smooth outline, along that outline's normal. The smooth outline is the sum of
+// the points' Fourier modes -(modes - 1) to modes - 1.
 std::vector<Complex> off_smooth(const std::vector<Complex>& points, const Waves& waves, int modes) {
   std::vector<Complex> smooth(points.size()), tangent(points.size()), off;
   for (int m = 1 - modes; m < modes; ++m) {

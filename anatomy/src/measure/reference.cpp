@@ -51,7 +51,7 @@ bool is_less_wide(const Calibre& a, const Calibre& b) {
   return a.diameter < b.diameter;
 }
 
-// How healthy a section is by a profile: 1 on it, 0 from `band` away.
+// Weight of a section as healthy: 1 on the profile, 0 if its diameter differs from the profile's by `band` of itself.
 double health(const Calibre& c, double profile) {
   const double off = (c.diameter - profile) / (band * c.diameter);
   return std::max(0.0, 1 - off * off);

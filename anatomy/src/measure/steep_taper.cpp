@@ -11,7 +11,8 @@ constexpr double steep_slope = 0.037;    // mm per mm, twice the LAD's
 constexpr double long_enough = 15;       // mm: a shorter stretch tapers as its few sections say
 constexpr double beside = 0.01;          // mm from a fork, where the reference steps down
 
-// Where the reference of a branch may step down between its first and last section: at forks, and over a step.
+// Arc lengths (mm) that divide a branch into stretches of one taper: `from`, `to`, the forks, and both ends of a step.
+// At forks and over a step the reference may step down.
 std::vector<double> cuts_of(const std::vector<Branch>& branches, std::size_t b, const ReferenceProfile& profile,
                             double from, double to) {
   std::vector<double> cuts{from, to};

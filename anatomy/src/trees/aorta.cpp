@@ -10,7 +10,7 @@ namespace anatomy {
 namespace {
 
 constexpr double trunk_radius = 4.5;   // mm: wider than 9 mm
-constexpr double least_length = 4.5;   // mm out of the trunk; corners of its ends and bulges of its sinuses are shorter
+constexpr double least_length = 4.5;   // mm, of a vessel outside the trunk: corners of its ends and sinuses reach less
 constexpr double widest_coronary = 12; // mm, diameter of ectatic arteries, except for single sacs
 constexpr double aorta_with_one_end = 18; // mm, if closed at the valve; narrower ones may be sacs of coronary arteries
 constexpr double most_at_ostium = 9;      // mm

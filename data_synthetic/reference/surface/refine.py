@@ -6,9 +6,9 @@ import numpy as np
 def split_edges(points, triangles, long_edge):
     """Splits edges at their middle, without cracks.
 
-    points (n, 3), triangles (m, 3), long_edge: function of (k, 2) vertex pairs (sorted, unique) to (k,) bool.
-    Returns (new triangles, parents (p, 2): the ends of the edge that each new point halves, numbered from n;
-    cell (m',): the old triangle of each new one).
+    points (n, 3), triangles (m, 3). long_edge: tells of vertex pairs (k, 2), sorted and unique, which are to be split.
+    Returns (new triangles, parents (p, 2), cell (m',)). New point n + i is the middle of the edge between the points
+    parents[i]. cell: the old triangle of each new one.
     """
     edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     unique, inverse = np.unique(edges, axis=0, return_inverse=True)

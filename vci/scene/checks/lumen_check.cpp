@@ -111,7 +111,8 @@ Vectors ways_from_axis(const Lumen& lumen, const std::map<std::string, Path>& pa
   for (const auto& [v, on] : wall) {
     ways[v] = on.way;
     const double r = lumen.radius[v], own = on.way.norm();
-    // a point far from the axis may have a nearer neighbour, which is compared instead
+    // radius_mm is that of the largest sphere, so only the nearest wall has to lie at this distance. For a point
+    // farther away the nearest wall within the stretches beside it is judged.
     const double judged = apart(own, r) ? nearest.about(on) : own;
     const double off = apart(own, r) && close(judged, r) ? 0 : std::abs(std::log((judged + 1e-12) / r));
     misfits += off > 0;
