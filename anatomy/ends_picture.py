@@ -1,17 +1,13 @@
 """A picture of a surface with the places that `lumen check` took for ends, and the places that it took for wall."""
 
-import json
-
-import matplotlib
 import numpy as np
+from matplotlib import pyplot as plt
+from matplotlib.collections import PolyCollection
 
-from common import vtp
+from common import json_reader, vtp
 from common.errors import InputError
-from common.files import replacing
 
-matplotlib.use("Agg")
-from matplotlib import pyplot as plt  # noqa: E402  (the backend comes first)
-from matplotlib.collections import PolyCollection  # noqa: E402
+from . import picture_file
 
 COLOURS = {True: "tab:green", False: "tab:red"}
 SIZE = (13, 8)  # inches
@@ -21,8 +17,7 @@ MOST_TRIANGLES = 60_000  # of a larger surface only every n-th triangle is drawn
 
 def run(surface, candidates, out):
     """Writes a .png or .svg of a surface (.vtp) with the candidates of `lumen check --ends` (path or None)."""
-    if out.suffix not in (".png", ".svg"):
-        raise InputError("unknown picture format", out, out.suffix, "name a .png or .svg file")
+    picture_file.check_format(out)
     points, triangles = vtp.arrays(vtp.read_triangles(surface, "give the surface of `lumen check --repaired`"))
     corners, found, trees = points[triangles], *_listed(candidates)
     figure, views = plt.subplots(1, 2, figsize=SIZE, layout="constrained")
@@ -30,20 +25,18 @@ def run(surface, candidates, out):
         _draw(axes, corners, found, trees, turn)
     lines = [_line(k, one) for k, one in enumerate(found, 1)] + [_tree_line(tree) for tree in trees]
     figure.suptitle("\n".join(lines), x=0.01, ha="left", fontsize=7)
-    with replacing(out) as partial:
-        figure.savefig(partial, dpi=110, metadata={"Software": None} if out.suffix == ".png" else {"Date": None})
-    plt.close(figure)
+    picture_file.save(figure, out)
 
 
 def _listed(path):
     """The candidates for ends, and the coronary trees of a model with an aorta."""
     if path is None:
         return [], []
-    try:
-        document = json.loads(path.read_text())
-        return document["candidates"], document.get("trees", [])
-    except (OSError, ValueError, KeyError, TypeError):
-        raise InputError("not a list of ends", path, "unreadable", "give the file of `lumen check --ends`") from None
+    remedy = "give the file of `lumen check --ends`"
+    document = json_reader.read(path, "ends", remedy).data
+    if not isinstance(document.get("candidates"), list):
+        raise InputError("not a list of ends", f"{path}, key candidates", "no list", remedy)
+    return document["candidates"], document.get("trees", [])
 
 
 def _draw(axes, corners, found, trees, turn):

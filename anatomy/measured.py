@@ -1,9 +1,9 @@
 """Reads the results of `lumen process`: the summary anatomy.json and the table sections.csv."""
 
 import csv
-import json
 import pathlib
 
+from common import json_reader
 from common.errors import InputError
 
 _NUMBERS = (
@@ -15,11 +15,8 @@ _NUMBERS = (
 def read_summary(folder):
     """anatomy.json of an anatomy folder as a dict; InputError if it is absent or of another kind."""
     path = pathlib.Path(folder) / "anatomy.json"
-    try:
-        summary = json.loads(path.read_text())
-    except (OSError, json.JSONDecodeError) as error:
-        raise InputError("no readable anatomy summary", path, error, "run `lumen process` first") from error
-    if not isinstance(summary, dict) or summary.get("schema") != "vci-anatomy-1":
+    summary = json_reader.read(path, "anatomy.json", "write it by `lumen process`").data
+    if summary.get("schema") != "vci-anatomy-1":
         raise InputError("not an anatomy summary", path, "no schema vci-anatomy-1", "run `lumen process` again")
     return summary
 

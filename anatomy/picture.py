@@ -2,15 +2,11 @@
 
 import matplotlib
 import numpy as np
+from matplotlib import pyplot as plt
+from matplotlib.collections import LineCollection
 
-from common.errors import InputError
-from common.files import replacing
-
+from . import picture_file
 from .measured import read_sections, read_summary
-
-matplotlib.use("Agg")
-from matplotlib import pyplot as plt  # noqa: E402  (the backend comes first)
-from matplotlib.collections import LineCollection  # noqa: E402
 
 POSITION = ("x_mm", "y_mm", "z_mm")
 WIDTH, PROFILE, LOWEST = 10, 4.5, 3.0  # inches: picture's width, height of the diameters, least height of the tree
@@ -18,8 +14,7 @@ WIDTH, PROFILE, LOWEST = 10, 4.5, 3.0  # inches: picture's width, height of the 
 
 def run(anatomy_folder, out):
     """Writes the picture of an anatomy folder as .png or .svg."""
-    if out.suffix not in (".png", ".svg"):
-        raise InputError("unknown picture format", out, out.suffix, "name a .png or .svg file")
+    picture_file.check_format(out)
     summary, branches = read_summary(anatomy_folder), read_sections(anatomy_folder)
     project = _plane(np.vstack([_column(rows, *POSITION) for rows in branches.values()]))
     height = _height(project, branches)
@@ -30,9 +25,7 @@ def run(anatomy_folder, out):
     labels = _draw_tree(figure, tree, project, summary, branches)
     _draw_profile(profile, summary, branches)
     _place(figure, tree, labels)
-    with replacing(out) as partial:
-        figure.savefig(partial, dpi=130, metadata={"Software": None} if out.suffix == ".png" else {"Date": None})
-    plt.close(figure)
+    picture_file.save(figure, out, dpi=130)
 
 
 def _height(project, branches):

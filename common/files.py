@@ -36,12 +36,16 @@ def write_json(path, document):
         partial.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n")
 
 
-def write_table(path, table):
-    """Writes a DataFrame as CSV with six digits, without its index."""
+def write_table(path, table, digits=6):
+    """Writes a DataFrame as CSV without its index; a missing value becomes an empty field.
+
+    digits: significant digits of the numbers; None writes as many as give the same number when read again.
+    """
     with replacing(path) as partial:
-        table.to_csv(partial, index=False, float_format="%.6g")
+        table.to_csv(partial, index=False, float_format=None if digits is None else f"%.{digits}g", lineterminator="\n")
 
 
 def sha256(path):
     """SHA-256 of a file's content, in hexadecimal."""
-    return hashlib.sha256(pathlib.Path(path).read_bytes()).hexdigest()
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

@@ -23,19 +23,20 @@ class Document:
         key = key_name(path)
         return f"{self.file}, key {key}" if key else str(self.file)
 
-    def check_finite(self):
+    def check_finite(self, remedy="give a finite number"):
         """Raises InputError for the first number that is not finite, since no limit of a schema catches NaN."""
         for path, value in _walk(self.data, ()):
             if isinstance(value, float) and not math.isfinite(value):
-                raise InputError("number is not finite", self.where(path), value, "give a finite number")
+                raise InputError("number is not finite", self.where(path), value, remedy)
 
 
-def read(file, kind):
-    """Reads one JSON file into a Document; kind: what it should be, for messages.
+def read(file, kind, remedy=None):
+    """Reads one JSON file into a Document. kind: what it should be; remedy: what a message advises instead of that.
 
     Raises InputError when the file cannot be read, is not JSON, is no group of keys or has a number that is not finite.
     """
-    file, remedy = pathlib.Path(file), f"give a file of the kind {kind}"
+    file, finite = pathlib.Path(file), remedy or "give a finite number"
+    remedy = remedy or f"give a file of the kind {kind}"
     try:
         data = json.loads(file.read_text(encoding="utf-8"))
     except OSError as error:
@@ -46,13 +47,15 @@ def read(file, kind):
     document = Document(file, data)
     if not isinstance(data, dict):
         raise InputError("not a group of keys", file, str(data)[:80], remedy)
-    document.check_finite()
+    document.check_finite(finite)
     return document
 
 
 def _walk(value, path):
     """(path, value) of a value and all that it holds, in the file's order."""
-    yield path, value
-    children = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
-    for key, child in children:
-        yield from _walk(child, path + (key,))
+    pending = [(path, value)]  # no recursion, since a file may be nested as deep as Python allows
+    while pending:
+        path, value = pending.pop()
+        yield path, value
+        children = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+        pending += [(path + (key,), child) for key, child in children][::-1]

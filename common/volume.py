@@ -35,12 +35,10 @@ class Image:
         return at, np.all((at >= 0) & (at < self.values.shape), axis=-1)
 
     def cropped(self, points_mm, margin_mm):
-        """The part of the image round points (n, 3), margin_mm farther on every side."""
+        """The part of the image round points (n, 3) in it, margin_mm farther on every side."""
         low = np.floor((np.min(points_mm, axis=0) - margin_mm - self.origin_mm) / self.spacing_mm).astype(int)
         high = np.ceil((np.max(points_mm, axis=0) + margin_mm - self.origin_mm) / self.spacing_mm).astype(int) + 1
         low, high = np.maximum(low, 0), np.minimum(high, self.values.shape)
-        if (low >= high).any():
-            return self
         box = tuple(slice(a, b) for a, b in zip(low, high))
         return Image(self.values[box], self.origin_mm + low * self.spacing_mm, self.spacing_mm)
 

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-NONE, FIBROUS, LIPID, CALCIFIED = 0, 1, 2, 3
+from common.plaque_types import FIBROUS, LIPID
+
 TYPE_OF = {"fibrous": FIBROUS, "lipid": LIPID}
 
 

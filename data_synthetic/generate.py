@@ -9,8 +9,9 @@ from common.errors import ComputationError, InputError
 from common.files import write_json
 from common.implicit import surface
 from common.implicit.field import LumenField
+from common.plaque_types import CALCIFIED, NONE
 
-from . import crossings, disease, patient, tree, truth
+from . import crossings, patient, tree, truth
 
 SPACING_MM = 0.2
 LARGEST_ERROR_MM = 0.001
@@ -27,12 +28,12 @@ def plaque_at(branches, points_mm):
         _, normal, binormal = branch.axis.frame(s)
         theta = np.arctan2(np.sum(offset * binormal, axis=1), np.sum(offset * normal, axis=1))
         t = branch.plaque_thickness(s, theta)
-        k = np.where(branch.calcium_share(s, theta) > 0.5, disease.CALCIFIED, branch.base_type(s))
+        k = np.where(branch.calcium_share(s, theta) > 0.5, CALCIFIED, branch.base_type(s))
         nearer = distance < best
         best = np.where(nearer, distance, best)
         thickness, kind = np.where(nearer, t, thickness), np.where(nearer, k, kind)
     thickness = np.where(thickness > 0.01, thickness, 0.0)
-    return thickness, np.where(thickness > 0, kind, disease.NONE)
+    return thickness, np.where(thickness > 0, kind, NONE)
 
 
 def check_throats(branches, spacing_mm, where):

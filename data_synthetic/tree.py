@@ -7,6 +7,7 @@ import numpy as np
 
 from common.errors import InputError
 from common.implicit.curves import SAMPLE_MM, Curve, integrate
+from common.plaque_types import FIBROUS
 
 from . import healthy_radius, disease
 
@@ -63,14 +64,17 @@ class Branch:
     def base_type(self, s_mm):
         """Plaque type (int) outside calcium: the nearest lesion's type, or fibrous in a branch without a lesion."""
         if not self.lesions:
-            return np.full(np.shape(s_mm), disease.FIBROUS)
+            return np.full(np.shape(s_mm), FIBROUS)
         distance = [np.abs(s_mm - le["centre_s_mm"]) / le["length_mm"] for le in self.lesions]
         types = np.array([disease.TYPE_OF[le["plaque"]] for le in self.lesions])
         return types[np.argmin(distance, axis=0)]
 
 
 def _interpolate(s_mm, samples, values):
-    """Monotone cubic Hermite interpolation of even samples, with a continuous derivative for the field's gradient."""
+    """Cubic Hermite interpolation of even samples: its derivative is continuous, as the field's gradient needs it.
+
+    The slopes are central differences. So between samples it may reach slightly beyond them.
+    """
     x = np.clip((np.asarray(s_mm, float) - samples[0]) / (samples[1] - samples[0]), 0, len(samples) - 1)
     i = np.minimum(x.astype(int), len(samples) - 2)
     t = x - i

@@ -1,10 +1,8 @@
 """truth.json: the exact geometry of a virtual patient, written and read back as branches."""
 
-import json
-import pathlib
-
 import numpy as np
 
+from common import json_reader
 from common.errors import InputError
 from common.implicit.curves import Curve
 
@@ -101,14 +99,8 @@ def _check_branch(entry, where):
 
 def load(path):
     """(branches, wall thickness mm) of the truth.json at `path`. Raises InputError if it is not one."""
-    path = pathlib.Path(path)
-    if not path.is_file():
-        raise InputError("no such file", path, "missing", "run data_synthetic generate first")
-    try:
-        found = json.loads(path.read_text())
-    except ValueError as error:
-        raise InputError("not a JSON file", path, error, "run data_synthetic generate again") from error
-    schema = found.get("schema") if isinstance(found, dict) else None
+    found = json_reader.read(path, "truth.json", "write it by data_synthetic generate").data
+    schema = found.get("schema")
     if schema != SCHEMA:
         raise InputError("not a truth file", f"{path}: schema", schema, f"expected {SCHEMA}")
     check(found, path)

@@ -5,7 +5,7 @@ import pathlib
 import sys
 
 from common.errors import InputError, guarded
-from common.files import write_json
+from common.files import write_json, write_table
 from reports.inputs.case_files import ARMS, STATES, CaseFiles
 from reports.inputs.reading import read_json
 
@@ -40,26 +40,23 @@ def run_table(args):
     from reports.study.cohort import cohort_table
     from reports.study.contrast import contrast_table
     from reports.study.nearer import nearer_table
-    from reports.study.tables import write_csv
 
     make = {"agreement": agreement_table, "cohort": cohort_table, "nearer": nearer_table, "contrast": contrast_table}
-    write_csv(args.out, make[args.command](metrics_list(args.metrics)))
+    write_table(args.out, make[args.command](metrics_list(args.metrics)), digits=None)
 
 
 def run_differences(args):
     from reports.study.differences import difference_table, station_table
-    from reports.study.tables import write_csv
 
     documents = metrics_list(args.metrics)
-    write_csv(args.stations, station_table(documents))
-    write_csv(args.out, difference_table(documents))
+    write_table(args.stations, station_table(documents), digits=None)
+    write_table(args.out, difference_table(documents), digits=None)
 
 
 def run_patients(args):
     from common.config import load_case
     from reports.selection.flow_chart import inclusion_figure
     from reports.selection.patients import inclusion_table, patients_table
-    from reports.study.tables import write_csv
 
     documents = metrics_list(args.metrics)
     configs = {path.stem: path for path in args.configs}
@@ -72,8 +69,8 @@ def run_patients(args):
     states = {document["case"]: list(document["states"]) for document in documents}
     failed = dict.fromkeys(step["case"] for step in failed_steps(args.failed))
     steps = inclusion_table(table, states, [case for case in failed if case not in states])
-    write_csv(args.out, table)
-    write_csv(args.inclusion, steps)
+    write_table(args.out, table, digits=None)
+    write_table(args.inclusion, steps, digits=None)
     inclusion_figure(steps, args.figures_dir)
 
 
@@ -84,30 +81,27 @@ def failed_steps(path):
 
 def run_subgroups(args):
     from reports.study.subgroups import patient_files, subgroup_tables
-    from reports.study.tables import write_csv
 
     patients = patient_files(args.cohort, args.cases)
     agreement, failures = subgroup_tables(patients)
-    write_csv(args.out / "agreement.csv", agreement)
-    write_csv(args.out / "failures.csv", failures)
+    write_table(args.out / "agreement.csv", agreement, digits=None)
+    write_table(args.out / "failures.csv", failures, digits=None)
     print(f"{len(patients) - failures['patients'].sum()} of {len(patients)} patients finished; tables in {args.out}")
 
 
 def run_timings(args):
-    from reports.study.tables import write_csv
     from reports.study.timings import timings_table
 
-    write_csv(args.out, timings_table(case_list(args)))
+    write_table(args.out, timings_table(case_list(args)), digits=None)
 
 
 def run_seconds(args):
     from reports.figures.seconds import seconds_figure
     from reports.inputs.reading import existing
     from reports.study.seconds import read_timings, seconds_table
-    from reports.study.tables import write_csv
 
     timings = read_timings(existing(args.timings, "reports timings"))
-    write_csv(args.out, seconds_table(timings))
+    write_table(args.out, seconds_table(timings), digits=None)
     seconds_figure(timings, args.figures_dir)
 
 

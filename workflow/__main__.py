@@ -5,7 +5,7 @@ import pathlib
 import sys
 import time
 
-from common.errors import InputError, guarded
+from common.errors import InputError, UserError, guarded
 
 
 def run_validate(options):
@@ -82,6 +82,10 @@ def run_cohort(options):
         raise InputError(
             "a shard cannot be planned", options.out / "shards", ", ".join(refused), "see snakemake.log there"
         )
+    stopped = [row["shard"] for row in rows if not options.dry_run and not row["computed"]]
+    if stopped:
+        remedy = "the end of snakemake.log there says why; make unlock frees a folder whose run was killed"
+        raise UserError("Snakemake stopped before any patient", options.out / "shards", ", ".join(stopped), remedy)
 
 
 def run_stent_alone(options):

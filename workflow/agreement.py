@@ -4,6 +4,8 @@ CGAL and gmsh make other surfaces and meshes on another Debian, so the files' bi
 agree: areas and curvature within ALLOWED, FFR within the sum of both error estimates.
 """
 
+import pathlib
+
 from common.errors import ComputationError
 from common.files import replacing
 from common.json_reader import read
@@ -21,13 +23,15 @@ NAMES = {
 def write_agreement(manifest, study, out):
     """Writes the page `out` of the comparison; returns the number of numbers compared.
 
-    Raises InputError if a file cannot be read. Raises ComputationError, after writing the page, if a number differs by
-    more than is allowed.
+    manifest: file config/manifests/<cohort>.json, whose name is that of the cohort; study: folder of results. Raises
+    InputError if a file cannot be read. Raises ComputationError, after writing the page, if a number differs by more
+    than is allowed.
     """
     expected, found = read(manifest, SCHEMA).data, manifest_of(study)
+    cohort = pathlib.Path(manifest).stem
     rows = compared(expected, found)
     with replacing(out) as partial:
-        partial.write_text(page(expected, found, rows))
+        partial.write_text(page(cohort, expected, found, rows))
     beyond = [row for row in rows if not row["within"]]
     if beyond:
         lines = "\n          ".join(
@@ -59,13 +63,13 @@ def compared(expected, found):
     return rows
 
 
-def page(expected, found, rows):
-    """The comparison as Markdown."""
+def page(cohort, expected, found, rows):
+    """The comparison as Markdown. cohort: its name; expected, found: as for `compared`, whose result is `rows`."""
     before, now = expected["made_on"], found["made_on"]
     there, here = before["system"], now["system"]
     off = [row for row in rows if not row["within"]]
     lines = [
-        f"# The quick cohort on {_short(here)} and {_short(there)}",
+        f"# The {cohort} cohort on {_short(here)} and {_short(there)}",
         "",
         f"Written by `python3 -m workflow agreement` on {_short(here)}; {_short(there)} is the manifest that ships.",
         f"Of {len(rows)} numbers {len(rows) - len(off)} agree as far as is asked: areas within "

@@ -13,6 +13,7 @@ import yaml
 from common.errors import InputError
 from common.files import replacing
 from data_synthetic import draw
+from workflow.failed import failed_steps
 
 SNAKEMAKE = "/usr/bin/snakemake"
 SHARD = 100  # patients; Snakemake plans them in some 10 s, and an interrupted run loses little
@@ -54,7 +55,8 @@ def run(shards, cores, results=pathlib.Path("results"), dry=False, keep_all=Fals
     """Runs the shards one after the other; returns a row of costs for each, also added to the shard's cost.csv.
 
     A patient that fails does not stop the others. dry: plan only, as many shards at once as there are cores, and
-    write no cost.csv. keep_all: keep surfaces, meshes and fields too.
+    write no cost.csv. keep_all: keep surfaces, meshes and fields too. A row's `computed` is False if Snakemake failed
+    before any patient of the shard finished or failed by a step of its own, as in a locked folder.
     """
     with concurrent.futures.ThreadPoolExecutor(cores if dry else 1) as pool:
         return list(pool.map(lambda shard: _run(*shard, cores, pathlib.Path(results), dry, keep_all), shards))
@@ -65,7 +67,7 @@ def _run(place, names, cores, results, dry, keep_all):
     targets = [f"{results}/cases/{name}/metrics.json" for name in names]
     command = [SNAKEMAKE, "--profile", "config/profiles/local", "--cores", str(cores), *targets]
     command += ["--config", f"folder={place}", "cohort=shard"] + ["--dry-run", "--quiet"] * dry
-    begin = time.monotonic()
+    begin, since = time.monotonic(), int(time.time())  # in whole seconds, as the time of a file may lag behind
     with open(place / "snakemake.log", "w") as log:
         process = subprocess.Popen(command, stdout=log, stderr=log)
         _, status, used = os.wait4(process.pid, 0)
@@ -73,6 +75,7 @@ def _run(place, names, cores, results, dry, keep_all):
     row = {"shard": place.name, "patients": len(names), "wall_s": time.monotonic() - begin}
     row |= {"cpu_s": used.ru_utime + used.ru_stime, "exit_code": process.returncode}
     finished = [name for name in names if (results / "cases" / name / "metrics.json").is_file()]
+    row["computed"] = not row["exit_code"] or _ended(results, names, finished, since)
     row |= {"finished": len(finished), "made_mb": _megabytes(results, names)}
     if not dry and not keep_all:
         for name in finished:
@@ -81,6 +84,13 @@ def _run(place, names, cores, results, dry, keep_all):
     if not dry:
         _add_cost(place / "cost.csv", row)
     return row
+
+
+def _ended(results, names, finished, since):
+    """Whether any of the patients finished, or failed by a step of its own, from a time in seconds since 1970 on."""
+    if any((results / "cases" / name / "metrics.json").stat().st_mtime >= since for name in finished):
+        return True
+    return any(step["case"] in names for step in failed_steps(results, since))
 
 
 def projected(out, cores):

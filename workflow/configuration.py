@@ -83,28 +83,27 @@ class Configuration:
         found = [self._data_file(name, "cap", f"{key}.caps.inlet", caps["inlet"])]
         return found + [self._data_file(name, "cap", f"{key}.caps.outlets", path) for path in caps["outlets"]]
 
-    def ct_files(self, name, door="lumen"):
+    def ct_files(self, name, key="lumen"):
         """{volume, centreline: path} of the CT that a case gives as `lumen` or `post`; or {}."""
-        given = self.cases[name].get(door, {}).get("ct", {})
-        keys = {"volume": "path", "centreline": "centreline"}
+        given = self.cases[name].get(key, {}).get("ct", {})
+        entries = {"volume": "path", "centreline": "centreline"}
         return {
-            role: self._data_file(name, "CT volume" if role == "volume" else role, f"{door}.ct.{key}", given[key])
-            for role, key in keys.items()
-            if key in given
+            role: self._data_file(name, "CT volume" if role == "volume" else role, f"{key}.ct.{entry}", given[entry])
+            for role, entry in entries.items()
+            if entry in given
         }
 
-    def contour_files(self, name, door="lumen"):
-        """{table: file} of the contours that a case gives for the lumen `door` (`lumen` or `post`), and of their
-        centreline.
-
-        Empty if the case gives no contours there.
-        """
-        given = self.cases[name].get(door, {}).get("contours", {})
-        files = {key: given[key] for key in CONTOUR_TABLES if key in given}
-        found = {key: self._data_file(name, "contour table", f"{door}.contours.{key}", files[key]) for key in files}
+    def contour_files(self, name, key="lumen"):
+        """{table: file} of the contours that a case gives as `lumen` or `post`, and of their centreline; or {}."""
+        given = self.cases[name].get(key, {}).get("contours", {})
+        found = {
+            table: self._data_file(name, "contour table", f"{key}.contours.{table}", given[table])
+            for table in CONTOUR_TABLES
+            if table in given
+        }
         if "centreline" in given:
-            key = f"{door}.contours.centreline.path"
-            found["centreline"] = self._data_file(name, "centreline", key, given["centreline"]["path"])
+            where = f"{key}.contours.centreline.path"
+            found["centreline"] = self._data_file(name, "centreline", where, given["centreline"]["path"])
         return found
 
     def _data_file(self, name, what, key, path):

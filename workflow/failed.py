@@ -1,9 +1,9 @@
 """Which cases of a run failed, at which step and why. The report page on the other cases lists them."""
 
-import json
 import pathlib
 import re
 
+from common import json_reader
 from common.errors import InputError
 from common.files import write_json
 from workflow.half_maximum import NAME as ARM
@@ -71,11 +71,12 @@ def cases_of_failed_arms(path):
 
 def _steps(path):
     """[(case, step)] of a failed.json. Raises InputError."""
+    remedy = "--config failed= takes the file of `workflow failed`"
+    document = json_reader.read(path, "failed.json", remedy).data
     try:
-        return [(step["case"], step["step"]) for step in json.loads(pathlib.Path(path).read_text())["failed"]]
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        remedy = "make it by `workflow failed`"
-        raise InputError("not a list of failed steps", "--config failed=", path, remedy) from error
+        return [(step["case"], step["step"]) for step in document["failed"]]
+    except (KeyError, TypeError) as error:
+        raise InputError("not a list of failed steps", f"{path}, key failed", error, remedy) from error
 
 
 def _of_arm(step):

@@ -1,7 +1,8 @@
 """The manifest that ships with a release: results that a study must reproduce on another machine, and the comparison.
 
-Surfaces, deployments and meshes must have the same bits. Numbers from a library of linear algebra need only agree
-within the manifest's tolerances, because the library's order of summation depends on the processor.
+Surfaces, deployments and meshes must have the same bits. Areas and curvature need only agree within RELATIVE, FFR
+within its error estimate: they come from a library of linear algebra, whose order of summation depends on the
+processor. The manifest's `tolerances` tell its readers so; the comparison does not read them.
 """
 
 import hashlib

@@ -1,18 +1,23 @@
 """scene.json: the plan (what is done) with the section `deployment` (how the virtual deployment computes it)."""
 
-import json
-
+from common import json_reader, plan_reader
 from common.errors import InputError
 from common.files import write_json
+
+PARTS = ("wall", "numerics")  # of the section `deployment`
+REMEDY = "give settings/deployment.json of a case, or another JSON file with wall and numerics"
 
 
 def write_scene(plan_file, settings_file, out):
     """Writes `out`: the plan's document with `wall` and `numerics`.
 
-    Raises InputError if `out` is in another folder than the plan, whose relative paths it keeps.
+    Raises InputError if a file is not what it should be, or if `out` is in another folder than the plan, whose relative
+    paths it keeps.
     """
     if out.resolve().parent != plan_file.resolve().parent:
         raise InputError("scene outside the plan's folder", "--out", out, f"write it into {plan_file.parent}")
-    scene = json.loads(plan_file.read_text())
-    settings = json.loads(settings_file.read_text())
-    write_json(out, {**scene, "wall": settings["wall"], "numerics": settings["numerics"]})
+    scene, settings = plan_reader.read(plan_file), json_reader.read(settings_file, "deployment.json", REMEDY).data
+    for key in PARTS:
+        if key not in settings:
+            raise InputError("settings of another section", f"{settings_file}, key {key}", "missing", REMEDY)
+    write_json(out, {**scene, **{key: settings[key] for key in PARTS}})

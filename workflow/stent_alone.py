@@ -1,7 +1,6 @@
 """The plan with the stents' steps alone, for a radius correction by the stents' size (state rc_stent)."""
 
-import json
-
+from common import plan_reader
 from common.errors import InputError
 from common.files import write_json
 
@@ -9,9 +8,10 @@ from common.files import write_json
 def write_stent_alone(plan_file, out):
     """Writes `out`: the plan's document with only the steps that place stents. Unused devices stay listed.
 
-    Raises InputError for a plan without a stent, and if the plan's relative paths would not hold beside `out`.
+    Raises InputError for a file that is no plan, for a plan without a stent, and if the plan's relative paths would not
+    hold beside `out`.
     """
-    plan = json.loads(plan_file.read_text())
+    plan = plan_reader.read(plan_file)
     if out.resolve().parent.parent != plan_file.resolve().parent.parent:
         raise InputError("plan in another case", "--out", out, f"write it beside {plan_file.parent}")
     stents = {name for name, device in plan["devices"].items() if device["kind"] == "stent"}

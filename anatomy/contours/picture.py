@@ -1,12 +1,11 @@
 """A picture of a pull-back: areas and plaque burden along it, and the plaque unrolled."""
 
-import matplotlib
 import numpy as np
+from matplotlib import pyplot as plt
 
-from common.files import replacing
+from common.plaque_types import CALCIFIED, LIPID
 
-matplotlib.use("Agg")
-from matplotlib import pyplot as plt  # noqa: E402  (the backend comes first)
+from .. import picture_file
 
 
 def draw(document, z_mm, thickness_mm, kind, out):
@@ -35,16 +34,14 @@ def draw(document, z_mm, thickness_mm, kind, out):
     if unrolled:
         _unroll(figure, axes[1], z_mm, thickness_mm, kind)
     _from_proximal(np.atleast_1d(axes), z)
-    with replacing(out) as partial:
-        figure.savefig(partial, dpi=110, metadata={"Software": None})
-    plt.close(figure)
+    picture_file.save(figure, out)
 
 
 def _unroll(figure, axes, z_mm, thickness_mm, kind):
     round_deg = np.arange(thickness_mm.shape[1]) * 360 / thickness_mm.shape[1]
     shown = axes.pcolormesh(z_mm, round_deg, thickness_mm.T, shading="nearest", cmap="YlOrBr", vmin=0)
     figure.colorbar(shown, ax=axes, label="plaque thickness (mm)")
-    for value, colour, name in ((3, "k", "calcified"), (2, "tab:green", "lipid")):
+    for value, colour, name in ((CALCIFIED, "k", "calcified"), (LIPID, "tab:green", "lipid")):
         if (kind == value).any():
             axes.contour(z_mm, round_deg, (kind == value).T.astype(float), [0.5], colors=colour, linewidths=0.9)
             axes.plot([], [], color=colour, lw=0.9, label=name)

@@ -5,11 +5,11 @@ from matplotlib.path import Path
 from scipy.spatial import cKDTree
 
 from common.errors import InputError
+from common.plaque_types import CALCIFIED, FIBROUS, LIPID
 
 from . import outer_wall, rings
 from .reading.outlines import centroid
 
-NONE, FIBROUS, LIPID, CALCIFIED = 0, 1, 2, 3
 KINDS = {"lipid": LIPID, "calcium": CALCIFIED}  # where both are traced, the later one counts
 # Normal intima is below 0.3 mm by IVUS (0.22 to 0.25 mm at 30 to 40 years). The media behind it has 0.2 mm by
 # histology, but is thinner beneath plaque (0.1 mm in vivo: Gussenhoven et al., Am J Cardiol 68 (1991) 1625).

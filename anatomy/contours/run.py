@@ -8,8 +8,9 @@ import numpy as np
 from common import vtp
 from common.errors import InputError
 from common.files import write_json
+from common.plaque_types import CALCIFIED, NONE
 
-from . import doubts, line, loft, outer_wall, picture, placing, plaque, pullback, rings
+from . import line, loft, outer_wall, picture, placing, plaque, pullback, rings, warnings
 
 SCHEMA = "vci-contours-1"
 ARRAYS = ("plaque_thickness_mm", "plaque_type")  # at the surface's points
@@ -25,7 +26,7 @@ def run(files, out, units="mm", healthy_wall_mm="auto", reading=None, laying=Non
     proximal_s_mm, rotation_deg, mirrored}; reading: {z_from, z_range_mm, drop_frames}. Raises InputError.
     """
     pull = pullback.read(files, units, **(reading or {}))
-    pull.warnings.extend(doubts.warnings(pull))
+    pull.warnings.extend(warnings.find(pull))
     place = _placing(pull, dict(laying)) if laying else placing.straight(pull)
     lumen = loft_of(pull, place)
     arrays, found = _plaque(pull, files, healthy_wall_mm, lumen)
@@ -108,7 +109,7 @@ def _plaque(pull, files, healthy_wall_mm, lumen):
     # nan: not known. There `lumen process` keeps its estimate from the narrowing.
     thickness[(z < low - 1e-9) | (z > high + 1e-9)] = np.nan
     nearest = np.abs(z[:, None] - pull.z_mm[None]).argmin(axis=1)
-    kind = np.where(thickness > 0, kinds[nearest], plaque.NONE)
+    kind = np.where(thickness > 0, kinds[nearest], NONE)
     inner = len(lumen["points"]) - thickness.size  # inner points of the caps, which are not wall
     _say_shadow(pull, of_frames, kinds)
     values = (
@@ -132,7 +133,7 @@ def _say_thin(pull, means):
 
 
 def _say_shadow(pull, of_frames, kinds):
-    arcs = [plaque.arc_deg(kind, ring, plaque.CALCIFIED) for kind, ring in zip(kinds, of_frames)]
+    arcs = [plaque.arc_deg(kind, ring, CALCIFIED) for kind, ring in zip(kinds, of_frames)]
     wide = [pull.sign * frame.z_mm for frame, arc in zip(pull.frames, arcs) if arc > SHADOW_DEG]
     if wide:
         pull.warnings.append(
@@ -155,7 +156,7 @@ def _document(pull, place, lumen, found):
                 "plaque_burden_percent": plaque.burden_percent(frame),
                 "wall_mean_mm": float(distance.mean()) if traced else None,
                 "wall_max_mm": float(distance.max()) if traced else None,
-                "calcium_arc_deg": plaque.arc_deg(found["kinds"][k], ring, plaque.CALCIFIED),
+                "calcium_arc_deg": plaque.arc_deg(found["kinds"][k], ring, CALCIFIED),
             }
         )
     return {

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-CALCIFIED = 3  # plaque_type (docs/design.md)
-NONE = 0
+from common.plaque_types import CALCIFIED, NONE
+
 REACH_MM, STEP_MM = 2.5, 0.05
 
 

@@ -9,6 +9,7 @@ from common.errors import InputError
 
 from . import paths, volumes
 
+OUTSIDE = "give the end points in mm, in the volume's own coordinates"
 CLOSEST_MM = 1.0  # between two end points; nearer points are one end given twice, since no vessel is so short
 LEAST_BLOOD_HU = 100.0  # blood without contrast has 30 to 60 HU; coronary angiograms have 200 and more
 REVERSED = np.array([-1.0, -1.0, 1.0])  # between right-anterior-superior and left-posterior-superior
@@ -65,13 +66,13 @@ def check(volume, ends):
     for name, centre in ends:
         if _hu(volume, centre) is None:
             value = f"{np.round(centre, 2).tolist()} mm, the volume reaches from {low} to {high}"
-            remedy = f"{paths.OUTSIDE} ({volumes.FRAMES}){_reversed(volume, centre)}"
+            remedy = f"{OUTSIDE} ({volumes.FRAMES}){_reversed(volume, centre)}"
             raise InputError("the end point lies outside the image", name, value, remedy)
     name, inlet = ends[0]
     hu = _hu(volume, inlet)
     if hu < LEAST_BLOOD_HU:
         value = f"{hu:.0f} HU at {np.round(inlet, 2).tolist()} mm, contrast-filled blood has {LEAST_BLOOD_HU:g} or more"
-        remedy = f"{paths.OUTSIDE}, on the vessel's axis; mm, not voxel numbers ({volumes.FRAMES})"
+        remedy = f"{OUTSIDE}, on the vessel's axis; mm, not voxel numbers ({volumes.FRAMES})"
         remedy += _reversed(volume, inlet)
         raise InputError("the end point is not in a contrast-filled vessel", name, value, remedy)
 

@@ -15,7 +15,6 @@ from common.implicit.curves import Curve
 SEED_RADIUS_MM = 0.6
 # Shares of the blood's CT number: above the first a voxel may be crossed, above the second it counts as lumen.
 PASSABLE, LUMEN = 0.2, 0.5
-OUTSIDE = "give the end points in mm, in the volume's own coordinates"
 BRIGHT = 1.15  # calcium and metal are brighter than this multiple of the blood
 RISES = 1.5  # blood at another end may be this much brighter than at the inlet; more is calcium
 SMOOTHING_MM = 0.15
@@ -35,12 +34,9 @@ class Line:
 
 
 def blood_hu(image, inlet_mm):
-    """CT number of the contrast-filled blood: mean over a ball of 0.6 mm about the inlet's point."""
+    """CT number of the contrast-filled blood: mean over a ball of 0.6 mm about the inlet's point, within the image."""
     reach = np.ceil(SEED_RADIUS_MM / image.spacing_mm).astype(int)
-    index, inside = image.index(inlet_mm)
-    if not inside:
-        place = np.round(inlet_mm, 2).tolist()
-        raise InputError("the end point lies outside the image", "inlet", f"{place} mm", OUTSIDE)
+    index, _ = image.index(inlet_mm)
     box = tuple(slice(max(i - r, 0), i + r + 1) for i, r in zip(index, reach))
     centres = np.stack(np.meshgrid(*[image.centres(k)[box[k]] for k in range(3)], indexing="ij"), axis=-1)
     ball = np.linalg.norm(centres - inlet_mm, axis=-1) <= SEED_RADIUS_MM
@@ -68,7 +64,7 @@ def _graph(cost, spacing_mm):
 
 
 def find(image, ends):
-    """Lines of all branches, main first: [Line]. ends: [(name, centre (3,) mm)], the inlet first.
+    """Lines of all branches, main first: [Line]. ends: [(name, centre (3,) mm)] within the image, the inlet first.
 
     The cost is 1 / depth^2 within the contrast (above half the blood's CT number). Below that it is high, and infinite
     below a fifth of the blood's. Raises InputError for an end point that is not in a vessel, ComputationError if an end
@@ -108,10 +104,7 @@ def find(image, ends):
 
 
 def _seed(image, smooth, name, centre, blood):
-    index, inside = image.index(np.asarray(centre, float))
-    if not inside:
-        place = np.round(centre, 2).tolist()
-        raise InputError("the end point lies outside the image", name, f"{place} mm", OUTSIDE)
+    index, _ = image.index(np.asarray(centre, float))
     box = tuple(slice(max(i - 1, 0), i + 2) for i in index)
     best = np.unravel_index(np.argmax(smooth[box]), smooth[box].shape)
     seed = tuple(int(s.start + b) for s, b in zip(box, best))

@@ -1,10 +1,10 @@
 """Transfers a plan to another segmentation of the same lumen: same devices, pressures and places in space."""
 
-import json
 import os
 
 import numpy as np
 
+from common import plan_reader
 from common.errors import InputError
 from common.files import write_json
 
@@ -14,9 +14,12 @@ from ..measured import read_sections
 def run(plan_file, from_folder, to_folder, out):
     """Writes the plan of `plan_file`, made in the anatomy `from_folder`, for the lumen of the anatomy `to_folder`.
 
-    Raises InputError if the other lumen lacks a treated branch, or has its axis elsewhere.
+    Raises InputError if the file is no plan, or if the other lumen lacks a treated branch or has its axis elsewhere.
     """
-    plan = json.loads(plan_file.read_text())
+    plan = plan_reader.read(plan_file)
+    if "segment" not in plan:
+        where = f"{plan_file}, key segment"
+        raise InputError("a plan without its treated segment", where, "missing", plan_reader.REMEDY)
     axes = read_sections(from_folder), read_sections(to_folder)
     where = f"{plan_file} in {to_folder}"
     relative = os.path.relpath(to_folder.resolve(), out.resolve().parent)

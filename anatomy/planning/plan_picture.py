@@ -1,29 +1,23 @@
 """A picture of a plan: the lumen along each treated branch, its reference and lesions, and each device's place."""
 
-import json
-
-import matplotlib
 import numpy as np
+from matplotlib import pyplot as plt
 
-from common.errors import InputError
-from common.files import replacing
+from common import plan_reader
 
+from .. import picture_file
 from ..measured import read_sections, read_summary
-from . import outer_wall
+from . import catalogue, outer_wall
 from .plan import HEALTHY_PROFILE, OUTER_WALL
 from .profile import Profile
-
-matplotlib.use("Agg")
-from matplotlib import pyplot as plt  # noqa: E402  (the backend comes first)
 
 WIDTH, HEIGHT, LANE = 11, 4.2, 0.32  # inches: of the picture, of a branch's diameters, of one device
 
 
 def run(anatomy_folder, plan_file, out):
     """Writes the picture of plan.json in the lumen of an anatomy folder as .png or .svg."""
-    if out.suffix not in (".png", ".svg"):
-        raise InputError("unknown picture format", out, out.suffix, "name a .png or .svg file")
-    summary, sections, plan = read_summary(anatomy_folder), read_sections(anatomy_folder), _read(plan_file)
+    picture_file.check_format(out)
+    summary, sections, plan = read_summary(anatomy_folder), read_sections(anatomy_folder), plan_reader.read(plan_file)
     by = plan.get("reference", {}).get("by", HEALTHY_PROFILE)
     if by == OUTER_WALL:
         sections = outer_wall.referenced(sections, anatomy_folder / "lumen.vtp")
@@ -35,20 +29,7 @@ def run(anatomy_folder, plan_file, out):
     for one, (branch, devices) in zip(axes[:, 0], placed.items()):
         _draw(one, summary, sections, branch, devices, by)
     axes[0, 0].set_title(plan.get("case", ""), loc="left")
-    with replacing(out) as partial:
-        figure.savefig(partial, dpi=110, metadata={"Software": None} if out.suffix == ".png" else {"Date": None})
-    plt.close(figure)
-
-
-def _read(path):
-    try:
-        plan = json.loads(path.read_text())
-        devices = [plan["devices"][one["device"]] for step in plan["procedure"] for one in step["devices"]]
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError("no readable plan", path, error, "give a plan.json that `anatomy plan` has written") from error
-    if not devices:
-        raise InputError("a plan without a device", path, "procedure: no devices", "list the plan's steps in the case")
-    return plan
+    picture_file.save(figure, out)
 
 
 def _by_branch(plan):
@@ -60,7 +41,7 @@ def _by_branch(plan):
             half = entry["length_mm"] / 2
             span = (device["centre_s_mm"] - half, device["centre_s_mm"] + half)
             balloon = plan["devices"][entry["balloon"]] if entry["kind"] == "stent" else entry
-            wide = float(np.interp(device["pressure_bar"], *balloon["chart"].values()))
+            wide = catalogue.diameter_at(balloon, device["pressure_bar"])
             label = f"{step['name']}: {device['device']}, {device['pressure_bar']:g} bar"
             found.setdefault(device["branch"], []).append((label, *span, wide, entry["kind"]))
     return found

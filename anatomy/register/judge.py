@@ -119,7 +119,7 @@ def check_direction(where, pre, post, target, found, landmarks):
         return
     line = post.branches["main"]
     turned = Line(line.points[::-1], line.radius[::-1], line.branch)
-    other = search.best(pre, Tree({"main": turned}, {"main": turned}, post.summary, post.source), landmarks)
+    other = search.best(pre, Tree({"main": turned}, {"main": turned}, post.summary), landmarks)
     if other.cost + search.ALIKE < found.cost:
         raise _other_way(where, post, "fits better", f"misfit {found.cost:.2f} of 1, turned round {other.cost:.2f}")
 

@@ -29,11 +29,6 @@ class Match:
         kept = np.sort(self.residual_mm)[: max(1, int(KEPT * len(self.residual_mm)))]
         return float(np.sqrt(np.mean(kept**2)))
 
-    @property
-    def shared_mm(self):
-        """Length of all shared stretches together."""
-        return sum(last - first for first, last in self.shared.values())
-
 
 def matched(target, tree, placement):
     """The Match of a placed Tree with a Target.

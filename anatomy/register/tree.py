@@ -30,7 +30,6 @@ class Tree:
     branches: dict
     routes: dict
     summary: dict
-    source: str
 
     def mirrored(self):
         """The Tree of the mirror image, with z negated; the summary stays as it is."""
@@ -38,7 +37,7 @@ class Tree:
             {name: dataclasses.replace(line, points=line.points * MIRROR) for name, line in lines.items()}
             for lines in (self.branches, self.routes)
         )
-        return Tree(branches, routes, self.summary, self.source)
+        return Tree(branches, routes, self.summary)
 
     @property
     def points(self):
@@ -75,7 +74,7 @@ def read(folder):
     parents = {branch["name"]: (branch["parent"], branch["s_on_parent_mm"]) for branch in summary["branches"]}
     for name in branches:
         routes[name] = _route(name, branches, parents)
-    return Tree(branches, routes, summary, str(folder))
+    return Tree(branches, routes, summary)
 
 
 def _resampled(name, s, points, radius):

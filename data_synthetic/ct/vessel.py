@@ -19,7 +19,7 @@ COPLANAR = np.cos(np.radians(1.0))
 class Vessel:
     """Closed pieces (points (n, 3) mm, triangles (m, 3)): the surface first, then one prism for each end.
 
-    Samples on the walls: places_mm (k, 3), plaque_mm (k,) thickness behind each, kind (k,) of plaque (disease.*).
+    Samples on the walls: places_mm (k, 3), plaque_mm (k,) thickness behind each, kind (k,) of plaque (plaque_types).
     """
 
     pieces: list

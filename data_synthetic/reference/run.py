@@ -7,7 +7,7 @@ import time
 import numpy as np
 from scipy.integrate import trapezoid
 
-from common import config, schema, vtp
+from common import config, vtp
 from common.errors import InputError
 from common.files import write_json
 from common.implicit.field import LumenField, ends
@@ -21,11 +21,6 @@ from .treatment import devices
 
 ON_WALL_MM = 0.05
 LEAST_ON_WALL = 0.8  # share of the lumen's points: usually 0.94 to 0.98, the others lie on caps
-
-
-def load_settings(path):
-    """Section `reference` from a YAML or JSON file, or its defaults."""
-    return config.load(path, "reference") if path else schema.with_defaults({}, schema.read("reference"))
 
 
 def patient_and_steps(scene, scene_path, truth_path):
@@ -43,7 +38,7 @@ def run(scene_path, anatomy, truth_path, out, settings_path=None):
     """Writes `out`/{lumen.vtp, lumen.stl, reference.json}. Raises InputError, ComputationError."""
     begun = time.perf_counter()
     logging.disable(logging.INFO)  # hides the form compiler's messages
-    scene, settings = load_scene(scene_path), load_settings(settings_path)
+    scene, settings = load_scene(scene_path), config.load_section(settings_path, "reference")
     patient, steps = patient_and_steps(scene, scene_path, truth_path)
     branch, branches = patient.branch, patient.branches
     lumen_path = pathlib.Path(anatomy) / "lumen.vtp"
@@ -158,7 +153,7 @@ def _recoil(records, spans):
 
 def _coarser(settings):
     """{key: [value, default]} of the settings that make slices, elements or steps coarser than the default."""
-    default = load_settings(None)
+    default = config.load_section(None, "reference")
     finer_when_less = ("slice_spacing_mm", "radius_step_mm", "edge_mm")
     found = {key: [settings[key], default[key]] for key in finer_when_less if settings[key] > default[key]}
     for key in ("elements_around", "elements_through"):

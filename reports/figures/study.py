@@ -3,6 +3,7 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
+from reports.inputs.case_files import TRUTHS
 from reports.study.agreement import QUANTITIES, paired_values, published
 from reports.study.bland_altman import bland_altman
 from reports.study.differences import compared
@@ -40,7 +41,7 @@ def study_figures(documents, folder):
     The first needs a case with a reference, a lumen after PCI or a measured FFR; the second a case whose prediction is
     compared with a lumen. These two show the included patients (`analysed`), the third all.
     """
-    known = [one for one in documents if one.get("measured") or {"reference", "post"} & set(one["states"])]
+    known = [one for one in documents if one.get("measured") or set(TRUTHS) & set(one["states"])]
     if known:
         agreement_figure(analysed(known), folder)
     along = [one for one in documents if compared([one])]

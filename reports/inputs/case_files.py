@@ -12,6 +12,7 @@ from reports.inputs.reading import entry, number, read_json
 STATES = ("pre", "vci", "rc", "rc_stent", "reference", "ct", "ct_vci", "ct_rc", "post")
 PREDICTED_FROM_CT = ("ct_vci", "ct_rc")
 FROM_CT = ("ct", *PREDICTED_FROM_CT)
+TRUTHS = ("reference", "post")  # true lumens after PCI; of a case with both the first counts
 ARMS = ("half_maximum",)  # further segmentations of the CT volumes; each has a folder in the case's
 
 

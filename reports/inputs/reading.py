@@ -1,6 +1,5 @@
 """Readers of the study's JSON, CSV and VTP files. They refuse missing or malformed data, NaN and infinity."""
 
-import json
 import math
 import pathlib
 
@@ -8,7 +7,7 @@ import numpy as np
 import pandas as pd
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
-from common import vtp
+from common import json_reader, vtp
 from common.errors import InputError
 
 
@@ -22,18 +21,7 @@ def existing(path, made_by):
 
 def read_json(path, made_by):
     """The JSON object in `path`. Raises InputError for a missing or malformed file, NaN and infinity."""
-    path = existing(path, made_by)
-
-    def refuse(constant):
-        raise InputError("a JSON file holds a value that is not a number", path, constant, f"repeat: {made_by}")
-
-    try:
-        document = json.loads(path.read_text(), parse_constant=refuse)
-    except (json.JSONDecodeError, UnicodeDecodeError) as error:
-        raise InputError("a JSON file cannot be read", path, str(error), f"repeat: {made_by}") from error
-    if not isinstance(document, dict):
-        raise InputError("a JSON file does not hold an object", path, type(document).__name__, f"repeat: {made_by}")
-    return document
+    return json_reader.read(existing(path, made_by), made_by, f"repeat: {made_by}").data
 
 
 def entry(document, keys, path):

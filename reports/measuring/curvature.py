@@ -1,6 +1,7 @@
 """Curvature of a centreline, and its mean over arc length."""
 
 import numpy as np
+from scipy.integrate import trapezoid
 from scipy.interpolate import make_lsq_spline
 
 from common.errors import InputError
@@ -31,5 +32,4 @@ def line_curvature(line, s_mm):
 
 def mean_over_length(values, s_mm):
     """Mean of a profile over arc length, (1/L) integral of values ds by the trapezoidal rule."""
-    values, s_mm = np.asarray(values, float), np.asarray(s_mm, float)
-    return float(np.sum(0.5 * (values[1:] + values[:-1]) * np.diff(s_mm)) / (s_mm[-1] - s_mm[0]))
+    return float(trapezoid(values, s_mm) / (s_mm[-1] - s_mm[0]))

@@ -1,6 +1,5 @@
 """The parts of metrics.json that are copied: patient, procedure, and the read-outs of the deployment."""
 
-from common.config import load_case
 from common.errors import InputError
 from reports.inputs.reading import entry, number, read_json
 
@@ -31,8 +30,8 @@ LESION = (
 ML_PER_MIN = 6.0e7  # one m3/s
 
 
-def patient_summary(files, config=None):
-    """Boundary values of the patient, and description and measurements from the case's YAML `config` if given."""
+def patient_summary(files, case):
+    """Boundary values of the patient, and description and measurements from the case's file (dict) if there is one."""
     boundary = read_json(files.boundary, "flow boundary")
     patient = {
         "map_pa": number(boundary, "map_pa", files.boundary),
@@ -42,18 +41,17 @@ def patient_summary(files, config=None):
     source = boundary.get("flow_source")
     if source is not None:
         patient["flow_source"] = {key: source.get(key) for key in ("territory", "share", "by")}
-    if config is not None:
-        document = load_case(config)
-        patient["description"] = document["description"]
-        given = document["patient"]
+    if case:
+        patient["description"] = case["description"]
+        given = case["patient"]
         patient.update({key: float(given[key]) for key in ("lvm_g", "sbp_mmhg", "dbp_mmhg") if key in given})
     return patient
 
 
-def case_kind(files, config=None):
-    """`synthetic` or `surface`, as the case's YAML `config` says. Without it: synthetic if truth.json exists."""
-    if config is not None:
-        return load_case(config)["kind"]
+def case_kind(files, case):
+    """`synthetic` or `surface`, as the case's file (dict) says. Without one: synthetic if truth.json exists."""
+    if case:
+        return case["kind"]
     return "synthetic" if files.truth.exists() else "surface"
 
 
@@ -66,7 +64,7 @@ def lesion_summary(files):
 
 def reference_summary(files):
     """The vessel's healthy size as a proposed plan found it, and the lesions by this size. None for a given plan."""
-    return read_json(files.scene, "anatomy plan").get("reference")
+    return read_json(files.scene, "workflow scene").get("reference")
 
 
 GIVEN = ("pre", "post")  # states whose lumen is given; all other lumens are made from these
@@ -90,7 +88,7 @@ def lumen_warnings(files, states):
 
 def procedure_summary(files):
     """The scene's steps: name, action, and for each device its size, place and pressure."""
-    scene = read_json(files.scene, "anatomy plan")
+    scene = read_json(files.scene, "workflow scene")
     catalogue = entry(scene, "devices", files.scene)
     steps = []
     for step in entry(scene, "procedure", files.scene):

@@ -1,6 +1,5 @@
 """FFR measured in the patient by a pressure wire, and the computed FFR at the wire's sensor."""
 
-from common.config import load_case
 from common.errors import InputError
 from reports.inputs.reading import read_json
 
@@ -8,12 +7,12 @@ MEASURED = "measured"  # name of the probe in boundary.json and ffr.json, and of
 FFR_THRESHOLD = 0.80  # at or below it a lesion is treated (ESC/EACTS guidelines on myocardial revascularisation)
 
 
-def measured_summary(files, config=None):
-    """{ffr_pre, ffr_post (None: not read), branch, s_mm} of the wire, from the case's YAML and boundary.json.
+def measured_summary(files, case):
+    """{ffr_pre, ffr_post (None: not read), branch, s_mm} of the wire, from the case's file (dict) and boundary.json.
 
     None if nothing was measured. Raises InputError if boundary.json lacks the wire's probe.
     """
-    given = load_case(config).get("measured") if config is not None else None
+    given = case.get("measured") if case else None
     if given is None:
         return None
     probes = {probe["name"]: probe for probe in read_json(files.boundary, "flow boundary").get("probes", [])}

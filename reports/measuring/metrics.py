@@ -4,6 +4,7 @@ import sys
 
 import numpy as np
 
+from common.config import load_case
 from common.errors import ComputationError, InputError
 from reports.inputs.case_files import IMAGED, STATES
 from reports.measuring.curvature import mean_over_length
@@ -61,7 +62,7 @@ def case_metrics(files, margin_mm=DEFAULT_MARGIN_MM, stations=DEFAULT_STATIONS, 
         raise InputError(
             "the state before the procedure is missing", files.folder, states, "run anatomy and flow of pre"
         )
-    lines = {}
+    case, lines = load_case(config) if config is not None else None, {}
     segment = stented_segment(files.scene, files.anatomy("pre") / "centreline.vtp", margin_mm)
     for state in states:
         lines[state] = read_centreline(files.anatomy(state) / "centreline.vtp", segment.branch)
@@ -74,8 +75,8 @@ def case_metrics(files, margin_mm=DEFAULT_MARGIN_MM, stations=DEFAULT_STATIONS, 
     return {
         "schema": "vci-metrics-1",
         "case": files.case,
-        "kind": case_kind(files, config),
-        "patient": patient_summary(files, config),
+        "kind": case_kind(files, case),
+        "patient": patient_summary(files, case),
         "lesion": lesion_summary(files),
         "procedure": procedure_summary(files),
         "plan_reference": reference_summary(files),
@@ -95,7 +96,7 @@ def case_metrics(files, margin_mm=DEFAULT_MARGIN_MM, stations=DEFAULT_STATIONS, 
             for a, b, _ in COMPARISONS
             if a in states and b in states
         },
-        "measured": measured_summary(files, config),
+        "measured": measured_summary(files, case),
         "registration": registration_summary(files, profiles["post"], segment) if "post" in states else None,
         "imaging": imaging_summary(files, states),
         "lumen_warnings": lumen_warnings(files, states),

@@ -13,7 +13,7 @@ from reports.measuring.segment import carry, diameters_at, read_sections
 
 PULLBACK_NUMBERS = ("s_mm", "x_mm", "y_mm", "z_mm", "pressure_pa", "ffr", "flow_m3_per_s")
 POST = "post"  # the lumen after the real procedure, from another image and with other ends
-ERROR = "ffr_error_estimate"  # a column that older pull-backs lack
+ERROR = "ffr_error_estimate"  # a column; empty where the error is not known
 # accepted statuses of an FFR from `flow solve`: a steady flow, or one that keeps some artificial viscosity
 ANSWERED = ("converged", "converged with artificial viscosity")
 
@@ -38,7 +38,7 @@ class StateProfiles:
 
 def _rows(path, branch):
     """Rows of a branch's pull-back in the order of s_mm. Raises InputError."""
-    table = read_table(path, PULLBACK_NUMBERS, ("branch",), "flow solve")
+    table = read_table(path, PULLBACK_NUMBERS, ("branch", ERROR), "flow solve")
     rows = table[table["branch"] == branch].sort_values("s_mm", kind="stable").reset_index(drop=True)
     if rows.empty:
         found = ", ".join(sorted(set(table["branch"])))
@@ -47,13 +47,11 @@ def _rows(path, branch):
 
 
 def read_pullback_error(path, branch):
-    """Estimated errors (n,) of the FFR that `read_pullback` returns. NaN if the column is empty or missing.
+    """Estimated errors (n,) of the FFR that `read_pullback` returns. NaN where the column is empty.
 
     Raises InputError for a value that is neither empty nor a finite number of at least 0.
     """
     rows = _rows(path, branch)
-    if ERROR not in rows.columns:
-        return np.full(len(rows), np.nan)
     errors = pd.to_numeric(rows[ERROR], errors="coerce").to_numpy(float)
     bad = np.flatnonzero((rows[ERROR] != "").to_numpy() & ~((errors >= 0.0) & (errors < np.inf)))
     if bad.size:

@@ -57,7 +57,7 @@ def stented_segment(scene_path, pre_line_path, margin_mm):
 
     Raises InputError for a segment that is empty or lies outside its branch.
     """
-    scene = read_json(scene_path, "anatomy plan")
+    scene = read_json(scene_path, "workflow scene")
     branch = entry(scene, "segment.branch", scene_path)
     start, end = (number(scene, f"segment.{key}", scene_path) for key in ("s_start_mm", "s_end_mm"))
     line = read_centreline(pre_line_path, branch)

@@ -40,7 +40,7 @@ def agreement_groups(agreement, nearer, half_maximum):
 
 
 def segmentations(rows, others):
-    """[{prediction, name, unit, digits, method, errors {error: (own, other)}, published}] of one group of patients.
+    """[{prediction, name, unit, method, errors {error: (own, other)}}] of one group of patients.
 
     rows: by the study's own segmentation; others: at half maximum, without which the list is empty. own, other and
     method are rows of agreement.csv.

@@ -42,6 +42,11 @@ TITLES = {
         "A row is a state on the nodes of one of its meshes, with the flows of our answer given; difference: of "
         "simpleFoam's FFR at the probe from ours. The finer mesh shows simpleFoam's own error.",
     ),
+    "flow_speed_error": (
+        "Blood flow: error against seconds over the meshes",
+        "A row is a mesh; seconds are those of all solves up to it. Errors of FFR are against an axisymmetric solution "
+        "(tube) or our finest mesh (tree). Answers: where the default stops. OpenFOAM's rows are those that converged.",
+    ),
     "flow_fda_jet": (
         "Blood flow: the jet of the FDA's nozzle",
         "Velocity on the axis in m/s, z mm behind the sudden expansion at a Reynolds number of 500, by five "
@@ -64,6 +69,11 @@ TITLES = {
     "anatomy_speed": (
         "Anatomy: seconds against input size",
         "A row is the same tree with more triangles; steps in seconds.",
+    ),
+    "anatomy_campaign": (
+        "Anatomy: drawn patients, reconstructed in many ways",
+        "A row is a surface of a patient whose truth is known, or a real one. Right: its ends, its branches and the "
+        "worst lesion are those of the truth. Outcomes: how many surfaces of each style ended so, and their seconds.",
     ),
     "reference_against_solid": (
         "Reference: slices against a solid in three dimensions",
@@ -160,7 +170,7 @@ def is_number(value):
 
 
 def shortened(value):
-    """A long decimal number is cut to four digits. Short numbers, integers and other texts are not changed."""
+    """Rounds a long decimal number to four significant digits. Short numbers, integers and other texts stay."""
     if len(value) <= SHORT or not is_number(value) or value.lstrip("-").isdigit():
         return value
     return f"{float(value):.4g}"

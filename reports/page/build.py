@@ -1,11 +1,9 @@
 """Builds the report, one HTML file, from the study's files and jinja2 templates."""
 
 import json
-import math
 import pathlib
 
 import jinja2
-import pandas as pd
 
 from common.files import replacing, sha256
 from reports.study.agreement import published
@@ -13,6 +11,7 @@ from reports.study.bland_altman import sample_sd
 from reports.study.differences import COHORT
 from reports.study.inclusion import groups
 from reports.study.nearer import FEWEST, LEVEL
+from reports.study.tables import study_table
 from reports.inputs.case_files import PREDICTED_FROM_CT, STATES
 from reports.figures.style import COLOURS, ERRORS, LABELS, SHORT
 from reports.page.agreement import MOST_DIGITS, agreement_groups, contrast_rows, left_out
@@ -22,8 +21,10 @@ from reports.page.case_context import case_context
 from reports.page.digits import decimals
 from reports.page.evidence import evidence_rows, read_results
 from reports.page.geometry import colour_table
-from reports.inputs.reading import existing, read_json
+from reports.inputs.reading import read_json
+from reports.whatif.tables import records
 
+TABLES = ("agreement", "contrast", "differences", "half_maximum", "nearer", "patients", "seconds", "timings")
 MISSING = "–"
 LOW_MARK = "▼"  # marks an FFR after PCI below reports.selection.patients.LOW_AFTER
 OCCLUDED = "occluded_by_voxels"
@@ -47,13 +48,12 @@ def build_report(
     failed: entries of failed.json (workflow.failed), of cases that have no result. three: the viewer's library.
     """
     contexts = [case_context(files, figures_dir) for files in cases]
-    agreement = read_csv(study_dir / "agreement.csv")
-    timings = read_csv(study_dir / "timings.csv")
-    patients = read_csv(study_dir / "patients.csv")
-    by_group = agreement_groups(agreement, read_csv(study_dir / "nearer.csv"), read_csv(study_dir / "half_maximum.csv"))
-    differences, seconds = read_csv(study_dir / "differences.csv"), read_csv(study_dir / "seconds.csv")
+    tables = {name: records(study_table(study_dir, name)) for name in TABLES}
+    agreement, patients = tables["agreement"], tables["patients"]
+    differences, seconds = tables["differences"], tables["seconds"]
+    by_group = agreement_groups(agreement, tables["nearer"], tables["half_maximum"])
     for context in contexts:
-        context["timings"] = [row for row in timings if row["case"] == context["name"]]
+        context["timings"] = [row for row in tables["timings"] if row["case"] == context["name"]]
     page = (
         environment()
         .get_template("index.html.j2")
@@ -73,7 +73,7 @@ def build_report(
             nearer_level=LEVEL,
             nearer_fewest=FEWEST,
             nearer_ffr_error=largest_ffr_error(contexts),
-            contrast=contrast_rows(read_csv(study_dir / "contrast.csv"), contexts),
+            contrast=contrast_rows(tables["contrast"], contexts),
             differences=differences,
             differences_figure=optional_image(figures_dir / "differences.svg") if differences else None,
             cohort_name=COHORT,
@@ -123,17 +123,6 @@ def environment():
     env.filters.update(lower_first=lower_first, to_digits=to_digits, signed_to=signed_to, signed_small=signed_small)
     env.filters.update(fixed=fixed, signed=signed, scientific=scientific, percent=percent)
     return env
-
-
-def read_csv(path):
-    """The rows of a study table as dicts, None if a field is empty."""
-    table = pd.read_csv(
-        existing(path, "reports agreement, cohort, contrast, differences, nearer, patients, seconds, timings")
-    )
-    return [
-        {k: None if isinstance(v, float) and math.isnan(v) else v for k, v in row.items()}
-        for row in table.to_dict("records")
-    ]
 
 
 def script_json(document):

@@ -118,13 +118,11 @@ def _steady(solution):
 
 
 def flow_row(files, state):
-    """ffr.json and mesh.json of a state, the estimated error, and the reduced model's answer for comparison."""
+    """ffr.json of a state, the estimated error, and the reduced model's answer for comparison."""
     solution = read_json(files.flow(state) / "ffr.json", "flow solve")
     reduced = solution.get("reduced_model") or {}
-    mesh = optional_json(files.flow(state) / "mesh.json") or {}
     return {
         "solution": solution,
-        "mesh": mesh,
         "error": error_of(solution),
         "reduced_ffr": reduced.get("ffr"),
         "reduced_model": reduced.get("model"),

@@ -5,8 +5,6 @@ import xml.etree.ElementTree as ElementTree
 from common.errors import InputError
 from reports.inputs.reading import existing
 
-OUTCOMES = ("passed", "failed", "skipped")
-
 
 def read_results(paths):
     """[{group, name, outcome, seconds, reason}] of all test cases; InputError for a file that is no JUnit XML."""

@@ -9,14 +9,14 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 from scipy.spatial import cKDTree
 
-from reports.figures.lumen import nearest_ffr, view_axes
+from reports.figures.lumen import COLOUR_MAP, nearest_ffr, view_axes
 from reports.inputs.case_files import pictured
 from reports.inputs.reading import read_table
 from reports.inputs.surface import Surface, read_device, read_lumen
 
 MOST_TRIANGLES = 12000
 STEPS = 65535  # quantisation steps over the range of a coordinate or value: 1 um over 65 mm
-COLOUR_MAP, COLOURS = "viridis", 32
+COLOURS = 32  # steps of the colour map
 PLACES = ("s_mm", "x_mm", "y_mm", "z_mm", "area_mm2", "equivalent_diameter_mm")
 
 

@@ -9,6 +9,7 @@ from reports.page.evidence import evidence_rows, read_results
 from reports.study.agreement import published
 from reports.study.cohort import STATE_VALUES
 from reports.study.inclusion import EXCLUDED, INCLUDED
+from reports.study.tables import study_table
 from reports.whatif.tables import intervals, ranking, records
 
 SCHEMA = "vci-report-1"
@@ -20,7 +21,7 @@ def report_numbers(case_files, study_dir, cohort, junit, failed=()):
 
     case_files: CaseFiles of the study; junit: files of the tests; failed: entries of failed.json.
     """
-    tables = {name: table(study_dir, name) for name in TABLES}
+    tables = {name: study_table(study_dir, name) for name in TABLES}
     provenance = existing(study_dir / "provenance.json", "workflow provenance")
     tests = [
         {key: row[key] for key in ("kind", "part", "tests", "passed", "failed", "skipped")}
@@ -46,14 +47,9 @@ def report_numbers(case_files, study_dir, cohort, junit, failed=()):
     }
 
 
-def table(study_dir, name):
-    """A table of the study; without rows if there was nothing to compare."""
-    return pd.read_csv(existing(study_dir / f"{name}.csv", f"reports {name}"))
-
-
 def of_group(study_dir, name):
     """The rows of cohort.csv of a group of patients."""
-    cohort, patients = table(study_dir, "cohort"), table(study_dir, "patients")
+    cohort, patients = study_table(study_dir, "cohort"), study_table(study_dir, "patients")
     chosen = patients["case"][patients["included"].eq(True)]
     return cohort[cohort["case"].isin(chosen) == (name == INCLUDED)]
 

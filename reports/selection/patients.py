@@ -2,6 +2,7 @@
 
 import pandas as pd
 
+from reports.inputs.case_files import TRUTHS
 from reports.inputs.reading import number
 from reports.measuring.measured import FFR_THRESHOLD
 from reports.study.cohort import describe_procedure
@@ -10,7 +11,6 @@ from reports.study.inclusion import ffr_before, meets_criterion
 # Patients with FFR below 0.80 before PCI are included. Below 0.90 after it more adverse events were found (Rimac et
 # al., Am Heart J 2017;183:1-9, a meta-analysis of 7470 patients).
 LOW_AFTER = 0.90
-TRUTHS = ("reference", "post")
 COLUMNS = ["case", "artery", "branch", "stenosis_percent", "lesion_length_mm", "reference_diameter_mm", "lesions"]
 COLUMNS += [
     "plaque",

@@ -1,4 +1,5 @@
-"""All cases together: agreement, the cohort's table, timings, software, and the published agreement.
+"""All cases together: tables of agreement, nearer, contrast, differences, cohort, timings, seconds and subgroups.
 
-It builds on inputs and measuring.
+Beside them: the statistics of Bland and Altman, the criterion of inclusion, the published agreement, the versions of
+the software, and `tables`, which reads the tables back. The folder builds on inputs and measuring.
 """

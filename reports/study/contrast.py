@@ -2,10 +2,10 @@
 
 import pandas as pd
 
+from reports.inputs.case_files import TRUTHS
 from reports.inputs.reading import number
 from reports.study.agreement import QUANTITIES, UNITS
 
-TRUTHS = ("reference", "post")  # the first that a case has
 METHODS = ("vci", "rc", "rc_stent")  # radius correction by the largest balloon, and by the stents alone
 NEARER = {"vci": "VCI", "rc": "radius correction"}
 UNDECIDED = "within the flow's error"

@@ -11,6 +11,7 @@ import given_configuration  # noqa: F401
 import given_contours  # noqa: F401
 import given_flow  # noqa: F401
 import given_images  # noqa: F401
+import given_plans  # noqa: F401
 import given_scenes  # noqa: F401
 import given_surfaces  # noqa: F401
 from given import INPUTS, ROOT

@@ -32,7 +32,7 @@ rule ct_segment:
         image="results/cases/{case}/ct/{state}/ct.nii.gz",
         ends=INPUTS.ends,
         settings="results/cases/{case}/settings/ct.json",
-        code=code("anatomy", "anatomy.ct.segment"),
+        code=command_code("anatomy", "_ct"),
     output:
         lumen="results/cases/{case}/ct/{state}/lumen.vtp",
         segmentation="results/cases/{case}/ct/{state}/segmentation.json",

@@ -57,7 +57,7 @@ rule scene:
         # procedure and settings are separate: a change of the engine's wall or numerics must not re-run the reference
         plan="results/cases/{case}/vci/plan.json",
         settings="results/cases/{case}/settings/deployment.json",
-        code=code("workflow", "workflow.scene"),
+        code=command_code("workflow", "run_scene"),
     output:
         "results/cases/{case}/vci/scene.json",
     log:
@@ -148,7 +148,7 @@ rule stent_alone:
         "{wildcards.case}: the plan's stents alone"
     input:
         plan="results/cases/{case}/vci/plan.json",
-        code=code("workflow", "workflow.stent_alone"),
+        code=command_code("workflow", "run_stent_alone"),
     output:
         "results/cases/{case}/rc_stent/plan.json",
     log:
@@ -206,7 +206,7 @@ use rule scene as ct_scene with:
     input:
         plan="results/cases/{case}/ct_vci/plan.json",
         settings="results/cases/{case}/settings/deployment.json",
-        code=code("workflow", "workflow.scene"),
+        code=command_code("workflow", "run_scene"),
     output:
         "results/cases/{case}/ct_vci/scene.json",
     log:

@@ -44,7 +44,7 @@ rule contours:
         "{wildcards.case}: lumen and plaque of the contours"
     input:
         unpack(INPUTS.contours),
-        code=code("anatomy", "anatomy.contours.run", "anatomy.contours.picture"),
+        code=command_code("anatomy", "_contours"),
     output:
         surface="results/cases/{case}/source/lumen.vtp",
         contours="results/cases/{case}/source/contours.json",
@@ -69,7 +69,7 @@ rule ct_lumen:
     input:
         unpack(INPUTS.ct),
         settings="results/cases/{case}/settings/ct.json",
-        code=code("anatomy", "anatomy.ct.segment"),
+        code=command_code("anatomy", "_ct"),
     output:
         surface="results/cases/{case}/source/lumen.vtp",
         segmentation="results/cases/{case}/source/segmentation.json",
@@ -150,7 +150,7 @@ use rule contours as post_contours with:
         "{wildcards.case}: lumen of the contours after the real procedure"
     input:
         unpack(INPUTS.of_post(INPUTS.contours)),
-        code=code("anatomy", "anatomy.contours.run", "anatomy.contours.picture"),
+        code=command_code("anatomy", "_contours"),
     output:
         surface="results/cases/{case}/post/source/lumen.vtp",
         contours="results/cases/{case}/post/source/contours.json",
@@ -172,7 +172,7 @@ use rule ct_lumen as post_ct_lumen with:
     input:
         unpack(INPUTS.of_post(INPUTS.ct)),
         settings="results/cases/{case}/settings/ct.json",
-        code=code("anatomy", "anatomy.ct.segment"),
+        code=command_code("anatomy", "_ct"),
     output:
         surface="results/cases/{case}/post/source/lumen.vtp",
         segmentation="results/cases/{case}/post/source/segmentation.json",

@@ -25,7 +25,7 @@ use rule ct_segment as half_maximum_segment with:
         image="results/cases/{case}/ct/{state}/ct.nii.gz",
         ends=INPUTS.ends,
         settings=f"{ARM}/settings.json",
-        code=code("anatomy", "anatomy.ct.segment"),
+        code=command_code("anatomy", "_ct"),
     output:
         lumen=f"{ARM}/ct/{{state}}/lumen.vtp",
         segmentation=f"{ARM}/ct/{{state}}/segmentation.json",
@@ -77,7 +77,7 @@ use rule scene as half_maximum_scene with:
     input:
         plan=f"{ARM}/ct_vci/plan.json",
         settings="results/cases/{case}/settings/deployment.json",
-        code=code("workflow", "workflow.scene"),
+        code=command_code("workflow", "run_scene"),
     output:
         f"{ARM}/ct_vci/scene.json",
     log:
@@ -162,7 +162,7 @@ rule half_maximum_metrics:
         scene="results/cases/{case}/vci/scene.json",
         deployment="results/cases/{case}/vci/deployment.json",
         boundary="results/cases/{case}/flow/boundary.json",
-        code=code("reports", "reports.measuring.metrics"),
+        code=command_code("reports", "run_metrics"),
     output:
         f"{ARM}/metrics.json",
     log:
@@ -183,7 +183,7 @@ use rule agreement as half_maximum_agreement with:
         "agreement of the lumens at half maximum"
     input:
         metrics=expand(f"{ARM}/metrics.json", case=HALF_MAXIMUM_CASES),
-        code=code("reports", "reports.study.agreement", "reports.study.tables") + ["reports/study/published.json"],
+        code=code("reports", "reports.study.agreement") + ["reports/study/published.json"],
     output:
         "results/study/half_maximum.csv",
     log:

@@ -22,7 +22,7 @@ rule metrics:
         scene="results/cases/{case}/vci/scene.json",
         deployment="results/cases/{case}/vci/deployment.json",
         boundary="results/cases/{case}/flow/boundary.json",
-        code=code("reports", "reports.measuring.metrics"),
+        code=command_code("reports", "run_metrics"),
     output:
         "results/cases/{case}/metrics.json",
     log:
@@ -68,7 +68,7 @@ rule procedure_figure:
     input:
         deployment="results/cases/{case}/vci/deployment.json",
         frames="results/cases/{case}/vci/frames",
-        code=code("reports", "reports.figures.procedure"),
+        code=command_code("reports", "run_procedure"),
     output:
         multiext("results/figures/{case}_procedure.", "svg", "png"),
     log:
@@ -93,7 +93,7 @@ rule ct_figure:
             file=["lumen", "centreline"],
         ),
         metrics="results/cases/{case}/metrics.json",
-        code=code("reports", "reports.figures.ct_slices"),
+        code=command_code("reports", "run_ct"),
     output:
         multiext("results/figures/{case}_ct.", "svg", "png"),
     log:
@@ -130,7 +130,7 @@ rule agreement:
         "agreement with what is known to be true"
     input:
         metrics=expand("results/cases/{case}/metrics.json", case=CASES),
-        code=code("reports", "reports.study.agreement", "reports.study.tables") + ["reports/study/published.json"],
+        code=code("reports", "reports.study.agreement") + ["reports/study/published.json"],
     output:
         "results/study/agreement.csv",
     log:
@@ -146,7 +146,7 @@ rule nearer:
         "VCI or radius correction: which is nearer"
     input:
         metrics=expand("results/cases/{case}/metrics.json", case=CASES),
-        code=code("reports", "reports.study.nearer", "reports.study.tables") + ["reports/study/published.json"],
+        code=code("reports", "reports.study.nearer"),
     output:
         "results/study/nearer.csv",
     log:
@@ -162,7 +162,7 @@ rule contrast:
         "VCI and radius correction, case by case"
     input:
         metrics=expand("results/cases/{case}/metrics.json", case=CASES),
-        code=code("reports", "reports.study.contrast", "reports.study.tables"),
+        code=code("reports", "reports.study.contrast"),
     output:
         "results/study/contrast.csv",
     log:
@@ -178,7 +178,7 @@ rule differences:
         "Diff^A and Diff^C against the lumen after PCI"
     input:
         metrics=expand("results/cases/{case}/metrics.json", case=CASES),
-        code=code("reports", "reports.study.differences", "reports.study.tables"),
+        code=command_code("reports", "run_differences"),
     output:
         patients="results/study/differences.csv",
         stations="results/study/differences_stations.csv",
@@ -196,7 +196,7 @@ rule cohort:
         "table of the cohort"
     input:
         metrics=expand("results/cases/{case}/metrics.json", case=CASES),
-        code=code("reports", "reports.study.cohort", "reports.study.tables"),
+        code=code("reports", "reports.study.cohort"),
     output:
         "results/study/cohort.csv",
     log:
@@ -214,9 +214,7 @@ rule patients:
         metrics=expand("results/cases/{case}/metrics.json", case=CASES),
         cases=[ancient(str(STUDY.case_file(case))) for case in CASES],
         failed=FAILED or [],
-        code=code(
-            "reports", "reports.selection.patients", "reports.selection.flow_chart", "reports.study.tables", "common.config"
-        ),
+        code=command_code("reports", "run_patients"),
     output:
         table="results/study/patients.csv",
         inclusion="results/study/inclusion.csv",
@@ -240,7 +238,7 @@ rule timings:
     input:
         # metrics come last in a case, when every step has written its seconds to a Snakemake benchmark file
         metrics=expand("results/cases/{case}/metrics.json", case=CASES),
-        code=code("reports", "reports.study.timings", "reports.study.tables"),
+        code=command_code("reports", "run_timings"),
     output:
         "results/study/timings.csv",
     log:
@@ -258,8 +256,7 @@ rule seconds:
         "seconds of the virtual procedure by stage and step"
     input:
         timings="results/study/timings.csv",
-        code=code("reports", "reports.study.seconds", "reports.figures.seconds", "reports.study.tables")
-        + ["reports/study/published.json"],
+        code=command_code("reports", "run_seconds") + ["reports/study/published.json"],
     output:
         table="results/study/seconds.csv",
         figure=multiext("results/figures/seconds.", "svg", "png"),
@@ -279,7 +276,7 @@ rule software:
         "versions of the software"
     input:
         programs=[VCI, LUMEN],
-        code=code("reports", "reports.study.software"),
+        code=command_code("reports", "run_software"),
     output:
         "results/study/software.json",
     log:
@@ -333,7 +330,7 @@ rule report:
         inclusion="results/figures/inclusion.svg",
         software="results/study/software.json",
         provenance="results/study/provenance.json",
-        code=code("reports", "reports.page.build"),
+        code=command_code("reports", "run_report") + ["reports/study/published.json"],
         templates=INPUTS.templates(),
         three=os.path.join(config.get("build", "build"), "three.min.js"),
         solved=solved_plans(CASES),
@@ -371,7 +368,7 @@ rule numbers:
             table=["agreement", "half_maximum", "nearer", "contrast", "differences", "cohort", "patients", "inclusion"],
         ),
         provenance="results/study/provenance.json",
-        code=code("reports", "reports.record.numbers") + ["reports/study/published.json"],
+        code=command_code("reports", "run_numbers") + ["reports/study/published.json"],
         solved=solved_plans(CASES) + procedure_sensitivity_tables(CASES),
         tests=test_results(),
         failed=FAILED or [],

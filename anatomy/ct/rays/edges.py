@@ -190,8 +190,8 @@ def wall_level(profiles, radius, blood, sigma_mm=None, calcium=False):
     about as much fat. With thick plaque no fat balances the blood.
 
     Rays that meet calcium (n, m) count as a healthy wall. With sigma_mm the window is scaled by it, and the value is
-    shifted towards a healthy wall's by WALL_TRUST. This
-    reduces the imbalance to 4 HU (measured on noise-free tubes with a wall of 0.7 mm and plaque up to 1.1 mm).
+    shifted by the share 1 - WALL_TRUST of its distance to a healthy wall's. This reduces the imbalance to 4 HU
+    (measured on noise-free tubes with a wall of 0.7 mm and plaque up to 1.1 mm).
     """
     scale = 1.0 if sigma_mm is None else sigma_mm / USUAL_SIGMA_MM
     distance = profiles.r_mm - radius[..., None]

@@ -73,10 +73,10 @@ def deck():
 def calculix_positions(program, folder):
     """Positions (steps, nodes round the lumen, 2) in mm by CalculiX, run in `folder`.
 
-    Raises InputError and ComputationError, as `calculix.displacements` does.
+    Raises InputError and ComputationError, as `calculix.printed` does.
     """
     theta, inner, _ = ring()
-    moved = calculix.displacements(program, deck(), folder, len(PRESSURES_MPA), len(theta))
+    moved = calculix.printed(program, deck(), folder, "displacements", len(PRESSURES_MPA), len(theta))
     return np.stack([inner * np.cos(theta), inner * np.sin(theta)], axis=1) + moved
 
 

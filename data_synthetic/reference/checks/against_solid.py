@@ -9,6 +9,7 @@ import time
 
 import numpy as np
 
+from common import config
 from common.errors import InputError
 from common.files import write_json
 
@@ -76,7 +77,7 @@ def compare(scene_path, truth_path, out, meshes, settings_path=None):
     """
     logging.disable(logging.INFO)
     parsed_meshes = [parsed(text) for text in meshes]
-    scene, settings = run.load_scene(scene_path), run.load_settings(settings_path)
+    scene, settings = run.load_scene(scene_path), config.load_section(settings_path, "reference")
     patient, steps = run.patient_and_steps(scene, scene_path, truth_path)
     begun = time.perf_counter()
     field, records, free_s = slices.lumen_field(slices.model_of(settings), patient, steps, settings)

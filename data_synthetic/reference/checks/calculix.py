@@ -146,11 +146,6 @@ def support_lines(ring, support_mpa_per_mm):
     return out
 
 
-def displacements(program, text, folder, steps, nodes):
-    """Displacements (steps, nodes, 2) in mm of the set LUMEN at the end of each step of the input `text`."""
-    return printed(program, text, folder, "displacements", steps, nodes)
-
-
 def printed(program, text, folder, kind, steps, nodes):
     """Displacements or forces (steps, nodes, 2) that CalculiX prints for a set at the end of each step of `text`.
 

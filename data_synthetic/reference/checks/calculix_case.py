@@ -12,6 +12,7 @@ import tempfile
 
 import numpy as np
 
+from common import config
 from common.errors import InputError
 from common.files import write_json
 
@@ -173,7 +174,7 @@ def compare(scene_path, truth_path, out, program="ccx", s_mm=None, settings_path
 
     Raises InputError, ComputationError.
     """
-    scene, settings = run.load_scene(scene_path), run.load_settings(settings_path)
+    scene, settings = run.load_scene(scene_path), config.load_section(settings_path, "reference")
     patient, steps = run.patient_and_steps(scene, scene_path, truth_path)
     held = [step.stent for step in steps if step.stent]
     if not held:

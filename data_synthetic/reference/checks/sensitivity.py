@@ -13,6 +13,7 @@ import sys
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from common import config
 from common.errors import InputError
 from common.files import replacing
 
@@ -28,7 +29,7 @@ PLACES = (0.25, 0.5, 0.75)  # of the stented stretch
 
 def study(scene_path, truth_path, out, settings_path=None):
     """Writes `out`/sensitivity.csv, a row for each constant and factor. Raises InputError, ComputationError."""
-    scene, settings = run.load_scene(scene_path), run.load_settings(settings_path)
+    scene, settings = run.load_scene(scene_path), config.load_section(settings_path, "reference")
     patient, steps = run.patient_and_steps(scene, scene_path, truth_path)
     stents = [step.stent for step in steps if step.stent]
     if not stents:

@@ -14,6 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from common import plaque_types
+
 
 @dataclass(frozen=True)
 class Plaque:
@@ -55,7 +57,7 @@ CALCIFIED = Plaque(
     "shear 2, yield 0.5, hardening 0.1: choices, ten and five times fibrous; an effective value of tissue with "
     f"deposits that gives way by cracking, beyond the stiffest class of {LESIONS}; the mineral itself is far stiffer",
 )
-OF_TYPE = {1: FIBROUS, 2: LIPID, 3: CALCIFIED}
+OF_TYPE = {plaque_types.FIBROUS: FIBROUS, plaque_types.LIPID: LIPID, plaque_types.CALCIFIED: CALCIFIED}
 
 WALL_SOURCE = (
     "C10 0.05, C20 0.2: choices; soft, then stiffening, as the layers of human coronary arteries do in Holzapfel et "

@@ -47,7 +47,7 @@ def tree_of(branches, parents, radius=1.5):
         ends[-1].update(centre_mm=line.points[-1].tolist(), normal=[0.0, 0.0, 1.0], region_id=1 + len(ends))
     inlet = {"name": "inlet", "kind": "inlet", "branch": "main", "region_id": 1, "normal": [0.0, 0.0, 1.0]}
     inlet["centre_mm"] = lines["main"].points[0].tolist()
-    return Tree(lines, routes, {"ends": [inlet, *ends]}, "test")
+    return Tree(lines, routes, {"ends": [inlet, *ends]})
 
 
 def vessel(seed=1):
@@ -91,7 +91,7 @@ def straight(length_mm, radius=1.5):
     points = np.zeros((int(length_mm / STEP_MM) + 1, 3))
     points[:, 2] = np.arange(len(points)) * STEP_MM
     line = Line(points, np.full(len(points), radius), np.full(len(points), "main"))
-    return Tree({"main": line}, {"main": line}, vessel().summary, "test")
+    return Tree({"main": line}, {"main": line}, vessel().summary)
 
 
 def bent(first, last, radius=1.5, bow_mm=0.0):

@@ -71,9 +71,10 @@ def test_the_command_moves_places_and_keeps_the_rest(run_module, tmp_path):
             writer.writeheader()
             writer.writerows(table)
     use = {"device": "des", "branch": "main", "centre_s_mm": 20.0, "pressure_bar": 11}
-    plan = {"lumen": "a", "centreline": "b", "devices": {"des": {}}, "patient": {"map_pa": 1}}
+    plan = {"schema": "vci-scene-1", "lumen": "a", "centreline": "b", "patient": {"map_pa": 1}}
+    plan |= {"devices": {"des": {"kind": "stent", "length_mm": 18}}}
     plan |= {"segment": {"branch": "main", "s_start_mm": 11.0, "s_end_mm": 29.0}}
-    plan |= {"procedure": [{"name": "stent", "devices": [use]}]}
+    plan |= {"procedure": [{"name": "stent", "action": "stent", "devices": [use]}]}
     (tmp_path / "plan.json").write_text(json.dumps(plan))
     places = ["--from", tmp_path / "before", "--to", tmp_path / "after", "--out", tmp_path / "ct" / "plan.json"]
     made = run_module("anatomy", "carry-plan", tmp_path / "plan.json", *places)
@@ -83,3 +84,6 @@ def test_the_command_moves_places_and_keeps_the_rest(run_module, tmp_path):
     assert found["segment"] == {"branch": "main", "s_start_mm": 7.5, "s_end_mm": 25.5}
     assert found["procedure"][0]["devices"] == [use | {"centre_s_mm": 16.5}]
     assert found["devices"] == plan["devices"] and found["patient"] == plan["patient"]
+    (tmp_path / "plan.json").write_text(json.dumps({key: value for key, value in plan.items() if key != "segment"}))
+    refused = run_module("anatomy", "carry-plan", tmp_path / "plan.json", *places)
+    assert refused.returncode == 2 and "a plan without its treated segment" in refused.stderr

@@ -2,6 +2,7 @@
 
 import json
 
+import matplotlib
 import pytest
 from narrowed_vessels import drawn, focal
 
@@ -14,13 +15,13 @@ def planned(families, written, tmp_path):
     """(anatomy folder, plan.json) of two lesions that are treated."""
     summary, sections = drawn(focal(12, 8, 60), focal(36, 8, 75), sides=((24.0, 2.0),))
     steps = proposal.propose(summary, sections, families, "case", "all").steps
-    document = {"case": "two_lesions", **plan.procedure(steps, families, summary, "case")}
+    document = {"schema": "vci-scene-1", "case": "two_lesions", **plan.procedure(steps, families, summary, "case")}
     (tmp_path / "plan.json").write_text(json.dumps(document))
     return written(summary, sections), tmp_path / "plan.json"
 
 
 def test_names_devices_lesions_and_side_branches(planned, tmp_path, monkeypatch):
-    monkeypatch.setitem(plan_picture.matplotlib.rcParams, "svg.fonttype", "none")
+    monkeypatch.setitem(matplotlib.rcParams, "svg.fonttype", "none")
     plan_picture.run(*planned, tmp_path / "a.svg")
     text = (tmp_path / "a.svg").read_text()
     assert "two_lesions" in text and "lesion1 75 %" in text and "side1" in text
@@ -33,7 +34,8 @@ def test_names_devices_lesions_and_side_branches(planned, tmp_path, monkeypatch)
 def test_refusals(planned, tmp_path):
     with pytest.raises(InputError, match="picture format"):
         plan_picture.run(*planned, tmp_path / "a.gif")
-    for text, what in (('{"procedure": []}', "without a device.*list the plan's steps"), ("[]", "no readable plan")):
+    nothing = json.dumps(json.loads(planned[1].read_text()) | {"procedure": []})
+    for text, what in ((nothing, "procedure.*at least 1"), ("{}", "not a plan"), ("[]", "not a group of keys")):
         planned[1].write_text(text)
         with pytest.raises(InputError, match=f"(?s){what}"):
             plan_picture.run(*planned, tmp_path / "a.png")

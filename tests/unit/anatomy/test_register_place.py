@@ -65,4 +65,4 @@ def test_landmarks_do_not_turn_a_vessel_round(marks_mm):
     marks = tuple(np.array([[0, 0, z + more] for z in marks_mm]) for more in (0, 4.07))
     assert registered(pre, post, marks)
     with pytest.raises(InputError, match="(?s)the other way round.*inlet_point_mm.*z_from"):
-        registered(pre, Tree({"main": turned}, {"main": turned}, post.summary, "test"), marks)
+        registered(pre, Tree({"main": turned}, {"main": turned}, post.summary), marks)

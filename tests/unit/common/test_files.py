@@ -1,11 +1,14 @@
 """Files are written whole or not at all."""
 
+import hashlib
 import json
+import math
 
+import pandas as pd
 import pytest
 
 from common.errors import InputError
-from common.files import replacing, write_json
+from common.files import replacing, sha256, write_json, write_table
 
 
 def test_success_puts_the_file_in_place(tmp_path):
@@ -32,6 +35,12 @@ def test_json_refuses_numbers_that_are_not_finite(tmp_path):
     assert not (tmp_path / "b.json").exists()
 
 
+@pytest.mark.parametrize("digits, text", [({}, "3.14159"), ({"digits": 2}, "3.1"), ({"digits": None}, repr(math.pi))])
+def test_a_table_has_the_digits_asked_for_and_empty_fields(tmp_path, digits, text):
+    write_table(tmp_path / "a.csv", pd.DataFrame({"a": [math.pi, math.nan], "b": [1, 2]}), **digits)
+    assert (tmp_path / "a.csv").read_bytes() == f"a,b\n{text},1\n,2\n".encode()
+
+
 def test_a_place_where_nothing_can_be_written_is_refused(tmp_path):
     (tmp_path / "a").write_text("file")
     for place, where in ((tmp_path / "a" / "b.json", tmp_path / "a"), (tmp_path, tmp_path)):
@@ -39,3 +48,9 @@ def test_a_place_where_nothing_can_be_written_is_refused(tmp_path):
             write_json(place, {})
         assert caught.value.where == str(where)
     assert (tmp_path / "a").read_text() == "file"
+
+
+def test_a_hash_is_of_the_whole_file(tmp_path):
+    content = bytes(range(256)) * 4096  # longer than the blocks in which it is read
+    (tmp_path / "a").write_bytes(content)
+    assert sha256(tmp_path / "a") == hashlib.sha256(content).hexdigest()

@@ -5,8 +5,8 @@ from scipy.special import ndtr
 
 from common import config, schema, vtp
 from common.errors import InputError
+from common.plaque_types import CALCIFIED, FIBROUS, LIPID, NONE
 from common.yaml_reader import read
-from data_synthetic import disease
 from data_synthetic.ct import phantom, vessel
 
 
@@ -76,7 +76,7 @@ def test_tissue_behind_the_wall():
     settings = config.load_section(None, "ct")["phantom"]
     depth = np.array([0.1, 0.6, 0.9, 1.8, 0.1, 0.1, 0.6])
     plaque = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0])
-    fibrous, lipid, calcified, none = disease.FIBROUS, disease.LIPID, disease.CALCIFIED, disease.NONE
+    fibrous, lipid, calcified, none = FIBROUS, LIPID, CALCIFIED, NONE
     kind = np.array([fibrous, lipid, calcified, fibrous, calcified, none, none])
     assert phantom.tissue_hu(depth, plaque, kind, settings).tolist() == [90, 30, 900, -80, 90, 50, 50]
 
@@ -187,7 +187,7 @@ def test_opened_plaque_keeps_its_area(ct_tubes):
     outward /= np.maximum(np.linalg.norm(outward, axis=1), 1e-9)[:, None]
     fields = {
         "plaque_thickness_mm": np.full(len(points), 1.0),
-        "plaque_type": np.full(len(points), disease.FIBROUS, np.int32),
+        "plaque_type": np.full(len(points), FIBROUS, np.int32),
         "radius_mm": np.full(len(points), 0.7),
         "displacement_mm": 0.8 * outward,
     }

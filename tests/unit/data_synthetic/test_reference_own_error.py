@@ -5,6 +5,7 @@ import types
 import numpy as np
 import pytest
 
+from common import config
 from data_synthetic.reference import run
 from data_synthetic.reference.slices import own_error, slices
 from data_synthetic.reference.treatment import devices
@@ -61,7 +62,7 @@ def test_no_check_asked_for():
 
 
 def test_a_coarser_reference_says_so():
-    default = run.load_settings(None)
+    default = config.load_section(None, "reference")
     assert run._coarser(default) == {}
     coarse = default | {"slice_spacing_mm": 1.0, "elements_around": 16, "radius_step_mm": 0.05, "elements_through": 9}
     assert run._coarser(coarse) == {"slice_spacing_mm": [1.0, 0.75], "elements_around": [16, 24]}
@@ -83,7 +84,7 @@ def test_slices_are_added_where_the_area_bends_sharply(monkeypatch):
     axis = types.SimpleNamespace(length_mm=40.0)
     patient = types.SimpleNamespace(branch=types.SimpleNamespace(name="main", axis=axis))
     model = types.SimpleNamespace(annulus=types.SimpleNamespace(theta_rad=np.arange(4) * np.pi / 2))
-    settings = run.load_settings(None)
+    settings = config.load_section(None, "reference")
     _, records, _ = slices.lumen_field(model, patient, steps, settings)
     held = np.array(sorted(s for s, stented in positions if stented))
     even = np.linspace(6, 18, 17)

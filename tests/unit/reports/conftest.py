@@ -165,10 +165,10 @@ def write_anatomy(folder, tube):
 def write_flow(folder, tube, wire=None):
     s = tube.s()
     points, _, _ = tube.frame(s)
-    rows = ["branch,branch_id,s_mm,x_mm,y_mm,z_mm,pressure_pa,ffr,flow_m3_per_s"]
+    rows = ["branch,branch_id,s_mm,x_mm,y_mm,z_mm,pressure_pa,ffr,flow_m3_per_s,ffr_error_estimate"]
     for k, pressure in enumerate(tube.pressure(s)):
         numbers = [s[k], *points[k], pressure, pressure / MAP_PA, Q_M3_PER_S]
-        rows.append(",".join(["main", "0", *(repr(float(v)) for v in numbers)]))
+        rows.append(",".join(["main", "0", *(repr(float(v)) for v in numbers), ""]))
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "pullback.csv").write_text("\n".join(rows) + "\n")
     ffr = float(tube.pressure(37.0) / MAP_PA)

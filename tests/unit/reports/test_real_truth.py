@@ -21,9 +21,8 @@ from reports.selection.flow_chart import inclusion_figure
 from reports.selection.patients import inclusion_table, patients_table
 from reports.study.differences import difference_table
 from reports.study.nearer import nearer_table
-from reports.study.tables import write_csv
 from reports.study.timings import timings_table
-from common.files import write_json
+from common.files import write_json, write_table
 
 STATES = ("pre", "vci", "rc", "post")
 WIRE_MM = 37.0
@@ -144,15 +143,15 @@ def test_figures_and_page(make_case, tmp_path, compare):
     pullback = (figures / "patient_pullback.svg").read_text()
     assert "Pressure wire before PCI: 0.62" in pullback and "Pressure wire after PCI: 0.91" in pullback
     assert ("After the real PCI" in pullback) == (compare == "flow")
-    write_csv(study / "agreement.csv", agreement_table([document]))
-    write_csv(study / "half_maximum.csv", agreement_table([]))
-    write_csv(study / "differences.csv", difference_table([document]))
-    write_csv(study / "nearer.csv", nearer_table([document]))
-    write_csv(study / "contrast.csv", contrast_table([document]))
+    write_table(study / "agreement.csv", agreement_table([document]), digits=None)
+    write_table(study / "half_maximum.csv", agreement_table([]), digits=None)
+    write_table(study / "differences.csv", difference_table([document]), digits=None)
+    write_table(study / "nearer.csv", nearer_table([document]), digits=None)
+    write_table(study / "contrast.csv", contrast_table([document]), digits=None)
     patients = patients_table([document], {"patient": {"patient": {"territory": "lad"}}})
-    write_csv(study / "patients.csv", patients)
+    write_table(study / "patients.csv", patients, digits=None)
     inclusion_figure(inclusion_table(patients, {"patient": list(STATES)}), figures)
-    write_csv(study / "timings.csv", timings_table([files]))
+    write_table(study / "timings.csv", timings_table([files]), digits=None)
     seconds = ["--out", str(study / "seconds.csv"), "--figures-dir", str(figures)]
     main(["seconds", "--timings", str(study / "timings.csv"), *seconds])
     failed = {"case": "other", "step": "plan", "exit_code": 3, "message": "error: <none> fits", "log": "plan.log"}

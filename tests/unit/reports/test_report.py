@@ -9,6 +9,7 @@ import pytest
 
 from common.errors import ComputationError, InputError
 from reports.__main__ import main
+from reports.page.benchmarks import TITLES
 from reports.page.check import browse, check_report, console_messages, outside_references
 from reports.page.build import fixed, signed, signed_small, signed_to, to_digits
 from reports.page.evidence import evidence_rows, read_results
@@ -209,6 +210,14 @@ def test_benchmarks_that_were_run_are_shown(study, tmp_path):
     (tmp_path / "benchmarks" / "another" / "table.csv").write_text("")
     with pytest.raises(SystemExit):
         main(["report", "--case-dir", str(folder), *places, "--out", str(path)])
+
+
+def test_every_benchmark_has_its_title_and_every_title_its_benchmark(repo_root):
+    rules = (repo_root / "workflow" / "rules" / "benchmarks.smk").read_text()
+    outputs = re.findall(r"\n    output:\n((?:        .*\n)+)", rules)
+    shown = [re.findall(r'"results/benchmarks/(\w+)/[\w.]+\.(?:csv|png|svg)"', files) for files in outputs]
+    assert len(shown) == len(re.findall(r"^rule (?!benchmarks:)", rules, re.M)) and all(shown)
+    assert {name for names in shown for name in names} == set(TITLES)
 
 
 def test_both_tables_of_the_textbook_comparison_and_its_figure_are_shown(study, tmp_path):

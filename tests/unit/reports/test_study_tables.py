@@ -4,13 +4,17 @@ import pandas as pd
 import pytest
 
 from common.errors import InputError
-from reports.__main__ import main
+from reports.__main__ import main, parser
 from reports.study.agreement import agreement_table, published
 from reports.inputs.case_files import CaseFiles
 from reports.study.cohort import cohort_table
 from reports.measuring.metrics import case_metrics
+from reports.page import build
+from reports.record import numbers
 from reports.study.seconds import by_case, seconds_table, stage_seconds
+from reports.study.tables import WRITTEN_BY, study_table
 from reports.study.timings import timings_table
+from workflow.__main__ import main as workflow
 
 
 def documents(make_case, changes, **options):
@@ -143,7 +147,26 @@ def test_a_command_ends_with_one_message(make_case, tmp_path, capsys):
     with pytest.raises(SystemExit) as end:
         main(["metrics", "--case", "tube", "--case-dir", str(folder), "--out", str(out)])
     assert end.value.code == 2 and not out.exists()
-    assert "scene.json" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "scene.json" in said and "run the step that writes it: workflow scene" in said
+
+
+def test_the_commands_that_messages_name_exist(capsys):
+    for table in (*build.TABLES, *numbers.TABLES, "cohort"):
+        assert table in WRITTEN_BY
+    known = next(action for action in parser()._actions if action.dest == "command").choices
+    for command in WRITTEN_BY.values():
+        part, name = command.split()
+        assert part == "reports" and name in known, command
+    with pytest.raises(SystemExit) as end:
+        workflow(["scene", "--help"])
+    assert end.value.code == 0, capsys.readouterr().err
+
+
+@pytest.mark.parametrize("table, command", [("inclusion", "patients"), ("half_maximum", "agreement")])
+def test_a_table_that_is_missing_names_the_command_that_writes_it(tmp_path, table, command):
+    with pytest.raises(InputError, match=f"(?s){table}.csv.*reports {command}$"):
+        study_table(tmp_path, table)
 
 
 def test_a_case_given_twice_is_refused(make_case, tmp_path):

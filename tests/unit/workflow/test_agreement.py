@@ -25,7 +25,7 @@ def manifest(system, packages):
 @pytest.fixture
 def written(tmp_path, monkeypatch):
     """A function from what is changed in the study's document to the page's text and the error, or None."""
-    shipped = tmp_path / "manifest.json"
+    shipped = tmp_path / "nine.json"
     shipped.write_text(json.dumps(manifest("Debian GNU/Linux 12 (bookworm)", {"gmsh": "4.8", "numpy": "1"})))
 
     def write(change):
@@ -46,10 +46,17 @@ def written(tmp_path, monkeypatch):
 def test_the_page_names_both_systems_versions_and_bits(written):
     text, error = written(lambda numbers: None)
     assert error is None
-    assert "# The quick cohort on Debian 13 and Debian 12" in text
+    assert "# The nine cohort on Debian 13 and Debian 12" in text
     assert "| `gmsh` | 4.8 | 4.13 |" in text and "numpy" not in text
     assert "| anatomy | 2 | 1 |" in text
     assert "Of 7 numbers 7 agree" in text
+
+
+def test_the_page_of_the_documentation_has_the_title_of_its_manifest(repo_root):
+    shipped = json.loads((repo_root / "config" / "manifests" / "quick.json").read_text())
+    title = (repo_root / "docs" / "debian13.md").read_text().splitlines()[0]
+    found = manifest("Debian GNU/Linux 13 (trixie)", {})
+    assert agreement.page("quick", shipped, found, agreement.compared(shipped, found)).splitlines()[0] == title
 
 
 @pytest.mark.parametrize(

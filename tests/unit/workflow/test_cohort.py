@@ -1,9 +1,12 @@
 """Cohorts in shards: which patients are drawn where, what a run keeps, and what it costs."""
 
+import os
+
 import pytest
 
 from common.errors import InputError
 from workflow import cohort
+from workflow.__main__ import main
 from workflow.configuration import Configuration
 
 # Finishes every patient it is asked for but number 2, whose exit code it takes.
@@ -21,14 +24,52 @@ exit $code
 """
 
 
+# Ends at once, as in a locked folder.
+LOCKED = """#!/bin/sh
+echo 'LockException: Directory cannot be locked.'
+exit 1
+"""
+# Every patient fails at its first step, as workflow/run.sh marks it.
+FAILING = """#!/bin/sh
+for word; do case "$word" in *metrics.json)
+  mkdir -p "${word%/metrics.json}/logs"
+  echo 'error: too narrow' > "${word%/metrics.json}/logs/generate.log"
+  echo 3 > "${word%/metrics.json}/logs/generate.log.failed";;
+esac; done
+exit 1
+"""
+
+
 @pytest.fixture
-def fake(tmp_path, monkeypatch):
-    """A stand-in for Snakemake."""
-    program = tmp_path / "snakemake"
-    program.write_text(FAKE)
-    program.chmod(0o755)
-    monkeypatch.setattr(cohort, "SNAKEMAKE", str(program))
-    monkeypatch.setattr(cohort, "SHARD", 2)
+def stand_in(tmp_path, monkeypatch):
+    """stand_in(text): makes a script the stand-in for Snakemake, two patients a shard."""
+
+    def use(text):
+        program = tmp_path / "snakemake"
+        program.write_text(text)
+        program.chmod(0o755)
+        monkeypatch.setattr(cohort, "SNAKEMAKE", str(program))
+        monkeypatch.setattr(cohort, "SHARD", 2)
+
+    return use
+
+
+@pytest.fixture
+def fake(stand_in):
+    """A stand-in that finishes all patients but one."""
+    stand_in(FAKE)
+
+
+@pytest.fixture
+def command(tmp_path, monkeypatch, repo_root):
+    """command(count): `workflow cohort` in an empty folder, with this repository's configuration."""
+
+    def run(count, *more):
+        monkeypatch.chdir(tmp_path)
+        places = ["--folder", str(repo_root / "config"), "--out", str(tmp_path / "out")]
+        main(["cohort", "--count", str(count), "--seed", "1", *places, *more])
+
+    return run
 
 
 def cases(out):
@@ -80,6 +121,44 @@ def test_a_patient_that_fails_stops_no_other_and_meshes_are_dropped(tmp_path, fa
     assert (results / "cases" / "seed1_000001" / "flow" / "ffr.json").exists()
     projected = cohort.projected(tmp_path / "out", 2)
     assert [row["patients"] for row in projected] == [2, 1000, 100_000]
+
+
+def test_a_shard_in_which_nothing_ran_is_an_error(stand_in, command, capsys):
+    stand_in(LOCKED)
+    with pytest.raises(SystemExit) as stop:
+        command(3)
+    said = capsys.readouterr()
+    assert stop.value.code == 1 and "finished 0 of 3" in said.out
+    assert "stopped before any patient" in said.err and "0001, 0002" in said.err and "snakemake.log" in said.err
+
+
+def test_a_locked_folder_is_an_error_also_beside_patients_of_an_earlier_run(stand_in, command, tmp_path, capsys):
+    stand_in(FAKE)
+    command(2)
+    for metrics in tmp_path.rglob("metrics.json"):
+        os.utime(metrics, (1000, 1000))
+    stand_in(LOCKED)
+    with pytest.raises(SystemExit):
+        command(2)
+    assert "finished 1 of 2" in capsys.readouterr().out
+
+
+def test_patients_that_fail_by_steps_of_their_own_are_no_error(stand_in, command, tmp_path, capsys):
+    stand_in(FAILING)
+    command(3)
+    assert "finished 0 of 3" in capsys.readouterr().out
+    for mark in tmp_path.rglob("*.failed"):  # left by an earlier run
+        os.utime(mark, (1000, 1000))
+    stand_in(LOCKED)
+    with pytest.raises(SystemExit):
+        command(3)
+
+
+def test_a_plan_that_fails_is_told_as_before(stand_in, command, capsys):
+    stand_in(LOCKED)
+    with pytest.raises(SystemExit) as stop:
+        command(1, "--dry-run")
+    assert stop.value.code == 2 and "cannot be planned" in capsys.readouterr().err
 
 
 def test_projection_counts_all_runs_of_a_shard(tmp_path):

@@ -7,14 +7,17 @@ import pytest
 from common.errors import InputError
 from workflow.stent_alone import write_stent_alone
 
-DEVICES = {"balloon": {"kind": "balloon"}, "stent": {"kind": "stent", "balloon": "its"}, "its": {"kind": "balloon"}}
+BALLOON = {"kind": "balloon", "length_mm": 15}
+DEVICES = {"balloon": BALLOON, "stent": {"kind": "stent", "length_mm": 15, "balloon": "its"}, "its": BALLOON}
+USE = {"branch": "main", "centre_s_mm": 9.0, "pressure_bar": 11}
 
 
 def plan_of(folder, *devices):
-    steps = [{"name": name, "action": name, "devices": [{"device": name, "pressure_bar": 11}]} for name in devices]
+    steps = [{"name": name, "action": name, "devices": [{"device": name, **USE}]} for name in devices]
     plan = folder / "case" / "vci" / "plan.json"
     plan.parent.mkdir(parents=True)
-    plan.write_text(json.dumps({"lumen": "../anatomy/lumen.vtp", "devices": DEVICES, "procedure": steps}))
+    document = {"schema": "vci-scene-1", "lumen": "../anatomy/lumen.vtp", "devices": DEVICES, "procedure": steps}
+    plan.write_text(json.dumps(document))
     return plan
 
 

@@ -6,11 +6,10 @@ import types
 import numpy as np
 import pytest
 
-from common import schema
+from common import config, schema
 from common.errors import ComputationError
 from data_synthetic import __main__ as command
 from data_synthetic import tree
-from data_synthetic.reference import run
 from data_synthetic.reference.checks import against_calculix, calculix, calculix_case
 from data_synthetic.reference.solid import laws
 from data_synthetic.reference.treatment import devices
@@ -134,7 +133,7 @@ def test_mean_pressure_is_that_of_a_round_device_on_a_round_lumen():
 
 @pytest.fixture(scope="module")
 def recorded(section):
-    settings = run.load_settings(None) | {"elements_around": 16, "elements_through": 4}
+    settings = config.load_section(None, "reference") | {"elements_around": 16, "elements_through": 4}
     return settings, calculix_case.by_slice(section, procedure_steps(), 10.0, settings)
 
 

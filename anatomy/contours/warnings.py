@@ -20,7 +20,7 @@ OPEN_STEPS = 3.0  # of an outline's longest step over the third longest; 1.3 at 
 COUNTED_FRAMES = 8  # fewer frames may be at whole millimetres by chance
 
 
-def warnings(pull):
+def find(pull):
     """Sentences on the pull-back's width, length, direction, phases and single frames; mostly none."""
     areas = np.array([rings.area_mm2(frame.lumen) for frame in pull.frames])
     said = [*_width(areas), *_length(pull, areas), *_counted(pull), *_widening(pull, areas), *_phases(areas)]
