@@ -73,6 +73,6 @@ class Case:
 
 
 def patient_of(case_file):
-    """(the case file's patient, its values measured by pressure wire or None, whether its vessel is a real one)."""
+    """(the case file's patient, its values measured by pressure wire or None)."""
     document = config.load_case(case_file)
-    return document["patient"], document.get("measured"), document["kind"] == "surface"
+    return document["patient"], document.get("measured")

@@ -24,7 +24,7 @@ class Answers:
 
     def __init__(self, case, case_file):
         self.case = case
-        self.patient, self.measured, _ = patient_of(case_file)
+        self.patient, self.measured = patient_of(case_file)
         self.inputs = inputs_of(self.patient, case.flow, len(case.boundary["outlets"]))
         self.inputs.append(segmentation.radius_input())
         self.solved = {state: case.answer(state) for state in (BEFORE, PLANNED)}
