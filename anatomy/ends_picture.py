@@ -4,7 +4,8 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.collections import PolyCollection
 
-from common import json_reader, vtp
+from common import vtp
+from common.documents import json_reader
 from common.errors import InputError
 
 from . import picture_file

@@ -3,7 +3,7 @@
 import csv
 import pathlib
 
-from common import json_reader
+from common.documents import json_reader
 from common.errors import InputError
 
 _NUMBERS = (

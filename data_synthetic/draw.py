@@ -5,7 +5,7 @@ import pathlib
 import numpy as np
 import yaml
 
-from common import config, schema
+from common.documents import config, schema
 from common.errors import ComputationError, InputError
 from common.files import replacing
 

@@ -2,7 +2,7 @@
 
 import pathlib
 
-from common import config
+from common.documents import config
 from common.errors import InputError
 
 

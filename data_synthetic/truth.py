@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from common import json_reader
+from common.documents import json_reader
 from common.errors import InputError
 from common.implicit.curves import Curve
 

@@ -6,7 +6,7 @@ from docutils import nodes
 from docutils.parsers.rst import Directive
 from docutils.statemachine import StringList
 
-from common import schema
+from common.documents import schema
 
 HEADINGS = ("key", "value", "default", "meaning")
 

@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 
-from common import config, json_reader
+from common.documents import config, json_reader
 from common.errors import InputError, guarded
 from common.files import sha256, write_json, write_table
 from flow import command_files

@@ -7,7 +7,7 @@ import types
 
 import numpy as np
 
-from common import json_reader, schema, yaml_reader
+from common.documents import json_reader, schema, yaml_reader
 from common.errors import InputError
 
 

@@ -54,7 +54,7 @@ def run_differences(args):
 
 
 def run_patients(args):
-    from common.config import load_case
+    from common.documents.config import load_case
     from reports.selection.flow_chart import inclusion_figure
     from reports.selection.patients import inclusion_table, patients_table
 

@@ -3,7 +3,7 @@
 import argparse
 import pathlib
 
-from common import json_reader
+from common.documents import json_reader
 from common.errors import InputError, guarded
 from common.files import write_json, write_table
 from whatif.case import Case

@@ -4,7 +4,7 @@ import dataclasses
 import functools
 import pathlib
 
-from common import config, json_reader
+from common.documents import config, json_reader
 from common.errors import InputError
 from flow import settings as flow_settings
 from flow.geometry import centreline

@@ -9,7 +9,8 @@ from vtk.util.numpy_support import vtk_to_numpy
 
 from anatomy.measured import read_summary
 from anatomy.planning.plan import procedure
-from common import config, json_reader, vtp
+from common import vtp
+from common.documents import config, json_reader
 from common.errors import InputError
 from flow.geometry import centreline, surface
 from flow.meshing.provenance import fingerprint

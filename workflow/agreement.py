@@ -8,7 +8,7 @@ import pathlib
 
 from common.errors import ComputationError
 from common.files import replacing
-from common.json_reader import read
+from common.documents.json_reader import read
 from workflow.manifest import SCHEMA, manifest_of
 
 ALLOWED = {"mean_area_mm2": 0.01, "minimum_area_mm2": 0.02, "mean_curvature_per_mm": 0.05}  # shares of the value

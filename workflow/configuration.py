@@ -5,7 +5,7 @@ import os
 import pathlib
 import re
 
-from common import config, schema, yaml_reader
+from common.documents import config, schema, yaml_reader
 from common.errors import InputError
 from data_synthetic import patient
 from flow.settings import check_meshes, check_switches

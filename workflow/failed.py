@@ -3,7 +3,7 @@
 import pathlib
 import re
 
-from common import json_reader
+from common.documents import json_reader
 from common.errors import InputError
 from common.files import write_json
 from workflow.half_maximum import NAME as ARM

@@ -4,7 +4,7 @@ import os
 import pathlib
 import shlex
 
-from common import config
+from common.documents import config
 
 SYNTHETIC_STATES = ("pre", "vci", "rc", "reference")
 SURFACE_STATES = ("pre", "vci", "rc")  # states of a case without a reference

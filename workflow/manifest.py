@@ -12,7 +12,7 @@ import re
 
 from common.errors import ComputationError
 from common.files import sha256, write_json
-from common.json_reader import read
+from common.documents.json_reader import read
 from workflow.provenance import product_files
 
 SCHEMA = "vci-manifest-1"

@@ -6,7 +6,7 @@ import re
 
 from common.errors import InputError
 from common.files import sha256, write_json
-from common.json_reader import read
+from common.documents.json_reader import read
 
 SCHEMA = "vci-provenance-1"
 ALWAYS = {

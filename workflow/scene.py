@@ -1,6 +1,6 @@
 """scene.json: the plan (what is done) with the section `deployment` (how the virtual deployment computes it)."""
 
-from common import json_reader, plan_reader
+from common.documents import json_reader, plan_reader
 from common.errors import InputError
 from common.files import write_json
 

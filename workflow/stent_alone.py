@@ -1,6 +1,6 @@
 """The plan with the stents' steps alone, for a radius correction by the stents' size (state rc_stent)."""
 
-from common import plan_reader
+from common.documents import plan_reader
 from common.errors import InputError
 from common.files import write_json
 

@@ -6,7 +6,8 @@ import sys
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
-from common import config, vtp
+from common import vtp
+from common.documents import config
 from common.errors import ComputationError, InputError
 from common.files import write_json
 from common.implicit import surface

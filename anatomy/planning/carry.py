@@ -4,7 +4,7 @@ import os
 
 import numpy as np
 
-from common import plan_reader
+from common.documents import plan_reader
 from common.errors import InputError
 from common.files import write_json
 

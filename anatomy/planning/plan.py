@@ -3,7 +3,7 @@
 import os
 import sys
 
-from common import config
+from common.documents import config
 from common.errors import InputError
 from common.files import write_json
 

@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib import pyplot as plt
 
-from common import plan_reader
+from common.documents import plan_reader
 
 from .. import picture_file
 from ..measured import read_sections, read_summary

@@ -6,7 +6,8 @@ import sys
 
 import numpy as np
 
-from common import config, vtp
+from common import vtp
+from common.documents import config
 from common.files import write_json
 
 from . import judge, search, settling, tree

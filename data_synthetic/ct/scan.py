@@ -5,7 +5,8 @@ import pathlib
 
 import numpy as np
 
-from common import config, vtp
+from common import vtp
+from common.documents import config
 from common import volume as image
 from common.errors import InputError
 from common.files import write_json

@@ -9,7 +9,8 @@ import sys
 import tempfile
 import time
 
-from common import config, vtp
+from common import vtp
+from common.documents import config
 from common import volume as image
 from common.errors import ComputationError, InputError
 from common.files import replacing, write_json

@@ -11,7 +11,7 @@ D_i are the outlets' diameters before the intervention; one set of resistances s
 import math
 import sys
 
-from common import json_reader, schema
+from common.documents import json_reader, schema
 from common.errors import InputError
 from flow.inputs import hyperaemia, lumen_summary, wire
 from flow.physics import viscosity

@@ -15,7 +15,7 @@ Hall, Textbook of Medical Physiology), times RESERVE (2.78 by thermodilution: Ga
 
 import math
 
-from common import schema
+from common.documents import schema
 from common.errors import InputError
 from flow.physics.units import M3_PER_S_PER_ML_PER_MIN
 

@@ -1,6 +1,6 @@
 """anatomy.json, the anatomy step's summary of a lumen, as far as the flow step reads it: ends, branches, lesions."""
 
-from common import json_reader, schema
+from common.documents import json_reader, schema
 from common.errors import InputError
 
 OF_A_PLAN = ("lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json")  # files of the anatomy step for one lumen

@@ -7,7 +7,7 @@ import numpy as np
 import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
-from common import json_reader
+from common.documents import json_reader
 from common.errors import InputError
 from flow.geometry import correspondence, locate, tet10
 from flow.physics.units import M_PER_MM

@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pandas as pd
 
-from common import json_reader, schema
+from common.documents import json_reader, schema
 from common.errors import InputError
 from common.files import sha256
 from flow.discretisation import compat

@@ -17,7 +17,7 @@ import pathlib
 import numpy as np
 import pandas as pd
 
-from common import json_reader, schema
+from common.documents import json_reader, schema
 from common.errors import InputError
 from flow.geometry import centreline, surface
 from flow.inputs import lumen_summary

@@ -7,7 +7,8 @@ import numpy as np
 import pandas as pd
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
-from common import json_reader, vtp
+from common import vtp
+from common.documents import json_reader
 from common.errors import InputError
 
 

@@ -4,7 +4,7 @@ import sys
 
 import numpy as np
 
-from common.config import load_case
+from common.documents.config import load_case
 from common.errors import ComputationError, InputError
 from reports.inputs.case_files import IMAGED, STATES
 from reports.measuring.curvature import mean_over_length

@@ -72,7 +72,6 @@ def build_report(
             agreement_figure=optional_image(figures_dir / "agreement.svg") if agreement else None,
             nearer_level=LEVEL,
             nearer_fewest=FEWEST,
-            nearer_ffr_error=largest_ffr_error(contexts),
             contrast=contrast_rows(tables["contrast"], contexts),
             differences=differences,
             differences_figure=optional_image(figures_dir / "differences.svg") if differences else None,
@@ -195,12 +194,6 @@ def plan_remarks(contexts):
 def mean_sd(values):
     """(mean, sample standard deviation or None) of a list of numbers; (None, None) of none."""
     return (sum(values) / len(values), sample_sd(values)) if values else (None, None)
-
-
-def largest_ffr_error(contexts):
-    """The largest error estimate of all FFRs past the lesion; None if none is known."""
-    flows = [entry["ffr"] for c in contexts for entry in c["metrics"]["states"].values() if entry["ffr"]]
-    return max((ffr["error_estimate"] for ffr in flows if ffr["error_estimate"] is not None), default=None)
 
 
 def lower_first(text):

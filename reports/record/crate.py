@@ -2,7 +2,7 @@
 
 import mimetypes
 
-from common import yaml_reader
+from common.documents import yaml_reader
 from common.files import sha256
 from reports.inputs.reading import existing, read_json
 

@@ -5,7 +5,7 @@ import re
 
 import pandas as pd
 
-from common import config
+from common.documents import config
 from common.errors import InputError
 from reports.inputs.reading import read_json
 from reports.study.agreement import agreement_table

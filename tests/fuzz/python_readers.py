@@ -17,7 +17,7 @@ import warnings
 import numpy as np
 
 from anatomy.contours import pullback
-from common import config
+from common.documents import config
 from common.errors import UserError
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]

@@ -7,7 +7,7 @@ import subprocess
 
 import pytest
 
-from common import yaml_reader
+from common.documents import yaml_reader
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 MODULES_PER_FOLDER = 12

@@ -13,7 +13,7 @@ import tempfile
 import numpy as np
 import yaml
 
-from common.config import load_devices
+from common.documents.config import load_devices
 from common.errors import guarded
 from common.files import replacing
 from vci.benchmarks import bench_cases, scenes

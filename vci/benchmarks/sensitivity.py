@@ -13,7 +13,7 @@ import json
 import pathlib
 import sys
 
-from common import schema
+from common.documents import schema
 from common.errors import ComputationError, guarded
 from vci.benchmarks.benchmark import generated, outcome_of
 

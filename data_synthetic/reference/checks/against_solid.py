@@ -9,7 +9,7 @@ import time
 
 import numpy as np
 
-from common import config
+from common.documents import config
 from common.errors import InputError
 from common.files import write_json
 

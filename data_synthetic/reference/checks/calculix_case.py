@@ -12,7 +12,7 @@ import tempfile
 
 import numpy as np
 
-from common import config
+from common.documents import config
 from common.errors import InputError
 from common.files import write_json
 

@@ -13,7 +13,7 @@ import sys
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from common import config
+from common.documents import config
 from common.errors import InputError
 from common.files import replacing
 

@@ -7,7 +7,7 @@ import pytest
 from contour_tables import text
 from narrowed_vessels import drawn
 
-from common import config
+from common.documents import config
 
 
 @pytest.fixture(scope="module")

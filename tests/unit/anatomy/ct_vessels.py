@@ -3,7 +3,7 @@
 import numpy as np
 
 from anatomy.ct.rays.stented import disc
-from common import config
+from common.documents import config
 from common.volume import Image
 
 LENGTH_MM, RADIUS_MM, SIGMA_MM = 40.0, 1.6, 0.315

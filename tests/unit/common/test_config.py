@@ -5,7 +5,7 @@ import shutil
 import pytest
 import yaml
 
-from common import config
+from common.documents import config
 from common.errors import InputError
 
 

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from common import json_reader, plan_reader
+from common.documents import json_reader, plan_reader
 from common.errors import InputError
 
 REFUSED = {

@@ -3,7 +3,7 @@
 import jsonschema
 import pytest
 
-from common import schema, yaml_reader
+from common.documents import schema, yaml_reader
 from common.errors import InputError
 
 RULES = {

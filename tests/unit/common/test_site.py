@@ -9,7 +9,7 @@ import subprocess
 
 import pytest
 
-from common import schema
+from common.documents import schema
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 NEEDED = ("sphinx", "myst_parser", "furo")

@@ -2,7 +2,7 @@
 
 import pytest
 
-from common import yaml_reader
+from common.documents import yaml_reader
 from common.errors import InputError
 
 

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from common import config, vtp
+from common import vtp
+from common.documents import config
 from common import volume as image
 
 

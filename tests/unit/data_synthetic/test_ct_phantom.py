@@ -3,10 +3,11 @@ import pytest
 from scipy.ndimage import distance_transform_edt
 from scipy.special import ndtr
 
-from common import config, schema, vtp
+from common import vtp
+from common.documents import config, schema
 from common.errors import InputError
 from common.plaque_types import CALCIFIED, FIBROUS, LIPID, NONE
-from common.yaml_reader import read
+from common.documents.yaml_reader import read
 from data_synthetic.ct import phantom, vessel
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from common import schema
+from common.documents import schema
 from common.errors import InputError
 from data_synthetic import draw, patient, tree
 from data_synthetic.__main__ import main

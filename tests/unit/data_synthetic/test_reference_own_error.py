@@ -5,7 +5,7 @@ import types
 import numpy as np
 import pytest
 
-from common import config
+from common.documents import config
 from data_synthetic.reference import run
 from data_synthetic.reference.slices import own_error, slices
 from data_synthetic.reference.treatment import devices

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from common import schema
+from common.documents import schema
 from common.errors import ComputationError
 from common.implicit import field, surface
 from data_synthetic.reference.slices import slices

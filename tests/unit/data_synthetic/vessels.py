@@ -1,6 +1,6 @@
 """Vessels that the tests share, with the schema's defaults filled in."""
 
-from common import schema
+from common.documents import schema
 
 
 def vessel(**changes):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from common import vtp
-from common.config import load_case, load_devices
+from common.documents.config import load_case, load_devices
 from vci.benchmarks import bench_cases, published, scenes
 from vci.benchmarks.bench_cases import Outcome
 from vci.benchmarks.device_shapes import diameters

@@ -4,7 +4,7 @@ import copy
 
 import pytest
 
-from common import config
+from common.documents import config
 from common.errors import InputError
 from whatif import alternatives
 

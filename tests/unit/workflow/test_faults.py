@@ -4,7 +4,7 @@ import importlib
 
 import pytest
 
-from common import config
+from common.documents import config
 
 
 @pytest.fixture

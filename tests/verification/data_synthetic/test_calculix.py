@@ -6,7 +6,7 @@ import types
 import numpy as np
 import pytest
 
-from common import config, schema
+from common.documents import config, schema
 from common.errors import ComputationError
 from data_synthetic import __main__ as command
 from data_synthetic import tree

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from common import config, schema
+from common.documents import config, schema
 from data_synthetic import draw, patient, tree
 from flow import settings
 from flow.inputs import boundary, hyperaemia

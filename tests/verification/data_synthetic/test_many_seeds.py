@@ -6,7 +6,7 @@ Small trees on a coarse grid, so that every run of the tests does all of them: s
 import numpy as np
 import pytest
 
-from common import schema
+from common.documents import schema
 from common.implicit import field, surface
 from data_synthetic import healthy_radius, crossings, tree
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from common import schema
+from common.documents import schema
 from common.implicit import field, surface
 from data_synthetic import healthy_radius, tree
 from data_synthetic.ct import evaluate

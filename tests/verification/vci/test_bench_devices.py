@@ -7,7 +7,7 @@ import subprocess
 import pytest
 
 from anatomy.planning import catalogue
-from common import config
+from common.documents import config
 
 STRENGTH_MPA = (0.20, 0.25)  # at losses of 5 and 10 % of the diameter, beyond the struts' yield
 RECOIL_ABOVE_PERCENT = (-0.1, 0.3)  # of the one stated: film and hinges give back a little more than the hoop

@@ -13,13 +13,13 @@ import re
 
 import jsonschema
 
-from common import yaml_reader
+from common.documents import yaml_reader
 from common.errors import InputError
 
 # A key that has no place: `false` as YAML has it, of which jsonschema 4.19 forgets the key.
 NO_PLACE = {"not": {}}
 
-FOLDER = pathlib.Path(__file__).resolve().parent.parent / "config" / "schemas"
+FOLDER = pathlib.Path(__file__).resolve().parents[2] / "config" / "schemas"
 
 
 @functools.lru_cache(maxsize=None)

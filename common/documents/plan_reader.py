@@ -1,6 +1,6 @@
 """Reads plan.json for the steps in Python that change or draw it. The engine checks the rest of it in the scene."""
 
-from common import json_reader, schema
+from common.documents import json_reader, schema
 from common.errors import InputError
 
 SCHEMA = "vci-scene-1"

@@ -1,15 +1,15 @@
-"""Strict JSON: numbers that are not finite are refused, and errors name each value as common.schema expects it."""
+"""Strict JSON: numbers that are not finite are refused, and errors name each value as documents.schema expects it."""
 
 import json
 import math
 import pathlib
 
 from common.errors import InputError
-from common.yaml_reader import key_name
+from common.documents.yaml_reader import key_name
 
 
 class Document:
-    """Content (`data`) of a JSON file, or of one not yet written; addressed as common.yaml_reader.Document is."""
+    """Content (`data`) of a JSON file, or of one not yet written; addressed as yaml_reader.Document is."""
 
     def __init__(self, file, data):
         self.file, self.data = file, data

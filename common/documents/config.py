@@ -5,7 +5,7 @@ Everything here raises InputError with file, line, key, value and what is allowe
 
 import pathlib
 
-from common import schema, yaml_reader
+from common.documents import schema, yaml_reader
 from common.errors import InputError
 
 ENDS_OF = {"contours": "z_from says which end is proximal", "ct": "ct.inlet_mm and ct.outlets_mm say where they are"}
