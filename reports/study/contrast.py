@@ -5,6 +5,7 @@ import pandas as pd
 from reports.inputs.case_files import TRUTHS
 from reports.inputs.reading import number
 from reports.study.agreement import QUANTITIES, UNITS
+from reports.study.nearer import flow_error
 
 METHODS = ("vci", "rc", "rc_stent")  # radius correction by the largest balloon, and by the stents alone
 NEARER = {"vci": "VCI", "rc": "radius correction"}
@@ -45,7 +46,8 @@ def row_of(document, quantity, truth):
         errors = {m: None if None in (value, found) else found - value for m, found in predicted.items()}
         row = {"unit": UNITS[quantity], "value": value}
     row |= {f"error_{method}": error for method, error in errors.items()}
-    return row | verdict(errors, flow_error(document, truth) if quantity == "ffr" else 0.0)
+    computed = [state for state in ("vci", "rc", truth) if document["states"].get(state, {}).get("ffr")]
+    return row | verdict(errors, flow_error(document, computed) if quantity == "ffr" and computed else 0.0)
 
 
 def value_of(document, quantity, state):
@@ -62,20 +64,13 @@ def profile_error(document, method, truth):
     return None if found is None else found["area_mm2"]["rmse"]
 
 
-def flow_error(document, truth):
-    """The largest error estimate of the FFRs that are compared; None if one of them is not known."""
-    states = [document["states"].get(state) for state in ("vci", "rc", truth)]
-    known = [entry["ffr"]["error_estimate"] for entry in states if entry and entry["ffr"]]
-    return None if None in known else max(known, default=0.0)
-
-
 def verdict(errors, noise):
     """{nearer, nearer_by} of the errors {method: error}; both None if a method is missing.
 
-    noise: numerical error, below which neither method counts as nearer; None: not known.
+    noise: numerical error, below which neither method counts as nearer; infinite: not known.
     """
     if errors["vci"] is None or errors["rc"] is None:
         return {"nearer": None, "nearer_by": None}
     lead = abs(errors["rc"]) - abs(errors["vci"])
-    nearer = NEARER["vci" if lead > 0.0 else "rc"] if noise is not None and abs(lead) > noise else UNDECIDED
+    nearer = NEARER["vci" if lead > 0.0 else "rc"] if abs(lead) > noise else UNDECIDED
     return {"nearer": nearer, "nearer_by": abs(lead)}

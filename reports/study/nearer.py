@@ -5,7 +5,7 @@ import pandas as pd
 from scipy.stats import wilcoxon
 
 from reports.measuring.metrics import COMPARISONS
-from reports.study.agreement import QUANTITIES, UNITS, paired_values
+from reports.study.agreement import QUANTITIES, UNITS, largest_estimate, paired_values
 from reports.study.differences import AFTER_PCI
 from reports.study.inclusion import groups
 
@@ -23,6 +23,7 @@ COLUMNS = [
     "error_vci",
     "error_rc",
     "patients_vci_nearer",
+    "ties",
     "p",
     "vci_is",
 ]
@@ -33,6 +34,7 @@ def nearer_table(documents):
 
     A row needs a patient with both methods. error_vci, error_rc: mean size of the error over the patients.
     p: of Wilcoxon's two-sided signed-rank test of the sizes (scipy.stats.wilcoxon); None for fewer than six patients.
+    ties: patients in whom both sizes are alike; in FFR those in whom they differ by no more than the flow's own error.
     """
     rows = [{"patients": name, **row} for name, found in groups(documents) for row in nearer_rows(found)]
     return pd.DataFrame(rows, columns=COLUMNS)
@@ -48,7 +50,10 @@ def nearer_rows(documents):
             cases = [case for case in vci if case in rc]
             if cases:
                 row = {"quantity": quantity, "unit": UNITS[quantity], "error": kind, "truth": truth}
-                rows.append(row | verdict([vci[case] for case in cases], [rc[case] for case in cases]))
+                compared, noise = (a, RADIUS_CORRECTION[a], truth), np.zeros(len(cases))
+                if quantity == "ffr":
+                    noise = [flow_error(one, compared) for one in documents if one["case"] in cases]
+                rows.append(row | verdict([vci[case] for case in cases], [rc[case] for case in cases], noise))
     return rows
 
 
@@ -58,14 +63,25 @@ def errors_by_case(documents, quantity, state, truth):
     return dict(zip(cases, np.abs(np.subtract(values, true))))
 
 
-def verdict(vci, rc):
-    """The columns of nearer.csv from `n` on. vci, rc: sizes of errors (n,) of the same patients by both methods."""
+def flow_error(document, states):
+    """The largest error estimate of the FFRs of a patient's states; infinite if one of them is not known."""
+    largest = largest_estimate([document], states)
+    return np.inf if largest is None else largest
+
+
+def verdict(vci, rc, noise):
+    """The columns of nearer.csv from `n` on. vci, rc: sizes of errors (n,) of the same patients by both methods.
+
+    noise (n,): numerical error of each. A smaller difference is a tie, and the test leaves ties out.
+    """
     vci, rc = np.asarray(vci, float), np.asarray(rc, float)
+    told = (vci - rc)[np.abs(vci - rc) > noise]
     result = {"n": len(vci), "error_vci": vci.mean(), "error_rc": rc.mean()}
-    result |= {"patients_vci_nearer": int((vci < rc).sum()), "p": None, "vci_is": UNDECIDED}
+    result |= {"patients_vci_nearer": int((told < 0.0).sum()), "ties": len(vci) - len(told), "p": None}
+    result["vci_is"] = UNDECIDED
     if len(vci) >= FEWEST:
-        # if the sizes are equal in all patients, the test has nothing to rank
-        result["p"] = float(wilcoxon(vci, rc).pvalue) if (vci != rc).any() else 1.0
+        # with ties alone the test has nothing to rank
+        result["p"] = float(wilcoxon(told).pvalue) if len(told) else 1.0
         if result["p"] < LEVEL:
-            result["vci_is"] = NEARER if np.median(vci - rc) < 0.0 else FARTHER
+            result["vci_is"] = NEARER if np.median(told) < 0.0 else FARTHER
     return result

@@ -118,9 +118,9 @@ def nearer(results):
         if row["patients"] == "included":
             digits = DIGITS[row["quantity"]] + 1
             line = [WORDS[row["quantity"]], row["truth"], number(row["error_vci"], digits)]
-            line += [number(row["error_rc"], digits), f"{row['patients_vci_nearer']} of {row['n']}"]
+            line += [number(row["error_rc"], digits), f"{row['patients_vci_nearer']} of {row['n']}", row["ties"]]
             table.append([*line, number(row["p"], 3), row["vci_is"]])
-    headings = ["quantity", "truth", "error of VCI", "error of radius correction", "VCI nearer", "p", "VCI is"]
+    headings = ["quantity", "truth", "error of VCI", "error of radius correction", "VCI nearer", "ties", "p", "VCI is"]
     return markdown(headings, table)
 
 

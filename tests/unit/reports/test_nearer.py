@@ -23,26 +23,26 @@ NEAR, FAR = 0.01 * np.arange(1, 10), 0.01 * np.arange(1, 10) + 0.002 * np.arange
     ],
 )
 def test_the_word_of_nine_patients(vci, rc, word, nearer):
-    found = verdict(vci, rc)
+    found = verdict(vci, rc, 0.0)
     assert (found["vci_is"], found["patients_vci_nearer"], found["n"]) == (word, nearer, 9)
     assert found["error_vci"] == pytest.approx(np.mean(vci)) and found["error_rc"] == pytest.approx(np.mean(rc))
 
 
 def test_the_p_of_pairs_that_all_point_one_way():
-    assert verdict(NEAR, FAR)["p"] == pytest.approx(2 / 2**9)
-    assert verdict(NEAR[:6], FAR[:6])["p"] == pytest.approx(2 / 2**6)
+    assert verdict(NEAR, FAR, 0.0)["p"] == pytest.approx(2 / 2**9)
+    assert verdict(NEAR[:6], FAR[:6], 0.0)["p"] == pytest.approx(2 / 2**6)
 
 
 def test_five_patients_are_too_few():
-    found = verdict(NEAR[:5], FAR[:5])
+    found = verdict(NEAR[:5], FAR[:5], 0.0)
     assert found["p"] is None and found["vci_is"] == "no difference shown" and found["patients_vci_nearer"] == 5
 
 
-def patient(case, vci, rc, ct=True):
-    """metrics.json of a patient whose quantities after PCI are 0.9; radius correction's FFR is not computed."""
+def patient(case, vci, rc, ct=True, estimate=0.0):
+    """metrics.json of a patient whose quantities after PCI are 0.9; radius correction's FFR is not computed in "2"."""
 
     def state(value, flow=True):
-        ffr = {"distal": value} if flow else None
+        ffr = {"distal": value, "error_estimate": estimate} if flow else None
         area, curvature = {"mean_mm2": value, "minimum_mm2": value}, {"mean_per_mm": value}
         return {"ffr": ffr, "area": area, "curvature": curvature}
 
@@ -64,6 +64,19 @@ def test_a_row_a_quantity_and_truth_over_the_patients_that_have_both():
     row = table.loc[("mean_area", "reference")]
     assert row["vci_is"] == "nearer" and row["error_rc"] == pytest.approx(0.09)
     assert table.loc[("mean_area", "ct"), "n"] == 6 and table.loc[("ffr", "ct"), "p"] != table.loc[("ffr", "ct"), "p"]
+
+
+def test_differences_within_the_flows_error_are_ties():
+    """All differences of FFR point one way, by 0.002 to 0.018; areas have no such error."""
+    documents = [patient(f"p{k}", NEAR[k], FAR[k], estimate=0.011) for k in range(9)]
+    table = nearer_table(documents).set_index(["quantity", "truth"])
+    ffr, area = table.loc[("ffr", "reference")], table.loc[("mean_area", "reference")]
+    assert (ffr["vci_is"], ffr["patients_vci_nearer"], ffr["ties"]) == ("no difference shown", 4, 5)
+    assert (area["vci_is"], area["patients_vci_nearer"], area["ties"]) == ("nearer", 9, 0)
+    documents[0]["states"]["rc"]["ffr"]["error_estimate"] = None
+    assert nearer_table(documents).set_index(["quantity", "truth"]).loc[("ffr", "reference"), "ties"] == 5
+    documents[8]["states"]["rc"]["ffr"]["error_estimate"] = None  # not known: no difference of any size counts
+    assert nearer_table(documents).set_index(["quantity", "truth"]).loc[("ffr", "reference"), "ties"] == 6
 
 
 def test_small_biases_have_two_digits():
