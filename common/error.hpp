@@ -3,10 +3,18 @@
 #include <algorithm>
 #include <exception>
 #include <iostream>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 
 namespace common {
+
+/// The parts of a message behind each other, written as a stream does.
+template <class... Parts> std::string text(const Parts&... parts) {
+  std::ostringstream stream;
+  (stream << ... << parts);
+  return stream.str();
+}
 
 /// The one message. A zero byte from a damaged file is shown as a question mark, since it would end the text early.
 inline std::string error_message(const std::string& what, const std::string& where, const std::string& value,

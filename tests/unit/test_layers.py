@@ -105,6 +105,38 @@ def test_an_include_against_the_order_is_found():
         reachable({"vci/high": ["vci/low"], "vci/low": []})
 
 
+def hidden_names(text):
+    """Functions, types and constants that a C++ source keeps in its unnamed namespace. Aliases are left out."""
+    names, inside = set(), False
+    kind = r"(?:template <[^>]*> )?(?:struct|class|enum class|constexpr [\w:]+|const [\w:]+|\w[\w:<>,&* ]*?)"
+    for line in text.splitlines():
+        if line in ("namespace {", "} // namespace"):
+            inside = line == "namespace {"
+        elif inside and not line.startswith(("namespace", "using", "return")):
+            match = re.match(kind + r" (\w+)\s*(?:\(|=|\{|;|$)", line)
+            names |= {match[1]} if match else set()
+    return names
+
+
+@pytest.mark.parametrize("part", cpp_parts())
+def test_no_two_files_of_a_folder_hide_the_same_name(part):
+    """The files of a folder are compiled as one. An overload in another file could then be taken without any error."""
+    for folder in declared_folders((ROOT / part / "CMakeLists.txt").read_text(), part):
+        places = {}
+        for source in tracked(f"{folder}/*.cpp"):
+            text = (ROOT / source).read_text() if str(source.parent) == folder else ""
+            for name in hidden_names(text):
+                places.setdefault(name, []).append(source.name)
+        twice = {name: files for name, files in places.items() if len(files) > 1}
+        assert not twice, f"{folder}: {twice}; rename one, or share it by a header"
+
+
+def test_hidden_names_are_found():
+    """Functions, constants and types count; what others see, calls and members do not."""
+    text = "int seen();\nnamespace {\nconstexpr double a = 1;\nstruct B {\n  int c;\n};\nstd::vector<int> d(int e) {\n"
+    assert hidden_names(text + "  f(e);\n}\n} // namespace\nvoid g() {\n}\n") == {"a", "B", "d"}
+
+
 def imported(text, package):
     """Full names that a Python module of `package` imports, as module or as name of a module."""
     names = set()

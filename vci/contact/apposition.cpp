@@ -11,7 +11,7 @@ namespace vci {
 
 namespace {
 
-constexpr double reach = 2.0; // mm: a stent further away lies against another part of the wall
+constexpr double apposition_reach = 2.0; // mm: a stent further away lies against another part of the wall
 constexpr double slack = 0.1; // mm: triangles this much further than the nearest may hold the projection along normals
 constexpr double nothing = 1e300;
 
@@ -51,7 +51,7 @@ std::vector<double> malapposition(const System& system, const std::vector<int>& 
     const Body& body = system.body(b);
     const BroadPhase boxes(body.triangles, system.x);
     for (int i = 0; i < wall.count; ++i) {
-      boxes.near(system.x[i], body.triangles, system.x, reach, slack, -1, found);
+      boxes.near(system.x[i], body.triangles, system.x, apposition_reach, slack, -1, found);
       candidates.clear();
       for (const NearTriangle& f : found)
         candidates.push_back(f.triangle);

@@ -10,7 +10,7 @@ namespace vci {
 
 namespace {
 
-constexpr double reach = 0.15;         // mm: a layer further away is ignored
+constexpr double layer_reach = 0.15;   // mm: a layer further away is ignored
 constexpr double facing_cosine = -0.2; // layers face each other if the cosine between their normals is below this
 constexpr double turned_away = 0.5;    // if the cosine is above this, a layer has turned away, however deep it is
 // share of the thickness: the gap between layers of a wrapped balloon, less the sagitta of their straight edges
@@ -116,7 +116,7 @@ bool SelfContact::keeps(const System& system, int vertex, double side, Layer& la
   const Vec3 n = interpolated_normal(t, layer.weights, units_);
   layer.gap = side * n.dot(system.x[body.first + vertex] - point_of(t, layer.weights, system.x));
   const double cosine = n.dot(units_[body.first + vertex]);
-  return layer.distance < reach && cosine < (layer.gap > 0 ? facing_cosine : turned_away);
+  return layer.distance < layer_reach && cosine < (layer.gap > 0 ? facing_cosine : turned_away);
 }
 
 /// Finds the nearest layer on each side that faces the vertex. A layer that it already faces stays if it is nearer, or
@@ -124,7 +124,7 @@ bool SelfContact::keeps(const System& system, int vertex, double side, Layer& la
 void SelfContact::search(const System& system, int vertex, std::vector<NearTriangle>& found) {
   const Body& body = system.body(body_);
   const Vec3 &p = system.x[body.first + vertex], &normal = units_[body.first + vertex];
-  boxes_->near(p, body.triangles, system.x, reach, reach, -1, found);
+  boxes_->near(p, body.triangles, system.x, layer_reach, layer_reach, -1, found);
   for (const NearTriangle& f : found) {
     const Triangle& t = body.triangles[f.triangle];
     const bool seen = std::all_of(t.begin(), t.end(), [&](int v) { return thickness_[v - body.first] > 0; });
@@ -151,7 +151,7 @@ bool SelfContact::may_have_missed(const System& system) {
   const double largest_distance = begins_at_share * *std::max_element(thickness_.begin(), thickness_.end());
   last_.assign(system.x.begin() + body.first, system.x.begin() + body.first + body.count);
   travel_ += std::sqrt(moved);
-  return !boxes_ || 2 * travel_ > reach - largest_distance;
+  return !boxes_ || 2 * travel_ > layer_reach - largest_distance;
 }
 
 void SelfContact::press(const System& system, int vertex, double area, double side, Layer& layer,

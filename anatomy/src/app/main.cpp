@@ -21,7 +21,7 @@ struct GivenPoints {
   std::vector<double> inlet, outlets, cuts, ostium;
 };
 
-std::vector<Vec3> points_of(const std::vector<double>& coordinates, const std::string& option) {
+std::vector<Vec3> given_points(const std::vector<double>& coordinates, const std::string& option) {
   if (coordinates.size() % 3 != 0)
     throw common::InputError("a point has three coordinates", option, std::to_string(coordinates.size()) + " numbers",
                              "write " + option + " x,y,z for each point");
@@ -178,11 +178,11 @@ int main(int argc, char** argv) {
     return *code;
   return common::guarded([&] {
     if (!given.inlet.empty())
-      options.inlet = points_of(given.inlet, "--inlet").front();
+      options.inlet = given_points(given.inlet, "--inlet").front();
     if (!given.ostium.empty())
-      options.ostium = points_of(given.ostium, "--ostium").front();
-    options.outlets = points_of(given.outlets, "--outlet");
-    options.cuts = points_of(given.cuts, "--cut");
+      options.ostium = given_points(given.ostium, "--ostium").front();
+    options.outlets = given_points(given.outlets, "--outlet");
+    options.cuts = given_points(given.cuts, "--cut");
     if (check_command->parsed()) {
       check(options, repaired, ends);
     } else if (remesh_command->parsed()) {

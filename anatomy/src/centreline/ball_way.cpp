@@ -5,7 +5,7 @@ namespace anatomy {
 namespace {
 
 constexpr double band = 0.6;       // radii before and behind a place: the wall in this band gives the direction
-constexpr double aside = 2;        // radii from the place: includes the wall of ovals, but not of neighbours
+constexpr double wall_reach = 2;   // radii from the place: includes the wall of ovals, but not of neighbours
 constexpr double cos_agree = 0.87; // 30 degrees
 
 } // namespace
@@ -48,7 +48,7 @@ Vec3 direction_of(const Mesh& mesh, const BallWay& way, double where) {
     const Vec3 a = vec(mesh.point(mesh.source(h))), b = vec(mesh.point(mesh.target(h))),
                c = vec(mesh.point(mesh.target(mesh.next(h))));
     const Vec3 p = (a + b + c) / 3 - centre, area = (b - a).cross(Vec3(c - a));
-    if (std::abs(p.dot(along)) < band * r && p.norm() < aside * r && area.norm() > 0)
+    if (std::abs(p.dot(along)) < band * r && p.norm() < wall_reach * r && area.norm() > 0)
       spread += area * area.transpose() / area.norm();
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);

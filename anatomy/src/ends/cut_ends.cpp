@@ -18,7 +18,6 @@ constexpr double behind_last_ball = 0.5; // radii from its centre to the cut: th
 constexpr double next_plane = 0.25;      // radii between planes that are tried
 constexpr double still_widening = 1.15;  // growth of the balls' radius over one radius of a tip that tapers
 constexpr double like_section = 1.25;    // largest ratio of areas: a vessel that tapers by 6 degrees on each side
-constexpr double covers = 1.15;          // half width of the cut over the section's reach from its centre
 constexpr double beside_end = 0.4;       // radii: a tip this near to an end's rim belongs to the rim
 constexpr double about_as_near = 0.1;    // radii: a ball this much further from a tip than the nearest counts as near
 constexpr double still_at_tip = 1;       // radii from a ball's surface to the tip; at the rim of a flat end it is 0.41
@@ -26,7 +25,7 @@ constexpr double longest_edge = 0.3;     // mean radii; halved until the inscrib
 constexpr double finest_edge = 0.075;
 constexpr double beyond_tip = 2; // radii of the ball: if the vessel goes on this far from the tip, the ball leads away
 constexpr double much_lost = 2;  // mm; an ostial lesion lies within 3 mm of the ostium
-constexpr double reach = 3;      // radii within which a point names a tip or a place on the axis
+constexpr double naming_reach = 3; // radii within which a point names a tip or a place on the axis
 constexpr double same_cut = 0.5; // radii between the cuts of two tips of one dome, which is wider than the mean vessel
 
 // An end and the distance from its centre within which a tip is part of the end's rim.
@@ -138,7 +137,7 @@ Plane cut_plane(const Mesh& mesh, const Slices& slices, const BallWay& way) {
     further.centre += behind_last_ball * std::sqrt(here.area / M_PI) * plane.normal;
     const double area = slices.outline({further.centre, further.normal}).area;
     if (here.area > 0 && area > here.area / like_section && area < here.area * like_section) {
-      plane.radius = std::max(plane.radius, covers * here.reach / half_width);
+      plane.radius = std::max(plane.radius, section_cover * here.reach / half_width);
       return plane;
     }
   }
@@ -284,7 +283,7 @@ void cut_across(Mesh& mesh, const Mesh& tagged, const std::vector<End>& ends, co
           nearest = &way;
           at = i;
         }
-    if (!nearest || least > reach * nearest->radius[at])
+    if (!nearest || least > naming_reach * nearest->radius[at])
       throw InputError("no vessel near the point to cut at", "--cut", place(p), "give a point on the vessel's axis");
     const Plane plane = plane_across(tagged, *nearest, nearest->s[at]);
     report_cut(repairs, "vessel cut across", plane,

@@ -10,13 +10,13 @@ namespace {
 using FacePrimitive = CGAL::AABB_face_graph_triangle_primitive<Mesh>;
 using FaceTree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, FacePrimitive>>;
 
-constexpr double largest_growth = 2;   // of the area over half a radius: 40 degrees on each side
-constexpr double part_of_rough = 1.25; // the same on a rough surface, where one plane may hold only a part of a cap
-constexpr double off_plane = 0.07;     // largest height of a flat part over its diameter
-constexpr double cos_tilt = 0.5;       // 60 degrees
-constexpr double section_depth = 0.5;  // radii: an outlet that was cut off close to its parent is no longer
-constexpr double behind_rim = 0.25;    // radii: a rounded rim is neither cap nor wall
-constexpr double largest_ball = 20;    // mm: wider than any aorta
+constexpr double largest_growth = 2;    // of the area over half a radius: 40 degrees on each side
+constexpr double part_of_rough = 1.25;  // the same on a rough surface, where one plane may hold only a part of a cap
+constexpr double flat_off_plane = 0.07; // largest height of a flat part over its diameter
+constexpr double cos_tilt = 0.5;        // 60 degrees
+constexpr double section_depth = 0.5;   // radii: an outlet that was cut off close to its parent is no longer
+constexpr double behind_rim = 0.25;     // radii: a rounded rim is neither cap nor wall
+constexpr double largest_ball = 20;     // mm: wider than any aorta
 constexpr int most_steps = 40;
 
 } // namespace
@@ -32,7 +32,7 @@ Tubes::Tubes(const Mesh& mesh) : mesh_(mesh), trees_(std::make_shared<Trees>(mes
 std::string no_end_since(const PatchPlane& plane, const Evidence& evidence, bool rough) {
   if (plane.width < least_width * 2 * evidence.ball)
     return "a facet of the wall: narrower than the vessel behind it";
-  if (plane.highest - plane.lowest > 2 * off_plane * std::sqrt(plane.area / M_PI))
+  if (plane.highest - plane.lowest > 2 * flat_off_plane * std::sqrt(plane.area / M_PI))
     return "not flat";
   if (evidence.section <= 0)
     return "no vessel behind it";

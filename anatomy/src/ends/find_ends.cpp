@@ -13,7 +13,7 @@ namespace {
 using common::InputError;
 
 constexpr double smallest_radius = 0.25; // mean radii: bumps of a few triangles are no vessels
-constexpr double off_plane = 0.03;       // mean radii
+constexpr double least_off_plane = 0.03; // mean radii
 constexpr double off_plane_of_noise = 0.1;
 constexpr double noise_reach = 3;   // standard deviations of the wall's roughness
 constexpr double reach_of_flat = 3; // radii within which a point names an end
@@ -89,7 +89,7 @@ std::vector<Place> flat_places(const Mesh& mesh, const NamedEnds& named, double 
   const double mean = mean_radius(mesh);
   const double radius = std::max(least_radius, smallest_radius * mean);
   const double reach = noise_reach * roughness_of(mesh).rms;
-  const double flat = std::clamp(reach, off_plane * mean, off_plane_of_noise * mean);
+  const double flat = std::clamp(reach, least_off_plane * mean, off_plane_of_noise * mean);
   for (const auto& faces : planar_patches(mesh, flat, M_PI * radius * radius))
     places.push_back(flat_place(mesh, tubes, faces, "flat", reach > flat));
   return places;

@@ -9,7 +9,8 @@ struct Plane {
   double radius;       ///< mm, of the vessel there
 };
 
-constexpr double half_width = 2; ///< of the cutting square, in radii: wide enough for ovals, not for neighbours
+constexpr double section_cover = 1.15; ///< half width of the cutting square over the section's reach from its centre
+constexpr double half_width = 2;       ///< of the cutting square, in radii: wide enough for ovals, not for neighbours
 
 /// Cuts the mesh across and drops the side that holds `tip`, or the smaller one if `tip` is the null vertex. It makes
 /// one opening only; faces keep their tags. Returns the area dropped (mm2); the mesh then holds garbage. Throws

@@ -9,7 +9,6 @@ constexpr double settled = 1.05; // the same from which the cut gains little
 constexpr double further = 0.5;  // radii
 constexpr double step = 0.05;    // radii between planes that are tried
 constexpr double deepest = 0.75; // radii
-constexpr double covers = 1.15;  // half width of the cut over the section's reach from its centre
 
 } // namespace
 
@@ -21,7 +20,8 @@ std::optional<Plane> plane_behind_rim(const Slices& slices, const PatchPlane& en
   for (double depth = step * radius - end.lowest; depth < deepest * radius; depth += step * radius) {
     const Outline here = outline(depth);
     if (here.area > 0 && outline(depth + further * radius).area < settled * here.area)
-      return Plane{end.centre - depth * end.normal, -end.normal, std::max(radius, covers * here.reach / half_width)};
+      return Plane{end.centre - depth * end.normal, -end.normal,
+                   std::max(radius, section_cover * here.reach / half_width)};
   }
   return std::nullopt;
 }

@@ -4,7 +4,7 @@
 namespace anatomy {
 namespace {
 
-constexpr double wider = 1.1;         // over the reference
+constexpr double wide_end = 1.1;      // over the reference
 constexpr double close = 2.5;         // radii from an end to a lesion; no section is measured in the first 1.5 of them
 constexpr double narrowed = 20;       // per cent by diameter
 constexpr double still_narrowing = 5; // points of per cent
@@ -43,7 +43,7 @@ void note_wide_ends(const std::vector<Branch>& branches, const std::vector<Refer
     const auto is_close = [&](double s, double end) { return std::abs(s - end) < close * profile.diameter(s) / 2; };
     const auto note = [&](double from, double to) {
       const Widest end = widest_between(branch, profile, from, to);
-      if (end.ratio < wider)
+      if (end.ratio < wide_end)
         return;
       char detail[256];
       std::snprintf(

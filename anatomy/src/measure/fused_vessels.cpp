@@ -3,9 +3,9 @@
 namespace anatomy {
 namespace {
 
-constexpr double wider = 1.15;      // equivalent diameter over the reference
-constexpr double flat = 1.8;        // longest over shortest chord: slit lesions are as flat, but not wider
-constexpr double long_enough = 3.0; // mm
+constexpr double fused_width = 1.15;       // equivalent diameter over the reference
+constexpr double flat = 1.8;               // longest over shortest chord: slit lesions are as flat, but not wider
+constexpr double least_fused_length = 3.0; // mm
 
 double flattest_of(const std::vector<const Section*>& stretch) {
   double most = 0;
@@ -22,7 +22,7 @@ void note_fused_vessels(const std::vector<Branch>& branches, const std::vector<S
     std::vector<const Section*> stretch;
     const auto s_of = [&](const Section* section) { return branches[b].s[section->sample]; };
     const auto close = [&] {
-      if (!stretch.empty() && s_of(stretch.back()) - s_of(stretch.front()) >= long_enough) {
+      if (!stretch.empty() && s_of(stretch.back()) - s_of(stretch.front()) >= least_fused_length) {
         const Section& middle = *stretch[stretch.size() / 2];
         char detail[320];
         std::snprintf(
@@ -39,7 +39,7 @@ void note_fused_vessels(const std::vector<Branch>& branches, const std::vector<S
       if (section.branch != b)
         continue;
       const bool fused = section.flag == "ok" && section.max_diameter > flat * section.min_diameter &&
-                         section.equivalent_diameter() > wider * profiles[b].diameter(s_of(&section));
+                         section.equivalent_diameter() > fused_width * profiles[b].diameter(s_of(&section));
       if (fused)
         stretch.push_back(&section);
       else

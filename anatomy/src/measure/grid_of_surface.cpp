@@ -8,11 +8,11 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double finest = 0.15, coarsest = 1.2; // mm: of images that show coronary lumens
 constexpr double bin = 0.02;                    // mm: it lowers the wave of the finest spacing by 3 %
-constexpr double beside = 0.25;                 // of a wave's frequency: its neighbours are the waves within this
-constexpr double stands_out = 4;     // over the neighbours' median: contoured surfaces have 4.4 to 24, others up to 2.8
-constexpr double least_share = 0.02; // of the vertices, in step with the wave
-constexpr double least_extent = 8;   // mm: along a shorter axis the vessel's own width makes waves
-constexpr std::size_t fewest = 1000; // vertices: fewer make high waves by chance
+constexpr double wave_band = 0.25;              // of a wave's frequency: its neighbours are the waves within this
+constexpr double stands_out = 4; // over the neighbours' median: contoured surfaces have 4.4 to 24, others up to 2.8
+constexpr double least_wave_share = 0.02;     // of the vertices, in step with the wave
+constexpr double least_extent = 8;            // mm: along a shorter axis the vessel's own width makes waves
+constexpr std::size_t fewest_vertices = 1000; // vertices: fewer make high waves by chance
 
 // Number of vertices in each bin along one coordinate.
 std::vector<double> density(const Mesh& mesh, int axis) {
@@ -52,18 +52,18 @@ double wave_of(const Spectrum& spectrum) {
   const auto top = std::max_element(spectrum.share.begin(), spectrum.share.end());
   const auto at = static_cast<double>(top - spectrum.share.begin());
   const double frequency = spectrum.first + at * spectrum.step;
-  const auto reach = static_cast<std::ptrdiff_t>(beside * frequency / spectrum.step);
+  const auto reach = static_cast<std::ptrdiff_t>(wave_band * frequency / spectrum.step);
   std::vector<double> near(top - std::min(reach, top - spectrum.share.begin()),
                            top + std::min(reach, spectrum.share.end() - top));
   const auto middle = near.begin() + static_cast<std::ptrdiff_t>(near.size() / 2);
   std::nth_element(near.begin(), middle, near.end());
-  return *top > least_share && *top > stands_out * *middle ? 1 / frequency : 0;
+  return *top > least_wave_share && *top > stands_out * *middle ? 1 / frequency : 0;
 }
 
 } // namespace
 
 double grid_of_surface(const Mesh& mesh) {
-  if (mesh.number_of_vertices() < fewest)
+  if (mesh.number_of_vertices() < fewest_vertices)
     return 0;
   double largest = 0;
   int axes = 0;

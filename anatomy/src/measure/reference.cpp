@@ -6,19 +6,19 @@ namespace anatomy {
 namespace {
 
 constexpr std::array<double, 2> other_exponents{3, 7.0 / 3}; // of forks: Murray 1926; Huo and Kassab 2012
-constexpr double band = 0.03;           // of the diameter: sections this near to the profile count as healthy
-constexpr double too_wide = 1.08;       // over the profile: an ostium's sections may be 8 % too wide
-constexpr double ruled_out = -1e9;      // score
-constexpr int fewest = 8;               // sections for a profile
-constexpr std::size_t drawn = 80;       // sections through pairs of which lines are tried
-constexpr double least_widening = 1.15; // of a dilatation
-constexpr double many_more = 1.25;      // ratio of healthy sections that a dilatation or a step has to bring
-constexpr double deepest_step = 0.737;  // ratio past a fork into two equal branches: D = 0.678 (d1 + d2), Finet 2007
-constexpr double lesser_daughter = 0.6; // the same into the lesser of two branches, where the other one has 0.87
-constexpr double split_error = 0.1;     // of the ratio past a branch of known calibre, by the flow split
-constexpr double ectatic = 1.5;         // width over the widest lumen beside it (definition of coronary ectasia)
-constexpr double flank = 0.99;          // of an ectasia: ratio of neighbouring sections, steeper than any taper
-constexpr double least_share = 0.1;     // of D^m without side branches: least value behind them
+constexpr double band = 0.03;             // of the diameter: sections this near to the profile count as healthy
+constexpr double too_wide = 1.08;         // over the profile: an ostium's sections may be 8 % too wide
+constexpr double ruled_out = -1e9;        // score
+constexpr int fewest_sections = 8;        // sections for a profile
+constexpr std::size_t drawn = 80;         // sections through pairs of which lines are tried
+constexpr double least_widening = 1.15;   // of a dilatation
+constexpr double many_more = 1.25;        // ratio of healthy sections that a dilatation or a step has to bring
+constexpr double deepest_step = 0.737;    // ratio past a fork into two equal branches: D = 0.678 (d1 + d2), Finet 2007
+constexpr double lesser_daughter = 0.6;   // the same into the lesser of two branches, where the other one has 0.87
+constexpr double split_error = 0.1;       // of the ratio past a branch of known calibre, by the flow split
+constexpr double ectatic = 1.5;           // width over the widest lumen beside it (definition of coronary ectasia)
+constexpr double flank = 0.99;            // of an ectasia: ratio of neighbouring sections, steeper than any taper
+constexpr double least_trunk_share = 0.1; // of D^m without side branches: least value behind them
 // Taper per mm, over the first diameter. The LAD loses half of its width (3.7 to 1.9 mm, Dodge 1992), .5 % per mm.
 constexpr double steepest = 0.015;
 constexpr double other_reading = 1.05; // ratio from which another reading is told
@@ -37,7 +37,7 @@ double behind_sides(double line, const Sides& sides, double s) {
   if (sides.branches.empty())
     return line;
   const double trunk = std::pow(line, sides.exponent);
-  return std::pow(std::max(trunk - carried_off(sides, s), least_share * trunk), 1 / sides.exponent);
+  return std::pow(std::max(trunk - carried_off(sides, s), least_trunk_share * trunk), 1 / sides.exponent);
 }
 
 // The diameters as they would be without the side branches.
@@ -71,9 +71,9 @@ struct Candidate {
     const auto reached = [&](double count) {
       return static_cast<std::size_t>(std::lower_bound(healthy.begin(), healthy.end(), count) - healthy.begin());
     };
-    const int before = wide[reached(std::min(healthy[a] + fewest, healthy[b]))] - wide[a];
-    const int behind = wide[b] - wide[std::max(a, reached(std::max(healthy[b] - fewest, healthy[a])))];
-    return before + behind < fewest ? on(a, b) - (wide[b] - wide[a]) : ruled_out;
+    const int before = wide[reached(std::min(healthy[a] + fewest_sections, healthy[b]))] - wide[a];
+    const int behind = wide[b] - wide[std::max(a, reached(std::max(healthy[b] - fewest_sections, healthy[a])))];
+    return before + behind < fewest_sections ? on(a, b) - (wide[b] - wide[a]) : ruled_out;
   }
 };
 
@@ -134,7 +134,7 @@ Choice beside_dilatation(const std::vector<Candidate>& lines) {
     const auto first = static_cast<std::size_t>(std::upper_bound(count.begin(), count.end(), 0) - count.begin()) - 1;
     const auto last =
         static_cast<std::size_t>(std::lower_bound(count.begin(), count.end(), count.back()) - count.begin());
-    if (first >= last || one.on(0, first) < fewest || one.on(last, n) < fewest ||
+    if (first >= last || one.on(0, first) < fewest_sections || one.on(last, n) < fewest_sections ||
         2 * (one.wide[last] - one.wide[first]) < static_cast<int>(last - first))
       continue;
     if (const double score = one.score(0, first) + one.score(last, n); score > best.score)
@@ -192,11 +192,11 @@ Choice stepped(const std::vector<Candidate>& lines, const std::vector<Calibre>& 
   const std::size_t n = measured.size();
   const std::vector<Calibre> trunk = trunk_of(measured, sides);
   const auto mostly = [](double healthy, std::size_t all) {
-    return healthy >= fewest && 2 * healthy >= static_cast<double>(all);
+    return healthy >= fewest_sections && 2 * healthy >= static_cast<double>(all);
   };
   Choice best;
   const auto attempt = [&](std::size_t k, bool at_a_branch) {
-    if (k < fewest || k + fewest > n)
+    if (k < fewest_sections || k + fewest_sections > n)
       return;
     const Choice before = plain(lines, 0, k), behind = plain(lines, k, n);
     if (!mostly(before.healthy, k) || !mostly(behind.healthy, n - k) || before.score + behind.score <= best.score)
@@ -220,7 +220,7 @@ Choice stepped(const std::vector<Candidate>& lines, const std::vector<Calibre>& 
     attempt(static_cast<std::size_t>(
                 std::count_if(measured.begin(), measured.end(), [at = at](const Calibre& c) { return c.s <= at; })),
             true);
-  for (std::size_t k = fewest; k + fewest <= n; k += (n + drawn - 1) / drawn)
+  for (std::size_t k = fewest_sections; k + fewest_sections <= n; k += (n + drawn - 1) / drawn)
     attempt(k, false);
   return best;
 }
@@ -234,17 +234,18 @@ ReferenceProfile fitted(const Choice& choice, const std::vector<Calibre>& measur
                         fitted(choice.behind->line, trunk, choice.first, trunk.size())}};
 }
 
-// The sections without an ectasia. An ectasia is one stretch with at least `fewest` sections before and behind it, and
-// `ectatic` times as wide as any of them. Its flanks are left out as well.
+// The sections without an ectasia. An ectasia is one stretch with at least `fewest_sections` sections before and behind
+// it, and `ectatic` times as wide as any of them. Its flanks are left out as well.
 std::vector<Calibre> without_ectasia(std::vector<Calibre> measured, const Branch& branch, std::vector<Repair>& notes) {
   const std::size_t all = measured.size();
   Calibre widest{};
-  while (std::ssize(measured) > 2 * fewest) {
+  while (std::ssize(measured) > 2 * fewest_sections) {
     const Calibre peak = *std::max_element(measured.begin(), measured.end(), is_less_wide);
     const auto wide = [&](const Calibre& c) { return c.diameter >= peak.diameter / ectatic; };
     const auto first = std::find_if(measured.begin(), measured.end(), wide);
     const auto last = std::find_if(measured.rbegin(), measured.rend(), wide).base();
-    if (first - measured.begin() < fewest || measured.end() - last < fewest || !std::all_of(first, last, wide))
+    if (first - measured.begin() < fewest_sections || measured.end() - last < fewest_sections ||
+        !std::all_of(first, last, wide))
       break;
     if (measured.size() == all)
       widest = peak;
@@ -373,7 +374,7 @@ ReferenceProfile profile_of(const std::vector<Calibre>& measured, const Branch& 
     const Choice before = best;
     for (std::size_t k = 0; k < splits; ++k)
       if (const Choice one = choice(k);
-          one.score > best.score + (k > 0 ? fewest : 0) && one.healthy >= many_more * before.healthy) {
+          one.score > best.score + (k > 0 ? fewest_sections : 0) && one.healthy >= many_more * before.healthy) {
         best = one;
         split = k;
       }
@@ -436,7 +437,7 @@ std::vector<ReferenceProfile> reference_profiles(const std::vector<Branch>& bran
                    [&](std::size_t a, std::size_t b) { return generation(a) > generation(b); });
   for (std::size_t b : order) {
     const std::vector<Calibre> measured = without_ectasia(calibres(branches, sections, b), branches[b], notes);
-    if (std::ssize(measured) < fewest) {
+    if (std::ssize(measured) < fewest_sections) {
       profiles[b] = constant(branches[b]);
       notes.push_back({"constant reference diameter", 1, branches[b].name + " is too short for a profile"});
       continue;

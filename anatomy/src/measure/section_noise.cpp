@@ -7,8 +7,8 @@ namespace {
 
 constexpr double stride_mm = 0.5; // nearer sections of a rough wall share vertices; farther ones differ by their shape
 constexpr double usual_radius = 1.5;
-constexpr std::size_t fewest = 5;        // sections for an estimate
-constexpr Eigen::Index shortest_run = 8; // sections for a profile
+constexpr std::size_t fewest_for_noise = 5; // sections for an estimate
+constexpr Eigen::Index shortest_run = 8;    // sections for a profile
 constexpr double caution = 1.4; // times C_p's price of a degree of freedom, against chance fits (Kim & Gu 2004)
 constexpr double bends_twice =
     5; // degrees of freedom, whose price rises with few sections as in corrected AIC (Hurvich & Tsai 1989)
@@ -22,7 +22,7 @@ struct Profile {
   Eigen::VectorXd radius, weight;
 };
 
-Profile profile_of(std::vector<Section>& sections, std::size_t branch) {
+Profile radii_along(std::vector<Section>& sections, std::size_t branch) {
   Profile profile;
   std::size_t first = 0;
   for (Section& section : sections) {
@@ -132,7 +132,7 @@ double area_noise(const std::vector<Section>& sections) {
   for (const Section& section : sections)
     if (section.flag == "ok" && section.scatter >= 0)
       found.push_back(section.scatter * std::sqrt(section.equivalent_diameter() / 2 / usual_radius));
-  if (found.size() < fewest)
+  if (found.size() < fewest_for_noise)
     return 0;
   const auto middle = found.begin() + static_cast<long>(found.size() / 2);
   std::nth_element(found.begin(), middle, found.end());
@@ -146,7 +146,7 @@ void smooth_noisy_areas(const std::vector<Branch>& branches, std::vector<Section
     return;
   std::size_t changed = 0;
   for (std::size_t b = 0; b < branches.size(); ++b) {
-    const Profile profile = profile_of(sections, b);
+    const Profile profile = radii_along(sections, b);
     if ((profile.weight.array() > 0).count() < shortest_run)
       continue;
     const Eigen::VectorXd smooth = smoothed(profile, stride_of(branches[b]), noise * usual_radius / 2);

@@ -6,10 +6,10 @@ namespace {
 
 // The LAD loses half of its width (3.7 to 1.9 mm over 100 mm, Dodge 1992), .5 % per mm of the first diameter. Small
 // branches lose as many mm per mm, which is more of theirs.
-constexpr double usual = 0.5, steep = 1; // per cent per mm
-constexpr double steep_slope = 0.037;    // mm per mm, twice the LAD's
-constexpr double long_enough = 15;       // mm: a shorter stretch tapers as its few sections say
-constexpr double beside = 0.01;          // mm from a fork, where the reference steps down
+constexpr double usual = 0.5, steep = 1;  // per cent per mm
+constexpr double steep_slope = 0.037;     // mm per mm, twice the LAD's
+constexpr double least_taper_length = 15; // mm: a shorter stretch tapers as its few sections say
+constexpr double fork_offset = 0.01;      // mm from a fork, where the reference steps down
 
 // Arc lengths (mm) that divide a branch into stretches of one taper: `from`, `to`, the forks, and both ends of a step.
 // At forks and over a step the reference may step down.
@@ -37,9 +37,9 @@ void note_steep_tapers(const std::vector<Branch>& branches, const std::vector<Se
     const std::vector<double> cuts = cuts_of(branches, b, profiles[b], measured.front().s, measured.back().s);
     for (std::size_t k = 1; k < cuts.size(); ++k) {
       const double from = cuts[k - 1], to = cuts[k];
-      const double first = profiles[b].diameter(from + beside), last = profiles[b].diameter(to - beside);
-      const double taper = 100 * (first - last) / first / std::max(to - from, beside);
-      if (to - from < long_enough || taper < steep || (first - last) / (to - from) < steep_slope)
+      const double first = profiles[b].diameter(from + fork_offset), last = profiles[b].diameter(to - fork_offset);
+      const double taper = 100 * (first - last) / first / std::max(to - from, fork_offset);
+      if (to - from < least_taper_length || taper < steep || (first - last) / (to - from) < steep_slope)
         continue;
       char detail[320];
       std::snprintf(detail, sizeof detail,

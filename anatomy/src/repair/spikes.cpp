@@ -12,14 +12,14 @@ constexpr double worth_a_look = 0.35;       // edges above the ring; lower verti
 constexpr std::size_t most_neighbours = 12; // more has the apex of a fan over a whole end, which is no spike
 constexpr Eigen::Index most_unknowns = 6;   // of a quadric; three more points are needed for the scatter
 
-struct Ring {
+struct VertexRing {
   std::vector<Vertex> vertices; // in order
   Vec3 mean = Vec3::Zero(), normal = Vec3::Zero();
   double edge = 0; // mm, mean between neighbours of the ring: a spike does not lengthen it
 };
 
-Ring ring_of(const Mesh& mesh, Vertex v) {
-  Ring ring;
+VertexRing ring_of(const Mesh& mesh, Vertex v) {
+  VertexRing ring;
   for (Vertex w : mesh.vertices_around_target(mesh.halfedge(v)))
     ring.vertices.push_back(w);
   const double n = static_cast<double>(ring.vertices.size());
@@ -36,13 +36,13 @@ Ring ring_of(const Mesh& mesh, Vertex v) {
   return ring;
 }
 
-double over_ring(const Mesh& mesh, Vertex v, const Ring& ring) {
+double over_ring(const Mesh& mesh, Vertex v, const VertexRing& ring) {
   return ring.normal.dot(Vec3(vec(mesh.point(v)) - ring.mean));
 }
 
 // The height of v over the quadric fitted to the two rings of vertices round it, and their scatter about it. The height
 // is 0 if they are too few.
-std::pair<double, double> over_quadric(const Mesh& mesh, Vertex v, const Ring& ring) {
+std::pair<double, double> over_quadric(const Mesh& mesh, Vertex v, const VertexRing& ring) {
   std::vector<Vertex> around = ring.vertices;
   for (Vertex w : ring.vertices)
     for (Vertex x : mesh.vertices_around_target(mesh.halfedge(w)))
@@ -66,7 +66,7 @@ std::pair<double, double> over_quadric(const Mesh& mesh, Vertex v, const Ring& r
 }
 
 // Whether a cap touches the vertex or its ring.
-bool near_cap(const Mesh& mesh, const RegionMap& region, const Ring& ring) {
+bool near_cap(const Mesh& mesh, const RegionMap& region, const VertexRing& ring) {
   for (Vertex w : ring.vertices)
     for (Face f : mesh.faces_around_target(mesh.halfedge(w)))
       if (region[f] != 0)
@@ -83,7 +83,7 @@ void flatten_spikes(Mesh& mesh, std::vector<Repair>& repairs) {
   double highest = 0;
   Vec3 where = Vec3::Zero();
   for (Vertex v : mesh.vertices()) {
-    const Ring ring = ring_of(mesh, v);
+    const VertexRing ring = ring_of(mesh, v);
     if (ring.vertices.size() > most_neighbours || std::abs(over_ring(mesh, v, ring)) < worth_a_look * ring.edge ||
         near_cap(mesh, region, ring))
       continue;
@@ -111,7 +111,7 @@ Roughness roughness_of(const Mesh& mesh) {
   std::vector<double> off;
   double mean = 0;
   for (Vertex v : mesh.vertices()) {
-    const Ring ring = ring_of(mesh, v);
+    const VertexRing ring = ring_of(mesh, v);
     const double n = static_cast<double>(ring.vertices.size());
     off.push_back(over_ring(mesh, v, ring) / std::sqrt(1 + 1 / n)); // 1 / n: the neighbours' mean also scatters
     mean += off.back() / static_cast<double>(mesh.number_of_vertices());

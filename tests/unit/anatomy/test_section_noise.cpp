@@ -23,12 +23,12 @@ struct Cut {
 };
 
 // Sections of a vessel of radius r(s), with the scatter that 0.05 mm of noise on vertices 0.2 mm apart gives.
-Cut cut(double step, double noise, unsigned seed, double (*radius)(double) = throat, double length = ::length) {
+Cut cut(double step, double noise, unsigned seed, double (*radius)(double) = throat, double last = length) {
   Cut out{{}, {}, radius};
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   Branch branch;
-  for (double s = 0; s <= length; s += step) {
+  for (double s = 0; s <= last; s += step) {
     branch.s.push_back(s);
     branch.x.emplace_back(s, 0, 0);
     branch.radius.push_back(radius(s));
@@ -39,7 +39,7 @@ Cut cut(double step, double noise, unsigned seed, double (*radius)(double) = thr
     section.area = M_PI * r * r;
     section.min_diameter = 1.9 * r;
     section.max_diameter = 2.1 * r;
-    section.flag = s < 2 || s > length - 2 ? "end" : std::abs(s - 30) < 1 ? "ostium" : "ok";
+    section.flag = s < 2 || s > last - 2 ? "end" : std::abs(s - 30) < 1 ? "ostium" : "ok";
     out.sections.push_back(section);
   }
   out.branches.push_back(branch);
@@ -71,7 +71,7 @@ TEST(SectionNoise, LeavesAreasWithoutNoiseToTheBit) {
   }
 }
 
-constexpr unsigned seeds = 60;
+constexpr unsigned drawn_walls = 60;
 
 TEST(SectionNoise, IsFound) {
   const double expected = 2 * 0.05 / 1.5 * std::sqrt(0.2 / (2 * M_PI * 1.5));
@@ -97,7 +97,7 @@ TEST(SectionNoise, IsTakenOutButNotTheLesion) {
   const double throat_noise = 0.05 * std::sqrt(0.2 / (2 * M_PI * throat(20))) / throat(20);
   for (double step : {0.25, 0.5}) {
     double squares_before = 0, squares_after = 0, squares_at_throat = 0;
-    for (unsigned seed = 1; seed <= seeds; ++seed) {
+    for (unsigned seed = 1; seed <= drawn_walls; ++seed) {
       Cut given = cut(step, 0.05, seed);
       const std::vector<Section> cut_areas = given.sections;
       const double before = scatter(given);
@@ -115,7 +115,7 @@ TEST(SectionNoise, IsTakenOutButNotTheLesion) {
         }
         EXPECT_NEAR(section.min_diameter / section.equivalent_diameter(), 0.95, 1e-9);
         if (std::abs(given.branches[0].s[i] - 20) < 0.01)
-          squares_at_throat += std::pow(section.equivalent_diameter() / 2 / throat(20) - 1, 2) / seeds;
+          squares_at_throat += std::pow(section.equivalent_diameter() / 2 / throat(20) - 1, 2) / drawn_walls;
       }
     }
     EXPECT_LT(std::sqrt(squares_after / squares_before), 0.8) << step;
@@ -126,7 +126,7 @@ TEST(SectionNoise, IsTakenOutButNotTheLesion) {
 // The stiffest profile of third differences is a parabola: a branch that only tapers is left straight, but for chance.
 TEST(SectionNoise, LeavesATaperStraight) {
   unsigned straight = 0;
-  for (unsigned seed = 1; seed <= seeds; ++seed) {
+  for (unsigned seed = 1; seed <= drawn_walls; ++seed) {
     Cut given = cut(0.5, 0.05, seed, taper, 30);
     std::vector<Repair> notes;
     smooth_noisy_areas(given.branches, given.sections, notes);
@@ -137,7 +137,7 @@ TEST(SectionNoise, LeavesATaperStraight) {
                                      2 * given.sections[i].equivalent_diameter()));
     straight += bend < 1e-9;
   }
-  EXPECT_GT(straight, seeds / 2) << straight;
+  EXPECT_GT(straight, drawn_walls / 2) << straight;
 }
 
 } // namespace

@@ -40,8 +40,9 @@ TEST(ShortestWays, NoLinkIsShorterThanTheDifference) {
   for (std::size_t k = 0; k < links.size(); ++k)
     tight[links[k].second] = std::min(tight[links[k].second], ways.cost[links[k].first] + costs[k]);
   for (std::size_t i = 0; i < 200; ++i)
-    if (i != 7 && ways.cost[i] < unreached)
+    if (i != 7 && ways.cost[i] < unreached) {
       EXPECT_DOUBLE_EQ(ways.cost[i], tight[i]);
+    }
 }
 
 } // namespace

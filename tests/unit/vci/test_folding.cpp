@@ -1,5 +1,6 @@
 // Folded balloons: their sections, their layers, and how they unfold.
 #include "common/error.hpp"
+#include "straight_axis.hpp"
 #include "vci/bench/bench.hpp"
 #include "vci/devices/balloon/balloon.hpp"
 #include "vci/devices/balloon/folding.hpp"
@@ -11,18 +12,12 @@
 namespace {
 
 using namespace vci;
+using tests::straight;
 
-BalloonSpec balloon(const FoldingSpec& folding, double diameter = 3.0, double length = 6.0) {
+BalloonSpec winged_balloon(const FoldingSpec& folding, double diameter = 3.0, double length = 6.0) {
   const double d = diameter;
   return {d,      length, 1.5, 0.85, 20, {2, 6, 10, 14, 18}, {0.934 * d, 0.978 * d, 1.022 * d, 1.066 * d, 1.11 * d},
           folding};
-}
-
-std::vector<Frame> straight(const RingGrid& grid) {
-  std::vector<Frame> frames;
-  for (double s : grid.s)
-    frames.push_back({Vec3(0, 0, s), Vec3::UnitZ(), Vec3::UnitX(), Vec3::UnitY()});
-  return frames;
 }
 
 Vectors folded(const BalloonSpec& spec, const RingGrid& grid) {
@@ -62,7 +57,7 @@ TEST_P(Wings, SectionHasTheUnfoldedPerimeterAndAsManyLikeSectors) {
   for (double diameter : {2.5, 3.0})
     for (bool clockwise : {false, true}) {
       const int wings = GetParam();
-      const BalloonSpec spec = balloon({wings, 0.5, 0.02, clockwise}, diameter);
+      const BalloonSpec spec = winged_balloon({wings, 0.5, 0.02, clockwise}, diameter);
       const int n = balloon_grid(spec, 0.45).around;
       const FoldedSection section = folded_section(spec, n);
       ASSERT_EQ(section.points.size(), static_cast<std::size_t>(n));
@@ -83,7 +78,7 @@ TEST_P(Wings, SectionHasTheUnfoldedPerimeterAndAsManyLikeSectors) {
 }
 
 TEST_P(Wings, StartWithoutCrossing) {
-  const BalloonSpec spec = balloon({GetParam(), 0.5, 0.02, false});
+  const BalloonSpec spec = winged_balloon({GetParam(), 0.5, 0.02, false});
   const RingGrid grid = balloon_grid(spec, 0.45);
   const Triangles triangles = grid.triangles();
   Vectors x = folded(spec, grid);
@@ -109,11 +104,11 @@ TEST(Folding, ClockwiseIsTheMirrorImage) {
 
 TEST(Folding, RefusesWhatDoesNotFit) {
   const FoldingSpec folding{3, 0.5, 0.02, false};
-  BalloonSpec tight = balloon(folding);
+  BalloonSpec tight = winged_balloon(folding);
   tight.crimped_diameter = 0.6;
   EXPECT_THROW(balloon_grid(tight, 0.45), common::InputError);
-  EXPECT_THROW(balloon_grid(balloon(folding, 0.8), 0.45), common::InputError) << "nothing left for wings";
-  const BalloonSpec spec = balloon(folding);
+  EXPECT_THROW(balloon_grid(winged_balloon(folding, 0.8), 0.45), common::InputError) << "nothing left for wings";
+  const BalloonSpec spec = winged_balloon(folding);
   const RingGrid grid = balloon_grid(spec, 0.45);
   EXPECT_THROW(place_folded(spec, grid, straight(grid), std::vector<double>(grid.rings(), 0.3)),
                common::ComputationError);
@@ -203,7 +198,7 @@ TEST(SelfContact, OnlyTouchesWhatHasThickness) {
 
 void expect_unfolds_and_follows_the_chart(const FoldingSpec& folding) {
   const Numerics numerics;
-  const std::vector<InflationPoint> points = inflate(balloon(folding), numerics, {2, 8, 18});
+  const std::vector<InflationPoint> points = inflate(winged_balloon(folding), numerics, {2, 8, 18});
   ASSERT_EQ(points.size(), 3u);
   EXPECT_GT(points[0].steps, 50) << "it starts folded";
   for (const InflationPoint& p : points) {
@@ -238,7 +233,7 @@ Unfolded unfold(const BalloonSpec& spec, double pressure_bar) {
 }
 
 TEST(Inflation, WingsUnfoldAlikeWithoutCrossingAndTwiceTheSame) {
-  const BalloonSpec spec = balloon({3, 0.5, 0.02, false}, 3.0, 4.0);
+  const BalloonSpec spec = winged_balloon({3, 0.5, 0.02, false}, 3.0, 4.0);
   const Unfolded u = unfold(spec, 8);
   const int n = u.grid.around;
   Triangles body; // the necks' folds do not touch one another

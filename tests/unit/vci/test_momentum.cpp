@@ -1,5 +1,6 @@
 // A deployment's bodies left to themselves: what acts between them and within them sums to nothing.
 #include "contact_checks.hpp"
+#include "straight_axis.hpp"
 #include "vci/devices/balloon/balloon.hpp"
 #include "vci/devices/stent/stent.hpp"
 #include "vci/mechanics/hinge.hpp"
@@ -13,14 +14,8 @@
 namespace {
 
 using namespace vci;
+using tests::straight;
 using namespace contact_checks;
-
-std::vector<Frame> straight(const RingGrid& grid) {
-  std::vector<Frame> frames;
-  for (double s : grid.s)
-    frames.push_back({Vec3(0, 0, s), Vec3::UnitZ(), Vec3::UnitX(), Vec3::UnitY()});
-  return frames;
-}
 
 /// A wall without foundation, a stent and a balloon, which nothing holds: all touch, and all are strained. The pressure
 /// acts on the balloon with its tips closed by fans of triangles, and what anchors it to its shaft is taken away again.

@@ -7,11 +7,11 @@ namespace {
 
 using namespace vci;
 
-constexpr double bend = 5, healthy = 1.6, throat = 0.45, length = 12, middle = 6; // mm
+constexpr double bend = 5, healthy_radius = 1.6, throat_radius = 0.45, axis_length = 12, middle = 6; // mm
 
 double radius_of(double s) {
   const double d = std::abs(s - middle) / 3;
-  return healthy - (d < 1 ? (healthy - throat) * 0.5 * (1 + std::cos(pi * d)) : 0);
+  return healthy_radius - (d < 1 ? (healthy_radius - throat_radius) * 0.5 * (1 + std::cos(pi * d)) : 0);
 }
 
 Vec3 on_axis(double s) {
@@ -29,7 +29,7 @@ Lumen narrowed_bend() {
   constexpr int rings = 241, around = 80;
   for (int r = 0; r < rings; ++r)
     for (int k = 0; k < around; ++k) {
-      const double s = length * r / (rings - 1);
+      const double s = axis_length * r / (rings - 1);
       l.points.push_back(on_wall(s, 2 * pi * k / around, radius_of(s)));
       l.radius.push_back(radius_of(s));
     }
@@ -46,7 +46,7 @@ Lumen narrowed_bend() {
 /// The axis as it is read: corners every half millimetre.
 std::map<std::string, Path> polyline() {
   Vectors points;
-  for (double s = 0; s <= length; s += 0.5)
+  for (double s = 0; s <= axis_length; s += 0.5)
     points.push_back(on_axis(s));
   return {{"main", Path(points, 0)}};
 }
@@ -72,7 +72,7 @@ TEST(RadiusCorrection, TheSpanTakesTheDevicesRadiusAndTheRestStays) {
   const Scene scene = stent_of_three_millimetres();
   const Vectors moved = correct_radius(scene, l, polyline());
   for (std::size_t v = 0; v < moved.size(); ++v) {
-    const double s = length * static_cast<double>(v / 80) / 240;
+    const double s = axis_length * static_cast<double>(v / 80) / 240;
     const double r = std::hypot(std::hypot(moved[v].x(), moved[v].y()) - bend, moved[v].z());
     if (std::abs(s - middle) < 2.3) {
       EXPECT_NEAR(r, expected_radius(scene), 0.01) << "at " << s << " mm"; // the chords' sagitta is 0.006 mm

@@ -23,10 +23,11 @@ TEST(Region, TheFarWallsOfAFlatLumenMoveLikeTheNearOnes) {
   const std::vector<char> free = region_of_interest(slit, scene, {{"main", vessel.axis()}});
   for (std::size_t v = 0; v < free.size(); ++v) {
     const double away = std::abs(slit.points[v][2] - 20);
-    if (away < reach - 1e-9)
+    if (away < reach - 1e-9) {
       EXPECT_TRUE(free[v]) << slit.points[v].transpose();
-    if (away > reach + 2)
+    } else if (away > reach + 2) {
       EXPECT_FALSE(free[v]) << slit.points[v].transpose();
+    }
   }
 }
 

@@ -12,7 +12,7 @@ using namespace vci;
 
 constexpr int n = 12;
 
-std::vector<int> ring_vertices() {
+std::vector<int> all_vertices() {
   std::vector<int> v(n);
   std::iota(v.begin(), v.end(), 0);
   return v;
@@ -56,7 +56,7 @@ void check_gradient(const Force& force, const Vectors& x) {
 TEST(RingHoops, ForceIsTheEnergysGradientOnBothBranches) {
   for (double strain : {0.01, -0.02, 0.2, -0.1}) {
     const Vectors x = circle(1.0, 0.1);
-    RingHoops force({{ring_vertices(), 5.0, 0.03, 0.1, perimeter(x) / (1 + strain)}});
+    RingHoops force({{all_vertices(), 5.0, 0.03, 0.1, perimeter(x) / (1 + strain)}});
     EXPECT_EQ(force.yielding(x), std::abs(strain) > 0.03);
     check_gradient(force, x);
   }
@@ -65,7 +65,7 @@ TEST(RingHoops, ForceIsTheEnergysGradientOnBothBranches) {
 TEST(RingHoops, MatrixIsTheHessianOnBothBranches) {
   const Vectors x = circle(1.0, 0.05);
   for (double strain : {0.02, 0.2}) {
-    RingHoops force({{ring_vertices(), 5.0, 0.03, 0.1, perimeter(x) / (1 + strain)}});
+    RingHoops force({{all_vertices(), 5.0, 0.03, 0.1, perimeter(x) / (1 + strain)}});
     BlockPattern pattern(n);
     force.declare(pattern);
     BlockMatrix matrix(std::move(pattern));
@@ -87,7 +87,7 @@ TEST(RingHoops, MatrixIsTheHessianOnBothBranches) {
 
 TEST(RingHoops, KeepsItsSizeAfterYield) {
   Vectors x = circle(0.5, 0);
-  RingHoops force({{ring_vertices(), 5.0, 0.03, 0.01, perimeter(x)}});
+  RingHoops force({{all_vertices(), 5.0, 0.03, 0.01, perimeter(x)}});
   for (int step = 0; step < 100; ++step) {
     for (Vec3& p : x)
       p *= 1.01;
@@ -102,7 +102,7 @@ TEST(RingHoops, KeepsItsSizeAfterYield) {
 }
 
 TEST(RingEvenness, ForceIsTheEnergysGradientAndAnEvenRingIsFree) {
-  RingEvenness force({{ring_vertices(), 0.3}});
+  RingEvenness force({{all_vertices(), 0.3}});
   check_gradient(force, circle(1.0, 0.15));
   EXPECT_LT(force_at(force, circle(1.0, 0)).norm(), 1e-12);
 }
@@ -122,9 +122,9 @@ TEST(RingHoops, AFlawDoesNotNeck) {
   std::vector<char> fixed(n + 1, 0);
   fixed[n] = 1;
   const int body = system.add_body("ring", with_hub, fan, 1e-4, fixed);
-  system.add_force(body, std::make_unique<RingHoops>(
-                             std::vector<RingHoops::Ring>{{ring_vertices(), 5.0, 0.03, 0.01, perimeter(x)}}));
-  system.add_force(body, std::make_unique<RingEvenness>(std::vector<RingEvenness::Ring>{{ring_vertices(), 0.25}}));
+  system.add_force(
+      body, std::make_unique<RingHoops>(std::vector<RingHoops::Ring>{{all_vertices(), 5.0, 0.03, 0.01, perimeter(x)}}));
+  system.add_force(body, std::make_unique<RingEvenness>(std::vector<RingEvenness::Ring>{{all_vertices(), 0.25}}));
   /// Pulls outwards with a force that falls with the radius: balanced near three times the size.
   class Pull : public Force {
   public:

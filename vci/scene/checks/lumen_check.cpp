@@ -7,11 +7,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 namespace vci {
 
 namespace {
+using common::text;
 
 // `radius_mm` is the radius of the largest sphere inside the lumen at a point's place on the axis. So no wall is nearer
 // to the axis, and some wall round that place is as near. Other walls may be at any distance, as in the slit of a
@@ -23,12 +23,6 @@ constexpr double about = 1.0; // mm: stretch of the axis that is checked togethe
 // In the same lumens edges are up to 1.5 times the radius.
 constexpr double longest_share = 3.0, longest_beyond = 1.0; // -, mm
 constexpr double end_tolerance = 0.5;                       // mm between a cap and its branch's end
-
-template <class... Parts> std::string text(const Parts&... parts) {
-  std::ostringstream stream;
-  (stream << ... << parts);
-  return stream.str();
-}
 
 bool apart(double distance, double radius) {
   return distance > nearest_share * radius || std::abs(distance - radius) < astray;

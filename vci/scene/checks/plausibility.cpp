@@ -3,11 +3,11 @@
 #include "vci/devices/balloon/balloon_chart.hpp"
 
 #include <algorithm>
-#include <sstream>
 
 namespace vci {
 
 namespace {
+using common::text;
 
 constexpr double beside = 0.5; // mm: axes of nested devices are nearer than that
 
@@ -17,12 +17,6 @@ struct Span {
 
 Span span_of(const Placement& p, double length) {
   return {p.centre_s - 0.5 * length, p.centre_s + 0.5 * length};
-}
-
-template <class... Parts> std::string text(const Parts&... parts) {
-  std::ostringstream stream;
-  (stream << ... << parts);
-  return stream.str();
 }
 
 const Path& branch_of(const std::string& name, const std::string& where, const std::map<std::string, Path>& paths) {
