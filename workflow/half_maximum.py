@@ -9,7 +9,7 @@ STATES = ("ct_pre", *CT_STATES)  # the arm's own lumens
 
 
 class HalfMaximum:
-    """Answers the rules' questions on the arm, from the `Inputs` of the study."""
+    """Cases, settings and input functions for the rules of the half-maximum arm, from the study's `Inputs`."""
 
     def __init__(self, inputs):
         self.inputs = inputs

@@ -344,7 +344,7 @@ def frames_option(wildcards, output):
 
 
 def start_option(wildcards, input):
-    """Command-line option of `flow solve` for the state that it starts from; empty if there is none."""
+    """Command-line option of `flow solve` that names the solved state used as first guess; empty without one."""
     if "start" not in input.keys():
         return ""
     return f"--start {os.path.dirname(input.start[0])} {input.start_centreline}"

@@ -6,7 +6,7 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 from .reading import outlines
 from .reading.outlines import centroid
 
-FINE = 1000  # points of a spline through an outline, for lengths and distances
+FINE = 1000  # points of an outline resampled along its spline, for areas, lengths and distances
 
 
 def smooth(outline, count=FINE):

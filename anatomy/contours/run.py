@@ -106,7 +106,8 @@ def _plaque(pull, files, healthy_wall_mm, lumen):
     z = lumen["z_mm"]
     thickness = np.maximum(rings.between(pull.z_mm, distance)(z) - healthy, 0)
     low, high = outer_wall.reach_mm(frames, pull.z_mm)
-    # nan: not known. There `lumen process` keeps its estimate from the narrowing.
+    # NaN: the section lies beyond the frames with a traced outer wall. For NaN `lumen process` keeps its own estimate
+    # of the plaque thickness, which it makes from the narrowing.
     thickness[(z < low - 1e-9) | (z > high + 1e-9)] = np.nan
     nearest = np.abs(z[:, None] - pull.z_mm[None]).argmin(axis=1)
     kind = np.where(thickness > 0, kinds[nearest], NONE)

@@ -17,7 +17,7 @@ SHORTEST_DIAMETERS = 2.0  # of the lumen (median): a pull-back reaches over a le
 # Of two frames' areas: in four real pull-backs with frames less than 1 mm apart the largest ratios are 1.97 and 1.62.
 NEAR_MM, SUDDEN, NAMED = 1.0, 2.0, 3
 OPEN_STEPS = 3.0  # of an outline's longest step over the third longest; 1.3 at most in drawn, pixelated, real outlines
-COUNTED_FRAMES = 8  # fewer frames may be at whole millimetres by chance
+COUNTED_FRAMES = 8  # least number of frames for _counted: in fewer frames z may be whole millimetres by chance
 
 
 def find(pull):
@@ -46,7 +46,10 @@ def _length(pull, areas):
 
 
 def _counted(pull):
-    """z that holds the frames' numbers, by the table's own columns."""
+    """Warns if the column z seems to hold frame numbers instead of millimetres.
+
+    Either z equals the frame's number, or z is whole and the frame column is not, so the columns may be exchanged.
+    """
     if len(pull.frames) < COUNTED_FRAMES or not all(isinstance(frame.name, (int, float)) for frame in pull.frames):
         return
     names, z = np.array([frame.name for frame in pull.frames], float), pull.sign * pull.z_mm

@@ -33,7 +33,11 @@ def load_ends(path):
 
 
 def checked_ends(given, where):
-    """[(name, centre (3,))] of pairs of name and point. Raises InputError for a bad point, or a name given twice."""
+    """Checked end points [(name, centre (3,))] from `given`, a list of (name, point) as the user gave them.
+
+    Raises InputError for fewer than two end points, and for a point that is not three finite numbers. It also raises
+    it for a name given twice, and for two points nearer than CLOSEST_MM.
+    """
     found = []
     if len(given) < 2:
         remedy = "at least two: the inlet first, then an outlet for each branch"

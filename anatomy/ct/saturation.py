@@ -5,8 +5,10 @@ from scipy.ndimage import uniform_filter1d
 
 from . import warnings
 
-STRETCH_MM, SHARE = 5.0, 0.5  # of so long a stretch of the axis half is at the top; of noisy blood hardly a voxel is
-SAME_HU = 1.0  # below the top, for what a resampling after the window leaves of it
+# Blood counts as cut off where more than SHARE of STRETCH_MM of the axis has the image's highest CT number. In noisy
+# blood that no window has cut off, hardly a voxel has it.
+STRETCH_MM, SHARE = 5.0, 0.5
+SAME_HU = 1.0  # tolerance: resampling an image after the cut lowers some voxels a little
 
 
 def find(image, tubes):

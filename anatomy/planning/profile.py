@@ -40,7 +40,7 @@ class Profile:
             self.usable &= (self.s < low) | (self.s > high)
 
     def stenosis_at(self, s_mm):
-        """Per cent by diameter at arc lengths s_mm, between the sections."""
+        """Diameter stenosis (per cent) at arc lengths s_mm, interpolated linearly between the sections."""
         return np.interp(s_mm, self.s, self.stenosis)
 
     def reference_at(self, s_mm):

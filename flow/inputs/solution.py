@@ -34,9 +34,10 @@ class Start:
     places: correspondence.Correspondence
 
     def at(self, points):
-        """Guesses of velocity (n, 3) and pressure (n,) at points (n, 3) in m of the lumen to be solved.
+        """First guess of velocity (n, 3) and pressure (n,) in SI at points (n, 3), in m, of the lumen to be solved.
 
-        The same flow passes another area there, so velocities are scaled by the ratio of the areas.
+        The two lumens differ in area but are assumed to carry the same flow. So the velocity is multiplied by the
+        solved lumen's area over the area of the lumen to be solved. This factor is limited to 1 / WIDEST to WIDEST.
         """
         where, turns, ratio = self.places(points / M_PER_MM)
         cell, lam, _ = locate.Locator(self.nodes_mm, self.cells).find(where)

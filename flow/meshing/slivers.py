@@ -1,7 +1,8 @@
-"""Slivers that gmsh's optimiser leaves: flat tetrahedra whose corners all lie on the wall, with nothing inside to move.
+"""Slivers that gmsh's optimiser leaves: flat tetrahedra whose corners all lie on the wall, with no corner to move.
 
-An edge of the sliver that runs through the inside is split. The new point lies nearer to the other corners of the cells
-around the edge. This ends when no sliver is left, or when no split of an edge makes the cells better.
+An edge of the sliver that runs through the lumen is split. The new point is the edge's middle, moved towards the other
+corners of the cells around the edge. Splitting ends when no sliver is left, when no split gives cells better than the
+sliver, or after MOST_SPLITS splits.
 """
 
 import numpy as np

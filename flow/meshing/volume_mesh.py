@@ -17,7 +17,9 @@ from flow.geometry import curving, tet10
 from flow.meshing import gmsh_fill, slivers
 
 PROGRAM = pathlib.Path(__file__).with_name("gmsh_fill.py")
-LEAST_GAMMA, WANTED_GAMMA = 0.02, 0.1  # below the first an element is a sliver that spoils the whole solve
+# Gamma is 1 for a regular and 0 for a flat tetrahedron (geometry.curving). slivers.split tries to replace
+# cells below WANTED_GAMMA. A cell left below LEAST_GAMMA would spoil the whole solve, so it is refused.
+LEAST_GAMMA, WANTED_GAMMA = 0.02, 0.1
 LEAST_SPACING_MM = 0.25  # of the grid on which gmsh gets the cells' sizes
 COMMAND = [sys.executable, "-I", "-B", str(PROGRAM)]
 

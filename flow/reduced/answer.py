@@ -18,8 +18,8 @@ NAMES = {
 ELSEWHERE = {"axisymmetric": (0.06, 0.11), "network": (0.06, 0.06)}
 MILD = 0.85
 
-# The measured error of each model in words. One lesion: measured.md. Two: tandem_60 of the hard cases
-# (tests/verification/flow/hard_cases.py), where the network had .7109 and the reference .7344.
+# The measured error of each model, as words for a warning. The errors with one lesion are from measured.md. The error
+# with two is from tandem_60 (tests/verification/flow/hard_cases.py): the network had .7109, the reference .7344.
 MEASURED = {
     "axisymmetric": "within .0002 of an independent solution in straight round tubes with lesions of 62 to 90 %",
     "network": "up to .01 above an independent solution in straight round tubes with one lesion of 62 to 90 %, .02"

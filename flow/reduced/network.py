@@ -128,7 +128,10 @@ class Network:
             self._build(child, 0.0)
 
     def pressures(self, flows, inlet_pa=None):
-        """{branch: (s (n,) m, pressure (n,) Pa)} at outlet flows (outlets,) in m3/s, the inlet at MAP or inlet_pa."""
+        """Static pressure along each branch: {branch: (s (n,) in m, pressure (n,) in Pa)}.
+
+        flows: flow at each outlet (outlets,) in m3/s. inlet_pa: pressure at the inlet in Pa; None stands for MAP.
+        """
         document, result, total_at = self.document, {}, {}
         for segment in self.segments:
             flow = flows[segment.outlets].sum()

@@ -20,7 +20,10 @@ TRUE_COLOUR, FOUND_COLOUR, PLAQUE_COLOUR = "#5fe3c0", "#ff8ad8", "#e6c229"  # fo
 
 
 def ct_figure(files, metrics, folder):
-    """Writes <case>_ct.{svg,png}: a row an image, a column a place across the treated segment. Returns their paths."""
+    """Writes <case>_ct.{svg,png} and returns their paths.
+
+    Each panel is a slice across the vessel. Rows are the CT images IMAGES, columns the PLACES along the segment.
+    """
     before = metrics["states"]["pre"]["area"]["profile_mm2"]
     stations = dict(zip(PLACES, (0, int(np.argmin(before)), len(before) - 1)))
     with plt.rc_context({"figure.constrained_layout.use": False}):  # it would leave wide gaps between equal images

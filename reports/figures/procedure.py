@@ -70,7 +70,10 @@ def frame(frames, number):
 
 
 def window(points):
-    """Lower and upper corner (2,) of the view: round the devices' points (n, 3), in the axes of the view."""
+    """Lower and upper corner (2,) in mm of a view that shows all devices and ROOM_MM round them.
+
+    points: one array (n, 3) for each device, in the axes of the view.
+    """
     together = np.vstack(points)[:, :2]
     return together.min(0) - ROOM_MM, together.max(0) + ROOM_MM
 

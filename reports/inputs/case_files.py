@@ -28,7 +28,9 @@ IMAGED = ("pre", "reference")  # states of which there may be a CT volume
 class CaseFiles:
     """The files of one case below its folder.
 
-    arm: one of ARMS or "". With an arm the states of FROM_CT come from its segmentation; their FFR is by a network.
+    arm: one of ARMS, a further segmentation of the CT volumes, or "" for the main one. With an arm the lumens of
+    the states FROM_CT come from that segmentation. Their FFR comes from the calibrated 1D flow network, not from 3D
+    flow.
     """
 
     case: str

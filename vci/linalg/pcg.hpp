@@ -32,8 +32,9 @@ struct SolveResult {
   double residual; ///< ||b - A x|| / ||b|| over the free vertices
 };
 
-/// Solves (A + stencils) x = b with x = 0 at fixed vertices. Returns the solution in x. If the matrix is not positive
-/// it stops with converged false, and x holds the last iterate.
+/// Solves (A + stencils) x = b with x = 0 at fixed vertices, and returns the solution in x. The solver stops with
+/// converged false if a search direction shows that the matrix is not positive definite. Then x holds the last iterate,
+/// or, if that happens in the first iteration, the preconditioned right-hand side.
 /// @param memory keeps the preconditioner's second level for the next call while the solves converge well; or null
 SolveResult solve_pcg(const BlockMatrix& matrix, const std::vector<StencilStiffness>& stencils,
                       const std::vector<char>& fixed, const Vectors& right_hand_side, Vectors& x,

@@ -15,7 +15,9 @@ namespace vci {
 /// between them gives lambda_R^2 = (lambda^2 + q) / (1 + q), q = (R/a)^2 - 1. This holds for a ring, and is used for
 /// both principal stretches. The formulas above are in the layer's strain; Response is in the lumen's.
 struct HenckyLaw {
-  double stiffness; ///< modulus times thickness per reference length of the lumen, N/mm
+  /// E: modulus times thickness times R/a, N/mm. The factor R/a is the layer's reference area over the lumen's, because
+  /// energies and stresses refer to the lumen.
+  double stiffness;
   double poisson_ratio = 0.45;
   double stiffening = 0; ///< beta; only without yield
   double yield_strain = std::numeric_limits<double>::infinity();

@@ -16,7 +16,7 @@ std::string numbered(const std::string& name, int number) {
   return text.str();
 }
 
-/// A file that this class may have written before.
+/// Whether an earlier run's FrameWriter may have written this file. Such files are removed.
 bool is_frame(const fs::path& file) {
   const std::string name = file.filename().string();
   return name == "frames.pvd" || (file.extension() == ".vtp" && name.find("frame_") == 0);

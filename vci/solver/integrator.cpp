@@ -16,8 +16,9 @@ constexpr double quasi_static = 0.5;   // ms: longer steps drop the velocity
 // Linear solves must then also reach careful_tolerance in the preconditioner's norm.
 constexpr int careful_share = 3;
 constexpr double careful_tolerance = 0.1;
-constexpr double rounding =
-    1e-9; // N: a smaller residual is balance, even of an unloaded wall, whose applied force is 0
+// N: a smaller net force counts as balance. Without this limit an unloaded wall would give 0 / 0, as its applied force
+// is 0.
+constexpr double rounding = 1e-9;
 
 struct Forces {
   Vectors elastic, foundation, pressure, contact, total;

@@ -143,7 +143,7 @@ std::size_t ball_at(const Balls& balls, const End& end) {
     if (balls.radius[i] > 0.5 * end.radius() && distance(i) < 2 * end.radius())
       filling.push_back(i);
   std::sort(filling.begin(), filling.end(), [&](std::size_t a, std::size_t b) { return distance(a) < distance(b); });
-  // the balls seen so far do not lead on into the vessel
+  // `seen` holds the balls of failed searches. None of them leads into the vessel, so later searches skip them.
   std::vector<bool> seen(balls.centre.size(), false);
   for (std::size_t i : filling)
     if (leads_away(balls, i, end.centre, end.radius(), seen))

@@ -159,7 +159,8 @@ struct Builder {
     const Branch& trunk = branches[parent];
     check_stands_out(trunk, ends[end]);
     std::vector<Vec3> outside = between(path, exit, nullptr, ends[end]);
-    if (outside.empty()) // a stub shorter than the part left out next to its cap gets a straight axis
+    // `between` leaves out the path next to a cap. If nothing is left of a short stub's path, its axis is straight.
+    if (outside.empty())
       outside.push_back(exit < path.points.size() ? path.points[exit] : path.points.back());
     std::size_t ahead = 0;
     const double reach = look_ahead * trunk.radius[nearest_sample(trunk, outside.front())];

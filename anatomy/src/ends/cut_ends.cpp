@@ -17,7 +17,7 @@ constexpr double least_own = 3;          // the same in its own radii: a sac is 
 constexpr double behind_last_ball = 0.5; // radii from its centre to the cut: the plane may tilt by 26 degrees
 constexpr double next_plane = 0.25;      // radii between planes that are tried
 constexpr double still_widening = 1.15;  // growth of the balls' radius over one radius of a tip that tapers
-constexpr double like_section = 1.25;    // largest ratio of areas: a vessel that tapers by 6 degrees on each side
+constexpr double like_section = 1.25;    // largest ratio of areas half a radius apart: taper of 12 degrees on each side
 constexpr double beside_end = 0.4;       // radii: a tip this near to an end's rim belongs to the rim
 constexpr double about_as_near = 0.1;    // radii: a ball this much further from a tip than the nearest counts as near
 constexpr double still_at_tip = 1;       // radii from a ball's surface to the tip; at the rim of a flat end it is 0.41
@@ -62,8 +62,8 @@ double gap(const Vec3& p, const Balls& balls, std::size_t i) {
   return std::abs((balls.centre[i] - p).norm() - balls.radius[i]) / balls.radius[i];
 }
 
-// The largest ball whose surface is within `near` radii of p and that leads on into a vessel. If there is none, the
-// number of all balls.
+// Index of the largest ball that leads on into a vessel and whose surface is within `near` of p, in radii of the ball.
+// Without such a ball the function returns the number of balls, which is no valid index.
 std::size_t largest_ball_at(const Vec3& p, const Balls& balls, double near) {
   std::vector<std::size_t> touching;
   for (std::size_t i = 0; i < balls.centre.size(); ++i)
@@ -185,7 +185,7 @@ struct TipBalls {
   std::vector<std::size_t> at;
 };
 
-// Whether one network of balls reaches every tip.
+// Whether chains of neighbouring balls connect the first tip's ball with the ball of every other tip.
 bool hang_together(const TipBalls& tips) {
   const Ways ways = cheapest_ways(tips.balls, tips.at.front());
   return std::all_of(tips.at.begin(), tips.at.end(), [&](std::size_t ball) { return ways.cost[ball] < unreached; });

@@ -6,18 +6,20 @@ namespace anatomy {
 namespace {
 
 constexpr std::array<double, 2> other_exponents{3, 7.0 / 3}; // of forks: Murray 1926; Huo and Kassab 2012
-constexpr double band = 0.03;             // of the diameter: sections this near to the profile count as healthy
-constexpr double too_wide = 1.08;         // over the profile: an ostium's sections may be 8 % too wide
-constexpr double ruled_out = -1e9;        // score
-constexpr int fewest_sections = 8;        // sections for a profile
-constexpr std::size_t drawn = 80;         // sections through pairs of which lines are tried
-constexpr double least_widening = 1.15;   // of a dilatation
-constexpr double many_more = 1.25;        // ratio of healthy sections that a dilatation or a step has to bring
-constexpr double deepest_step = 0.737;    // ratio past a fork into two equal branches: D = 0.678 (d1 + d2), Finet 2007
-constexpr double lesser_daughter = 0.6;   // the same into the lesser of two branches, where the other one has 0.87
-constexpr double split_error = 0.1;       // of the ratio past a branch of known calibre, by the flow split
-constexpr double ectatic = 1.5;           // width over the widest lumen beside it (definition of coronary ectasia)
-constexpr double flank = 0.99;            // of an ectasia: ratio of neighbouring sections, steeper than any taper
+constexpr double band = 0.03;           // of the diameter: sections this near to the profile count as healthy
+constexpr double too_wide = 1.08;       // over the profile: an ostium's sections may be 8 % too wide
+constexpr double ruled_out = -1e9;      // score
+constexpr int fewest_sections = 8;      // sections for a profile
+constexpr std::size_t drawn = 80;       // sections through pairs of which lines are tried
+constexpr double least_widening = 1.15; // of a dilatation
+constexpr double many_more = 1.25;      // ratio of healthy sections that a dilatation or a step has to bring
+constexpr double deepest_step = 0.737;  // ratio past a fork into two equal branches: D = 0.678 (d1 + d2), Finet 2007
+constexpr double lesser_daughter = 0.6; // the same into the lesser of two branches, where the other one has 0.87
+constexpr double split_error = 0.1;     // of the ratio past a branch of known calibre, by the flow split
+constexpr double ectatic = 1.5;         // width over the widest lumen beside it (definition of coronary ectasia)
+// Largest ratio of neighbouring sections' diameters on the flank of an ectasia. A taper (`steepest`) changes less: at
+// the default spacing of 0.25 mm by 0.4 % of the first diameter.
+constexpr double flank = 0.99;
 constexpr double least_trunk_share = 0.1; // of D^m without side branches: least value behind them
 // Taper per mm, over the first diameter. The LAD loses half of its width (3.7 to 1.9 mm, Dodge 1992), .5 % per mm.
 constexpr double steepest = 0.015;

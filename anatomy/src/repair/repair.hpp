@@ -22,7 +22,7 @@ Mesh repaired(const Soup& soup, std::vector<Repair>& repairs, const IsGivenEnd& 
 /// remain.
 void remove_self_intersections(Mesh& mesh, std::vector<Repair>& repairs);
 
-/// Orients a closed mesh outward; reports it if it was oriented inward.
+/// Turns the normals of a closed mesh outward. Adds an entry to `repairs` if they pointed inward.
 void orient_outward(Mesh& mesh, std::vector<Repair>& repairs);
 
 /// Welding distance relative to the bounding diagonal.

@@ -8,7 +8,7 @@ namespace {
 constexpr double least_slope = 0.5;         // edges: 27 degrees all round
 constexpr double least_radii = 0.15;        // mean radii of the lumen; a lower spike hardly changes a section
 constexpr double least_outlier = 8;         // times the scatter of the vertices round it
-constexpr double worth_a_look = 0.35;       // edges above the ring; lower vertices are not examined
+constexpr double worth_a_look = 0.35;       // edges; a vertex less far above or below its ring is not examined
 constexpr std::size_t most_neighbours = 12; // more has the apex of a fan over a whole end, which is no spike
 constexpr Eigen::Index most_unknowns = 6;   // of a quadric; three more points are needed for the scatter
 

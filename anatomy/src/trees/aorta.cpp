@@ -23,8 +23,8 @@ constexpr double own_section = 2.5;      // areas of the ball's circle; a larger
 constexpr double covers = 1.15;          // half width of the plane over the section's reach from its centre
 constexpr double longest_funnel = 20;    // mm
 constexpr double ascending = 15;         // mm of the trunk, from which the direction to the arch is taken
-constexpr double beside_tree = 2;        // radii from a tree's balls, within which an end is the tree's own
-constexpr double beside_tip = 4;    // the same for tips; the corner of a cap is one and a half radii from the last ball
+constexpr double beside_tree = 2;   // an end nearer to a ball's centre than so many radii belongs to the ball's tree
+constexpr double beside_tip = 4;    // the same for a tip of the surface; a cap's corner lies at about 1.5 radii
 constexpr double lost_vessel = 10;  // mm, prominence of a vessel along the surface
 constexpr double nearer_root = 1.3; // least ratio of the ostia's distances to the trunk's two ends
 constexpr double least_angle = 60, most_angle = 165; // degrees between the ostia round the aorta

@@ -43,7 +43,7 @@ struct OnBranch {
   double s; ///< mm
 };
 
-/// The wall's least distance from each branch's axis (mm), by stretches of `about`.
+/// The least distance (mm) of the wall from each branch's axis, for each stretch of the axis of length `about`.
 class NearestWall {
 public:
   explicit NearestWall(const std::map<int, OnBranch>& wall) {

@@ -34,7 +34,7 @@ void check_within(const Path& path, const Span& span, const std::string& what, c
                              text(remedy, " within ", path.start(), " to ", path.end(), " mm"));
 }
 
-/// Whether a balloon reaches into a stent: at some place along both, their axes coincide.
+/// Whether a balloon reaches into a stent: somewhere along both, their axes are nearer to each other than `beside`.
 bool reaches_into(const Placement& balloon, double balloon_length, const Placement& stent, double stent_length,
                   const std::map<std::string, Path>& paths) {
   constexpr double step = 0.25; // mm
