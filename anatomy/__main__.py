@@ -6,8 +6,8 @@ import pathlib
 from common.errors import InputError, guarded
 
 POINT = {"type": float, "nargs": 3, "metavar": ("X", "Y", "Z")}
-POINTS = POINT | {"action": "append", "default": []}  # the option is repeated
-THICKEST_WALL_MM = 1.0  # as in config/schemas: three times the normal intima, so not healthy
+POINTS = POINT | {"action": "append", "default": []}  # for an option that may be given several times
+THICKEST_WALL_MM = 1.0  # largest --healthy-wall, as in config/schemas: three times the normal intima
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 
@@ -159,7 +159,7 @@ def _contours(options):
 
 @guarded
 def main(arguments=None):
-    """Runs one command; exit code 2 for bad input."""
+    """Runs one command. Bad input ends the program with exit code 2."""
     options = _parser().parse_args(arguments)
     if options.command == "plan":
         from .planning import plan

@@ -1,4 +1,4 @@
-"""A picture of a surface with the places that `lumen check` took for ends, and the places that it took for wall."""
+"""A picture of a surface with the candidates of `lumen check`: those taken for ends, and those taken for wall."""
 
 import numpy as np
 from matplotlib import pyplot as plt
@@ -10,14 +10,17 @@ from common.errors import InputError
 
 from . import picture_file
 
-COLOURS = {True: "tab:green", False: "tab:red"}
+COLOURS = {True: "tab:green", False: "tab:red"}  # of an end, of wall
 SIZE = (13, 8)  # inches
 OSTIUM = "tab:blue"
 MOST_TRIANGLES = 60_000  # of a larger surface only every n-th triangle is drawn
 
 
 def run(surface, candidates, out):
-    """Writes a .png or .svg of a surface (.vtp) with the candidates of `lumen check --ends` (path or None)."""
+    """Writes the picture to the path `out` (.png or .svg).
+
+    surface: a .vtp. candidates: path of the file of `lumen check --ends`, or None to draw the surface alone.
+    """
     picture_file.check_format(out)
     points, triangles = vtp.arrays(vtp.read_triangles(surface, "give the surface of `lumen check --repaired`"))
     corners, found, trees = points[triangles], *_listed(candidates)
@@ -30,7 +33,7 @@ def run(surface, candidates, out):
 
 
 def _listed(path):
-    """The candidates for ends, and the coronary trees of a model with an aorta."""
+    """(candidates for ends, coronary trees of a model with an aorta), two lists of dicts. path: as for run()."""
     if path is None:
         return [], []
     remedy = "give the file of `lumen check --ends`"
@@ -41,7 +44,10 @@ def _listed(path):
 
 
 def _draw(axes, corners, found, trees, turn):
-    """Draws one view: of the plane of the two largest principal axes, turned by `turn` degrees about the first."""
+    """Draws one view: along the shortest principal axis, or with `turn` (90) along the middle one.
+
+    corners: (m, 3, 3) of the triangles, mm. found, trees: as _listed() returns them.
+    """
     middle = corners.reshape(-1, 3).mean(axis=0)
     first, second, third = np.linalg.svd(corners[:, 0][:: max(1, len(corners) // 5000)] - middle)[2]
     if turn:

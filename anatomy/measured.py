@@ -13,7 +13,7 @@ _NUMBERS = (
 
 
 def read_summary(folder):
-    """anatomy.json of an anatomy folder as a dict; InputError if it is absent or of another kind."""
+    """anatomy.json of a folder made by `lumen process`, as a dict. Raises InputError if there is no such document."""
     path = pathlib.Path(folder) / "anatomy.json"
     summary = json_reader.read(path, "anatomy.json", "write it by `lumen process`").data
     if summary.get("schema") != "vci-anatomy-1":
@@ -22,7 +22,10 @@ def read_summary(folder):
 
 
 def read_sections(folder):
-    """sections.csv of an anatomy folder: {branch name: list of rows}, lengths as floats, rows by rising s_mm."""
+    """sections.csv of a folder made by `lumen process`: {branch: [row]}, each row a dict by the columns' names.
+
+    Columns in _NUMBERS are floats, others text. Rows are in the file's order, by rising s_mm. Raises InputError.
+    """
     path = pathlib.Path(folder) / "sections.csv"
     try:
         with path.open(newline="") as file:
@@ -43,7 +46,10 @@ def read_sections(folder):
 
 
 def branch_named(summary, name, where):
-    """The summary's entry of a branch; InputError (at `where`) with the known names if there is none."""
+    """The entry of a branch in anatomy.json (`summary`). Raises InputError with the known names if there is none.
+
+    where: the place of the name in the user's input, for the message.
+    """
     for branch in summary["branches"]:
         if branch["name"] == name:
             return branch
@@ -52,7 +58,10 @@ def branch_named(summary, name, where):
 
 
 def lesion_number(summary, number, where):
-    """The summary's n-th most severe lesion (from 1); InputError if there are fewer."""
+    """The entry of the n-th most severe lesion (from 1) in anatomy.json (`summary`). Raises InputError if it has fewer.
+
+    where: the place of the number in the user's input, for the message.
+    """
     if number > len(summary["lesions"]):
         raise InputError(
             "no such lesion",

@@ -9,11 +9,11 @@ from . import picture_file
 from .measured import read_sections, read_summary
 
 POSITION = ("x_mm", "y_mm", "z_mm")
-WIDTH, PROFILE, LOWEST = 10, 4.5, 3.0  # inches: picture's width, height of the diameters, least height of the tree
+WIDTH, PROFILE, LOWEST = 10, 4.5, 3.0  # inches: width, height of the plot of diameters, least height of the tree
 
 
 def run(anatomy_folder, out):
-    """Writes the picture of an anatomy folder as .png or .svg."""
+    """Writes the picture of a folder made by `lumen process` to the path `out` (.png or .svg)."""
     picture_file.check_format(out)
     summary, branches = read_summary(anatomy_folder), read_sections(anatomy_folder)
     project = _plane(np.vstack([_column(rows, *POSITION) for rows in branches.values()]))
@@ -29,7 +29,7 @@ def run(anatomy_folder, out):
 
 
 def _height(project, branches):
-    """Height in inches of the tree's picture, LOWEST or more, for which it has no empty band."""
+    """Height in inches, at least LOWEST, at which the tree fills its part of the picture."""
     points = project(np.vstack([_column(rows, *POSITION) for rows in branches.values()]))
     thick = max(row["equivalent_diameter_mm"] for rows in branches.values() for row in rows)
     width, height = np.ptp(points, axis=0) + thick
@@ -37,7 +37,10 @@ def _height(project, branches):
 
 
 def _plane(points):
-    """Function that projects points (n, 3) on the plane of their two largest principal axes, with fixed signs."""
+    """Function that projects points on the plane of the two largest principal axes of `points` (n, 3).
+
+    It returns (k, 2) for (k, 3). The axes' signs are chosen by a fixed rule, so that the view is always the same.
+    """
     centre = points.mean(axis=0)
     axes = np.linalg.svd(points - centre, full_matrices=False)[2][:2]
     axes *= np.sign(axes[np.arange(2), np.abs(axes).argmax(axis=1)])[:, None]
@@ -45,6 +48,7 @@ def _plane(points):
 
 
 def _column(rows, *names):
+    """Columns of a table of sections as an array (rows, names)."""
     return np.array([[row[name] for name in names] for row in rows])
 
 
@@ -73,10 +77,11 @@ def _draw_tree(figure, axes, project, summary, branches):
 
 
 def _place(figure, axes, labels):
-    """Moves labels (annotation, preferred angle in degrees, points of the vessel to keep clear of) off one another.
+    """Moves labels so that they cover neither each other nor the vessel.
 
-    A label goes to the nearest place round its point that meets no vessel and no label placed before. 16 directions are
-    tried, the preferred one first. If all places are taken, the label goes to the place where it meets least.
+    labels: [(annotation, preferred angle in degrees, points of the vessel (k, 2))]. A label goes to the nearest free
+    place round its point. 16 directions are tried, the preferred one first. Without a free place the label goes where
+    it covers least.
     """
     figure.draw_without_rendering()
     renderer, taken = figure.canvas.get_renderer(), []
@@ -104,7 +109,10 @@ def _place(figure, axes, labels):
 
 
 def _draw_branch(axes, project, rows, colours):
-    """The branch's silhouette, its sections by diameter and its axis: (the sections' collection, points drawn)."""
+    """Draws a branch: its silhouette, its axis, and its sections coloured by diameter.
+
+    Returns the LineCollection of the sections, and points (k, 2) that the branch covers. colours: the colour scale.
+    """
     x = project(_column(rows, *POSITION))
     radius = _column(rows, "equivalent_diameter_mm") / 2
     along = np.gradient(x, axis=0)
@@ -120,7 +128,7 @@ def _draw_branch(axes, project, rows, colours):
 
 
 def _draw_roots(axes, project, summary, branches):
-    """Draws a dotted line from each side branch's first section to the point where its axis leaves its parent's."""
+    """Draws a dotted line from each side branch's first section to the place on its parent's axis where it leaves."""
     for branch in summary.get("branches", ()):
         if branch["parent"] is None or not {branch["name"], branch["parent"]} <= branches.keys():
             continue
@@ -139,7 +147,7 @@ def _draw_lesion(axes, project, number, lesion, rows):
 
 
 def _label(axes, text, where, **style):
-    """The annotation of a point, centred; `_place` moves it beside the point."""
+    """Writes a text centred on a point `where` (2,) and returns the annotation. _place() moves it beside the point."""
     box = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.75}
     style = {"textcoords": "offset points", "ha": "center", "va": "center", "zorder": 5, **style}
     return axes.annotate(text, where, xytext=(0, 0), bbox=box, annotation_clip=False, **style)

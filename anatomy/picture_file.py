@@ -1,4 +1,4 @@
-"""Pictures as files, .png or .svg, without the date and the version of matplotlib."""
+"""Writes pictures as .png or .svg, without the date and the version of matplotlib."""
 
 import matplotlib
 from matplotlib import pyplot as plt
@@ -7,17 +7,17 @@ from common.errors import InputError
 from common.files import replacing
 
 matplotlib.use("Agg")  # needs no display
-METADATA = {".png": {"Software": None}, ".svg": {"Date": None}}  # None: left out, as it would change the bits
+METADATA = {".png": {"Software": None}, ".svg": {"Date": None}}  # None: not written, as it would change the bits
 
 
 def check_format(out):
-    """Raises InputError if the path `out` of a picture ends neither in .png nor in .svg."""
+    """Raises InputError if the pathlib path `out` of a picture ends neither in .png nor in .svg."""
     if out.suffix not in METADATA:
         raise InputError("unknown picture format", out, out.suffix, "name a .png or .svg file")
 
 
 def save(figure, out, dpi=110):
-    """Writes a figure to the path `out` and closes it."""
+    """Writes a matplotlib figure to the path `out`, at dpi dots per inch, and closes it."""
     with replacing(out) as partial:
         figure.savefig(partial, dpi=dpi, metadata=METADATA[out.suffix])
     plt.close(figure)

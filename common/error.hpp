@@ -9,14 +9,14 @@
 
 namespace common {
 
-/// The parts of a message behind each other, written as a stream does.
+/// Joins the parts of a message into one text. Each part is written as operator<< writes it.
 template <class... Parts> std::string text(const Parts&... parts) {
   std::ostringstream stream;
   (stream << ... << parts);
   return stream.str();
 }
 
-/// The one message. A zero byte from a damaged file is shown as a question mark, since it would end the text early.
+/// Text of an error for the user. A zero byte from a damaged file becomes a question mark, since it would end the text.
 inline std::string error_message(const std::string& what, const std::string& where, const std::string& value,
                                  const std::string& remedy) {
   std::string text = "error: " + what + "\n  where:  " + where + "\n  value:  " + value + "\n  remedy: " + remedy;

@@ -21,7 +21,7 @@ class InputError(UserError):
 
 
 class ComputationError(UserError):
-    """A computation that did not converge or is not to be trusted: exit code 3, no output left."""
+    """A computation did not converge, or its result cannot be trusted: exit code 3, and no output is written."""
 
     exit_code = 3
 

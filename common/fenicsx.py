@@ -12,7 +12,7 @@ import numpy as np
 import ufl
 from dolfinx import fem, geometry, jit, plot
 
-# of two programs that need the same form, one compiles it and the other waits: by default for 10 s only
+# s: the longest that a program waits while another one compiles the form that both need. FEniCSx's default is 10 s.
 WAIT_S = 300
 
 if hasattr(fem, "functionspace"):  # 0.9
@@ -31,7 +31,7 @@ if hasattr(fem, "functionspace"):  # 0.9
         return basix.ufl.element("Lagrange", cell, degree, shape=_shape(size))
 
     def quadrature(cell, degree, size=None):
-        """Quadrature element: values at the points of the quadrature rule of a degree."""
+        """Quadrature element: values at the points of the quadrature rule that is exact to `degree`."""
         return basix.ufl.quadrature_element(cell, _shape(size) or (), degree=degree)
 
     def mixed(*elements):
@@ -47,15 +47,18 @@ if hasattr(fem, "functionspace"):  # 0.9
         return space.ufl_element().degree
 
     def petsc_vector(function):
-        """The PETSc vector behind a fem.Function; it ends with the Function."""
+        """The PETSc vector with the values of a fem.Function. It may not be used after the Function is freed."""
         return function.x.petsc_vec
 
     def evaluated(expression, mesh, cells):
-        """Values of a fem.Expression at its points in cells, a cell a row."""
+        """Values of a fem.Expression at its own points in each of `cells` (indices). Each row is a cell."""
         return expression.eval(mesh, cells)
 
     def cell_dofs(space):
-        """(cells, dofs of a cell) node numbers of a space; for a part of a mixed space the dof numbers."""
+        """Node numbers of a function space, shape (cells, nodes of a cell).
+
+        For a part of a mixed space they are the numbers of degrees of freedom (dofs).
+        """
         return space.dofmap.list
 
     def _near(mesh, points):
@@ -115,13 +118,13 @@ def cell_of(mesh):
 
 
 def cells_at(mesh, points):
-    """Number (n,) of a cell that holds each of points (n, 3) in the mesh's unit; where several do, the first."""
+    """Index (n,) of the cell that contains each of points (n, 3), in the mesh's unit. Of several, the first found."""
     found = geometry.compute_colliding_cells(mesh, _near(mesh, points), points)
     return np.array([found.links(k)[0] for k in range(len(points))], np.int32)
 
 
 def quadratic_domain(cell):
-    """UFL's domain of curved cells, for dolfinx.mesh.create_mesh."""
+    """UFL's domain of cells with quadratic (curved) geometry, for dolfinx.mesh.create_mesh."""
     return ufl.Mesh(lagrange(cell, 2, len(basix.topology(getattr(basix.CellType, cell))) - 1))
 
 

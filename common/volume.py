@@ -12,14 +12,17 @@ from vtk.util.numpy_support import numpy_to_vtk
 
 from common.files import replacing
 
-LOWEST_HU, HIGHEST_HU = -1024, 3071  # the range of twelve bits, which scanners store
+LOWEST_HU, HIGHEST_HU = -1024, 3071  # scanners store twelve bits, which is this range
 SIGMA_PER_FWHM = 1 / np.sqrt(8 * np.log(2))
-UNITS_BYTE, MILLIMETRES = 123, 2  # NIfTI-1 header, xyzt_units
+UNITS_BYTE, MILLIMETRES = 123, 2  # place and value of the field xyzt_units in a NIfTI-1 header
 
 
 @dataclass
 class Image:
-    """values (nx, ny, nz) in HU; origin_mm (3,) is the centre of the first voxel, spacing_mm (3,), axes x, y, z."""
+    """A CT volume. values (nx, ny, nz) in HU; origin_mm (3,): centre of the first voxel; spacing_mm (3,).
+
+    The axes are the patient's x, y and z.
+    """
 
     values: np.ndarray
     origin_mm: np.ndarray
@@ -30,12 +33,12 @@ class Image:
         return self.origin_mm[axis] + self.spacing_mm[axis] * np.arange(self.values.shape[axis])
 
     def index(self, points_mm):
-        """Nearest voxel (n, 3) to points (n, 3), and whether it lies in the volume (n,)."""
+        """Indices (n, 3) of the voxels nearest to points (n, 3) in mm, and whether each lies in the volume (n,)."""
         at = np.rint((np.asarray(points_mm) - self.origin_mm) / self.spacing_mm).astype(int)
         return at, np.all((at >= 0) & (at < self.values.shape), axis=-1)
 
     def cropped(self, points_mm, margin_mm):
-        """The part of the image round points (n, 3) in it, margin_mm farther on every side."""
+        """The part of the image round points (n, 3) in mm, with margin_mm on every side as far as the image reaches."""
         low = np.floor((np.min(points_mm, axis=0) - margin_mm - self.origin_mm) / self.spacing_mm).astype(int)
         high = np.ceil((np.max(points_mm, axis=0) + margin_mm - self.origin_mm) / self.spacing_mm).astype(int) + 1
         low, high = np.maximum(low, 0), np.minimum(high, self.values.shape)
@@ -43,7 +46,7 @@ class Image:
         return Image(self.values[box], self.origin_mm + low * self.spacing_mm, self.spacing_mm)
 
     def interpolator(self):
-        """f(points (..., 3) mm) -> HU (...) by cubic splines; mirrored outside the volume."""
+        """A function of points (..., 3) in mm that gives HU (...) by cubic splines. The image is mirrored outside."""
         coefficients = spline_filter(self.values.astype(np.float32), order=3, output=np.float32, mode="mirror")
 
         def at(points_mm):
@@ -54,7 +57,10 @@ class Image:
 
 
 def write(image, path, description):
-    """Writes 16-bit NIfTI-1 (gzip by suffix), HU clipped to twelve bits, qform = sform = the patient's frame in mm."""
+    """Writes an Image as 16-bit NIfTI-1 with HU clipped to twelve bits, compressed if `path` ends in .gz.
+
+    Its qform and sform both hold the image's place in the patient's frame, in mm. description: at most 79 characters.
+    """
     values = np.clip(np.rint(image.values), LOWEST_HU, HIGHEST_HU).astype(np.int16)
     data = vtk.vtkImageData()
     data.SetDimensions(*values.shape)

@@ -1,4 +1,4 @@
-// Whether VTK wrote a file: its writers report success after a failed write.
+// Checks whether VTK wrote a file, since VTK's writers report success even after a failed write.
 #pragma once
 #include <cstdint>
 #include <filesystem>

@@ -27,7 +27,7 @@ def read(path, remedy):
 
 
 def read_triangles(path, remedy):
-    """As `read`, and InputError if it holds anything but triangles."""
+    """As `read`. Also raises InputError if there are no polygons, or one with more than three corners."""
     poly = read(path, remedy)
     if poly.GetNumberOfPolys() == 0 or poly.GetPolys().GetMaxCellSize() != 3:
         raise InputError("not a triangle surface", path, f"{poly.GetNumberOfPolys()} cells", "give closed triangles")
@@ -35,22 +35,22 @@ def read_triangles(path, remedy):
 
 
 def points(poly):
-    """Points (n, 3) of a vtkPolyData."""
+    """Points (n, 3) of a vtkPolyData, in its unit."""
     return vtk_to_numpy(poly.GetPoints().GetData()).astype(float)
 
 
 def triangles(poly):
-    """Triangles (m, 3), vertex indices."""
+    """Triangles (m, 3) of a vtkPolyData without other polygons, as vertex indices."""
     return vtk_to_numpy(poly.GetPolys().GetConnectivityArray()).reshape(-1, 3).astype(np.int64)
 
 
 def arrays(poly):
-    """(points (n, 3), triangles (m, 3))."""
+    """(points (n, 3), triangles (m, 3)) of a vtkPolyData without other polygons."""
     return points(poly), triangles(poly)
 
 
 def lines(poly):
-    """The lines, each an array of vertex indices."""
+    """The lines of a vtkPolyData, each an array of vertex indices."""
     cells = poly.GetLines()
     if cells.GetNumberOfCells() == 0:
         return []

@@ -16,7 +16,8 @@ vtkStandardNewMacro(VtpArrays);
 
 namespace {
 
-constexpr unsigned int deepest = 16; // levels; the deepest valid element, a value of an array's information, is at 8
+// levels of elements within elements. The deepest that VTK writes, a value in an array's information, is at level 8.
+constexpr unsigned int deepest = 16;
 
 bool is_ascii(vtkXMLDataElement* array) {
   const char* format = array->GetAttribute("format");
@@ -51,8 +52,8 @@ void VtpArrays::parse(std::istream& stream, std::uint64_t file_size) {
   set_compressor();
 }
 
-/// Sets the compressor that the reader will choose, and the most bytes that its format makes of one: 1032 by deflate,
-/// 255 by LZ4. For LZMA some 7000 were measured.
+/// Sets the compressor that VTK's reader will choose, and the most bytes that one compressed byte can expand to: 1032
+/// for deflate (zlib), 255 for LZ4. For LZMA some 7000 were measured.
 void VtpArrays::set_compressor() {
   const char* name = GetRootElement()->GetAttribute("compressor");
   if (!name)
@@ -90,7 +91,7 @@ void VtpArrays::seek(vtkXMLDataElement* array) {
   DataStream->SetStream(Stream);
 }
 
-/// The first words of an array's binary data; empty if the file has fewer.
+/// The first `words` whole numbers, of 4 or 8 bytes each, of an array's binary data. Empty if the file has fewer.
 std::vector<std::uint64_t> VtpArrays::header(vtkXMLDataElement* array, std::uint64_t words) {
   const std::size_t width = HeaderType / 8;
   if (words > file_size_ / width)
@@ -115,7 +116,8 @@ std::vector<std::uint64_t> VtpArrays::header(vtkXMLDataElement* array, std::uint
   return result;
 }
 
-/// Number of bytes of an array's data by its header, which is checked against the file; 0 if the data has no header.
+/// Number of bytes of an array's uncompressed data, as the header before the data claims. 0 if there is no header.
+/// Throws Damaged if the file is too small for the claim.
 std::uint64_t VtpArrays::uncompressed_bytes(vtkXMLDataElement* array) {
   if (!Compressor) {
     const auto length = header(array, 1);
@@ -176,7 +178,7 @@ std::vector<unsigned char> VtpArrays::read(vtkXMLDataElement* array, int type, s
       if (!values.empty() && ReadBinaryData(values.data(), 0, values.size() / width, word) != values.size() / width)
         throw Damaged("a block of data that cannot be read");
     } else {
-      // VTK's decoder would accept the first byte and leave the others uninitialised
+      // VTK's decoder accepts data of which only the first byte is there, and leaves the other bytes uninitialised.
       std::vector<unsigned char> all(HeaderType / 8 + values.size());
       DataStream->StartReading();
       const std::size_t read = DataStream->Read(all.data(), all.size());
@@ -189,7 +191,7 @@ std::vector<unsigned char> VtpArrays::read(vtkXMLDataElement* array, int type, s
   }
   if (!texts && values.size() / width < count)
     throw Damaged("fewer data than the element claims");
-  // VTK's reader writes all texts that it finds, past the end of the array
+  // VTK's reader stores all texts that it finds, even those past the end of the array.
   if (texts && static_cast<std::uint64_t>(std::count(values.begin(), values.end(), 0)) != count)
     throw Damaged("another number of texts than the element claims");
   return values;

@@ -1,4 +1,4 @@
-// Reads the elements of a .vtp file and its arrays without trusting claimed sizes beyond the file's own.
+// Reads the elements and arrays of a .vtp file. A size that an element claims is checked against the file's size.
 #pragma once
 #include <cstdint>
 #include <stdexcept>
@@ -9,19 +9,20 @@
 
 namespace common {
 
-/// What is wrong with a file's data, for the value of an InputError.
+/// Says what is wrong with a file's data. check_vtp reports it as the value of an InputError.
 struct Damaged : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// VTK's parser, as its reader uses it, but it checks claimed sizes before it allocates memory.
+/// VTK's parser of XML data files, extended to check claimed sizes before it allocates memory.
 class VtpArrays : public vtkXMLDataParser {
 public:
   static VtpArrays* New();
-  /// Parses the elements. Throws Damaged where they are no XML, or lie deeper in one another than VTK's elements may,
-  /// which end by recursion.
+  /// Parses the elements. Throws Damaged if they are not XML, or more than 16 levels of elements lie in one another:
+  /// VTK deletes nested elements by recursion.
   void parse(std::istream& stream, std::uint64_t file_size);
-  /// The first `count` values of an array as bytes, as VTK's reader reads them. An array of type String is read whole.
+  /// The first `count` values of an array, as the bytes that VTK's reader would store. An array of texts (VTK_STRING)
+  /// is read whole.
   /// Throws Damaged if the file holds fewer values, or if the header of binary data is malformed.
   /// @param type as VTK numbers types, for example VTK_DOUBLE
   std::vector<unsigned char> read(vtkXMLDataElement* array, int type, std::uint64_t count);
@@ -37,8 +38,8 @@ private:
   std::vector<unsigned char> read_ascii(vtkXMLDataElement* array, int type, std::uint64_t count);
   void set_compressor();
 
-  std::uint64_t file_size_ = 0, most_per_byte_ = 1; // bytes; most bytes from one compressed byte
-  int skipped_ = 0;                                 // elements too deep that are not yet closed
+  std::uint64_t file_size_ = 0, most_per_byte_ = 1; // bytes; most bytes that one compressed byte can expand to
+  int skipped_ = 0;                                 // number of open elements that lie too deep
   bool too_deep_ = false;
 };
 

@@ -14,7 +14,7 @@ namespace common {
 
 namespace {
 
-constexpr int most_components = 1000; // VTK asks for a name of each
+constexpr int most_components = 1000; // of an array. VTK's reader looks for a name of each component.
 
 bool is(vtkXMLDataElement* element, const char* name) {
   return std::strcmp(element->GetName(), name) == 0;
@@ -39,7 +39,7 @@ std::uint64_t count_of(vtkXMLDataElement* element, const char* attribute) {
 struct Array {
   vtkXMLDataElement* element;
   std::string name;
-  int type; ///< of VTK
+  int type; ///< as VTK numbers types, for example VTK_DOUBLE
   std::uint64_t components;
 };
 
@@ -57,7 +57,7 @@ Array array_of(vtkXMLDataElement* element) {
   return array;
 }
 
-/// The values of an array: at least `tuples` times its number of components.
+/// The values of the first `tuples` tuples of an array, as bytes. Throws Damaged if the file holds fewer.
 std::vector<unsigned char> read(VtpArrays& file, const Array& a, std::uint64_t tuples) {
   if (tuples > UINT64_MAX / most_components)
     throw Damaged("more values than any file holds: " + a.name);
@@ -78,7 +78,8 @@ void check_attributes(VtpArrays& file, vtkXMLDataElement* group, std::uint64_t t
   });
 }
 
-/// Checks a group of cells. `offsets` has the end of each cell in the list of point numbers, `connectivity`.
+/// Checks a group of cells. Its array `connectivity` lists the point numbers of all cells, one cell after another. Its
+/// array `offsets` has the place in that list where each cell ends.
 void check_cells(VtpArrays& file, vtkXMLDataElement* group, std::uint64_t cells) {
   vtkXMLDataElement *ends = nullptr, *points = nullptr;
   each_nested(group, [&](vtkXMLDataElement* element) {

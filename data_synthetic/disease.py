@@ -18,9 +18,9 @@ def _cosine(x):
 
 
 def weight(lesion, s_mm, rng_phase=0.0):
-    """Share (0 ... 1) of the lesion's stenosis at arc lengths s_mm; 1 at its tightest place, 0 outside, C1 throughout.
+    """Share of the lesion's stenosis at arc lengths s_mm: about 1 where a lesion is tightest, 0 outside it.
 
-    rng_phase: phase (rad) of the undulation of a diffuse lesion.
+    It is continuously differentiable. rng_phase: phase (rad) of the undulation of a diffuse lesion.
     """
     x = (np.asarray(s_mm, float) - lesion["centre_s_mm"]) / (0.5 * lesion["length_mm"])
     if lesion["shape"] == "focal":

@@ -17,9 +17,9 @@ LESIONS = {"focal": 0.45, "diffuse": 0.25, "tandem": 0.15, "bifurcation": 0.15}
 LESION_LENGTH_MM = {"focal": (8, 15), "diffuse": (18, 28), "tandem": (18, 26), "bifurcation": (8, 14)}
 SMALLEST_TREATED_MM = 2.6  # healthy diameter at the lesion; smaller vessels are rarely stented
 LARGEST_TREATED_MM = 4.4  # healthy diameter at the lesion's distal end; the catalogue's largest stents have 4.5 mm
-CLEAR_OF_OSTIA_MM = 3.0
-ATTEMPTS = 200
-MOST = 1_000_000  # patients; each has its own file and takes some milliseconds
+CLEAR_OF_OSTIA_MM = 3.0  # wanted distance between a lesion's end and the nearest ostium
+ATTEMPTS = 200  # most draws for one patient
+MOST = 1_000_000  # patients in a cohort; each has its own file and takes some milliseconds
 
 
 def run(count, seed, out):
@@ -109,8 +109,10 @@ def _case(rng):
 
 
 def _sides(rng, main):
-    """Side branches, in order, of a main vessel (dict, as in the case). Their diameters are shares of the main vessel's
-    diameter at the origin of each branch."""
+    """Side branches (dicts, as in the case file) of a main vessel (dict), from proximal to distal.
+
+    The diameter of each is a share of the main vessel's diameter where the branch leaves.
+    """
     count, length = int(rng.integers(2, 6)), main["length_mm"]
     stretch = np.linspace(0.15, 0.85, count + 1) * length
     found = []

@@ -13,8 +13,8 @@ from common.plaque_types import CALCIFIED, NONE
 
 from . import crossings, patient, tree, truth
 
-SPACING_MM = 0.2
-LARGEST_ERROR_MM = 0.001
+SPACING_MM = 0.2  # of the grid on which the surface is first found
+LARGEST_ERROR_MM = 0.001  # root mean square distance of the surface's wall points from the exact wall
 
 
 def plaque_at(branches, points_mm):
@@ -37,7 +37,7 @@ def plaque_at(branches, points_mm):
 
 
 def check_throats(branches, spacing_mm, where):
-    """Raises InputError for a lumen so narrow that it may fall between the points of the grid."""
+    """Raises InputError for a lumen so narrow that the grid may miss it: no grid point may lie inside."""
     least = 0.5 * 3**0.5 * spacing_mm  # half the diagonal of a cell
     for branch in branches:
         at = int(np.argmin(branch.radius_mm))
@@ -53,7 +53,8 @@ def check_throats(branches, spacing_mm, where):
 def run(case_path, out, spacing_mm=SPACING_MM):
     """Writes `out`/lumen.vtp and `out`/truth.json for the case at `case_path`; returns the document of truth.json.
 
-    Raises InputError for an impossible patient, ComputationError if the surface fails its own checks.
+    Raises InputError for a patient that cannot be built. Raises ComputationError if the surface is not exact or crosses
+    itself.
     """
     case = patient.load(case_path)
     print("growing the tree", file=sys.stderr)

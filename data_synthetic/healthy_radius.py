@@ -45,7 +45,8 @@ def bifurcations(vessel):
         before = float(0.5 * vessel["main"]["ostial_diameter_mm"] * left * _main_taper(vessel, found, start))
         radius, angle = 0.5 * side["diameter_mm"], np.radians(side["angle_deg"])
         after = max(before**exponent - radius**exponent, 0.0) ** (1 / exponent)
-        # rim: distal edge of the ostium on the main wall. level: where the side branch is clear of that wall all round.
+        # rim: distance along the main axis to the ostium's distal edge on the main wall. level: distance along the side
+        # branch from which it is clear of that wall all round.
         rim = before / np.tan(angle) + radius / np.sin(angle) + BLEND_MM
         level = before / np.sin(angle) + radius / abs(np.tan(angle)) + BLEND_MM
         end = side["s_mm"] + max(EASE_MM, rim)

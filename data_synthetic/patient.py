@@ -23,7 +23,7 @@ def load(path):
 
 
 def check(vessel, where):
-    """Raises InputError if the vessel (defaults filled in) is impossible."""
+    """Raises InputError if a vessel (dict, defaults filled in) cannot be built. where: its file, for the message."""
 
     def refuse(what, key, value, remedy):
         raise InputError(what, f"{where}: vessel.{key}", value, remedy)
@@ -100,7 +100,10 @@ def _check_taper(branch, end, key, refuse):
 
 
 def _check_overlap(others, lesion, key, refuse):
-    """Raises InputError if overlapping lesions shift the axis differently: it would jump from one to the other."""
+    """Raises InputError if the lesion overlaps one of `others` that shifts the lumen differently.
+
+    The lumen's axis would jump where one lesion takes over from the other.
+    """
     start, end = disease.extent(lesion)
     for number, other in enumerate(others, start=1):
         low, high = disease.extent(other)
@@ -117,7 +120,7 @@ def _check_overlap(others, lesion, key, refuse):
 
 
 def _shift(lesion):
-    """(eccentricity, direction in degrees). A concentric lesion has no direction; it is set to 0."""
+    """(eccentricity, direction in degrees) of a lesion. The direction of a concentric lesion is set to 0."""
     return lesion["eccentricity"], lesion["direction_deg"] % 360 if lesion["eccentricity"] else 0
 
 

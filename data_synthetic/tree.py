@@ -11,17 +11,19 @@ from common.plaque_types import FIBROUS
 
 from . import healthy_radius, disease
 
-HEART_CURVATURE = {"lad": 1 / 45, "lcx": 1 / 32, "rca": 1 / 26}
-# Bends alternate over about 15 mm. A narrow kernel minus a wide one of the same integral keeps a bend from looping.
+HEART_CURVATURE = {"lad": 1 / 45, "lcx": 1 / 32, "rca": 1 / 26}  # 1/mm: an artery's bend over the heart
+# Widths of two Gaussian kernels that turn noise into random curvature, so that bends alternate over about 15 mm. The
+# wide kernel, of the same integral, is subtracted from the narrow one to keep a bend from looping.
 NARROW_MM, WIDE_MM = 3.0, 8.0
-ATTEMPTS = 60
+ATTEMPTS = 60  # most draws of a tree for one seed
 
 
 @dataclass
 class Branch:
-    """One branch. All arrays (n,) or (n, 3) are samples along `axis` (the lumen's axis), lengths in mm.
+    """One branch of a tree. All arrays (n,) or (n, 3) are samples along `axis`, which is the lumen's axis.
 
-    radius_mm: lumen; healthy_mm: healthy lumen; shift_mm: vector from the healthy vessel's axis to the lumen's.
+    radius_mm: radius of the lumen; healthy_mm: that of the healthy lumen; shift_mm: vector from the healthy vessel's
+    axis to the lumen's. parent: name of the branch from which it leaves, "" for the main vessel.
     """
 
     name: str
@@ -73,7 +75,7 @@ class Branch:
 def _interpolate(s_mm, samples, values):
     """Cubic Hermite interpolation of even samples: its derivative is continuous, as the field's gradient needs it.
 
-    The slopes are central differences. So between samples it may reach slightly beyond them.
+    The slopes are central differences. So a value between two samples may lie slightly outside their range.
     """
     x = np.clip((np.asarray(s_mm, float) - samples[0]) / (samples[1] - samples[0]), 0, len(samples) - 1)
     i = np.minimum(x.astype(int), len(samples) - 2)
@@ -88,7 +90,10 @@ def _gaussian(x, width):
 
 
 def _random_axis(vessel, rng):
-    """Main vessel's axis (Curve): bend over the heart plus smooth random curvature, with the asked mean and bound."""
+    """The main vessel's axis (Curve): the bend over the heart plus smooth random curvature.
+
+    Mean and bound of the curvature are those of the vessel's description (dict).
+    """
     main = vessel["main"]
     count = int(round(main["length_mm"] / SAMPLE_MM)) + 1
     s = np.linspace(0, main["length_mm"], count)
@@ -102,7 +107,7 @@ def _random_axis(vessel, rng):
     def curvatures(scale):
         k = base + scale * noise
         size = np.linalg.norm(k, axis=1, keepdims=True)
-        return k / (1 + (size / bound) ** 4) ** 0.25  # smooth bound
+        return k / (1 + (size / bound) ** 4) ** 0.25  # keeps the curvature below `bound`, smoothly
 
     low, high = 0.0, 20 * bound
     for _ in range(60):
@@ -148,7 +153,7 @@ def _diseased(name, parent, s_parent, axis, healthy, lesions, rng):
         push = np.where(deeper[:, None], (lesion["eccentricity"] * part)[:, None] * ray, push)
     shift = push * healthy[:, None]
     shifted = Curve(axis.points_mm + shift) if np.any(shift) else axis
-    # The same material points, now at arc lengths of the lumen's axis.
+    # Arc lengths, along the lumen's axis, of the points that were sampled along the healthy axis.
     s_new = shifted.nearest(axis.points_mm + shift)
     moved = [dict(le, centre_s_mm=float(np.interp(le["centre_s_mm"], s, s_new))) for le in lesions]
 
@@ -203,9 +208,10 @@ def _near(branch, other):
 
 
 def grow(vessel, where="vessel"):
-    """Branches [main, side1, ...] of a checked vessel. The axes are the lumen's; the inlet is at the origin.
+    """Branches [main, side1, ...] of a checked vessel (dict, defaults filled in).
 
-    Random axes are drawn from the seed until no branches conflict. Raises InputError if every try fails.
+    The axes are those of the lumen; the inlet is at the origin. Random axes are drawn from the seed until no branches
+    conflict. Raises InputError if all ATTEMPTS fail.
     """
     rng = np.random.default_rng(vessel["seed"])
     conflicts = collections.Counter()

@@ -12,7 +12,10 @@ SCHEMA = "vci-truth-1"
 
 
 def document(vessel, branches, rms_mm, vertices, triangles):
-    """The JSON document: each branch's samples (mm), the lesions' true extent and stenosis, and the wall."""
+    """The content of truth.json: samples (mm) of each branch, true areas and stenoses of its lesions, wall thickness.
+
+    rms_mm: error of the surface's wall points; vertices, triangles: numbers of the surface.
+    """
     forks = healthy_radius.bifurcations(vessel)
     return {
         "schema": SCHEMA,
@@ -61,7 +64,8 @@ def _measured(branch, lesion):
 
 
 AGAIN = "run data_synthetic generate again"
-SHAPES = {"s_mm": 1, "points_mm": 2, "radius_mm": 1, "healthy_radius_mm": 1, "shift_mm": 2}  # dimensions of the samples
+# number of dimensions of each array of samples: (n,) or (n, 3)
+SHAPES = {"s_mm": 1, "points_mm": 2, "radius_mm": 1, "healthy_radius_mm": 1, "shift_mm": 2}
 
 
 def check(document, path):

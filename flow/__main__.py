@@ -15,6 +15,7 @@ from flow import settings as settings_module
 
 
 def _patient(arguments, case):
+    """Section `patient` of the case file, or the patient's values of the command line. Raises InputError."""
     given = {key: getattr(arguments, key) for key in ("lvm_g", "sbp_mmhg", "dbp_mmhg")}
     if arguments.case:
         twice = [settings_module.option(key) for key, value in given.items() if value is not None]
@@ -55,7 +56,7 @@ def boundary_command(arguments):
 
 
 def mesh_command(arguments):
-    """Volume meshes of a lumen, from coarse to fine."""
+    """Volume meshes of a lumen, coarse and fine."""
     from flow.geometry import centreline, surface
     from flow.meshing import mesh, provenance
 
@@ -122,7 +123,7 @@ def _start(arguments, case):
 
 
 def audit_command(arguments):
-    """Whether the steady flow is the mean of the flow in time; the march took half as long as the solve in lcx01."""
+    """Whether the steady flow is the mean of the flow in time (in lcx01 the march took half as long as the solve)."""
     from flow import adaptive, audit
 
     case = _case(arguments)
@@ -151,14 +152,15 @@ def rank_command(arguments):
     if len(plans) < len(arguments.plans) or not all(plans.values()):
         raise InputError("plans are not named apart", "command line", arguments.plans, "give NAME=FOLDER for each")
     measured = [(path, json_reader.read(path, "ffr.json").data) for path in arguments.measured]
-    model = "axisymmetric" if settings.model == "3d" else settings.model  # of a file that `flow solve` shares
+    # 3d is the default of this setting, and may stand in a settings file shared with `flow solve`
+    model = "axisymmetric" if settings.model == "3d" else settings.model
     table = ranking.rank(plans, document, settings, model, measured)
     write_table(arguments.out, table)
     print(table.to_string(index=False))
 
 
 def _add_solved(command):
-    """Adds the files that `_case` and the solve read to the parser of a command."""
+    """Adds the arguments for the files that `flow solve` and `flow audit` read to the parser of a command."""
     command.add_argument("mesh", help="mesh.msh")
     command.add_argument(
         "--coarse",
@@ -239,7 +241,7 @@ def main(argv=None):
 
 
 def _ended(number, _):
-    """Ends at SIGTERM like at an error, so that half-made files are removed."""
+    """Handler of SIGTERM: ends the program as an error would, so that half-made files are removed."""
     sys.exit(128 + number)
 
 

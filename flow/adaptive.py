@@ -1,8 +1,10 @@
-"""Which mesh answers: the first, coarse first, whose estimated error is within the tolerance, else the best of them.
+"""Chooses the mesh whose flow is the answer: the coarsest whose estimated error is within the tolerance, else the best.
 
-Each mesh starts from the flow on the one before. A mesh on which no flow is found is passed over where another answers.
-On meshes before the last two continuation ends while the artificial viscosity is still large: so far they serve as well
-as a finer mesh, for a third of the cost. The last mesh keeps the eps of the best flow before, if that has any.
+The meshes are solved from coarse to fine. Each solve starts from the flow on the mesh before. A mesh on which no flow
+is found is left out if another one has a flow. On meshes before the last two, continuation (solvers.continuation) ends
+while the artificial viscosity eps is still large. Down to this eps a coarse mesh serves as well as a finer one, at a
+third of the cost. If the best flow found before the last mesh has an eps > 0, the last mesh is solved with the same
+eps.
 """
 
 import pathlib
@@ -18,13 +20,18 @@ from flow.solvers.solved_mesh import BEGUN, CONVERGED, NEAR, WHOLE, solve_mesh
 
 
 def within(estimate, settings):
-    """Whether the error is known and estimated below the tolerance asked for."""
+    """Whether the estimated error at `distal` is known and at most setting ffr_tolerance.
+
+    estimate: of errors.error_estimate.of, or None.
+    """
     return estimate is not None and estimate["ffr"] <= settings.ffr_tolerance
 
 
 def missed(estimate, settings, names=()):
-    """Warnings, printed too, where the error is not known to be within the tolerance asked for: at `distal`, for which
-    the mesh is chosen, and at the other probes; names: of all, `distal` first."""
+    """Warnings, printed too, on each probe whose error is not known to be within ffr_tolerance.
+
+    The mesh is chosen for `distal` alone, so other probes may have larger errors. names: of all probes, `distal` first.
+    """
     of, above = "the error of FFR", f"above ffr_tolerance = {settings.ffr_tolerance:g}"
     found = []
     if estimate is None:
@@ -40,10 +47,11 @@ def missed(estimate, settings, names=()):
 
 
 class Search:
-    """The answer of one lumen to `settings.ffr_tolerance`.
+    """The search for a flow in one lumen with an error of FFR of at most `settings.ffr_tolerance`.
 
-    document: boundary.json; predicted: reduced.coupled.Predictor; meshes: record of what was found on each mesh,
-    each once; started: what became of the start from another state, None where there was none.
+    document: of boundary.json; tree: geometry.centreline.Tree without extensions; predicted: reduced.coupled.Predictor.
+    Results: meshes: one record for each mesh that was solved; spent: factorizations so far; started: whether the start
+    from another state led to a flow, None without such a start.
     """
 
     def __init__(self, document, settings, tree, predicted):
@@ -51,11 +59,11 @@ class Search:
         self.meshes, self.spent, self.started = [], 0, None
 
     def run(self, paths, start=None):
-        """The Solved that answers: on the first mesh of `paths`, coarse first, that is good enough, or the better one.
+        """The Solved that answers: on the coarsest mesh with an error within the tolerance, else the best one.
 
-        start: inputs.solution.Start, the flow of another state of the vessel. The mesh of the same place in the
-        sequence as the one that answered there is solved from it; where that finds no flow all go the usual way.
-        Raises ComputationError where no mesh has a flow.
+        paths: mesh files, the coarsest first. start: inputs.solution.Start, the flow of another state of the vessel.
+        The mesh with the same name as the one that answered there is solved first, from this flow. If that finds no
+        flow, all meshes are solved in the usual way. Raises ComputationError where no mesh has a flow.
         """
         answer, left = self.from_state(paths, start), paths
         if answer:
@@ -82,15 +90,16 @@ class Search:
                 answer = solved
             if within(answer.estimate, self.settings):
                 break
-            answer.problem.release()  # two meshes' factors need not fit the memory at once
+            answer.problem.release()  # the factors of two meshes need not fit into memory at once
         print(f"{answer.path} answers", file=sys.stderr, flush=True)
         return answer
 
     def from_state(self, paths, start):
-        """Solved from the flow of another state, without artificial viscosity.
+        """Solves from the flow of another state, without artificial viscosity, on the mesh that answered in that state.
 
-        None where no state is given, where that state kept an artificial viscosity, or where Newton's method does not
-        converge from it.
+        Returns Solved, or None. It is None if no state is given, if its answer has an artificial viscosity, or if no
+        mesh in `paths` has the name of the mesh that answered there. It is also None if Newton's method does not
+        converge from its flow.
         """
         names = [pathlib.Path(path).name for path in paths]
         if start is None or start.artificial > 0 or start.mesh not in names:
@@ -109,8 +118,11 @@ class Search:
         return solved
 
     def on_mesh(self, path, before, effort, start=None):
-        """Solved on a mesh, from the flow on the one before, with which its error is estimated too, or from that of
-        another state; effort: as solvers.solved_mesh has it. Raises ComputationError."""
+        """Solves on the mesh `path` and estimates the error. Returns Solved, raises ComputationError.
+
+        The solve starts from `start`, or from the flow `before` (Solved on another mesh), which also serves the
+        estimate. effort: BEGUN, WHOLE or NEAR of solvers.solved_mesh.
+        """
         begin, case = time.process_time(), (self.document, self.settings, self.tree, self.predicted)
         solved = solve_mesh(path, *case, before, self.spent, effort, start)
         solved.estimate = error_estimate.of(solved, self.document, self.tree, self.at_probes, before)
@@ -120,7 +132,7 @@ class Search:
         return solved
 
     def at_probes(self, sampler):
-        """FFR at the probes, `distal` first."""
+        """[FFR] at the probes, `distal` first."""
         return [probe["ffr"] for probe in ffr.at_probes(self.document, self.tree, sampler)]
 
     def record(self, solved):
@@ -141,8 +153,11 @@ class Search:
 
 
 def _better(finer, coarser):
-    """Whether the finer mesh's flow answers: it does where it is one without artificial viscosity, as its estimate
-    knows more, and else by its estimate."""
+    """Whether the flow on the finer mesh is the better answer (both Solved).
+
+    It is if it has no artificial viscosity, or if its estimated error is not larger. Without artificial viscosity the
+    estimates are not compared, since that of the finer mesh rests on more information.
+    """
     return finer.status == CONVERGED or _error(finer) <= _error(coarser)
 
 

@@ -1,10 +1,10 @@
-"""Is the steady flow the mean of the flow in time? An audit of an answer of `flow solve`, no part of it.
+"""Is the steady flow the mean of the flow in time? An audit of an answer of `flow solve`, apart from the solve itself.
 
-The flow is marched in time (solvers.marching) from the steady one, without artificial viscosity. The time unit is D/U
-of the branch of the probe `distal` there. Start-up is cut where the standard error of what follows is least (MSER,
-White 1997, Simulation 69); the rest is cut into BATCHES equal batches, whose means give Student's interval of 95 %
-(batch means; Law and Kelton, Simulation Modeling and Analysis). The audit shows whether the steady FFR lies within the
-tolerance of the mean.
+The flow is marched in time (solvers.marching) from the steady flow, without artificial viscosity. The time unit is D/U
+at the probe `distal`: the vessel's diameter over its mean velocity. The start-up is cut off where the standard error of
+the rest is least (MSER, White 1997, Simulation 69). The rest is divided into BATCHES equal batches. Their means give
+Student's interval of 95 % (batch means; Law and Kelton, Simulation Modeling and Analysis). The audit shows whether the
+steady FFR lies within the tolerance of the mean.
 """
 
 import sys
@@ -18,26 +18,27 @@ from flow.geometry import locate
 from flow.physics import ffr
 from flow.solvers import marching
 
-STEP_ERROR = 3e-3  # of one step, over the root mean square of the velocity
-FIRST_STEP, SHORTEST_STEP = 1e-4, 1e-7  # s
-LONGEST_STEP = 0.1  # in D/U
-SMALLEST_CHANGE, LARGEST_CHANGE = 0.4, 1.6  # of the step's length
+STEP_ERROR = 3e-3  # wanted error of one step, over the root mean square of the velocity
+FIRST_STEP, SHORTEST_STEP = 1e-4, 1e-7  # s: length of the first step, and least length of any step
+LONGEST_STEP = 0.1  # longest step in time units D/U
+SMALLEST_CHANGE, LARGEST_CHANGE = 0.4, 1.6  # limits of the length of a step over that of the step before
 WORTH_A_CHANGE = (0.8, 1.25)  # the length changes only by factors outside these, as each change costs a factorization
-PER_UNIT = 10  # samples of the series in a D/U, evenly spaced
-BATCHES = 8
-CONFIDENCE = 0.95
+PER_UNIT = 10  # number of evenly spaced samples of the series in a time unit
+BATCHES = 8  # number of batches
+CONFIDENCE = 0.95  # probability that the interval given for a mean holds the true mean
 
 
 def time_unit(radius_mm, flow_m3_per_s):
-    """D/U in s, U being the mean velocity of a flow through a round vessel."""
+    """D/U in s: diameter over mean velocity of a flow through a round vessel."""
     return np.pi * (2e-3 * radius_mm) ** 3 / (4 * flow_m3_per_s)
 
 
 def march(problem, read, unit_s, units, most_steps):
-    """Series of the march from the problem's state, over `units` D/U or `most_steps` steps, whichever ends first.
+    """Marches the flow in time and returns a DataFrame with time_s and ffr_0, ffr_1, ... of the probes.
 
-    A DataFrame with time_s and ffr_0, ffr_1, ... of the probes. read(sampler) -> FFR at the probes. Raises
-    ComputationError where even a step of SHORTEST_STEP fails.
+    problem: solvers.nonlinear.FlowProblem, whose present flow is the start; read(sampler) -> FFR at the probes. The
+    march ends after `units` time units of unit_s, or after `most_steps` steps. Raises ComputationError where even a
+    step of about SHORTEST_STEP fails.
     """
     problem.boundaries.full()
     problem.forms.artificial.value = 0.0
@@ -66,7 +67,10 @@ def march(problem, read, unit_s, units, most_steps):
 
 
 def _lengths(stepper, longest, most):
-    """Steps with `stepper` and yields each step's length in s, chosen for an error near STEP_ERROR."""
+    """Makes up to `most` steps with a marching.Stepper and yields the length of each in s, at most `longest`.
+
+    The lengths are chosen for an error near STEP_ERROR.
+    """
     dt, problem = min(FIRST_STEP, longest), stepper.problem
     while stepper.steps < most:
         try:
@@ -86,11 +90,12 @@ def _lengths(stepper, longest, most):
 
 
 def start_up(values):
-    """Number of samples (n,) to cut by MSER: where the variance of the rest over its length is least.
+    """Number of samples at the start of a series `values` (n,) that MSER cuts off.
 
-    At most half, since near the end of a series the variance of the few that are left is small by chance.
+    It is the number at which the variance of the rest over its length is least. It is at most half the series, since
+    the variance of few samples is often small by chance.
     """
-    values = values - values.mean()  # else the difference of squares is lost in rounding
+    values = values - values.mean()  # limits rounding errors in the difference of squares below
     rest = np.arange(len(values), 0, -1)
     sums, squares = (np.cumsum(part[::-1])[::-1] for part in (values, values**2))
     variance = squares / rest - (sums / rest) ** 2
@@ -98,7 +103,7 @@ def start_up(values):
 
 
 def batch_means(values):
-    """(mean, half width of the interval of CONFIDENCE) of a series (n,) by BATCHES batches."""
+    """(mean, half width of its interval of CONFIDENCE) of a series (n,), by the means of BATCHES batches."""
     size = len(values) // BATCHES
     means = values[len(values) - BATCHES * size :].reshape(BATCHES, size).mean(axis=1)
     half = scipy.stats.t.ppf(0.5 + CONFIDENCE / 2, BATCHES - 1) * means.std(ddof=1) / np.sqrt(BATCHES)
@@ -106,11 +111,12 @@ def batch_means(values):
 
 
 def evaluate(table, unit_s, steady, tolerance):
-    """Document of audit.json from the series of `march`; steady: FFR of the answer at the probes, `distal` first.
+    """Document of audit.json from the table of `march`.
 
-    settled: whether the interval of the mean is within the tolerance; in a flow still in its start-up the batches'
-    means are far apart. agrees: whether the steady FFR is within the tolerance of the mean, its interval included;
-    null where the march did not settle.
+    unit_s: time unit; steady: FFR of the steady flow at the probes, `distal` first; tolerance: of FFR. `settled` of the
+    document: whether the half width of the mean's interval is within the tolerance. In a flow still in its start-up the
+    means of the batches are far apart, so it is not. `agrees`: whether the steady FFR is within the tolerance of every
+    value in that interval; None where the march did not settle.
     """
     times = table["time_s"].to_numpy()
     even = np.linspace(0.0, times[-1], max(int(PER_UNIT * times[-1] / unit_s), 2 * BATCHES) + 1)[1:]
@@ -144,7 +150,10 @@ def evaluate(table, unit_s, steady, tolerance):
 
 
 def of_answer(solved, case):
-    """(document of audit.json, series) of a solvers.solved_mesh.Solved, whose state changes; case: Extended."""
+    """(document of audit.json, table of `march`) for a solvers.solved_mesh.Solved. The march changes its state.
+
+    case: reduced.extended.Extended.
+    """
 
     def read(sampler):
         return [one["ffr"] for one in ffr.at_probes(case.document, case.original, sampler)]
@@ -161,7 +170,7 @@ def of_answer(solved, case):
 
 
 def in_words(answer):
-    """The document of audit.json in one line."""
+    """One line for the user with the result in the document of audit.json."""
     mean = f"mean {answer['ffr_mean']:.4f} +- {answer['ffr_mean_half_width_95']:.4f}"
     over = f"{answer['time_units']:.1f} D/U"
     if not answer["settled"]:

@@ -1,4 +1,7 @@
-"""The files that each command reads and writes. An earlier output is removed first, before the input is read."""
+"""The files that each command reads and writes.
+
+arguments are always the parsed arguments of the command. Output of an earlier run is removed before the input is read.
+"""
 
 import pathlib
 
@@ -8,7 +11,7 @@ from flow.inputs.lumen_summary import OF_A_PLAN
 
 
 def clear(arguments):
-    """Removes the files that an earlier run with these arguments wrote (flow.output.clear). Raises InputError."""
+    """Removes the files that an earlier run with the same outputs wrote (flow.output.clear). Raises InputError."""
     of = {"boundary": boundary, "mesh": mesh, "solve": solve, "audit": audit, "rank": rank}
     written, read = of[arguments.command](arguments)
     output.clear(written, [pathlib.Path(path) for path in (*read, arguments.settings) if path])
@@ -26,7 +29,10 @@ def mesh_report(arguments):
 
 
 def mesh(arguments):
-    """As `boundary`. Raises InputError for names of files to write that are no meshes', or taken."""
+    """(files written, files read) of `flow mesh`.
+
+    Raises InputError for a mesh name that does not end in .msh, or a file that would replace another one.
+    """
     meshes = [pathlib.Path(path) for path in (arguments.out, *arguments.coarse)]
     for path in meshes:
         if path.suffix != ".msh":
@@ -41,8 +47,11 @@ def mesh(arguments):
 
 
 def with_rings(coarse, rings):
-    """[(path, rings)] of the coarser meshes, the coarsest first; fewer paths than rings are of the last ones. Raises
-    InputError for more."""
+    """[(path, rings)] of the coarser meshes, the coarsest first.
+
+    coarse: paths; rings: setting coarse_rings. With fewer paths than rings, the last of `rings` are used. Raises
+    InputError for more paths than rings.
+    """
     if len(coarse) > len(rings):
         remedy = "give at most one for each of coarse_rings"
         raise InputError("more coarse meshes than coarse_rings", "--coarse", f"{len(coarse)} files, {rings}", remedy)
@@ -50,9 +59,9 @@ def with_rings(coarse, rings):
 
 
 def meshes(arguments):
-    """Paths of the meshes to solve on, coarse first. Raises InputError for one that is not there.
+    """Paths of the meshes to solve on, the coarsest first. Raises InputError for a file that is missing.
 
-    A coarser one whose file is empty is none of them: `flow mesh` has left it out.
+    Coarser meshes with an empty file are passed over: `flow mesh` has left them out.
     """
     for path in (arguments.mesh, *arguments.coarse):
         if not pathlib.Path(path).is_file():
@@ -67,14 +76,14 @@ def beside_centreline(arguments):
 
 
 def there(path, option):
-    """`path`, a file beside the centreline unless `option` names it. Raises InputError where there is none."""
+    """Returns `path`. Raises InputError if no file is there; the message names `option`, which gives the path."""
     if not pathlib.Path(path).is_file():
         raise InputError("no such file", path, "missing", f"leave it beside the centreline, or give {option}")
     return path
 
 
 def _solved(arguments):
-    """Files that a solve reads."""
+    """Files that `flow solve` or `flow audit` reads."""
     meshes = [arguments.mesh, *arguments.coarse]
     read = [*meshes, arguments.boundary, arguments.centreline, arguments.mesh_report]
     read += [pathlib.Path(path).with_suffix(".json") for path in meshes]
@@ -84,12 +93,12 @@ def _solved(arguments):
 
 
 def solve(arguments):
-    """As `boundary`."""
+    """(files written, files read) of `flow solve`."""
     return [pathlib.Path(arguments.out) / name for name in output.FILES], _solved(arguments)
 
 
 def audit(arguments):
-    """As `boundary`. Raises InputError for a name that is no JSON file's."""
+    """(files written, files read) of `flow audit`. Raises InputError if the output's name does not end in .json."""
     written = pathlib.Path(arguments.out)
     if written.suffix != ".json":
         raise InputError("not the name of a JSON file", "--out", written, "let it end in .json")
@@ -97,7 +106,7 @@ def audit(arguments):
 
 
 def rank(arguments):
-    """As `boundary`."""
+    """(files written, files read) of `flow rank`."""
     folders = [pathlib.Path(plan.partition("=")[2]) for plan in arguments.plans]
     read = [folder / name for folder in folders for name in OF_A_PLAN]
     return [pathlib.Path(arguments.out)], [arguments.boundary, *arguments.measured, *read]

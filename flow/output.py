@@ -15,10 +15,10 @@ FILES = ("ffr.json", "pullback.csv", "solution.vtu")
 
 
 def clear(files, inputs):
-    """Removes an earlier output, `files`. After a refused run it would be taken for this run's output.
+    """Removes the output `files` of an earlier run. If this run is refused, they would be taken for its output.
 
-    inputs: paths of the files that the command reads. Raises InputError, and removes nothing, where one is
-    among `files`, or where they cannot be written.
+    inputs: paths of the files that the command reads. Raises InputError, and removes nothing, if one of them is among
+    `files`, or if `files` cannot be written.
     """
     own = [path.resolve() for path in files]
     for path in inputs:
@@ -36,7 +36,10 @@ def clear(files, inputs):
 
 
 def write_vtu(path, points, cells, fields):
-    """points (n, 3) m, cells (t, 10) as geometry.tet10, fields {name: (n,) or (n, 3)}."""
+    """Writes a mesh and fields at its nodes to a .vtu file, with coordinates in mm.
+
+    points (n, 3) in m, cells (t, 10) as geometry.tet10, fields {name: values (n,) or (n, 3)}.
+    """
     grid = vtk.vtkUnstructuredGrid()
     vtk_points = vtk.vtkPoints()
     vtk_points.SetDataTypeToDouble()
@@ -60,7 +63,10 @@ def write_vtu(path, points, cells, fields):
 
 
 def write_all(folder, fields, table, document):
-    """Writes the three files; ffr.json last, as the sign that all is there. fields: arguments of write_vtu."""
+    """Writes the three output files of a solve to a folder (Path). ffr.json is the last, as a sign that all are there.
+
+    fields: arguments (points, cells, fields) of write_vtu; table: of pullback.csv; document: of ffr.json.
+    """
     write_vtu(folder / "solution.vtu", *fields)
     with replacing(folder / "pullback.csv") as partial:
         table.to_csv(partial, index=False, float_format="%.10g")

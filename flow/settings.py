@@ -1,4 +1,4 @@
-"""The settings of the flow step: names, defaults and ranges are those of config/schemas/flow.schema.yaml."""
+"""The settings of the flow step. Their names, defaults and ranges are in config/schemas/flow.schema.yaml."""
 
 import argparse
 import math
@@ -12,24 +12,24 @@ from common.errors import InputError
 
 
 def properties():
-    """{name: JSON schema of the setting} in the schema's order."""
+    """{name: JSON schema} of all settings, in the order of the schema file."""
     return schema.read("flow")["properties"]
 
 
 def commands_of(name):
-    """Names of the commands that a setting acts in."""
+    """Names of the commands on which a setting has an effect."""
     return properties()[name]["x-commands"]
 
 
 def option(name):
-    """The option of a setting on the command line."""
+    """The command-line option of a setting."""
     return "--" + name.replace("_", "-")
 
 
 def add_options(parser, command):
-    """Adds --settings and one option a setting of `command` to an argparse parser; options win over the file.
+    """Adds --settings and one option for each setting of `command` to an argparse parser.
 
-    The file is shared by the commands: it may hold all keys.
+    An option overrides the file. All commands can share one settings file, so it may hold settings of other commands.
     """
     group = parser.add_argument_group("settings (config section `flow`)")
     group.add_argument("--settings", metavar="FILE.json", help="file with keys of the section, also of other commands")
@@ -41,7 +41,7 @@ def add_options(parser, command):
 
 
 def _number(text):
-    """The number in a text, else the text itself, since `make` refuses wrong kinds and ranges with one message."""
+    """The finite number in a text, else the text itself: `make` then refuses it with the usual message."""
     for kind in (int, float):
         try:
             value = kind(text)
@@ -52,7 +52,7 @@ def _number(text):
 
 
 def check_left(command, words):
-    """Raises InputError for the first of the words that a command did not know which is another command's setting."""
+    """Raises InputError if one of `words`, arguments that a command did not know, is a setting of another command."""
     options = {option(name): name for name in properties()}
     for word in words:
         given = word.partition("=")[0]
@@ -62,7 +62,10 @@ def check_left(command, words):
 
 
 def from_arguments(arguments):
-    """The settings of parsed arguments as a namespace. Raises InputError for a value that is not allowed."""
+    """Namespace of all settings, by the settings file and the options in parsed arguments, else their defaults.
+
+    Raises InputError for a value that is not allowed, or an option that has no effect.
+    """
     path = getattr(arguments, "settings", None)
     values = {}
     if path:
@@ -79,16 +82,17 @@ def from_arguments(arguments):
 
 
 def make(**values):
-    """Settings namespace from keyword values; the rest are defaults. Raises InputError."""
+    """Namespace of all settings: the given values, the other settings at their defaults. Raises InputError."""
     rules = schema.read("flow")
     schema.validate(json_reader.Document("flow settings", values), rules)
     return types.SimpleNamespace(**schema.with_defaults(values, rules))
 
 
 def check_switches(values, where, given=()):
-    """Raises InputError for a setting that another one (`x-with` of the schema) keeps from acting.
+    """Raises InputError for a setting that has no effect because of the value of another one (`x-with` in the schema).
 
-    values: {setting: value}, complete; those at their defaults were not wished for, but for the names in `given`.
+    values: {setting: value} of all settings. A setting counts as wished for if it differs from its default, or if its
+    name is in `given`.
     """
     for name, rule in properties().items():
         for switch, needed in rule.get("x-with", {}).items():
@@ -99,9 +103,9 @@ def check_switches(values, where, given=()):
 
 
 def check_meshes(values, where):
-    """Raises InputError unless each mesh is coarser than the next: the error estimate by two meshes rests on it.
+    """Raises InputError unless the settings make each mesh coarser than the next, as the error estimate needs it.
 
-    values: {setting: value}, complete.
+    values: {setting: value} of all settings.
     """
     for coarse, fine in (("coarse_rings", "rings"), ("coarse_cells_per_radius", "cells_per_radius")):
         sizes = [*np.atleast_1d(values[coarse]), values[fine]]

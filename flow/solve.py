@@ -1,4 +1,4 @@
-"""A solve from files to files: reduced models, the 3D flow to its tolerance (flow.adaptive), FFR and its error."""
+"""`flow solve`: the reduced models, the 3D flow to its tolerance (flow.adaptive), FFR with its error, output files."""
 
 import pathlib
 import resource
@@ -16,16 +16,16 @@ from flow.physics import viscosity, wall_shear
 from flow.reduced import answer as reduced_answer, flow_range
 from flow.solvers import solved_mesh
 
-LARGE = 0.05  # larger differences of the models' FFR get a warning
-# Largest difference of out- and inflow, over the inflow, that is trusted. Solves by factorization have 1e-14 to 1e-13.
+LARGE = 0.05  # a larger difference between the FFR of 3D and reduced models gets a warning
+# Largest |outflow - inflow| over the inflow; a flow with more is refused. Solves by factorization have 1e-14 to 1e-13.
 LARGEST_IMBALANCE = 1e-8
 
 
 def run(paths, case, folder, start=None, made_from=None):
-    """Solves and writes solution.vtu, pullback.csv and ffr.json to `folder`; returns the document of ffr.json.
+    """Solves, writes solution.vtu, pullback.csv and ffr.json to `folder`, and returns the document of ffr.json.
 
-    paths: of the meshes, the coarsest first; case: reduced.extended.Extended; start: inputs.solution.Start.
-    made_from: SHA-256 of files that the answer rests on, for the document.
+    paths: of the meshes, the coarsest first; case: reduced.extended.Extended; start: inputs.solution.Start, the flow of
+    another state, or None; made_from: {key: SHA-256} of input files, to be noted in ffr.json. Raises ComputationError.
     """
     begin, begin_cpu = time.perf_counter(), _cpu_seconds()
     spaces.check_coarser(paths)
@@ -71,13 +71,16 @@ def run(paths, case, folder, start=None, made_from=None):
 
 
 def _cpu_seconds():
-    """CPU seconds of this process and of the programs that it ran (gmsh)."""
+    """CPU seconds of this process and of the programs that it ran."""
     spent = [resource.getrusage(whose) for whose in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     return sum(one.ru_utime + one.ru_stime for one in spent)
 
 
 def in_words(answer):
-    """The answer in one line, with its error and, where the flow is not simply a steady one, its status."""
+    """One line for the user: FFR and its error, and the status if an artificial viscosity is left.
+
+    answer: document of ffr.json.
+    """
     estimate = answer["error_estimate"]
     error = f"{estimate['ffr']:.4f}" if estimate else "unknown"
     status = "" if answer["status"] == solved_mesh.CONVERGED else f" ({answer['status']})"
@@ -85,7 +88,7 @@ def in_words(answer):
 
 
 def compared(models):
-    """Warnings, printed too, where the models' FFR differ by more than LARGE."""
+    """[warning], printed too, if the FFR of the models differ by more than LARGE. models: entry of ffr.json."""
     found = {name: entry["ffr"] for name, entry in models.items() if entry["ffr"] is not None}
     if max(found.values()) - min(found.values()) <= LARGE:
         return []
@@ -96,10 +99,10 @@ def compared(models):
 
 
 def collect(solved, case, reference):
-    """(the part of ffr.json's document that all models have, table of pullback.csv without errors).
+    """(the entries of ffr.json that 3D and reduced models both have, table of pullback.csv without estimated errors).
 
-    solved: solvers.solved_mesh.Solved or reduced.answer.Reduced; case: reduced.extended.Extended; reference: pressure
-    in Pa that FFR is over.
+    solved: solvers.solved_mesh.Solved or reduced.answer.Reduced; case: reduced.extended.Extended; reference: the
+    denominator of FFR in Pa.
     """
     tree, network, names, estimate = case.original, case.network, solved.names, solved.estimate
     flow_of = dict(zip(names, solved.outflows))
@@ -128,7 +131,7 @@ def collect(solved, case, reference):
 
 
 def _of_flow(solved):
-    """The part of ffr.json's document that only a flow in three dimensions has. Raises ComputationError."""
+    """The entries of ffr.json that only a 3D flow has. Raises ComputationError if mass is not conserved."""
     outcome = solved.outcome
     return {
         "mass_imbalance": _conserved(solved.outflows.sum(), solved.inflow),
@@ -156,7 +159,7 @@ def _conserved(outflow, inflow):
 
 
 def fields(solved, document, reference):
-    """Arguments of output.write_vtu."""
+    """(points, cells, {name: values}) for output.write_vtu. reference: the denominator of FFR in Pa."""
     points, cells = solved.space.nodes()
     velocity, pressure = solved.sampler.velocity, solved.sampler.pressure
     wall = np.zeros(len(points), bool)

@@ -199,7 +199,7 @@ def parser():
         ("cohort", "one row a case -> cohort.csv"),
     ):
         command = commands.add_parser(name, help=text)
-        count = "*" if name == "agreement" else "+"  # for half_maximum.csv the list is empty if no case has a CT
+        count = "*" if name == "agreement" else "+"  # agreement also makes half_maximum.csv: no files without a CT
         command.add_argument("--metrics", required=True, nargs=count, type=path, help="metrics.json of each case")
         command.add_argument("--out", required=True, type=path, help="the CSV file")
         command.set_defaults(run=run_table)

@@ -4,8 +4,8 @@
     lumen = vci.Lumen.read("lumen.vtp", "centreline.vtp")
     result = vci.deploy(lumen, devices, steps)
 
-docs/python.md has examples. The names below come from the compiled module vci._engine. It is loaded at first use, so
-that the benchmarks in vci/benchmarks run without it.
+docs/python.md has examples. The names in __all__ come from the compiled module vci._engine. This module is loaded when
+a name is first used, so that the benchmarks in vci/benchmarks run without it.
 """
 
 import importlib

@@ -16,7 +16,7 @@ using namespace vci;
 namespace {
 
 template <class Value> using Array = std::optional<py::array_t<Value, py::array::c_style | py::array::forcecast>>;
-constexpr int steps_between_looks = 10; // between checks for pending signals: a fraction of a second
+constexpr int steps_between_looks = 10; // solver steps between two checks for Ctrl-C: a fraction of a second
 using Log = std::function<void(const std::string&)>;
 
 template <class Value> std::vector<Value> values_of(const Array<Value>& array) {
@@ -76,7 +76,8 @@ TriangleRows triangles_of(const py::object& object) {
   return Eigen::Map<const TriangleRows>(numbers.data(), array.shape(0), 3);
 }
 
-/// Dicts and lists as JSON; numpy's arrays and numbers become lists and numbers.
+/// Python dicts and lists as JSON. Numpy's arrays and numbers become lists and numbers. @param name of the argument,
+/// for messages
 json json_of(const py::object& object, const std::string& name) {
   const py::cpp_function plain([](const py::object& value) -> py::object {
     if (!py::hasattr(value, "tolist"))
@@ -119,7 +120,7 @@ Vessel vessel_from(const Eigen::Ref<const PointRows>& points, const py::object& 
   return vessel;
 }
 
-/// The scene of a call's arguments, checked against the vessel as `vci deploy` checks a file.
+/// The scene that a call's arguments describe. It is checked against the vessel as `vci deploy` checks a file.
 Scene scene_of(const Vessel& vessel, const py::dict& devices, const py::sequence& steps, double map_pa,
                const py::dict& wall, const py::dict& numerics) {
   const json entries{{"patient", {{"map_pa", map_pa}}},
@@ -140,7 +141,7 @@ struct Result {
   json readouts;
 };
 
-/// A procedure that runs step by step. Python's threads may share it; each call waits for the previous one.
+/// A procedure that runs step by step. Python's threads may share a Session; each call waits for the previous one.
 class Session {
   /// Ends a computation on Ctrl-C.
   static void stop_where_interrupted(const Snapshot&) {
@@ -149,6 +150,7 @@ class Session {
       throw py::error_already_set();
   }
 
+  /// Runs a function without Python's interpreter lock, while no other thread runs one of this Session's functions.
   template <class Call> auto alone(Call call) {
     const py::gil_scoped_release released; // before the lock: its holder may need the interpreter to log
     const std::lock_guard<std::recursive_mutex> lock(mutex_);

@@ -1,5 +1,5 @@
-// The deployment engine as a library, for programs that run a procedure on their own arrays. Link vci::vci.
-// vci/files.hpp also reads and writes files; link vci::files for it.
+// The deployment engine as a library, for programs that run a procedure on their own arrays. Such programs link
+// vci::vci. Programs that also read or write files include vci/files.hpp and link vci::files.
 #pragma once
 #include "common/error.hpp"
 #include "vci/bench/bench.hpp"

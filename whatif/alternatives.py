@@ -5,10 +5,10 @@ import copy
 from anatomy.planning import catalogue
 from common.errors import InputError
 
-PRESSURE_BAR = 4.0  # added to every inflation from the first stent on, up to the rated burst pressure
+PRESSURE_BAR = 4.0  # added to every inflation from the first stent on, but not beyond the rated burst pressure
 BEFORE, AFTER, STENT = "predilatation", "postdilatation", "stent"
 SMALLER = 0.5  # mm by which an added predilatation balloon is thinner than the stent
-FAMILIES = {BEFORE: "semi_compliant", AFTER: "non_compliant"}  # of an added balloon
+FAMILIES = {BEFORE: "semi_compliant", AFTER: "non_compliant"}  # device family of an added balloon
 NOMINAL = "nominal_pressure_bar"
 
 
@@ -37,7 +37,11 @@ def _request(use, devices):
 
 
 def all_of(steps, families):
-    """{name: (words, steps or None, reason if None)} of every alternative, in a fixed order."""
+    """{name: (description, steps, "")} of every alternative plan, in a fixed order.
+
+    If an alternative is not possible, its steps are None and the last entry says why. steps: of the given plan, as
+    from `requests`; families: {name: device family}.
+    """
     made = {
         "shorter": ("stent one length shorter", lambda: _relengthened(steps, families, -1)),
         "longer": ("stent one length longer", lambda: _relengthened(steps, families, 1)),
@@ -77,7 +81,10 @@ def _relengthened(steps, families, by):
 
 
 def _wider(steps, families):
-    """The steps with every device from the first stent on one diameter larger; the catalogue's largest stay."""
+    """The steps with every device from the first stent on one diameter larger.
+
+    A device that already has its family's largest diameter stays as it is.
+    """
     first, found = _of_stents(steps), copy.deepcopy(steps)
     for step in found[first:]:
         for use in step["devices"]:
@@ -103,7 +110,10 @@ def _harder(steps, families):
 
 
 def _toggled(steps, families, action):
-    """(words, function): the steps without the `action` ones; if the plan has none, with one added at each stent."""
+    """(description, function that makes the steps) of the plan without its steps of kind `action`.
+
+    If the plan has no such step, the alternative adds one at each stent.
+    """
     if any(step["action"] == action for step in steps):
         return f"without {action}", lambda: _without(steps, action)
     return f"with {action}", lambda: _added(steps, families, action)

@@ -1,9 +1,9 @@
 """FFR of a lumen by the 1D network, calibrated on the 3D answers of the same patient before and after the procedure.
 
 A loss is 1 - FFR at the probe `distal`. The network leaves out bends and developing velocity profiles, so its loss in a
-lumen is converted to a loss of the 3D model. Up to the loss after the planned procedure the two are proportional. From
-there to the loss before the procedure the conversion is linear; beyond, it is proportional again. This works because
-the network's error is similar in similar lumens.
+lumen is converted to a loss of the 3D model. For losses up to that after the planned procedure the two are
+proportional. From there to the loss before the procedure the conversion is interpolated linearly. For larger losses it
+is proportional again. This works because the network's error is similar in similar lumens.
 
 The error is the largest difference to the 3D answers in the patient's other lumens after a procedure, which the
 calibration does not use. It is at least the largest error estimate of all 3D answers.
@@ -40,7 +40,10 @@ def axis_of(sections, branch):
 
 @dataclasses.dataclass(frozen=True)
 class Calibration:
-    """model, solved: losses of the network and of the 3D model, ascending, (0, 0) first; error: in FFR."""
+    """Points for converting a loss of the network to a loss of the 3D model, and the error of the FFR so found.
+
+    model, solved: losses (1 - FFR) of the network and of the 3D model in the same lumens, from 0 upwards.
+    """
 
     model: np.ndarray
     solved: np.ndarray
@@ -48,17 +51,18 @@ class Calibration:
     states: tuple  # states whose 3D answers gave the error
 
     def ffr(self, loss):
-        """FFR for the network's loss; 0 at least."""
+        """FFR, at least 0, of a lumen in which the network has the given loss."""
         last = self.solved[-1] * loss / self.model[-1]
         within = float(np.interp(loss, self.model, self.solved))
         return max(0.0, 1.0 - (within if loss <= self.model[-1] else float(last)))
 
 
 def points_of(planned, before):
-    """(model, solved) of a Calibration from (network's, 3D) losses after the planned procedure and before it.
+    """(model, solved) of a Calibration.
 
-    A point whose losses are no larger than those of the point before is left out, since a lesion without pressure loss
-    calibrates nothing. Raises InputError if neither has a loss.
+    planned, before: (loss of the network, loss of the 3D model) after the planned procedure and before it. A point is
+    left out if one of its losses does not exceed that of the last point: a lesion without pressure loss calibrates
+    nothing. Raises InputError if neither point is left.
     """
     points = [(0.0, 0.0)]
     for point in (planned, before):
@@ -70,9 +74,9 @@ def points_of(planned, before):
 
 
 def calibrate(case, states=OTHERS):
-    """Calibration of a Case on `pre` and `vci`, with the error by those of `states` that are in OTHERS.
+    """Calibration of a Case on its states `pre` and `vci`. The error is measured in those of `states` in OTHERS.
 
-    Raises InputError if a file is missing, or neither state has a loss of pressure.
+    Raises InputError if a file is missing, or if neither `pre` nor `vci` has a pressure loss.
     """
     wanted = [BEFORE, PLANNED, *(state for state in states if state in OTHERS)]
     answers = {state: case.answer(state) for state in wanted}

@@ -73,6 +73,6 @@ class Case:
 
 
 def patient_of(case_file):
-    """(the case file's patient, its values measured by pressure wire or None)."""
+    """(patient, measured) of a case file: the patient's data, and the FFR by pressure wire or None."""
     document = config.load_case(case_file)
     return document["patient"], document.get("measured")

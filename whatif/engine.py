@@ -29,9 +29,10 @@ def run(command):
 
 
 def deployed(case, scene, folder):
-    """(deployment.json, folder of the anatomy) of a scene's procedure in the case's lumen before. Raises Refused.
+    """Deploys a scene's procedure in the case's lumen before PCI, and measures the lumen after it.
 
-    folder: created here, for all files of the programs.
+    Returns (content of deployment.json, folder of the new lumen's anatomy). folder: created here, for all files of the
+    programs. Raises Refused.
     """
     sizes = ["--edge", case.edge_mm, "--spacing", case.spacing_mm]
     folder.mkdir(parents=True, exist_ok=True)

@@ -1,8 +1,9 @@
 """Uncertain inputs of the flow, each with its range, and boundary values for any choice of inputs.
 
-A fifth of the mass and the spread of hyperaemia are the ranges of flow.inputs.hyperaemia. A cuff may be 10 mmHg off.
-The exponents go from the area's (2) to Murray's law (3). A tenth of an outlet's diameter is about a voxel of CT. If the
-flow was measured, only its own error of about a tenth is left.
+Ventricular mass varies by a fifth and hyperaemia by one standard deviation, as in flow.inputs.hyperaemia. A blood
+pressure by cuff may be wrong by 10 mmHg. The exponent by which flow is split goes from 2 (by area) to 3 (Murray's law).
+A tenth of an outlet's diameter is about a voxel of CT. If the flow was measured, its error of about a tenth takes the
+place of mass, hyperaemia and territory.
 """
 
 import copy
@@ -29,7 +30,7 @@ class Input:
 
 
 def inputs_of(patient, settings, outlets):
-    """[Input] of a patient's flow. outlets: their number."""
+    """[Input] of a patient's flow. settings: of the section `flow`; outlets: number of the vessel's outlets."""
     found = [Input("blood_pressure", "blood pressure", -10.0, 0.0, 10.0, "mmHg")]
     if patient.get("hyperaemic_inflow_ml_per_min") is not None:
         found.append(Input("flow", "measured flow", -10.0, 0.0, 10.0, "%"))
@@ -55,7 +56,10 @@ def inputs_of(patient, settings, outlets):
 
 
 def _territory(patient, settings):
-    """The Input of the flow by the vessel's territory, from the smallest to the largest plausible flow."""
+    """[Input] of the change of flow, in per cent, by the territory that the vessel may feed; or [].
+
+    It goes from the smallest to the largest plausible flow.
+    """
     off = [
         PER_CENT * (entry["factor"] - 1)
         for entry in hyperaemia.plausible(patient, settings.hyperaemia_fraction)
@@ -65,7 +69,10 @@ def _territory(patient, settings):
 
 
 def boundary_at(case, patient, measured, values):
-    """boundary.json of a case (whatif.case.Case) with some inputs at other values: {name: value}."""
+    """The content of boundary.json of a case (whatif.case.Case) with some inputs at other values.
+
+    values: {name of an Input: value in its unit}; inputs that are not named stay as planned.
+    """
     patient, settings, anatomy = copy.deepcopy(patient), copy.copy(case.flow), copy.deepcopy(case.before)
     for key in ("sbp_mmhg", "dbp_mmhg"):
         patient[key] += values.get("blood_pressure", 0.0)

@@ -9,11 +9,11 @@ MODEL = "1D network, calibrated"
 
 
 def ffr_of(case, names, states):
-    """The document of ffr.json for the lumens whose folders `names` lie in the case's, each with an `anatomy/`.
+    """The content of ffr.json for some lumens of a case.
 
-    states: states with a 3D answer, which give the error. `at` of each lumen says which part of the calibration was
-    used: below the loss after the planned procedure, from there to the loss before it, or beyond.
-    Raises InputError.
+    names: the lumens' folders, relative to the case's folder, each with an `anatomy/`. states: states with a 3D answer,
+    in which the error is measured. `at` of each lumen says which part of the calibration was used: below the loss after
+    the planned procedure, from there to the loss before it, or beyond. Raises InputError.
     """
     if PLANNED not in states:
         raise InputError("no planned procedure to calibrate on", "--states", " ".join(states), f"name {PLANNED} too")
@@ -26,7 +26,7 @@ def ffr_of(case, names, states):
 
 
 def place(model, loss):
-    """A word for the place of the network's loss among the losses of the calibration (`model`, ascending from 0)."""
+    """Says where the network's loss lies among the losses of the calibration (`model`, ascending from 0)."""
     if loss > model[-1]:
         return "beyond"
     return "below" if loss <= model[1] else "between"

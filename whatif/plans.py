@@ -52,7 +52,10 @@ def ranked(case, devices_folder, states):
 
 
 def ordered(table, error):
-    """The rows by rank. error: of each FFR; two plans differ if their FFR differ by more than both errors together."""
+    """The rows of ranking.csv sorted by rank, with their columns rank, ffr_error and as_good_as_best.
+
+    error: of each FFR. Two plans differ if their FFRs differ by more than both errors together.
+    """
     table = table.assign(ffr_error=np.where(table["ffr"].notna(), error, np.nan))
     table["as_good_as_best"] = table["ffr"].max() - table["ffr"] <= 2 * error
     area = np.where(table["as_good_as_best"], table["minimal_stent_area_mm2"].astype(float), np.nan)
@@ -67,7 +70,7 @@ def ordered(table, error):
 
 
 def planned_row(case, calibration, steps):
-    """The row of the plan as given, from the study's own results."""
+    """The row (dict) of the given plan, from the results of the study."""
     answer = case.answer(PLANNED)
     deployed = case.folder / "vci" / "deployment.json"
     deployment = json_reader.read(deployed, "deployment.json", "run `vci deploy` on the planned scene").data
@@ -81,7 +84,7 @@ def planned_row(case, calibration, steps):
 
 
 def alternative_row(case, calibration, families, steps, folder):
-    """The columns of another plan's row from `ffr` on; only `status` if it has no answer."""
+    """The columns of another plan's row (dict); only `status` and `procedure` if the plan has no answer."""
     try:
         scene = scene_of(case, families, steps)
     except InputError as error:  # the catalogue or the vessel does not allow this plan
@@ -102,17 +105,20 @@ def deploy(case, steps, devices_folder, folder):
 
 
 def scene_of(case, families, steps):
-    """scene.json with other steps. Raises InputError.
+    """The content of scene.json with other steps. Raises InputError.
 
-    All plans are measured along the segment of the given plan. A shorter stent's own segment would leave out the part
-    of the lesion that it does not cover.
+    All plans are measured along the segment of the given plan. The segment of a shorter stent would leave out the part
+    of the lesion that this stent does not cover.
     """
     done = procedure(steps, families, read_summary(case.anatomy()), "plan")
     return case.scene | done | {"segment": case.scene["segment"]}
 
 
 def outcome(case, calibration, deployment, lumen_file, anatomy, steps):
-    """FFR and read-outs of a deployed lumen."""
+    """The columns of ranking.csv for a deployed lumen: FFR, results of the deployment, and steps in words.
+
+    lumen_file: lumen.vtp of the deployment. anatomy: folder of the lumen's anatomy.
+    """
     loss = calibrated.network_loss(case.lumen(anatomy), case.boundary, case.flow.expansion_loss)
     return {
         "ffr": calibration.ffr(loss),

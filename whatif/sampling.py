@@ -5,16 +5,16 @@ import pandas as pd
 from scipy.stats import qmc
 
 COLUMNS = ["state", "quantity", "input", "words", "unit", "low", "planned", "high", "at_low", "at_planned", "at_high"]
-INTERVAL = (2.5, 97.5)  # percentiles of the samples
+INTERVAL = (2.5, 97.5)  # percentiles of the samples' answers, the ends of an interval
 INTERVAL_COLUMNS = ["state", "quantity", "planned", "lower", "upper", "samples", "left_out", "inputs"]
 SEED = 24
 
 
 def tornado(inputs, answers_at):
-    """DataFrame with COLUMNS, one row for each input and answer.
+    """DataFrame with COLUMNS, one row for each input and answer. inputs: [Input] (whatif.flow_inputs).
 
-    answers_at({name: value}) -> {(state, quantity): value}, or {} if there is no answer. answers_at({}) gives the
-    answers of the planned case.
+    answers_at: function of {input's name: value} that returns {(state, quantity): value}, or {} if there is no answer.
+    answers_at({}) gives the answers of the planned case.
     """
     planned, rows = answers_at({}), []
     for one in inputs:
@@ -28,7 +28,10 @@ def tornado(inputs, answers_at):
 
 
 def samples(inputs, count, seed=SEED):
-    """[{name: value}] of a Latin hypercube between low and high of each input; the same for the same seed."""
+    """`count` samples [{input's name: value}] of a Latin hypercube between low and high of each input.
+
+    The same seed gives the same samples.
+    """
     unit = qmc.LatinHypercube(d=len(inputs), seed=seed).random(count)
     return [{one.name: _between(one, share) for one, share in zip(inputs, row)} for row in unit]
 
@@ -40,7 +43,10 @@ def _between(one, share):
 
 
 def intervals(inputs, count, answers_at):
-    """DataFrame with INTERVAL_COLUMNS: the middle 95 % of the samples' answers. left_out: samples without an answer."""
+    """DataFrame with INTERVAL_COLUMNS: the middle 95 % of the answers at `count` samples of a Latin hypercube.
+
+    left_out: number of samples without an answer. answers_at: as for `tornado`.
+    """
     planned = answers_at({})
     found = [answers_at(values) for values in samples(inputs, count)]
     rows = []

@@ -1,8 +1,9 @@
 """The radius of a lumen found in an image, varied by the segmentation's error.
 
-The study measures the error of its own segmentation in the CT of known lumens without a stent, found minus true, over
-sections (data_synthetic/measured.md, "Lumens found in CT"). So the true radius is the found one minus the error. All
-sections get the same error, since this changes the pressure loss more than any other errors of this size.
+The study measures the error of its own segmentation, found minus true radius, in sections of CT images of known lumens
+without a stent. data_synthetic/measured.md has it under "Lumens found in CT". So the true radius is the found one minus
+the error. All sections get the same error, since this changes the pressure loss more than any other errors of this
+size.
 """
 
 import numpy as np
@@ -15,12 +16,12 @@ NAME = "lumen_radius"
 
 
 def radius_input():
-    """The Input of true minus found radius, from one standard deviation below its mean to one above."""
+    """The Input "true minus found radius" in mm, from one standard deviation below its mean to one above."""
     return Input(NAME, "radius of the lumen found in CT, 1 SD", -BIAS_MM - SD_MM, 0.0, -BIAS_MM + SD_MM, "mm")
 
 
 def stented(scene):
-    """[(branch, start, end)] in mm along the branches: the stretches that a scene's stents hold at their own width."""
+    """[(branch, start, end)] of the stented stretches of a scene, as arc lengths in mm."""
     found = []
     for step in scene["procedure"]:
         for use in step["devices"]:
@@ -32,8 +33,10 @@ def stented(scene):
 
 
 def at_radius(lumen, off_mm, held=()):
-    """(anatomy, sections) of a lumen with all radii `off_mm` larger but for the stretches `held`, as `stented` gives
-    them. Raises InputError if nothing would be left."""
+    """(anatomy, sections) of a lumen whose radii are all `off_mm` larger, except in the stretches `held`.
+
+    lumen: (anatomy.json, sections); held: as from `stented`. Raises InputError if a radius would not stay positive.
+    """
     anatomy, sections = lumen
     if not off_mm:
         return lumen

@@ -20,7 +20,7 @@ DEPLOYMENT = (
 
 
 class Answers:
-    """FFR with varied inputs of the flow, by the 1D network scaled to each state's own 3D answer."""
+    """FFR with varied inputs of the flow, by the 1D network. Its losses are scaled to the 3D answer of each state."""
 
     def __init__(self, case, case_file):
         self.case = case
@@ -40,14 +40,14 @@ class Answers:
         # the probes stay at the study's places, whatever the inputs are
         document["probes"] = self.case.boundary["probes"]
         scene, lumen = other or (self.case.scene, self.lumens[state])
-        held = () if state == BEFORE else segmentation.stented(scene)  # stents have their width whatever the image says
+        held = () if state == BEFORE else segmentation.stented(scene)  # an error of the image cannot widen a stent
         found = segmentation.at_radius(lumen, values.get(segmentation.NAME, 0.0), held)
         return calibrated.network_loss(found, document, self.case.flow.expansion_loss)
 
     def ffr(self, state, values, other=None):
         """FFR of a state: the 3D answer's loss, times the network's loss at `values` over its loss as planned.
 
-        other: as `loss` takes it.
+        other: (scene, lumen) of another procedure, as for `loss`.
         """
         if not self.planned[state] > 0:
             return self.solved[state]["ffr"]
@@ -94,7 +94,7 @@ class Deployments:
 
 
 def no_answer(values, reason):
-    """Empty answers for `values` that the engine refuses, with the reason in the log.
+    """Empty answers {} for inputs `values` that the engine or the flow refuses; prints the reason.
 
     The planned case (no values) must have answers: raises ComputationError.
     """
@@ -105,7 +105,7 @@ def no_answer(values, reason):
 
 
 def varied(scene, values):
-    """scene.json with inputs of DEPLOYMENT at `values`.
+    """The content of scene.json with inputs of DEPLOYMENT at `values`.
 
     Pressures stay within the balloon's chart and 1.5 times its rated burst pressure, which the engine accepts.
     """
@@ -127,14 +127,20 @@ def varied(scene, values):
 
 
 def of_flow(case, case_file):
-    """(tornado, intervals) of FFR before and after the planned procedure, over the inputs of the flow."""
+    """Two DataFrames (see `sampling`), tornado and intervals: FFR in both states over the inputs of the flow.
+
+    The states are before and after the planned procedure.
+    """
     answers = Answers(case, case_file)
     table = sampling.tornado(answers.inputs, answers.of_flow)
     return table, sampling.intervals(answers.inputs, FLOW_SAMPLES, answers.of_flow)
 
 
 def of_deployment(case, case_file):
-    """(tornado, intervals) after the procedure: one input of the deployment at a time, and all with the flow's."""
+    """Two DataFrames (see `sampling`), tornado and intervals: FFR and stent area after the procedure.
+
+    The first varies one input of the deployment at a time, the second all inputs of deployment and flow at once.
+    """
     answers = Answers(case, case_file)
     with tempfile.TemporaryDirectory(dir=case.folder, prefix=".sensitivity-") as folder:
         deployments = Deployments(answers, folder)

@@ -1,4 +1,7 @@
-"""Cohorts of randomly drawn patients, run in shards. A shard is a study that Snakemake plans in seconds."""
+"""Cohorts of randomly drawn patients, run in shards.
+
+A shard is a part of the cohort and a study of its own, small enough for Snakemake to plan it in seconds.
+"""
 
 import concurrent.futures
 import csv
@@ -17,8 +20,8 @@ from workflow.failed import failed_steps
 
 SNAKEMAKE = "/usr/bin/snakemake"
 SHARD = 100  # patients; Snakemake plans them in some 10 s, and an interrupted run loses little
-CHEAP = {"flow": {"model": "axisymmetric"}, "ct": {"enabled": False}}  # a reduced flow, and no imaging
-DROPPED = (".msh", ".vtu", ".vtp", ".stl", ".png", ".gz")  # can be made again from the files that stay
+CHEAP = {"flow": {"model": "axisymmetric"}, "ct": {"enabled": False}}  # settings: the reduced flow model, no CT
+DROPPED = (".msh", ".vtu", ".vtp", ".stl", ".png", ".gz")  # removed files, which the remaining files can make again
 PROJECTED = (1000, 100_000)  # numbers of patients whose cost is projected
 COST = ("shard", "patients", "finished", "wall_s", "cpu_s", "made_mb", "kept_mb")
 
@@ -55,8 +58,8 @@ def run(shards, cores, results=pathlib.Path("results"), dry=False, keep_all=Fals
     """Runs the shards one after the other; returns a row of costs for each, also added to the shard's cost.csv.
 
     A patient that fails does not stop the others. dry: plan only, as many shards at once as there are cores, and
-    write no cost.csv. keep_all: keep surfaces, meshes and fields too. A row's `computed` is False if Snakemake failed
-    before any patient of the shard finished or failed by a step of its own, as in a locked folder.
+    write no cost.csv. keep_all: keep surfaces, meshes and fields too. A row's `computed` is False if Snakemake itself
+    failed first, as in a locked folder: no patient of the shard finished, and no step of one failed.
     """
     with concurrent.futures.ThreadPoolExecutor(cores if dry else 1) as pool:
         return list(pool.map(lambda shard: _run(*shard, cores, pathlib.Path(results), dry, keep_all), shards))
@@ -67,7 +70,7 @@ def _run(place, names, cores, results, dry, keep_all):
     targets = [f"{results}/cases/{name}/metrics.json" for name in names]
     command = [SNAKEMAKE, "--profile", "config/profiles/local", "--cores", str(cores), *targets]
     command += ["--config", f"folder={place}", "cohort=shard"] + ["--dry-run", "--quiet"] * dry
-    begin, since = time.monotonic(), int(time.time())  # in whole seconds, as the time of a file may lag behind
+    begin, since = time.monotonic(), int(time.time())  # rounded down, since the time stamp of a file may lag behind
     with open(place / "snakemake.log", "w") as log:
         process = subprocess.Popen(command, stdout=log, stderr=log)
         _, status, used = os.wait4(process.pid, 0)
@@ -87,14 +90,19 @@ def _run(place, names, cores, results, dry, keep_all):
 
 
 def _ended(results, names, finished, since):
-    """Whether any of the patients finished, or failed by a step of its own, from a time in seconds since 1970 on."""
+    """Whether any patient finished, or had a step that failed, at or after `since` (seconds since 1970).
+
+    names: patients of the shard; finished: those of them with metrics.json.
+    """
     if any((results / "cases" / name / "metrics.json").stat().st_mtime >= since for name in finished):
         return True
     return any(step["case"] in names for step in failed_steps(results, since))
 
 
 def projected(out, cores):
-    """[{patients, core_hours, wall_hours, kept_gb}] of the finished patients and of PROJECTED, from the shards' costs.
+    """[{patients, core_hours, wall_hours, kept_gb}] for the patients finished so far and for the numbers PROJECTED.
+
+    The cost of a patient is the mean over the finished ones, from the shards' cost.csv.
 
     wall_hours assumes that none of this machine's `cores` is ever idle. Empty if no patient is finished.
     """

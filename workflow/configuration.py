@@ -63,16 +63,16 @@ class Configuration:
         return [str(self.folder / "devices" / f"{family}.yaml") for family in sorted(families)]
 
     def section(self, name, key):
-        """A part of a case as JSON text in fixed order: a section of its settings, or vessel, patient, lumen, plan."""
+        """A section of a case's settings, or another part such as vessel or plan, as JSON text with sorted keys."""
         value = self.settings(name)[key] if key in config.SECTIONS else self.cases[name].get(key)
         return json.dumps(value, sort_keys=True)
 
     def settings(self, name):
-        """The sections of the study with the case's own settings laid over them."""
+        """{section: values}: the settings of a case, from the study and the case's own file."""
         return config.resolve_settings(self.study, self.cases[name])
 
     def lumen_file(self, name, key="lumen"):
-        """The surface file of a case's `lumen` or `post`; InputError with where to put it if it is not there."""
+        """The surface file of a case's `lumen` or `post`. For a missing file InputError says where to put it."""
         return self._data_file(name, "lumen surface", f"{key}.path", self.cases[name][key]["path"])
 
     def cap_files(self, name, key="lumen"):
@@ -107,7 +107,10 @@ class Configuration:
         return found
 
     def _data_file(self, name, what, key, path):
-        """The file of a path in a case's file; InputError with where to put it if it is not there."""
+        """The file that a path in a case's file means. For a missing file InputError says where to put it.
+
+        what: the file in words; key: of the path in the case's file. Both are for the message.
+        """
         given = pathlib.Path(path)
         file = self.data_folder / given.relative_to("data") if given.parts[0] == "data" else given
         if not file.exists():

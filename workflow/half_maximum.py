@@ -1,11 +1,14 @@
-"""The study's arm that finds lumens in CT at half maximum of the intensity: its cases, settings and files."""
+"""The half-maximum arm of the study: its cases, settings and files.
+
+The arm makes the comparison in CT a second time, with lumens segmented at half maximum of the intensity.
+"""
 
 import json
 
 from workflow.inputs import CT_STATES
 
 NAME = "half_maximum"  # the method of segmentation, and the arm's folder in a case's folder
-STATES = ("ct_pre", *CT_STATES)  # the arm's own lumens
+STATES = ("ct_pre", *CT_STATES)  # states whose lumens the arm makes itself
 
 
 class HalfMaximum:
@@ -35,7 +38,7 @@ class HalfMaximum:
         return self.inputs.state_lumen(wildcards).replace(folder, f"{folder}/{NAME}", 1)
 
     def compared(self, wildcards):
-        """Files of the states that are not from CT, with which the metrics compare the arm's lumens."""
+        """Anatomy and flow files of the states without a CT. The arm's metrics compare its lumens with these states."""
         names = ("{anatomy}/centreline.vtp", "{anatomy}/sections.csv", "{anatomy}/anatomy.json")
         flow = ("flow/{state}/ffr.json", "flow/{state}/pullback.csv")
         seen = tuple(f"/{state}/" for state in CT_STATES)
@@ -43,6 +46,6 @@ class HalfMaximum:
         return [file for file in files if not any(state in file for state in seen)]
 
     def ffr(self, wildcards):
-        """The file with FFR of the arm's lumens; empty if the network cannot be calibrated on the case's flow."""
+        """[file with the FFR of the arm's lumens]; empty if the 1D network cannot be calibrated on the case's flow."""
         varied = self.inputs.varied([wildcards.case])
         return [f"{self.inputs.results}/cases/{wildcards.case}/{NAME}/ffr.json"] if varied else []

@@ -17,11 +17,14 @@ CENTRELINE_OPTIONS = {
 STENT_ALONE = ("rc_stent",)  # radius correction by the stents alone
 CT_STATES = ("ct", "ct_vci", "ct_rc")  # the reference seen in CT, and predictions from the CT before the procedure
 IMAGED = ("pre", "reference")  # states with a CT volume
-VARIED = ("pressure", "resistance")  # flow.inlet_condition, flow.outlet_condition
+VARIED = ("pressure", "resistance")  # inlet and outlet condition of the flows that `whatif` can vary
 
 
 class Inputs:
-    """Answers the rules' questions from a `Configuration`; `results` is the root of the products."""
+    """Inputs and parameters of the rules, from a `Configuration`. results: the folder of all results.
+
+    `wildcards` are Snakemake's: case, state and others. key: `lumen`, before the procedure, or `post`, after it.
+    """
 
     def __init__(self, configuration, results="results"):
         self.configuration, self.results = configuration, results
@@ -50,7 +53,7 @@ class Inputs:
         return [state for state in self.states(case) if self.has_flow(case, state)]
 
     def varied(self, cases):
-        """The cases whose flow can be varied: pressure is set at the inlet and resistances at the outlets."""
+        """Those of `cases` whose flow `whatif` can vary: pressure is set at the inlet, resistances at the outlets."""
         flows = {case: self.configuration.settings(case)["flow"] for case in cases}
         return [case for case in cases if (flows[case]["inlet_condition"], flows[case]["outlet_condition"]) == VARIED]
 
@@ -143,7 +146,7 @@ class Inputs:
         return self.configuration.contour_files(wildcards.case, key)
 
     def contour_options(self, wildcards, key="lumen"):
-        """Command-line options of `anatomy contours`: a case's tables, how to read them, and where contours go."""
+        """Command-line options of `anatomy contours`: a case's tables, how to read them, where the contours lie."""
         given = self.configuration.cases[wildcards.case][key]
         files, contours = self.configuration.contour_files(wildcards.case, key), given["contours"]
         options = [files.pop("lumen"), "--units", given["units"], "--z-from", contours["z_from"]]
@@ -164,7 +167,7 @@ class Inputs:
 
     @staticmethod
     def of_post(function):
-        """`function` (of wildcards and key) for the lumen after the procedure, as a function of the wildcards alone."""
+        """A function of the wildcards alone, which calls `function` (of wildcards and key) with the key `post`."""
 
         def answer(wildcards):
             return function(wildcards, "post")
@@ -206,7 +209,7 @@ class Inputs:
         }
 
     def start_files(self, wildcards):
-        """Files of the flow that a state's flow starts from: the flow of the predicted lumen, which is similar.
+        """Files of the solved flow that is the first guess for a state's flow: that in the predicted lumen (`vci`).
 
         Empty for the states `vci` (the prediction) and `pre`.
         """
@@ -236,7 +239,7 @@ class Inputs:
         return [f"{self.results}/cases/{wildcards.case}/post/registration.json"] if has_post else []
 
     def imaged(self, wildcards):
-        """Inputs of a state's CT: its lumen and, after the procedure, the plan's stents and their centreline."""
+        """Inputs of a state's simulated CT: its lumen, and after the procedure also plan (stents) and centreline."""
         case = f"{self.results}/cases/{wildcards.case}"
         if wildcards.state == "pre":
             return {"lumen": f"{case}/anatomy/lumen.vtp"}
@@ -287,7 +290,7 @@ class Inputs:
         return any({"reference", "post"} & set(self.states(case)) for case in cases)
 
     def templates(self):
-        """The page's parts that are not Python."""
+        """The files of the report page that are not Python: HTML templates, style and scripts."""
         return sorted(str(file) for file in pathlib.Path("reports/page/templates").rglob("*") if file.is_file())
 
 
@@ -302,13 +305,13 @@ def test_results():
 
 
 def procedure_sensitivity_tables(cases):
-    """Results of `procedure_sensitivity` for the cases; absolute for the reason of `benchmark_tables`."""
+    """Files made by the rule `procedure_sensitivity` for the cases. Paths are absolute, as in `benchmark_tables`."""
     folders = [pathlib.Path(f"results/cases/{case}/sensitivity").absolute() for case in cases]
     return sorted(str(file) for folder in folders for file in folder.glob("deployment*.csv"))
 
 
 def solved_plans(cases):
-    """Results of `plan_solve` for the cases, for the report; absolute for the reason of `benchmark_tables`."""
+    """FFR files made by the rule `plan_solve` for the cases. Paths are absolute, as in `benchmark_tables`."""
     folders = [pathlib.Path(f"results/cases/{case}/plans").absolute() for case in cases]
     return sorted(str(file) for folder in folders for file in folder.glob("*/flow/ffr.json"))
 
@@ -339,7 +342,7 @@ def output_folder(wildcards, output):
 
 
 def frames_option(wildcards, output):
-    """Command-line option of `vci deploy` for the states at each stage's end; empty if the rule has no `frames`."""
+    """Command-line option of `vci deploy` to write lumen and devices after each stage; empty without `frames`."""
     return f"--frames {output.frames}" if "frames" in output.keys() else ""
 
 

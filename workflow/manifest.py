@@ -2,7 +2,7 @@
 
 Surfaces, deployments and meshes must have the same bits. Areas and curvature need only agree within RELATIVE, FFR
 within its error estimate: they come from a library of linear algebra, whose order of summation depends on the
-processor. The manifest's `tolerances` tell its readers so; the comparison does not read them.
+processor. The key `tolerances` of the manifest is for human readers only; the comparison does not use it.
 """
 
 import hashlib
@@ -16,7 +16,8 @@ from common.documents.json_reader import read
 from workflow.provenance import product_files
 
 SCHEMA = "vci-manifest-1"
-# Kinds of products that must have the same bits, by their paths in a case's folder; the first pattern that fits counts.
+# Kinds of result files that must have the same bits: {kind: pattern of the path in a case's folder}. The first pattern
+# that fits a path gives its kind.
 SAME_BITS = {
     "settings": r"settings/.*\.json",
     "vessel": r"source/.*\.(vtp|json)",
@@ -56,9 +57,9 @@ def manifest_of(study):
 
 
 def differences(expected, found):
-    """(number of comparisons, messages) of two manifests' documents, the shipped one first.
+    """(number of comparisons, messages) of two manifests' documents: the shipped one, and that of this study.
 
-    A message says case, kind, product or number, and both values.
+    Each message names a difference: its case, the product or number, and both values.
     """
     compared, messages = 0, []
     for case, wanted in expected["cases"].items():

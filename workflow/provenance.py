@@ -56,7 +56,7 @@ def product_files(folder):
 
 
 def _is_of(path, states):
-    """Whether a path in a case's folder belongs to the case with these states."""
+    """Whether a path, relative to a case's folder, is a product of a case that has these states."""
     if path.name.startswith("."):
         return False  # left by a step that was killed
     if path.parts[0] == "flow" and len(path.parts) > 2:

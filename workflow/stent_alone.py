@@ -8,8 +8,8 @@ from common.files import write_json
 def write_stent_alone(plan_file, out):
     """Writes `out`: the plan's document with only the steps that place stents. Unused devices stay listed.
 
-    Raises InputError for a file that is no plan, for a plan without a stent, and if the plan's relative paths would not
-    hold beside `out`.
+    Raises InputError for a file that is no plan and for a plan without a stent. `out` must lie in a folder beside the
+    plan's folder, so that the plan's relative paths stay right. Otherwise InputError is raised, too.
     """
     plan = plan_reader.read(plan_file)
     if out.resolve().parent.parent != plan_file.resolve().parent.parent:

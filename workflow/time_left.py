@@ -10,7 +10,8 @@ import re
 import sys
 import time
 
-# Rough guesses for one of the patients of `nine` on an idle core. They hold until a step of the rule has finished.
+# Seconds of a step by rule: rough guesses for a patient of the cohort `nine` on an idle core. A guess is used until the
+# first step of its rule has finished.
 TYPICAL = {"flow_solve": 60, "flow_mesh": 15, "reference": 60, "ct_phantom": 15, "ct_segment": 20, "other_plans": 70}
 TYPICAL |= {"deploy": 8, "ct_deploy": 8, "generate": 8, "case_figures": 10, "ct_figure": 5, "procedure_figure": 8}
 TYPICAL |= {"half_maximum_segment": 20, "half_maximum_deploy": 8}
@@ -28,7 +29,7 @@ class TimeLeft:
         self.count, self.seconds = collections.Counter(), collections.Counter()
 
     def plan(self, table):
-        """Reads the table of jobs that Snakemake prints; a line holds rule, number, least and most threads."""
+        """Reads the table of jobs that Snakemake prints. A line has rule, number of jobs, least and most threads."""
         for line in table.splitlines():
             found = re.match(r"(\w+)\s+(\d+)\s+\d+\s+\d+$", line.strip())
             if found and found[1] != "total":

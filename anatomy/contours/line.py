@@ -1,4 +1,4 @@
-"""A vessel's centreline as a smooth curve with frames of least twist."""
+"""A vessel's centreline as a smooth curve, with perpendicular directions that do not twist along it."""
 
 import numpy as np
 from scipy.interpolate import CubicSpline, make_lsq_spline
@@ -9,20 +9,21 @@ from common.errors import InputError
 
 from .reading.tables import MILLIMETRES
 
-SPACING_MM = 0.05
+SPACING_MM = 0.05  # between the points of a Line
 FEWEST_POINTS = 4  # points that a cubic curve needs
-SHORTEST_MM = 1.0  # shorter than any pull-back: metres of a vessel of 20 to 150 mm were taken for millimetres
+SHORTEST_MM = 1.0  # a vessel of 20 to 150 mm is shorter if its metres were taken for millimetres
 LONGEST_MM = 400.0  # longer than a coronary artery with the aorta: millimetres were taken for centimetres or metres
 RADII = ("MaximumInscribedSphereRadius", "radius_mm", "Radius")  # arrays of radii, by VMTK, by this package, by others
-END_SHARE, WIDER = 0.2, 1.1  # share of a line that is an end; ratio of its radius to that of the first end
-KNOTS_MM = 3.0  # spacing of knots; a coronary bends over longer stretches, a line through voxels jitters over shorter
+END_SHARE, WIDER = 0.2, 1.1  # share of a line's points that is an end; ratio of last to first radius for a warning
+KNOTS_MM = 3.0  # between the spline's knots: a coronary bends over longer stretches, voxels' jitter is over shorter
 
 
 class Line:
-    """Smoothed curve through points (n, 3) in mm from the proximal end on; s_mm is the length from there.
+    """Smoothed curve through points (n, 3) in mm, from the proximal end on.
 
-    frames: unit vectors (tangent, first, second) at s_mm. The last two do not twist along the curve (parallel transport
-    by double reflection: Wang et al., ACM Trans Graph 27 (2008) 2).
+    s_mm: (k,) arc lengths of its points, in mm from the proximal end. Each point has a tangent and two unit vectors
+    across it. These two do not twist along the curve (parallel transport by double reflection: Wang et al., ACM Trans
+    Graph 27 (2008) 2). warnings: sentences about the line.
     """
 
     def __init__(self, points, warnings=()):
@@ -42,7 +43,10 @@ class Line:
         return self.s_mm[-1]
 
     def place(self, s_mm):
-        """(points, tangents, first, second), each (k, 3), at s_mm (k,), which must lie on the curve."""
+        """(points in mm, tangents, first, second), each (k, 3), at arc lengths s_mm (k,) on the curve.
+
+        first and second are the unit vectors across the tangents.
+        """
         found = [
             np.column_stack([np.interp(s_mm, self.s_mm, values[:, k]) for k in range(3)])
             for values in (self._points, self._tangents, self._first)
@@ -53,14 +57,14 @@ class Line:
         return points, tangents, first, np.cross(tangents, first)
 
     def nearest(self, point):
-        """Length along the curve in mm at the place nearest to a point (3,)."""
+        """Arc length in mm of the curve's place nearest to a point (3,) in mm."""
         return float(self.s_mm[np.linalg.norm(self._points - point, axis=1).argmin()])
 
 
 def read(path, units, number=None):
-    """The Line of a .vtp file whose lines begin at the proximal end. number: which line of several, from 1.
+    """The Line of a .vtp file whose lines begin at the proximal end. Raises InputError.
 
-    Raises InputError.
+    units: of the file's coordinates. number: which of several lines, from 1.
     """
     poly = vtp.read(path, "a centreline in a .vtp file: lines that begin at the proximal end")
     found = vtp.lines(poly)
@@ -89,7 +93,7 @@ def read(path, units, number=None):
 
 
 def _widening(poly, rows):
-    """Warns of a line whose radii, if the file has them, grow along it: it probably begins at the distal end."""
+    """Yields a warning if the file has radii and they grow along the line: it probably begins at the distal end."""
     radii = next((array for name in RADII if (array := poly.GetPointData().GetArray(name))), None)
     if radii is None:
         return
@@ -107,6 +111,7 @@ def _unit(vectors):
 
 
 def _lengths(points):
+    """Arc lengths (n,) of points (n, 3) from the first point on."""
     return np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
 
 
@@ -128,7 +133,7 @@ def _smoothed(points):
 
 
 def _transported(points, tangents):
-    """First vectors (n, 3) perpendicular to the tangents, by double reflection."""
+    """Unit vectors (n, 3) across the tangents (n, 3) at points (n, 3), without twist, by double reflection."""
     first = np.empty_like(points)
     first[0] = np.cross(tangents[0], np.eye(3)[np.abs(tangents[0]).argmin()])
     first[0] /= np.linalg.norm(first[0])

@@ -10,10 +10,11 @@ WALL, INLET, OUTLET = 0, 1, 2  # region_id (docs/design.md)
 
 
 def surface(rings_mm, names_mm):
-    """(points (p, 3), triangles (m, 3) outward, region (m,)) of rings (k, n, 3) from distal to proximal.
+    """(points (p, 3) in mm, triangles (m, 3), region (m,)) of the closed surface through rings (k, n, 3).
 
-    names_mm: (k,) z of each ring in the tables, for errors. The outlet's cap closes the distal ring, the inlet's cap
-    the proximal ring. Raises InputError if rings intersect because the axis bends too sharply for the lumen's width.
+    The rings run from distal to proximal. The outlet's cap closes the distal ring, the inlet's cap the proximal ring.
+    Triangles face outwards. names_mm: (k,) z of each ring in the tables, for messages. Raises InputError if rings
+    intersect because the axis bends too sharply for the lumen's width.
     """
     _check_advance(rings_mm, names_mm)
     count, around = rings_mm.shape[:2]
@@ -54,7 +55,7 @@ def _wall(rings_mm):
 
 
 def _check_advance(rings_mm, names_mm):
-    """Raises InputError unless every point of a ring is ahead of the corresponding point of the previous ring."""
+    """Raises InputError unless every point of a ring is proximal of the same point of the ring before."""
     step = np.diff(rings_mm, axis=0)
     axis = np.diff(rings_mm.mean(axis=1), axis=0)
     normals = np.array([_normal(ring) for ring in rings_mm[:-1]])
@@ -68,13 +69,17 @@ def _check_advance(rings_mm, names_mm):
 
 
 def _normal(ring):
+    """Unit normal (3,) of a ring (n, 3)."""
     relative = ring - ring.mean(axis=0)
     normal = np.cross(relative, np.roll(relative, -1, axis=0)).sum(axis=0)
     return normal / np.linalg.norm(normal)
 
 
 def _cap(ring, out):
-    """(inner points (q, 3), triangles of rim and inner points) of a plane ring (n, 3), facing out."""
+    """(inner points (q, 3), triangles (m, 3)) that close a plane ring (n, 3).
+
+    Triangles number the ring's points first, then the inner points. They face the direction out (3,).
+    """
     centre, normal = ring.mean(axis=0), _normal(ring)
     u = ring[0] - centre
     u /= np.linalg.norm(u)
@@ -92,7 +97,7 @@ def _cap(ring, out):
 
 
 def _inner(rim):
-    """Points (q, 2) of a triangular grid inside a rim (n, 2), no nearer to it than about half their spacing."""
+    """Points (q, 2) of a triangular grid inside a rim (n, 2), farther from its points than 0.7 of their spacing."""
     edge = 1.2 * np.linalg.norm(rim - np.roll(rim, 1, axis=0), axis=1).mean()
     low, high = rim.min(axis=0), rim.max(axis=0)
     rows = []
@@ -105,6 +110,7 @@ def _inner(rim):
 
 
 def _check_closed(triangles):
+    """Raises ComputationError unless every edge belongs to two triangles."""
     edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
     _, times = np.unique(edges, axis=0, return_counts=True)
     if (times != 2).any():

@@ -5,20 +5,21 @@ import numpy as np
 from . import rings
 from .reading.outlines import centroid
 
-NAMED = 5  # frames that a warning names; of more it gives the range
+NAMED = 5  # frames that a warning names; of more it names the first ones and the last
 
 
 def traced(frames):
-    """Whether the outer wall was traced (frames,)."""
+    """(frames,) of bool: whether the outer wall was traced in each frame."""
     return np.array([frame.outer_wall is not None for frame in frames])
 
 
 def outlines_of(frames, z_mm, count):
-    """Outline (frames, count, 2) in mm of the outer wall in each frame, from its traced frames at the rising z_mm.
+    """Outlines (frames, count, 2) in mm of the outer wall in all frames, interpolated from the traced frames.
 
-    The wall itself is interpolated, not its thickness: in a narrowing the lumen differs from its neighbours, the wall
-    hardly. Its shape is carried about the lumen's centre, since the catheter wanders. Its area is interpolated too, and
-    it is constant beyond the first and the last traced frame.
+    z_mm: (frames,) of the frames, rising. The wall is interpolated, not its thickness: in a narrowing the lumen differs
+    from that of neighbouring frames, but the outer wall hardly does. Its shape is taken relative to the lumen's centre,
+    since the catheter moves within the vessel. Its area is interpolated too. Beyond the first and the last traced
+    frame both are constant.
     """
     have = np.flatnonzero(traced(frames))
     centre = np.array([centroid(rings.smooth(frame.lumen)) for frame in frames])
@@ -29,7 +30,10 @@ def outlines_of(frames, z_mm, count):
 
 
 def reach_mm(frames, z_mm):
-    """(lowest, highest) z in mm at which the wall is known: half-way to the next frames beyond the traced ones."""
+    """(lowest, highest) z in mm at which the outer wall counts as known.
+
+    It is known half-way from the first and the last traced frame to the next frame beyond.
+    """
     have = np.flatnonzero(traced(frames))
     first, last = have[0], have[-1]
     low = 0.5 * (z_mm[first] + z_mm[max(first - 1, 0)])
@@ -37,7 +41,7 @@ def reach_mm(frames, z_mm):
 
 
 def warnings(pull):
-    """Sentences on frames without an outer wall: those between traced frames, and those beyond."""
+    """List of warnings on the frames of a Pullback without an outer wall, between traced frames and beyond them."""
     have = np.flatnonzero(traced(pull.frames))
     missing = [k for k in range(len(pull.frames)) if k not in have]
     inner = [k for k in missing if have[0] < k < have[-1]]
@@ -66,5 +70,6 @@ def _unknown(pull, outer):
 
 
 def _named(pull, numbers):
+    """The names of some frames, by their numbers in the Pullback, for a sentence."""
     names = [str(pull.frames[k].name) for k in numbers]
     return ", ".join(names if len(names) <= NAMED else [*names[: NAMED - 1], "...", names[-1]])

@@ -9,10 +9,10 @@ from .. import picture_file
 
 
 def draw(document, z_mm, thickness_mm, kind, out):
-    """Writes the picture as .png.
+    """Writes the picture to the path `out` (.png or .svg).
 
-    document: contours.json. z_mm: (k,) z of the rings in the tables. thickness_mm, kind: (k, n) of the plaque round
-    each ring, from angle 0 on; None without an outer wall.
+    document: contours.json as a dict. z_mm: (k,) z of the surface's rings, as in the tables. thickness_mm, kind: (k, n)
+    thickness and type of the plaque at n points round each ring, from angle 0 on; None without an outer wall.
     """
     rows = document["frames"]
     z = np.array([row["z_mm"] for row in rows])

@@ -10,20 +10,21 @@ from . import rings
 from .reading.outlines import centroid
 
 FARTHEST_MM = 3.0  # largest disagreement of landmarks along the line: a frame is picked to within 2 or 3 mm
-NEAREST_MM = 0.2  # least distance of a landmark from the axis; nearer, half a voxel turns it by a right angle
-FARTHEST_RADII = 3.0  # of a landmark from the lumen's centre: the wall, a branch's mouth, the ostium's rim
+NEAREST_MM = 0.2  # least distance of a landmark from the axis; nearer, an error of half a voxel is a right angle
+FARTHEST_RADII = 3.0  # lumen radii from the lumen's centre to a landmark at most: wall, branch's mouth, ostium's rim
 # Turn of a landmark from the landmarks' mean above which a warning is given. A side branch's mouth is marked to about
 # 0.4 mm, which is 15 degrees on the wall of a lumen 3 mm wide. The catheter's own turn has a standard deviation of
 # 10 degrees over 9 mm (README.md).
 USUAL_TURN_DEG = 15.0
-LARGEST_TURN_DEG = 45.0  # largest disagreement of landmarks about it; beyond, tables are mirrored or points mixed up
+LARGEST_TURN_DEG = 45.0  # largest turn of a landmark from the mean; beyond, tables are mirrored or points mixed up
 
 
 @dataclass
 class Placing:
-    """map(z_mm (k,), points (k, n, 2)) -> points (k, n, 3) in mm, for points in the frames' own planes.
+    """How frames are placed in space.
 
-    how: the axis used, in words. report: numbers for contours.json.
+    map: function of z_mm (k,) and points (k, n, 2) in the planes of the frames at these z, in mm. It returns the points
+    (k, n, 3) in space, in mm. how: the axis used, in words. report: {name: number} for contours.json.
     """
 
     map: object
@@ -32,9 +33,10 @@ class Placing:
 
 
 def centres(frames, on_outer_wall):
-    """Centre (frames, 2) of each frame, of its lumen or of its outer wall, which is placed on the axis.
+    """Centroid (frames, 2) in mm of the lumen or of the outer wall in each frame.
 
-    If a frame's outer wall was not traced, the offset of its centre from the lumen's centre is interpolated.
+    If a frame's outer wall was not traced, the offset of its centroid from the lumen's is interpolated. If no frame has
+    an outer wall, the lumen's centroids are returned.
     """
     lumen = np.array([centroid(rings.smooth(frame.lumen)) for frame in frames])
     traced = np.array([frame.outer_wall is not None for frame in frames])
@@ -48,9 +50,10 @@ def centres(frames, on_outer_wall):
 
 
 def straight(pullback):
-    """Placing along the tables' own z axis, with x and y as in the image. The axis is the outer wall's if it is known.
+    """Placing along the tables' own z axis, with x and y as in the image.
 
-    Each image is centred on the catheter, whose path through the vessel is unknown without a centreline.
+    The axis runs through the centroid of each frame's outer wall, or of its lumen if no outer wall is known. Images are
+    centred on the catheter instead, but its path through the vessel is unknown without a centreline.
     """
     centre = rings.between(pullback.z_mm, centres(pullback.frames, on_outer_wall=True))
 
@@ -65,13 +68,13 @@ def straight(pullback):
 
 
 def on_line(pullback, line, landmark_points_mm=(), proximal_s_mm=None, rotation_deg=0.0, mirrored=False):
-    """Placing on a Line: the lumen's centre on it, the frames' planes across it, z along it.
+    """Placing on a Line: the lumen's centroids lie on the line, the frames' planes across it, z runs along it.
 
-    landmark_points_mm: (3,) each, the pull-back's landmarks in the line's space; they give the place along the line and
-    the turn about it. Without them proximal_s_mm (default 0) is the place of the proximal frame, and rotation_deg its
-    turn against the line's own frame. x, y, z of the tables are right-handed, whichever end z rises from; `mirrored`
-    says that they are left-handed. Raises InputError if the line is too short, if landmarks contradict each other, or
-    if one is on the line.
+    landmark_points_mm: [(3,)], where the pull-back's landmarks lie in the line's space. They give the place along the
+    line and the turn about it. Without them proximal_s_mm (default 0) is the arc length of the proximal frame on the
+    line. rotation_deg is then the turn of the image against the line's own vectors across it. mirrored: x, y, z of the
+    tables are left-handed; else they are right-handed, whichever end z rises from. Raises InputError if the line is too
+    short, if landmarks contradict each other, or if one is on the line or far from it.
     """
     z = pullback.z_mm
     centre = rings.between(z, centres(pullback.frames, on_outer_wall=False))
@@ -101,7 +104,7 @@ def on_line(pullback, line, landmark_points_mm=(), proximal_s_mm=None, rotation_
 
 
 def warnings(place):
-    """Sentences on a Placing whose landmarks disagree about the turn by more than they are marked to; mostly none."""
+    """Yields a warning if a Placing's landmarks disagree about the turn by more than the usual error of marking."""
     off = place.report.get("landmarks_differ_deg", 0.0)
     if off > USUAL_TURN_DEG:
         yield (
@@ -112,14 +115,22 @@ def warnings(place):
 
 
 def _axes(one, two, turn):
-    """Directions of the image's x and y. They are right-handed with z, which points against the tangent, proximally."""
+    """Directions of the image's x and y, each (k, 3), for the line's vectors `one`, `two` (k, 3) and a turn in radians.
+
+    With z they are right-handed: z points against the tangent, towards the proximal end.
+    """
     x = np.cos(turn) * one - np.sin(turn) * two
     y = -np.sin(turn) * one - np.cos(turn) * two
     return x, y
 
 
 def _by_landmarks(pullback, line, points, centre, flip):
-    """(s + z of the line, turn, report) from the landmarks of table and space."""
+    """(shift, turn, report) from the pull-back's landmarks and their places `points` (m, 3) in space.
+
+    shift: arc length on the line plus z, in mm, which is the same for all frames. turn: of the images about the line,
+    in radians. report: {name: number} of the landmarks' disagreement. centre: function of z that gives the lumen's
+    centroids. flip: (2,) of 1 or -1, factors of the image's x and y.
+    """
     if len(points) != len(pullback.landmarks):
         value = f"{len(points)} points for {len(pullback.landmarks)} landmarks"
         raise InputError(
@@ -148,7 +159,7 @@ def _by_landmarks(pullback, line, points, centre, flip):
             value = f"landmark {distance.argmin() + 1}, {distance.min():.2f} mm from it"
             remedy = f"a place on the wall or in a branch's mouth, {NEAREST_MM} mm or more from the lumen's centre"
             raise InputError("a landmark on the axis tells no rotation", where, value, remedy)
-    # by x = cos(turn) one - ... an image angle a is at -a - turn in the plane of (one, two), seen along the tangent
+    # _axes() puts a point at the image's angle a at the angle -a - turn in the plane of `one` and `two`
     angles = -np.arctan2(v, u) - np.arctan2(across[:, 1], across[:, 0])
     turn = float(np.angle(np.exp(1j * angles).mean()))
     off = np.abs(np.degrees(np.angle(np.exp(1j * (angles - turn)))))
@@ -166,9 +177,10 @@ def _by_landmarks(pullback, line, points, centre, flip):
 
 
 def _check_far(pullback, z, where, distance):
-    """Raises InputError if a landmark's distance (m,) in mm from the lumen's centre is above FARTHEST_RADII.
+    """Raises InputError if a landmark is more than FARTHEST_RADII radii from the lumen's centre.
 
-    The radius is the frames' median, or that at the landmark's z (m,) if it is larger.
+    distance: (m,) of the landmarks from the centre, in mm. The radius is the median of the frames', or that at the
+    landmark's z (m,) if it is larger. where: the setting at fault, for the message.
     """
     radii = np.sqrt([rings.area_mm2(frame.lumen) / np.pi for frame in pullback.frames])
     radius = np.maximum(rings.between(pullback.z_mm, radii)(z), np.median(radii))

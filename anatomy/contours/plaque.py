@@ -10,14 +10,14 @@ from common.plaque_types import CALCIFIED, FIBROUS, LIPID
 from . import outer_wall, rings
 from .reading.outlines import centroid
 
-KINDS = {"lipid": LIPID, "calcium": CALCIFIED}  # where both are traced, the later one counts
+KINDS = {"lipid": LIPID, "calcium": CALCIFIED}  # where both are traced, the second one counts
 # Normal intima is below 0.3 mm by IVUS (0.22 to 0.25 mm at 30 to 40 years). The media behind it has 0.2 mm by
 # histology, but is thinner beneath plaque (0.1 mm in vivo: Gussenhoven et al., Am J Cardiol 68 (1991) 1625).
 THICKEST_HEALTHY_MM = 0.3
 THINNEST_WALL_MM = 0.1  # media alone, beneath plaque (as above); the thinnest frame of the real pull-back has 0.12 mm
-CROSSING_MM = 0.1  # by which two hand-drawn outlines that touch may cross
-SHADOW_MM = 0.3  # by which calcium may leave the outer wall, which is a guess in its shadow; shipped calcium: 0.07
-STEP_MM = 0.02  # along a ray from the lumen outwards
+CROSSING_MM = 0.1  # by which the lumen may leave its outer wall: hand-drawn outlines that touch may cross
+SHADOW_MM = 0.3  # by which a region may leave the outer wall, a guess in calcium's shadow; shipped calcium: 0.07
+STEP_MM = 0.02  # between the points tested along a ray from the lumen outwards
 
 
 def thickness_of_frame(ring, outer_wall):
@@ -28,10 +28,11 @@ def thickness_of_frame(ring, outer_wall):
 
 
 def thickness(frames, z_mm, ring_list, path):
-    """Distance (frames, n) in mm from lumen to outer wall, at the rising z_mm. One frame's wall or more was traced.
+    """Distance (frames, n) in mm from the lumen to the outer wall.
 
-    In other frames it is the distance to the interpolated wall (outer_wall.outlines_of), at least 0. Raises InputError
-    if a lumen is not inside its traced outer wall.
+    z_mm: (frames,), rising. ring_list: (frames, n, 2) of the lumen, in mm. At least one frame has a traced outer wall.
+    In frames without one the distance is to the interpolated wall (outer_wall.outlines_of), and at least 0. path: of
+    the outer wall's table, for messages. Raises InputError if a lumen is not inside its traced outer wall.
     """
     walls = outer_wall.outlines_of(frames, z_mm, len(ring_list[0]))
     found = np.empty((len(frames), len(ring_list[0])))
@@ -45,7 +46,7 @@ def thickness(frames, z_mm, ring_list, path):
 
 
 def check_regions(frames, paths):
-    """Raises InputError if calcium or lipid lies within the lumen, or outside the outer wall where that was traced.
+    """Raises InputError if calcium or lipid lies within the lumen, or outside a traced outer wall.
 
     paths: {calcium, lipid: path of its table}.
     """
@@ -68,7 +69,10 @@ def _check_behind(region, what, where, frame):
 
 
 def _check_inside(distance, most_mm, what, where, frame):
-    """Raises InputError if a distance (n,) in mm, as of thickness_of_frame, is farther outside than most_mm."""
+    """Raises InputError if an outline is more than most_mm outside the outer wall.
+
+    distance: (n,) in mm from its points to the outer wall, negative outside (thickness_of_frame).
+    """
     if distance.min() < -most_mm:
         value = f"{-distance.min():.2f} mm outside it"
         remedy = f"trace the outer wall (EEM) round {what}, in the same coordinates, or leave the frame out"
@@ -77,10 +81,10 @@ def _check_inside(distance, most_mm, what, where, frame):
 
 
 def healthy_wall_mm(distance, given="auto"):
-    """Thickness in mm of the healthy wall: the given one, or the mean of the frame with the thinnest wall.
+    """Thickness in mm of the healthy wall: `given`, or with "auto" the mean over the frame with the thinnest wall.
 
-    It is at most THICKEST_HEALTHY_MM, since a pull-back whose thinnest wall is thicker has no healthy frame.
-    distance: (frames, n) as `thickness` returns it, of the traced frames.
+    With "auto" it is at most THICKEST_HEALTHY_MM, since a pull-back whose thinnest wall is thicker has no healthy
+    frame. distance: (frames, n) as thickness() returns it, of the traced frames.
     """
     if given != "auto":
         return float(given)
@@ -88,10 +92,10 @@ def healthy_wall_mm(distance, given="auto"):
 
 
 def types_of_frame(frame, ring):
-    """Type (n,) of plaque behind each point of a frame's ring (n, 2), whatever its thickness.
+    """Type (n,) of plaque (common/plaque_types.py) behind each point of a frame's ring (n, 2), whatever its thickness.
 
-    A traced region of calcium or lipid counts where the ray from the lumen's centroid meets it between the lumen and
-    the outer wall. Its depth does not matter, since the stiffest layer carries the load round the vessel.
+    A traced region of calcium or lipid counts where a ray from the lumen's centroid meets it outside the lumen. Its
+    depth does not matter, since the stiffest layer carries the load round the vessel.
     """
     kind = np.full(len(ring), FIBROUS)
     centre = centroid(ring)
@@ -108,7 +112,10 @@ def types_of_frame(frame, ring):
 
 
 def arc_deg(kind, ring, value):
-    """Angle in degrees round the lumen's centroid of the points of a ring (n, 2) that are of a type."""
+    """Angle in degrees, round the lumen's centroid, of those points of a ring (n, 2) whose type is `value`.
+
+    kind: (n,) types of the points.
+    """
     relative = ring - centroid(ring)
     angle = np.unwrap(np.arctan2(relative[:, 1], relative[:, 0]), period=2 * np.pi)
     share = np.abs(np.roll(angle, -1) - np.roll(angle, 1))
@@ -117,7 +124,10 @@ def arc_deg(kind, ring, value):
 
 
 def burden_percent(frame):
-    """Plaque burden in percent: area between outer wall and lumen over area within the outer wall; None without it."""
+    """Plaque burden in percent: area between lumen and outer wall over area within the outer wall.
+
+    None if the frame has no outer wall.
+    """
     if frame.outer_wall is None:
         return None
     outer = rings.area_mm2(frame.outer_wall)

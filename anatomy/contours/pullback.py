@@ -9,15 +9,18 @@ from common.errors import InputError
 from . import rings
 from .reading import tables
 
-SAME_Z_MM = 0.01  # difference in z of one frame in two tables, which may be rounded to two decimals
+SAME_Z_MM = 0.01  # largest difference of one frame's z in two tables, which may be rounded to two decimals
 SAME_PLACE_MM = 0.005  # frames nearer are at one place; at 0.5 mm/s and 60 frames a second they are 0.008 mm apart
 FEWEST_FRAMES = 3  # two ends and a frame between them
-USUAL_GAP_MM = 2.0  # between frames; in a longer gap most of the lumen is interpolated
+USUAL_GAP_MM = 2.0  # between frames; a longer gap gives a warning, since most of the lumen there is interpolated
 
 
 @dataclass
 class Frame:
-    """One frame: z_mm rises from distal to proximal; outlines (n, 2) in mm of the image's plane."""
+    """One frame, by its name in the tables. z_mm rises from distal to proximal.
+
+    Outlines are (n, 2) in mm in the image's plane.
+    """
 
     name: object
     z_mm: float
@@ -28,9 +31,10 @@ class Frame:
 
 @dataclass
 class Pullback:
-    """Frames from distal to proximal, landmarks [(z_mm, point (2,))] in the order of their table, warnings [str].
+    """Frames from distal to proximal, landmarks and warnings [str].
 
-    sign: 1 if z_mm rises like z in the tables, -1 if z in the tables rises from the proximal end.
+    landmarks: [(z_mm, point (2,) in mm in the image's plane)] in the order of their table. sign: z_mm over z in the
+    tables, 1 or -1. It is -1 if z in the tables rises from the proximal end.
     """
 
     frames: list
@@ -45,11 +49,11 @@ class Pullback:
 
 
 def read(files, units="mm", z_from="distal", z_range_mm=None, drop_frames=()):
-    """The Pullback of contour tables.
+    """The Pullback of contour tables. Raises InputError.
 
-    files: {lumen, outer_wall, calcium, lipid, branches, landmarks: path}; the lumen is required. z_from: the end at
-    which z is smallest, `distal` or `proximal`. z_range_mm: (first, last) z of the used frames, to leave out frames in
-    a guide catheter. drop_frames: names of frames to leave out. Raises InputError.
+    files: {lumen, outer_wall, calcium, lipid, branches, landmarks: path}; the lumen is required. units: of x, y, z.
+    z_from: the end at which z in the tables is smallest, `distal` or `proximal`. z_range_mm: (lowest, highest) z of the
+    used frames as in the tables, to leave out frames in a guide catheter. drop_frames: names of frames to leave out.
     """
     first, last = z_range_mm or (-np.inf, np.inf)
     if not first < last:
@@ -85,7 +89,7 @@ def read(files, units="mm", z_from="distal", z_range_mm=None, drop_frames=()):
 
 
 def _check_dropped(missing, seen, path):
-    """Raises InputError for frames to leave out that no table has: the frame that was meant would stay in."""
+    """Raises InputError if frames to leave out are in no table: else the frame that the user means would stay."""
     if missing:
         names = sorted(seen)
         value = f"{', '.join(f'{name:g}' for name in sorted(missing))}; the tables have {len(names)} frames from"
@@ -112,9 +116,10 @@ def _check_frames(lumen, path, warnings):
 
 
 def _matched(found, files, what, frames, warnings):
-    """(frame, what was traced in it) of the table `what`, for frames with a lumen. Raises InputError if z differs.
+    """Yields (frame's name, outline or outlines) of the table `what`, for frames with a lumen.
 
-    found: {frame: (z, what was traced)}.
+    found: {frame's name: (z, outline or outlines)}. Warns of frames without a lumen. Raises InputError if a frame's z
+    differs from that in the lumen's table.
     """
     path = files[what]
     without = []

@@ -21,15 +21,16 @@ def smooth(outline, count=FINE):
 
 
 def area_mm2(outline):
-    """Area within the spline through an outline (n, 2), the one measure of frames; its corners alone enclose less."""
+    """Area in mm2 within the smooth curve through an outline (n, 2); the polygon of its points encloses less."""
     return outlines.area_mm2(smooth(outline))
 
 
 def ring(outline, count):
-    """Ring (count, 2) of an outline (n, 2), evenly spaced by length, which begins at about angle 0.
+    """Ring of `count` points (count, 2) on an outline (n, 2), evenly spaced by length, from about angle 0 on.
 
-    Points of two rings correspond by their number. Hand-drawn outlines begin anywhere. So the ring's start is shifted
-    along the outline until the angles round the centroid differ least, on average, from a circle's.
+    Points of two rings correspond by their number, but hand-drawn outlines begin anywhere. So the ring's start is
+    shifted along the outline until the mean difference of the points' angles from those of a circle is 0. Angles are
+    round the centroid; the circle begins at angle 0.
     """
     fine = smooth(outline)
     centre = centroid(fine)
@@ -42,9 +43,10 @@ def ring(outline, count):
 
 
 def between(z_mm, values):
-    """Function of z through `values` (frames, ...) at the rising z_mm, constant beyond the ends.
+    """Function of z (k,) in mm that interpolates `values` (frames, ...) given at z_mm (frames,), rising.
 
-    It is a monotone cubic: between two frames its values are between theirs.
+    It returns (k, ...). It is a monotone cubic: between two frames its values lie between theirs. Beyond the ends it is
+    constant.
     """
     if len(z_mm) == 1:
         return lambda z: np.repeat(values[:1], len(np.atleast_1d(z)), axis=0)
@@ -53,10 +55,10 @@ def between(z_mm, values):
 
 
 def scaled(ring_list, areas_mm2):
-    """Rings (k, n, 2) widened about their centroids to enclose areas_mm2 (k,).
+    """Rings (k, n, 2) widened about their centroids until their polygons enclose areas_mm2 (k,).
 
-    A polygon loses a little of its outline's area. Between two slits at an angle to each other interpolated rings would
-    be narrower than both, a stenosis that no frame shows.
+    A polygon encloses a little less than its outline. Interpolated rings may even be narrower than both frames: between
+    two slit-like lumens at an angle to each other they would show a stenosis that no frame has.
     """
     out = np.empty_like(ring_list)
     for k, (one, area) in enumerate(zip(ring_list, areas_mm2)):

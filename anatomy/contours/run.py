@@ -13,17 +13,19 @@ from common.plaque_types import CALCIFIED, NONE
 from . import line, loft, outer_wall, picture, placing, plaque, pullback, rings, warnings
 
 SCHEMA = "vci-contours-1"
-ARRAYS = ("plaque_thickness_mm", "plaque_type")  # at the surface's points
-EDGE_MM = 0.12  # of the lofted surface; `lumen process` remeshes it
+ARRAYS = ("plaque_thickness_mm", "plaque_type")  # point data of lumen.vtp
+EDGE_MM = 0.12  # edges of the lofted surface; `lumen process` remeshes it
 SHADOW_DEG = 90  # arc of calcium; behind a wider one the outer wall is hidden (Mintz et al., JACC 37 (2001) 1478)
-FEWEST_AROUND, MOST_AROUND = 64, 200
+FEWEST_AROUND, MOST_AROUND = 64, 200  # points round a ring
 
 
 def run(files, out, units="mm", healthy_wall_mm="auto", reading=None, laying=None):
-    """Writes lumen.vtp, contours.json and contours.png into the folder `out`; returns the document.
+    """Writes lumen.vtp, contours.json and contours.png into the folder `out`. Returns the content of contours.json.
 
-    files: as pullback.read; laying: None for a straight axis, or {centreline, line, units, landmark_points_mm,
-    proximal_s_mm, rotation_deg, mirrored}; reading: {z_from, z_range_mm, drop_frames}. Raises InputError.
+    files, units: as for pullback.read(). healthy_wall_mm: "auto" or mm. reading: further arguments of pullback.read(),
+    {z_from, z_range_mm, drop_frames}. laying: None for a straight axis; else {centreline, line, units} as for
+    line.read(), and {landmark_points_mm, proximal_s_mm, rotation_deg, mirrored} as for placing.on_line(). Raises
+    InputError.
     """
     pull = pullback.read(files, units, **(reading or {}))
     pull.warnings.extend(warnings.find(pull))
@@ -47,7 +49,11 @@ def run(files, out, units="mm", healthy_wall_mm="auto", reading=None, laying=Non
 
 
 def loft_of(pull, place):
-    """The lofted lumen: dict of points, triangles, region, z_mm of its rings, and frame_rings (frames, n, 2) in mm."""
+    """The lofted lumen of a Pullback, placed by a Placing.
+
+    A dict: points, triangles and region as of loft.surface(), z_mm (k,) of the surface's rings, and frame_rings
+    (frames, n, 2) in mm, the rings of the frames in their planes.
+    """
     longest = max(_perimeter(frame.lumen) for frame in pull.frames)
     around = int(np.clip(np.ceil(longest / EDGE_MM), FEWEST_AROUND, MOST_AROUND))
     of_frames = np.array([rings.ring(frame.lumen, around) for frame in pull.frames])
@@ -60,11 +66,12 @@ def loft_of(pull, place):
 
 
 def _areas(pull, z_mm):
-    """Areas in mm2 at z: the outlines' areas at the frames, interpolated monotonically between them."""
+    """Areas in mm2 of the lumen at z_mm (k,), interpolated monotonically between those of the frames' outlines."""
     return rings.between(pull.z_mm, np.array([rings.area_mm2(frame.lumen) for frame in pull.frames]))(z_mm)
 
 
 def _placing(pull, laying):
+    """The Placing on a centreline. laying: as for run(); its keys of line.read() are taken out."""
     axis = line.read(laying.pop("centreline"), laying.pop("units", "mm"), laying.pop("line", None))
     pull.warnings.extend(axis.warnings)
     place = placing.on_line(pull, axis, **laying)
@@ -77,7 +84,11 @@ def _perimeter(outline):
 
 
 def _plaque(pull, files, healthy_wall_mm, lumen):
-    """({array name: values at the surface's points}, summary of the plaque); no arrays without an outer wall."""
+    """({array's name: values at the surface's points}, summary of the plaque); no arrays without an outer wall.
+
+    lumen: as loft_of() returns it. The summary has kinds (frames, n); with an outer wall also distance (frames, n) in
+    mm from lumen to outer wall, and healthy_wall_mm.
+    """
     frames, of_frames = pull.frames, lumen["frame_rings"]
     kinds = np.array([plaque.types_of_frame(frame, ring) for frame, ring in zip(frames, of_frames)])
     if not files.get("outer_wall"):
@@ -121,7 +132,7 @@ def _plaque(pull, files, healthy_wall_mm, lumen):
 
 
 def _say_thin(pull, means):
-    """Warns of traced walls thinner than any artery's. means: (frames,) in mm from lumen to outer wall."""
+    """Warns of traced walls that are too thin for an artery. means: (frames,) mean wall thickness in mm."""
     thin = [k for k, frame in enumerate(pull.frames) if frame.outer_wall is not None]
     thin = [k for k in thin if means[k] < plaque.THINNEST_WALL_MM]
     if thin:
@@ -134,6 +145,7 @@ def _say_thin(pull, means):
 
 
 def _say_shadow(pull, of_frames, kinds):
+    """Warns of frames in which calcium hides much of the outer wall. of_frames, kinds: rings and their plaque types."""
     arcs = [plaque.arc_deg(kind, ring, CALCIFIED) for kind, ring in zip(kinds, of_frames)]
     wide = [pull.sign * frame.z_mm for frame, arc in zip(pull.frames, arcs) if arc > SHADOW_DEG]
     if wide:
@@ -144,6 +156,7 @@ def _say_shadow(pull, of_frames, kinds):
 
 
 def _document(pull, place, lumen, found):
+    """The content of contours.json (docs/design.md). found: the summary that _plaque() returns."""
     rows = []
     for k, (frame, ring) in enumerate(zip(pull.frames, lumen["frame_rings"])):
         distance = found["distance"][k] if "distance" in found else np.array([np.nan])

@@ -1,27 +1,29 @@
-"""Warnings of a pull-back that can be read, yet is probably of other units, turned round, of mixed phases, or damaged.
+"""Warnings of a readable pull-back that is probably in other units, turned round, of mixed phases, or damaged.
 
-Each compares the pull-back with what coronary arteries and catheters are like. None changes the result.
+Each warning compares the pull-back with usual coronary arteries and catheters. None changes the result.
 """
 
 import numpy as np
 
 from . import rings
 
-WIDER = 1.1  # ratio of the distal third's diameter to that of the proximal third
+WIDER = 1.1  # ratio of the distal third's diameter to that of the proximal third above which a warning is given
 HEALTHY_PERCENTILE = 90  # of the diameters in a third, so that a lesion there does not count
 WIDEST_USUAL_MM, NARROWEST_USUAL_MM = 6.0, 1.2  # median diameter; mean radii of coronaries, even ectatic, are 0.6 to 3
-# Of areas from frame to frame: share of changes of sign, and the usual change against both neighbours. Hand-drawn
-# outlines of one phase change sign in three of four frames; systole differs from diastole by 8 % and more.
+# Phases are mixed if areas alternate: by turns larger and smaller than the mean of their neighbours. The limits are
+# the share of frames that alternate, the median difference from this mean in per cent, and the number of frames. In
+# outlines of one phase three of four frames alternate; systole differs from diastole by 8 % and more.
 ALTERNATING, PHASES_PERCENT, PHASES_FRAMES = 0.9, 5.0, 8
-SHORTEST_DIAMETERS = 2.0  # of the lumen (median): a pull-back reaches over a lesion at least
-# Of two frames' areas: in four real pull-backs with frames less than 1 mm apart the largest ratios are 1.97 and 1.62.
+SHORTEST_DIAMETERS = 2.0  # least length over the median diameter: a pull-back reaches over a lesion at least
+# An area changes suddenly if two frames within NEAR_MM differ by more than a factor SUDDEN; the warning names NAMED
+# places. In four real pull-backs with frames less than 1 mm apart the largest factors are 1.97 and 1.62.
 NEAR_MM, SUDDEN, NAMED = 1.0, 2.0, 3
-OPEN_STEPS = 3.0  # of an outline's longest step over the third longest; 1.3 at most in drawn, pixelated, real outlines
+OPEN_STEPS = 3.0  # ratio of an outline's longest step to the third longest; at most 1.3 in drawn and real outlines
 COUNTED_FRAMES = 8  # least number of frames for _counted: in fewer frames z may be whole millimetres by chance
 
 
 def find(pull):
-    """Sentences on the pull-back's width, length, direction, phases and single frames; mostly none."""
+    """List of warnings on a Pullback's width, length, units of z, direction, phases and single frames; mostly empty."""
     areas = np.array([rings.area_mm2(frame.lumen) for frame in pull.frames])
     said = [*_width(areas), *_length(pull, areas), *_counted(pull), *_widening(pull, areas), *_phases(areas)]
     return [*said, *_sudden(pull, areas), *_open(pull)]
@@ -88,7 +90,7 @@ def _phases(areas):
 
 
 def _sudden(pull, areas):
-    """Neighbouring frames of which one is much the wider: a wrong outline, or the guide catheter's lumen."""
+    """Warns of neighbouring frames of which one is much wider: a wrong outline, or the guide catheter's lumen."""
     ratio = np.exp(np.abs(np.diff(np.log(areas))))
     pairs = np.flatnonzero((ratio > SUDDEN) & (np.diff(pull.z_mm) < NEAR_MM))
     told = [
@@ -106,9 +108,10 @@ def _sudden(pull, areas):
 
 
 def _open(pull):
-    """Outlines with a gap or a spike: one step, or the two to a point and back, longer than their own radius.
+    """Warns of outlines with a gap or a spike.
 
-    Without a part, a chord closes an outline; one of a radius cuts 3 % off a circle.
+    A gap is a single long step, a spike the two long steps to a point and back. Long means three times the third
+    longest step, and longer than the outline's own radius. A chord of that length cuts 3 % off a circle's area.
     """
     told = []
     for frame in pull.frames:
@@ -127,5 +130,5 @@ def _open(pull):
 
 
 def _first(told):
-    """The first of several places, in words."""
+    """The first three of several places in words, and how many more there are."""
     return ", ".join(told[:NAMED]) + f" and {len(told) - NAMED} more" * (len(told) > NAMED)

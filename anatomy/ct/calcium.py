@@ -1,21 +1,21 @@
-"""Calcium behind the lumen's wall in a contrast-filled CT, as the plaque of the lumen surface's points."""
+"""Calcium behind the lumen's wall in a CT angiogram, as thickness and type of plaque at the surface's points."""
 
 import numpy as np
 
 from common.plaque_types import CALCIFIED, NONE
 
-REACH_MM, STEP_MM = 2.5, 0.05
+REACH_MM, STEP_MM = 2.5, 0.05  # length and step of the ray behind the wall on which calcium is measured
 
 
 def behind(points, found):
-    """(thickness (n,) in mm, type (n,)) of the plaque behind points (n, 3) of the wall.
+    """(thickness (n,) in mm, type (n,)) of the plaque behind points (n, 3) of the wall, in the image's coordinates.
 
-    It is nan without calcium; `lumen process` then estimates it from the narrowing. found: as segment.segment returns
-    it.
+    The thickness is nan where there is no calcium: `lumen process` then estimates it from the narrowing. found: the
+    dict that segment.segment() returns.
 
-    Each point is on a ray from the axis. It has calcium if the nearest ray of the nearest section does (edges.bright).
-    Calcium reaches from the wall to the place where the CT number has fallen half-way from its peak to the tissue's,
-    since the point spread blurs its edge.
+    Each point lies on a ray from the axis. There is calcium behind it if the nearest ray of the nearest section meets
+    calcium (edges.bright). The point spread blurs the outer edge of calcium. So calcium ends where the CT number on the
+    ray has fallen half-way from its peak to the tissue's.
     """
     thickness, kind = np.full(len(points), np.nan), np.full(len(points), NONE)
     away, out, calcium = np.full(len(points), np.inf), np.zeros_like(points), np.zeros(len(points), bool)

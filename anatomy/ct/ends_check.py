@@ -1,4 +1,7 @@
-"""Reads end points, and whether they lie in a volume and in its contrast; errors are in the user's coordinates."""
+"""Reads the vessels' end points and checks that they lie in the volume, and the inlet in its contrast.
+
+Messages state places in the user's coordinates.
+"""
 
 import json
 import pathlib
@@ -10,9 +13,9 @@ from common.errors import InputError
 from . import paths, volumes
 
 OUTSIDE = "give the end points in mm, in the volume's own coordinates"
-CLOSEST_MM = 1.0  # between two end points; nearer points are one end given twice, since no vessel is so short
+CLOSEST_MM = 1.0  # between two end points; nearer points are one end given twice, since no vessel is shorter
 LEAST_BLOOD_HU = 100.0  # blood without contrast has 30 to 60 HU; coronary angiograms have 200 and more
-REVERSED = np.array([-1.0, -1.0, 1.0])  # between right-anterior-superior and left-posterior-superior
+REVERSED = np.array([-1.0, -1.0, 1.0])  # factors from right-anterior-superior to left-posterior-superior coordinates
 
 
 def load_ends(path):
@@ -82,13 +85,13 @@ def check(volume, ends):
 
 
 def _hu(volume, point):
-    """Mean CT number about a point (3,) mm of the volume's coordinates; None outside."""
+    """Mean CT number round a point (3,) in mm, in the volume's coordinates; None if it lies outside the image."""
     inside = volume.to_image(np.asarray(point, float))
     return paths.blood_hu(volume.image, inside) if volume.image.index(inside)[1] else None
 
 
 def _reversed(volume, point):
-    """What to add to a remedy if the point is in contrast once x and y change sign; empty otherwise."""
+    """Text to add to a remedy if the point would lie in contrast with x and y reversed; empty otherwise."""
     other = REVERSED * point
     hu = _hu(volume, other)
     if hu is None or hu < LEAST_BLOOD_HU:

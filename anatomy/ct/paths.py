@@ -1,4 +1,4 @@
-"""Centrelines from the image and end points only: the cheapest path through the contrast for each branch."""
+"""Centrelines from the image and the end points alone: for each branch the cheapest path through the contrast."""
 
 from dataclasses import dataclass
 
@@ -12,19 +12,19 @@ from common.errors import ComputationError, InputError
 from common.implicit.curves import Curve
 
 
-SEED_RADIUS_MM = 0.6
-# Shares of the blood's CT number: above the first a voxel may be crossed, above the second it counts as lumen.
+SEED_RADIUS_MM = 0.6  # radius of the ball in which the blood's CT number is averaged
+# Shares of the blood's CT number: above the first a path may cross a voxel, above the second the voxel is lumen.
 PASSABLE, LUMEN = 0.2, 0.5
-BRIGHT = 1.15  # calcium and metal are brighter than this multiple of the blood
-RISES = 1.5  # blood at another end may be this much brighter than at the inlet; more is calcium
-SMOOTHING_MM = 0.15
+BRIGHT = 1.15  # ratio to the brightest end's blood: calcium and metal are brighter
+RISES = 1.5  # largest ratio of the blood at another end to that at the inlet; brighter places are calcium
+SMOOTHING_MM = 0.15  # rms distance per coordinate of a smoothed axis from the voxels of its path
 
 
 @dataclass
 class Line:
-    """Axis of one branch. parent: index of the branch it leaves (-1: none); end: index of its end point.
+    """Axis of one branch. parent: index of the branch that it leaves (-1: none). end: index of its end point.
 
-    blood: CT number of its blood along it (blood.Trend); None: the same all along.
+    blood: CT number of the blood along the axis (blood.Trend); None as long as it is not known.
     """
 
     axis: Curve
@@ -34,7 +34,7 @@ class Line:
 
 
 def blood_hu(image, inlet_mm):
-    """CT number of the contrast-filled blood: mean over a ball of 0.6 mm about the inlet's point, within the image."""
+    """CT number of the blood: mean over the voxels within 0.6 mm of a point (3,) in mm, such as the inlet's."""
     reach = np.ceil(SEED_RADIUS_MM / image.spacing_mm).astype(int)
     index, _ = image.index(inlet_mm)
     box = tuple(slice(max(i - r, 0), i + r + 1) for i, r in zip(index, reach))
@@ -44,7 +44,10 @@ def blood_hu(image, inlet_mm):
 
 
 def _graph(cost, spacing_mm):
-    """Graph over the cells with finite cost (an edge's weight is distance x mean cost), and the cells' flat indices."""
+    """(graph as a sparse matrix, flat indices (n,) of its cells) over the voxels of finite cost.
+
+    It joins each voxel to its 26 neighbours. An edge's weight is the distance in mm times the mean cost of both.
+    """
     number = np.full(cost.shape, -1)
     cells = np.flatnonzero(np.isfinite(cost))
     number.flat[cells] = np.arange(len(cells))
@@ -64,11 +67,11 @@ def _graph(cost, spacing_mm):
 
 
 def find(image, ends):
-    """Lines of all branches, main first: [Line]. ends: [(name, centre (3,) mm)] within the image, the inlet first.
+    """[Line] of all branches, the main vessel first. ends: [(name, centre (3,) mm)] within the image, the inlet first.
 
-    The cost is 1 / depth^2 within the contrast (above half the blood's CT number). Below that it is high, and infinite
-    below a fifth of the blood's. Raises InputError for an end point that is not in a vessel, ComputationError if an end
-    cannot be reached.
+    A path's cost per mm is about 1 / (distance from the lumen's edge)^2 where the CT number is above half the blood's.
+    It is high in darker voxels and in calcium. Voxels below a fifth of the blood's CT number cannot be crossed. Raises
+    InputError for an end point that is not in a vessel, ComputationError if an end cannot be reached.
     """
     blood = blood_hu(image, ends[0][1])
     top = min(max(blood_hu(image, centre) for _, centre in ends), RISES * blood)
@@ -104,6 +107,7 @@ def find(image, ends):
 
 
 def _seed(image, smooth, name, centre, blood):
+    """Index (3,) of the brightest voxel next to an end point. Raises InputError if it is darker than the lumen."""
     index, _ = image.index(np.asarray(centre, float))
     box = tuple(slice(max(i - 1, 0), i + 2) for i in index)
     best = np.unravel_index(np.argmax(smooth[box]), smooth[box].shape)
@@ -117,6 +121,7 @@ def _seed(image, smooth, name, centre, blood):
 
 
 def _length(points):
+    """Length in mm of a line of points (n, 3)."""
     return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
 
 
@@ -138,7 +143,10 @@ def smoothed(points, spread_mm=SMOOTHING_MM):
 
 
 def _branches(chains, centres):
-    """Lines from voxel chains that start at the inlet. The longest is the main vessel; others start on their parent."""
+    """[Line] from chains of voxel centres, which all begin at the inlet. The longest one becomes the main vessel.
+
+    The others become branches that begin on their parent's axis. centres: the end points, the inlet first.
+    """
     order = np.argsort([-_length(chain) for chain in chains], kind="stable")
     lines, raw = [], []
     for rank, number in enumerate(order):
@@ -160,6 +168,7 @@ def _branches(chains, centres):
 
 
 def _shared(chain, other):
+    """Number of points that two chains share from the inlet on."""
     count = min(len(chain), len(other)) - 1
     same = np.all(np.abs(chain[1:count] - other[1:count]) < 1e-9, axis=1)
     return int(np.argmin(same)) + 1 if not same.all() else count

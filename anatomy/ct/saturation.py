@@ -1,18 +1,18 @@
-"""Blood that is as bright as the image can be: a display's window has cut it off."""
+"""Warns of blood at the image's highest CT number: a display's window has cut off higher values."""
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from . import warnings
 
-# Blood counts as cut off where more than SHARE of STRETCH_MM of the axis has the image's highest CT number. In noisy
-# blood that no window has cut off, hardly a voxel has it.
+# Blood counts as cut off if more than SHARE of the axis points within STRETCH_MM have the image's highest CT number. In
+# noisy blood that no window has cut off, hardly a voxel has it.
 STRETCH_MM, SHARE = 5.0, 0.5
-SAME_HU = 1.0  # tolerance: resampling an image after the cut lowers some voxels a little
+SAME_HU = 1.0  # below the highest: resampling an image after the cut lowers some voxels a little
 
 
 def find(image, tubes):
-    """Warnings on stretches of the tubes whose blood is at the top of the image, where its true level is unknown."""
+    """[warnings.entry] for the stretches of the Tubes in which the blood has the highest CT number of the Image."""
     top, found = float(image.values.max()), []
     for tube in tubes:
         places = np.rint((tube.axis.point(tube.s_mm) - image.origin_mm) / image.spacing_mm).astype(int)

@@ -1,4 +1,4 @@
-"""Finds a closed lumen in a CT volume from the vessels' end points, with warnings."""
+"""Finds a closed lumen in a CT volume from the vessels' end points, and warns of doubtful places."""
 
 import pathlib
 import sys
@@ -19,22 +19,23 @@ from .rays import edges
 from .tubes import LevelField, Tube, TubeField
 
 SCHEMA = "vci-segmentation-1"
-CENTRINGS = 3
-FEW_RAYS = 8  # are enough for the blood near the axis
-USUAL_FWHM_MM = 0.7
+CENTRINGS = 3  # rounds in which an axis is centred on its sections
+FEW_RAYS = 8  # rays: enough to sample the blood near the axis
+USUAL_FWHM_MM = 0.7  # point spread that is assumed if the image does not show it
 FARTHEST_MM = 2.0  # from a line's end to its end point: about a vessel's radius, since both are picked by hand
-FEWEST_OUTSIDE = 5  # sections of a branch outside its parent, which its radii need
+FEWEST_OUTSIDE = 5  # sections of a branch outside its parent that its radii need
 LEAST_CONTRAST = 6.0  # contrast of blood and wall over noise; below it radii are off by 0.2 mm and ends may not close
-MARGIN_MM = 30.0  # of the used part of the volume round the end points, since vessels bow out between them
+MARGIN_MM = 30.0  # of the volume that is used round the end points, since vessels bow out between them
 
 
 def run(image_path, ends, out, settings_path=None, centreline_path=None, series=None, stented=False):
-    """Writes `out`/lumen.vtp (with calcium as plaque) and `out`/segmentation.json; returns the document.
+    """Writes `out`/lumen.vtp (calcium as plaque) and `out`/segmentation.json. Returns the content of the latter.
 
-    image_path, series: as for volumes.read. ends: [(name, centre (3,))], the inlet first, in the volume's own
-    coordinates, which are also the surface's. The centreline comes from the image and the end points. If the user gives
-    centreline_path, it says which vessels are meant; it is centred like one that was found. stented: whether the
-    vessels hold a stent. Raises InputError, or ComputationError if the contrast is interrupted or too low.
+    image_path, series: as for volumes.read(). ends: [(name, centre (3,) in mm)], the inlet first, in the volume's own
+    coordinates, which are also the surface's. settings_path: file with the section `ct`; None for the defaults.
+    centreline_path: a .vtp whose lines tell which vessels are meant. Without it the centreline is found in the image.
+    Both are centred in the same way. stented: whether the vessels hold a stent. Raises InputError, or ComputationError
+    if the contrast is interrupted or too low.
     """
     settings = config.load_section(settings_path, "ct")["segmentation"]
     volume = volumes.read(image_path, series)
@@ -62,7 +63,7 @@ def run(image_path, ends, out, settings_path=None, centreline_path=None, series=
 
 
 def _surface(found, spacing_mm, volume):
-    """surface.build of the found lumen. Its ComputationError names what the user can change."""
+    """The result of surface.build() for the lumen `found` (segment()). Its ComputationError tells what to change."""
     try:
         return surface.build(found["field"], spacing_mm)
     except ComputationError as error:
@@ -79,7 +80,10 @@ def _surface(found, spacing_mm, volume):
 
 
 def _given_lines(given, ends):
-    """Lines of the user's centreline. Each must end within FARTHEST_MM of an outlet's point, one at each outlet."""
+    """[paths.Line] of the user's centreline, {branch: points (n, 3)}. ends: as for segment().
+
+    Raises InputError unless each line ends within FARTHEST_MM of an outlet's point, and exactly one at each outlet.
+    """
     lines, axes = [], {name: paths.smoothed(points, 0.01) for name, points in given.items()}
     names = list(axes)
     for rank, (name, axis) in enumerate(axes.items()):
@@ -103,10 +107,11 @@ def _given_lines(given, ends):
 
 
 def segment(volume, ends, settings, given=None, stented=False):
-    """The lumen in an image: dict of field, tubes, profiles and levels.
+    """The lumen in an image, as a dict: its implicit field, the lines, tubes and profiles, CT numbers, warnings.
 
-    volume: common.volume.Image; ends: [(name, centre (3,))], the inlet first; given: {branch: points (n, 3)} or None;
-    stented: whether the vessels hold a stent, by the user's word.
+    volume: common.volume.Image. ends: [(name, centre (3,) in mm)], the inlet first, in the image's coordinates.
+    settings: the section `segmentation`. given: the user's centreline, {branch: points (n, 3) in mm}, or None. stented:
+    whether the vessels hold a stent, as the user says.
     """
     smoothing, scan = settings["smoothing_fwhm_mm"] * SIGMA_PER_FWHM, volume
     if smoothing > 0:
@@ -119,7 +124,7 @@ def segment(volume, ends, settings, given=None, stented=False):
     main = blood_level.levelled(edges.sample(at, lines[0].axis, spacing, rays), lines[0].blood, blood)
     _check_noise(main, float(np.median(lines[0].blood(main.s_mm))))
     measured = edges.point_spread(main, tubes[0].radii_mm, blood)
-    sigma = measured or np.hypot(USUAL_FWHM_MM * SIGMA_PER_FWHM, smoothing)  # what is measured includes the smoothing
+    sigma = measured or np.hypot(USUAL_FWHM_MM * SIGMA_PER_FWHM, smoothing)  # the measured sigma includes the smoothing
     if settings["psf_fwhm_mm"] != "auto":
         given_sigma = settings["psf_fwhm_mm"] * SIGMA_PER_FWHM
         sigma = np.sqrt(given_sigma**2 + smoothing**2 + np.mean(volume.spacing_mm**2) / 12)
@@ -167,7 +172,7 @@ def segment(volume, ends, settings, given=None, stented=False):
 
 
 def _check_noise(profiles, blood):
-    """Raises ComputationError where the blood's contrast to the wall is so low that noise hides the edges."""
+    """Raises ComputationError if the contrast of blood and wall is so low that noise hides the edges."""
     noise, contrast = edges.noise_hu(profiles.hu, profiles, blood), blood - edges.HEALTHY_WALL_HU
     if contrast < LEAST_CONTRAST * noise:
         value = (
@@ -179,14 +184,14 @@ def _check_noise(profiles, blood):
 
 
 def _main_blood(at, main, spacing_mm, rays):
-    """First trend of the main vessel's blood, put into its Line, and the one CT number that stands for it."""
+    """Sets the blood's trend of the main vessel's Line. Returns its median: the CT number that stands for the blood."""
     profiles = edges.sample(at, main.axis, spacing_mm, rays)
     main.blood = blood_level.first(profiles)
     return float(np.median(main.blood(profiles.s_mm)))
 
 
 def _first_tubes(at, lines, blood, spacing_mm, rays, stented):
-    """Tubes by half maximum, about axes that are centred meanwhile; each Line gets the trend of its blood."""
+    """[Tube] of all lines, by half maximum. Meanwhile each Line's axis is centred, and its blood's trend is set."""
     tubes = []
     for line in lines:
         parent = tubes[line.parent] if tubes else None
@@ -203,7 +208,7 @@ def _first_tubes(at, lines, blood, spacing_mm, rays, stented):
 
 
 def _settled_blood(at, lines, tubes, spacing_mm, sigma_mm):
-    """The CT number that stands for the main vessel's blood, once the trends know the point spread."""
+    """Sets the blood's trend of each Line anew, with the point spread sigma_mm. Returns the main vessel's median."""
     for line, tube in zip(lines, tubes):
         profiles = edges.sample(at, line.axis, spacing_mm, FEW_RAYS)
         line.blood = blood_level.within(profiles, tube, line.blood, sigma_mm)
@@ -211,9 +216,10 @@ def _settled_blood(at, lines, tubes, spacing_mm, sigma_mm):
 
 
 def _tube(at, line, parent, method, blood, sigma_mm, spacing_mm, rays, stented=False):
-    """(Tube, Profiles, replaced rays) of one branch. Within its parent it has the radii of its first section outside.
+    """(Tube, Profiles, replaced rays (n, m) of bool) of one branch. parent: its parent's Tube or None.
 
-    Raises ComputationError if too little of the branch is outside the parent.
+    Within its parent the branch gets the radii of its first section outside. Raises ComputationError if too little of
+    the branch is outside the parent.
     """
     profiles = edges.sample(at, line.axis, spacing_mm, rays)
     if line.blood is not None:
@@ -228,7 +234,7 @@ def _tube(at, line, parent, method, blood, sigma_mm, spacing_mm, rays, stented=F
             raise ComputationError(
                 "a branch hardly leaves its parent", f"outlet {line.end} of those given", value, remedy
             )
-        # Measure again only outside the parent, so that no filter mixes in sections within it.
+        # The radii are found again from the sections outside the parent alone, so that no filter mixes in others.
         own, own_bad = edges.find(profiles.after(inside), method, blood, sigma_mm, stented)
         radii = np.concatenate([np.repeat(own[:1], inside, axis=0), own])
         bad = np.concatenate([np.ones((inside, rays), bool), own_bad])
@@ -237,17 +243,17 @@ def _tube(at, line, parent, method, blood, sigma_mm, spacing_mm, rays, stented=F
 
 
 def _within_parent(axis, s_mm, parent):
-    """Number of leading sections whose rays would run into the parent; all if the branch never leaves it."""
+    """Number of sections at a branch's start whose rays would run into its parent; all if it never leaves that."""
     points = axis.point(s_mm)
     on_parent = parent.axis.nearest(points)
     away = np.linalg.norm(points - parent.axis.point(on_parent), axis=1)
-    # A section is clear of the parent if its own disc is, for a usual branching angle and radius.
+    # A section is clear of the parent if its own disc would be, with a usual branching angle and radius.
     clear = away > 1.35 * parent.radius(on_parent) + 0.3
     return int(np.argmax(clear)) if clear.any() else len(s_mm)
 
 
 def _centred(tube, parent):
-    """The axis moved to the centroids of its sections (at most 0.5 mm), smoothed."""
+    """The Curve of a Tube's axis after moving it to the centroids of its sections, by at most 0.5 mm, and smoothing."""
     theta = np.linspace(0, 2 * np.pi, tube.radii_mm.shape[1], endpoint=False)
     third, second = tube.radii_mm**3, tube.radii_mm**2
     u = (third * np.cos(theta)).sum(axis=1) / (1.5 * second.sum(axis=1))
@@ -264,6 +270,7 @@ def _centred(tube, parent):
 
 
 def _document(found, settings, image_name, given, volume, stented):
+    """The content of segmentation.json (docs/design.md). found: the result of segment()."""
     branches = []
     for line, tube, bad in zip(found["lines"], found["tubes"], found["replaced"]):
         branches.append(

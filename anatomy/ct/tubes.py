@@ -1,4 +1,4 @@
-"""Lumens found in an image as implicit fields that `surface.build` can mesh."""
+"""Lumens found in an image as implicit fields, negative inside, for surface.build() to mesh."""
 
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
@@ -10,7 +10,8 @@ from common.implicit.field import BAND_MM, LumenField
 class Tube:
     """A branch whose radius depends on arc length and angle.
 
-    axis: Curve; s_mm (n,), theta (m,), radii_mm (n, m). The implicit field can use it like a branch of a tree.
+    parent: name of the branch that it leaves, or None. axis: Curve. radii_mm: (n, m) at arc lengths s_mm (n,) and
+    angles theta (m,) in radians. LumenField can use it like a branch of a synthetic tree.
     """
 
     def __init__(self, parent, axis, s_mm, theta, radii_mm):
@@ -28,16 +29,16 @@ class Tube:
         return np.interp(s_mm, self.s_mm, self._mean)
 
     def radius_at(self, s_mm, theta):
-        """Radius (mm) at arc lengths and angles (n,)."""
+        """Radius (n,) in mm at arc lengths (n,) and angles (n,) in radians."""
         s_mm = np.clip(s_mm, 0, self.axis.length_mm)
         return self._spline.ev(s_mm, np.mod(theta, 2 * np.pi))
 
 
 class TubeField(LumenField):
-    """Smooth union over the tubes of |x - c(s)| - r(s, theta)."""
+    """Smooth union of the tubes. The field of a tube at x is |x - c(s)| - r(s, theta), c(s) the nearest axis point."""
 
     def branch_value(self, branch, points_mm, iterations=4):
-        """Field (n,) of one tube alone."""
+        """Field (n,) in mm of one tube alone at points (n, 3)."""
         s = branch.axis.nearest(points_mm, iterations)
         if branch.parent:
             s = np.maximum(s, 0.0)
@@ -51,9 +52,10 @@ class LevelField(LumenField):
     """The image's own level set near the tubes' axes: (level - HU) over a typical slope, roughly a distance in mm."""
 
     def __init__(self, branches, at, level_hu, slope_hu_per_mm, levels=None):
-        """levels: for each branch the level (n,) in HU at its sections, if the level follows the blood's contrast.
+        """at: function of points (n, 3) that gives the image's HU. slope_hu_per_mm: typical fall of the HU at the wall.
 
-        None: level_hu holds everywhere.
+        levels: for each branch the level (n,) in HU at its sections, if the level follows the blood's CT number along
+        the branch; None if level_hu holds everywhere.
         """
         super().__init__(branches)
         self._at, self._level, self._slope = at, level_hu, slope_hu_per_mm
@@ -61,6 +63,6 @@ class LevelField(LumenField):
         self._levels = np.concatenate(levels) if levels else None
 
     def value(self, points_mm, iterations=4):
-        """Field (n,), limited to the grid's band, since a level set far from the wall is meaningless."""
+        """Field (n,) in mm, limited to the grid's band, since a level set far from the wall is meaningless."""
         level = self._levels[self._near.query(points_mm)[1]] if self._near else self._level
         return np.clip((level - self._at(points_mm)) / self._slope, -BAND_MM, BAND_MM)

@@ -10,11 +10,11 @@ import pydicom
 from common.errors import InputError
 from common.volume import Image
 
-SKEW = 1e-3  # cosine between two voxel axes: 0.2 mm over a heart; with a tilted gantry it is far larger
-UNEVEN = 0.25  # error of a slice's place over the slices' distance; rounding to 0.1 mm causes less
+SKEW = 1e-3  # largest cosine between two voxel axes: 0.2 mm over a heart; with a tilted gantry it is far larger
+UNEVEN = 0.25  # largest error of a slice's place over the slices' distance; rounding to 0.1 mm causes less
 SAME_PLACE_MM, ALIKE = 1e-3, 1e-3  # differences by rounding in a header: of places; of directions and sizes
 FEWEST_SLICES = 10  # of a series with a vessel; scouts and dose reports have fewer
-AIR_AND_FAT_HU = 0.0  # round any heart a hundredth of the voxels, air and fat, are below water
+AIR_AND_FAT_HU = 0.0  # round any heart at least a hundredth of the voxels, air and fat, are darker than water
 AIR_HU = -1024.0  # the lowest CT number that scanners give
 FRAMES = "right-anterior-superior for NIfTI, left-posterior-superior for DICOM: x and y change sign between them"
 LENGTHS = {"meter": 1000.0, "mm": 1.0, "micron": 0.001, "unknown": 1.0}
@@ -22,9 +22,9 @@ LENGTHS = {"meter": 1000.0, "mm": 1.0, "micron": 0.001, "unknown": 1.0}
 
 @dataclass
 class Volume:
-    """A CT volume: image, along its own voxel axes in mm, and its orientation in the patient.
+    """A CT volume: an Image, whose coordinates run along its own voxel axes, and its orientation in the patient.
 
-    rotation (3, 3): patient's coordinates = rotation @ the image's.
+    rotation: (3, 3), patient's coordinates = rotation @ image's coordinates, both in mm.
     """
 
     image: Image
@@ -66,17 +66,20 @@ def read(path, series=None):
 
 
 def _within_padding(values):
-    """Values but those of a padding: one number, the lowest, that is no air's and fills corners and margins."""
+    """The values (k,) or (nx, ny, nz) without those of a padding, which fills corners and margins with one number.
+
+    The lowest value counts as padding unless it may be air's, from AIR_HU to AIR_AND_FAT_HU.
+    """
     lowest = values.min()
     inside = values[values > lowest]
     return inside if inside.size and not AIR_HU <= lowest < AIR_AND_FAT_HU else values
 
 
 def _along_axes(values, affine, path):
-    """Volume from values and their affine (4, 4) from voxel numbers to mm.
+    """The Volume of values (nx, ny, nz) with the affine (4, 4) from voxel indices to mm.
 
     Its axes are swapped and reversed until they are right-handed and as near as possible to the patient's. No voxel
-    moves.
+    moves in space.
     """
     spacing = np.linalg.norm(affine[:3, :3], axis=0)
     if not (spacing > 0).all() or not np.isfinite(affine).all():
@@ -92,16 +95,17 @@ def _along_axes(values, affine, path):
     turned = nibabel.orientations.apply_orientation(values, order)
     affine = affine @ nibabel.orientations.inv_ornt_aff(order, values.shape)
     spacing = np.linalg.norm(affine[:3, :3], axis=0)
-    rotation = np.linalg.qr(affine[:3, :3] / spacing)[0]  # the nearest exact rotation, but for signs
+    rotation = np.linalg.qr(affine[:3, :3] / spacing)[0]  # an exact rotation near the axes, which may be negated
     rotation *= np.sign((rotation * affine[:3, :3]).sum(axis=0))
     if np.abs(rotation - np.eye(3)).max() < 1e-4:
         rotation = np.eye(3)
-    # The header holds 32-bit numbers, whose rounding error exceeds a nanometre.
+    # rounded to a nanometre, since the header's 32-bit numbers are less exact
     origin = np.round(rotation.T @ affine[:3, 3], 6)
     return Volume(Image(np.ascontiguousarray(turned), origin, np.round(spacing, 6)), rotation)
 
 
 def _nifti(path):
+    """(values (nx, ny, nz) in HU, affine (4, 4) from voxel indices to mm) of a NIfTI file."""
     try:
         found = nibabel.load(path)
         if not isinstance(found, nibabel.Nifti1Image):
@@ -127,7 +131,10 @@ def _nifti(path):
 
 
 def _dicom(folder, wanted):
-    """(values (nx, ny, nz) in HU, affine (4, 4)) of the one series of a folder."""
+    """(values (nx, ny, nz) in HU, affine (4, 4) from voxel indices to mm) of a folder's series.
+
+    wanted: the series' UID, or None if the folder has a single one.
+    """
     by_series = {}
     for file in sorted(file for file in folder.rglob("*") if file.is_file()):
         try:
@@ -153,6 +160,7 @@ def _dicom(folder, wanted):
 
 
 def _stacked(slices, folder):
+    """As _dicom(), from the [(file, header)] of one series."""
     heads = [head for _, head in slices]
     if heads[0].get("Modality") != "CT":
         value = f"modality {heads[0].get('Modality')}"

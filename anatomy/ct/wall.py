@@ -1,4 +1,4 @@
-"""What surrounds the lumen: whether it has the CT number that `psf_edge` assumes of a healthy wall."""
+"""Checks whether the tissue round the lumen has the CT number that `psf_edge` assumes of a healthy wall."""
 
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
@@ -8,20 +8,22 @@ from . import warnings
 from .rays.edges import HEALTHY_WALL_HU, USUAL_SIGMA_MM
 from .rays.stented import disc
 
-OFFSETS_MM = np.arange(-0.8, 1.61, 0.05)  # about the edge: through the wall and into what is behind it
-WIDE_MM, FEWEST = 1.1, 8  # radius of the sections that are used, and how many there must be
-FOUND_TOO_DARK_HU = 8.0  # on phantoms: 0 where voxels are small beside the blur, 16 where they add to it
+OFFSETS_MM = np.arange(-0.8, 1.61, 0.05)  # from the edge outwards: through the wall and into the tissue behind it
+WIDE_MM, FEWEST = 1.1, 8  # least radius of the sections that are used, and their least number
+# HU by which the fit finds walls too dark. On phantoms: 0 if voxels are small beside the blur, 16 if they add to it.
+FOUND_TOO_DARK_HU = 8.0
+# Start and bounds of the fit: sigma (mm), shift of the edge (mm), the wall's HU, its thickness (mm), HU behind it.
 START, LEAST, MOST = (USUAL_SIGMA_MM, 0, 50, 0.7, -80), (0.1, -0.3, -150, 0.25, -250), (1.0, 0.3, 250, 2.0, 250)
-DOUBTFUL_MM = 0.04  # expected error of the radius; noise alone gives 0.02
+DOUBTFUL_MM = 0.04  # expected error of the radius from which a warning is given; noise alone gives 0.02
 
 
 def level(profiles, radius, blood, clear):
-    """CT number next to the lumen; None where it cannot be told.
+    """CT number (HU) of the wall beside the lumen; None if it cannot be told.
 
-    radius (n, m); clear (n,): sections without calcium and metal. The usual profile about the edges is fitted by a
-    blurred lumen within a wall of any thickness and CT number, within tissue of any. It is the median over all rays: a
-    chamber or a vein beside the vessel lies on fewer than half of them, and in the mean it looks like a brighter or a
-    darker wall, as the model has but one tissue behind it.
+    radius: (n, m) in mm. blood: its CT number. clear: (n,) of bool, the sections without calcium and metal. The model
+    is a blurred lumen, a wall of unknown thickness and CT number, and one tissue of unknown CT number behind it. It is
+    fitted to the median over all rays of the profiles across the edge. A chamber or a vein beside the vessel lies on
+    fewer than half of the rays. In a mean over the rays it would look like a brighter or darker wall.
     """
     wide = np.flatnonzero((radius.mean(axis=1) > WIDE_MM) & clear)
     if len(wide) < FEWEST:
@@ -44,12 +46,15 @@ def level(profiles, radius, blood, clear):
 
 
 def expected_error_mm(wall_hu, blood):
-    """By how much radii are too large where the wall has wall_hu: from phantoms, most of them within 40 %."""
+    """By how much (mm) radii are too large if the wall has wall_hu. On most phantoms this holds within 40 %."""
     return 0.5 * (wall_hu - HEALTHY_WALL_HU) / max(blood - wall_hu, 1.0)
 
 
 def find(tube, profiles, bright, blood):
-    """Warning [entry] if what surrounds the main vessel makes its radii wrong."""
+    """[warnings.entry] if the tissue round the main vessel makes its radii wrong, else [].
+
+    tube, profiles, bright: the vessel's Tube, its Profiles and the result of edges.bright(). blood: CT number.
+    """
     clear = ~(bright[0].any(axis=1) | bright[2])
     wall = level(profiles, tube.radii_mm, blood, clear)
     error = 0.0 if wall is None else expected_error_mm(wall, blood)

@@ -5,20 +5,21 @@ from scipy.spatial import cKDTree
 
 from .rays.edges import HEALTHY_WALL_HU
 
-NEAR_MM = 1.0  # beyond the edge; bright places this near affect it by blooming
-CLOSE_CALCIUM_MM = 0.3  # from the lumen: nearer, area found over true was 0.94 to 1.20, there and beyond 0.85 to 1.02
-SHARE_OF_RAYS, ALL_ROUND = 0.05, 0.8
-ONE_STRETCH_MM = 2.5  # bright stretches closer than this are one
-DOUBTFUL_CONTRAST = 10.0  # over the noise: radii were off by up to 0.06 mm there, by 0.15 mm at 6
-LOW_BLOOD_HU = 250.0  # below it a wall 30 HU off the assumed 50 HU is worth a sixth of the contrast
-END_MM, WIDER = 3.0, 1.1
+NEAR_MM = 1.0  # beyond the lumen's edge: nearer bright places affect the edge by blooming
+CLOSE_CALCIUM_MM = 0.3  # nearer calcium gave areas of 0.94 to 1.20 of the true ones, farther calcium 0.85 to 1.02
+SHARE_OF_RAYS, ALL_ROUND = 0.05, 0.8  # shares of rays with calcium: for a warning; from which it may be a stent
+ONE_STRETCH_MM = 2.5  # bright stretches nearer to each other are one
+DOUBTFUL_CONTRAST = 10.0  # contrast over noise: at 10 radii were off by up to 0.06 mm, at 6 by 0.15 mm
+LOW_BLOOD_HU = 250.0  # with darker blood a wall 30 HU off the assumed 50 HU changes the contrast by 15 % and more
+END_MM, WIDER = 3.0, 1.1  # length of an end; ratio of the last end's radius to the first end's for a warning
 
 
 def find(lines, tubes, profiles, bright, ends, levels, settings, point_spread_assumed, stented):
-    """List of {code, branch, s_start_mm, s_end_mm, value, message}, in order of branch and place.
+    """[{code, branch, s_start_mm, s_end_mm, value, message}]: the warnings on a segmentation.
 
-    bright: of each profile, from edges.bright; levels: the blood's CT number and its noise, HU; stented: the user's
-    word.
+    lines, tubes, profiles, bright: [paths.Line], [Tube], [Profiles] and [result of edges.bright()] of the branches.
+    ends: [(name, centre (3,) in mm)]. levels: (blood's CT number, its noise), HU. settings: the section `segmentation`.
+    point_spread_assumed: whether the image does not show it. stented: whether the user says that there is a stent.
     """
     found, (blood_hu, noise_hu) = [], levels
     for line, tube, profile, places in zip(lines, tubes, profiles, bright):
@@ -56,7 +57,7 @@ def find(lines, tubes, profiles, bright, ends, levels, settings, point_spread_as
 
 
 def _bright_stretches(tube, profile, places, method, stented):
-    """Warns of stents, and of calcium whose blooming reaches the edge; says which way the area errs."""
+    """[entry] for stents, and for calcium whose blooming reaches the edge. They tell which way the area errs."""
     calcium, radius, stent = places
     share = (calcium & (radius < tube.radii_mm + NEAR_MM)).mean(axis=1)
     found = []
@@ -123,6 +124,7 @@ def runs(flags):
 
 
 def entry(code, tube, s_mm, value, message):
+    """A warning as segmentation.json holds it. s_mm: its (start, end). value: the figure that the warning is about."""
     start, end = float(s_mm[0]), float(s_mm[1])
     return {
         "code": code,
@@ -159,7 +161,10 @@ def _close_pairs(lines, tubes):
 
 
 def _apart(first, second, k, other, radius):
-    """Whether two places are far from each other along the vessels."""
+    """Whether section k of the Tube `first` and section `other` of `second` are far from each other along the vessels.
+
+    radius: of section k, in mm.
+    """
     if first is second:
         return second.s_mm[other] - first.s_mm[k] > 4 * radius + 4
     if second.parent == first.name:

@@ -12,7 +12,7 @@ from ..measured import read_sections
 
 
 def run(plan_file, from_folder, to_folder, out):
-    """Writes the plan of `plan_file`, made in the anatomy `from_folder`, for the lumen of the anatomy `to_folder`.
+    """Writes the plan of `plan_file`, made for the anatomy `from_folder`, for the anatomy `to_folder`, into `out`.
 
     Raises InputError if the file is no plan, or if the other lumen lacks a treated branch or has its axis elsewhere.
     """
@@ -34,10 +34,11 @@ def run(plan_file, from_folder, to_folder, out):
 
 
 def carried(branch, s_mm, before, after, where):
-    """Arc length on a branch of the sections `after` at the place nearest to s_mm on the same branch of `before`.
+    """Arc length in mm on a branch after the transfer: at the place nearest to s_mm on the same branch before.
 
-    If s_mm is beyond the first or last section, the distance beyond is kept. Raises InputError if the place is further
-    from the other axis than the vessel's inscribed radius.
+    before, after: sections of the two anatomies (measured.read_sections). If s_mm is beyond the first or last section,
+    the distance beyond is kept. Raises InputError if the place is farther from the other axis than the vessel's
+    inscribed radius. where: the plan's file, for messages.
     """
     if branch not in after:
         found = ", ".join(after)

@@ -1,4 +1,4 @@
-"""Entries of scene.json for a device of a family at one size (docs/design.md)."""
+"""Entries of scene.json for a device of the catalogue at one size (docs/design.md)."""
 
 import math
 
@@ -24,7 +24,11 @@ def key(family, diameter_mm, length_mm):
 
 
 def entries(families, family, diameter_mm, length_mm, where):
-    """{key: entry} of a sized device, its delivery balloon included; InputError if the catalogue lacks it."""
+    """{key: entry} of a sized device and, for a stent, of its delivery balloon.
+
+    families: {name: document} of config/devices. where: the place in the plan, for messages. Raises InputError if the
+    catalogue lacks the size.
+    """
     if family not in families:
         raise InputError(
             "no such device family", where, family, f"known: {', '.join(families)}; others by a file in config/devices"
@@ -50,15 +54,15 @@ def balloon_family(families, family):
 
 
 def diameter_at(balloon, pressure_bar):
-    """Free diameter in mm of a sized balloon at a pressure, by its chart (linear between its points)."""
+    """Diameter in mm of a freely inflated sized balloon at a pressure, by its chart (linear between the points)."""
     chart = balloon["chart"]
     return float(np.interp(pressure_bar, chart["pressure_bar"], chart["diameter_mm"]))
 
 
 def pressure_for(balloon, diameter_mm, most_mm=math.inf):
-    """Pressure in whole bars at which a sized balloon is nearest to a diameter and not above most_mm.
+    """Pressure in whole bars at which a sized balloon is nearest to diameter_mm, and not wider than most_mm.
 
-    It is between the balloon's nominal and its rated burst pressure.
+    It is limited to the range from the balloon's nominal to its rated burst pressure.
     """
     chart = balloon["chart"]
     wanted, most = np.interp([diameter_mm, most_mm], chart["diameter_mm"], chart["pressure_bar"])

@@ -2,8 +2,8 @@
 
 A stent's end is MARGIN_MM to WITHIN_MM beyond the stretch, where the lumen is nearest to the vessel's reference.
 
-This follows the reference segment of the ACC consensus on intravascular ultrasound. That segment is the most normal
-lumen beside the stenosis in the same segment, without a large side branch between (Mintz et al., J Am Coll Cardiol
+This follows the ACC consensus on intravascular ultrasound. Its reference is the most normal lumen beside the stenosis
+in the same segment of the vessel, without a large side branch between (Mintz et al., J Am Coll Cardiol
 2001;37:1478-92).
 
 Imaging-guided stents have the same landing zones (EAPCI consensus, Raeber et al., Eur Heart J 2018;39:3281-3300).
@@ -22,13 +22,13 @@ MARGIN_MM = 2.0  # least length of stent beyond the stretch
 WITHIN_MM = 5.0  # distance from the stretch within which the landing zone is searched
 ALIKE_PERCENT = 5  # of the diameter, by which a landing zone may differ from the most normal lumen
 OVERLAP_MM = 2.5  # of two stents in a row, so that there is no gap between them
-STEP_MM = 0.5
+STEP_MM = 0.5  # between the places that are tried
 MOST_STENTS = 3  # three of 38 mm cover a whole left anterior descending artery; more is the operator's decision
 
 
 @dataclasses.dataclass
 class Span:
-    """One stent's place: arc length of its `start` and its `length` in the catalogue, mm."""
+    """One stent's place in mm: arc length of its proximal end (`start`), and its `length` in the catalogue."""
 
     start: float
     length: float
@@ -45,10 +45,10 @@ class Span:
 
 
 def spans(target, lengths, where, least=1):
-    """Spans of the stents that cover a target, the distal one first; at least `least` stents.
+    """[Span] of the stents that cover a targets.Target, the distal one first; at least `least` stents.
 
-    It is one stent if the catalogue has the length, else several of about equal length that overlap by OVERLAP_MM.
-    Raises InputError if they cannot be placed.
+    It is one stent if the catalogue's `lengths` (mm) suffice, else several of about equal length that overlap by
+    OVERLAP_MM. where: the plan's place, for messages. Raises InputError if they cannot be placed.
     """
     window = _window(target, where)
     for count in range(least, MOST_STENTS + 1):
@@ -76,8 +76,10 @@ def spans(target, lengths, where, least=1):
 
 
 def _window(target, where):
-    """((nearest, farthest) start, (nearest, farthest) end) of the stented length in mm; the nearest just cover the
-    stretch."""
+    """((nearest, farthest) start, (nearest, farthest) end) of the stented length, as arc lengths in mm.
+
+    The nearest are MARGIN_MM beyond the target's stretch, the farthest WITHIN_MM, both limited to where stents may lie.
+    """
     lowest, highest = target.profile.limits_mm
     if not lowest <= target.s_mla <= highest:
         raise InputError(
@@ -93,13 +95,22 @@ def _window(target, where):
 
 
 def _rows(lengths, count):
-    """Lengths (mm) of `count` stents in a row, proximal first, that differ by at most one size of the catalogue."""
+    """Yields the possible lengths (mm) of `count` stents in a row, proximal first.
+
+    They differ by at most one size of the catalogue.
+    """
     for first in range(len(lengths)):
         yield from itertools.product(lengths[first : first + 2], repeat=count)
 
 
 def _places(profile, window, row):
-    """[(cost, start, row)] of a row of stents at every place where it covers the stretch and stays in the branch."""
+    """[(cost, start, row)] of a row of stents at every place where it covers the stretch and stays in the branch.
+
+    row: lengths (mm) of the stents. window: as _window() returns it. start: arc length (mm) of the proximal end. cost:
+    a tuple, of which the smallest is best. Its first items are the length beyond the farthest ends, in steps, and the
+    number of ends in side branches' mouths. The others are the difference from the most normal lumen beyond
+    ALIKE_PERCENT, the total length, and the distance from the middle.
+    """
     (start_near, start_far), (end_near, end_far) = window
     total = sum(row) - OVERLAP_MM * (len(row) - 1)
     lowest, highest = profile.limits_mm
@@ -127,12 +138,16 @@ def _places(profile, window, row):
 
 
 def _most_normal(profile, near, far):
-    """Least difference from the reference (per cent) at the places from near to far; 0 if all are in mouths."""
+    """Least difference (per cent by diameter) of the lumen from the reference, at the places from near to far.
+
+    Places in side branches' mouths do not count; 0 if all are in mouths.
+    """
     steps = np.append(np.arange(min(near, far), max(near, far), STEP_MM), max(near, far))
     return min((profile.unlike(at) for at in steps if profile.in_a_mouth(at) is None), default=0.0)
 
 
 def _in_a_row(start, row):
+    """[Span] of stents of the lengths `row` from arc length `start` on, the distal one first."""
     found = []
     for length in row:
         found.append(Span(start, length))

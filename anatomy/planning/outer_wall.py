@@ -3,8 +3,8 @@
 Intravascular contours with an outer wall give the plaque's thickness beyond a healthy wall. The lumen's diameter plus
 twice the mean thickness round a section is the diameter that the vessel would have without plaque. This is the
 reference. A line fitted through the diameters would be too small in diffuse disease, where all diameters are diseased.
-Where the wall was not traced, the plaque of lumen.vtp is the estimate from the narrowing: the reference is then that of
-the healthy profile, or the lumen itself where it is wider.
+Where the wall was not traced, lumen.vtp has a thickness estimated from the narrowing. The reference there is that of
+the healthy profile, or the lumen's own diameter if that is larger.
 """
 
 import numpy as np
@@ -13,16 +13,19 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 
 from common import vtp
 
-WALL = 0
+WALL = 0  # region_id (docs/design.md)
 
 
 def known(case):
-    """Whether a case's lumen comes with its outer wall."""
+    """Whether a case's lumen (its document as a dict) comes with a traced outer wall."""
     return "outer_wall" in case.get("lumen", {}).get("contours", {})
 
 
 def referenced(sections, lumen_file):
-    """The sections (measured.read_sections), with reference_diameter_mm from the plaque of lumen.vtp."""
+    """The sections (as of measured.read_sections) with reference_diameter_mm replaced by that of lumen and plaque.
+
+    lumen_file: lumen.vtp, which has the plaque's thickness at its points.
+    """
     data = vtp.read(lumen_file, "run `lumen process` first")
     points, triangles = vtp.arrays(data)
     region = vtk_to_numpy(data.GetCellData().GetArray("region_id"))
@@ -42,7 +45,10 @@ def referenced(sections, lumen_file):
 
 
 def _between(branch, k):
-    """Mean plaque (mm) at a branch's k-th section; interpolated if no point of the wall is nearest to the section."""
+    """Mean plaque thickness (mm) at a branch's k-th section.
+
+    It is interpolated between other sections if no point of the wall is nearest to this one.
+    """
     known_at = [(row["s_mm"], row["plaque_mm"]) for row in branch if row["plaque_mm"] is not None]
     return float(np.interp(branch[k]["s_mm"], *zip(*known_at)))
 

@@ -1,4 +1,4 @@
-"""The case's plan with complete devices: the document of scene.json without wall and numerics."""
+"""The case's plan with complete devices: plan.json, which is scene.json without wall and numerics."""
 
 import os
 import sys
@@ -15,7 +15,10 @@ OUTER_WALL, HEALTHY_PROFILE = "outer wall", "healthy profile"  # sources of the 
 
 
 def run(case_file, anatomy_folder, devices_folder, out):
-    """Writes plan.json. Raises InputError for a plan that the catalogue or the lumen does not allow."""
+    """Writes plan.json to the path `out`. Raises InputError for a plan that the catalogue or the lumen does not allow.
+
+    anatomy_folder: made by `lumen process`. devices_folder: of the device families, config/devices.
+    """
     case = config.load_case(case_file)
     families = config.load_devices(devices_folder)
     summary = read_summary(anatomy_folder)
@@ -46,9 +49,10 @@ def run(case_file, anatomy_folder, devices_folder, out):
 
 
 def sized_by(summary, proposed, by_outer_wall):
-    """The plan's `reference`: the source of the vessel's healthy size, and the treated lesions by that source.
+    """The plan's `reference` as a dict: the source of the vessel's healthy size, and the treated lesions by it.
 
-    `anatomy_percent`: stenosis of the same lesion by the healthy profile through the lumen, as in anatomy.json.
+    Its anatomy_percent is the stenosis of the same lesion in anatomy.json, by the healthy profile through the lumen.
+    proposed: the Proposal. by_outer_wall: whether the size comes from the traced outer wall.
     """
     lesions = [
         {
@@ -64,16 +68,16 @@ def sized_by(summary, proposed, by_outer_wall):
 
 
 def mean_arterial_pressure_pa(patient):
-    """MAP = 0.4 (SBP - DBP) + DBP, in Pa."""
+    """Mean arterial pressure in Pa: diastolic plus 0.4 of the pulse pressure. patient: with sbp_mmhg, dbp_mmhg."""
     systolic, diastolic = patient["sbp_mmhg"], patient["dbp_mmhg"]
     return round((0.4 * (systolic - diastolic) + diastolic) * PASCAL_PER_MMHG, 3)
 
 
 def procedure(steps, families, summary, where):
-    """{segment, devices, procedure} of a plan's steps in a measured lumen.
+    """{segment, devices, procedure} of plan.json for a plan's steps in a measured lumen.
 
-    summary: document of anatomy.json; where: the plan's place, for messages. Raises InputError if a device or pressure
-    does not fit.
+    steps: as in a case file. families: {name: document} of config/devices. summary: document of anatomy.json. where:
+    the case file, for messages. Raises InputError if a device or pressure does not fit.
     """
     devices, done, stents, used = {}, [], [], {}
     for i, step in enumerate(steps):
@@ -106,6 +110,7 @@ def _check_step(action, kind, where):
 
 
 def _placed(request, summary, where):
+    """A device of a step as plan.json has it, by the lesion or the place that is requested. Raises InputError."""
     lesion = lesion_number(summary, request["lesion"], where) if "lesion" in request else None
     name = lesion["branch"] if lesion else request["branch"]
     branch = branch_named(summary, name, where)
@@ -146,6 +151,10 @@ def _check_pressure(request, sized, families, where):
 
 
 def _check_overexpansion(device, request, sized, families, stents, where):
+    """Raises InputError if a balloon opens its own stent, or an earlier stent under it, beyond the stent's design.
+
+    stents: [(placed device, entry)] of the stents so far.
+    """
     diameter = catalogue.diameter_at(_balloon_of(request, sized, families), request["pressure_bar"])
     if families[request["device"]]["kind"] == "stent":
         targets = [sized[device["device"]]]
@@ -169,7 +178,7 @@ def _overlap(a, length_a, b, length_b):
 
 
 def _segment(steps, devices, stents):
-    """Extent of the stents on the first stent's branch; of the balloons if there is no stent.
+    """The treated segment: branch of the first stent, and extent (mm) of all stents on it; of balloons without stents.
 
     A part that protrudes into the parent is left out, since the branch has no sections there.
     """

@@ -15,7 +15,10 @@ WIDTH, HEIGHT, LANE = 11, 4.2, 0.32  # inches: of the picture, of a branch's dia
 
 
 def run(anatomy_folder, plan_file, out):
-    """Writes the picture of plan.json in the lumen of an anatomy folder as .png or .svg."""
+    """Writes the picture to the path `out` (.png or .svg).
+
+    anatomy_folder: made by `lumen process`. plan_file: plan.json for its lumen.
+    """
     picture_file.check_format(out)
     summary, sections, plan = read_summary(anatomy_folder), read_sections(anatomy_folder), plan_reader.read(plan_file)
     by = plan.get("reference", {}).get("by", HEALTHY_PROFILE)
@@ -33,7 +36,7 @@ def run(anatomy_folder, plan_file, out):
 
 
 def _by_branch(plan):
-    """{branch: [(step name, device name, start, end, diameter at its pressure, kind)]}, lengths in mm."""
+    """{branch: [(label, start, end, diameter at the device's pressure, kind)]} of a plan's devices, lengths in mm."""
     found = {}
     for step in plan["procedure"]:
         for device in step["devices"]:

@@ -1,4 +1,4 @@
-"""The lumen along one branch as a plan needs it: diameter, healthy reference, side branches' mouths."""
+"""The lumen along one branch for planning: diameter, healthy reference, mouths of side branches."""
 
 import numpy as np
 
@@ -6,17 +6,18 @@ from common.errors import InputError
 
 REFERENCE_MM = 2.0  # length beyond a device's end over which its reference lumen is averaged
 EDGE_MM = 1.5  # least distance of a device from a cap; nearer sections would cut the cap
-LANDING_MM = 0.5  # half the length of the landing zone about a stent's end
-NORMAL = (0.85, 1.05)  # of the vessel's reference: a lumen within this range shows the vessel's size
+LANDING_MM = 0.5  # half the length of the landing zone round a stent's end
+NORMAL = (0.85, 1.05)  # of the vessel's reference: a lumen within this range shows the vessel's healthy size
 
 
 class Profile:
-    """Sections of one branch. s, diameter, reference: (n,) mm; stenosis: (n,) per cent by diameter, below 0 if wide.
+    """Sections of one branch: s, diameter, reference (n,) in mm; stenosis (n,) in per cent by diameter.
 
-    `usable` (n,): sections that show the branch's own lumen, neither in a side branch's mouth nor at a cap.
-    `mouths`: {side branch: (s_low, s_high)} in mm. `limits_mm`: (s_low, s_high) between which a stent may be placed.
-    `is_side`: whether it leaves another branch; otherwise it begins at a cut end of the vessel.
-    Arc lengths of a side branch count from its parent's axis; its first section is outside the parent's lumen.
+    The stenosis is negative where the lumen is wider than the reference. Arc lengths of a side branch count from its
+    parent's axis; its first section is outside the parent's lumen.
+    measured: (n,) of bool, sections away from the ends. usable: (n,) of bool, those of them outside the mouths of side
+    branches. mouths: {side branch: (s_low, s_high) in mm}. limits_mm: (s_low, s_high) between which a stent may be
+    placed. is_side: whether the branch leaves another one; otherwise it begins at a cut end of the vessel.
     """
 
     def __init__(self, summary, sections, branch):
@@ -44,7 +45,7 @@ class Profile:
         return np.interp(s_mm, self.s, self.stenosis)
 
     def reference_at(self, s_mm):
-        """Diameter (mm) of the healthy vessel at arc length s_mm, as `lumen process` has fitted it."""
+        """Reference diameter (mm), that of the healthy vessel, at arc length s_mm."""
         return float(np.interp(s_mm, self.s, self.reference))
 
     def unlike(self, s_mm):
@@ -56,10 +57,10 @@ class Profile:
         return next((name for name, (low, high) in self.mouths.items() if low < s_mm < high), None)
 
     def lumen_beyond(self, s_mm, direction):
-        """Reference lumen (mm) at a device's end at s_mm: the mean diameter outwards (direction -1 proximal, 1 distal).
+        """Diameter (mm) of the reference lumen at a device's end at s_mm. direction: -1 proximal end, 1 distal end.
 
-        The mean is over the sections within REFERENCE_MM that show the branch's own lumen, else of the nearest such
-        section. A diffusely diseased or dilated lumen does not show the vessel's size, so the result is limited to the
+        It is the mean over the usable sections within REFERENCE_MM beyond the end, else that of the nearest usable
+        section. A diffusely diseased or dilated lumen does not show the vessel's size. So the result is limited to the
         range NORMAL of the healthy reference.
         """
         beyond = direction * (self.s - s_mm)
@@ -72,7 +73,10 @@ class Profile:
 
 
 def mouths(summary, parent):
-    """{side branch: (s_low, s_high)} of the mouths on a branch, mm, as wide as their outlets."""
+    """{side branch: (s_low, s_high) in mm} of the mouths on the branch `parent`.
+
+    A mouth is as wide as the outlet of its side branch.
+    """
     width = {end["branch"]: end["diameter_mm"] for end in summary.get("ends", ()) if end["kind"] == "outlet"}
     sides = [branch for branch in summary["branches"] if branch.get("parent") == parent]
     middles = {side["name"]: side["s_on_parent_mm"] for side in sides}

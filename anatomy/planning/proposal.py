@@ -18,9 +18,9 @@ GAP_MM = 3.0  # least length of lumen between two stents; with less they are pla
 
 @dataclasses.dataclass
 class Treated:
-    """A target (targets.Target) with its stents (sizing.Stent), the distal one first; or with a balloon alone.
+    """A target (targets.Target) with its stents [sizing.Stent], the distal one first; or with a balloon alone.
 
-    balloon: its step; no_stent: the InputError that says why no stent fits.
+    balloon: the balloon's step, if there is no stent. no_stent: the InputError that tells why no stent fits.
     """
 
     target: object
@@ -36,8 +36,10 @@ class Treated:
 
 @dataclasses.dataclass
 class Proposal:
-    """steps: as in a case file, placed by centre_s_mm; treated: [Treated], the most severe first; left_out: [(Target,
-    reason why it cannot be treated)]."""
+    """A proposed plan. steps: as in a case file, placed by centre_s_mm. treated: [Treated], the most severe first.
+
+    left_out: [(Target, InputError that tells why it cannot be treated)].
+    """
 
     steps: list
     treated: list
@@ -45,19 +47,23 @@ class Proposal:
 
 
 def wanted(plan):
-    """(CULPRIT or ALL, least diameter stenosis in per cent or None) for a case's `plan` that asks for a proposal; None
-    for listed steps."""
+    """(CULPRIT or ALL, least diameter stenosis in per cent or None) if a case's `plan` asks for a proposal.
+
+    None if the plan lists its steps.
+    """
     if plan == "auto":
         return CULPRIT, None
     return (plan["treat"], plan.get("least_stenosis_percent")) if isinstance(plan, dict) else None
 
 
 def propose(summary, sections, families, where, treat=CULPRIT, least_percent=None):
-    """Proposal for the lesions of a measured lumen (`summary`, `sections`: measured.read_summary, read_sections).
+    """Proposal for the lesions of a measured lumen.
 
-    CULPRIT: for the most severe lesion that stents of the catalogue fit, or, if there is none, that a balloon fits.
-    ALL: for each lesion of targets.found; if all are mild, for the most severe. Raises InputError if there is no lesion
-    of at least least_percent by diameter, or if the catalogue or the branch fits none.
+    summary, sections: as of measured.read_summary() and read_sections(). families: {name: document} of config/devices.
+    where: the case file, for messages. With CULPRIT it treats the most severe lesion that stents of the catalogue fit,
+    or if there is none the most severe that a balloon fits. With ALL it treats each lesion of targets.found(); if all
+    are mild, the most severe one. Raises InputError if no lesion reaches least_percent by diameter, or if no device
+    fits any lesion.
     """
     if not summary["lesions"]:
         requested = "auto" if treat == CULPRIT else f"{{treat: {treat}}}"
@@ -111,7 +117,10 @@ def _too_mild(target, where, treat, least_percent):
 
 
 def _with_balloons(treated, left_out, families, where):
-    """(treated, left out), with a balloon alone for each lesion too wide for any stent; the most severe first."""
+    """(treated, left_out), of which `treated` now has a balloon alone for each lesion in a vessel no stent is made for.
+
+    treated: the most severe first.
+    """
     done, left = list(treated), []
     for target, error in left_out:
         balloon = sizing.alone(families, target, where) if isinstance(error, sizing.NoWidth) else None
@@ -123,7 +132,7 @@ def _with_balloons(treated, left_out, families, where):
 
 
 def _narrowest(summary, sections):
-    """The place of the largest stenosis, in words."""
+    """The place and degree of the largest diameter stenosis of the lumen, in words."""
     worst = None
     for branch in sections:
         profile = Profile(summary, sections, branch)
@@ -137,7 +146,7 @@ def _narrowest(summary, sections):
 
 
 def _stented(target, families, where):
-    """Treated for a target: by as many stents as its length and the vessel's taper need."""
+    """The Treated for a Target, with as many stents as its length and the vessel's taper need."""
     lengths = families[sizing.STENT]["lengths_mm"]
     spans = landing.spans(target, lengths, where)
     while True:
@@ -150,7 +159,7 @@ def _stented(target, families, where):
 
 
 def _without_short_gaps(treated, families, where):
-    """The same list, but targets on a branch whose stents overlap or are less than GAP_MM apart are planned as one."""
+    """[Treated] after joining targets of one branch whose stents overlap or are less than GAP_MM apart."""
     stented = [one for one in treated if one.stents]
     for k, one in enumerate(stented):
         for other in stented[k + 1 :]:
@@ -163,14 +172,19 @@ def _without_short_gaps(treated, families, where):
 
 
 def _in_order(treated):
-    """Sorts targets: the worst lesion's branch first; on a branch the distal target first, so that no device has to
-    pass a stent."""
+    """[Treated] in the order of treatment: the branch with the worst lesion first, on a branch the distal target first.
+
+    So no device has to pass a stent.
+    """
     branches = list(dict.fromkeys(one.target.profile.branch for one in treated))
     return sorted(treated, key=lambda one: (branches.index(one.target.profile.branch), -one.target.start))
 
 
 def _steps(one, families, where):
-    """The steps for a Treated: predilatations, stents, post-dilatations, distal ones first; or the balloon alone."""
+    """The steps for a Treated: all predilatations, then all stents, then all post-dilatations; or the balloon alone.
+
+    Distal devices come first.
+    """
     if one.balloon:
         return [one.balloon]
     branch, target = one.target.profile.branch, one.target
@@ -191,10 +205,10 @@ def _steps(one, families, where):
 
 
 def _over(low, high, tightest, length, span):
-    """Arc length (mm) of the middle of a balloon over the stretch from low to high, all of it within the stent's span.
+    """Arc length (mm) of the middle of a balloon of a length (mm) over the stretch from low to high (mm).
 
-    A balloon shorter than the stretch is moved to the tightest place, if that is in the stretch. Beyond the stent it
-    would injure a wall that nothing covers.
+    A balloon shorter than the stretch is moved over the tightest place, if that is in the stretch. The whole balloon
+    lies within the stent's span: beyond it, it would injure a wall that no stent covers.
     """
     middle = 0.5 * (low + high)
     if low <= tightest <= high:

@@ -6,13 +6,13 @@ from . import landing, targets
 from .profile import EDGE_MM
 
 WIDE_BRANCH_MM = 2.0  # diameter from which a side branch under a stent is usually treated too
-TOLERANCE_MM = 0.05
+TOLERANCE_MM = 0.05  # by which a margin may be shorter, or an end off a limit, without counting
 LANDING_PERCENT = 15  # difference of a landing zone from the reference, by diameter, from which a remark is made
-DIFFUSE_PERCENT, DIFFUSE_MM = 10, 5.0  # least narrowing beside a stent, and least length of it, for a remark
+DIFFUSE_PERCENT, DIFFUSE_MM = 10, 5.0  # least diameter stenosis beside a stent, and its least length, for a remark
 
 
 def of_proposal(summary, proposal):
-    """List of sentences on a proposal (proposal.Proposal) for the lumen of `summary`; empty if there is no remark."""
+    """The remarks on a proposal.Proposal for the lumen of `summary` (anatomy.json), as a list of sentences."""
     said = [*_severity(proposal), *_left(summary, proposal)]
     for one in proposal.treated:
         if one.stents:
@@ -32,7 +32,10 @@ def _balloon_alone(one):
 
 
 def of_reference(reference):
-    """Sentences on a plan's `reference` (plan.sized_by) if it differs from the anatomy's."""
+    """Yields a sentence for each treated lesion whose stenosis by the plan's reference is not that of anatomy.json.
+
+    reference: as plan.sized_by() returns it.
+    """
     for lesion in reference["lesions"]:
         here, there = lesion["diameter_stenosis_percent"], lesion["anatomy_percent"]
         if round(here) != round(there):
@@ -83,7 +86,7 @@ def _covered(one):
 
 
 def _cut_short(one, side):
-    """Why a stent ends so near: at the mouth of its branch, or at a cut end of the vessel. Then what to do about it."""
+    """Why a stent's margin is short, and what to do. Its branch begins there, or the vessel has a cut end."""
     profile, (start, end) = one.target.profile, one.ends
     if not _at_a_cut_end(profile, side, start if side == "proximal" else end):
         return "the branch begins there"
@@ -101,7 +104,10 @@ def _cut_short(one, side):
 
 
 def _at_a_cut_end(profile, side, end):
-    """Whether a stent's end is as near to a cut end of the vessel as stents are planned. A side branch has one only."""
+    """Whether a stent's end, at arc length `end` (mm), is as near to a cut end of the vessel as stents are planned.
+
+    A side branch has a cut end at its distal side only.
+    """
     limit = profile.limits_mm[0 if side == "proximal" else 1]
     return abs(end - limit) < TOLERANCE_MM and not (side == "proximal" and profile.is_side)
 
@@ -142,7 +148,7 @@ def _landing(one):
 
 
 def _diffuse(one):
-    """Remarks on diffuse narrowing that continues beyond the stent's ends."""
+    """Yields remarks on diffuse narrowing that continues beyond the stented length."""
     profile = one.target.profile
     for beyond, end in ((profile.s[::-1], one.ends[0]), (profile.s, one.ends[1])):
         outside = beyond[beyond < end] if beyond[0] > beyond[-1] else beyond[beyond > end]

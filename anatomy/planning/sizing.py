@@ -1,4 +1,4 @@
-"""Diameters of balloon and stent by the lumen at the stent's two ends.
+"""Diameters of balloons and stents, from the lumen at the stent's two ends.
 
 The rules are those of the EAPCI consensus on intracoronary imaging (Raeber et al., Eur Heart J 2018;39:3281-3300).
 - The stent has the diameter of the distal reference lumen, rounded up to the catalogue.
@@ -20,19 +20,19 @@ from common.errors import InputError
 
 from . import catalogue, landing
 
-OVERSIZE_MM = 0.5  # largest excess of the stent over the distal reference
-LEAST_BALLOON, MOST_BALLOON = 0.8, 1.05  # of the distal lumen, for a balloon alone; the upper also before a stent
-BEYOND_MM = 2.0  # length of a balloon alone beyond each end of the stretch, the same as a stent's margin
+OVERSIZE_MM = 0.5  # largest excess of the stent's diameter over the distal reference
+LEAST_BALLOON, MOST_BALLOON = 0.8, 1.05  # over the distal lumen: a balloon alone; the upper also before a stent
+BEYOND_MM = 2.0  # length of a balloon alone beyond each end of the stretch, as long as a stent's margin
 TAPER_MM = 0.5  # largest difference of proximal and distal reference that one balloon may dilate to one diameter
 PREDILATATION, STENT, POSTDILATATION = "semi_compliant", "des", "non_compliant"
 
 
 @dataclasses.dataclass
 class Stent:
-    """A planned stent: its span (landing.Span), nominal diameter, and the reference lumens at its ends, mm.
+    """A planned stent: its landing.Span, nominal diameter, and the reference lumens at its two ends, mm.
 
-    limit: widest diameter (mm) that its design opens to, and that of a stent over its proximal end.
-    limit_distal: the same of a stent over its distal end; infinite without one.
+    limit: widest diameter (mm) to which its design opens, or that of a stent over its proximal end if that is less.
+    limit_distal: widest diameter (mm) of a stent over its distal end; infinite if there is none.
     shortest: length (mm) of the catalogue's shortest post-dilatation balloon.
     """
 
@@ -46,7 +46,7 @@ class Stent:
 
     @property
     def wanted(self):
-        """The diameter (mm) to which it is post-dilated, if its distal end bears it."""
+        """The diameter (mm) to which the stent should be post-dilated, as far as its distal end allows."""
         return min(max(self.proximal, self.diameter), self.limit)
 
     @property
@@ -61,14 +61,14 @@ class Stent:
 
     @property
     def part_mm(self):
-        """Length from the proximal end on that can be post-dilated to the wanted diameter."""
+        """Length (mm) of the proximal part that can be post-dilated to the wanted diameter."""
         if self.tapers:
             return self.span.length / 2
         return self.span.length - landing.OVERLAP_MM * (self.wanted > self.limit_distal)
 
     @property
     def short(self):
-        """Whether that part is shorter than any balloon, so that the whole stent is dilated, by less."""
+        """Whether that part is shorter than any balloon. Then the whole stent is dilated, to a smaller diameter."""
         return self.part_mm < self.shortest
 
 
@@ -81,10 +81,10 @@ class TooTapered(InputError):
 
 
 def sized(profile, spans, families, where):
-    """[Stent] for spans in a row, the distal one first. Raises InputError for lumens that the catalogue does not fit.
+    """[Stent] for the Spans of a row of stents, the distal one first.
 
-    Between two stents the reference is the healthy vessel at the middle of their overlap, since the lumen there is
-    diseased.
+    profile: of the branch. Where two stents overlap the lumen is diseased, so the reference is the healthy vessel at
+    the middle of the overlap. Raises InputError for lumens that the catalogue does not fit.
     """
     joints = [_between(profile, after, before) for before, after in zip(spans, spans[1:])]
     distal = [profile.lumen_beyond(spans[0].end, 1), *joints]
@@ -102,10 +102,10 @@ def _between(profile, proximal, distal):
 
 
 def stent_diameter(families, distal, proximal, where):
-    """The least diameter (mm) not below the distal reference whose design can be expanded to the proximal one.
+    """The least diameter (mm) of a stent that suits the distal and the proximal reference diameter (mm).
 
-    In a vessel wider than the catalogue it is the largest diameter, if its design can be expanded to the vessel. Raises
-    NoWidth or TooTapered.
+    It is not below the distal reference, and its design can be expanded to the proximal one. In a vessel wider than the
+    catalogue it is the largest diameter, if its design can be expanded to the vessel. Raises NoWidth or TooTapered.
     """
     sizes = families[STENT]["diameters_mm"]
     fitting = [size for size in sizes if distal - 1e-9 <= size <= distal + OVERSIZE_MM]
@@ -131,12 +131,16 @@ def stent_diameter(families, distal, proximal, where):
 
 
 def _greatest_diameter(families, size):
+    """Widest diameter (mm) to which the design of a stent of nominal diameter `size` (mm) opens."""
     designs = families[STENT]["designs"]
     return next(d for d in designs if size <= d["up_to_diameter_mm"])["maximal_diameter_mm"]
 
 
 def predilatation(families, stent, stretch, where):
-    """(diameter, length) of the balloon before a stent, mm; the diameter is at most 5 % above the distal reference."""
+    """(diameter, length) in mm of the balloon before a Stent, over a stretch of a length (mm).
+
+    The diameter is at most 5 % above the distal reference, the balloon no longer than the stent.
+    """
     family = families[PREDILATATION]
     diameter = _at_most(family["diameters_mm"], MOST_BALLOON * stent.distal, "predilatation diameter", where)
     longest = _at_most(family["lengths_mm"], stent.span.length, "predilatation length", where)
@@ -144,7 +148,7 @@ def predilatation(families, stent, stretch, where):
 
 
 def postdilatation(families, stent, where):
-    """(diameter, length, centre, (wanted, greatest) diameter when inflated) of the balloon after a stent, mm."""
+    """(diameter, length, centre, (wanted, greatest) inflated diameter) in mm of the balloon after a Stent."""
     family = families[POSTDILATATION]
     in_part = stent.part_mm < stent.span.length and not stent.short
     most = stent.limit if in_part else stent.widest_balloon
@@ -158,10 +162,11 @@ def postdilatation(families, stent, where):
 
 
 def alone(families, target, where):
-    """A plan's step: the widest balloon that opens a target (targets.Target) without a stent; None if none fits.
+    """A plan's step: the widest balloon that opens a targets.Target without a stent; None if none fits.
 
-    It is semi-compliant if there is one of that width, else non-compliant. It reaches BEYOND_MM past the stretch if the
-    branch has room. It is inflated to the diameter of the lumen distal to the stretch, as far as its pressures allow.
+    The balloon is semi-compliant if there is one of that width, else non-compliant. It reaches BEYOND_MM past both ends
+    of the stretch if the branch has room. It is inflated to the diameter of the lumen distal to the stretch, or to its
+    nominal diameter if that is larger, as far as its pressures allow.
     """
     lowest, highest = target.profile.limits_mm
     wanted = target.end - target.start + 2 * BEYOND_MM
@@ -181,9 +186,10 @@ def alone(families, target, where):
 
 
 def step(families, action, family, diameter, length, branch, centre, wanted, where):
-    """A plan's step with one device, at the pressure that opens it to the wanted diameter, at most to the greatest.
+    """A plan's step with one device of a diameter and length (mm), its centre at an arc length (mm) of a branch.
 
-    wanted: (wanted, greatest) diameter in mm.
+    wanted: (wanted, greatest) inflated diameter in mm. The pressure opens the device as near to the wanted one as
+    possible.
     """
     inflated = catalogue.balloon_family(families, family)
     balloon = catalogue.entries(families, inflated, diameter, length, where).popitem()[1]
@@ -193,6 +199,7 @@ def step(families, action, family, diameter, length, branch, centre, wanted, whe
 
 
 def _at_most(sizes, wanted, what, where):
+    """The largest of rising sizes (mm) not above the wanted one. Raises InputError if all are larger."""
     for size in reversed(sizes):
         if size <= wanted + 1e-9:
             return size

@@ -22,9 +22,10 @@ APART_DIAMETERS = 3  # narrowings fewer vessel diameters apart are one lesion (S
 
 @dataclasses.dataclass
 class Target:
-    """The stretch of a branch for one stent, or for several that overlap: its lesions, start and end in mm.
+    """The stretch of a branch that one stent covers, or several that overlap: from arc length `start` to `end`, mm.
 
-    s_mla is the place (mm) of the smallest area, percent the diameter stenosis of the worst lesion.
+    lesions: its entries of anatomy.json. s_mla: arc length (mm) of the worst lesion's smallest area. percent: diameter
+    stenosis of the worst lesion.
     """
 
     profile: Profile
@@ -53,7 +54,11 @@ class Target:
 
 
 def stretch(profile, lesion, percent):
-    """(start, end) in mm of a lesion's significant narrowing: the unbroken row of sections round its narrowest one."""
+    """(start, end) as arc lengths in mm of the stretch of a lesion that a stent must cover.
+
+    It is the unbroken row of sections round the narrowest one with a diameter stenosis of 30 % or more. In a lesion
+    below 60 % it is that with at least half the lesion's own stenosis (`percent`).
+    """
     threshold = min(STRETCH_PERCENT, percent / 2)
     narrow = profile.stenosis >= threshold
     at = int(np.abs(profile.s - lesion["s_mla_mm"]).argmin())
@@ -65,7 +70,7 @@ def stretch(profile, lesion, percent):
 
 
 def every(summary, sections):
-    """Targets of all lesions, one each, the most severe first."""
+    """[Target] of all lesions, one for each, the most severe first. summary, sections: as for Profile."""
     profiles = {}
 
     def of(lesion):
@@ -80,11 +85,11 @@ def every(summary, sections):
 
 
 def found(summary, sections, least_percent=None):
-    """Targets of the lesions with a diameter stenosis of at least least_percent, the most severe first.
+    """[Target] of the lesions with a diameter stenosis of at least least_percent, the most severe first.
 
-    Without least_percent the limit is SIGNIFICANT_PERCENT; if no lesion reaches it, each lesion is a target. Otherwise
-    lesions with less than APART_DIAMETERS between their stretches are one target (Sianos et al., EuroIntervention
-    2005;1:219-27), since a stent for one would end just before the other.
+    Without least_percent the limit is SIGNIFICANT_PERCENT; if no lesion reaches that, each lesion is a target. Lesions
+    above the limit with less than APART_DIAMETERS between their stretches become one target, since a stent for one
+    would end just before the other (Sianos et al., EuroIntervention 2005;1:219-27).
     """
     all_lesions = every(summary, sections)
     least = SIGNIFICANT_PERCENT if least_percent is None else least_percent
@@ -93,7 +98,7 @@ def found(summary, sections, least_percent=None):
 
 
 def together(targets):
-    """The targets, after joining those on one branch with less than APART_DIAMETERS between them."""
+    """[Target] after joining those on one branch with less than APART_DIAMETERS between their stretches."""
     done = []
     for target in targets:
         while (near := _near(target, done)) is not None:
@@ -104,6 +109,7 @@ def together(targets):
 
 
 def _near(target, others):
+    """The first of other Targets that lies on the same branch less than APART_DIAMETERS away, or None."""
     for other in others:
         gap = max(other.start - target.end, target.start - other.end)
         between = 0.5 * (max(other.start, target.start) + min(other.end, target.end))

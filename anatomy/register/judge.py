@@ -1,4 +1,4 @@
-"""Checks whether a placement can be trusted. Each refusal names the number out of range and a remedy."""
+"""Checks whether a placement can be trusted. Each refusal gives the figure that is out of range, and a remedy."""
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -9,18 +9,22 @@ from . import search, sliding
 from .match import matched
 from .tree import MIRROR, Line, Tree
 
+# A right pair is one vessel before and after. Residuals and distances are in usual radii (Tree.usual_radius_mm).
 LEAST_SHARE = 0.6  # of both axes that coincide: right pairs with a third cut off have 0.8, different vessels 0.55
-USUAL_RESIDUAL = 0.1  # of the usual radius: right pairs have up to 0.05, with noise, cuts or a stent
-LARGEST_RESIDUAL = 0.3  # of the usual radius: other vessels that lie on each other have 0.11 to 0.48
-WITH_LANDMARKS = 0.6  # of the usual radius: largest residual if the user gives landmarks
-DOUBTFUL_MISS = 0.5  # of the usual radius: distance between corresponding landmarks from which it is said
-LARGEST_MISS = 1.0  # of the usual radius: largest distance between corresponding landmarks
-FARTHEST_RADII = 3.0  # of a landmark from its vessel's axes: a spot on the wall, a branch's mouth, the ostium's rim
+USUAL_RESIDUAL = 0.1  # a larger one gives a warning: right pairs have up to 0.05, with noise, cuts or a stent
+LARGEST_RESIDUAL = 0.3  # a larger one is refused: different vessels that lie on each other have 0.11 to 0.48
+WITH_LANDMARKS = 0.6  # largest residual if the user gives landmarks
+DOUBTFUL_MISS = 0.5  # distance between a landmark's two places from which a warning is given
+LARGEST_MISS = 1.0  # largest distance between a landmark's two places
+FARTHEST_RADII = 3.0  # from a landmark to its vessel's axes: a spot on the wall, a branch's mouth, the ostium's rim
 LANDMARKS = "give `registration: landmarks` (pre_mm, post_mm of each): places that are seen in both lumens"
 
 
 def shares(target, tree, placement):
-    """Shares of the axes within a usual radius of the other lumen's axes: (of both together, the larger of the two)."""
+    """Shares of the axes within a usual radius of the other lumen's axes: (of both together, the larger of the two).
+
+    target: the lumen before (Target). tree: the lumen afterwards (Tree), moved by the placement.
+    """
     moved = placement.apply(tree.points)
     _, to_pre, _ = target.offsets(moved)
     to_post, _ = cKDTree(moved).query(target.points)
@@ -29,9 +33,10 @@ def shares(target, tree, placement):
 
 
 def check_landmarks(case_file, pre, post, landmarks):
-    """Raises InputError if a landmark lies farther from its own Tree than FARTHEST_RADII, as in other coordinates.
+    """Raises InputError if a landmark lies farther than FARTHEST_RADII from its own Tree, as in other coordinates.
 
-    The radius is the usual one, or the vessel's own at the nearest place if that is larger.
+    landmarks: (pre (m, 3), post (m, 3)) in mm, their places in the two lumens. The radius is the usual one, or the
+    vessel's own at the nearest place if that is larger.
     """
     for tree, points, key, of in ((pre, landmarks[0], "pre_mm", "lumen"), (post, landmarks[1], "post_mm", "post")):
         for number, point in enumerate(points, start=1):
@@ -50,7 +55,11 @@ def check_landmarks(case_file, pre, post, landmarks):
 
 
 def check_fit(where, target, tree, found, match, landmarks):
-    """Raises InputError if the placement does not fit, or if another one fits equally well."""
+    """Raises InputError if the placement does not fit, or if another one fits equally well.
+
+    target, tree: the lumen before (Target) and afterwards (Tree). found, match: search.Found and Match. landmarks:
+    (pre (m, 3), post (m, 3)) in mm. where: the case file's place, for messages.
+    """
     radius = f"{match.usual_radius_mm:.2f} mm, the vessel's usual radius"
     both, contained = shares(target, tree, found.placement)
     marked = len(landmarks[0]) > 0
@@ -90,7 +99,7 @@ def check_fit(where, target, tree, found, match, landmarks):
 
 
 def _check_fits_without(where, target, tree, landmarks):
-    """Raises InputError naming the landmark that is farthest off if the axes fit well, and alone, without any."""
+    """Raises InputError with the landmark that is farthest off, if the axes alone give one well-fitting placement."""
     if not len(landmarks[0]):
         return
     alone = search.best(target.tree, tree, sliding.NO_LANDMARKS)
@@ -108,9 +117,10 @@ def _check_fits_without(where, target, tree, landmarks):
 
 
 def check_direction(where, pre, post, target, found, landmarks):
-    """Raises InputError if the lumen afterwards lies the other way round, or a single vessel would fit better so.
+    """Raises InputError if the lumen afterwards is reversed: its inlet lies where an outlet was.
 
-    A landmark can turn a straight vessel round: its inlet then lies where the outlet was.
+    A wrong landmark can reverse a straight vessel. A vessel without branches is also refused if it would fit better
+    reversed. pre, post: the Trees.
     """
     along = sliding.runs_along(target, post, found.placement)
     if along < 0:
@@ -134,7 +144,7 @@ def _other_way(where, post, what, value):
 
 
 def check_place(where, target, tree, found, match, landmarks):
-    """Raises InputError if nothing fixes the place of the lumen afterwards along the vessel."""
+    """Raises InputError if neither landmarks nor the vessel's course fix the place along it."""
     if len(landmarks[0]) or not sliding.slides(target, tree, found.placement, match):
         return
     residual = sliding.slid_residual(target, tree, found.placement)
@@ -148,10 +158,10 @@ def check_place(where, target, tree, found, match, landmarks):
 
 
 def check_handedness(where, pre, post, target, found, match, landmarks):
-    """Raises InputError if the lumen afterwards fits as right pairs do once it is mirrored, and not as it is.
+    """Raises InputError if the mirror image of the lumen afterwards fits as right pairs do, but the lumen does not.
 
-    It is asked only where the residual is unusual or a branch has no partner: landmarks can turn a mirror image so that
-    it nearly fits. A vessel whose axis lies in a plane is its own mirror image.
+    This is checked only if the residual is unusual or a branch has no partner: landmarks can place a mirror image so
+    that it nearly fits. A vessel whose axis lies in a plane is its own mirror image.
     """
     lacking = len(match.missing) + len(match.new)
     if not unusual(match) and not lacking:
@@ -170,12 +180,12 @@ def check_handedness(where, pre, post, target, found, match, landmarks):
 
 
 def unusual(match):
-    """Whether the residual is above what pairs of the same vessel have."""
+    """Whether the residual of a Match is larger than right pairs have."""
     return match.trimmed_mm > USUAL_RESIDUAL * match.usual_radius_mm
 
 
 def warnings(target, tree, found, match, landmarks):
-    """Sentences on a placement that is not refused, yet may be wrong; mostly none."""
+    """List of warnings on a placement that is not refused, yet may be wrong; mostly empty."""
     said = []
     misses = landmark_misses(found.placement, landmarks)
     for k in np.flatnonzero(misses > DOUBTFUL_MISS * match.usual_radius_mm):
@@ -216,6 +226,6 @@ def check_outlets(where, match, landmarks):
 
 
 def landmark_misses(placement, landmarks):
-    """Distances (m,) in mm between the moved landmarks and the landmarks in the lumen before."""
+    """Distances (m,) in mm between each landmark's place in the lumen before and its moved place of afterwards."""
     pre, post = landmarks
     return np.linalg.norm(placement.apply(post) - pre, axis=1) if len(pre) else np.zeros(0)

@@ -6,14 +6,16 @@ import numpy as np
 
 from .tree import STEP_MM
 
-KEPT = 0.8  # share of the samples in the deciding residual; the worst fifth is left out, as a stent straightens
+KEPT = 0.8  # share of the samples in trimmed_mm; the worst fifth is left out, as a stent straightens the vessel
 
 
 @dataclasses.dataclass(frozen=True)
 class Match:
-    """names: {branch of the post lumen: branch before, or a new name}; missing: branches before without one after;
-    new: {new name: branch of the post lumen}; shared: {branch before: (first, last s_mm) that the post lumen covers};
-    residual_mm: (n,) distances of the shared samples from the axes before; usual_radius_mm: usual radius there, before.
+    """How the branches after the procedure correspond to those before.
+
+    names: {branch after: branch before, or a new name}. missing: branches before without one after. new: {new name:
+    branch after}. shared: {branch before: (first, last s_mm) that the lumen afterwards covers}. residual_mm: (n,)
+    distances of the shared samples from the axes before. usual_radius_mm: median radius before at these samples.
     """
 
     names: dict
@@ -25,7 +27,7 @@ class Match:
 
     @property
     def trimmed_mm(self):
-        """Root mean square of the smallest KEPT of the residuals."""
+        """The residual in mm that decides: root mean square of residual_mm without the worst fifth."""
         kept = np.sort(self.residual_mm)[: max(1, int(KEPT * len(self.residual_mm)))]
         return float(np.sqrt(np.mean(kept**2)))
 
@@ -33,9 +35,9 @@ class Match:
 def matched(target, tree, placement):
     """The Match of a placed Tree with a Target.
 
-    The route to an end follows the axes before the procedure, up to the last sample within a usual radius of them. The
-    end belongs to the branch of that sample. Of two ends on the same branch, the one that follows it further gets its
-    name, and the other gets a new name.
+    The route from the inlet to an end follows the axes before the procedure, up to its last sample within a usual
+    radius of them. The end belongs to the branch of the axis sample nearest to that one. If two ends belong to the same
+    branch, the one that follows it farther gets its name, and the other gets a new name.
     """
     claims = {name: _claim(target, route, placement) for name, route in tree.routes.items()}
     names, new = {}, {}
@@ -68,7 +70,10 @@ def matched(target, tree, placement):
 
 
 def _claim(target, route, placement):
-    """(branch before, s_mm on it) of a route's last sample that lies on the axes before; (None, -1) without one."""
+    """(branch before, s_mm on it) at the last sample of a route that lies within a usual radius of the axes before.
+
+    (None, -1) if no sample does. route: a Line.
+    """
     _, distance, nearest = target.offsets(placement.apply(route.points))
     on = np.flatnonzero(distance < target.usual_radius_mm)
     if not on.size:
@@ -77,18 +82,18 @@ def _claim(target, route, placement):
 
 
 def _with_parents(target, name):
-    """The names of the branches before along the route to the branch `name`, with itself; none for a new name."""
+    """Names of the branches before on the route to the end of branch `name`, itself included; none for a new name."""
     return sorted(set(target.tree.routes[name].branch)) if name in target.tree.routes else []
 
 
 def _s_mm(target, samples):
-    """Arc length along their branches of samples (n,) of a Target, in mm."""
+    """Arc lengths (n,) in mm along their branches of samples of a Target, given by their numbers (n,)."""
     first = {name: int(np.flatnonzero(target.names == name)[0]) for name in target.tree.branches}
     return np.array([(sample - first[target.names[sample]]) * STEP_MM for sample in np.atleast_1d(samples)])
 
 
 def _past_an_end(target, points, nearest):
-    """Mask (n,) of the points that are beyond a branch's end, which is their nearest sample."""
+    """(n,) of bool: which points (n, 3) lie beyond a branch's end. nearest: (n,) numbers of the nearest samples."""
     names = target.names
     last = np.append(names[1:] != names[:-1], True)
     first = np.append(True, names[1:] != names[:-1])
@@ -97,4 +102,5 @@ def _past_an_end(target, points, nearest):
 
 
 def _number(name):
+    """Number of a branch by its name: 0 for main, 1 for side1, ..."""
     return 0 if name == "main" else int(name.removeprefix("side"))

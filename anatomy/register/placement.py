@@ -1,4 +1,4 @@
-"""A rigid placement of one lumen's axes on another's, and how well they fit."""
+"""A rigid placement of one lumen's axes on another's, and how well the axes fit."""
 
 import dataclasses
 import warnings
@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from .tree import STEP_MM
 
-SCALE = 0.25  # of the usual radius; larger residuals hardly count, for example if a stent has straightened the vessel
+SCALE = 0.25  # usual radii; larger residuals hardly count, for example if a stent has straightened the vessel
 # Weight of all landmarks together over the weight of the axes. It is enough to decide a placement that the axes do not
 # fix, such as a turn about a straight vessel. It is too little to spoil a good fit of the axes.
 LANDMARK_WEIGHT = 0.1
@@ -19,13 +19,13 @@ RADIUS_WEIGHT = 0.5  # weight of radii over weight of positions; radii fix the p
 
 @dataclasses.dataclass(frozen=True)
 class Placement:
-    """x -> rotation x + translation, in mm."""
+    """The rigid motion of points x in mm to rotation x + translation."""
 
     rotation: Rotation
     translation: np.ndarray
 
     def apply(self, points):
-        """Moved points (n, 3)."""
+        """Points (n, 3) after the motion."""
         return self.rotation.apply(points) + self.translation
 
     def apart_mm(self, other, points):
@@ -34,7 +34,10 @@ class Placement:
 
 
 class Target:
-    """The axes of a Tree with a search for the nearest sample, and with its usual radius."""
+    """The axes of a Tree, prepared for finding the samples nearest to given points.
+
+    points, tangents: (n, 3) of all samples. radius, names: (n,) their radii in mm and branches.
+    """
 
     def __init__(self, tree):
         self.tree, self.usual_radius_mm = tree, tree.usual_radius_mm
@@ -44,7 +47,10 @@ class Target:
         self.near = cKDTree(self.points)
 
     def offsets(self, points):
-        """For points (n, 3): offsets (n, 3) across the nearest axis, distances (n,) to it, nearest samples (n,)."""
+        """For points (k, 3): offsets (k, 3) across the nearest axis, distances (k,) from it, nearest samples (k,).
+
+        Lengths are in mm. Beyond the end of an axis the distance includes the length beyond it.
+        """
         _, nearest = self.near.query(points)
         offset, tangent = points - self.points[nearest], self.tangents[nearest]
         along = np.einsum("ij,ij->i", offset, tangent)
@@ -56,14 +62,17 @@ class Target:
 def fitted(post, pre, weights=None):
     """The Placement that moves points post (n, 3) to pre (n, 3) by (weighted) least squares."""
     middle_post, middle_pre = (np.average(points, axis=0, weights=weights) for points in (post, pre))
-    with warnings.catch_warnings():  # points in one line do not fix the turn about it: see `search`
+    with warnings.catch_warnings():  # scipy warns if points lie in one line, which leaves the turn about it open
         warnings.simplefilter("ignore", UserWarning)
         rotation, _ = Rotation.align_vectors(pre - middle_pre, post - middle_post, weights)
     return Placement(rotation, middle_pre - rotation.apply(middle_post))
 
 
 def cost(target, tree, placement):
-    """Mean over both lumens' axes of min((distance / usual radius)^2, 1): 0 if they coincide, 1 if far apart."""
+    """Misfit: mean over the samples of both axes of min((distance / usual radius)^2, 1).
+
+    It is 0 if the axes coincide and 1 if they are far apart. tree: the Tree that the placement moves.
+    """
     moved = placement.apply(tree.points)
     _, to_pre, _ = target.offsets(moved)
     to_post, _ = cKDTree(moved).query(target.points)
@@ -73,8 +82,8 @@ def cost(target, tree, placement):
 def refined(target, tree, start, landmarks):
     """The Placement near `start` that fits the axes by a robust loss and the landmarks by least squares.
 
-    In the robust loss, axes that have moved, changed their radius or are missing hardly count. landmarks: (pre (m, 3),
-    post (m, 3)) in mm. They are the user's, so none is treated as an outlier.
+    By the robust loss, parts of the axes that have moved, changed their radius or are missing hardly count. landmarks:
+    (pre (m, 3), post (m, 3)) in mm. The user gives them, so none is treated as an outlier.
     """
     points, radius = tree.points, tree.radius
     middle = points.mean(axis=0)
@@ -97,5 +106,5 @@ def refined(target, tree, start, landmarks):
 
 
 def robust(residuals):
-    """Residuals (n,) whose squares are Cauchy's loss of the given ones: SCALE^2 ln(1 + (r / SCALE)^2)."""
+    """Residuals (n,) whose squares are Cauchy's loss SCALE^2 ln(1 + (r / SCALE)^2) of the given residuals r (n,)."""
     return SCALE * np.sign(residuals) * np.sqrt(np.log1p((residuals / SCALE) ** 2))

@@ -1,4 +1,4 @@
-"""python3 -m anatomy register: moves the lumen after the procedure to the frame of the lumen before; names its ends."""
+"""python3 -m anatomy register: moves the lumen after the procedure onto the lumen before, and names its ends."""
 
 import copy
 import pathlib
@@ -18,7 +18,7 @@ from .placement import Target
 def run(case_file, pre_folder, post_folder, out):
     """Writes lumen.vtp, like.json and registration.json (docs/design.md) into the folder `out`.
 
-    pre_folder, post_folder: made by `lumen process` from the case's `lumen` and `post`, each in its own frame.
+    pre_folder, post_folder: made by `lumen process` from the case's `lumen` and `post`, each in its own coordinates.
     Raises InputError if no placement fits, or several do.
     """
     out = pathlib.Path(out)
@@ -47,7 +47,10 @@ def run(case_file, pre_folder, post_folder, out):
 
 
 def like(summary, placement, match):
-    """The document that `lumen process --like` reads: ends of the moved lumen with the names of the branches before."""
+    """like.json as a dict, for `lumen process --like`: the ends of the moved lumen, with the branches' names before.
+
+    summary: anatomy.json of the lumen afterwards.
+    """
     ends = copy.deepcopy(summary["ends"])
     for end in ends:
         end["centre_mm"] = placement.apply(np.array([end["centre_mm"]]))[0].tolist()
@@ -60,7 +63,7 @@ def like(summary, placement, match):
 
 
 def document(target, post, found, match, landmarks, compare):
-    """The document of registration.json."""
+    """The content of registration.json. compare: `flow` or `areas`, as in the case."""
     placement, residual = found.placement, match.residual_mm
     both, contained = judge.shares(target, post, placement)
     alone = search.spans_a_plane(landmarks[1])
@@ -94,6 +97,7 @@ def document(target, post, found, match, landmarks, compare):
 
 
 def _landmarks(wanted):
+    """(pre (m, 3), post (m, 3)) in mm from the case's section `registration`."""
     pairs = wanted.get("landmarks", [])
     return tuple(np.array([pair[key] for pair in pairs], float).reshape(-1, 3) for key in ("pre_mm", "post_mm"))
 

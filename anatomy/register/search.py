@@ -1,4 +1,4 @@
-"""Searches the placement of the lumen after the procedure: tries all routes and offsets, and refines the best ones."""
+"""Searches the placement of the lumen after the procedure: tries all routes and offsets, refines the best ones."""
 
 import numpy as np
 
@@ -8,11 +8,14 @@ LEAST_SHARED = 0.5  # share of the shorter route that must overlap; shorter stre
 TRIED = 12  # placements that are refined
 REWEIGHTED = 3  # further fits of two stretches with new weights
 ALIKE = 0.1  # difference in cost (0 to 1) below which placements are equally good
-DISTINCT = 1.0  # of the usual radius: mean distance beyond which two placements of the lumen are different
+DISTINCT = 1.0  # usual radii: mean distance beyond which two placements of the lumen are different
 
 
 class Found:
-    """placement, its cost, and the next best one that differs (rival, rival_cost; None if there is none)."""
+    """The best placement and its cost, and the next best one that differs (rival, rival_cost; None without one).
+
+    ranked: [(cost, Placement)], the best first.
+    """
 
     def __init__(self, ranked, target, tree):
         self.cost, self.placement = ranked[0]
@@ -22,7 +25,7 @@ class Found:
 
 
 def best(pre, post, landmarks):
-    """Found for two Trees. landmarks: (pre (m, 3), post (m, 3)).
+    """The Found for two Trees. landmarks: (pre (m, 3), post (m, 3)) in mm.
 
     Three landmarks that are not in one line decide alone. Otherwise every route from the inlet to an end of one tree is
     fitted to every route of the other, at every offset along it. The best dozen are refined with all branches.
@@ -47,7 +50,7 @@ def spans_a_plane(points):
 
 
 def off(landmarks, placement, target):
-    """Mean distance of the landmarks in usual radii; 0 without any."""
+    """Mean distance, in usual radii, between the landmarks' two places after the motion; 0 without landmarks."""
     pre, post = landmarks
     if not len(pre):
         return 0.0
@@ -55,7 +58,7 @@ def off(landmarks, placement, target):
 
 
 def candidates(pre, post, landmarks):
-    """(misfit, Placement) of every pair of routes at every offset. misfit is like `cost`, for these two routes only."""
+    """Yields (misfit, Placement) of every pair of routes at every offset, by stretch()."""
     usual_radius = pre.usual_radius_mm
     for route in pre.routes.values():
         for other in post.routes.values():
@@ -69,7 +72,11 @@ def candidates(pre, post, landmarks):
 
 
 def stretch(pre, post, n, m, usual_radius, landmarks):
-    """(misfit, Placement) of two stretches, fitted sample by sample, of routes with n and m samples."""
+    """(misfit, Placement) of two stretches (k, 3), fitted sample by sample, of routes with n and m samples.
+
+    The misfit is as cost(), for these two routes alone: samples outside the stretches count 1. The mean distance of the
+    landmarks in usual radii is added.
+    """
     marks = len(landmarks[0])
     first = np.concatenate([pre, landmarks[0]])
     second = np.concatenate([post, landmarks[1]])
@@ -85,7 +92,7 @@ def stretch(pre, post, n, m, usual_radius, landmarks):
 
 
 def distinct(starts, target, tree):
-    """The first TRIED of the sorted (misfit, Placement) that differ from one another by over half a usual radius."""
+    """The first TRIED of the sorted [(misfit, Placement)] that differ from each other by over half a usual radius."""
     kept = []
     for misfit, start in starts:
         if all(start.apart_mm(other, tree.points) > 0.5 * target.usual_radius_mm for _, other in kept):

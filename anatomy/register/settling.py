@@ -1,4 +1,4 @@
-"""Places the lumen by its axes alone, near the placement that the landmarks chose, where the axes fix the place."""
+"""Places the lumen by its axes alone, near the placement that the landmarks chose, if the axes fix the place."""
 
 import numpy as np
 
@@ -8,12 +8,12 @@ from .placement import cost, refined
 
 
 def settled(target, tree, found, landmarks):
-    """The Found for a Target and a Tree, moved to where the axes alone place it near `found`; a landmark chose among
-    places.
+    """The Found after refining its placement by the axes alone.
 
-    Places are marked by hand, about a millimetre off. Axes of right pairs fit within a tenth of that. The placement
-    stays as it is if the axes fit no better than unlike pairs do, or leave the place along the vessel or its turn open.
-    Three landmarks that are not in one line decide alone.
+    The landmarks have chosen among several placements. But they are marked by hand, about a millimetre off, while the
+    axes of right pairs fit within a tenth of that. The placement stays as it is if the refined one fits worse or has an
+    unusual residual. It also stays if the axes do not fix the place along the vessel and the turn about it. Three
+    landmarks that are not in one line decide alone.
     """
     if not len(landmarks[0]) or search.spans_a_plane(landmarks[1]) or not has_width(target.points):
         return found
@@ -28,6 +28,6 @@ def settled(target, tree, found, landmarks):
 
 
 def has_width(points):
-    """Whether an axis deviates from a straight line by 1 mm rms; only then it fixes the turn about that line."""
+    """Whether axes (n, 3) deviate from a straight line by 1 mm rms. Only then do they fix the turn about that line."""
     spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False) / np.sqrt(len(points))
     return spread[1] > 1.0

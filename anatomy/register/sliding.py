@@ -1,4 +1,4 @@
-"""Whether the course of a vessel fixes the place along it, and which way round the vessel afterwards lies."""
+"""Tells whether the course of a vessel fixes the place along it, and whether the vessel afterwards is reversed."""
 
 import numpy as np
 
@@ -6,19 +6,20 @@ from .match import KEPT
 from .search import stretch
 from .tree import STEP_MM
 
-SLID_RADII = 1.0  # by how much the lumen afterwards is slid, in usual radii
-AS_WELL = 0.07  # of the usual radius: right pairs have up to 0.05, 30 mm of a real artery slid by a radius 0.10
-DIFFERS = 0.14  # of the usual radius: a piece that fits so badly when slid is not straight, whatever its spread
-STRAIGHT = 0.25  # of the usual radius: rms distance from a straight line, as of the centres of an eccentric lumen
+# All in usual radii.
+SLID_RADII = 1.0  # by how much the lumen afterwards is slid along the vessel
+AS_WELL = 0.07  # residual below which a slid lumen fits well; right pairs have 0.05, 30 mm of a real artery slid 0.10
+DIFFERS = 0.14  # residual from which the place is fixed even if the vessel counts as straight
+STRAIGHT = 0.25  # rms distance from a line below which a vessel is straight; centres of an eccentric lumen have this
 NO_LANDMARKS = (np.zeros((0, 3)), np.zeros((0, 3)))
 
 
 def slides(target, tree, placement, match):
-    """Whether nothing but the ends says where along the vessel the lumen afterwards lies.
+    """Whether nothing but the ends tells where along the vessel the lumen afterwards lies.
 
-    Its main vessel is straight, or it fits well when it is slid by a radius and fitted again. The overlap alone is
-    compared: the ends say where a piece was cut, not where it lies. Radii do not count, since the procedure has changed
-    them. A second branch seen in both lumens fixes the place.
+    This is so if it also fits after it is slid along the vessel by a radius and fitted again. For a straight main
+    vessel a worse fit is enough. The overlap alone is compared: the ends show where a piece was cut, not where it lies.
+    Radii do not count, since the procedure has changed them. A second branch in both lumens fixes the place.
     """
     if _shares_a_branch(target, match):
         return False
@@ -30,8 +31,11 @@ def slides(target, tree, placement, match):
 
 
 def may_slide(target, tree, placement, match):
-    """Whether a lone landmark may be all that fixes the place along the vessel: also any straight one, since the slid
-    residual at a wrong place says nothing."""
+    """Whether a lone landmark may be all that fixes the place along the vessel.
+
+    Unlike slides() it is true of every straight vessel without a second common branch: at a wrong place the residual
+    after sliding tells nothing.
+    """
     if _shares_a_branch(target, match):
         return False
     return _is_straight(target, tree) or slides(target, tree, placement, match)
@@ -48,7 +52,10 @@ def _is_straight(target, tree):
 
 
 def slid_residual(target, tree, placement):
-    """Residual, without the worst fifth and in usual radii, after the better slide of the two; None without overlap."""
+    """The smaller residual, in usual radii without the worst fifth, after sliding to either side and fitting again.
+
+    None without enough overlap. target, tree: the lumen before (Target) and afterwards (Tree).
+    """
     moved = placement.apply(tree.branches["main"].points)
     on, nearest, route = max((_overlap(target, line, moved) for line in target.tree.routes.values()), key=_count)
     shift = max(1, round(SLID_RADII * target.usual_radius_mm / STEP_MM))
@@ -61,7 +68,7 @@ def slid_residual(target, tree, placement):
 
 
 def _overlap(target, route, moved):
-    """(mask (n,) of the moved points beside a route before, their nearest samples (n,) of it, the route)."""
+    """(which moved points (n,) lie beside a route before, their nearest samples (n,) on it, the route)."""
     away = np.linalg.norm(moved[:, None] - route.points[None], axis=2)
     return away.min(axis=1) < target.usual_radius_mm, away.argmin(axis=1), route
 
@@ -77,9 +84,9 @@ def _refitted(before, after, usual_radius_mm):
 
 
 def runs_along(target, tree, placement):
-    """Mean cosine between the axes of both lumens, from the inlet on, over the first half of the shared main vessel.
+    """Mean cosine between the directions of both lumens' axes, over the first half of the shared main vessel.
 
-    It is 1 if both run the same way and -1 if the inlet afterwards lies towards an outlet before; 1 without overlap.
+    It is 1 if both run in the same direction, and -1 if the lumen afterwards is reversed. Without overlap it is 1.
     """
     moved = placement.apply(tree.branches["main"].points)
     _, distance, nearest = target.offsets(moved)

@@ -10,13 +10,13 @@ from common import vtp
 
 from ..measured import read_summary
 
-STEP_MM = 0.5
-MIRROR = np.array([1.0, 1.0, -1.0])  # factors of a mirror image's coordinates
+STEP_MM = 0.5  # between the points of an axis
+MIRROR = np.array([1.0, 1.0, -1.0])  # factors that turn coordinates into those of a mirror image
 
 
 @dataclasses.dataclass(frozen=True)
 class Line:
-    """One axis: points (n, 3) in mm, inscribed radii (n,) in mm, both STEP_MM apart, and the branch of each (n,)."""
+    """One axis: points (n, 3) in mm about STEP_MM apart, with their inscribed radii (n,) in mm and branches (n,)."""
 
     points: np.ndarray
     radius: np.ndarray
@@ -25,7 +25,10 @@ class Line:
 
 @dataclasses.dataclass(frozen=True)
 class Tree:
-    """The axes of a lumen. branches: {name: Line}; routes: {name of the branch at its end: Line from the inlet on}."""
+    """The axes of a lumen. branches: {name: Line}. routes: {name of a branch: Line from the inlet to the branch's end}.
+
+    summary: anatomy.json.
+    """
 
     branches: dict
     routes: dict
@@ -46,17 +49,17 @@ class Tree:
 
     @property
     def radius(self):
-        """Their radii (n,)."""
+        """Inscribed radii (n,) in mm of all points, in the same order."""
         return np.concatenate([line.radius for line in self.branches.values()])
 
     @property
     def names(self):
-        """Their branches' names (n,)."""
+        """Names (n,) of the branches of all points, in the same order."""
         return np.concatenate([line.branch for line in self.branches.values()])
 
     @property
     def usual_radius_mm(self):
-        """The median inscribed radius of the main vessel, the unit for distances between axes."""
+        """The median inscribed radius (mm) of the main vessel. Distances between axes are measured in it."""
         return float(np.median(self.branches["main"].radius))
 
 

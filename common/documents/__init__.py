@@ -1,1 +1,1 @@
-"""YAML and JSON documents: read strictly, checked by the schemas of config/schemas, with one clear error."""
+"""YAML and JSON files: read strictly and checked by the schemas of config/schemas, with a clear error message."""

@@ -1,6 +1,6 @@
 """Reads the study's configuration, checks it against its schemas and fills in defaults.
 
-Everything here raises InputError with file, line, key, value and what is allowed.
+For a value that is not allowed the loaders raise InputError, which names file, line, key, value and what is allowed.
 """
 
 import pathlib
@@ -10,7 +10,8 @@ from common.errors import InputError
 
 ENDS_OF = {"contours": "z_from says which end is proximal", "ct": "ct.inlet_mm and ct.outlets_mm say where they are"}
 LUMEN_WAYS = ("path", "contours", "ct")
-# Whole hearts have 582 +- 138 mL/min (flow/inflow.md), which is 10 mL/s. So what is less is in mL/s or in L/min.
+# The hyperaemic flow of a whole heart is 582 +- 138 mL/min, that is about 10 mL/s (flow/inflow.md).
+# So a value below LEAST_INFLOW_ML_PER_MIN was probably given in mL/s or L/min, and a message proposes these units.
 LEAST_INFLOW_ML_PER_MIN, MOST_INFLOW_ML_PER_MIN = 10, 1000
 INFLOW_UNITS = {"mL/s": 60.0, "L/min": 1000.0}
 SECTIONS = ("anatomy", "deployment", "flow", "reference", "ct", "metrics")
@@ -25,19 +26,23 @@ def load(path, schema_name):
 
 
 def load_section(path, name):
-    """A section of the settings, say `ct`, from a YAML or JSON file of its own; the defaults if `path` is None."""
+    """One section of the settings (dict), say `ct`, from a YAML or JSON file with only this section.
+
+    Without a file (`path` None) every setting has its default.
+    """
     return load(path, name) if path else schema.with_defaults({}, schema.read(name))
 
 
 def load_study(path):
-    """config/study.yaml: cohorts and the sections `SECTIONS`."""
+    """The content (dict) of config/study.yaml: the cohorts, and the sections of settings that SECTIONS lists."""
     return load(path, "study")
 
 
 def load_case(path):
-    """config/cases/<case>.yaml: patient, vessel (synthetic) or lumen (surface), plan and settings.
+    """The content (dict) of config/cases/<case>.yaml: patient, plan, settings, and the vessel.
 
-    A real patient may also have `post`, the lumen after the procedure, and `measured`, values by pressure wire.
+    A synthetic case has the key `vessel`, a real patient the key `lumen`. A real patient may also have `post`, the
+    lumen after the procedure, and `measured`, the FFR by a pressure wire.
     """
     document = _load(path, "case")
     patient = document.data["patient"]
@@ -66,7 +71,10 @@ def load_case(path):
 
 
 def _check_flow(document):
-    """Something tells the flow: a mass, a measured inflow in mL/min, or a cardiac output with a territory."""
+    """Refuses a patient whose coronary flow cannot be computed.
+
+    It needs the left ventricular mass, a measured inflow in mL/min, or a cardiac output with a territory.
+    """
     patient, inflow = document.data["patient"], "hyperaemic_inflow_ml_per_min"
     flows = ("lvm_g", inflow, "cardiac_output_l_per_min")
     if not any(key in patient for key in flows):
@@ -89,7 +97,10 @@ def _check_flow(document):
 
 
 def _check_lumen(document, key):
-    """A lumen is given in one way. Only a surface or mask file can have its ends and labels named."""
+    """Refuses a lumen (`lumen` or `post`) that is not given in exactly one of LUMEN_WAYS.
+
+    Only a surface or mask file (`path`) may have keys that name its ends and its label.
+    """
     lumen = document.data[key]
     ways = [way for way in LUMEN_WAYS if way in lumen]
     if len(ways) != 1:
@@ -105,12 +116,12 @@ def _check_lumen(document, key):
 
 
 def listed_steps(plan):
-    """The steps that a case's `plan` lists; none if a plan is to be proposed."""
+    """The steps that a case's `plan` lists; an empty list if the study is to propose a plan."""
     return plan if isinstance(plan, list) else []
 
 
 def load_device(path):
-    """config/devices/<family>.yaml: a balloon or stent family, by its key `kind`."""
+    """The checked content (dict) of config/devices/<family>.yaml. Its key `kind` says whether of balloons or stents."""
     kind = yaml_reader.read(path).data
     kind = kind.get("kind") if isinstance(kind, dict) else None
     document = _load(path, kind if kind in ("balloon", "stent") else "device")
@@ -119,7 +130,10 @@ def load_device(path):
 
 
 def load_devices(folder):
-    """All families in a folder, {name: family}; a stent's delivery balloon must be among them at every size."""
+    """All device families in a folder, {name: family}.
+
+    The delivery balloon of each stent family must be among them, with every diameter and length of the stents.
+    """
     files = sorted(pathlib.Path(folder).glob("*.yaml"))
     if not files:
         raise InputError("no device families", folder, "no file *.yaml", "give a folder like config/devices")
@@ -146,7 +160,10 @@ def load_devices(folder):
 
 
 def resolve_settings(study, case):
-    """The sections of the study with the case's `settings` laid over them: {section: values}."""
+    """{section: values} of a case: the sections of the study, with the values of the case's `settings` in their place.
+
+    study, case: contents (dict) of study.yaml and of the case file.
+    """
     return {section: _overlay(study[section], case["settings"].get(section, {})) for section in SECTIONS}
 
 

@@ -1,4 +1,4 @@
-"""Strict JSON: numbers that are not finite are refused, and errors name each value as documents.schema expects it."""
+"""Strict JSON: numbers that are not finite are refused. documents.schema can check what is read."""
 
 import json
 import math
@@ -9,17 +9,17 @@ from common.documents.yaml_reader import key_name
 
 
 class Document:
-    """Content (`data`) of a JSON file, or of one not yet written; addressed as yaml_reader.Document is."""
+    """Content (`data`) of a JSON file, or of one not yet written. Paths address values as in yaml_reader.Document."""
 
     def __init__(self, file, data):
         self.file, self.data = file, data
 
     def line(self, path):
-        """Number of values before the one at `path`. It takes the place of a line number for sorting errors."""
+        """Number of values in the file before the one at `path`. documents.schema sorts errors by it, as by a line."""
         return next(number for number, (place, _) in enumerate(_walk(self.data, ())) if place == tuple(path))
 
     def where(self, path):
-        """File and dotted key for an error message."""
+        """File and dotted key of the value at `path`, for an error message."""
         key = key_name(path)
         return f"{self.file}, key {key}" if key else str(self.file)
 
@@ -31,8 +31,9 @@ class Document:
 
 
 def read(file, kind, remedy=None):
-    """Reads one JSON file into a Document. kind: what it should be; remedy: what a message advises instead of that.
+    """Reads one JSON file into a Document.
 
+    kind: the expected file in words, say plan.json. remedy: the advice in messages, else to give a file of that kind.
     Raises InputError when the file cannot be read, is not JSON, is no group of keys or has a number that is not finite.
     """
     file, finite = pathlib.Path(file), remedy or "give a finite number"
@@ -52,7 +53,7 @@ def read(file, kind, remedy=None):
 
 
 def _walk(value, path):
-    """(path, value) of a value and all that it holds, in the file's order."""
+    """Yields (path, value) of `value` itself and of every value inside it, in the file's order."""
     pending = [(path, value)]  # no recursion, since a file may be nested as deep as Python allows
     while pending:
         path, value = pending.pop()

@@ -1,4 +1,4 @@
-"""Reads plan.json for the steps in Python that change or draw it. The engine checks the rest of it in the scene."""
+"""Reads plan.json for the Python commands that change or draw a plan. The engine checks all else in scene.json."""
 
 from common.documents import json_reader, schema
 from common.errors import InputError
@@ -8,7 +8,7 @@ REMEDY = "give a plan.json that `anatomy plan` has written"
 
 
 def read(file):
-    """The document (dict) of a plan.json, lengths in mm and pressures in bar, each used device among its devices.
+    """The content (dict) of a plan.json: lengths in mm, pressures in bar. It defines every device that a step uses.
 
     Raises InputError if the file cannot be read, is no plan, or uses a device that it does not define.
     """

@@ -1,7 +1,7 @@
 """JSON schemas for the configuration: reads them, fills in defaults, and says in plain words which value is wrong.
 
 Schemas are JSON Schema (2020-12) written as YAML in config/schemas/. A `$ref` names another schema file and is
-expanded when read. `x-partial: true` marks a tree of overrides: its keys are checked, nothing in it is required and no
+expanded when read. `x-partial: true` marks keys that override others: they are checked, but none is required, and no
 default is filled in. `unit` gives the unit of a number whose name does not carry it.
 """
 
@@ -16,7 +16,7 @@ import jsonschema
 from common.documents import yaml_reader
 from common.errors import InputError
 
-# A key that has no place: `false` as YAML has it, of which jsonschema 4.19 forgets the key.
+# Schema of a forbidden key, in place of the plain `false`. For `false`, jsonschema 4.19 does not report the key.
 NO_PLACE = {"not": {}}
 
 FOLDER = pathlib.Path(__file__).resolve().parents[2] / "config" / "schemas"
@@ -92,9 +92,10 @@ def _fill(data, schema):
 
 
 def _deepest(error):
-    """For alternatives (anyOf), the error of the alternative that fits best: the one the author probably meant.
+    """The error to report. If no alternative of an anyOf fits, it is the error of the one that fits best.
 
-    If the value itself is wrong, of no alternative's type or a number out of range, the error names all alternatives.
+    The author of the file probably meant that alternative. But if the value itself, its type or range, is wrong in
+    every alternative, the error of the anyOf is reported. Its message names all alternatives.
     """
     while any(inner.absolute_path != error.absolute_path or inner.validator not in _WHOLE for inner in error.context):
         error = max(
@@ -159,7 +160,7 @@ def describe(schema):
 
 
 _NUMBER = re.compile(r"\s*[-+]?[.\d]")
-_WHOLE = ("type", "const", "enum", "minimum", "exclusiveMinimum", "maximum", "exclusiveMaximum")  # no part is wrong
+_WHOLE = ("type", "const", "enum", "minimum", "exclusiveMinimum", "maximum", "exclusiveMaximum")  # of a whole value
 _TYPES = {
     "number": "a number",
     "integer": "a whole number",

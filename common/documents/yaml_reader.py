@@ -14,9 +14,10 @@ import yaml
 from common.errors import InputError
 
 
-MOST_VALUES = 100_000  # a study's files hold some hundreds; aliases of aliases can write out billions
-LONGEST_NUMBER = 300  # digits; a longer number might not be finite as a float
+MOST_VALUES = 100_000  # in one file. A study's files hold some hundreds; nested aliases can expand to billions.
+LONGEST_NUMBER = 300  # characters of a whole number; a longer one might not be finite as a float
 TAG = "tag:yaml.org,2002:"
+# YAML 1.2's kinds of plain value: {kind: (pattern of its text, characters that the text may begin with)}
 PLAIN = {
     "null": (r"^(~|null|Null|NULL|)$", ["~", "n", "N", ""]),
     "bool": (r"^(true|false)$", list("tf")),
@@ -36,7 +37,7 @@ class _Loader(yaml.SafeLoader):
     yaml_implicit_resolvers = {}
 
     def construct_whole(self, node):
-        """int of a scalar: decimal whatever its leading zeros, 0o octal, 0x hexadecimal."""
+        """The integer of a scalar node: octal after 0o, hexadecimal after 0x, else decimal, even with leading zeros."""
         text = self.construct_scalar(node)
         return int(text, 0) if text[:2] in ("0o", "0x") else int(text)
 
@@ -63,7 +64,7 @@ class Document:
         return self._lines[path]
 
     def where(self, path):
-        """File, line and dotted key for an error message."""
+        """File, line and dotted key of the value at `path`, for an error message."""
         key = key_name(path)
         return f"{self.file}, line {self.line(path)}" + (f", key {key}" if key else "")
 
@@ -79,8 +80,8 @@ def key_name(path):
 def read(file):
     """Reads one YAML file into a `Document`.
 
-    Raises InputError when the file is missing, is not YAML or repeats a key. It also refuses a number that is not
-    finite, a tag outside YAML's core schema, a key that is not text, and more than `MOST_VALUES` values.
+    Raises InputError when the file is missing, is not YAML or repeats a key. Four more things are refused: a number
+    that is not finite, a tag outside YAML's core schema, a key that is not text, and more than MOST_VALUES values.
     """
     file = pathlib.Path(file)
     try:
@@ -151,7 +152,7 @@ def _check(loader, node, path, file, lines):
 
 
 def _check_scalar(loader, node, where):
-    """Refuses a scalar of the wrong kind for its tag, a number longer than Python reads, and half a surrogate pair."""
+    """Refuses three scalars: one that its tag does not fit, too long a whole number, and half a surrogate pair."""
     plain = loader.resolve(yaml.ScalarNode, node.value, (True, False))
     if node.tag not in (TAG + "str", plain):
         value = f"{node.tag.replace(TAG, '!!')} {node.value}"

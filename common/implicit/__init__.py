@@ -1,1 +1,1 @@
-"""Tubular surfaces as implicit fields, and triangle meshes of a field's zero level."""
+"""Vessel lumens as implicit fields, whose zero level is the wall, and triangle meshes of that wall."""

@@ -1,4 +1,4 @@
-"""Space curves with arc length, transported normals and nearest points."""
+"""Space curves with arc length, rotation-minimising frames and nearest points."""
 
 import numpy as np
 from scipy.interpolate import CubicSpline, make_interp_spline
@@ -10,25 +10,25 @@ SAMPLE_MM = 0.1
 def transported_normals(tangents):
     """First normal of the rotation-minimising frame along a curve, by projection from sample to sample.
 
-    tangents: (n, 3) unit vectors at closely spaced points. Returns (n, 3) unit normals. The first is the coordinate
-    axis least aligned with the first tangent, made perpendicular to it.
+    tangents: (n, 3) unit vectors at closely spaced points. Returns unit normals (n, 3). At the first point it is the
+    coordinate axis least aligned with the tangent, made perpendicular to it.
     """
     first = np.eye(3)[np.argmin(np.abs(tangents[0]))]
     normals = np.empty_like(tangents)
     normals[0] = first - (first @ tangents[0]) * tangents[0]
     normals[0] /= np.linalg.norm(normals[0])
     for i in range(1, len(tangents)):
-        # Projection on the next normal plane; second-order accurate in the step, renormalised.
+        # The last normal is projected on the plane across the next tangent: an error of second order in the spacing.
         n = normals[i - 1] - (normals[i - 1] @ tangents[i]) * tangents[i]
         normals[i] = n / np.linalg.norm(n)
     return normals
 
 
 class Curve:
-    """Quintic spline through points, parametrised by arc length, with a transported frame.
+    """Quintic spline through points, parametrised by arc length, with a rotation-minimising frame.
 
-    points_mm: (n, 3), spaced about SAMPLE_MM. Attributes: length_mm, s_mm (n,) and the samples' tangents, normals,
-    binormals (n, 3).
+    points_mm: (n, 3), spaced about SAMPLE_MM. Attributes: length_mm, and at samples every SAMPLE_MM or so: arc lengths
+    s_mm (m,), points_mm, and unit tangents, normals and binormals (m, 3).
     """
 
     def __init__(self, points_mm):
@@ -59,7 +59,7 @@ class Curve:
         return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
 
     def point(self, s_mm):
-        """Points (..., 3) at arc lengths s_mm, straight beyond the ends."""
+        """Points (..., 3) in mm at arc lengths s_mm (...). Beyond its ends the curve is straight."""
         s = np.asarray(s_mm, float)
         inside = np.clip(s, 0, self.length_mm)
         return self._spline(inside) + (s - inside)[..., None] * self._unit(self._first(inside))
@@ -78,10 +78,11 @@ class Curve:
         return np.linalg.norm(np.cross(first, second), axis=-1) / np.linalg.norm(first, axis=-1) ** 3
 
     def nearest(self, points_mm, iterations=4):
-        """Arc length (n,) of the nearest point to each of points_mm (n, 3). The curve runs straight on beyond its ends.
+        """Arc length (n,) in mm of the curve's nearest point to each of points_mm (n, 3).
 
-        Newton on (x - c(s)) . c'(s) = 0 from the nearest sample. iterations=0 stops at the tangent-line step, accurate
-        to about SAMPLE_MM^2 x curvature.
+        The curve runs straight on beyond its ends. Newton's method solves (x - c(s)) . c'(s) = 0, where c(s) is the
+        curve and x the point. It starts at the projection on the tangent of the nearest sample. iterations=0 returns
+        this start, accurate to about SAMPLE_MM^2 x curvature.
         """
         points_mm = np.asarray(points_mm, float)
         index = self._tree.query(points_mm)[1]
@@ -94,14 +95,18 @@ class Curve:
             offset = points_mm[inside] - self._spline(si)
             first = self._first(si)
             slope = np.sum(first * first, axis=1) - np.sum(offset * self._second(si), axis=1)
-            # A point at the centre of curvature has no unique nearest place; a bounded step keeps it at a local one.
+            # A point at the centre of curvature has no unique nearest place. Short steps keep s near its start.
             step = np.sum(offset * first, axis=1) / np.maximum(slope, 0.1)
             s[inside] = si + np.clip(step, -SAMPLE_MM, SAMPLE_MM)
         return s
 
 
 def integrate(curvature_1, curvature_2, step_mm):
-    """Curve (n, 3) from the two curvatures (n,) of its transported frame. It starts at the origin along x."""
+    """Points (n, 3) in mm of a curve, from its curvatures (n,) in 1/mm towards the normal and the binormal.
+
+    step_mm: arc length between the points. Normal and binormal are of the rotation-minimising frame. The curve starts
+    at the origin along x.
+    """
     tangent, normal, binormal = np.eye(3)
     points = np.zeros((len(curvature_1), 3))
     for i in range(1, len(curvature_1)):

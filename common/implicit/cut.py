@@ -2,16 +2,16 @@
 
 import numpy as np
 
-SNAP = 0.3  # share of an edge's length: vertices this near move onto the plane, so that no sliver is left beside it
+SNAP = 0.3  # share of an edge's length; a vertex nearer to the plane than this moves onto it, to avoid thin triangles
 RIM_PASSES = 8
 
 
 def at_end(field, points, triangles, centre, normal, radius):
-    """(points, triangles) without the part beyond the plane (centre, outward normal) of one end.
+    """(points (n, 3) mm, triangles (m, 3)) of a wall without the part beyond the plane of one end.
 
-    Every triangle that crosses the plane is split along it. Removing whole triangles left a saw-tooth edge, and the
-    strips between that edge and a new rim intersected themselves. The cut is local, since the whole plane would cut
-    other branches too.
+    centre (3,), normal (3,) outward, radius (mm): of that end. Every triangle that crosses the plane is split along
+    it. Removing whole triangles left a saw-tooth edge, and the strips between that edge and a new rim intersected
+    themselves. Only the surface near the end is cut, since the whole plane would cut other branches too.
     """
     offset = points - centre
     height = offset @ normal
@@ -37,7 +37,7 @@ def _edges(triangles):
 
 
 def _nearest_ends(edges, height):
-    """Vertices that lie within SNAP of a crossing edge's length from the plane."""
+    """Vertices of edges across the plane, nearer to it along their edge than SNAP of the edge's length."""
     h0, h1 = height[edges].T
     edges, h0, h1 = (x[h0 * h1 < 0] for x in (edges, h0, h1))
     share = h0 / (h0 - h1)
@@ -45,7 +45,7 @@ def _nearest_ends(edges, height):
 
 
 def _on_rim(field, points, centre, normal):
-    """Points (n, 3) moved onto the wall and the plane in turn, the plane last."""
+    """Points (n, 3) moved by turns onto the wall and onto the end's plane, the plane last."""
     for _ in range(RIM_PASSES):
         points = field.project(points, 1)
         points = points - ((points - centre) @ normal)[:, None] * normal
@@ -53,14 +53,15 @@ def _on_rim(field, points, centre, normal):
 
 
 def _below(points, triangles, height, crossed):
-    """Triangles (m, 3) at or below height 0. Triangles that cross height 0 are cut at the new vertices n to n + k - 1.
+    """Triangles (m, 3) at or below the end's plane; those that cross it are cut along it.
 
-    height (n + k,): of all vertices, 0 for the new ones; crossed (k, 2): the edges on which the new vertices lie.
+    height (n + k,): of all vertices over the plane in mm; the last k are the new vertices, with height 0.
+    crossed (k, 2): the edge on which each new vertex lies.
     """
     first = len(height) - len(crossed)
     number = {(int(a), int(b)): first + index for index, (a, b) in enumerate(crossed)}
     of = height[triangles]
-    # A triangle with all corners on the rim lies flat against the cap: it is no part of the wall.
+    # A triangle with all corners on the rim lies in the plane of the cap: it is no part of the wall.
     whole = (of.max(axis=1) <= 0) & (of.min(axis=1) < 0)
     kept = [triangles[whole]]
     split = triangles[(of.max(axis=1) > 0) & (of.min(axis=1) < 0) & np.isfinite(of).all(axis=1)]
@@ -77,7 +78,7 @@ def _below(points, triangles, height, crossed):
 
 
 def _fan(points, ring):
-    """A triangle stays; a quadrilateral becomes two triangles, along its shorter diagonal."""
+    """Triangles of a ring of three or four vertices. A quadrilateral is split along its shorter diagonal."""
     if len(ring) == 3:
         return [ring]
     a, b, c, d = ring

@@ -1,52 +1,53 @@
-"""The lumen as an implicit field: negative inside, zero on the wall, about a distance in mm."""
+"""The lumen as an implicit field: about the distance to the wall in mm, negative inside, zero on the wall."""
 
 import numpy as np
 
-BLEND_MM = 0.5
-BAND_MM = 0.6
+BLEND_MM = 0.5  # branches are blended where their fields differ by less
+BAND_MM = 0.6  # on a grid the field is computed only this near to the wall
 
 
 def smooth_minimum(a, b, width=BLEND_MM):
-    """Quadratic smooth minimum; below min(a, b) by at most width / 4, equal to it where |a - b| >= width."""
+    """Smooth minimum of a and b (mm): below min(a, b) by at most width / 4, equal to it where |a - b| >= width."""
     h = np.maximum(width - np.abs(a - b), 0) / width
     return np.minimum(a, b) - 0.25 * width * h * h
 
 
 class LumenField:
-    """Smooth union over the branches of |x - c(s)| - r(s), s the nearest point of the branch's axis.
+    """Smooth union of the branches. The field of one branch at a point x is |x - c(s)| - r(s).
 
-    Only different branches are blended, so a single branch has its exact radius. Ends run straight on beyond the caps.
+    c(s) is the point of the branch's axis nearest to x, r(s) the radius there. Only different branches are blended, so
+    a single branch has its exact radius. Open ends run straight on beyond the caps.
     """
 
     def __init__(self, branches):
         self.branches = branches
 
     def branch_value(self, branch, points_mm, iterations=4):
-        """Field (n,) of one branch alone."""
+        """Field (n,) in mm of one branch alone at points (n, 3). iterations: see Curve.nearest."""
         s = branch.axis.nearest(points_mm, iterations)
         if branch.parent:
             s = np.maximum(s, 0.0)  # a side branch starts inside its parent, with a round end
         return np.linalg.norm(points_mm - branch.axis.point(s), axis=1) - branch.radius(s)
 
     def value(self, points_mm, iterations=4):
-        """Field (n,) in mm at points (n, 3)."""
+        """Field (n,) in mm of all branches at points (n, 3). iterations: see Curve.nearest."""
         total = self.branch_value(self.branches[0], points_mm, iterations)
         for branch in self.branches[1:]:
-            # Far from a side branch its value cannot matter; skipping it saves most of the work.
+            # A side branch cannot change the minimum far from itself; skipping it saves most of the work.
             near = _within(branch, points_mm, 3.0)
             if near.any():
                 total[near] = smooth_minimum(total[near], self.branch_value(branch, points_mm[near], iterations))
         return total
 
     def gradient(self, points_mm, step_mm=1e-4):
-        """Central differences (n, 3)."""
+        """Gradient (n, 3) of the field at points (n, 3), by central differences."""
         shifts = step_mm * np.eye(3)
         return np.stack(
             [(self.value(points_mm + d) - self.value(points_mm - d)) / (2 * step_mm) for d in shifts], axis=1
         )
 
     def project(self, points_mm, iterations=3):
-        """Newton projections of points (n, 3) onto the zero level along the gradient."""
+        """Points (n, 3) moved onto the wall (zero level) along the gradient, by Newton steps of bounded length."""
         for _ in range(iterations):
             gradient = self.gradient(points_mm)
             value = self.value(points_mm)
@@ -62,7 +63,7 @@ def _within(branch, points_mm, margin_mm):
 
 
 def ends(branches):
-    """The open ends, inlet first: (name, centre (3,), outward unit normal (3,), radius mm)."""
+    """[(name, centre (3,) mm, outward unit normal (3,), radius mm)] of the open ends, the inlet first."""
     main = branches[0]
     first, _, _ = main.axis.frame(0.0)
     found = [("inlet", main.axis.point(0.0), -first, float(main.radius(0.0)))]
@@ -74,9 +75,10 @@ def ends(branches):
 
 
 def sample_grid(field, spacing_mm):
-    """Field on a grid over the narrow band round the wall: (origin (3,), values (nx, ny, nz)).
+    """Field on a regular grid, exact near the wall only: (origin (3,) mm, values (nx, ny, nz) mm).
 
-    Points outside the band hold +-BAND_MM, so that no false surface appears. The band covers the ends' extensions.
+    Grid points farther than BAND_MM from the wall hold +-BAND_MM, so that no false surface appears. The grid also
+    covers the straight extensions of the open ends.
     """
     clouds = []
     for branch in field.branches:
@@ -87,7 +89,7 @@ def sample_grid(field, spacing_mm):
     low = np.min([p.min(axis=0) for p, _ in clouds], axis=0) - margin
     high = np.max([p.max(axis=0) for p, _ in clouds], axis=0) + margin
     shape = np.ceil((high - low) / spacing_mm).astype(int) + 1
-    # The wall lies between an inner and an outer tube about each axis: mark balls of grid points along it.
+    # The wall lies between an inner and an outer tube about each axis. Balls along the axis mark both tubes.
     near = np.zeros(shape, bool)
     core = np.zeros(shape, bool)
     for points, radii in clouds:

@@ -1,4 +1,4 @@
-"""Closed triangle surface of an implicit lumen, every wall vertex on the field's zero level, flat caps."""
+"""Closed triangle surface of an implicit lumen: flat caps, and a wall with every vertex on the field's zero level."""
 
 import numpy as np
 import vtk
@@ -32,7 +32,7 @@ def _contour(low, values, spacing_mm):
 
 
 def _relaxed(poly):
-    """Evens out the slivers of the contour; the Newton projections that follow restore the exact wall."""
+    """A smoothed contour, without its thin triangles. `build` then projects the vertices back onto the exact wall."""
     smooth = vtk.vtkWindowedSincPolyDataFilter()
     smooth.SetInputData(poly)
     smooth.SetNumberOfIterations(SMOOTHING_PASSES)
@@ -51,7 +51,7 @@ def _drop_beyond(points, triangles, keep):
 
 
 def _boundary_loops(triangles):
-    """Loops of vertex indices along the open edges, in the direction opposite to the triangles'."""
+    """Loops of vertex indices along the open edges, against the direction in which the triangles run."""
     edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     twins = set(map(tuple, edges[:, ::-1]))
     follow = {b: a for a, b in map(tuple, edges) if (a, b) not in twins}
@@ -67,7 +67,7 @@ def _boundary_loops(triangles):
 
 
 def build(field, spacing_mm):
-    """Closed lumen surface.
+    """Closed lumen surface of a LumenField, first found on a grid of spacing_mm.
 
     Returns (points (n, 3) mm, triangles (m, 3) outward, on_cap (n,) bool). Wall vertices lie on the field's zero level,
     rim vertices on both the wall and the cap's plane. Raises ComputationError if the cut at an end fails.
@@ -95,7 +95,7 @@ def build(field, spacing_mm):
 
 
 def _largest(points, triangles):
-    """The component with most triangles (the contour may hold the far stub of an extension)."""
+    """The connected part with most triangles. The other parts may be cut-off ends of the vessel's extensions."""
     i, j = triangles[:, 0], triangles[:, 1]
     k = triangles[:, 2]
     rows, columns = np.concatenate([i, j]), np.concatenate([j, k])
@@ -123,7 +123,7 @@ def _capped(points, triangles, loops, ends):
 
 
 def _check_rim(rim_points, centre, normal):
-    """Raises ComputationError if the closed rim does not go round the centre once, always the same way."""
+    """Raises ComputationError unless the closed rim goes round the centre once without turning back."""
     spoke, following = rim_points - centre, np.roll(rim_points, -1, axis=0) - centre
     turn = np.arctan2(np.cross(spoke, following) @ normal, np.sum(spoke * following, axis=1))
     if abs(abs(turn.sum()) - 2 * np.pi) > 1e-6 or np.any(turn * turn.sum() <= 0):
@@ -132,10 +132,11 @@ def _check_rim(rim_points, centre, normal):
 
 
 def _disc(rim_points, centre, normal):
-    """Flat cap: (inner points (k, 3), triangles that number the rim first, facing along the outward normal).
+    """Flat cap: (inner points (k, 3) mm, triangles facing along the outward normal).
 
-    The rim may be any closed curve that its centre sees as a whole. Its points are moved to a unit circle by their
-    angle and triangulated there. Without this, a rim with a hollow would be filled up to its convex hull.
+    The triangles number the rim's points first, then the inner points. From the centre every point of the rim must be
+    in sight. The rim's points are moved to a unit circle, each at its angle, and triangulated there. Without this, a
+    rim with a hollow would be filled up to its convex hull.
     """
     u = rim_points[0] - centre
     u /= np.linalg.norm(u)

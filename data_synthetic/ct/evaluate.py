@@ -8,7 +8,10 @@ END_RADII = 1.5
 
 
 def section_area(points, triangles, centre, normal):
-    """Area (mm2) of the loop round `centre` in the plane (centre, normal) of a closed surface; NaN if there is none."""
+    """Area (mm2) within the outline of a closed surface that goes round `centre`, in the plane across `normal`.
+
+    points (n, 3) mm, triangles (m, 3). NaN if no outline goes round the centre.
+    """
     height = (points - centre) @ normal
     above = height > 0
     cut = triangles[above[triangles].any(axis=1) & ~above[triangles].all(axis=1)]
@@ -48,7 +51,7 @@ def section_area(points, triangles, centre, normal):
 
 
 def sections(branches, spacing_mm=0.5):
-    """[(branch name, s_mm, centre (3,), tangent (3,))] of sections away from the ends and ostia of all branches."""
+    """[(branch name, s_mm, centre (3,), tangent (3,))] of sections of all branches, except near ends and ostia."""
     found = []
     for branch in branches:
         radius = branch.radius_mm
@@ -65,7 +68,7 @@ def sections(branches, spacing_mm=0.5):
             away = np.linalg.norm(points - parent.axis.point(on_parent), axis=1)
             keep &= away > parent.radius(on_parent) + 2.0 * branch.radius(s)
         for child in children:
-            # Leave out the child's ostium on the parent, with room for the blend and an oblique exit.
+            # Leaves out the child's ostium on the parent, with room for the rounded edge and an oblique exit.
             keep &= np.abs(s - child.s_on_parent_mm - 1.0) > 2.5 * child.radius_mm[0] + 1.0
         s = s[keep]
         tangent = branch.axis.frame(s)[0]

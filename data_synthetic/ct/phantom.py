@@ -21,7 +21,10 @@ LARGEST_VOXELS = 60e6
 
 
 def grid(vessel, settings):
-    """(origin (3,) mm, shape (3,)) of the box around all pieces. Raises InputError if it is too large for memory."""
+    """(centre (3,) in mm of the first voxel, number of voxels (3,)) of a volume round all pieces of a Vessel.
+
+    Raises InputError for more than LARGEST_VOXELS.
+    """
     voxel, margin = np.array(settings["voxel_mm"]), settings["margin_mm"]
     points = np.concatenate([p for p, _ in vessel.pieces])
     low = np.floor((points.min(axis=0) - margin) / voxel) * voxel
@@ -34,9 +37,10 @@ def grid(vessel, settings):
 
 
 def blur_matrix(count, voxel_mm, sigma_mm, factor):
-    """Sparse (count, count * factor) matrix from samples along one axis to the voxels' means of the blurred object.
+    """Sparse matrix (count, count * factor) that turns samples along one axis into the voxels of the blurred image.
 
-    Weights: Gaussian convolved with the voxel's box, at the samples' distances; each full row sums to 1.
+    factor: samples in a voxel. A sample's weight is the Gaussian point spread, averaged over the voxel, at the sample's
+    distance from the voxel. The weights of a voxel sum to 1 unless the volume's edge cuts some off.
     """
     reach = int(np.ceil((4 * sigma_mm / voxel_mm + 0.5) * factor)) + 1
     offset = np.arange(-reach, reach + 1)
@@ -52,7 +56,7 @@ def blur_matrix(count, voxel_mm, sigma_mm, factor):
 
 
 def _stencil(poly, origin, spacing, shape):
-    """Samples (shape) inside a closed surface, bool."""
+    """Whether each sample of a regular grid (shape) lies inside a closed surface: array of bool."""
     cut = vtk.vtkPolyDataToImageStencil()
     cut.SetInputData(poly)
     cut.SetOutputOrigin(*origin)
@@ -125,8 +129,8 @@ def _window(pieces, origin, voxel, shape, reach, first, layers):
         if piece_low[2] - reach < high_z and piece_high[2] + reach > low_z:
             points = vtk_to_numpy(poly.GetPoints().GetData())
             near = (points[:, 2] > low_z - reach - 1) & (points[:, 2] < high_z + reach + 1)
-            # The prisms that extend the ends have points at their two ends only, and may cross the slab without a
-            # point in it. So the box of the whole prism is taken.
+            # The prisms that extend the ends have points at their two ends only. They may cross the slab without a
+            # point in it, so the box of the whole prism is taken.
             low.append(points[near].min(axis=0) if poly is pieces[0][0] and near.any() else piece_low)
             high.append(points[near].max(axis=0) if poly is pieces[0][0] and near.any() else piece_high)
     if not low:
@@ -139,7 +143,11 @@ def _window(pieces, origin, voxel, shape, reach, first, layers):
 
 
 def _tissues(tree, vessel, settings, reach, corner, inside):
-    """HU above fat of plaque and wall at each sample, in the shape of `inside`; undefined inside the lumen."""
+    """HU minus that of fat, for plaque and wall at each sample of a slab. Samples inside the lumen are undefined.
+
+    inside: bool array of the slab's samples; the result has its shape. tree: cKDTree of vessel.places_mm. reach: depth
+    in mm of plaque and wall. corner (3,): lower corner of the slab in mm.
+    """
     counts = np.array(inside.shape) // settings["supersampling"]
     factor, voxel = settings["supersampling"], np.array(settings["voxel_mm"])
     samples = min(TISSUE_SAMPLES, factor)
@@ -166,7 +174,10 @@ def _tissues(tree, vessel, settings, reach, corner, inside):
 
 
 def _add_metal(slab, metal, settings, corner, fine):
-    """Mixes the struts' CT number into each sample by their share of its volume; metal displaces blood or tissue."""
+    """Mixes the CT number of metal into each sample of `slab`, by the share of its volume that struts fill.
+
+    metal: as for `render`. corner (3,), fine (3,): lower corner of the slab and edges of a sample, in mm.
+    """
     points, volumes = metal
     at = np.floor((points - corner) / fine).astype(int)
     keep = np.all((at >= 0) & (at < slab.shape), axis=1)

@@ -9,17 +9,18 @@ from common.errors import InputError
 from common.implicit.curves import Curve
 
 
-RING_PITCH_MM = 1.3
+RING_PITCH_MM = 1.3  # distance between the rings of a stent
 WAVE_MM = 0.45  # half the height of a ring's wave
-STEP_MM = 0.02
-OVERHANG_MM = 0.5  # of a stent past the vessel's end: straightening may shorten the vessel by this much
+STEP_MM = 0.02  # length of a piece of a strut
+OVERHANG_MM = 0.5  # a stent may reach beyond the vessel's end by this, since straightening may shorten the vessel
 
 
 def laid_on(poly, axis_points_mm, start_s_mm, end_s_mm, crowns, links, thickness_mm):
     """Centre lines (n, 3) mm and lengths (n,) mm of strut pieces of a stent against the wall of a lumen.
 
-    The stent has a ring of `crowns` waves every 1.3 mm from start_s_mm to end_s_mm along the axis (m, 3). `links`
-    straight bars join neighbouring rings. The struts are thickness_mm thick and touch the wall from inside.
+    The stent goes from start_s_mm to end_s_mm along the axis (m, 3). It has a ring of `crowns` waves about every
+    RING_PITCH_MM, and `links` straight bars between neighbouring rings. The struts are thickness_mm thick and touch the
+    wall from inside.
     """
     axis = Curve(axis_points_mm)
     tree = vtk.vtkOBBTree()
@@ -33,7 +34,7 @@ def laid_on(poly, axis_points_mm, start_s_mm, end_s_mm, crowns, links, thickness
         paths.append((s + WAVE_MM * np.sin(crowns * theta), theta))
         if number + 1 < count:
             for link in range(links):
-                # A link goes from a crest of this ring to the same phase of the next ring.
+                # A link goes at a constant angle, from a crest or trough of this ring's wave to that of the next ring.
                 at = 2 * np.pi * (np.floor(link * crowns / links) + 0.25 + 0.5 * (number % 2)) / crowns
                 height = WAVE_MM * np.sin(crowns * at)
                 paths.append((np.linspace(s, rings[number + 1], 40) + height, np.full(40, at)))

@@ -47,14 +47,18 @@ COLUMNS = [
 
 
 class Subject:
-    """A lumen of known shape: branches, surface (points, triangles), its Vessel, and the stent's metal and extent."""
+    """A lumen of known shape, with or without a stent.
+
+    branches: of the tree; surface: (points, triangles); vessel: its Vessel; places: sections to compare (evaluate).
+    metal: (points mm, volumes mm3) of the struts, or None; extents: {branch: (start, end)} mm to compare, or None.
+    """
 
     def __init__(self, case, where, strut_mm):
         """strut_mm: thickness of the struts of a stent; None without one."""
         description = copy.deepcopy(case["vessel"])
         lesions = description["lesions"]
         if strut_mm:
-            # The vessel after a perfect treatment: healthy lumen, struts against the wall.
+            # With a stent the vessel is as after a perfect treatment: healthy lumen, struts against the wall.
             description["lesions"] = []
         self.branches = tree.grow(description, where)
         lumen = field.LumenField(self.branches)
@@ -132,9 +136,10 @@ def _rows(subject, clean, scanner, settings, methods, labels):
 
 
 def _found(folder, subject):
-    """The table's columns for one segmentation. The user's command makes it from a folder with volume and end points.
+    """The table's columns from `status` or `sections` on, for one segmentation by the command `anatomy ct`.
 
-    Raises ComputationError if the command fails for a reason other than the image's content.
+    folder: holds the volume, its end points and the settings. Raises ComputationError if the command fails for a reason
+    other than the image's content.
     """
     command = [sys.executable, "-m", "anatomy", "ct", folder / "ct.nii", "--ends", folder / "ends.json"]
     command += ["--settings", folder / "settings.json", "--out", folder / "found"]

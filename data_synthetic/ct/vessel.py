@@ -11,22 +11,23 @@ from common import vtp
 from common.errors import InputError
 
 
-EXTENSION_MM = 4.0  # of the vessel beyond the surface's ends: more than any blur reaches, so that no end is visible
-COPLANAR = np.cos(np.radians(1.0))
+EXTENSION_MM = 4.0  # of the vessel beyond the surface's ends: farther than any blur reaches, so that no end is visible
+COPLANAR = np.cos(np.radians(1.0))  # cosine of the largest angle between neighbouring triangles of a flat end
 
 
 @dataclass
 class Vessel:
-    """Closed pieces (points (n, 3) mm, triangles (m, 3)): the surface first, then one prism for each end.
+    """A vessel to be scanned. pieces: closed surfaces (points (n, 3) mm, triangles (m, 3)).
 
-    Samples on the walls: places_mm (k, 3), plaque_mm (k,) thickness behind each, kind (k,) of plaque (plaque_types).
+    The first piece is the lumen; one prism for each end follows. places_mm (k, 3): points on the walls of all pieces.
+    plaque_mm (k,), kind (k,): thickness and type (common.plaque_types) of the plaque behind each.
     """
 
     pieces: list
     places_mm: np.ndarray
     plaque_mm: np.ndarray
     kind: np.ndarray
-    wall_points: np.ndarray  # indices of the surface's wall points, the first of the places
+    wall_points: np.ndarray  # indices of the lumen's wall points; places_mm begins with these points
 
 
 def from_surface(poly, where):
@@ -70,7 +71,10 @@ def _area_vectors(points, triangles):
 
 
 def _caps(poly, points, triangles):
-    """Number of the flat end that each triangle belongs to, -1 on the wall: by `region_id`, else by flatness."""
+    """Number (m,) of the flat end to which each triangle belongs, -1 on the wall.
+
+    Taken from the array `region_id` if the surface has it. Otherwise flat discs are taken for ends.
+    """
     region = poly.GetCellData().GetArray("region_id")
     if region is not None:
         return vtk_to_numpy(region).astype(int) - 1
@@ -102,9 +106,10 @@ def _caps(poly, points, triangles):
 
 
 def _plaque(poly, points, triangles):
-    """(thickness t in mm (n,), type (n,)) of the plaque behind each point. Opening the lumen makes the plaque thinner.
+    """(thickness in mm (n,), type (n,)) of the plaque behind each point of a lumen.
 
-    The plaque's area in a section is kept: (R + t)^2 - R^2 is the same before and after, with R the lumen's radius.
+    If the lumen was widened by a procedure, the plaque is thinner than before, since its area in a section is kept:
+    (R + t)^2 - R^2 is the same before and after, where R is the lumen's radius and t the thickness.
     """
     data = poly.GetPointData()
     if data.GetArray("plaque_thickness_mm") is None or data.GetArray("plaque_type") is None:

@@ -20,8 +20,8 @@ from .solid import materials
 from .surface import deformation, output, refine, straightening
 from .treatment import devices
 
-ON_WALL_MM = 0.05
-LEAST_ON_WALL = 0.8  # share of the lumen's points: usually 0.94 to 0.98, the others lie on caps
+ON_WALL_MM = 0.05  # a point nearer than this to the true wall counts as on the wall
+LEAST_ON_WALL = 0.8  # share of the lumen's points on the wall: usually 0.94 to 0.98, as the others lie on caps
 
 
 def patient_and_steps(scene, scene_path, truth_path):
@@ -36,7 +36,10 @@ def patient_and_steps(scene, scene_path, truth_path):
 
 
 def run(scene_path, anatomy, truth_path, out, settings_path=None):
-    """Writes `out`/{lumen.vtp, lumen.stl, reference.json}. Raises InputError, ComputationError."""
+    """Writes `out`/{lumen.vtp, lumen.stl, reference.json}; returns the content of reference.json.
+
+    anatomy: folder with the lumen.vtp before PCI. Raises InputError, ComputationError.
+    """
     begun = time.perf_counter()
     logging.disable(logging.INFO)  # hides the form compiler's messages
     scene, settings = load_scene(scene_path), config.load_section(settings_path, "reference")
@@ -91,7 +94,10 @@ def run(scene_path, anatomy, truth_path, out, settings_path=None):
 
 
 def _moved_surface(lumen, branches, move, edge_mm):
-    """The lumen (vtkPolyData) refined where it is stretched, and moved. Raises ComputationError if it folds."""
+    """The lumen (vtkPolyData), refined where it is stretched and then moved. Raises ComputationError if it folds.
+
+    move: points (n, 3) mm -> moved points. edge_mm: edges longer than this after the move are halved.
+    """
     field = LumenField(branches)
     before, triangles = vtp.arrays(lumen)
     from_wall = _on_wall(field, before)
@@ -164,7 +170,10 @@ def _coarser(settings):
 
 
 def _materials(settings):
-    """The tissues' constants and sources, and each one's stress at the biaxial stretch of measured lesions (1.15)."""
+    """Constants of the tissues with their sources, and the stress of each tissue at a biaxial stretch of 1.15.
+
+    Whole lesions were measured at that stretch (see `materials`).
+    """
     names = dict(zip(("fibrous", "lipid", "calcified"), materials.OF_TYPE.values()))
     found = {key: {**vars(p), "biaxial_stress_mpa": materials.biaxial_stress(1.15, p)} for key, p in names.items()}
     c10, c20 = settings["wall_c10_mpa"], settings["wall_c20_mpa"]

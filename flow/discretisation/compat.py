@@ -1,4 +1,7 @@
-"""FEniCSx as the flow uses it: meshes, spaces, forms and matrices; common.fenicsx has what differs by its version."""
+"""FEniCSx as the flow uses it: meshes, spaces, forms and matrices.
+
+common.fenicsx holds what differs between versions of FEniCSx.
+"""
 
 import contextlib
 import io
@@ -17,16 +20,17 @@ from flow.geometry import tet10
 logging.getLogger("FFC").setLevel(logging.WARNING)
 logging.getLogger("root").setLevel(logging.WARNING)
 
-FLAGS = ("-O3", "-march=native", "-fno-math-errno")
+FLAGS = ("-O3", "-march=native", "-fno-math-errno")  # of the C compiler for forms
 
 cell_dofs, degree, degrees = fenicsx.cell_dofs, fenicsx.degree_of, fenicsx.degrees
 function_space, mixed_element, petsc_vector = fenicsx.function_space, fenicsx.mixed, fenicsx.petsc_vector
 
 
 def read_gmsh(path, dimension=3):
-    """(mesh, facet tags) of a gmsh file with `dimension` coordinates, which are as in the file. Raises InputError.
+    """(mesh, facet tags) of a gmsh file. Raises InputError.
 
-    gmshio.read_from_msh of 0.5.2 raises a NameError, hence the detour over gmsh's model.
+    The mesh has `dimension` coordinates, in the unit of the file. The file is read through gmsh's model, since
+    gmshio.read_from_msh of dolfinx 0.5.2 raises a NameError.
     """
     with _model_of(path) as model, contextlib.redirect_stdout(io.StringIO()):
         mesh, _, facets = gmshio.model_to_mesh(model, MPI.COMM_SELF, 0, gdim=dimension)
@@ -34,14 +38,14 @@ def read_gmsh(path, dimension=3):
 
 
 def count_cells(path):
-    """Number of cells of a gmsh file. Raises InputError."""
+    """Number of three-dimensional cells in a gmsh file. Raises InputError."""
     with _model_of(path) as model:
         return sum(len(tags) for tags in model.mesh.getElements(3)[1])
 
 
 @contextlib.contextmanager
 def _model_of(path):
-    """Yields gmsh's model of a file. Raises InputError."""
+    """Opens a mesh file in gmsh and yields gmsh.model. Raises InputError."""
     import gmsh
 
     remedy = "make it with `flow mesh`"
@@ -60,27 +64,27 @@ def _model_of(path):
 
 
 def vector_element(mesh, degree):
-    """Lagrange element with as many components as the mesh has coordinates."""
+    """Vector-valued Lagrange element of this degree, with as many components as the mesh has coordinates."""
     return fenicsx.lagrange(fenicsx.cell_of(mesh), degree, mesh.geometry.dim)
 
 
 def scalar_element(mesh, degree):
-    """Lagrange element."""
+    """Scalar Lagrange element of this degree."""
     return fenicsx.lagrange(fenicsx.cell_of(mesh), degree)
 
 
 def form(expression):
-    """Compiled form."""
+    """Compiled form of a UFL expression."""
     return fenicsx.form(expression, FLAGS)
 
 
 def block_matrix(compiled):
-    """Empty PETSc matrix of a form on a vector space, stored by the blocks of its nodes."""
+    """Empty PETSc matrix of a compiled form on a vector space, stored in blocks, one for each pair of nodes."""
     return fenicsx.create_matrix(compiled, "baij")
 
 
 def csr(matrix):
-    """scipy's CSR of a PETSc matrix, which is assembled and destroyed."""
+    """scipy CSR matrix with the values of a PETSc matrix, which is assembled first and destroyed afterwards."""
     matrix.assemble()
     starts, columns, values = matrix.getValuesCSR()
     found = scipy.sparse.csr_matrix((values, columns, starts), matrix.size)
@@ -89,8 +93,10 @@ def csr(matrix):
 
 
 def interpolation(coarse, fine):
-    """Sparse matrix (nodes of fine, nodes of coarse) from one component of a space's values to that of its interpolant
-    in another on the same mesh."""
+    """Sparse matrix (nodes of fine, nodes of coarse) that interpolates nodal values from one space to another.
+
+    coarse, fine: spaces on the same mesh. Of vector spaces the matrix is for one component.
+    """
     scalars = [function_space(space.mesh, scalar_element(space.mesh, degree(space))) for space in (fine, coarse)]
     found = csr(fenicsx.interpolation_matrix(*scalars[::-1]))
     number = [np.empty(found.shape[k], int) for k in range(2)]
@@ -100,14 +106,15 @@ def interpolation(coarse, fine):
 
 
 def new_vector(space):
-    """A PETSc vector over a space, zero."""
+    """New PETSc vector over a space."""
     return la.create_petsc_vector(space.dofmap.index_map, space.dofmap.index_map_bs)
 
 
 def part(mixed, index, element):
-    """(space of a mixed space's part, (n,) the mixed space's dofs by those of the part); element: the part's.
+    """(space, dofs (n,)) of part number `index` of a mixed space: dofs[i] is the mixed space's dof of the part's dof i.
 
-    As collapse(), which takes forty times as long on cubic elements in 0.5.2.
+    element: that of the part. It does the same as dolfinx's collapse(), which in 0.5.2 takes forty times as long on
+    cubic elements.
     """
     space = function_space(mixed.mesh, element)
     size, cells = space.dofmap.bs, cell_dofs(space)
@@ -118,7 +125,7 @@ def part(mixed, index, element):
 
 
 def quadratic_cells(space):
-    """(points (n, 3), cells (t, 10)) of a quadratic space: its nodes, cells in the node order of geometry.tet10."""
+    """(nodes (n, 3), cells (t, 10)) of a quadratic space, with the cells' nodes in the order of geometry.tet10."""
     topology, _, points = fenicsx.vtk_cells(space)
     cells = np.asarray(topology).reshape(-1, 11)[:, 1:]
     return points, cells[:, tet10.VTK_ORDER]

@@ -1,4 +1,4 @@
-"""The flow in a lumen as numbers: values over the space W and the inflow Q, taken, moved and scaled."""
+"""The state of the discrete flow in a lumen: values over the space W and the inflow Q, and how they are set."""
 
 import numpy as np
 
@@ -7,9 +7,10 @@ from flow.geometry import locate
 
 
 class FlowState:
-    """state (Function on space.W) and inflow (m3/s).
+    """A flow: `state` (Function on space.W: velocity in m/s, pressure in Pa) and `inflow` (m3/s).
 
-    A subclass sets space, boundaries and forms (discretisation.forms).
+    A subclass sets space (spaces.LumenSpace), boundaries (physics.outlets.Boundaries), forms (forms.NavierStokes),
+    state, inflow and free_velocity.
     """
 
     @property
@@ -18,6 +19,10 @@ class FlowState:
         return float(self.forms.artificial.value)
 
     def move(self, base, base_inflow, update, inflow_update, factor):
+        """Sets the flow to base (n,) over W plus factor times update, the change of the free dofs.
+
+        base_inflow, inflow_update: likewise for the inflow in m3/s, which sets the velocity at the inlet.
+        """
         self.inflow = base_inflow + factor * inflow_update
         values = base.copy()
         values[self.space.free] += factor * update
@@ -25,16 +30,16 @@ class FlowState:
         self.state.x.array[:] = values
 
     def speed(self, update):
-        """Size of an update of the free dofs: the norm of its velocities in m/s."""
+        """Size of an update of the free dofs: the Euclidean norm of its nodal velocities in m/s, without pressures."""
         return float(np.linalg.norm(update[self.free_velocity]))
 
     def restart(self):
-        """Back to rest."""
+        """Sets the flow to rest."""
         self.state.x.array[:] = 0.0
         self.inflow = 0.0
 
     def scale_to(self, ratio):
-        """Multiplies velocities by `ratio` and pressure losses by its square."""
+        """Multiplies velocities and inflow by `ratio`, and pressure losses (MAP minus pressure) by its square."""
         values, pressure = self.state.x.array, self.space.q_map
         loss = values[pressure] - self.boundaries.map_pa
         values *= ratio
@@ -46,13 +51,19 @@ class FlowState:
         return compat.petsc_vector(self.state)
 
     def set_guess(self, space, state, inflow):
-        """Takes a flow on another mesh as the first guess: `state` over that mesh's `space`, at this mesh's nodes."""
+        """Sets the flow to one of another mesh, interpolated to this mesh's nodes.
+
+        state: values over W of that mesh's LumenSpace `space`; inflow in m3/s.
+        """
         points, _ = self.space.nodes()
         velocity, pressure, _ = locate.FieldSampler(space, state)(points)
         self.take(velocity, pressure, inflow)
 
     def take(self, velocity, pressure, inflow):
-        """Takes velocity (n, 3) and pressure (n,) at the velocity nodes, and the inflow, as the state."""
+        """Sets the flow to velocity (n, 3) in m/s and pressure (n,) in Pa at the velocity nodes, and inflow in m3/s.
+
+        Velocities on the wall are set to 0, those at the inlet to the profile of the inflow.
+        """
         values = self.state.x.array
         values[self.space.v_map] = velocity.ravel()
         values[self.space.wall] = 0.0

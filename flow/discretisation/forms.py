@@ -1,7 +1,6 @@
 """The compiled forms of physics.navier_stokes on a function space: residual, tangents, terms of the energy balance.
 
-The artificial viscosity eps h |u| is 0 in the answer wherever solvers.continuation can take it away. With eps = 0
-nothing is computed for it.
+The artificial viscosity is eps h |u| (physics.navier_stokes). With eps = 0 the compiled forms do not contain it.
 """
 
 import ufl
@@ -15,11 +14,11 @@ from flow.physics import navier_stokes as weak, viscosity as viscosities
 
 
 class NavierStokes:
-    """Residual and tangents of a state w = (u, p) on a LumenSpace, SI units, compiled when first asked for.
+    """Residual and tangents of a state w = (u, p) on a LumenSpace, in SI units, each compiled at its first use.
 
-    viscosity is one of physics.viscosity; space has W, mesh, facets (tags) and outlets (their tags), in three or two
-    dimensions, for all but `residual` also W's parts V and Q; artificial is eps. picard freezes the convecting velocity
-    and the viscosities.
+    state: Function on space.W; density in kg/m3; viscosity: of physics.viscosity; grad_div in Pa s; backflow: beta.
+    `artificial` is a constant with the value eps. Another space in two or three dimensions will do if it has W, mesh,
+    facets (tags) and outlets (their tags); for all but `residual` it also needs the parts V and Q of W.
     """
 
     def __init__(self, space, state, density, viscosity, grad_div, backflow):
@@ -28,7 +27,7 @@ class NavierStokes:
         v, q = ufl.TestFunctions(space.W)
         du, dp = ufl.TrialFunctions(space.W)
         mesh, degree = space.mesh, compat.degrees(space.W)[0]
-        exact = 3 * degree - 1  # for convection on straight elements, which most are
+        exact = 3 * degree - 1  # polynomial degree of the convection term on straight elements, which most are
         dx = ufl.Measure("dx", domain=mesh, metadata={"quadrature_degree": exact})
         ds = ufl.Measure("ds", domain=mesh, subdomain_data=space.facets, metadata={"quadrature_degree": exact + 1})
         coarser = ufl.dx(mesh, metadata={"quadrature_degree": 2 * degree - 1})
@@ -50,13 +49,17 @@ class NavierStokes:
             "artificial": artificial(u),
             "backflow": weak.backflow(u, u, v, fluid, on),
         }
-        self.kinetic = lambda tags: 0.5 * density * ufl.inner(u, u) * ufl.dot(u, on.n) * ds(tags)  # leaves, in W
+        # flow of kinetic energy in W out of the lumen through the boundaries `tags`
+        self.kinetic = lambda tags: 0.5 * density * ufl.inner(u, u) * ufl.dot(u, on.n) * ds(tags)
         self._mass = lambda du_, v_: density * ufl.inner(du_, v_) * dx
         self._dx, self._space, self._state, self._compiled = dx, space, state, {}
         self._arguments = ufl.TestFunction(space.W), ufl.TrialFunction(space.W)
 
     def _once(self, name, build):
-        """The compiled form that build(index) makes when first asked for; index: of _residuals and _picards."""
+        """The compiled form `name`, made by build(index) at its first use.
+
+        index: 0 without, 1 with artificial viscosity, the place in _residuals and _picards.
+        """
         index = int(self.artificial.value > 0)
         if (name, index) not in self._compiled:
             self._compiled[name, index] = build(index)
@@ -64,16 +67,16 @@ class NavierStokes:
 
     @property
     def residual(self):
-        """Without the pressure loads."""
+        """The compiled residual over W, without the pressure loads of inlet and outlets."""
         return self._once("residual", lambda index: compat.form(self._residuals[index]))
 
     def assembled(self, vector):
-        """The residual at the present state, into `vector`."""
+        """Writes the residual at the present state into the PETSc vector `vector`."""
         vector.set(0.0)
         fem_petsc.assemble_vector(vector, self.residual)
 
     def artificial_force(self):
-        """The artificial viscosity's part (n,) of the residual at the present state."""
+        """The part of the residual (n,) over W by the artificial viscosity, at the present state."""
         vector = fem_petsc.assemble_vector(self._once("artificial", lambda _: compat.form(self.losses["artificial"])))
         values = vector.array_r.copy()
         vector.destroy()
@@ -81,17 +84,17 @@ class NavierStokes:
 
     @staticmethod
     def integral(form):
-        """Value of a form without arguments."""
+        """Value of a UFL form without test or trial functions."""
         return float(fem.assemble_scalar(compat.form(form)))
 
     @property
     def tangent(self):
-        """Newton's velocity block, over V; `divergence` and its transposed are the rest of the tangent."""
+        """Velocity block of Newton's tangent, over V; the rest of the tangent is `divergence` and its transpose."""
         return self._once("tangent", lambda index: compat.form(self._velocity_tangent(index)))
 
     @property
     def picard(self):
-        """The velocity block of Picard's linearisation."""
+        """Velocity block of Picard's linearisation, in which convecting velocity and viscosities are kept fixed."""
         test, trial = self._arguments
 
         def build(index):
@@ -102,24 +105,26 @@ class NavierStokes:
 
     @property
     def divergence(self):
-        """Continuity's row of the tangent, -(q, div du) with q in Q and du in V; it depends on no state."""
+        """Rows of the tangent for the continuity equation: -(q, div du), q in Q, du in V. No state changes them."""
         du, q = ufl.TrialFunction(self._space.V), ufl.TestFunction(self._space.Q)
         return self._once("divergence", lambda _: compat.form(-q * ufl.div(du) * self._dx))
 
     @property
     def mass(self):
-        """rho (du, v) over V, whose product with du/dt is the inertia of a flow in time."""
+        """rho (du, v) over V; its matrix times du/dt is the inertia in a time-dependent flow."""
         return self._once("mass", lambda _: compat.form(self._mass(*self._velocities())))
 
     def _velocities(self):
+        """(trial function, test function) of the velocity over V."""
         return ufl.TrialFunction(self._space.V), ufl.TestFunction(self._space.V)
 
     @staticmethod
     def _padded(velocity):
-        """As one over W, with pressure 0."""
+        """A velocity over V as a function over W, with pressure 0."""
         return ufl.as_vector([*velocity, 0.0])
 
     def _velocity_tangent(self, index):
+        """UFL derivative of the momentum residual by the velocity, over V; index: as in `_once`."""
         du, v = self._velocities()
         momentum = ufl.replace(self._residuals[index], {self._arguments[0]: self._padded(v)})
         return ufl.derivative(momentum, self._state, self._padded(du))

@@ -16,14 +16,16 @@ from flow.geometry.tags import PHYSICAL_INLET, PHYSICAL_OUTLET_BASE, PHYSICAL_WA
 from flow.geometry.tet10 import LEAST_JACOBIAN_RATIO, overlapping
 from flow.physics.units import M_PER_MM
 
-STRAIGHT = 1e-6  # of an edge's length: its middle's distance from the chord, below which it is no curved one
+# An edge is straight if its middle node is nearer to the middle of its ends than this share of its length.
+STRAIGHT = 1e-6
 
 
 class LumenSpace:
-    """Mesh in metres with its tags and the spaces on it.
+    """A mesh in metres with its facet tags and the function spaces on it.
 
-    W: velocity x pressure; outlets: physical tags, ascending; wall, inlet: velocity dofs in W; free: all other
-    dofs of W. degree: of the velocity; `nodes`, `nodal_pressure` and `corner_values` are those of degree 2.
+    W: velocity and pressure; V, Q: its two parts; v_map, q_map: their dofs in W. outlets: physical tags, ascending;
+    wall, inlet: velocity dofs in W on these boundaries; free: all other dofs of W. degree: of the velocity elements;
+    `nodes`, `nodal_pressure` and `corner_values` need degree 2.
     """
 
     def __init__(self, mesh, facets, where="mesh", degree=2):
@@ -52,35 +54,39 @@ class LumenSpace:
         return self.W.dofmap.index_map.size_global * self.W.dofmap.index_map_bs
 
     def _velocity_dofs(self, tag):
+        """Velocity dofs (n,) in W on the boundary with a physical tag."""
         facets = self.facets.indices[self.facets.values == tag]
         return np.unique(fem.locate_dofs_topological(self.W.sub(0), 2, facets))
 
     def area(self, tag):
-        """Area of a boundary in m2."""
+        """Area in m2 of the boundary with a physical tag."""
         one = fem.Constant(self.mesh, PETSc.ScalarType(1.0))
         return float(np.real(fem.assemble_scalar(compat.form(one * self.ds(tag)))))
 
     def centre(self, tag):
-        """Mean (3,) in m of a boundary's velocity nodes."""
+        """Mean (3,) in m of the velocity nodes on the boundary with a physical tag."""
         facets = self.facets.indices[self.facets.values == tag]
         return self.V.tabulate_dof_coordinates()[fem.locate_dofs_topological(self.V, 2, facets)].mean(axis=0)
 
     def flux_vector(self, tag):
-        """Vector over W of the integrals of v.n over a boundary, so that its product with a state is the outflow."""
+        """PETSc vector over W whose product with a state is the outflow in m3/s through the boundary with a tag.
+
+        Its entries are the integrals of v.n over the boundary, v being a basis function.
+        """
         v, _ = ufl.TestFunctions(self.W)
         n = ufl.FacetNormal(self.mesh)
         return fem_petsc.assemble_vector(compat.form(ufl.inner(n, v) * self.ds(tag)))
 
     def nodes(self):
-        """(points (n, 3) m, cells (t, 10)): the velocity nodes, cells in the node order of geometry.tet10."""
+        """(points (n, 3) in m, cells (t, 10)): the velocity nodes, and the cells with the node order of tet10."""
         if not hasattr(self, "_nodes"):
             self._nodes = compat.quadratic_cells(self.V)
         return self._nodes
 
     def nodal_pressure(self, state):
-        """Pressure (n,) in Pa at the velocity nodes, of a state's values over W.
+        """Pressure (n,) in Pa at the velocity nodes; state: values over W.
 
-        It is P1, so at the middle node of an edge it is the mean of the edge's two corners.
+        Pressure is linear in a cell, so at the middle node of an edge it is the mean of the edge's two corners.
         """
         points, cells = self.nodes()
         pressure = np.empty(len(points))
@@ -90,7 +96,7 @@ class LumenSpace:
         return pressure
 
     def corner_values(self, nodal):
-        """Values (m,) in the pressure space's numbering of values (n,) at the velocity nodes."""
+        """Values (m,) at the corners in the numbering of Q, from values `nodal` (n,) at the velocity nodes."""
         _, cells = self.nodes()
         values = np.empty(len(self.q_map))
         values[compat.cell_dofs(self.Q)] = nodal[cells[:, :4]]
@@ -101,9 +107,9 @@ class LumenSpace:
         return np.flatnonzero(np.isin(self.v_map.reshape(-1, 3)[:, 0], self.wall))
 
     def inlet_profile(self):
-        """Vector over W: velocity at the inlet of unit inflow (1 m3/s), the developed profile of the inlet's shape.
+        """Function on W: velocity at the inlet for an inflow of 1 m3/s, with the fully developed profile of its shape.
 
-        -laplace(phi) = 1 on the cap, phi = 0 on its rim; velocity = -n phi / integral(phi). Parabolic on a disc.
+        -laplace(phi) = 1 on the cap, phi = 0 on its rim; velocity = -n phi / integral(phi). On a disc it is parabolic.
         """
         S = compat.function_space(self.mesh, compat.scalar_element(self.mesh, self.degree))
         phi, psi = ufl.TrialFunction(S), ufl.TestFunction(S)
@@ -135,14 +141,14 @@ class LumenSpace:
         inflow = float(fem.assemble_scalar(compat.form(solution * ds)))
         area = self.area(PHYSICAL_INLET)
         normal = np.array([fem.assemble_scalar(compat.form(n[k] * ds)) for k in range(3)]) / area
-        # the scalar space numbers its nodes in its own way: same cells, same local order
+        # S and V number their nodes differently, but a cell's nodes have the same order in both
         phi_values = np.empty(len(self.V.tabulate_dof_coordinates()))
         phi_values[compat.cell_dofs(self.V)] = solution.x.array[compat.cell_dofs(S)] / inflow
         profile = fem.Function(self.W)
         blocks = self.v_map.reshape(-1, 3)
         for k in range(3):
             profile.x.array[blocks[:, k]] = -normal[k] * phi_values
-        # the outflow through the inlet of this profile must be exactly minus one, whatever the quadrature did
+        # the outflow of this profile through the inlet must be exactly -1 m3/s, whatever the quadrature error
         flux = self.flux_vector(PHYSICAL_INLET)
         outflow = flux.dot(compat.petsc_vector(profile))
         flux.destroy()
@@ -151,7 +157,7 @@ class LumenSpace:
 
 
 def read(path):
-    """LumenSpace of a gmsh file in mm. Raises InputError."""
+    """LumenSpace on the mesh of a gmsh file in mm. Raises InputError, also if the mesh is not good enough."""
     mesh, facets = compat.read_gmsh(path)
     if mesh.topology.dim != 3 or mesh.geometry.dim != 3:
         raise InputError("mesh is not three-dimensional", path, mesh.topology.dim, "make it with `flow mesh`")
@@ -175,10 +181,11 @@ def check_coarser(paths):
 
 
 def _check_cells(space, path):
-    """Raises InputError for cells turned inside out, or on top of their neighbours: a flow is found on them as well,
-    but mass is not conserved; and for those more distorted than `flow mesh` writes.
+    """Raises InputError for cells that are turned inside out, overlap their neighbours, or are too distorted.
 
-    The gamma of `flow mesh` is of cells that are not swept, which a mesh file does not tell.
+    With inverted or overlapping cells a flow would be found as well, but mass would not be conserved. Cells are too
+    distorted if `flow mesh` would not write them. Their gamma is not checked: `flow mesh` limits it only for cells that
+    are not swept, and a mesh file does not tell which these are.
     """
     remedy = "make the mesh anew with `flow mesh`, which checks every cell"
     points, cells = space.nodes()
@@ -198,8 +205,11 @@ def _check_cells(space, path):
 
 
 def _check_curved(space, path):
-    """Raises InputError for a mesh of straight edges: its wall of plane facets encloses less than the lumen, an error
-    that no estimate sees, since finer meshes of the same facets have it too."""
+    """Raises InputError for a mesh whose edges are all straight.
+
+    A wall of plane facets encloses less than the lumen. The error estimate does not see this error, since finer meshes
+    of the same facets have it too.
+    """
     points, cells = space.nodes()
     start, end = (points[cells[:, tet10.EDGES[:, k]]] for k in (0, 1))
     off = np.linalg.norm(points[cells[:, 4:]] - 0.5 * (start + end), axis=2)

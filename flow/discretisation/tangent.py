@@ -1,10 +1,11 @@
-"""Newton's and Picard's matrices between the free dofs, filled by the 3 x 3 blocks of the velocity nodes.
+"""The matrix of Newton's or Picard's method, between the free dofs.
 
     [A  B']      A: velocity block, assembled at each linearisation; B: -(q, div u), which no state changes
     [B  0 ]
 
-Entry by entry PETSc would look up each of a cell's 34 x 34 values in its row, which takes twice as long as computing
-them. By blocks it looks up 100 places a cell. The place of each value of A among the free dofs is computed once.
+A is assembled by 3 x 3 blocks, one for each pair of velocity nodes. Entry by entry PETSc would look up the place of
+each of a cell's 34 x 34 values in its row, which takes twice as long as computing the values. By blocks it looks up 100
+places for each cell. The place of each value of A in the matrix of the free dofs is computed once.
 """
 
 import numpy as np
@@ -16,9 +17,9 @@ from flow.discretisation import compat
 
 
 class FreeMatrix:
-    """The matrix of discretisation.forms.NavierStokes over a LumenSpace.
+    """The matrix of forms.NavierStokes on a LumenSpace.
 
-    matrix: PETSc AIJ between the free dofs, of the same pattern each time.
+    matrix: PETSc AIJ between the free dofs, with the same sparsity pattern for every state.
     """
 
     def __init__(self, space, forms):
@@ -31,7 +32,7 @@ class FreeMatrix:
         self.divergence = compat.csr(fem_petsc.assemble_matrix(forms.divergence))  # B (dofs of Q, dofs of V)
         pattern = self._pattern()
         self.places = pattern.data.astype(np.int64) - 1
-        self.fixed = np.flatnonzero(self.places < 0)  # where B and 0 are
+        self.fixed = np.flatnonzero(self.places < 0)  # places of B and of the zeros
         values = np.append(self.divergence.data, 0.0)[-self.places[self.fixed] - 2]
         self.fixed_values, self.places[self.fixed] = values, 0
         self.pattern = tuple(part.astype(PETSc.IntType) for part in (pattern.indptr, pattern.indices))
@@ -39,15 +40,16 @@ class FreeMatrix:
         self.matrix = PETSc.Mat().createAIJ(pattern.shape, csr=given, comm=PETSc.COMM_SELF)
 
     def _pattern(self):
-        """CSR pattern of `matrix`. Its data say where each value comes from.
+        """CSR matrix with the pattern of `matrix`, whose values say where each entry of `matrix` comes from.
 
-        1, 2, ... count the entries of A; -1, -2, ... count the entries of B; the number after the last is a zero.
+        1, 2, ... stand for the entries of A in their order; -1, -2, ... for those of B. The next number after the last
+        entry of B stands for a zero.
         """
         space, row = self.space, self.divergence.copy()
         row.data = -1 - np.arange(row.nnz, dtype=np.int32)
         corners = compat.cell_dofs(space.Q)
         pairs = np.repeat(corners, 4, axis=1).ravel(), np.tile(corners, 4).ravel()
-        # in the pattern, too, for MUMPS' ordering: pressures of one cell
+        # zeros between the pressures of one cell are in the pattern, for the ordering by MUMPS
         zero = scipy.sparse.csr_matrix((np.ones(len(pairs[0]), np.int32), pairs), 2 * (row.shape[0],))
         zero.data[:] = -1 - row.nnz
         velocity, border = _numbered(self.entries), scipy.sparse.bmat([[None, row.T], [row, zero]], "csr")
@@ -61,7 +63,11 @@ class FreeMatrix:
         return velocity + border
 
     def assemble(self, form, inertia=None):
-        """Fills the matrix by the velocity block `form` at the present state; inertia: solvers.marching.Inertia."""
+        """Fills the matrix at the present state.
+
+        form: its velocity block, `tangent` or `picard` of forms.NavierStokes; inertia: solvers.marching.Inertia, whose
+        part is added, or None.
+        """
         self.velocity.zeroEntries()
         fem_petsc.assemble_matrix(self.velocity, form)
         self.velocity.assemble()
@@ -74,7 +80,10 @@ class FreeMatrix:
         self.matrix.assemble()
 
     def times(self, values, transposed=False):
-        """The last matrix, or its transposed, between all dofs times values (n,) over W that have no pressure."""
+        """Product (n,) over W of the last matrix, or its transpose, with values (n,) whose pressures are 0.
+
+        The matrix is taken between all dofs, not only the free ones.
+        """
         space, found = self.space, np.zeros(len(values))
         self.given.array[:] = values[space.v_map]
         (self.velocity.multTranspose if transposed else self.velocity.mult)(self.given, self.found)
@@ -89,6 +98,6 @@ class FreeMatrix:
 
 
 def _numbered(matrix):
-    """CSR of a PETSc AIJ matrix whose data are the places, from 1 on, of its entries."""
+    """CSR matrix with the pattern of a PETSc AIJ matrix, whose values number the entries from 1 on."""
     starts, columns, values = matrix.getValuesCSR()
     return scipy.sparse.csr_matrix((np.arange(1, len(values) + 1, dtype=np.int32), columns, starts), matrix.size)

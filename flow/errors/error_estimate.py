@@ -1,4 +1,4 @@
-"""Error estimate of FFR: the error by the mesh, and by an artificial viscosity that is left."""
+"""Error estimate of FFR: the error that the mesh makes, and the effect of an artificial viscosity that is left."""
 
 import dataclasses
 import sys
@@ -8,15 +8,16 @@ import numpy as np
 from common.errors import ComputationError
 from flow.errors import error_field
 
-# Share by which each part of the dual-weighted residual may be off. Where the parts do not cancel, their sum was .5 to
-# .8 of the true error. With a share of .5 the estimate fell below the true error at Re 1,500, and for lesions of 80 and
-# 85 % on four rings.
+# Share of its value by which each part of the dual-weighted residual may be wrong. Where the parts do not cancel, their
+# sum was .5 to .8 of the true error. With a share of .5 the estimate was below the true error at Re 1,500, and for
+# lesions of 80 and 85 % on four rings.
 PART_UNCERTAINTY = 0.75
 SAFETY = 1.5  # factor on the effect of the artificial viscosity
 # Assumed order of the FFR error in the mesh width. The true error changes its sign and does not fall steadily with the
-# rings (measured.md). So the difference of two meshes is no bound; it shows how much FFR still depends on the mesh.
+# number of rings (measured.md). So the difference of two meshes is no bound of the error; it shows how much FFR still
+# depends on the mesh.
 ORDER = 2.0
-LEAST_RATIO = 1.05  # of the mesh widths: at a smaller ratio the difference of two meshes is not used
+LEAST_RATIO = 1.05  # of the mesh widths, coarse over fine; if they are closer, the two meshes are not compared
 HIDDEN = ("probes", "basis")  # keys of an estimate that are not written to ffr.json
 
 
@@ -24,8 +25,9 @@ HIDDEN = ("probes", "basis")  # keys of an estimate that are not written to ffr.
 class Basis:
     """The flows and fields behind an estimate, from which errors.pointwise makes estimates at other places.
 
-    field: errors.error_field.Field of the steady flow, or None; pair: ((sampler, outflows) of the finer and of the
-    coarser mesh, share of their difference), or None.
+    field: errors.error_field.Field, or None where it could not be solved for. pair: (fine, coarse, share), or None
+    without a coarser mesh. fine and coarse are (sampler, outflows in m3/s); share times the difference of the two is
+    the error by Richardson's extrapolation.
     """
 
     field: object = None
@@ -33,17 +35,20 @@ class Basis:
 
 
 def of(solved, document, tree, at_probes, coarser=None):
-    """Estimate of a solvers.solved_mesh.Solved: {"ffr": total at the probe `distal`, "probes": totals at all, ...}.
+    """Error estimate of a Solved: {"ffr": at the probe `distal`, "probes": [at each probe], ...}, or None.
 
-    at_probes(sampler) -> FFR at the probes, `distal` first. The error by the mesh is the larger of two entries: `goal`,
-    by the dual-weighted residual (`of_parts`), and `mesh`, by Richardson's extrapolation from a Solved `coarser` of the
-    same eps. The effect of the artificial viscosity on FFR, `artificial_viscosity`, is added times SAFETY. These
-    entries are the values at `distal`. If the linear solves for `goal` fail, `mesh` alone is the estimate. It is None
-    where there is no `mesh` either, or an artificial viscosity is left.
+    solved, coarser: solvers.solved_mesh.Solved; document: of boundary.json; tree: without extensions;
+    at_probes(sampler) -> FFR at the probes, `distal` first.
+
+    The error by the mesh is the larger of two entries. `goal` follows from the dual-weighted residual (`of_parts`),
+    `mesh` from Richardson's extrapolation with the flow `coarser` on a coarser mesh, if both have the same eps. SAFETY
+    times the effect of the artificial viscosity on FFR, `artificial_viscosity`, is added. All these entries are values
+    at `distal`. If the linear solves for `goal` fail, `mesh` alone is the estimate. The estimate is None if `mesh` is
+    missing too, or if an artificial viscosity is left.
     """
     found, methods, parts, artificial = [], [], {}, None
     if coarser and coarser.problem.artificial != solved.problem.artificial:
-        coarser = None  # another eps is another model, so the difference would not be the mesh's alone
+        coarser = None  # another eps is another model: the two flows would not differ by the mesh alone
     basis = Basis(None, _pair(solved, coarser))
     try:
         along, basis.field = error_field.of(solved, document, tree)
@@ -73,21 +78,23 @@ def of(solved, document, tree, at_probes, coarser=None):
 
 
 def of_parts(along):
-    """Estimates (p,) by the parts (p, k) of errors.error_field: the size of their sum, and PART_UNCERTAINTY times the
-    sum of their sizes, as each part may be off by that share."""
+    """Estimated errors (p,) of FFR at p places from the parts along (p, k) of errors.error_field.
+
+    It is |sum of the parts| plus PART_UNCERTAINTY times the sum of |parts|, as each part may be wrong by that share.
+    """
     return np.abs(along.sum(axis=1)) + PART_UNCERTAINTY * np.abs(along).sum(axis=1)
 
 
 def document(estimate):
-    """The estimate as ffr.json has it, at the probe `distal` alone; None for None."""
+    """The entries of an estimate that ffr.json shows, which hold for the probe `distal`; None for None."""
     return estimate and {key: value for key, value in estimate.items() if key not in HIDDEN}
 
 
 def two_meshes(fine, coarse, at_probes):
-    """({"mesh", "ffr_coarse", "ffr_fine"} at the probes, method in words) of two Solved.
+    """({"mesh", "ffr_coarse", "ffr_fine"}, method in words) from the flows `fine`, `coarse` (Solved) on two meshes.
 
-    `mesh` is Richardson's estimate |fine - coarse| / (r^2 - 1), with r^3 the ratio of the numbers of cells. Gives
-    (None, "") where r is at most LEAST_RATIO.
+    The three values are arrays over the probes. `mesh` is Richardson's estimate |fine - coarse| / (r^2 - 1), where r^3
+    is the ratio of the numbers of cells. (None, "") if r is at most LEAST_RATIO.
     """
     ratio = _ratio(fine, coarse)
     if ratio <= LEAST_RATIO:
@@ -99,13 +106,13 @@ def two_meshes(fine, coarse, at_probes):
 
 
 def _ratio(fine, coarse):
-    """Ratio of the cells' widths, coarse over fine, by the numbers of cells."""
+    """Ratio of the cells' widths, coarse over fine: the cube root of the ratio of the numbers of cells."""
     cells = [len(item.space.nodes()[1]) for item in (coarse, fine)]
     return (cells[1] / cells[0]) ** (1 / 3)
 
 
 def _pair(fine, coarse):
-    """`pair` of a Basis; None where coarse is None or not coarser by LEAST_RATIO."""
+    """`pair` of a Basis from two Solved; None if `coarse` is None, or coarser by no more than LEAST_RATIO."""
     ratio = _ratio(fine, coarse) if coarse else 0.0
     if ratio <= LEAST_RATIO:
         return None

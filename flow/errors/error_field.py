@@ -1,18 +1,19 @@
-"""The error that the mesh makes in FFR everywhere: the residual of the flow, weighted by dual solutions.
+"""The error that the mesh makes in FFR, at any place: the residual of the flow, weighted by dual solutions.
 
-Becker and Rannacher 2001, Acta Numerica 10. The dual solution z of a place says how much its FFR J changes with each
-equation: K^T z = dJ/dw, where K is Newton's tangent. A Newton step -K^-1 R would change J by -R(w; z). So computed
-minus true is +R(w; z - i z). Here i z is the interpolant of z in the space itself, on which R is zero (Galerkin). z is
-recovered as cubic velocity and quadratic pressure (errors.recovery).
+Becker and Rannacher 2001, Acta Numerica 10. J is the FFR at one place, w the flow, R its residual, K Newton's tangent.
+The dual solution z says how much J changes with each equation: K^T z = dJ/dw. A Newton step -K^-1 R would change J by
+-R(w; z). So computed minus true J is R(w; z - i z). Here i z is the interpolant of z in the finite-element space, for
+which R is zero (Galerkin). z itself is recovered as cubic velocity and quadratic pressure (errors.recovery).
 
-The contributions change sign along a vessel, and each is known to about a half. Where they nearly cancel, the sum says
-nothing. So they are kept apart for stretches one diameter long: part k is the residual r_k of stretch k times z - i z.
+The contributions to R(w; z - i z) change sign along a vessel, and each may be wrong by about half of its value. Where
+they nearly cancel, their sum says nothing. So they are kept apart for stretches of the vessel one diameter long. Part k
+is the residual r_k of stretch k, weighted by z - i z.
 
 Part k is linear in z: it is G_k z, with G_k = (recovery - interpolation)^T r_k. So part k = dJ/dw e_k with K e_k = G_k.
 The field e_k is the error, computed minus true, that stretch k makes in the whole flow. One solve for each stretch
 gives the parts at every probe, outlet and point of the pull-back.
 
-The artificial viscosity gives one more part. It adds the force A(w) = eps rho h (|u| grad w, grad v) to the equations.
+The artificial viscosity gives one more part. It adds the force A(w) = eps rho h (|u| grad u, grad v) to the equations.
 So the solution of K e = -A(w) is its effect on the flow: eps times the flow's derivative with respect to eps.
 """
 
@@ -28,15 +29,17 @@ from flow.geometry import tet10
 from flow.errors.recovery import Patches
 from flow.physics.units import M_PER_MM
 
-BATCH = 16  # solutions at a time
-WINDOW = 5.0  # radii round a point at which _means ends: the Gaussian weight is exp(-25) there
+BATCH = 16  # number of loads that are solved for at a time
+WINDOW = 5.0  # radii round a point beyond which _means ignores the pressure: the Gaussian weight is exp(-25) there
 
 
 class Field:
-    """The changes of a steady flow by k loads, kept where FFR needs them.
+    """The changes of a steady flow by k loads, as far as FFR depends on them.
 
-    pressure (q, k) in Pa over the pressure's dofs, at `places` (q, 3) in m; outflows (o, k) in m3/s. The flow itself:
-    flow_pressure (q,) in Pa, sampler (geometry.locate.FieldSampler), flow_outflows (o,) in m3/s.
+    pressure (q, k) in Pa at the pressure's dofs, which lie at `places` (q, 3) in m; outflows (o, k) in m3/s. The flow
+    itself has flow_pressure (q,) in Pa, flow_outflows (o,) in m3/s, and sampler (geometry.locate.FieldSampler).
+
+    solved: solvers.solved_mesh.Solved; loads (n, k): sparse, over W.
     """
 
     def __init__(self, solved, loads):
@@ -52,10 +55,11 @@ class Field:
         self.pressure, self.outflows = np.concatenate(pressure, axis=1), np.concatenate(outflows, axis=1)
 
     def parts(self, document, tree, names, points_mm, radii_mm):
-        """Change (o + m, k) of FFR by each load: at the mesh's outlets `names`, then round the points (m, 3).
+        """Change (o + m, k) of FFR by each load, at the mesh's outlets `names` (o), then at points_mm (m, 3).
 
-        At a point it is the change of the mean over a ball of about the vessel's radius. Where the inflow is given, the
-        pressure at the inlet's centre is FFR's denominator, and its change counts too.
+        At a point it is the change of a mean FFR, weighted over about the vessel's radius radii_mm (m,). Where the
+        inflow is given, the pressure at the inlet's centre is the denominator of FFR, and its change counts too.
+        document: of boundary.json; tree: without extensions.
         """
         chosen = [self.boundaries.names.index(name) for name in names]
         means = self._means(points_mm, radii_mm)
@@ -69,7 +73,10 @@ class Field:
         return (found - np.outer(values / reference, at_inlet @ self.pressure)) / reference
 
     def _means(self, points_mm, radii_mm):
-        """Sparse (m, q) matrix; times a pressure (q,) it gives the means round the points, with a Gaussian weight."""
+        """Sparse (m, q) matrix. Times a pressure (q,) it gives the mean pressures round points_mm (m, 3).
+
+        The weight is exp(-(distance / radius)^2), with the radii radii_mm (m,).
+        """
         points, radii = M_PER_MM * points_mm, M_PER_MM * radii_mm
         near = cKDTree(self.places).query_ball_point(points, WINDOW * radii, return_sorted=True)
         rows = np.repeat(np.arange(len(near)), [len(one) for one in near])
@@ -80,9 +87,9 @@ class Field:
         return scipy.sparse.diags(1.0 / np.asarray(means.sum(axis=1)).ravel()) @ means
 
     def interpolation_pa(self, points_mm):
-        """Sizes (m,) in Pa of the interpolation error of the flow's pressure at points (m, 3).
+        """Size (m,) in Pa of the interpolation error of the flow's pressure at points_mm (m, 3).
 
-        The pressure is linear in each cell; the error is its difference to a recovered quadratic pressure.
+        The pressure is linear in each cell. The error is its difference from a quadratic pressure (errors.recovery).
         """
         sampler, points = self.sampler, M_PER_MM * points_mm
         cell, lam, _ = sampler.locator.find(points)
@@ -93,10 +100,10 @@ class Field:
 
 
 def of(solved, document, tree):
-    """(parts (p, k + 1) at the document's probes, Field) of a solvers.solved_mesh.Solved with a steady flow.
+    """(parts (p, k + 1) of the error of FFR at the p probes, Field) of a solvers.solved_mesh.Solved.
 
-    The first k parts are the errors of FFR by the mesh in each stretch, the last the effect of the artificial
-    viscosity. Raises ComputationError where a linear solve fails.
+    The first k parts are the errors by the mesh in each stretch, the last is the effect of the artificial viscosity.
+    document: of boundary.json; tree: without extensions. Raises ComputationError where a linear solve fails.
     """
     problem = solved.problem
     loads = [sources(problem, document, tree), scipy.sparse.csc_matrix(-problem.forms.artificial_force()[:, None])]
@@ -107,7 +114,7 @@ def of(solved, document, tree):
 
 
 def sources(problem, document, tree):
-    """Sparse (dofs of W, k): G_k of each stretch."""
+    """Sparse matrix (n, k) over W: column k is G_k of stretch k. problem: solvers.nonlinear.FlowProblem."""
     space = problem.space
     richer = spaces.LumenSpace(space.mesh, space.facets, degree=space.degree + 1)
     vector = residual_of(problem, richer, document)
@@ -137,7 +144,7 @@ def sources(problem, document, tree):
 
 
 def stretches(tree):
-    """Number (n,) of the stretch in which each point of the tree's centrelines lies, in the order of Tree.nearest.
+    """Number of the stretch (n,) of each centreline point, in the numbering of Tree.nearest.
 
     A stretch is one local diameter long.
     """
@@ -150,7 +157,7 @@ def stretches(tree):
 
 
 def places(space):
-    """Points (n, 3) in m of the dofs over W of a LumenSpace."""
+    """Points (n, 3) in m at which the dofs over W of a LumenSpace lie."""
     found = np.empty((space.dofs, 3))
     found[space.v_map] = np.repeat(space.V.tabulate_dof_coordinates(), 3, axis=0)
     found[space.q_map] = space.Q.tabulate_dof_coordinates()
@@ -158,19 +165,19 @@ def places(space):
 
 
 def _placed(part, rows, size):
-    """Sparse (size, k) matrix with the rows of `part` (n, k) at the row numbers `rows` (n,)."""
+    """Sparse (size, k) matrix with row i of `part` (n, k) as its row number rows[i]; other rows are 0."""
     part = part.tocoo()
     return scipy.sparse.csc_matrix((part.data, (rows[part.row], part.col)), (size, part.shape[1]))
 
 
 def _mass(space):
-    """Sparse (q, q) mass matrix of the pressure's space."""
+    """Sparse (q, q) mass matrix of the pressure space."""
     p, q = ufl.TrialFunction(space.Q), ufl.TestFunction(space.Q)
     return compat.csr(fem_petsc.assemble_matrix(compat.form(p * q * ufl.dx)))
 
 
 def carried(space, richer, values):
-    """A state's values over W of `space`, interpolated to W of the richer space on the same mesh."""
+    """Values (n,) of a state over W of `space`, interpolated to W of the LumenSpace `richer` on the same mesh."""
     result = np.zeros(richer.dofs)
     for source, target, of_source, of_target in (
         (space.V, richer.V, space.v_map, richer.v_map),
@@ -184,7 +191,7 @@ def carried(space, richer, values):
 
 
 def residual_of(problem, richer, document):
-    """The momentum and continuity residual of the present flow as a vector over the richer space's W."""
+    """Momentum and continuity residual of the present flow, a PETSc vector over W of the LumenSpace `richer`."""
     boundaries = problem.boundaries
     state = fem.Function(richer.W)
     state.x.array[:] = carried(problem.space, richer, problem.state.x.array)

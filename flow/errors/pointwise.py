@@ -1,7 +1,10 @@
-"""Estimated error of FFR at the outlets and along the pull-back of the flow that answers.
+"""Estimated error of FFR at the outlets and along the pull-back.
 
-It is made as at the probes (errors.error_estimate), from the same flows (error_estimate.Basis). At a point of the
-pull-back the interpolation error is added: the pressure is linear in each cell, which matters in a throat.
+The estimate follows the same method as at the probes (errors.error_estimate), from the same flows
+(error_estimate.Basis). At a point of the pull-back the interpolation error is added: the pressure is linear in each
+cell, which matters in a throat.
+
+Shapes below: o outlets, e of them with an extension of the mesh, m points of the pull-back.
 """
 
 import numpy as np
@@ -10,14 +13,15 @@ from flow.errors import error_estimate
 from flow.physics import ffr
 from flow.physics.units import M_PER_MM
 
-COLUMN = "ffr_error_estimate"  # of pullback.csv
+COLUMN = "ffr_error_estimate"  # column of pullback.csv
 
 
 def write(solved, case, answer, table):
-    """Adds `error_estimate` to each outlet of ffr.json's document, the column COLUMN to the table of pullback.csv, and
-    an entry on both to the document; None and NaN where the error is not known.
+    """Writes the estimates into `answer`, the document of ffr.json, and `table`, that of pullback.csv.
 
-    solved: the solvers.solved_mesh.Solved or reduced.answer.Reduced that answers; case: reduced.extended.Extended.
+    Each outlet gets `error_estimate`, the table COLUMN, the document `pullback_error_estimate`. They are None, or NaN
+    in the table, where the error is not known. solved: solvers.solved_mesh.Solved or reduced.answer.Reduced; case:
+    reduced.extended.Extended.
     """
     if solved.estimate is None:
         for outlet in answer["outlets"]:
@@ -34,10 +38,10 @@ def write(solved, case, answer, table):
 
 
 class Places:
-    """The outlets `names` (o) and the points of the pull-back's table (m) at which the FFR of a lumen is read.
+    """The places at which FFR is read: the outlets `names` (o) and the points of the pull-back's table (m).
 
-    Where the mesh prolongs a vessel, FFR of its outlet is read at the vessel's end (e of them). points_mm (e + m, 3),
-    radii_mm (e + m,): of these ends, then of the pull-back; ends: numbers (e,) of their outlets.
+    At an outlet with an extension, FFR is read where the vessel ends without it. points_mm (e + m, 3) and the vessel's
+    radii_mm (e + m,) are those of these ends, then of the pull-back. ends: numbers (e,) of these outlets.
     """
 
     def __init__(self, solved, case, names, table):
@@ -51,14 +55,17 @@ class Places:
         self.radii_mm = np.array([branch.radius(s_mm) for branch, s_mm in on])
 
     def read(self, sampler, outflows):
-        """FFR (o + m,) of a flow."""
+        """FFR (o + m,) of a flow, by its sampler and its flows through the outlets (m3/s)."""
         reference = ffr.reference_pa(self.case.document, self.tree, sampler)
         ends = ffr.at_ends(self.names, self.boundaries.pressures(outflows), self.case, sampler, reference)
         points = self.points_mm[len(self.ends) :] * M_PER_MM
         return np.concatenate([ends, sampler(points)[1] / reference])
 
     def of_field(self, field):
-        """(errors (o + m,) that the mesh makes, those that the artificial viscosity makes) by an error_field.Field."""
+        """[error (o + m,) by the mesh, SAFETY times the effect (o + m,) of the artificial viscosity] on FFR.
+
+        field: error_field.Field.
+        """
         document = self.case.document
         parts = field.parts(document, self.tree, self.names, self.points_mm, self.radii_mm)
         at_points = field.interpolation_pa(self.points_mm) / ffr.reference_pa(document, self.tree, field.sampler)
@@ -68,13 +75,13 @@ class Places:
         return [self._at_ends(errors) for errors in (mesh, artificial)]
 
     def _at_ends(self, errors):
-        """Errors (o + m,) from (o + e + m,): outlets of prolonged vessels take the error at the vessel's end."""
+        """Errors (o + m,) from errors (o + e + m,): an outlet with an extension takes the error at the vessel's end."""
         count = len(self.names)
         errors[self.ends] = errors[count : count + len(self.ends)]
         return np.delete(errors, count + np.arange(len(self.ends)))
 
     def exact(self):
-        """Numbers of the outlets whose FFR is given, because both their pressure and the inlet's are."""
+        """Numbers of the outlets whose FFR has no error, because their pressure and the inlet's are both given."""
         if self.case.document.get("inlet_flow_m3_per_s") is not None:
             return []
         resistance = dict(zip(self.boundaries.names, self.boundaries.resistance))
@@ -82,7 +89,10 @@ class Places:
 
 
 def of(solved, places):
-    """(errors (o + m,) of FFR at `places`, method in words) of a solvers.solved_mesh.Solved with an estimate."""
+    """(estimated errors (o + m,) of FFR at a Places, method in words) of a solvers.solved_mesh.Solved.
+
+    `solved` must have an estimate.
+    """
     basis = solved.estimate["basis"]
     found, methods, artificial = [], [], 0.0
     if basis.field:

@@ -1,26 +1,28 @@
-"""A smoother field through nodal values: cubic or quadratic polynomials fitted to the patch round each corner.
+"""Recovers a smoother field from nodal values, by cubic or quadratic polynomials fitted to the patch round each corner.
 
-Superconvergent patch recovery of Zienkiewicz and Zhu 1992, Int J Numer Meth Engng 33, applied to the values as in
-dual-weighted residuals (Becker and Rannacher 2001, Acta Numerica 10). The patch of a corner is the cells that meet
-there. A polynomial is fitted by least squares to the values at the patch's nodes. At a node of the richer element the
-polynomials of its cells' corners are averaged. Patches with equal numbers of nodes and targets are fitted together.
+Superconvergent patch recovery of Zienkiewicz and Zhu 1992, Int J Numer Meth Engng 33. Here it is applied to the values
+of a field, as for dual-weighted residuals (Becker and Rannacher 2001, Acta Numerica 10). The patch of a corner is the
+set of cells that meet there. A polynomial is fitted by least squares to the values at the patch's nodes. The recovered
+field is wanted at targets, the nodes of a higher-order element. At a target the polynomials of all patches in which it
+lies are averaged. Patches with equal numbers of nodes and of targets are fitted together, in one array operation.
 """
 
 import numpy as np
 import scipy.sparse
 
 
+# Exponents of the monomials in three coordinates, up to degree 3, and those up to degree 2 and 3.
 EXPONENTS = np.array([[i, j, k] for i in range(4) for j in range(4 - i) for k in range(4 - i - j)])
 TERMS = {degree: EXPONENTS[EXPONENTS.sum(axis=1) <= degree] for degree in (2, 3)}
-PLENTY = 1.5  # times the polynomial's terms: with fewer nodes the patch is enlarged by the cells beside it
-# Singular values below this share of the largest are dropped. In a lattice a patch may have too few levels of nodes for
-# a cubic. A singular value is then 0 but for rounding, 1e-7 to 1e-5, and its inverse would make spikes of 1e4.
+PLENTY = 1.5  # a patch with fewer nodes than this times the polynomial's terms is enlarged by the neighbouring cells
+# Singular values of a fit below this share of the largest are dropped. In a swept mesh a patch may have too few layers
+# of nodes for a cubic. A singular value is then 0 but for rounding, 1e-7 to 1e-5. Its inverse would make spikes of 1e4.
 NEGLIGIBLE = 1e-3
-AT_ONCE = 1_000_000  # numbers in an array of the patches that are fitted together; bounds the memory
+AT_ONCE = 1_000_000  # numbers in an array of patches that are fitted together; it limits the memory
 
 
 class Patches:
-    """The patches of a mesh of quadratic tetrahedra: nodes (n, 3), cells (t, 10)."""
+    """The patches of a mesh of quadratic tetrahedra with nodes (n, 3) and cells (t, 10), as geometry.tet10."""
 
     def __init__(self, nodes, cells):
         self.nodes, self.corner = nodes, cells[:, :4]
@@ -28,10 +30,11 @@ class Patches:
         self.cells_at = _incidence(number.reshape(-1, 4), len(corners)).T.tocsr()  # (corners, cells)
 
     def recover(self, fields, wanted=None):
-        """[values (m, k) at targets] of fields [(degree, sources (t, a), values (n, k), targets (m, 3), of (t, b))].
+        """[recovered values (m, k) at the targets] of the given fields.
 
-        sources: the cells' nodes at which `values` are known; of: numbers of the targets in each cell. wanted: the only
-        cells whose targets' values the caller uses; the values at other targets may be wrong.
+        fields: [(degree, sources (t, a), values (n, k), targets (m, 3), of (t, b))]. degree: of the polynomials;
+        sources: numbers of the nodes in each cell at which `values` are known; targets: points; of: numbers of the
+        targets in each cell. wanted: numbers of cells. If given, only the values at their targets are right.
         """
         patches, found = self._own(wanted), []
         for degree, sources, values, targets, of in fields:
@@ -50,11 +53,12 @@ class Patches:
         return found
 
     def transposed(self, fields, groups):
-        """The transposed of `recover`, applied to loads at the targets and summed by groups of targets.
+        """The transpose of `recover`, applied to loads at the targets, for each group of targets by itself.
 
-        fields: [(degree, sources (t, a), loads (m, c), targets (m, 3), of (t, b), group (m,))]. For each field it gives
-        a list over c of sparse matrices (n, groups). A column times nodal values (n,) is the sum, over the targets of
-        that group, of load times recovered value.
+        fields: [(degree, sources (t, a), loads (m, c), targets (m, 3), of (t, b), group (m,))], as in `recover`; group:
+        number of each target's group, below `groups`. The result is for each field a list over c of sparse matrices
+        (n, groups). A column times nodal values (n,) is the sum, over the targets of that group, of load times
+        recovered value.
         """
         patches, found = self._own(), []
         for degree, sources, loads, targets, of, group in fields:
@@ -74,7 +78,8 @@ class Patches:
         return found
 
     def _own(self, wanted=None):
-        """Sparse (patches, cells) matrix of all patches, or of those that reach the cells `wanted`."""
+        """Sparse (patches, cells) matrix: which cells each patch has. wanted: only patches with a cell that touches
+        one of these cells (numbers)."""
         patches = self.cells_at
         if wanted is not None:
             beside = np.isin(self.corner, self.corner[wanted]).any(axis=1)
@@ -84,8 +89,9 @@ class Patches:
     def _alike(self, patches, degree, sources, of, targets, components):
         """Yields (nodes (p, n), targets (p, m)) of patches with equal numbers of source nodes and of targets.
 
-        A patch with too few nodes for the degree is enlarged by the cells beside it. components: numbers at each
-        target, which bound how many patches are yielded at once.
+        patches: of `_own`; degree, sources, of: as in `recover`; targets: their number; components: numbers at each
+        target. A patch with too few nodes for the degree is enlarged by the neighbouring cells. AT_ONCE limits how many
+        patches are yielded at once.
         """
         terms = len(TERMS[degree])
         sources, at = _incidence(sources, len(self.nodes)), _ascending(patches @ _incidence(of, targets))
@@ -104,12 +110,14 @@ class Patches:
                 yield _rows(near, chosen, nodes), _rows(at, chosen, count)
 
     def _counts(self, of, count):
-        """Number (count,) of the patches that each target lies in."""
+        """Number of patches in which each target lies, (count,); of (t, b): targets of each cell; count: of targets."""
         return np.bincount((self.cells_at @ _incidence(of, count)).indices, minlength=count)
 
     def _matrices(self, entries, groups, components):
-        """List over components of sparse (n, groups) matrices, the sums of entries [(nodes (p, n), groups (p,), values
-        (p, n, components))]."""
+        """[sparse (n, groups) matrix] for each component, the sum of all entries.
+
+        entries: [(node numbers (p, a), group numbers (p,), values (p, a, components))].
+        """
         size = len(self.nodes), groups
         rows = np.concatenate([near.ravel() for near, *_ in entries])
         columns = np.concatenate([np.repeat(of_group, near.shape[1]) for near, of_group, _ in entries])
@@ -118,7 +126,10 @@ class Patches:
 
 
 def _add(sums, counts, entries):
-    """Adds entries [(numbers (n,), values (n, k))] to sums (m, k), and their occurrences to counts (m,), in place."""
+    """Adds entries [(row numbers (n,), values (n, k))] to the rows of sums (m, k), in place.
+
+    counts (m,) gets the number of values added to each row.
+    """
     if not entries:
         return
     at, values = (np.concatenate(parts) for parts in zip(*entries))
@@ -128,7 +139,7 @@ def _add(sums, counts, entries):
 
 
 def _incidence(lists, count):
-    """Sparse (t, count) with a one for each of lists (t, a) of numbers below `count`."""
+    """Sparse (t, count) matrix: row i has a one in each of the columns lists[i], for lists (t, a) of column numbers."""
     starts = np.arange(len(lists) + 1) * lists.shape[1]
     return scipy.sparse.csr_matrix((np.ones(lists.size, np.int32), lists.ravel(), starts), (len(lists), count))
 
@@ -140,14 +151,15 @@ def _ascending(matrix):
 
 
 def _rows(matrix, chosen, size):
-    """Column numbers (p, size) of the entries in the rows `chosen` (p,), each of which has `size` entries."""
+    """Column numbers (p, size) of the entries in the rows `chosen` (p,) of a sparse matrix; each has `size` entries."""
     return matrix.indices[matrix.indptr[chosen][:, None] + np.arange(size)]
 
 
 def _fitted(points, targets, terms):
-    """(A, B, C) of p patches: monomials A (p, n, t) at the points (p, n, 3) and B (p, m, t) at the targets (p, m, 3).
+    """(A, B, C) of the least-squares fits in p patches: values v at the points give B C A^T v at the targets.
 
-    C (p, t, t) is the pseudo-inverse of A^T A. Values v at the points give B C A^T v at the targets.
+    A (p, n, t) are the monomials with the exponents `terms` (t, 3) at the points (p, n, 3), B (p, m, t) those at the
+    targets (p, m, 3). C (p, t, t) is the pseudo-inverse of A^T A.
     """
     middle = points.mean(axis=1, keepdims=True)
     off = points - middle

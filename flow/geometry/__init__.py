@@ -1,1 +1,1 @@
-"""Geometry: the tagged surface, its centrelines, quadratic tetrahedra and their curving, values at points."""
+"""Geometry: the tagged surface, its centrelines, curved quadratic tetrahedra, and field values at points."""

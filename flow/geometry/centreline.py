@@ -10,17 +10,19 @@ from common import vtp
 from common.errors import InputError
 from flow.geometry.surface import INLET
 
-# limits of the distance of the nearest node of the wall over the radius: in the study 1.00 to 1.05; with the centreline
-# of the state before or after an intervention .52 and 1.82
+# Limits of the distance from a centreline point to the nearest wall node, over the centreline's radius there. In the
+# study it is 1.00 to 1.05. With the centreline of the state before or after an intervention it is as little as .52 and
+# as much as 1.82.
 NEAREST, FURTHEST = 0.7, 1.5
-AT_CAP = 1.5  # radii of a cap within which its branch ends (study: .015)
+AT_CAP = 1.5  # largest distance of a branch's end from the centre of its cap, in radii of the cap (study: .015)
 SAME_LENGTH = 0.01  # largest difference of s_mm from the arc length, over the branch's length (study: .0005)
-BETWEEN_MM = 0.3  # always allowed beyond the radius, since in a throat the nodes may be as far apart as it is wide
+# A wall node may always be this much further away than the radius: in a throat nodes may be a diameter apart.
+BETWEEN_MM = 0.3
 
 
 @dataclasses.dataclass
 class Branch:
-    """One branch: name, id, points (n, 3) mm, s_mm (n,), radius_mm (n,)."""
+    """One branch: name, id, points (n, 3) in mm, their arc lengths s_mm (n,) and radii radius_mm (n,)."""
 
     name: str
     branch_id: int
@@ -30,10 +32,11 @@ class Branch:
 
     @property
     def length_mm(self):
+        """Arc length in mm of the last point."""
         return float(self.s_mm[-1])
 
     def point(self, s_mm):
-        """Point (3,) or points (m, 3) at arc length s_mm (clamped to the branch)."""
+        """Point (3,) or points (m, 3) in mm at arc length s_mm (clamped to the branch)."""
         return np.stack([np.interp(s_mm, self.s_mm, self.points[:, k]) for k in range(3)], axis=-1)
 
     def radius(self, s_mm):
@@ -41,7 +44,7 @@ class Branch:
         return np.interp(s_mm, self.s_mm, self.radius_mm)
 
     def project(self, point):
-        """(s_mm, distance_mm) of the nearest point of the polyline."""
+        """(s_mm, distance_mm): place of the point on the polyline that is nearest to `point` (3,), and its distance."""
         a, d = self.points[:-1], np.diff(self.points, axis=0)
         t = np.clip(np.einsum("ij,ij->i", point - a, d) / np.einsum("ij,ij->i", d, d), 0, 1)
         gap = np.linalg.norm(a + t[:, None] * d - point, axis=1)
@@ -72,6 +75,7 @@ class Tree:
 
     @property
     def main(self):
+        """The Branch named main, which starts at the inlet."""
         return self.branches[0]
 
     def place_of(self, probe):
@@ -80,9 +84,10 @@ class Tree:
         return branch, *branch.project(np.array(probe["point_mm"]))
 
     def nearest(self, points, within_mm=np.inf):
-        """(number (m,) of the nearest of all branches' points, distance (m,) in mm) for points (m, 3).
+        """(number (m,) of the nearest centreline point, its distance (m,) in mm) for points (m, 3).
 
-        Where none is as near as `within_mm` the distance is infinite, and the number that of no point.
+        The centreline points of all branches are numbered in the tree's order. Where none is nearer than `within_mm`
+        the distance is infinite, and the number is that of no point.
         """
         if not hasattr(self, "_kd"):
             self._kd = cKDTree(np.concatenate([branch.points for branch in self.branches]))
@@ -91,10 +96,11 @@ class Tree:
 
 
 def check_wall(tree, wall_mm, where):
-    """Raises InputError unless the tree fits the wall with the nodes wall_mm (n, 3), as another state's would not.
+    """Raises InputError unless the tree fits the wall with the nodes wall_mm (n, 3) of the file `where`.
 
-    The distance to the wall must fit the tree's radii, those of the largest inscribed spheres. Where a branch is still
-    inside another one the wall may be further away.
+    This refuses the centreline of another state of the vessel. The distance to the nearest wall node must fit the
+    tree's radii, which are those of the largest inscribed spheres. Where a branch is still inside another one, the wall
+    may be further away.
     """
     nodes = cKDTree(wall_mm)
     for branch in tree:
@@ -112,7 +118,7 @@ def check_wall(tree, wall_mm, where):
 
 
 def check_ends(tree, surface, where):
-    """Raises InputError unless the tree covers the whole lumen of a geometry.surface.Surface.
+    """Raises InputError unless the tree of the file `where` covers the whole lumen of a geometry.surface.Surface.
 
     The main branch must start at the inlet, and the branches must end at the outlets, one at each.
     """
@@ -164,8 +170,11 @@ def read(path):
 
 
 def _check(branch, where):
-    """Raises InputError unless numbers are finite, radii positive, successive points different, and s_mm the arc length
-    from the first point."""
+    """Raises InputError for a Branch of the file `where` that cannot be used.
+
+    Its numbers must be finite, its radii positive, successive points different, and s_mm the arc length from the first
+    point.
+    """
     remedy = "make it with the anatomy step"
     if len(branch.points) < 2:
         raise InputError("branch of a centreline without a length", where, f"{len(branch.points)} points", remedy)

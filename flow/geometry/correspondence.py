@@ -1,14 +1,15 @@
 """Maps places of one lumen to another state of the same vessel, by the two centrelines.
 
-A point keeps its branch, its relative position along it, its direction from the axis, and its distance in vessel radii.
-So a lumen that a stent has straightened or widened is mapped to the lumen before.
+A point keeps its branch, and its position along it as a share of the branch's length. It also keeps its direction from
+the axis, and its distance from the axis in vessel radii. So a lumen that a stent has straightened or widened is mapped
+to the lumen before stenting.
 """
 
 import numpy as np
 
 
 class Correspondence:
-    """From the lumen of `tree` to that of `other` (both geometry.centreline.Tree, with the same branches)."""
+    """The map from the lumen of `tree` to that of `other` (both geometry.centreline.Tree, with the same branches)."""
 
     def __init__(self, tree, other):
         self.tree = tree
@@ -24,8 +25,11 @@ class Correspondence:
         self.turns = _least_turns(tangents, other_tangents)
 
     def __call__(self, points_mm):
-        """For points (n, 3) in mm: the places (n, 3) in the other lumen, the turns (n, 3, 3) of directions into it, and
-        the other radius over this one (n,)."""
+        """(places (n, 3) in mm in the other lumen, rotations (n, 3, 3), radius ratios (n,)) for points (n, 3) in mm.
+
+        A rotation turns directions in this lumen into directions in the other. A ratio is the other lumen's radius over
+        this one's.
+        """
         nearest, _ = self.tree.nearest(points_mm)
         offset = points_mm - self.points[nearest]
         along = np.einsum("ij,ij->i", offset, self.tangents[nearest])[:, None] * self.tangents[nearest]
@@ -41,7 +45,7 @@ def _tangents(points):
 
 
 def _least_turns(before, after):
-    """Rotations (n, 3, 3) that take unit vectors (n, 3) into others by the shortest way (Rodrigues' formula)."""
+    """Rotations (n, 3, 3) by the least angle from unit vectors `before` (n, 3) to `after` (Rodrigues' formula)."""
     cross, cosine = np.cross(before, after), np.einsum("ij,ij->i", before, after)
     skew = np.zeros((len(before), 3, 3))
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):

@@ -1,4 +1,7 @@
-"""From linear to quadratic tetrahedra with the wall's middle nodes on the smooth surface, every Jacobian checked."""
+"""Curves linear tetrahedra to quadratic ones, with the wall's edge middles on the smooth surface.
+
+The Jacobian of every curved element is checked.
+"""
 
 import dataclasses
 
@@ -6,12 +9,17 @@ import numpy as np
 
 from flow.geometry import tet10
 
-SMALLEST_RATIO = 0.15  # least det J over the mean det J of an element that stays curved
+SMALLEST_RATIO = 0.15  # an element stays curved if its least det J is above this share of its mean det J
 
 
 @dataclasses.dataclass
 class QuadraticMesh:
-    """points (n, 3) mm, tetrahedra (t, 10), triangles (f, 6), region (f,), number of edges straightened."""
+    """A mesh of quadratic tetrahedra.
+
+    points (n, 3) in mm; tetrahedra (t, 10), as geometry.tet10; triangles (f, 6) of wall and caps, with region ids
+    region (f,); curved_edges: number of edges with a curved middle at first; straightened_edges: how many of them were
+    straightened.
+    """
 
     points: np.ndarray
     tetrahedra: np.ndarray
@@ -22,10 +30,11 @@ class QuadraticMesh:
 
 
 def curve(boundary, region, points, tetrahedra, edges, middles_of_edges):
-    """QuadraticMesh from linear tetrahedra, the middle points (e, 3) of some of its edges (e, 2) given.
+    """QuadraticMesh from points (n, 3) in mm and linear tetrahedra (t, 4).
 
-    boundary (f, 3), region (f,): the triangles of wall and caps. Given middles of elements whose Jacobian would get too
-    small are straightened, one layer of elements after the other until none is left; all other edges are straight.
+    middles_of_edges (e, 3) in mm: given middle points of the edges (e, 2); all other edges are straight. boundary
+    (f, 3), region (f,): the triangles of wall and caps. If the Jacobian of an element would get too small, its edges
+    are straightened. This may spoil a neighbour, so it is repeated until no such element is left.
     """
     stride = len(points)
     keys, cell_edge = np.unique(_keys(tetrahedra[:, tet10.EDGES].reshape(-1, 2), stride), return_inverse=True)
@@ -57,12 +66,15 @@ def curve(boundary, region, points, tetrahedra, edges, middles_of_edges):
 
 
 def _keys(edges, stride):
-    """One number for each undirected edge (e, 2)."""
+    """One number for each undirected edge (e, 2), the same for both directions; stride: number of points."""
     return edges.min(axis=1) * stride + edges.max(axis=1)
 
 
 def _bad_elements(points, middles, tetrahedra, cell_edge, curved):
-    """Curved elements in which det J may fall below SMALLEST_RATIO of its mean."""
+    """Numbers of the curved elements in which det J may fall below SMALLEST_RATIO of its mean.
+
+    middles (k, 3) of all edges; cell_edge (t, 6): the elements' edges; curved (k,) bool.
+    """
     candidates = np.flatnonzero(curved[cell_edge].any(axis=1))
     nodes = np.concatenate([points[tetrahedra[candidates]], middles[cell_edge[candidates]]], axis=1)
     lower, upper = tet10.jacobian_bounds(nodes)
@@ -70,10 +82,10 @@ def _bad_elements(points, middles, tetrahedra, cell_edge, curved):
 
 
 def quality(mesh, swept):
-    """Quality figures: gamma (3 inradius / circumradius) of the corner tetrahedra, scaled Jacobian of the curved ones.
+    """{name: figure} of a QuadraticMesh: gamma (see `gamma`), least over largest Jacobian in a cell, numbers of edges.
 
-    gamma is that of cells that are not swept (swept (t,) bool), None where all are: stretched cells are judged by the
-    Jacobian alone.
+    swept (t,) bool. gamma is taken by the corners of cells that are not swept, and is None if all are swept: stretched
+    cells are judged by the Jacobian alone.
     """
     corners = mesh.points[mesh.tetrahedra[~swept, :4]]
     found = gamma(corners) if len(corners) else None
@@ -92,7 +104,8 @@ def quality(mesh, swept):
 
 
 def gamma(corners):
-    """3 r_in / r_circ of tetrahedra (t, 4, 3); 1 for the regular one, 0 or below for a flat or inverted one."""
+    """3 inradius / circumradius (t,) of tetrahedra with corners (t, 4, 3): 1 for a regular one, 0 for a flat one, below
+    0 for an inverted one."""
     a, b, c = (corners[:, k] - corners[:, 0] for k in (1, 2, 3))
     six_volume = np.einsum("ij,ij->i", a, np.cross(b, c))
     areas = sum(0.5 * np.linalg.norm(np.cross(u, v), axis=1) for u, v in ((a, b), (b, c), (c, a), (b - a, c - a)))

@@ -1,6 +1,7 @@
-"""Folds of a surface: two facets turned back on each other, a flake without thickness that no volume mesh can fill.
+"""Removes folds of a surface: two facets turned back on each other enclose no volume that a mesh could fill.
 
-Seen on a lumen after radius correction: three edges with facets at a cosine of -1.00, where all others had .48 or more.
+One lumen after radius correction had three edges where the normals of the two facets had a cosine of -1.00. At all its
+other edges the cosine was .48 or more.
 """
 
 import numpy as np
@@ -8,12 +9,15 @@ import numpy as np
 from flow.geometry.surface import WALL, Surface, beside
 from flow.geometry.vectors import dot, unit
 
-FOLDED = -0.9  # cosine between the normals of two facets beside each other
-MOST_FLIPS = 100
+FOLDED = -0.9  # an edge is a fold if the normals of its two facets have a smaller cosine
+MOST_FLIPS = 100  # edges that are flipped at most
 
 
 def unfolded(surface):
-    """The Surface with the edges of its folds flipped, those it can be; the same where it has none."""
+    """The Surface with the edges at its folds flipped where that is possible; unchanged if it has no folds.
+
+    Flipping an edge replaces it by the other diagonal of its two facets.
+    """
     for _ in range(MOST_FLIPS):
         edges, side = surface.edges()
         pairs, normals = beside(side), unit(surface.area_vectors())
@@ -33,7 +37,10 @@ def unfolded(surface):
 
 
 def _flipped(surface, edge, pair, known):
-    """The Surface with the edge between two facets exchanged for the other diagonal, None where that is an edge too."""
+    """The Surface with `edge` (2,) between the facets `pair` (2,) flipped; None if the other diagonal is an edge too.
+
+    known: all edges, as tuples of ascending vertices.
+    """
     first, second = surface.triangles[pair]
     (c,), (d,) = (np.setdiff1d(facet, edge) for facet in (first, second))
     if tuple(sorted((int(c), int(d)))) in known:

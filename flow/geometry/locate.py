@@ -1,19 +1,23 @@
-"""Values of a finite-element field at points: the containing curved tetrahedron, then P2 or P1 basis."""
+"""Values of a finite-element field at points.
+
+The curved tetrahedron that contains a point is found first. Velocity is interpolated in it by P2, pressure by P1 basis
+functions.
+"""
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from flow.geometry import tet10
 
-CANDIDATES = 60  # nearest centroids: cells may be several times longer than wide
-TRIED = 4  # of them, the best by their corners, in which the curved cell's coordinates are sought
-STEPS = 3  # of Newton's method for the curved cell's coordinates
-FURTHEST = 0.5  # barycentric step
-OUTSIDE = -0.25  # least barycentric coordinate of a point that counts as inside
+CANDIDATES = 60  # number of cells by the nearest centroids, so many since cells may be several times longer than wide
+TRIED = 4  # number of these for which the curved coordinates are computed: the best ones as straight-edged cells
+STEPS = 3  # steps of Newton's method for the curved coordinates
+FURTHEST = 0.5  # largest change of a barycentric coordinate in one of these steps
+OUTSIDE = -0.25  # a point is outside the mesh if its least barycentric coordinate in the best cell is below this
 
 
 class Locator:
-    """Finds points in the cells of a quadratic mesh: points (n, 3), cells (t, 10) as geometry.tet10."""
+    """Finds points in the cells of a quadratic mesh with nodes `points` (n, 3) and cells (t, 10), as geometry.tet10."""
 
     def __init__(self, points, cells):
         self.nodes, self.cells = points, cells
@@ -23,7 +27,10 @@ class Locator:
         self.tree = cKDTree(corners.mean(axis=1))
 
     def find(self, points):
-        """(cell (m,), barycentric coordinates (m, 4), inside (m,) bool); coordinates are clipped to the tetrahedron."""
+        """(cell (m,), barycentric coordinates (m, 4), inside (m,) bool) of points (m, 3).
+
+        The coordinates of a point outside its cell are moved to the cell's surface.
+        """
         _, cell = self.tree.query(points, k=min(CANDIDATES, len(self.origin)))
         offset = points[:, None, :] - self.origin[cell]
         lam = _complete(np.einsum("mkij,mkj->mki", self.inverse[cell], offset))
@@ -38,7 +45,10 @@ class Locator:
         return cell, lam / lam.sum(axis=1, keepdims=True), inside
 
     def _curved(self, points, cell, lam):
-        """Barycentric coordinates (m, k, 4) in the curved cells (m, k), by Newton's method from the straight."""
+        """Barycentric coordinates (m, k, 4) of points (m, 3) in the curved cells `cell` (m, k), by Newton's method.
+
+        lam (m, k, 4): the coordinates in the straight-edged cells, where it starts.
+        """
         nodes = self.nodes[self.cells[cell]]
         for _ in range(STEPS):
             gap = points[:, None] - np.einsum("mkn,mknd->mkd", tet10.basis(lam), nodes)
@@ -53,12 +63,15 @@ class Locator:
 
 
 def _complete(lam):
-    """All four barycentric coordinates of the last three."""
+    """All four barycentric coordinates (..., 4) from the last three (..., 3)."""
     return np.concatenate([1 - lam.sum(axis=-1, keepdims=True), lam], axis=-1)
 
 
 class FieldSampler:
-    """Velocity and pressure of a state at points, in SI."""
+    """Velocity and pressure of a flow at points, in SI units.
+
+    space: discretisation.spaces.LumenSpace; state (n,): velocity and pressure dofs over its mixed space W.
+    """
 
     def __init__(self, space, state):
         self.points, self.cells = space.nodes()
@@ -66,12 +79,12 @@ class FieldSampler:
         self.take(space, state)
 
     def take(self, space, state):
-        """Samples another state (n,) of the same space from now on."""
+        """Takes another state (n,) over the same space."""
         self.velocity = state[space.v_map].reshape(-1, 3)
         self.pressure = space.nodal_pressure(state)
 
     def __call__(self, points):
-        """(velocity (m, 3), pressure (m,), inside (m,)) at points (m, 3) in m."""
+        """(velocity (m, 3) in m/s, pressure (m,) in Pa, inside (m,) bool) at points (m, 3) in m."""
         cell, lam, inside = self.locator.find(points)
         velocity = np.einsum("mn,mnd->md", tet10.basis(lam), self.velocity[self.cells[cell]])
         pressure = np.einsum("mn,mn->m", lam, self.pressure[self.cells[cell][:, :4]])

@@ -1,16 +1,19 @@
-"""Refinement of the lumen surface onto the smooth surface through its vertices, where its edges are too long."""
+"""Refinement of the lumen surface where its edges are too long; new vertices lie on the smooth surface."""
 
 import numpy as np
 
 from flow.geometry.smooth_surface import edge_middles
 from flow.geometry.surface import Surface
 
-TOO_LONG = 1.4  # of the target: splitting then gives edges between 0.7 and 1.4 of it
-PASSES = 4
+TOO_LONG = 1.4  # an edge longer than this times its target is split, so that halves have at least .7 of the target
+PASSES = 4  # most rounds of splitting
 
 
 def refine(surface, target_mm):
-    """Surface whose edges are at most 1.4 `target_mm(points) -> (n,)` mm; new vertices lie on the smooth surface."""
+    """The Surface with its long edges split, in up to PASSES rounds; new vertices lie on geometry.smooth_surface.
+
+    target_mm(points (n, 3)) -> wanted edge length (n,) in mm; longer edges than TOO_LONG times it are split.
+    """
     for _ in range(PASSES):
         edges, side = surface.edges()
         a, b = surface.points[edges[:, 0]], surface.points[edges[:, 1]]
@@ -24,7 +27,10 @@ def refine(surface, target_mm):
 
 
 def _close(marked, side, length):
-    """Marks the longest side of every triangle that has a marked side, until nothing changes (Rivara's rule)."""
+    """Marks the longest side of every triangle that has a marked side, until nothing changes (Rivara's rule).
+
+    marked (e,) bool and length (e,) of the edges; side (m, 3): the edges of each triangle.
+    """
     longest = side[np.arange(len(side)), np.argmax(length[side], axis=1)]
     while True:
         more = marked[side].any(axis=1) & ~marked[longest]
@@ -34,7 +40,8 @@ def _close(marked, side, length):
 
 
 def _split(surface, marked, edges, side):
-    """Splits the marked edges; a triangle becomes two, three or four, its longest side always being split."""
+    """The Surface with its marked edges split. A triangle with marked edges becomes two, three or four; its longest
+    side is always among them."""
     new = np.full(len(edges), -1)
     new[marked] = len(surface.points) + np.arange(marked.sum())
     points = np.concatenate([surface.points, edge_middles(surface, edges, side)[marked]])

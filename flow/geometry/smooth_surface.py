@@ -1,13 +1,14 @@
-"""A smooth surface through the vertices of the lumen triangulation, asked for at the middle of each edge.
+"""A smooth surface through the vertices of the lumen triangulation, by a point for the middle of each edge.
 
-Straight facets cost 2-6 % of a Poiseuille pressure drop. The wall's middle points are those of PN triangles (Vlachos et
-al. 2001, Curved PN triangles) with the weight that makes them exact on a circle: with edge d = p1 - p0, unit normals
-n0, n1 and sin t_i = d.n_i / |d|,
+Plane facets would make an error of 2-6 % in a Poiseuille pressure drop. The middle points on the wall are those of PN
+triangles (Vlachos et al. 2001, Curved PN triangles), with the weight that makes them exact on a circle. With the edge
+d = p1 - p0, unit normals n0, n1 at its ends and sin t_i = d.n_i / |d|, the middle point is
 
     m = (p0 + p1) / 2 + [ (d.n1) n1 / ((1 + cos t1) cos t1) - (d.n0) n0 / ((1 + cos t0) cos t0) ] / 4
 
-At a cap's rim the mean over the wall's triangles, all on one side, would tilt the normal. There it is the normal of the
-circle through three neighbouring rim vertices, in the cap's plane, as if the vessel went on straight behind the cap.
+At a rim, where a cap meets the wall, all wall triangles of a vertex lie on one side of it. The mean of their normals
+would be tilted. There the normal is that of the circle through three neighbouring rim vertices, in the cap's plane, as
+if the vessel went on straight behind the cap.
 """
 
 import numpy as np
@@ -16,11 +17,13 @@ from flow.geometry import vectors
 from flow.geometry.surface import WALL
 from flow.geometry.vectors import dot
 
-LARGEST_OFFSET = 0.2  # of the edge: at a kink the normals do not determine the surface between the vertices
+# Largest distance of a middle point from its straight edge, over the edge's length. At a kink the normals do not
+# determine the surface between the vertices.
+LARGEST_OFFSET = 0.2
 
 
 def wall_normals(surface):
-    """Unit normals of the wall at its vertices (n, 3), zero elsewhere; exact on a sphere.
+    """Unit normals (n, 3) of a Surface's wall at its vertices, zero elsewhere; exact on a sphere.
 
     Max 1999, J Graph Tools 4.
     """
@@ -37,7 +40,10 @@ def wall_normals(surface):
 
 
 def edge_kinds(surface, edges, side):
-    """(on_wall, on_rim) booleans of the edges: touching a wall triangle; shared by wall and cap."""
+    """(on_wall (e,), on_rim (e,)) bool of the edges: whether it is a side of a wall triangle, and of a cap's as well.
+
+    edges (e, 2), side (m, 3): as `Surface.edges` gives them.
+    """
     on_wall = np.zeros(len(edges), bool)
     on_cap = np.zeros(len(edges), bool)
     on_wall[side[surface.region == WALL].ravel()] = True
@@ -46,7 +52,7 @@ def edge_kinds(surface, edges, side):
 
 
 def vertex_normals(surface, edges, side):
-    """Unit normals of the smooth surface at the wall's vertices (n, 3), zero elsewhere."""
+    """Unit normals (n, 3) of the smooth surface at the wall's vertices, zero elsewhere."""
     _, on_rim = edge_kinds(surface, edges, side)
     normals = wall_normals(surface)
     for vertex, normal in _rim_normals(surface.points, edges[on_rim]).items():
@@ -55,9 +61,9 @@ def vertex_normals(surface, edges, side):
 
 
 def edge_middles(surface, edges, side, normals=None):
-    """Point of the smooth surface for the middle of each edge (e, 3); cap interiors are straight.
+    """Point (e, 3) in mm of the smooth surface for the middle of each edge; edges within a cap are straight.
 
-    normals (n, 3): those of the smooth surface at the vertices where they are known, by default `vertex_normals`.
+    normals (n, 3): unit normals of the smooth surface at the vertices, zero elsewhere; by default `vertex_normals`.
     """
     a, b = surface.points[edges[:, 0]], surface.points[edges[:, 1]]
     middle = 0.5 * (a + b)
@@ -73,7 +79,7 @@ def edge_middles(surface, edges, side, normals=None):
 
 
 def _bow(d, normal):
-    """Half the offset of the edge's middle that one end's normal asks for, (e, 3)."""
+    """Contribution (e, 3) of one end to the offset of the middle point; d (e, 3): edges, normal (e, 3): at that end."""
     rise = np.einsum("ij,ij->i", d, normal)
     square = np.maximum(np.einsum("ij,ij->i", d, d), 1e-300)
     cosine = np.sqrt(np.maximum(0.0, 1.0 - rise**2 / square))
@@ -89,7 +95,7 @@ def _rim_normals(points, rim):
     normal = {}
     for vertex, (left, right) in neighbours.items():
         u, v = points[left] - points[vertex], points[right] - points[vertex]
-        # towards the circle's centre: |u|^2 v - |v|^2 u, turned by a right angle within the plane of the three
+        # |u|^2 v - |v|^2 u is tangential to the circle at the vertex; turned by a right angle in its plane it is normal
         axis = np.cross(u, v)
         tangent = dot(u, u) * v - dot(v, v) * u
         outward = -np.cross(tangent, axis) if dot(axis, axis) > 1e-12 * dot(u, u) * dot(v, v) else np.zeros(3)

@@ -1,4 +1,4 @@
-"""The tagged lumen surface: triangles with region_id 0 wall, 1 inlet, 2.. outlets; read and checked."""
+"""The lumen surface: triangles with a region_id (0 wall, 1 inlet, 2 and above outlets), read and checked."""
 
 import dataclasses
 
@@ -16,7 +16,7 @@ WALL, INLET = 0, 1
 
 @dataclasses.dataclass
 class Surface:
-    """points (n, 3) in mm, triangles (m, 3) oriented outwards, region (m,) ids."""
+    """A closed surface: points (n, 3) in mm, outward triangles (m, 3), region (m,): their region ids."""
 
     points: np.ndarray
     triangles: np.ndarray
@@ -28,18 +28,19 @@ class Surface:
         return [int(r) for r in np.unique(self.region) if r != WALL]
 
     def edges(self):
-        """Undirected edges (e, 2), the edge of each triangle side (m, 3) in the order 01, 12, 20."""
+        """(edges (e, 2), side (m, 3)): undirected edges, and the number of the edge at sides 01, 12, 20 of each
+        triangle."""
         sides = np.sort(self.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
         edges, inverse = np.unique(sides, axis=0, return_inverse=True)
         return edges, inverse.reshape(-1, 3)
 
     def area_vectors(self):
-        """Area times outward normal of each triangle, (m, 3)."""
+        """Area in mm2 times outward unit normal of each triangle, (m, 3)."""
         a, b, c = (self.points[self.triangles[:, k]] for k in range(3))
         return 0.5 * np.cross(b - a, c - a)
 
     def cap_circles(self):
-        """{region id of a cap: (centre (3,), unit normal outwards (3,), radius of the circle of its area)}, mm."""
+        """{region id of a cap: (centre (3,), outward unit normal (3,), radius of the circle of its area)}, in mm."""
         vectors, centroids = self.area_vectors(), self.points[self.triangles].mean(axis=1)
         found = {}
         for cap in self.caps:
@@ -50,7 +51,7 @@ class Surface:
         return found
 
     def parts(self, chosen):
-        """How many pieces without a common edge the triangles `chosen` (m,) bool make."""
+        """Number of pieces that the triangles `chosen` (m,) bool make; pieces have no edge in common."""
         edges, side = self.edges()
         side = side[chosen]
         at = np.repeat(np.arange(len(side)), 3), side.ravel()
@@ -58,18 +59,18 @@ class Surface:
         return connected_components(graph @ graph.T, directed=False)[0]
 
     def volume_mm3(self):
-        """Enclosed volume by the divergence theorem."""
+        """Enclosed volume in mm3, by the divergence theorem."""
         centroid = self.points[self.triangles].mean(axis=1)
         return float(np.einsum("ij,ij->", centroid, self.area_vectors()) / 3.0)
 
 
 def beside(side):
-    """Numbers (e, 2) of the two triangles at each edge of a closed surface; side: as `Surface.edges` gives it."""
+    """Numbers (e, 2) of the two triangles at each edge of a closed surface; side (m, 3): of `Surface.edges`."""
     return np.argsort(side.ravel(), kind="stable").reshape(-1, 2) // 3
 
 
 def border(triangles):
-    """Directed edges (r, 2) round triangles (m, 3), in their direction: the sides that only one of them has."""
+    """Border of triangles (m, 3): the edges (r, 2) that only one triangle has, in the direction of this triangle."""
     sides = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
     _, inverse, counts = np.unique(np.sort(sides, axis=1), axis=0, return_inverse=True, return_counts=True)
     return sides[counts[inverse] == 1]
@@ -93,7 +94,10 @@ def read(path):
 
 
 def check(surface, where):
-    """Closed, of one piece, oriented outwards, tagged with an inlet and an outlet, and in mm; else InputError."""
+    """Raises InputError unless a Surface, of the file `where`, can be meshed.
+
+    It must be closed, of one piece, oriented outwards, with an inlet and an outlet, and in mm.
+    """
     remedy = "process it with the anatomy step"
     wrong = np.flatnonzero(~np.isfinite(surface.points).all(axis=1))
     if len(wrong):
@@ -121,7 +125,7 @@ def check(surface, where):
 
 
 def _check_patches(surface, where, remedy):
-    """Each cap is one patch of triangles within the wall, touching no other cap; else InputError."""
+    """Raises InputError unless each cap is one connected patch of triangles that touches no other cap."""
     for cap in surface.caps:
         parts = surface.parts(surface.region == cap)
         if parts > 1:

@@ -1,6 +1,7 @@
 """The quadratic tetrahedron: nodes 0-3 at the corners, 4-9 at the middles of the edges EDGES, in that order.
 
-With barycentric coordinates lam: N_i = l_i (2 l_i - 1) at corners, N_ab = 4 l_a l_b at middles.
+With the barycentric coordinates l_i, also called lam, the basis functions are N_i = l_i (2 l_i - 1) at corners and
+N_ab = 4 l_a l_b at middles.
 """
 
 import numpy as np
@@ -9,18 +10,18 @@ from flow.geometry.vectors import determinant
 
 EDGES = np.array([[0, 1], [1, 2], [0, 2], [0, 3], [2, 3], [1, 3]])  # gmsh's order of middle nodes
 VTK_ORDER = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]  # VTK's last two middle nodes are those of the edges 13, 23
-OUTWARD_FACES = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))  # of a tetrahedron of positive volume
-LEAST_JACOBIAN_RATIO = 0.05  # least over largest Jacobian of a cell that is solved on
+OUTWARD_FACES = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))  # corners, outwards for a tetrahedron of positive volume
+LEAST_JACOBIAN_RATIO = 0.05  # meshes with a smaller ratio of least to largest Jacobian in a cell are refused
 
 
 def six_volumes(points, tetrahedra):
-    """Signed volumes (t,), times six, of the straight tetrahedra (t, 4 or more) by their corners; points (n, 3)."""
+    """Six times the signed volumes (t,) of tetrahedra (t, 4 or more) with straight edges, by points (n, 3)."""
     a, b, c, d = (points[tetrahedra[:, k]] for k in range(4))
     return np.einsum("ij,ij->i", b - a, np.cross(c - a, d - a))
 
 
 def positive(points, tetrahedra):
-    """The tetrahedra (t, 4) with positive volume by orientation (swaps two corners where it is negative)."""
+    """The tetrahedra (t, 4), with two corners swapped where the volume is negative, so that all are positive."""
     negative = six_volumes(points, tetrahedra) < 0
     tetrahedra = tetrahedra.copy()
     tetrahedra[negative] = tetrahedra[negative][:, [0, 2, 1, 3]]
@@ -33,7 +34,7 @@ def basis(lam):
 
 
 def gradients(lam):
-    """Derivatives by the reference coordinates (l1, l2, l3), (..., 10, 3), at barycentric coordinates lam (..., 4)."""
+    """Derivatives (..., 10, 3) of the basis functions by (l_1, l_2, l_3) at barycentric coordinates lam (..., 4)."""
     dl = np.array([[-1.0, -1.0, -1.0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     corners = (4 * lam - 1)[..., None] * dl
     a, b = EDGES[:, 0], EDGES[:, 1]
@@ -42,7 +43,7 @@ def gradients(lam):
 
 
 def _cubic_lattice():
-    """Barycentric multi-indices (20, 4) of degree 3."""
+    """All quadruples (20, 4) of integers from 0 on with the sum 3: the places of a cubic's Bezier coefficients."""
     return np.array([[3 - i - j - k, i, j, k] for i in range(4) for j in range(4 - i) for k in range(4 - i - j)])
 
 
@@ -54,16 +55,17 @@ def _bernstein(lam, index):
 
 
 _LATTICE = _cubic_lattice()
-_POINTS = _LATTICE / 3.0
-_TO_BEZIER = np.round(12 * np.linalg.inv(_bernstein(_POINTS, _LATTICE))) / 12  # multiples of 1 / 12
+_POINTS = _LATTICE / 3.0  # barycentric coordinates of 20 points, whose values determine a cubic
+# Matrix from a cubic's values at _POINTS to its Bezier coefficients. Its exact entries are multiples of 1 / 12.
+_TO_BEZIER = np.round(12 * np.linalg.inv(_bernstein(_POINTS, _LATTICE))) / 12
 _GRADIENTS = gradients(_POINTS)
 
 
 def jacobian_bounds(nodes):
-    """(lower, upper) bounds of det J in each element, nodes (t, 10, 3).
+    """(lower (t,), upper (t,)) bounds of det J in elements with the nodes (t, 10, 3).
 
-    det J is a cubic; its Bezier coefficients bound it from both sides (Johnen, Remacle, Geuzaine 2013, J Comput
-    Phys 233).
+    J is the derivative of the map from the reference element. det J is a cubic polynomial, and its Bezier coefficients
+    bound it from both sides (Johnen, Remacle, Geuzaine 2013, J Comput Phys 233).
     """
     jacobian = np.einsum("tnx,pnr->tpxr", nodes, _GRADIENTS)
     bezier = np.einsum("tp,bp->tb", determinant(jacobian), _TO_BEZIER)
@@ -73,8 +75,8 @@ def jacobian_bounds(nodes):
 def overlapping(tetrahedra):
     """Number of faces with both of their cells on the same side; tetrahedra (n, 4), each of positive volume.
 
-    Where a mesh was folded, a cell is turned over. By itself it is as good as any, but it overlaps its neighbours, and
-    the flow through their common faces is lost.
+    This happens where a mesh was folded and a cell is turned over. The cell by itself looks good, but it overlaps its
+    neighbours, and the flow through their common faces is lost.
     """
     faces = np.concatenate([tetrahedra[:, face] for face in OUTWARD_FACES])
     first = faces.argmin(axis=1)

@@ -1,7 +1,7 @@
-"""Vector operations with the same bits on every processor, by which the coordinates of a mesh are computed.
+"""Vector operations with the same result to the last bit on every processor; mesh coordinates are computed by them.
 
 numpy hands products of matrices (`@`, dot, the norm of one vector, det, inv) to OpenBLAS. For sines, cosines and powers
-of arrays it has its own routines for AVX-512. Both round differently on different kinds of processor.
+of arrays it has special routines for processors with AVX-512. Both round differently on different kinds of processor.
 """
 
 import math
@@ -20,7 +20,7 @@ def length(vectors):
 
 
 def unit(vectors):
-    """Vectors (..., 3) over their lengths."""
+    """Unit vectors: vectors (..., 3) over their lengths."""
     return vectors / length(vectors)[..., None]
 
 

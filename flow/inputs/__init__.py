@@ -1,1 +1,1 @@
-"""Inputs: boundary values of a patient and the anatomy summary that they follow from."""
+"""Inputs: boundary values of a patient, the anatomy summary that they follow from, and the flow of another state."""

@@ -1,11 +1,13 @@
 """Boundary values of a patient's coronary flow at hyperaemia.
 
-    Q_hyp by flow.inputs.hyperaemia: 0.71 M^0.75 / 0.16 mL/min (M: left ventricular mass in g), or a territory's share
+    Q_hyp = 0.71 M^0.75 / 0.16 mL/min, or a territory's share of the heart's flow (flow.inputs.hyperaemia)
     Q_i / Q_hyp = D_i^2.55 / sum_j D_j^2.55
     MAP = DBP + 0.4 (SBP - DBP)
     R_i = (MAP - P_v) / Q_i
 
-D_i are the outlets' diameters before the intervention; one set of resistances serves all states of a patient.
+M is the left ventricular mass in g. For outlet i, D_i is the diameter before the intervention, Q_i the flow and R_i the
+resistance. DBP and SBP are the diastolic and systolic pressures, P_v the venous pressure. The resistances are the same
+for all states of a patient.
 """
 
 import math
@@ -17,8 +19,10 @@ from flow.inputs import hyperaemia, lumen_summary, wire
 from flow.physics import viscosity
 from flow.physics.units import M3_PER_S_PER_ML_PER_MIN, PA_PER_MMHG
 
-ROUNDING_MM = 1e-6
-FACTOR = 10.0  # largest ratio of R_i Q_i to MAP - P_v, either way: beyond it R_i has other units or is another outlet's
+ROUNDING_MM = 1e-6  # a probe's distance that is too short by less than this gets no warning
+# Largest ratio of R_i Q_i to MAP - P_v, and of MAP - P_v to R_i Q_i. Beyond it R_i has other units or is another
+# outlet's.
+FACTOR = 10.0
 
 
 def mean_arterial_pressure_mmhg(sbp_mmhg, dbp_mmhg):
@@ -37,7 +41,10 @@ def mean_arterial_pressure_mmhg(sbp_mmhg, dbp_mmhg):
 
 
 def split_by_diameter(diameters_mm, exponent):
-    """Fractions of the flow, one an outlet, that sum to one: D_i^exponent / sum_j D_j^exponent."""
+    """[fraction of the flow] for each outlet, with the sum 1: D_i^exponent / sum_j D_j^exponent, D_i in mm.
+
+    Raises InputError for a diameter that is not between 0.2 and 12 mm.
+    """
     for diameter in diameters_mm:
         if not 0.2 <= diameter <= 12:
             raise InputError("implausible outlet diameter", "anatomy.json ends", diameter, "give mm, 0.2 to 12")
@@ -49,8 +56,9 @@ def split_by_diameter(diameters_mm, exponent):
 def make(anatomy, centreline, patient, settings, measured=None, ranged=False):
     """The document of boundary.json.
 
-    anatomy: document of anatomy.json; centreline: geometry.centreline.Tree; patient: as in a case file;
-    measured: a case's `measured` with the place of its pressure wire, or None; ranged: with `plausible_flows`.
+    anatomy: document of anatomy.json; centreline: geometry.centreline.Tree; patient: section `patient` of a case file;
+    measured: section `measured` of a case file with the place of its pressure wire, or None; ranged: whether the
+    document gets `plausible_flows`. Raises InputError.
     """
     map_pa = mean_arterial_pressure_mmhg(patient["sbp_mmhg"], patient["dbp_mmhg"]) * PA_PER_MMHG
     venous_pa = settings.venous_pressure_mmhg * PA_PER_MMHG
@@ -108,23 +116,25 @@ def make(anatomy, centreline, patient, settings, measured=None, ranged=False):
 
 
 def doubts(patient, measured, hyperaemia_fraction=None):
-    """[sentence] on a patient's values that can be computed with and are unusual. measured: as in `make`."""
+    """[warning] on values of a patient that are unusual, but can be used. patient, measured: as in `make`."""
     return hyperaemia.doubts(patient, hyperaemia_fraction) + wire.doubts(measured or {})
 
 
 def said(warnings):
-    """The warnings [sentence], after printing them."""
+    """Prints the warnings [str], and returns them."""
     for one in warnings:
         print(one, file=sys.stderr, flush=True)
     return warnings
 
 
 def probes(anatomy, centreline, distance_mm):
-    """The probes of FFR: `distal` past the most severe lesion, `lesion<k>` past each, `end_<branch>` at each end.
+    """The places at which FFR is read: [{name, branch, s_mm, point_mm}].
 
-    A probe stays 1.5 diameters inside its branch's end, where the outlet condition does not disturb it. If that limits
-    its distance past the lesion's end, the entry `distance_mm` is shorter than asked for. Without a lesion `distal` is
-    at the end of the main branch.
+    `distal` lies distance_mm past the end of the most severe lesion, the first of the anatomy; `lesion<k>` past the end
+    of each other; `end_<branch>` at the end of each branch. Without a lesion `distal` is at the end of the main branch.
+    A probe keeps 1.5 diameters (at most a quarter of the branch) away from its branch's end, where the outlet condition
+    would disturb it. A probe past a lesion also has `distance_mm`, its true distance from the lesion's end, which may
+    therefore be shorter than asked for.
     """
 
     def probe(name, branch, s_mm):
@@ -151,7 +161,7 @@ def probes(anatomy, centreline, distance_mm):
 
 
 def too_near(read_at, distance_mm):
-    """Warnings of the probes whose branch ends before they are `distance_mm` past their lesion."""
+    """[warning] on probes (as of `probes`) that are less than `distance_mm` past their lesion, as the branch ends."""
     return [
         f"probe {probe['name']} is {probe['distance_mm']:.1f} mm past its lesion's end instead of {distance_mm:g} mm,"
         f" since branch {probe['branch']} ends"
@@ -161,7 +171,10 @@ def too_near(read_at, distance_mm):
 
 
 def check(document, where="boundary.json", branches=None):
-    """Raises InputError for boundary values that cannot be solved with; branches: names of those there are, or None."""
+    """Raises InputError for boundary values `document` that no flow can be solved with.
+
+    branches: names of the branches of the lumen, or None if they are not known.
+    """
     given = json_reader.Document(where, document)
     given.check_finite()
     schema.validate(given, schema.read("boundary"))
@@ -191,7 +204,7 @@ def check(document, where="boundary.json", branches=None):
 
 
 def _check_pressures(document, where):
-    """Raises InputError unless P_v is below MAP, and so is an outlet's given pressure if the inflow is not given."""
+    """Raises InputError unless P_v is below MAP. Unless the inflow is given, given outlet pressures must be too."""
     map_pa, remedy = document["map_pa"], f"below map_pa, which is {document['map_pa']:g}, in Pa"
     if document["venous_pressure_pa"] >= map_pa:
         where_it_is = f"{where}: venous_pressure_pa"
@@ -203,9 +216,10 @@ def _check_pressures(document, where):
 
 
 def _check_flow(outlet, document, where):
-    """Raises InputError if an outlet's resistance does not fit its planned flow at MAP, within FACTOR.
+    """Raises InputError if an outlet's resistance times its planned flow differs by over FACTOR from MAP - P_v.
 
-    It is checked only with the inlet at MAP and P_v behind the outlet; benchmarks give other pressures or the inflow.
+    This is checked only with the inlet at MAP and P_v behind the outlet. Benchmarks may give an outlet's pressure or
+    the inflow instead.
     """
     if outlet.get("pressure_pa") is not None or document.get("inlet_flow_m3_per_s") is not None:
         return
@@ -218,6 +232,7 @@ def _check_flow(outlet, document, where):
 
 
 def _check_told_apart(entries, where, key):
+    """Raises InputError if two entries have the same value of `key`."""
     values = [entry[key] for entry in entries]
     twice = sorted({value for value in values if values.count(value) > 1})
     if twice:

@@ -1,16 +1,18 @@
-"""The hyperaemic flow into the tree: by the published mass law, by the territory it feeds, or measured.
+"""The hyperaemic flow into the tree: by the published mass law, by the territory that the tree feeds, or measured.
 
-`territory: whole` (the default, and what the study's patients mean): Q = 0.71 M^0.75 / 0.16 mL/min, M the left
-ventricular mass in g, all of it in this tree, as the method was published. That is 190 mL/min for 150 g.
+`territory: whole` (the default, used for the study's patients): Q = 0.71 M^0.75 / 0.16 mL/min, M being the left
+ventricular mass in g. All of this flow enters the tree, as the method was published. That is 190 mL/min for 150 g.
 
 A named territory gets its share of the whole heart's flow. The shares are those of the left ventricle's 17 segments
 (Cerqueira et al., Circulation 2002;105:539-42): LAD 7, LCX 5, RCA 5. The whole heart's flow is PER_GRAM times the mass
 (N-13 ammonia at dipyridamole hyperaemia, 3.69 +- 0.83 mL/min/g: Kiso et al., J Radiol Radiat Ther, nine volunteers).
 For 150 g that is 228 mL/min in the LAD and 554 in all; continuous thermodilution measured 228 +- 71 in LADs and
 582 +- 138 in whole hearts with mild atherosclerosis (Fournier et al., EuroIntervention 2021;17:e309-16). The published
-law is a third of that: its flow is one artery's, and it is not shared out.
-With a cardiac output instead of a mass the heart's flow is REST_SHARE of it at rest (225 of 5,000 mL/min, Guyton and
-Hall, Textbook of Medical Physiology), times RESERVE (2.78 by thermodilution: Gallinoro et al., EuroIntervention 2021).
+law gives a third of the whole heart's flow. So its flow is taken as that of one artery, and not divided among several.
+
+With a cardiac output instead of a mass, the heart's flow at rest is REST_SHARE of the output (225 of 5,000 mL/min,
+Guyton and Hall, Textbook of Medical Physiology). Hyperaemia multiplies it by RESERVE (2.78 by thermodilution: Gallinoro
+et al., EuroIntervention 2021).
 """
 
 import math
@@ -20,29 +22,32 @@ from common.errors import InputError
 from flow.physics.units import M3_PER_S_PER_ML_PER_MIN
 
 WHOLE = "whole"
-SEGMENTS = {"lad": 7, "lcx": 5, "rca": 5, "left": 12}  # of the left ventricle's
+SEGMENTS = {"lad": 7, "lcx": 5, "rca": 5, "left": 12}  # segments of the left ventricle that each territory feeds
 ALL_SEGMENTS = 17
-PER_GRAM, PER_GRAM_SD = 3.69, 0.83  # mL/min/g
+PER_GRAM, PER_GRAM_SD = 3.69, 0.83  # mL/min per g: hyperaemic flow of the heart, mean and standard deviation
+# Coronary flow at rest over cardiac output; hyperaemic flow over flow at rest.
 REST_SHARE, RESERVE = 0.045, 2.78
-HEART_ML_PER_MIN, HEART_SD = 582, 138  # Fournier et al.; of a measured inflow more than two SD above it is doubted
-MASS_OFF = 0.2  # of a mass that is measured by another method, or assumed
-EXPONENT = 0.75
+# mL/min: hyperaemic flow of the whole heart, mean and standard deviation (Fournier et al.). A measured inflow more than
+# two standard deviations above the mean gets a warning.
+HEART_ML_PER_MIN, HEART_SD = 582, 138
+MASS_OFF = 0.2  # relative error of a mass that was measured by another method, or assumed
+EXPONENT = 0.75  # of the mass in the published law
 
 
 def of_mass(lvm_g, hyperaemia_fraction):
-    """Flow in m3/s of the published law for a left ventricular mass in g."""
+    """Flow in m3/s by the published law, 0.71 M^0.75 / hyperaemia_fraction mL/min, M = lvm_g in g."""
     if not 30 <= lvm_g <= 500:
         raise InputError("implausible left ventricular mass", "patient lvm_g", lvm_g, "give grams, 30 to 500")
     return 0.71 * lvm_g**EXPONENT / hyperaemia_fraction * M3_PER_S_PER_ML_PER_MIN
 
 
 def share(territory):
-    """Share of the whole heart's flow: of a named territory, or the number that it is."""
+    """Share of the whole heart's flow that a territory gets: that of a named territory, or the given number."""
     return SEGMENTS[territory] / ALL_SEGMENTS if territory in SEGMENTS else float(territory)
 
 
 def of_heart(patient):
-    """The whole heart's hyperaemic flow in m3/s, by cardiac output or else by mass."""
+    """The whole heart's hyperaemic flow in m3/s, by cardiac output if it is given, or else by mass."""
     output = patient.get("cardiac_output_l_per_min")
     if output is not None:
         return 1000 * output * REST_SHARE * RESERVE * M3_PER_S_PER_ML_PER_MIN
@@ -50,7 +55,11 @@ def of_heart(patient):
 
 
 def source(patient, hyperaemia_fraction):
-    """{flow_m3_per_s, territory, share (null: whole or measured), by}: the flow into the tree and where it is from."""
+    """{flow_m3_per_s, territory, share, by}: the flow into the tree and how it was found.
+
+    patient: section `patient` of a case file; hyperaemia_fraction: of the published law. share: of the whole heart's
+    flow, None for the published law and a measured inflow; by: in words. Raises InputError.
+    """
     territory = patient.get("territory", WHOLE)
     given = patient.get("hyperaemic_inflow_ml_per_min")
     if given is not None:
@@ -66,17 +75,17 @@ def source(patient, hyperaemia_fraction):
 
 
 def _by(patient):
-    """What tells the whole heart's flow, of which a territory gets its share."""
+    """In words, from what the whole heart's flow is computed."""
     return "cardiac output" if patient.get("cardiac_output_l_per_min") is not None else f"{PER_GRAM} mL/min/g"
 
 
 def doubts(patient, hyperaemia_fraction=None):
-    """[sentence] on a measured inflow above what the territory has in people, and on values that are not used."""
+    """[warning] on a measured inflow above the usual range of its territory, and on values that are not used."""
     return _too_much(patient) + _unused(patient) + _unused_fraction(patient, hyperaemia_fraction)
 
 
 def _unused(patient):
-    """[sentence] on values beside the one that tells the flow: an inflow, else a cardiac output, else a mass."""
+    """[warning] on values that are not used. The flow follows from an inflow, else a cardiac output, else a mass."""
     order = ("hyperaemic_inflow_ml_per_min", "cardiac_output_l_per_min", "lvm_g")
     used, *others = [key for key in order if patient.get(key) is not None] or [None]
     if not others:
@@ -86,7 +95,7 @@ def _unused(patient):
 
 
 def _unused_fraction(patient, hyperaemia_fraction):
-    """[sentence] on a fraction that somebody chose, so not the default, where the published law is not used."""
+    """[warning] on a hyperaemia_fraction other than the default where the published law is not used."""
     default = schema.read("flow")["properties"]["hyperaemia_fraction"]["default"]
     inflow, territory = patient.get("hyperaemic_inflow_ml_per_min"), patient.get("territory", WHOLE)
     if hyperaemia_fraction in (None, default) or (inflow is None and territory == WHOLE):
@@ -102,7 +111,7 @@ def _unused_fraction(patient, hyperaemia_fraction):
 
 
 def _too_much(patient):
-    """[sentence] on a measured inflow above what the territory has in people; empty without one."""
+    """[warning] on a measured inflow more than two standard deviations above the mean of its territory."""
     given, territory = patient.get("hyperaemic_inflow_ml_per_min"), patient.get("territory", WHOLE)
     most = (HEART_ML_PER_MIN + 2 * HEART_SD) * (1.0 if territory == WHOLE else share(territory))
     if given is None or given <= most:
@@ -115,24 +124,25 @@ def _too_much(patient):
 
 
 def _source(flow, territory, part, by):
+    """The dictionary that `source` returns; flow in m3/s, part: the share."""
     return {"flow_m3_per_s": flow, "territory": territory, "share": part, "by": by}
 
 
 def _a_segment_off(part):
-    """The share of the heart's flow with one of the 17 segments less, and with one more.
+    """(share with one of the 17 segments less, share with one more) for a share `part` of the heart's flow.
 
-    A small territory keeps something: half a segment, and half of itself if it is less than a segment.
+    The smaller share is at least half a segment, or half of `part` if that is less than a segment.
     """
     segment = 1 / ALL_SEGMENTS
     return max(part - segment, 0.5 * min(part, segment)), part + segment
 
 
 def plausible(patient, hyperaemia_fraction):
-    """[{what, factor}]: plausible flows over the estimated one, with one cause varied at a time; empty if measured.
+    """[{what, factor}]: plausible flows over the estimated flow, with one cause varied at a time.
 
-    The mass varies by a fifth, hyperaemia by the standard deviation between people, a named territory by one of the
-    left ventricle's 17 segments. A territory that is not named may be any. For a measured flow see
-    reduced.flow_range.around_inflow.
+    The mass varies by MASS_OFF, hyperaemia by the standard deviation between people, a named territory by one of the
+    left ventricle's 17 segments. If no territory is named, each one is tried. For a measured inflow the list is empty;
+    see reduced.flow_range.around_inflow.
     """
     if patient.get("hyperaemic_inflow_ml_per_min") is not None:
         return []

@@ -1,14 +1,14 @@
-"""anatomy.json, the anatomy step's summary of a lumen, as far as the flow step reads it: ends, branches, lesions."""
+"""anatomy.json, the anatomy step's summary of a lumen: the parts that the flow step reads (ends, branches, lesions)."""
 
 from common.documents import json_reader, schema
 from common.errors import InputError
 
 OF_A_PLAN = ("lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json")  # files of the anatomy step for one lumen
-SAME_LENGTH = 0.005  # relative; lengths from one anatomy step are equal
+SAME_LENGTH = 0.005  # largest relative difference of a branch's lengths in anatomy.json and centreline.vtp
 
 
 def read(path, *needed):
-    """The document of anatomy.json, checked. Raises InputError."""
+    """The document of anatomy.json at `path`, checked for the keys `needed`. Raises InputError."""
     document = json_reader.read(path, "anatomy.json")
     check(document.data, path, *needed)
     return document.data
@@ -31,7 +31,10 @@ def check(data, where, *needed):
 
 
 def check_lengths(data, tree, where):
-    """Raises InputError unless the branches, where their lengths are given, are those of a geometry.centreline.Tree."""
+    """Raises InputError unless branches of anatomy.json are as long as those of a geometry.centreline.Tree.
+
+    Branches without a length in anatomy.json are not checked.
+    """
     for branch in data.get("branches", []):
         given, found = branch.get("length_mm"), tree[branch["name"]].length_mm
         if given is not None and abs(given - found) > SAME_LENGTH * found:
@@ -41,7 +44,7 @@ def check_lengths(data, tree, where):
 
 
 def _check_tree(branches, where):
-    """One branch has no parent, and from it all others are reached."""
+    """Raises InputError unless exactly one branch has no parent, and all others descend from it."""
     names = [branch["name"] for branch in branches]
     if len(set(names)) < len(names):
         raise InputError("two branches have the same name", f"{where}: branches", names, "run the anatomy step again")

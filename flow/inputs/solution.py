@@ -13,15 +13,16 @@ from flow.geometry import correspondence, locate, tet10
 from flow.physics.units import M_PER_MM
 
 REMEDY = "give the folder that `flow solve` wrote"
-WIDEST = 2.0  # largest factor on a velocity by the ratio of the areas
+WIDEST = 2.0  # limit of the factor by which a velocity is changed for the ratio of the areas
 
 
 @dataclasses.dataclass
 class Start:
-    """A solved state: nodes (n, 3) in mm and cells (m, 10) of its mesh, velocity (n, 3) and pressure (n,) in SI.
+    """A solved state of the vessel: nodes (n, 3) in mm and cells (m, 10) of its mesh, with the flow at the nodes.
 
-    places: geometry.correspondence.Correspondence from the lumen to be solved. mesh: name of the mesh file that
-    answered; inflow in m3/s; artificial: eps of the answer.
+    velocity (n, 3) in m/s, pressure (n,) in Pa, inflow in m3/s; artificial: eps of its artificial viscosity; mesh: name
+    of the mesh file that answered; places: geometry.correspondence.Correspondence from the lumen to be solved to that
+    of this state.
     """
 
     nodes_mm: np.ndarray
@@ -34,10 +35,10 @@ class Start:
     places: correspondence.Correspondence
 
     def at(self, points):
-        """First guess of velocity (n, 3) and pressure (n,) in SI at points (n, 3), in m, of the lumen to be solved.
+        """First guess (velocity (n, 3) in m/s, pressure (n,) in Pa) at points (n, 3) in m of the lumen to be solved.
 
         The two lumens differ in area but are assumed to carry the same flow. So the velocity is multiplied by the
-        solved lumen's area over the area of the lumen to be solved. This factor is limited to 1 / WIDEST to WIDEST.
+        solved state's area over the area of the lumen to be solved. This factor is limited to 1 / WIDEST to WIDEST.
         """
         where, turns, ratio = self.places(points / M_PER_MM)
         cell, lam, _ = locate.Locator(self.nodes_mm, self.cells).find(where)
@@ -48,9 +49,10 @@ class Start:
 
 
 def read(folder, tree, other):
-    """Start from the folder of a solve; tree, other: centrelines of the lumen to be solved and of that state's.
+    """Start from the output folder of `flow solve` for another state of the vessel.
 
-    Raises InputError for files that are missing or of another kind, and where the branches are not the same.
+    tree, other: geometry.centreline.Tree of the lumen to be solved, and of that state. Raises InputError for files that
+    are missing or of another kind, and where the two trees have different branches.
     """
     path, answer = pathlib.Path(folder) / "solution.vtu", pathlib.Path(folder) / "ffr.json"
     for file in (path, answer):

@@ -1,18 +1,18 @@
-"""The place of the pressure wire's sensor in a patient, as one more probe."""
+"""The place of the pressure wire's sensor in a patient, as one more probe of FFR."""
 
 import numpy as np
 
 from common.errors import InputError
 
 NAME = "measured"
-FAR = 2.0  # local radii from the axis beyond which a point is in another vessel
+FAR = 2.0  # a point further than this many local radii from the axis is not in the vessel
 
 
 def probe(given, tree, where="measured.probe"):
-    """The probe `measured`: {name, branch, s_mm, point_mm} on the axes before the procedure.
+    """The probe `measured`: {name, branch, s_mm, point_mm} on the centreline before the procedure.
 
-    given: {branch, s_mm} or {point_mm: [x, y, z]}, in mm; tree: flow.geometry.centreline.Tree. A place up to a radius
-    beyond a branch's end is at the end. Raises InputError for a place that is not in the vessel.
+    given: {branch, s_mm} or {point_mm: [x, y, z]} in mm; tree: geometry.centreline.Tree. A place up to a radius beyond
+    a branch's end is moved to the end. Raises InputError for a place that is not in the vessel.
     """
     if "branch" in given:
         names = [line.name for line in tree]
@@ -28,7 +28,7 @@ def probe(given, tree, where="measured.probe"):
 
 
 def doubts(measured):
-    """[sentence] on readings of the wire (a case's `measured`) that are unusual together."""
+    """[warning] if FFR after the procedure is below FFR before. measured: section `measured` of a case file."""
     before, after = measured.get("ffr_pre"), measured.get("ffr_post")
     if before is None or after is None or after >= before:
         return []
@@ -36,7 +36,7 @@ def doubts(measured):
 
 
 def before_lesions(place, anatomy):
-    """[sentence] if no lesion lies between the inlet and the sensor: its reading then says nothing of the lesions.
+    """[warning] if no lesion starts between the inlet and the sensor, whose reading then says nothing of the lesions.
 
     place: as from `probe`; anatomy: document of anatomy.json.
     """
@@ -58,7 +58,10 @@ def before_lesions(place, anatomy):
 
 
 def _check_beyond(line, beyond_mm, where):
-    """Raises InputError for a place further beyond a branch's end than the radius there; less is rounding."""
+    """Raises InputError for a place that lies `beyond_mm` beyond a branch's end, if this is more than the radius there.
+
+    line: geometry.centreline.Branch.
+    """
     if beyond_mm > line.radius_mm[-1]:
         value = f"{beyond_mm:.1f} mm beyond the end of {line.name}, which is {line.length_mm:.1f} mm long"
         remedy = f"a place in the vessel, or at most its radius ({line.radius_mm[-1]:.1f} mm) beyond the end"
@@ -66,6 +69,7 @@ def _check_beyond(line, beyond_mm, where):
 
 
 def _nearest(point, tree, where):
+    """(Branch, s_mm) of the place on the tree's axes nearest to point (3,) in mm, in local radii. Raises InputError."""
     s_mm, distance, line = min(
         ((*line.project(point), line) for line in tree), key=lambda found: found[1] / found[2].radius(found[0])
     )

@@ -1,1 +1,1 @@
-"""Meshing: volume meshes of a lumen, swept where its tree allows, filled by gmsh elsewhere."""
+"""Meshing: volume meshes of a lumen, swept along single vessels, filled by gmsh at junctions."""

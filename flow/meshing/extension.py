@@ -1,10 +1,11 @@
 """Straight extensions of inlets or outlets too close to a narrowing: the cap's rim extruded along its normal.
 
-A jet that leaves through an outlet takes its kinetic energy with it, and the pressure that it would have won back
-behind the outlet is missing upstream. So an outlet too near behind a narrowing gets a straight tube. It then
-lies `outlet_clearance_diameters` of its own diameters behind the end of a strong narrowing, less far behind a milder
-one. An inlet nearer than `inlet_clearance_diameters` before the start of a narrowing likewise gets a tube.
-`outlet_extension_diameters` lengthens each outlet at least so far. FFR is read in the original anatomy (physics.ffr).
+A jet that leaves through an outlet takes its kinetic energy with it. In a longer vessel part of this energy would turn
+back into pressure, so upstream the pressure is too low. So an outlet too close behind a narrowing gets a straight tube.
+The outlet then lies `outlet_clearance_diameters` of its own diameters behind the end of a strong narrowing, and less
+far behind a milder one. An inlet closer than `inlet_clearance_diameters` before a narrowing likewise gets a tube.
+Setting `outlet_extension_diameters` lengthens every outlet by at least this many of its diameters. FFR is read in the
+original anatomy (physics.ffr).
 """
 
 import dataclasses
@@ -16,18 +17,20 @@ from flow.geometry.centreline import Branch, Tree
 from flow.geometry.surface import INLET, WALL, Surface, border
 from flow.meshing.sweep import spans, stations
 
-SPACING_MM = 0.25  # of the centreline's points in an extension
-# Shares of the healthy radius. Narrowings milder than NARROW need no room behind them, STRONG ones the whole clearance,
-# others a share. A vessel cut off 2 diameters behind narrowings to .58, .54, .5 and .45 has an FFR .0006, .0015, .0029
-# and .0056 off its value with 8 diameters (axisymmetric model, 170 to 190 mL/min). With its share: .0015 at most.
+SPACING_MM = 0.25  # distance of the centreline's points in an extension
+# Shares of the healthy radius. Behind a narrowing to at least NARROW an outlet needs no clearance, behind one to at
+# most STRONG all of it, in between a share. A vessel cut off 2 diameters behind narrowings to .58, .54, .5 and .45 has
+# an FFR that differs by .0006, .0015, .0029 and .0056 from its FFR with 8 diameters (axisymmetric model, 170 to 190
+# mL/min). With the share of the clearance that these narrowings get, it differs by .0015 at most.
 NARROW, STRONG = 0.6, 0.4
 
 
 @dataclasses.dataclass
 class Extension:
-    """A straight tube at the cap region_id of a branch's end: length_mm along the unit vector direction (3,).
+    """A straight tube at the cap `region_id` of the branch named `branch`, length_mm long.
 
-    distance_mm: from the cap to the narrowing's end (outlet) or start (inlet); None if the settings give the length.
+    direction: unit vector (3,) out of the lumen; distance_mm: from the cap to the end of the narrowing (outlet) or its
+    start (inlet), or None if setting outlet_extension_diameters gives the length.
     """
 
     region_id: int
@@ -56,11 +59,12 @@ def needed(surface, tree, settings):
 
 
 def _missing(branch, from_end, clearance_mm):
-    """(missing length, distance) in mm between a branch's end, or start, and a narrowing.
+    """(missing clearance, distance) in mm from a branch's end (from_end), or its start, to a narrowing.
 
-    They are for the narrowing that misses most; the length is not positive if none is missing. A narrowing is below
-    NARROW of the healthy radius (meshing.sweep.stations) somewhere and reaches to 0.95 of it. Behind it a share of
-    clearance_mm is wanted, the larger the stronger the narrowing; before it all of clearance_mm.
+    Of several narrowings it is the one with the largest missing clearance, which is not positive if none is missing. A
+    narrowing is below NARROW of the healthy radius somewhere, and ends where it reaches 0.95 of it
+    (meshing.sweep.stations). Behind a narrowing a share of clearance_mm is wanted, the larger the stronger the
+    narrowing; before it all of clearance_mm.
     """
     s, share = branch.s_mm, stations.healthy_share(branch)
     if from_end:
@@ -74,14 +78,17 @@ def _missing(branch, from_end, clearance_mm):
 
 
 def extend(surface, extensions):
-    """The surface with its caps moved out: the wall grows by layers about as long as the rim's edges."""
+    """The Surface with the caps of [Extension] moved out; new wall is added in layers about as long as rim edges."""
     for one in extensions:
         surface = _extend(surface, one.region_id, one.length_mm)
     return surface
 
 
 def prolonged(tree, extensions):
-    """The tree, its centrelines continued straight through the extensions; s = 0 moves to a longer inlet's start."""
+    """The Tree with its centrelines continued straight through [Extension].
+
+    With an extended inlet s = 0 is at the start of the extension.
+    """
     branches = {branch.name: branch for branch in tree}
     for one in extensions:
         branch = branches[one.branch]
@@ -102,19 +109,20 @@ def prolonged(tree, extensions):
 
 
 def _cap(surface, cap):
-    """(unit normal outwards (3,), diameter in mm of the circle of its area) of a cap."""
+    """(outward unit normal (3,), diameter in mm of the circle of its area) of the cap with region id `cap`."""
     vector = surface.area_vectors()[surface.region == cap].sum(axis=0)
     area = float(vectors.length(vector))
     return vector / area, 2.0 * np.sqrt(area / np.pi)
 
 
 def _extend(surface, cap, length):
+    """The Surface with the cap of region id `cap` moved out by `length` mm, and new wall between."""
     in_cap = surface.region == cap
     normal, _ = _cap(surface, cap)
     rim = border(surface.triangles[in_cap])
     spacing = np.linalg.norm(surface.points[rim[:, 1]] - surface.points[rim[:, 0]], axis=1).mean()
     layers = max(1, round(length / spacing))
-    # the cap's own vertices move to the end; the old rim and the layers between are new copies of it
+    # the cap's vertices, rim included, move to the end of the tube; the old rim and the layers get new vertices
     loop = np.unique(rim)
     place = np.full(len(surface.points), -1)
     place[loop] = np.arange(len(loop))
@@ -134,7 +142,7 @@ def _extend(surface, cap, length):
     for k in range(layers):
         a, b = rings[k][rim[:, 0]], rings[k][rim[:, 1]]
         c, d = rings[k + 1][rim[:, 0]], rings[k + 1][rim[:, 1]]
-        # `rim` runs as in the cap's triangles, so the wall has it the other way round
+        # the edges of `rim` run as in the cap's triangles; in the wall's triangles they run in the other direction
         wall += [np.stack([b, a, c], axis=1), np.stack([b, c, d], axis=1)]
     wall = np.concatenate(wall)[:, ::-1]
     region = np.concatenate([surface.region, np.full(len(wall), WALL)])

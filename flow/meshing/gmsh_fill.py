@@ -1,20 +1,24 @@
-"""gmsh fills a surface: a program that meshing.volume_mesh runs, in a folder with its input and for its output.
+"""Fills a closed surface with tetrahedra by gmsh: a program that meshing.volume_mesh runs in a folder of its own.
 
-Imports nothing of this repository and takes no argument.
+It reads SURFACE in this folder, and writes VOLUME and the auxiliary file FIELD there. It imports nothing of this
+repository and takes no argument.
 
-Delaunay's refinement gives the same tetrahedra wherever in memory its data lie. HXT does not: gmsh 4.8 hands it the
-vertices in the order of their addresses.
+gmsh's Delaunay algorithm gives the same tetrahedra on every run. Its algorithm HXT does not, since gmsh 4.8 hands it
+the vertices in the order of their memory addresses.
 """
 
 import numpy as np
 
 SURFACE, FIELD, VOLUME = "surface.npz", "size.bin", "volume.npz"
-DELAUNAY = 1
-OPTIMISE_PASSES = 2
+DELAUNAY = 1  # gmsh's number of the algorithm
+OPTIMISE_PASSES = 2  # value of gmsh's option Mesh.Optimize
 
 
 def _structured_field(path, origin, spacing, shape, values):
-    """gmsh's binary structured grid: origin, spacings (doubles), counts (ints), values with z running fastest."""
+    """Writes gmsh's binary structured grid: origin, spacings (doubles), counts (ints), values with z running fastest.
+
+    origin (3,) and spacing in mm; shape (3,): numbers of nodes; values: cell sizes in mm at the nodes.
+    """
     with open(path, "wb") as file:
         file.write(np.asarray(origin, "<f8").tobytes())
         file.write(np.full(3, spacing, "<f8").tobytes())
@@ -23,6 +27,7 @@ def _structured_field(path, origin, spacing, shape, values):
 
 
 def main():
+    """Reads SURFACE, fills it, and writes VOLUME."""
     import gmsh
 
     data = np.load(SURFACE)

@@ -1,8 +1,9 @@
-"""Volume mesh of a tree: swept lattices in its tubes, Delaunay tetrahedra in its junctions, conforming.
+"""Conforming volume mesh of a tree: swept lattices along its vessels, Delaunay tetrahedra in its junctions.
 
-Spans (meshing.sweep.laying) are laid first; the wall that they leave is zipped to their end rings
-(meshing.sweep.stitch) and, with the end discs, closes the junctions, which gmsh fills. Where a junction cannot be
-stitched, filled, or filled without slivers, its ends move into their spans.
+A span is a swept stretch of a branch (meshing.sweep.laying), a junction the lumen between spans. The spans are swept
+first. The wall that they leave is joined to their end rings (meshing.sweep.stitch). With the end discs of the spans it
+encloses the junctions, which gmsh fills. Where a junction cannot be closed, filled, or filled without slivers, the ends
+of its spans move into the spans, so that the junction gets larger.
 """
 
 import dataclasses
@@ -19,16 +20,18 @@ from flow.geometry.surface import WALL, Surface
 from flow.meshing.sweep import disc as disc_module
 from flow.meshing.sweep import laying, section, stitch
 
-MOVE_RADII = 0.25  # by which the ends of a junction move into their spans when it cannot be filled
-TRIES = 12
-DISC_REGION = 1000  # regions of the end discs while a junction is filled
+MOVE_RADII = 0.25  # radii by which the ends of spans move when their junction cannot be filled
+TRIES = 12  # attempts to fill all junctions, the ends having moved in between
+DISC_REGION = 1000  # region ids of the spans' end discs start here while a junction is filled
 
 
 @dataclasses.dataclass
 class Linear:
-    """Conforming linear tetrahedra of positive volume: points (n, 3), tetrahedra (t, 4), swept (t,) bool; boundary
-    (f, 3), region (f,); edges (e, 2) whose middles (e, 3) are known; spans [{branch, from_mm, to_mm, stations}];
-    moved [str]: which of their ends moved, and why.
+    """A conforming mesh of linear tetrahedra of positive volume.
+
+    points (n, 3) in mm; tetrahedra (t, 4); swept (t,) bool: whether a tetrahedron is of a span; boundary (f, 3):
+    triangles of wall and caps with the region ids region (f,); edges (e, 2) with known middle points middles (e, 3) in
+    mm; spans [{branch, from_mm, to_mm, stations}]; moved [str]: which ends of spans moved, and why.
     """
 
     points: np.ndarray
@@ -43,11 +46,15 @@ class Linear:
 
 
 class NoSpans(Exception):
-    """No stretch of the tree can be swept."""
+    """No stretch of the tree can be swept, or the junctions between the swept stretches cannot be filled."""
 
 
 def build(surface, tree, sizes, settings, rings, coarsening=1.0):
-    """Linear mesh of `surface`. Raises NoSpans where junctions cannot be filled wherever the spans end."""
+    """Linear mesh of a Surface with its Tree.
+
+    sizes: size_field.SizeField of the junctions; rings: of the swept disc; coarsening: factor of the distance between
+    stations. Raises NoSpans if no span is found, or if after TRIES attempts a junction still cannot be filled.
+    """
     slicer = section.Slicer(surface)
     disc = disc_module.make(rings, settings.wall_layers)
     found = laying.find(surface, tree, slicer, disc)
@@ -70,7 +77,7 @@ def build(surface, tree, sizes, settings, rings, coarsening=1.0):
 
 
 def _assemble(surface, slicer, found, disc, sizes, moved):
-    """Linear mesh of the spans and the junctions between them. Raises StitchError."""
+    """Linear mesh of the spans `found` and the junctions between them. Raises StitchError."""
     parts = _Parts(surface, slicer.normals)
     ends, cuts = [], []
     for number, span in enumerate(found):
@@ -95,7 +102,10 @@ def _assemble(surface, slicer, found, disc, sizes, moved):
 
 @dataclasses.dataclass
 class Cut:
-    """The part of the wall that a span replaces: its ends, its caps, the facets that its sections hit."""
+    """The part of the surface that a span replaces.
+
+    ends: [stitch.End] of the span; caps: region ids of its caps; owners: numbers of the facets of its wall points.
+    """
 
     ends: list
     caps: list
@@ -103,7 +113,10 @@ class Cut:
 
 
 def _end(number, which, span, offset):
-    """stitch.End at the first (0) or last (1) level of a span."""
+    """stitch.End at the first (which = 0) or last (1) end of a span.
+
+    number: of the span; offset: number of the span's first point in the whole mesh.
+    """
     rim, level, along = span.lattice.rims[which], -which, (-1, 1)[which]
     centre, outwards = span.sections.sections[level].centre, along * span.sections.normals[level]
     radius = float(np.linalg.norm(span.lattice.points[rim] - centre, axis=1).max())
@@ -111,7 +124,11 @@ def _end(number, which, span, offset):
 
 
 class _Parts:
-    """Collects points, cells and boundary; the surface's vertices come first (those unused are dropped at the end)."""
+    """Collects points, tetrahedra and boundary of the mesh, span by span and junction by junction.
+
+    The surface's vertices are the first points. Those that no tetrahedron uses are dropped at the end. normals: unit
+    normals of the smooth surface at the points, zero where they are not needed.
+    """
 
     def __init__(self, surface, normals):
         self.surface, self.points, self.normals = surface, [surface.points], [normals]
@@ -120,7 +137,7 @@ class _Parts:
         self.edges, self.middles = [], []
 
     def add(self, points, normals=None):
-        """Number of the first of new points."""
+        """Adds points (n, 3) and returns the number of the first."""
         first = self.count
         self.points.append(points)
         self.normals.append(np.zeros_like(points) if normals is None else normals)
@@ -128,11 +145,12 @@ class _Parts:
         return first
 
     def add_boundary(self, triangles, region):
+        """Adds boundary triangles (m, 3) with their region id, or ids (m,)."""
         self.boundary.append(triangles)
         self.region.append(np.broadcast_to(region, len(triangles)))
 
     def add_span(self, span, disc):
-        """Number of the span's first point."""
+        """Adds a span's lattice and returns the number of its first point."""
         lat = span.lattice
         offset = self.add(lat.points, lat.normals)
         self.tetrahedra.append(offset + lat.tetrahedra)
@@ -147,7 +165,10 @@ class _Parts:
         return offset
 
     def junctions(self, kept, ends, found, sizes):
-        """Closes and fills every connected piece of the remaining wall."""
+        """Closes and fills every junction: every connected piece of the remaining wall. Raises StitchError.
+
+        kept: numbers of the remaining facets; ends: [stitch.End]; found: [Span]; sizes: size_field.SizeField.
+        """
         triangles, region = self.surface.triangles[kept], self.surface.region[kept]
         points, normals = np.concatenate(self.points), np.concatenate(self.normals)
         strip_of = stitch.strips(points, normals, triangles, ends)
@@ -163,12 +184,13 @@ class _Parts:
         for piece in _pieces(faces):
             try:
                 self._fill(points, normals, faces[piece], tags[piece], sizes)
-            except stitch.StitchError as error:  # all that fail are known before any end moves
+            except stitch.StitchError as error:  # the other pieces are tried before any end moves
                 failed.append(error)
         if failed:
             raise stitch.StitchError("; ".join(map(str, failed)), [key for error in failed for key in error.ends])
 
     def _fill(self, points, normals, faces, tags, sizes):
+        """Fills one junction, enclosed by triangles `faces` (m, 3) of region ids `tags` (m,). Raises StitchError."""
         used, local = np.unique(faces, return_inverse=True)
         closed = Surface(points[used], local.reshape(-1, 3), tags)
         edges, side = closed.edges()
@@ -187,7 +209,7 @@ class _Parts:
         self.swept.append(np.zeros(len(tetrahedra), bool))
         outer = tags < DISC_REGION
         self.add_boundary(faces[outer], tags[outer])
-        # the lattice knows the middles of the end discs' edges, their rims included
+        # the middles of the end discs' edges, rims included, are known from the lattice
         on_wall, _ = smooth_surface.edge_kinds(closed, edges, side)
         shared = np.zeros(len(edges), bool)
         shared[side[~outer].ravel()] = True
@@ -196,7 +218,7 @@ class _Parts:
         self.middles.append(smooth_surface.edge_middles(closed, edges, side, normals[used])[chosen])
 
     def finish(self, found, moved):
-        """Linear mesh without unused points."""
+        """The Linear mesh of all that was added, without unused points."""
         points, tetrahedra = np.concatenate(self.points), np.concatenate(self.tetrahedra)
         used, local = np.unique(tetrahedra, return_inverse=True)
         number = np.full(len(points), -1)
@@ -224,7 +246,7 @@ class _Parts:
 
 
 def _pieces(faces):
-    """Numbers of the faces of each connected piece."""
+    """[numbers of the faces] for each connected piece of the triangles `faces` (m, 3)."""
     size = int(faces.max()) + 1
     links = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]])
     _, label = connected_components(coo_matrix((np.ones(len(links)), links.T), (size, size)), directed=False)

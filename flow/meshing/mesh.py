@@ -1,4 +1,4 @@
-"""Volume mesh of a lumen: surface -> refined, extended surface -> linear tetrahedra -> curved tetrahedra -> files."""
+"""Volume meshes of a lumen: refined, extended surface -> linear tetrahedra -> curved quadratic tetrahedra -> files."""
 
 import contextlib
 import dataclasses
@@ -15,13 +15,14 @@ from flow.geometry.tags import PHYSICAL_VOLUME, physical_tag
 from flow.geometry.tet10 import LEAST_JACOBIAN_RATIO, overlapping
 from flow.meshing import extension, hybrid, size_field, volume_mesh
 
-OTHER_SIZES = (1.0, 1.1, 0.9, 0.8)  # of the coarse mesh's cells per radius, tried in turn
+OTHER_SIZES = (1.0, 1.1, 0.9, 0.8)  # factors on the coarse mesh's cells per radius, tried in turn
 
 
 def build(surface, tree, cells_per_radius, settings, rings=None, coarsening=1.0):
-    """(QuadraticMesh, report) of the lumen: the first of ATTEMPTS that gives cells good enough to solve on.
+    """(curving.QuadraticMesh, report) of the lumen, by the first of ATTEMPTS whose cells are good enough to solve on.
 
-    rings: of the swept discs (default: settings.rings); coarsening: factor of their distance. Raises ComputationError.
+    cells_per_radius: of the isotropic cells; rings: of the swept discs (default: settings.rings); coarsening: factor of
+    the discs' distance. The report is a part of mesh.json. Raises ComputationError.
     """
     rings = rings or settings.rings
     given, surface = surface, folds.unfolded(surface)
@@ -65,9 +66,9 @@ def build(surface, tree, cells_per_radius, settings, rings=None, coarsening=1.0)
 
 
 def coarser(fine, surface, tree, cells_per_radius, settings, rings, coarsening):
-    """As `build`, but with fewer cells than `fine`; (None, report) where none of OTHER_SIZES has fewer.
+    """As `build`, but with fewer cells than `fine`. (None, report) if no factor of OTHER_SIZES gives fewer.
 
-    A mesh that cannot be swept has isotropic tetrahedra, and these may be more than those of a swept finer mesh.
+    A mesh that cannot be swept has isotropic tetrahedra. They may be more numerous than those of a finer, swept mesh.
     """
     least = math.inf
     for factor in OTHER_SIZES:
@@ -81,10 +82,11 @@ def coarser(fine, surface, tree, cells_per_radius, settings, rings, coarsening):
 
 
 def sequence(paths, surface, tree, settings, report):
-    """[(QuadraticMesh, its part of `report`, path)], the finest first; the mesh is None where it is left out.
+    """Makes the meshes of a lumen: [(QuadraticMesh or None, its part of `report`, path)], the finest first.
 
-    paths: [(path, rings)], coarse first. A mesh is left out if it would not be coarser than the next. `report` gets the
-    finest mesh's figures, and the lists `coarse` and `left_out` of the others, coarse first. Raises ComputationError.
+    paths: [(path, rings)], the coarsest first. A mesh that would have no fewer cells than the next finer one is left
+    out: None. `report`, the document of mesh.json, gets the finest mesh's figures, and the lists `coarse` and
+    `left_out` of the others, the coarsest first. Raises ComputationError.
     """
     (*coarse, (path, rings)) = paths
     built, figures = build(surface, tree, settings.cells_per_radius, settings, rings, 1.0)
@@ -101,7 +103,10 @@ def sequence(paths, surface, tree, settings, report):
 
 
 def alone(paths, surface, tree, settings, report):
-    """As `sequence`, but the coarsest mesh alone, in the last file. A reduced model only shows its fields on it."""
+    """As `sequence`, but makes the coarsest mesh only, for the last file of `paths`; the others are None.
+
+    It serves to show the fields of a reduced model.
+    """
     (*others, (path, rings)), few = paths, paths[0][1]
     cells_per_radius = settings.coarse_cells_per_radius if others else settings.cells_per_radius
     built, figures = build(surface, tree, cells_per_radius, settings, few, rings / few)
@@ -110,7 +115,7 @@ def alone(paths, surface, tree, settings, report):
 
 
 def _unlayered(settings):
-    """The warning, printed too, that wall_layers has no effect where nothing is swept; empty for a single layer."""
+    """Warning, printed too, that setting wall_layers has no effect as nothing is swept. Empty for a single layer."""
     if settings.wall_layers == 1:
         return ""
     lost = f"no wall_layers, {settings.wall_layers} were asked for: they are of swept stretches, and nothing is swept"
@@ -119,7 +124,7 @@ def _unlayered(settings):
 
 
 def _isotropic(surface, tree, sizes, *_):
-    """hybrid.Linear of tetrahedra of one size in all directions."""
+    """hybrid.Linear with isotropic tetrahedra everywhere, filled by gmsh."""
     points, tetrahedra = volume_mesh.fill(surface, sizes)
     edges, side = surface.edges()
     middles = smooth_surface.edge_middles(surface, edges, side)
@@ -129,8 +134,11 @@ def _isotropic(surface, tree, sizes, *_):
 
 @dataclasses.dataclass
 class Attempt:
-    """A way to a mesh: wall(surface, sizes) -> the wall to be filled, cells(wall, tree, sizes, settings, rings,
-    coarsening) -> hybrid.Linear; cost: what it was measured to cost where the first way does not go, in words."""
+    """One way to make a mesh.
+
+    wall(surface, sizes) -> Surface to be filled; cells(wall, tree, sizes, settings, rings, coarsening) ->
+    hybrid.Linear; cost: in words, what this way costs more than the first one.
+    """
 
     name: str
     wall: object
@@ -144,13 +152,16 @@ COST = (
 ATTEMPTS = (
     Attempt("swept", refine.refine, hybrid.build, ""),
     Attempt("isotropic", refine.refine, _isotropic, COST),
-    # finer facets follow a smooth surface, which in a narrow cleft crosses itself where the given facets do not
+    # refined facets lie on the smooth surface; in a narrow cleft it may cross itself where the given facets do not
     Attempt("isotropic, facets as given", lambda surface, _: surface, _isotropic, COST),
 )
 
 
 def _checked(mesh, swept):
-    """Quality figures of a mesh. Raises ComputationError where one is below its limit."""
+    """Quality figures (curving.quality) of a QuadraticMesh; swept (t,) bool: its swept cells.
+
+    Raises ComputationError if cells overlap or the least Jacobian ratio is below LEAST_JACOBIAN_RATIO.
+    """
     folded = overlapping(mesh.tetrahedra[:, :4])
     if folded:
         raise ComputationError(
@@ -165,7 +176,7 @@ def _checked(mesh, swept):
 
 
 def write(mesh, path):
-    """Writes a gmsh 4.1 binary file with the physical groups of geometry.tags."""
+    """Writes a QuadraticMesh as a binary gmsh 4.1 file with the physical groups of geometry.tags."""
     import gmsh
 
     gmsh.initialize(["gmsh"], False)
@@ -175,7 +186,7 @@ def write(mesh, path):
         gmsh.model.add("lumen")
         volume = gmsh.model.addDiscreteEntity(3, 1)
         gmsh.model.mesh.addNodes(3, volume, np.arange(1, len(mesh.points) + 1), mesh.points.ravel())
-        # gmsh's tetrahedron of ten nodes has its last two middles in the order 23, 13, as geometry.tet10.EDGES
+        # gmsh's order of the ten nodes is that of geometry.tet10
         gmsh.model.mesh.addElementsByType(volume, 11, [], (mesh.tetrahedra + 1).ravel())
         gmsh.model.addPhysicalGroup(3, [volume], PHYSICAL_VOLUME)
         gmsh.model.setPhysicalName(3, PHYSICAL_VOLUME, "lumen")
@@ -193,13 +204,13 @@ def write(mesh, path):
 
 
 def write_all(meshes, report, path):
-    """Writes [(QuadraticMesh, its part of `report`, file)] and `report`, which gets each file's SHA-256, to `path`.
+    """Writes `meshes` of `sequence` or `alone`, and `report` with the SHA-256 of each file to `path`.
 
-    The file of a mesh that is left out, None, is empty: a study's workflow wants every file.
-    All are made before the first is moved into place, the report last; where that fails none is left.
+    A mesh that is None gets an empty file, since a study's workflow expects every file. All files are written under
+    other names before the first is moved into place, the report last. If anything fails, no file is left.
     """
     try:
-        with contextlib.ExitStack() as until_made:  # moves them in the opposite order
+        with contextlib.ExitStack() as until_made:  # moves the files into place in reverse order
             report_made = until_made.enter_context(replacing(path))
             for built, part, file in meshes:
                 made = until_made.enter_context(replacing(file))

@@ -1,4 +1,4 @@
-"""Whether a mesh was made from a given surface, by the SHA-256 of the coordinates in its report."""
+"""Whether a mesh was made from a given surface and centreline, by a SHA-256 in the mesh's report."""
 
 import hashlib
 
@@ -9,7 +9,10 @@ from flow.geometry import surface
 
 
 def fingerprint(surface, tree):
-    """SHA-256, in hexadecimal, of the input of a mesh: coordinates of surface and centrelines, and the tags."""
+    """SHA-256, in hexadecimal, of the Surface and the Tree that a mesh is made from.
+
+    It covers the surface's points, triangles and region ids, and the centrelines' points and radii.
+    """
     found = hashlib.sha256()
     for array in (
         surface.points,
@@ -22,8 +25,10 @@ def fingerprint(surface, tree):
 
 
 def check(lumen, tree, made_from, report):
-    """Raises InputError unless a mesh was made from the surface file `lumen` and the centrelines `tree`, both as
-    `flow mesh` took them; made_from: `made_from_sha256` of its report, the file `report`, or None."""
+    """Raises InputError unless a mesh was made from the surface file `lumen` and the centrelines `tree`.
+
+    made_from: `made_from_sha256` of the mesh's report, or None; report: path of that report.
+    """
     if not made_from:
         remedy = "make the mesh anew with `flow mesh`, or leave --lumen out"
         raise InputError("the report does not say what its mesh was made from", report, "no made_from_sha256", remedy)

@@ -1,17 +1,18 @@
-"""Cell size along the tree: a fraction of the local radius, and of the jet's radius downstream of a throat."""
+"""Cell size of isotropic tetrahedra: a fraction of the local radius, or of the jet's radius behind a throat."""
 
 import numpy as np
 
 from flow.geometry.jet import jet_radius
 
-TALLEST = 4.0  # mm around the centreline that the background grid covers
+TALLEST = 4.0  # mm: nodes of the background grid further than this from all centrelines get the largest cell size
 
 
 class SizeField:
     """h(x) = R_eff(s) / cells_per_radius at the nearest centreline point s.
 
-    R_eff is the least of R(s) and, over all upstream throats s_t, of R(s_t) + spread (s - s_t). Behind a narrowing the
-    jet's shear layer keeps the throat's scale and widens slowly.
+    R_eff is the least of three radii: of the vessel, of the jet (geometry.jet), and a limit before a throat
+    (`sizing_radius`). The jet's radius counts since its shear layer keeps the scale of the throat and widens slowly.
+    jet_spread: mm by which the jet's radius grows per mm along the branch.
     """
 
     def __init__(self, tree, cells_per_radius, jet_spread):
@@ -24,7 +25,9 @@ class SizeField:
         return self.size[index]
 
     def grid(self, points, spacing):
-        """(origin (3,), spacing, shape (3,), values) over the box of `points`; far from the tree the largest size."""
+        """Cell sizes on a regular grid over the bounding box of points (n, 3): (origin (3,), spacing, shape (3,),
+        values). Lengths in mm; shape: numbers of nodes; values (nodes,) with z running fastest.
+        """
         low, high = points.min(axis=0) - 2 * spacing, points.max(axis=0) + 2 * spacing
         shape = np.ceil((high - low) / spacing).astype(int) + 1
         axes = [low[k] + spacing * np.arange(shape[k]) for k in range(3)]
@@ -39,6 +42,6 @@ class SizeField:
 def sizing_radius(branch, jet_spread):
     """R_eff in mm at the branch's centreline points (n,)."""
     radius, s = branch.radius_mm, branch.s_mm
-    # upstream of a throat the size follows within one radius, so that the contraction is resolved before it starts
+    # before a throat R_eff falls by at most 1 mm per mm, so that the contraction is resolved before it starts
     ahead = np.minimum.accumulate((radius + s)[::-1])[::-1] - s
     return np.minimum(jet_radius(branch, jet_spread), ahead)

@@ -1,4 +1,4 @@
-"""Slivers that gmsh's optimiser leaves: flat tetrahedra whose corners all lie on the wall, with no corner to move.
+"""Removes slivers: flat tetrahedra that gmsh's optimiser leaves, as all their corners lie on the wall and are fixed.
 
 An edge of the sliver that runs through the lumen is split. The new point is the edge's middle, moved towards the other
 corners of the cells around the edge. Splitting ends when no sliver is left, when no split gives cells better than the
@@ -10,15 +10,15 @@ import numpy as np
 from flow.geometry import tet10
 from flow.geometry.curving import gamma
 
-INWARDS = (0.05, 0.1, 0.2, 0.35, 0.5, 0.7)  # places that are tried, from the edge's middle to the other corners
+INWARDS = (0.05, 0.1, 0.2, 0.35, 0.5, 0.7)  # shares of the way from the edge's middle to other corners that are tried
 MOST_SPLITS = 100
 
 
 def split(points, tetrahedra, edges, least):
-    """(points, tetrahedra) in which gamma of each tetrahedron is at least `least`, where that can be reached.
+    """(points, tetrahedra) in which gamma (geometry.curving) of each tetrahedron is at least `least`, if possible.
 
-    tetrahedra (t, 4) of positive volume; new points follow the given ones (n, 3). edges (e, 2): of the surface, never
-    split.
+    points (n, 3): new ones are appended; tetrahedra (t, 4) of positive volume; edges (e, 2) of the surface, which are
+    not split.
     """
     fixed = {tuple(edge) for edge in np.sort(edges, axis=1).tolist()}
     for _ in range(MOST_SPLITS):
@@ -38,7 +38,8 @@ def split(points, tetrahedra, edges, least):
 
 
 def _split(points, tetrahedra, edge):
-    """(least gamma of the new cells, point, numbers of the cells around the edge, new cells) of the best place."""
+    """The best split of `edge` (2,): (least gamma of the new cells, new point (3,), numbers of the cells around the
+    edge, new cells (k, 4))."""
     around = np.flatnonzero((tetrahedra == edge[0]).any(axis=1) & (tetrahedra == edge[1]).any(axis=1))
     cells = tetrahedra[around]
     new = np.concatenate([np.where(cells == end, len(points), cells) for end in edge])

@@ -1,6 +1,6 @@
 """Linear tetrahedra inside the lumen surface by gmsh, in a process of its own.
 
-gmsh raises C++ exceptions that Python cannot catch. So it runs in a program of its own, flow/meshing/gmsh_fill.py. It
+gmsh raises C++ exceptions that Python cannot catch. So the program flow/meshing/gmsh_fill.py runs it. This program
 reads a surface and a size field from one .npz file, and writes nodes and tetrahedra to another. The user's gmsh
 options are not read.
 """
@@ -20,13 +20,16 @@ PROGRAM = pathlib.Path(__file__).with_name("gmsh_fill.py")
 # Gamma is 1 for a regular and 0 for a flat tetrahedron (geometry.curving). slivers.split tries to replace
 # cells below WANTED_GAMMA. A cell left below LEAST_GAMMA would spoil the whole solve, so it is refused.
 LEAST_GAMMA, WANTED_GAMMA = 0.02, 0.1
-LEAST_SPACING_MM = 0.25  # of the grid on which gmsh gets the cells' sizes
+LEAST_SPACING_MM = 0.25  # least spacing of the grid that hands the cells' sizes to gmsh
 COMMAND = [sys.executable, "-I", "-B", str(PROGRAM)]
 
 
 def fill(surface, size_field):
-    """(points (n, 3), tetrahedra (t, 4) of positive volume): the surface's vertices come first, in their order. Raises
-    ComputationError, also where a tetrahedron is a sliver."""
+    """(points (n, 3) in mm, tetrahedra (t, 4) of positive volume) inside a closed Surface.
+
+    The surface's vertices are the first points, in their order. size_field: size_field.SizeField. Raises
+    ComputationError, also if a sliver is left (LEAST_GAMMA).
+    """
     with tempfile.TemporaryDirectory(prefix="flow-mesh-") as folder:
         folder = pathlib.Path(folder)
         origin, spacing, shape, values = size_field.grid(

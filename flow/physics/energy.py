@@ -2,8 +2,9 @@
 
     P_in Q + kinetic_in = sum over outlets (P_i Q_i + kinetic_i) + friction + grad-div + artificial + backflow
 
-Powers in W. Friction is the fluid's; grad-div, artificial viscosity (0 for eps = 0) and backflow are what the
-discretisation takes. What is left over is due to quadrature in curved cells and the residual.
+All terms are powers in W. Friction is the loss by the fluid's viscosity. The grad-div, artificial viscosity (0 for
+eps = 0) and backflow terms are losses by the discretisation. The two sides differ by quadrature in curved cells and by
+the residual.
 """
 
 import ufl
@@ -12,12 +13,15 @@ from flow.geometry.tags import PHYSICAL_INLET
 
 
 def balance(problem):
-    """{"inlet_w", "outlets_w", "friction_w", "grad_div_w", "artificial_w", "backflow_w", "imbalance"} of a flow."""
+    """{"inlet_w", "outlets_w", "friction_w", "grad_div_w", "artificial_w", "backflow_w", "imbalance"} of a flow.
+
+    problem: solvers.nonlinear.FlowProblem. imbalance: |difference of the two sides| over the power at the inlet.
+    """
     forms, boundaries = problem.forms, problem.boundaries
     power = forms.integral
     lost = {f"{name}_w": power(ufl.action(form, problem.state)) for name, form in forms.losses.items()}
     outflows = boundaries.outflows(problem.state_vector())
-    problem.residual_norm()  # the state's mean inlet pressure
+    problem.residual_norm()  # sets mean_inlet_pressure
     pressure_in = problem.mean_inlet_pressure * problem.inflow
     inlet = pressure_in - power(forms.kinetic(PHYSICAL_INLET))
     outlets = float(boundaries.pressures(outflows) @ outflows) + power(forms.kinetic(tuple(problem.space.outlets)))

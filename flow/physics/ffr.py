@@ -1,6 +1,7 @@
 """FFR of a solved flow: at the probes, along every branch, at the outlets.
 
-FFR = p / MAP; where the inflow is given, p over the pressure at the inlet's centre.
+FFR = p / MAP. Where the inflow is given instead of MAP, the pressure at the inlet's centre takes the place of MAP.
+A sampler is a geometry.locate.FieldSampler, or a reduced.answer.Sampler for a reduced model.
 """
 
 import sys
@@ -12,28 +13,33 @@ from common.errors import ComputationError, InputError
 from flow.geometry import locate
 from flow.physics.units import M_PER_MM
 
-SPACING_MM = 0.5
-AROUND_MM = 1.0  # the slope of FFR is taken within this of a probe
-RISING = 5e-4  # of FFR a mm: with a steeper slope the third decimal depends on the probe's place
-FAR = 2.0  # a probe further than this many local radii from the centreline belongs to another vessel (study: up to .25)
-ALONG = 4.0  # a probe this many local radii along the vessel from `s_mm` is misplaced (study: up to .66)
-ASIDE = 0.5  # local radii: larger shifts of a probe get a warning; deployment moves a vessel's axis by up to .15
+SPACING_MM = 0.5  # distance of the points of the pull-back along a branch
+AROUND_MM = 1.0  # the slope of FFR at a probe is that within this distance along the branch
+RISING = 5e-4  # rise of FFR per mm: with a steeper slope the third decimal depends on the probe's exact place
+# Largest distances of a probe in local radii: from the centreline, beyond which it belongs to another vessel (in the
+# study up to .25), and along the vessel from its `s_mm`, beyond which it is misplaced (in the study up to .66).
+FAR = 2.0
+ALONG = 4.0
+ASIDE = 0.5  # local radii: a probe moved further gets a warning; a stent's deployment moves the axis by up to .15
 
 
 def reference_pa(document, tree, sampler):
-    """The pressure in Pa that FFR is over: MAP, or with a given inflow the pressure at the inlet's centre."""
+    """The denominator of FFR in Pa: MAP, or with a given inflow the pressure at the inlet's centre.
+
+    document: of boundary.json; tree: geometry.centreline.Tree without extensions.
+    """
     if document.get("inlet_flow_m3_per_s") is None:
         return document["map_pa"]
     return float(sampler(tree.main.point(0.0)[None] * M_PER_MM)[1][0])
 
 
 def along(branch):
-    """Places s_mm (n,) along a branch at which the pull-back is read."""
+    """Arc lengths s_mm (n,) of the points of the pull-back along a branch."""
     return np.linspace(0, branch.length_mm, max(2, int(round(branch.length_mm / SPACING_MM)) + 1))
 
 
 def along_branch(branch, sampler):
-    """(s_mm (n,), points_mm (n, 3), pressure (n,) Pa) on the branch's centreline, where it runs inside the mesh."""
+    """(s_mm (n,), points_mm (n, 3), pressure (n,) in Pa) of the pull-back's points that lie inside the mesh."""
     s = along(branch)
     points = branch.point(s)
     _, pressure, inside = sampler(points * M_PER_MM)
@@ -41,7 +47,7 @@ def along_branch(branch, sampler):
 
 
 def pullback(tree, sampler, reference, flow_at):
-    """Table of pullback.csv; reference: as of `reference_pa`; flow_at(branch name, s_mm) -> flow in m3/s."""
+    """Table of pullback.csv. reference: in Pa, from `reference_pa`; flow_at(branch name, s_mm) -> flow in m3/s."""
     tables = []
     for branch in tree:
         s, points, pressure = along_branch(branch, sampler)
@@ -64,7 +70,10 @@ def pullback(tree, sampler, reference, flow_at):
 
 
 def _projected(probe, tree):
-    """(branch, s_mm, shift_mm) of a probe's nearest point on this state's centreline. Raises InputError."""
+    """(branch, s_mm, shift_mm): the point of this state's centreline that is nearest to a probe of boundary.json.
+
+    shift_mm is its distance from the probe. Raises InputError where that is above FAR, or s_mm is off by over ALONG.
+    """
     branch, s_mm, shift = tree.place_of(probe)
     if shift > FAR * branch.radius(s_mm):
         remedy = "boundary.json and centreline of one patient, both in mm"
@@ -79,14 +88,16 @@ def _projected(probe, tree):
 
 
 def check_probes(probes, tree):
-    """Raises InputError for a probe that does not belong to the tree."""
+    """Raises InputError for a probe of boundary.json that does not belong to the tree (`_projected`)."""
     for probe in probes:
         _projected(probe, tree)
 
 
 def check_inside(probes, tree, space):
-    """Raises InputError for a probe whose place on the tree is outside the mesh of a
-    discretisation.spaces.LumenSpace."""
+    """Raises InputError for a probe whose place on the centreline lies outside the mesh.
+
+    space: discretisation.spaces.LumenSpace on that mesh.
+    """
     projected = [_projected(probe, tree) for probe in probes]
     places = np.array([branch.point(s_mm) for branch, s_mm, _ in projected])
     _, _, inside = locate.Locator(*space.nodes()).find(places * M_PER_MM)
@@ -97,9 +108,9 @@ def check_inside(probes, tree, space):
 
 
 def at_probes(document, tree, sampler):
-    """[{name, branch, s_mm, point_mm, shift_mm, ffr}]: each probe projected on this state's centreline.
+    """[{name, branch, s_mm, point_mm, shift_mm, ffr}] of the probes, moved to this state's centreline.
 
-    document: of boundary.json, `distal` is the first of its probes. Raises ComputationError for one outside the mesh.
+    document: of boundary.json, whose first probe is `distal`. Raises ComputationError for a probe outside the mesh.
     """
     found, reference = [], reference_pa(document, tree, sampler)
     for probe in document["probes"]:
@@ -124,8 +135,10 @@ def at_probes(document, tree, sampler):
 
 
 def at_ends(names, pressures, case, sampler, reference):
-    """FFR of the outlets `names`, whose pressures at the mesh's ends are given in Pa; where the mesh was extended FFR
-    is read where the vessel ended. case: reduced.extended.Extended."""
+    """[FFR] at the outlets `names`. pressures: in Pa at the mesh's outlets; case: reduced.extended.Extended.
+
+    At an outlet with an extension, FFR is read where the vessel ends without it.
+    """
     extended = {one.region_id for one in case.extensions}
     ends = {outlet["name"]: outlet["branch"] for outlet in case.document["outlets"] if outlet["region_id"] in extended}
     found = []
@@ -138,8 +151,11 @@ def at_ends(names, pressures, case, sampler, reference):
 
 
 def displaced(probes, tree, table):
-    """Warnings, printed too, of a centreline that may be another lumen's: probes, as of `at_probes`, that were moved by
-    more than ASIDE, and branches that leave the mesh. table: that of `pullback`."""
+    """Warnings, printed too, that the centreline may be another lumen's.
+
+    They name probes (entries of `at_probes`) that were moved by more than ASIDE, and branches that leave the mesh.
+    table: that of `pullback`.
+    """
     found = []
     for probe in probes:
         radius = tree[probe["branch"]].radius(probe["s_mm"])
@@ -161,9 +177,10 @@ def displaced(probes, tree, table):
 
 
 def rising(probes, table):
-    """Warnings, printed too, one a probe round which FFR rises by more than RISING along the vessel.
+    """Warnings, printed too: one for each probe at which FFR rises by more than RISING along the vessel.
 
-    table: that of `pullback`. FFR rises behind a narrowing until the jet has reattached, and where a branch takes flow.
+    probes: entries of `at_probes`; table: that of `pullback`. FFR rises behind a narrowing until the jet has
+    reattached, and where a side branch takes flow.
     """
     found = []
     for probe in probes:

@@ -1,4 +1,4 @@
-"""Steady incompressible Navier-Stokes in a lumen: the weak form, one function a term, in UFL.
+"""Steady incompressible Navier-Stokes in a lumen: the weak form in UFL, with one function for each term.
 
 Strong form, with outward normal n:
 
@@ -6,8 +6,12 @@ Strong form, with outward normal n:
     u = 0 on the wall,   u = Q g on the inlet with the mean of (-sigma n).n weighted by the profile g equal to MAP,
     sigma n = -P_i n + beta rho (u.n)_- u on outlet i,   P_i = P_v + R_i Q_i,   Q_i = integral of u.n over outlet i.
 
-`residual` is the whole of it but for the pressures P_i and MAP on the caps (physics.outlets). sigma is the
-pseudo-stress, so that a developed profile leaves undisturbed.
+(u.n)_- = min(u.n, 0) is the backflow. `residual` holds all terms except the pressures P_i and MAP on the caps
+(physics.outlets). sigma is the pseudo-stress, with grad u in place of grad u + (grad u)^T. With it a fully developed
+profile leaves through an outlet undisturbed.
+
+In the functions below u, p are velocity (m/s) and pressure (Pa), v, q their test functions, and w the convecting
+velocity, all UFL expressions. `fluid` is a Fluid, `on` a Domain.
 """
 
 import dataclasses
@@ -16,12 +20,14 @@ import ufl
 
 from flow.physics import viscosity as viscosities
 
-SLOWEST, SMALLEST_RATE = 1e-4, 0.1  # m/s, 1/s: keep the roots of |u| and |D| differentiable at rest
+# Speed in m/s and shear rate in 1/s that are added in squares under the roots of |u| and |D|, so that these can be
+# differentiated at rest.
+SLOWEST, SMALLEST_RATE = 1e-4, 0.1
 
 
 @dataclasses.dataclass
 class Fluid:
-    """Density (kg/m3), a viscosity of physics.viscosity, weights of the terms that only the discrete flow needs."""
+    """Density in kg/m3, a viscosity of physics.viscosity, and weights of two terms for the discrete flow alone."""
 
     density: float
     viscosity: object
@@ -31,7 +37,10 @@ class Fluid:
 
 @dataclasses.dataclass
 class Domain:
-    """Measures of the lumen, of its outlets and of all caps; normal; width of the cells, about half an edge (m)."""
+    """UFL measures of the lumen (dx), its outlets and all caps, outward normal n, and width of the cells in m.
+
+    The width is about half the length of a cell's edge.
+    """
 
     dx: object
     outlets: object
@@ -46,7 +55,7 @@ def residual(u, p, v, q, fluid, on):
 
 
 def oseen(w, u, p, v, q, fluid, on):
-    """Those equations with (u, p) where the flow w carries it and sets its viscosity."""
+    """The equations of (u, p) with the velocity w as the convecting velocity and in the viscosity: linear in (u, p)."""
     return (
         friction(w, u, v, fluid, on)
         + dilatation(u, v, fluid, on)
@@ -57,13 +66,17 @@ def oseen(w, u, p, v, q, fluid, on):
 
 
 def convection(w, u, v, fluid, on):
-    """rho ((w.grad) u + 1/2 (div w) u, v): the second part makes it conserve energy for the discrete w."""
+    """rho ((w.grad) u + 1/2 (div w) u, v). Discrete flows have div w not exactly 0; the second part keeps energy
+    conserved."""
     return fluid.density * ufl.inner(ufl.dot(ufl.grad(u), w) + 0.5 * ufl.div(w) * u, v) * on.dx
 
 
 def friction(w, u, v, fluid, on):
-    """mu (grad u, grad v); where mu depends on the shear rate of w 2 mu (D(u), D(v)) less its share of the traction on
-    the caps, <mu (grad u)^T n, v>: the same sigma n acts there."""
+    """mu (grad u, grad v) for a Newtonian fluid.
+
+    Where mu depends on the shear rate of w, it is 2 mu (D(u), D(v)) minus <mu (grad u)^T n, v> on the caps. The second
+    term keeps the traction sigma n on the caps that of the pseudo-stress.
+    """
     if isinstance(fluid.viscosity, viscosities.Newtonian):
         return fluid.viscosity.value * ufl.inner(ufl.grad(u), ufl.grad(v)) * on.dx
     mu = fluid.viscosity(shear_rate(w))
@@ -72,29 +85,31 @@ def friction(w, u, v, fluid, on):
 
 
 def continuity(u, p, v, q, on):
-    """-(q, div u), and the pressure's force -(p, div v)."""
+    """-(q, div u) of the continuity equation, and -(p, div v), the pressure gradient in the momentum equation."""
     return -(p * ufl.div(v) + q * ufl.div(u)) * on.dx
 
 
 def dilatation(u, v, fluid, on):
-    """gamma (div u, div v), grad-div: a better mass balance."""
+    """gamma (div u, div v), the grad-div term: it improves the local mass balance."""
     return fluid.grad_div * ufl.div(u) * ufl.div(v) * on.dx
 
 
 def backflow(w, u, v, fluid, on):
-    """-beta rho <(w.n)_- u, v> on the outlets: with beta = 1/2 blood that flows back in brings no energy."""
+    """-beta rho <(w.n)_- u, v> on the outlets. With beta = 1/2 blood that flows back in brings no kinetic energy."""
     inward = 0.5 * (ufl.dot(w, on.n) - abs(ufl.dot(w, on.n)))
     return -fluid.density * fluid.backflow * inward * ufl.inner(u, v) * on.outlets
 
 
 def artificial(w, u, v, eps, fluid, on, dx):
-    """eps rho h (|w| grad u, grad v): a viscosity in proportion to the cell's width; solvers.continuation takes eps
-    to 0."""
+    """eps rho h (|w| grad u, grad v): an artificial viscosity in proportion to the width h of a cell.
+
+    dx: its UFL measure. solvers.continuation lowers eps to 0 if it can.
+    """
     speed = ufl.sqrt(ufl.inner(w, w) + SLOWEST**2)
     return eps * fluid.density * on.width * speed * ufl.inner(ufl.grad(u), ufl.grad(v)) * dx
 
 
 def shear_rate(u):
-    """|D(u)| = sqrt(2 D:D), differentiable at rest."""
+    """Shear rate sqrt(2 D(u):D(u)) in 1/s, with SMALLEST_RATE so that it can be differentiated at rest."""
     shear = ufl.sym(ufl.grad(u))
     return ufl.sqrt(2 * ufl.inner(shear, shear) + SMALLEST_RATE**2)

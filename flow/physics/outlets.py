@@ -1,7 +1,8 @@
-"""The boundaries' unknowns: inflow at given mean pressure, outlet pressures behind resistances, coupled exactly.
+"""Conditions at inlet and outlets: the mean inlet pressure is MAP, and each outlet has a resistance.
 
-The inflow may be given instead (`inlet_flow_m3_per_s` of the document), and so may the pressure of outlets
-(`pressure_pa` in place of P_v, with resistance 0).
+The inflow and the outlet pressures are unknowns of the same nonlinear system as the flow. Instead of MAP the inflow may
+be given (`inlet_flow_m3_per_s` of boundary.json). Instead of a resistance an outlet may have a given pressure
+(`pressure_pa`, in place of P_v and with resistance 0).
 """
 
 import numpy as np
@@ -12,11 +13,11 @@ from flow.physics.units import M_PER_MM
 
 
 def check_places(space, document, tree, where):
-    """Raises InputError unless each outlet of the mesh file `where`, on a LumenSpace, lies at the end of its branch.
+    """Raises InputError unless each outlet of the mesh file `where` lies at the end of its branch.
 
-    It must be nearer to that end than to the tree's other ends and its inlet. tree: geometry.centreline.Tree with the
-    mesh's extensions. If mesh and boundary values number the outlets differently, resistances would be exchanged
-    unnoticed.
+    An outlet must be nearer to that end than to the tree's other ends and its inlet. Otherwise mesh and boundary values
+    number the outlets differently, and resistances would be exchanged unnoticed. space: LumenSpace on the mesh;
+    document: of boundary.json; tree: geometry.centreline.Tree with the mesh's extensions.
     """
     ends = {f"the end of {branch.name}": branch.point(branch.length_mm) for branch in tree}
     ends["the inlet"] = tree.main.point(0.0)
@@ -29,10 +30,11 @@ def check_places(space, document, tree, where):
 
 
 class Boundaries:
-    """Inlet at MAP or of given flow, and outlets with resistances or of given pressure, on a LumenSpace; SI units.
+    """The conditions of boundary.json's document at inlet and outlets of a LumenSpace, in SI units.
 
-    profile: Function, unit inflow; flux: [vector of outlet i]; P_i = downstream[i] + resistance[i] Q_i; inflow: None at
-    MAP.
+    profile: Function on the mixed space W, the velocity g of an inflow of 1 m3/s; flux: [vector over W whose product
+    with a state is the flow through outlet i]; inflow: the given flow, or None if the inlet is at MAP. The outlet
+    pressures are P_i = downstream[i] + resistance[i] Q_i.
     """
 
     def __init__(self, space, document):
@@ -55,12 +57,16 @@ class Boundaries:
         self.full()
 
     def full(self):
-        """Sets the conditions of the boundary values, after `lower`."""
+        """Sets the conditions of boundary.json, also after `lower` has changed them."""
         self.resistance, self.downstream = self.full_resistance.copy(), self.full_downstream.copy()
         self.inflow = self.full_inflow
 
     def lower(self, fraction, resistances_at):
-        """Sets conditions under which about `fraction` of the flow passes; resistances_at(fraction) -> (n,)."""
+        """Sets conditions under which about `fraction` of the full flow passes.
+
+        resistances_at(fraction) -> outlet resistances (n,) in Pa s/m3, used if the inlet is at MAP and every outlet has
+        a resistance.
+        """
         self.full()
         if self.inflow is not None:
             self.inflow *= fraction
@@ -73,13 +79,13 @@ class Boundaries:
     def load(self, columns):
         """Norm in N of the pressure load at rest: MAP on the inlet, P_v or the given pressure on the outlets.
 
-        columns: [flux of outlet i in the free dofs].
+        columns: [flux vector of outlet i, at the free dofs]. Residuals are compared with this load.
         """
         parts = [column.norm() * pressure for column, pressure in zip(columns, self.downstream)]
         return float(np.linalg.norm(parts + [self.map_pa * self.inlet_area]))
 
     def outflows(self, vector):
-        """Flow (n,) in m3/s through the outlets, of a state's PETSc vector over W."""
+        """Flow (n,) in m3/s through the outlets; vector: PETSc vector of a state over W."""
         return np.array([flux.dot(vector) for flux in self.flux])
 
     def pressures(self, outflows):
@@ -87,5 +93,6 @@ class Boundaries:
         return self.downstream + self.resistance * outflows
 
     def destroy(self):
+        """Frees PETSc's memory."""
         for vector in self.flux:
             vector.destroy()

@@ -1,4 +1,4 @@
-"""Factors between SI and the units of files, settings and messages."""
+"""Factors between SI units and the units of files, settings and messages."""
 
 M_PER_MM, MM_PER_M = 1e-3, 1e3
 PA_PER_MMHG = 133.322

@@ -1,4 +1,4 @@
-"""Viscosity of blood by shear rate.
+"""Viscosity of blood as a function of the shear rate.
 
     Newtonian:        mu
     Carreau-Yasuda:   mu_inf + (mu_0 - mu_inf) (1 + (lambda rate)^a)^((n - 1) / a)
@@ -13,17 +13,19 @@ from common.errors import InputError
 
 @dataclasses.dataclass(frozen=True)
 class Newtonian:
-    """One viscosity in Pa s."""
+    """A constant viscosity `value` in Pa s."""
 
     value: float
 
     def __call__(self, rate):
+        """Viscosity in Pa s at rates in 1/s: number, array or UFL expression."""
         return self.value + 0.0 * rate
 
 
 @dataclasses.dataclass(frozen=True)
 class CarreauYasuda:
-    """Viscosities at rest and at infinite rate in Pa s, time in s, exponents a (`yasuda`) and n (`power`)."""
+    """Viscosities mu_0 at rest and mu_inf at infinite rate in Pa s, `time` lambda in s, exponents a (`yasuda`) and n
+    (`power`)."""
 
     zero_shear: float
     infinite_shear: float
@@ -32,13 +34,16 @@ class CarreauYasuda:
     power: float
 
     def __call__(self, rate):
-        """Pa s at rates in 1/s: number, array or UFL expression."""
+        """Viscosity in Pa s at rates in 1/s: number, array or UFL expression."""
         thinning = (1.0 + (self.time * rate) ** self.yasuda) ** ((self.power - 1.0) / self.yasuda)
         return self.infinite_shear + (self.zero_shear - self.infinite_shear) * thinning
 
 
 def of(document, where="boundary.json"):
-    """Viscosity of the document of boundary.json: its `viscosity`, or Newtonian `viscosity_pa_s`. Raises InputError."""
+    """Newtonian or CarreauYasuda of the document of boundary.json.
+
+    It follows `viscosity` there, or the constant `viscosity_pa_s` if that is missing. Raises InputError.
+    """
     given = document.get("viscosity")
     if given is None:
         return Newtonian(document["viscosity_pa_s"])
@@ -65,7 +70,7 @@ def of(document, where="boundary.json"):
 
 
 def from_settings(settings):
-    """Entry `viscosity` of boundary.json, None for a Newtonian fluid."""
+    """Entry `viscosity` of boundary.json by the flow settings, None for a Newtonian fluid."""
     if settings.viscosity_model == "newtonian":
         return None
     return {

@@ -4,14 +4,15 @@ import numpy as np
 
 from flow.geometry import tet10
 
+# Barycentric coordinates of the ten nodes of a tetrahedron.
 _NODES = np.concatenate([np.eye(4), 0.5 * (np.eye(4)[tet10.EDGES[:, 0]] + np.eye(4)[tet10.EDGES[:, 1]])])
-_FACES = [(1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2)]
+_FACES = [(1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2)]  # corners of the face opposite each corner
 
 
 def wall_shear_stress(points, cells, velocity, wall_nodes, viscosity):
-    """(n, 3) Pa: zero off the wall; at a wall node the mean over the wall faces that meet there.
+    """Wall shear stress vectors (n, 3) in Pa at the nodes: zero off the wall, else the mean over the wall faces there.
 
-    points (n, 3) m, cells (t, 10), velocity (n, 3) m/s, wall_nodes (n,) bool; viscosity: of physics.viscosity.
+    points (n, 3) in m, cells (t, 10), velocity (n, 3) in m/s, wall_nodes (n,) bool; viscosity: of physics.viscosity.
     """
     total, count = np.zeros_like(points), np.zeros(len(points))
     for opposite, face in enumerate(_FACES):
@@ -30,14 +31,17 @@ def wall_shear_stress(points, cells, velocity, wall_nodes, viscosity):
             rate = np.sqrt(2 * np.einsum("tux,tux->t", shear, shear))
             traction = viscosity(rate)[:, None] * np.einsum("tux,tx->tu", gradient, normal)
             traction -= np.einsum("tu,tu->t", traction, normal)[:, None] * normal
-            # the stress on the wall is that of the fluid, opposite to the traction on the fluid
+            # the stress that the fluid exerts on the wall is opposite to the traction on the fluid
             np.add.at(total, chosen[:, k], -traction)
             np.add.at(count, chosen[:, k], 1)
     return total / np.maximum(count, 1)[:, None]
 
 
 def _outward(jacobian, opposite):
-    """Unit normal of the face opposite a corner: minus the gradient of that corner's barycentric coordinate."""
+    """Outward unit normals (t, 3) of the faces opposite to corner number `opposite`.
+
+    They point against the gradient of that corner's barycentric coordinate. jacobian (t, 3, 3): d x / d (l1, l2, l3).
+    """
     inverse = np.linalg.inv(jacobian)
     gradients = np.concatenate([-inverse.sum(axis=1, keepdims=True), inverse], axis=1)
     normal = -gradients[:, opposite]

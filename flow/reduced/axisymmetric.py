@@ -1,14 +1,15 @@
 """Axisymmetric Navier-Stokes flow through one branch: a fast model, whose flow is also the 3D solver's first guess.
 
-The branch is a straight tube of its cross-sections' radius R(s) = sqrt(A / pi). The flow into a side branch leaves
-through the wall over the ostium's length. In the meridian plane (x, r), u = (u_x, u_r), with weight r:
+The branch becomes a straight round tube with the radius R(s) = sqrt(A(s) / pi) of its cross-sections. The flow into a
+side branch leaves through the wall over the ostium's length. The velocity in the meridian plane (x, r) is
+u = (u_x, u_r). All integrals have the weight r:
 
     rho ((u.grad) u + 1/2 (div u) u, v) + mu (grad u, grad v) + mu (u_r / r, v_r / r) - (p, div v) - (q, div u)
       - beta rho <(u.n)_- u, v> at the outlet = 0,      div u = du_x/dx + du_r/dr + u_r / r
 
-The inflow is a parabola. The outlet is traction-free, so pressures are relative to the outlet's. Elements are Q2-Q1 on
-curved quadrilaterals. Bends, eccentric lesions and the disturbance by side branches are left out; measured.md has the
-errors.
+Here (u.n)_- = min(u.n, 0). The inflow has a parabolic profile. The outlet is traction-free, so pressures are relative
+to the pressure at the outlet. Elements are Q2-Q1 on curved quadrilaterals. The model leaves out bends, eccentric
+lesions and the disturbance by side branches. measured.md has its errors.
 """
 
 import numpy as np
@@ -28,15 +29,19 @@ from flow.physics.units import M3_PER_S_PER_ML_PER_MIN
 ACROSS = 10  # cells along a radius
 INLET, OUTLET = 1, 2
 QUADRATURE_DEGREE = 7
-FIRST_FRACTION, SHORTEST_STEP = 0.1, 0.02  # of the flow
-MOST_STEPS = 10  # of Newton's method at one flow
-ON_THE_WAY, ACCURATE = 1e-3, 1e-8  # size of the last update over the state's, below the full flow and at it
+# Fractions of the full inflow: the first one solved from rest, and the least step between two of them.
+FIRST_FRACTION, SHORTEST_STEP = 0.1, 0.02
+MOST_STEPS = 10  # iterations of Newton's method at one inflow
+# Newton's method has converged when its update of the axial velocity, over that velocity, is below this: at fractions
+# of the full inflow, and at the full inflow.
+ON_THE_WAY, ACCURATE = 1e-3, 1e-8
 
 
 class Tube:
-    """Flow in a tube with sections at s (k,) m of radius (k,) m; leaks [(s m, length m)] where side branches leave.
+    """Flow in a tube with the `radius` (k,) in m at the places s (k,) in m.
 
-    s has an even number of intervals: every second section is the middle of a cell.
+    s has an even number of intervals: every second place is the middle of a cell. leaks: [(s, length)] in m of the
+    ostium of each side branch. density in kg/m3; viscosity: of physics.viscosity; backflow: beta of the outlet term.
     """
 
     def __init__(self, s, radius, leaks, density, viscosity, backflow):
@@ -55,7 +60,10 @@ class Tube:
         self.ksp.getPC().setFactorSolverType("mumps")
 
     def _number(self):
-        """Sets the dof numbers of u_x and u_r on the grid (sections, across), and of p at the cells' corners."""
+        """Sets arrays with the dof numbers of u_x and u_r at all nodes, and of p at the cells' corners.
+
+        Rows are places along the tube, columns places from the axis to the wall.
+        """
         V, v_map = self.W.sub(0).collapse()
         Q, q_map = self.W.sub(1).collapse()
 
@@ -72,7 +80,10 @@ class Tube:
         self.p = np.asarray(q_map)[place(Q, 2)]
 
     def _hold(self, leaks):
-        """Sets the dofs whose values are given, and their values for an inflow and for leaks of 1 m3/s each."""
+        """Sets the dofs with prescribed values, and these values for an inflow and for leaks of 1 m3/s each.
+
+        Prescribed are both velocities at inlet and wall, and the radial velocity on the axis.
+        """
         self.fixed = np.unique(
             np.concatenate([self.u_x[0], self.u_r[0], self.u_x[:, -1], self.u_r[:, -1], self.u_r[:, 0]])
         )
@@ -89,6 +100,7 @@ class Tube:
             self.of_leaks.append(values)
 
     def _compile(self, density, viscosity, backflow):
+        """Compiles the residual of the equations above and its tangent."""
         (u, p), (v, q) = ufl.split(self.state), ufl.TestFunctions(self.W)
         r, n = ufl.SpatialCoordinate(self.domain)[1], ufl.FacetNormal(self.domain)
         metadata = {"quadrature_degree": QUADRATURE_DEGREE}
@@ -118,10 +130,11 @@ class Tube:
         self.matrix = fem_petsc.create_matrix(self.tangent)
 
     def solve(self, inflow, leaked):
-        """The flow at `inflow` and flows `leaked` through the side branches (m3/s). Raises ComputationError.
+        """Sets `state` to the flow with the inflow `inflow` and the outflows `leaked` into the side branches (m3/s).
 
-        Newton's method starts from the flow of the last call. Without one, or where this fails, the flow is raised from
-        rest in steps, which are halved where Newton's method fails.
+        Newton's method starts from the flow of the last call, scaled to this inflow. In the first call, or where this
+        fails, the inflow is raised from rest in steps. A step is halved where Newton's method fails, doubled after a
+        success. Raises ComputationError where a step gets below SHORTEST_STEP.
         """
         held = inflow * self.of_inflow + sum((q * one for q, one in zip(leaked, self.of_leaks)), 0.0 * self.of_inflow)
         reached, step = (0.0, FIRST_FRACTION) if self.solved_at is None else (self.solved_at / inflow, 1.0)
@@ -131,7 +144,7 @@ class Tube:
             fraction = min(reached + step, 1.0) if self.solved_at is None else 1.0
             if reached > 0:
                 values *= fraction / reached
-                values[self.p] *= fraction / reached  # twice in all: a jet's losses grow with the square of the flow
+                values[self.p] *= fraction / reached  # second factor: a jet's losses grow with the square of the flow
             values[self.fixed] = fraction * held[self.fixed]
             if self._newton(ACCURATE if fraction == 1.0 else ON_THE_WAY):
                 if fraction == 1.0:
@@ -151,7 +164,10 @@ class Tube:
                 )
 
     def _newton(self, accuracy):
-        """Whether Newton's method converges from the present state: an update below `accuracy` of the velocity."""
+        """Whether Newton's method converges from the present state, which it changes.
+
+        It has converged when the norm of the update of u_x is below `accuracy` times the norm of u_x.
+        """
         values, last = self.state.x.array, np.inf
         for _ in range(MOST_STEPS):
             b = fem_petsc.assemble_vector(self.residual)
@@ -175,14 +191,14 @@ class Tube:
         return False
 
     def axis_pressure(self):
-        """(s (m,) in m, pressure minus the inlet's (m,) in Pa) on the axis."""
+        """(s (m,) in m, pressure minus inlet pressure (m,) in Pa) on the axis, at the ends of the cells."""
         values = self.state.x.array[self.p[:, 0]]
         return self.s[::2], values - values[0]
 
     def fields(self):
-        """(s (k,), rho (j,), u_x (k, j), u_r (k, j), pressure minus the inlet's (k, j)) on the grid, in SI units.
+        """(s (k,), rho (j,), u_x (k, j), u_r (k, j), pressure minus inlet pressure (k, j)) at all nodes, in SI units.
 
-        rho is the distance from the axis over the radius.
+        rho is the distance from the axis over the tube's radius. The inlet pressure is the pressure on the axis there.
         """
         values = self.state.x.array
         corner = values[self.p] - values[self.p[0, 0]]
@@ -204,7 +220,7 @@ class Tube:
 
 
 def _domain(s, radius, rho):
-    """Quadrilaterals of nine nodes: node (i, j) at (s_i, rho_j R_i)."""
+    """Mesh of the meridian plane by quadrilaterals of nine nodes. Node (i, j) lies at x = s_i, r = rho_j R_i (m)."""
     along, across = len(s) // 2, len(rho) // 2
     points = np.stack([np.repeat(s, len(rho)), np.outer(radius, rho).ravel()], axis=1)
     number = np.arange(len(points)).reshape(len(s), len(rho))

@@ -1,8 +1,8 @@
 """The 1D network with the axisymmetric model in the branch of the probe `distal`: a fast FFR, and a flow to start from.
 
-The axisymmetric model is solved at the network's flows. The two differ in the loss of pressure along the branch; the
-difference is added to the network's loss, in proportion to the square of the flow. This is repeated until the flows no
-longer change.
+The axisymmetric model is solved at the flows that the network gives. The two models differ in the pressure loss along
+the branch. The difference is added to the network's loss, in proportion to the square of the flow, and the network is
+solved again. This is repeated until the flows no longer change.
 """
 
 import sys
@@ -18,18 +18,20 @@ from flow.physics.units import M3_PER_S_PER_ML_PER_MIN, M_PER_MM
 from flow.reduced.axisymmetric import Tube
 from flow.meshing.sweep import stations
 
-FINER = 0.5  # distance of the tube's sections over the distance in the swept mesh
-MOST_ROUNDS, SAME_FLOW = 12, 1e-5  # rounds of the coupling; largest change of a flow over the whole at its end
-LEFT = 1.0  # a side branch has left its parent this many radii of the parent from the parent's axis
-SHORTEST = 4.0  # least length, in radii, of a branch that gets an axisymmetric model
+FINER = 0.5  # length of a cell of the axisymmetric model over the distance of sections in the swept 3D mesh
+# Most repetitions of the coupling. It ends when no outlet's flow changes by more than SAME_FLOW of the total flow.
+MOST_ROUNDS, SAME_FLOW = 12, 1e-5
+LEFT = 1.0  # a side branch is outside its parent when its axis is this many parent radii from the parent's axis
+SHORTEST = 4.0  # least length, over the radius at its start, of a branch that gets an axisymmetric model
 
 
 class Predictor:
-    """Flows (outlets,) in m3/s, pressures {branch: (s in m, pressure in Pa)} and velocities of the coupled models.
+    """The answer of the two models for one lumen: FFR, and velocity and pressure at any point.
 
-    alone, alone_pressures: flows and pressures of the network by itself. coupled: whether the axisymmetric model is
-    used. If it finds no flow, `reason` says why, and the network's flow stands. Raises ComputationError where the
-    network has no solution.
+    flows (outlets,) in m3/s and pressures {branch: (s in m, pressure in Pa)} are those of the coupled models, alone and
+    alone_pressures those of the network by itself. coupled: whether the axisymmetric model is used. If it finds no
+    flow, `tube` is None, `reason` says why, and `flows` and `pressures` are the network's. Raises ComputationError
+    where the network has no solution.
     """
 
     def __init__(self, network, tree, document, settings, coupled=True):
@@ -50,6 +52,7 @@ class Predictor:
         self.cpu_seconds = time.process_time() - begin
 
     def _couple(self, settings):
+        """Repeats the coupling until the flows agree. Raises ComputationError where they do not."""
         network, name = self.network, self.branch.name
         self.start_mm = self._leaves_parent()
         tube, fed, total = self._tube(settings), network.downstream(name, 0.0), float(np.sum(self.flows))
@@ -75,13 +78,14 @@ class Predictor:
         )
 
     def _leaves_parent(self):
-        """Arc length in mm at which the branch has left its parent; 0 for the root."""
+        """Arc length in mm at which the branch has left its parent, at most half its length; 0 for the root."""
         if self.branch.name == self.network.root:
             return 0.0
         parent, where = self.network.parent[self.branch.name]
         return min(LEFT * float(self.radius_mm[parent](where)), 0.5 * self.branch.length_mm)
 
     def _tube(self, settings):
+        """The Tube of the branch of `distal`, from where it has left its parent to its end."""
         name = self.branch.name
         s_mm, _ = self.network.profile[name]
         end_mm = min(self.branch.length_mm, float(s_mm[-1]))
@@ -106,7 +110,7 @@ class Predictor:
 
     @property
     def whole(self):
-        """Whether the axisymmetric model covers the whole lumen: a single branch."""
+        """Whether the axisymmetric model covers the whole lumen: it has a flow, and the lumen is a single branch."""
         return self.tube is not None and len(self.network.profile) == 1
 
     def destroy(self):
@@ -115,7 +119,7 @@ class Predictor:
             self.tube.destroy()
 
     def ffr(self, pressures):
-        """FFR at the probe `distal` of {branch: (s, pressure)}."""
+        """FFR at the probe `distal`, by pressures {branch: (s in m, pressure in Pa)}."""
         return float(np.interp(self.s_probe_mm * M_PER_MM, *pressures[self.branch.name]) / self.network.inlet_pa)
 
     def answers(self):
@@ -128,7 +132,11 @@ class Predictor:
         return {"network": network, "axisymmetric": axisymmetric}
 
     def fields(self, points):
-        """(velocity (m, 3) m/s, pressure (m,) Pa) at points (m, 3) in m: the tube's flow there, parabolas elsewhere."""
+        """(velocity (m, 3) in m/s, pressure (m,) in Pa) at points (m, 3) in m.
+
+        They are the axisymmetric model's in its branch. Elsewhere velocity has a parabolic profile, and pressure is the
+        network's.
+        """
         velocity, pressure = np.zeros_like(points), np.zeros(len(points))
         owner = self._owners(points / M_PER_MM)
         for number, branch in enumerate(self.tree):
@@ -146,13 +154,20 @@ class Predictor:
         return velocity, pressure
 
     def _of_tube(self, s_mm, rho):
+        """(axial, radial velocity in m/s, pressure in Pa), each (m,), of the axisymmetric model.
+
+        s_mm: arc lengths (m,) in the branch; rho: distances (m,) from the axis over the radius.
+        """
         s, across, *grids = self.tube.fields()
         at = np.stack([np.clip(s_mm * M_PER_MM, s[0], s[-1]), rho], axis=1)
         axial, radial, drop = (RegularGridInterpolator((s, across), grid)(at) for grid in grids)
         return axial, radial, drop + np.interp(s[0], *self.pressures[self.branch.name])
 
     def _owners(self, points_mm):
-        """Number (m,) of the branch with the nearest axis. The part of an axis inside the parent does not count."""
+        """Number (m,) in the tree of the branch whose axis is nearest to each of points (m, 3).
+
+        The part of a branch's axis that lies inside its parent does not count.
+        """
         kept, number = [], []
         for k, branch in enumerate(self.tree):
             outside = np.ones(len(branch.points), bool)
@@ -164,7 +179,10 @@ class Predictor:
         return np.concatenate(number)[nearest]
 
     def _local(self, branch, points_mm):
-        """(s mm, unit vectors along and away from the axis (m, 3), rho) of points (m, 3) in mm near a branch."""
+        """(s in mm (m,), unit vectors along the axis (m, 3), away from it (m, 3), rho (m,)) of points (m, 3) in mm.
+
+        rho is the distance from the branch's axis over its radius, at most 1.
+        """
         slope = np.gradient(branch.points, branch.s_mm, axis=0)
         slope /= np.linalg.norm(slope, axis=1)[:, None]
         _, sample = cKDTree(branch.points).query(points_mm)
@@ -178,6 +196,7 @@ class Predictor:
 
 
 def _radius(s_mm, area_mm2):
-    """Radius in mm of circles of the sections' area, a smooth function of s in mm (constant beyond the ends)."""
+    """Function of s in mm: radius in mm of the circle of the section's area, smoothly interpolated, constant beyond
+    the ends."""
     smooth = PchipInterpolator(s_mm, np.sqrt(area_mm2 / np.pi))
     return lambda s: smooth(np.clip(s, s_mm[0], s_mm[-1]))

@@ -1,4 +1,7 @@
-"""The extensions of a mesh (meshing.extension): reduced models include them, FFR is read where the lumen ends."""
+"""A lumen with the extensions of its mesh (meshing.extension), as the reduced models need it.
+
+Reduced models include the extensions, as the mesh does. FFR at an outlet is read where the original lumen ends.
+"""
 
 import pathlib
 import sys
@@ -14,16 +17,17 @@ from flow.meshing import extension
 from flow.reduced import coupled as predictor, network as network_model
 from flow.geometry.surface import INLET
 
-UNIT = 1e-6  # largest difference of a direction's length from 1
-SAME = ("made_from_sha256", "extensions")  # keys that must agree in the reports of two meshes for one solve
+UNIT = 1e-6  # largest |length - 1| of the vector `direction` of an extension
+SAME = ("made_from_sha256", "extensions")  # keys that must agree in the reports of two meshes of one solve
 
 
 def read(path, mesh, coarse=()):
-    """([meshing.extension.Extension], [warning], SHA-256 of what the mesh was made from, None where it is not said).
+    """([meshing.extension.Extension], [warning], SHA-256 or None) from the report of a mesh.
 
     path: report of `flow mesh` on the file `mesh`; coarse: files of the coarser meshes. A warning, printed too, names
-    each mesh that could not be swept. Raises InputError, also where the report is of another mesh, or a coarse mesh is
-    of another lumen.
+    each mesh that could not be swept. The SHA-256 is of the surface and centrelines that the mesh was made from, None
+    where the report lacks it. Raises InputError, also where the report is of another mesh, or a coarse mesh is of
+    another lumen.
     """
     report = json_reader.read(path, "mesh.json").data
     try:
@@ -54,9 +58,10 @@ def read(path, mesh, coarse=()):
 
 
 def _check_coarse(report, path, coarse):
-    """Raises InputError unless a coarse mesh is of the same lumen, as it may give the answer.
+    """Raises InputError unless the mesh file `coarse` is of the same lumen as the finest mesh, since it may answer.
 
-    The report lists it, or its own report has the same lumen and extensions.
+    report: document of the finest mesh's report, at `path`. Either this report lists the coarse mesh, or the coarse
+    mesh has a report of its own with the same lumen and extensions.
     """
     own, known = pathlib.Path(coarse).with_suffix(".json"), report.get("coarse", [])
     if not known and own.is_file():
@@ -72,17 +77,17 @@ def _check_coarse(report, path, coarse):
 
 
 def _is(part, mesh):
-    """Whether a mesh file has the SHA-256 of a report's entry; true for reports of former versions, which lack it."""
+    """Whether a mesh file has the SHA-256 in the report's entry `part`. True where an older report lacks it."""
     return "file_sha256" not in part or part["file_sha256"] == sha256(mesh)
 
 
 def _named(report):
-    """[(name, part)] of the meshes of a report."""
+    """[(name, entry)] of the meshes in a report: fine, coarse, coarsest."""
     return list(zip(("fine", "coarse", "coarsest"), (report, *report.get("coarse", [])[::-1])))
 
 
 def beside(path, mesh, coarse=()):
-    """As `read`; without a report there are no extensions, and a warning, printed too, says so."""
+    """As `read`, but allows the report to be missing: then there are no extensions, and a warning, printed too."""
     if path.is_file():
         return read(path, mesh, coarse)
     said = f"no report of the mesh ({path.name}): reduced models take it as without extensions; give --mesh-report"
@@ -91,9 +96,11 @@ def beside(path, mesh, coarse=()):
 
 
 class Extended:
-    """A lumen's tree with the extensions (`tree`) and without (`original`), and its 1D network without (`network`).
+    """A lumen's centreline tree with the extensions (`tree`) and without (`original`).
 
-    warnings: those of `read` or `beside`. Raises InputError where an extension is of another lumen.
+    `network` is the 1D network without extensions. anatomy: document of anatomy.json; sections: table of
+    network.read_sections; document: of boundary.json; warnings: those of `read` or `beside`. Raises InputError where an
+    extension is of another lumen.
     """
 
     def __init__(self, extensions, tree, anatomy, sections, document, settings, warnings=()):
@@ -110,23 +117,27 @@ class Extended:
         self._longer = prolonged_network(anatomy, sections, extensions)
 
     def network_at(self, document):
-        """The 1D network without extensions at boundary values `document`."""
+        """The 1D network without extensions, with the boundary values `document`."""
         return network_model.Network(*self._given, document, self.settings.expansion_loss)
 
     def predictor(self):
-        """flow.reduced.coupled.Predictor of the tree with its extensions, uncoupled if the model is `network`."""
+        """flow.reduced.coupled.Predictor of the tree with its extensions.
+
+        With setting `model` = network it is the network alone, without the axisymmetric model.
+        """
         network = network_model.Network(*self._longer, self.document, self.settings.expansion_loss)
         return self._predictor(network, self.tree)
 
     def _predictor(self, network, tree):
+        """flow.reduced.coupled.Predictor of a 1D network and its Tree, with the model that the settings ask for."""
         coupled = self.settings.model != "network"
         return predictor.Predictor(network, tree, self.document, self.settings, coupled)
 
     def report(self, models):
-        """Entry `extensions` of ffr.json; models: its entry `models`, computed with the extensions.
+        """Entry `extensions` of ffr.json: {ends, ffr_change}.
 
-        ffr_change: FFR with the extensions minus FFR without, for each reduced model. It shows the error of a mesh
-        without extensions.
+        models: entry `models` of ffr.json, computed with the extensions. ffr_change: for each reduced model FFR with
+        the extensions minus FFR without. It shows the error that a mesh without extensions would make.
         """
         if not self.extensions:
             return {"ends": [], "ffr_change": {}}
@@ -147,7 +158,10 @@ class Extended:
 
 
 def prolonged_network(anatomy, sections, extensions):
-    """(anatomy, sections) with the extensions, for flow.reduced.network.Network. Each has its end section's area."""
+    """(anatomy, sections) with the extensions, for flow.reduced.network.Network.
+
+    An extension has the cross-sectional area of the branch's last section, or of the root's first one at the inlet.
+    """
     for one in extensions:
         rows = sections[sections["branch"] == one.branch].sort_values("s_mm")
         if one.region_id == INLET:
@@ -163,6 +177,7 @@ def prolonged_network(anatomy, sections, extensions):
 
 
 def _shifted(branch, one):
+    """Entry of anatomy.json for a branch, its place on the parent moved by the parent's inlet extension `one`."""
     if branch["parent"] != one.branch:
         return branch
     return {**branch, "s_on_parent_mm": branch["s_on_parent_mm"] + one.length_mm}

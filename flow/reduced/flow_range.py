@@ -1,7 +1,7 @@
-"""FFR's range over the flows that are plausible, and resistances for a measured inflow, by the 1D network.
+"""Range of FFR over plausible hyperaemic flows, and outlet resistances for a measured inflow, both by the 1D network.
 
-The network is calibrated on the answer. Its loss of FFR at the probe `distal` at another flow is multiplied by a ratio:
-the answer's loss over the network's, both at the planned flow.
+The network is calibrated on the answer of the solve. A loss is 1 - FFR at the probe `distal`. The network's loss at
+another flow is multiplied by a ratio: the answer's loss over the network's, both at the planned flow.
 """
 
 import copy
@@ -12,10 +12,11 @@ from scipy.optimize import brentq
 from common.errors import InputError
 from flow.physics.units import M3_PER_S_PER_ML_PER_MIN, M_PER_MM, PA_PER_MMHG
 
-LEAST_LOSS = 1e-3  # of FFR: smaller losses are compared by their difference, as their ratio would be noise
-# Plausible variations beside a measured inflow: (name, flow over the measured one, mmHg added to MAP, exponent of the
-# split). Repeated measurements of a coronary flow differ by about a tenth, and a cuff may be off by 10 mmHg. Exponent 2
-# splits by area, 3 by Murray's law. Chosen, not fitted.
+# 1 - FFR: if the network's loss is smaller, the difference of two losses is used, as their ratio would be noise.
+LEAST_LOSS = 1e-3
+# Plausible variations round a measured inflow: (name, flow over the measured one, mmHg added to MAP, exponent of the
+# diameters in the flow split, None for that of the settings). Repeated measurements of a coronary flow differ by about
+# a tenth, and a cuff may be off by 10 mmHg. Exponent 2 splits by area, 3 by Murray's law. Chosen, not fitted.
 VARIED_INFLOW = (
     ("measured flow -10 %", 0.9, 0.0, None),
     ("measured flow +10 %", 1.1, 0.0, None),
@@ -24,11 +25,11 @@ VARIED_INFLOW = (
     ("split by diameter^2", 1.0, 0.0, 2.0),
     ("split by diameter^3", 1.0, 0.0, 3.0),
 )
-FASTEST = 50.0  # resistances are divided by at most this to let a measured inflow pass
+FASTEST = 50.0  # outlet resistances are divided by at most this factor to let a measured inflow pass
 
 
 def scaled(document, factor):
-    """Boundary values with `factor` times the planned flow: resistances divided by it."""
+    """Copy of the boundary values `document`: planned flows times `factor`, resistances divided by it."""
     other = copy.deepcopy(document)
     for outlet in other["outlets"]:
         outlet["flow_m3_per_s"] *= factor
@@ -38,7 +39,10 @@ def scaled(document, factor):
 
 
 def varied(document, one):
-    """Boundary values at one of the plausible flows: at `factor` times the planned one, or with its own resistances."""
+    """Copy of the boundary values `document` for the entry `one` of plausible_flows.
+
+    The entry holds a factor on the planned flow, or MAP and resistances of its own.
+    """
     if "resistances_pa_s_per_m3" not in one:
         return scaled(document, one["factor"])
     other = copy.deepcopy(document) | {"map_pa": one["map_pa"]}
@@ -48,12 +52,12 @@ def varied(document, one):
 
 
 def around_inflow(document, network_at, exponent):
-    """The plausible_flows of a measured inflow: [{what, map_pa, resistances_pa_s_per_m3}].
+    """Entry plausible_flows of boundary.json for a measured inflow: [{what, map_pa, resistances_pa_s_per_m3}].
 
-    document: as planned, before with_inflow; network_at: of the vessel before the procedure; exponent: of the split by
-    diameter. Varied are the inflow, within its own error, the aortic pressure, and the split among the outlets. The
-    left ventricle's mass is not varied, since it serves only to estimate the flow. A flow that the vessel does not let
-    pass is left out.
+    document: boundary values before `with_inflow`. network_at(document) -> Network of the vessel before the procedure.
+    exponent: of the diameters in the flow split. VARIED_INFLOW varies the inflow, the aortic pressure and the split.
+    The left ventricular mass is not varied, since it serves only to estimate the flow. A flow that the vessel does not
+    let pass is left out.
     """
     found = []
     for what, factor, pressure, power in VARIED_INFLOW:
@@ -79,9 +83,10 @@ def around_inflow(document, network_at, exponent):
 
 
 def of_answer(answer_ffr, document, network_at, probe):
-    """{low, high, at: [{what, factor, ffr}]} of FFR at the probe, or None where boundary values name no other flow.
+    """{low, high, at: [{what, factor, ffr}]}: FFR at the probe over the plausible flows of the boundary values.
 
     answer_ffr: FFR at the planned flow. network_at(document) -> flow.reduced.network.Network; probe: (branch, s_mm).
+    None where the boundary values have no plausible flows, or give the pressure of an outlet.
     """
     flows = document.get("plausible_flows", [])
     if not flows or any(outlet.get("pressure_pa") is not None for outlet in document["outlets"]):
@@ -105,9 +110,10 @@ def loss_at(network, probe):
 
 
 def with_inflow(document, network_at):
-    """Boundary values whose resistances let the planned flow, measured in this narrowed vessel, pass the network.
+    """Copy of the boundary values with the resistances at which the network's inflow is the planned flow.
 
-    Raises InputError where the network does not let the flow pass even with resistances FASTEST times lower.
+    The planned flow was measured in this vessel, with its narrowings. network_at(document) -> Network of the vessel.
+    Raises InputError where the inflow is too small even with resistances FASTEST times lower.
     """
     wanted = document["q_hyperaemic_m3_per_s"]
 

@@ -1,12 +1,14 @@
-"""Reduced model of the same tree: steady 1D flow through the cross-sections, one flow a segment.
+"""1D network: steady flow through the cross-sections of the tree.
 
-Along a segment, with area A(s) and Q constant, static pressure p and U = Q / A:
+A segment is a piece of a branch between two junctions. Along it the flow Q is constant. With the area A(s), the static
+pressure p and U = Q / A:
 
     p(s) = p(0) - 8 pi mu Q int ds / A^2 - rho/2 (U(s)^2 - U(0)^2) - sum over expansions K rho/2 (U_t - U(s))^2
 
-mu is the viscosity (physics.viscosity) at the wall's shear rate 4 U / R of a parabolic profile. Behind the narrowest
-section t of an expansion K is the setting expansion_loss (1.14: Borda-Carnot with the jet's profile). Total pressure is
-equal on both sides of a junction, so a branch point itself loses nothing. The outlets have p_i = P_v + R_i Q_i.
+mu is the viscosity (physics.viscosity) at the wall shear rate 4 U / R of a parabolic profile. t is the narrowest
+section before an expansion. K is the setting expansion_loss (1.14: Borda-Carnot with the jet's profile). Total
+pressure p + rho/2 U^2 is equal on both sides of a junction, so a junction itself loses nothing. The outlets have
+p_i = P_v + R_i Q_i.
 """
 
 import numpy as np
@@ -17,22 +19,26 @@ from common.errors import ComputationError, InputError
 from flow.physics.units import M_PER_MM
 from flow.physics.viscosity import of as viscosity_of
 
-CREEPING = 1e-10  # m3/s
+CREEPING = 1e-10  # m3/s through each outlet: a flow so slow that only friction loses pressure
 NEAR_END = 2.0  # largest distance of the last section from the branch's end, in radii
-# limits of a section's radius, sqrt(A / pi), over the largest inscribed sphere's: in the study 1.00 to 1.15, ostia 1.4
+# Limits of a section's radius sqrt(A / pi) over the radius of the largest inscribed sphere. In the study this ratio is
+# 1.00 to 1.15, at ostia 1.4.
 NARROWEST, WIDEST = 0.8, 2.5
-PROMINENCE = 1.1  # a section of less than 1/1.1 of the area on both sides is a narrowing of its own
+PROMINENCE = 1.1  # factor by which the area must grow behind a narrowing, and shrink again before the next one
 
 
 class Segment:
-    """Piece of a branch between junctions: s (n,) in m, area (n,) in m2, indices of the outlets downstream."""
+    """Piece of a branch between two junctions: s (n,) in m, area (n,) in m2, indices of all outlets downstream."""
 
     def __init__(self, branch, s, area, outlets):
         self.branch, self.s, self.area, self.outlets = branch, s, area, outlets
         self.throat = _throats(area)
 
     def losses(self, flow, density, viscosity, expansion_loss):
-        """Loss of static pressure from the segment's start to each section, (n,) Pa."""
+        """Static pressure at the segment's start minus that at each section, (n,) in Pa.
+
+        flow in m3/s; density in kg/m3; viscosity: of physics.viscosity; expansion_loss: K.
+        """
         velocity = flow / self.area
         wall_rate = 4 * abs(velocity) * np.sqrt(np.pi / self.area)
         slope = 8 * np.pi * viscosity(wall_rate) * flow / self.area**2
@@ -49,10 +55,11 @@ class Segment:
 
 
 def _throats(area):
-    """For each section the index of the narrowing whose jet it lies in, -1 for none.
+    """For each section the index of the narrowing in whose jet it lies, (n,); -1 for none. area (n,) in m2.
 
-    A walk with hysteresis. It follows the falling area to `low` until the area has grown by PROMINENCE, then the rising
-    area to `high` until it has shrunk by PROMINENCE. Sections from `low` to `high` lie in the jet of `low`.
+    A walk downstream. `low` is the section of least area so far. It is a narrowing once the area exceeds PROMINENCE
+    times its own. `high` is then the section of largest area so far. The jet of `low` ends at the first section with
+    less than 1 / PROMINENCE of the area of `high`. There the search for the next `low` begins.
     """
     throat = np.full(len(area), -1)
     low = high = 0
@@ -75,7 +82,11 @@ def _throats(area):
 
 
 class Network:
-    """The tree's segments between branch points. Raises InputError where anatomy, sections and outlets disagree."""
+    """The 1D network of one tree.
+
+    anatomy: document of anatomy.json; sections: table of `read_sections`; document: of boundary.json; expansion_loss:
+    K. Raises InputError where anatomy, sections and outlets disagree.
+    """
 
     def __init__(self, anatomy, sections, document, expansion_loss):
         self.document, self.expansion_loss = document, expansion_loss
@@ -107,7 +118,8 @@ class Network:
         self._build(self.root, 0.0)
 
     def downstream(self, branch, s_mm):
-        """Indices of the outlets fed through `branch` at s_mm."""
+        """Indices of the outlets fed through `branch` at arc length s_mm: its own, and those of side branches there
+        or further downstream."""
         found = [self.index[branch]]
         for where, child in self.children[branch]:
             if where >= s_mm:
@@ -115,6 +127,7 @@ class Network:
         return found
 
     def _build(self, branch, start_mm):
+        """Adds the segments of a branch from start_mm on, and those of its side branches."""
         s, area = self.profile[branch]
         cuts = sorted({float(where) for where, _ in self.children[branch] if s[0] < where < s[-1]})
         bounds = [max(start_mm, s[0])] + cuts + [s[-1]]
@@ -130,7 +143,7 @@ class Network:
     def pressures(self, flows, inlet_pa=None):
         """Static pressure along each branch: {branch: (s (n,) in m, pressure (n,) in Pa)}.
 
-        flows: flow at each outlet (outlets,) in m3/s. inlet_pa: pressure at the inlet in Pa; None stands for MAP.
+        flows: flow through each outlet (outlets,) in m3/s. inlet_pa: pressure at the inlet in Pa; None stands for MAP.
         """
         document, result, total_at = self.document, {}, {}
         for segment in self.segments:
@@ -152,16 +165,17 @@ class Network:
         return result
 
     def add_loss(self, branch, s, pressure, flow):
-        """Adds `pressure` (n,) in Pa at s (n,) in m to the loss from a branch's start, on top of earlier additions.
+        """Adds `pressure` (n,) in Pa to the loss from the branch's start to the places s (n,) in m.
 
-        It holds at the branch's flow `flow` (m3/s), and grows with the square of the flow.
+        This loss holds at the branch's flow `flow` (m3/s), and grows with the square of the flow. It comes on top of
+        what was added before.
         """
         if branch in self.added:
             pressure = pressure + self.added[branch][1] * (flow / self.added[branch][2]) ** 2
         self.added[branch] = s, pressure, flow
 
     def _added(self, segment, flows):
-        """The added loss (n,) in Pa from the segment's start to each section."""
+        """Loss added by `add_loss` from the segment's start to each of its sections, (n,) in Pa, at these flows."""
         if segment.branch not in self.added:
             return 0.0
         s, pressure, flow = self.added[segment.branch]
@@ -169,6 +183,10 @@ class Network:
         return (here - here[0]) * (flows[self.downstream(segment.branch, 0.0)].sum() / flow) ** 2
 
     def _at_junction(self, segment, result, flows, velocity):
+        """Static pressure in Pa at the start of a side branch, by the total pressure of its parent there.
+
+        result: pressures so far, as `pressures` gives them; velocity: in m/s at the side branch's start.
+        """
         parent, where = self.parent[segment.branch]
         s, p = result[parent]
         area = np.interp(where, *self.profile[parent]) * M_PER_MM**2
@@ -177,14 +195,14 @@ class Network:
         return static + 0.5 * self.document["density_kg_per_m3"] * (upstream**2 - velocity**2)
 
     def outlet_pressures(self, flows, inlet_pa=None):
-        """Pressure at each outlet in Pa."""
+        """Static pressure (outlets,) in Pa at the outlets; arguments as for `pressures`."""
         result = self.pressures(flows, inlet_pa)
         return np.array([result[outlet["branch"]][1][-1] for outlet in self.outlets])
 
     def solve(self):
-        """Outlet flows (outlets,) in m3/s that satisfy the outlets' conditions. Raises ComputationError.
+        """Outlet flows (outlets,) in m3/s at which each outlet has the pressure P_v + R_i Q_i, or its given pressure.
 
-        Sets `inlet_pa`: MAP, or where the inflow is given the pressure that drives it.
+        Sets `inlet_pa` in Pa: MAP, or the pressure that drives the inflow where that is given. Raises ComputationError.
         """
         map_pa, given = self.document["map_pa"], self.document.get("inlet_flow_m3_per_s")
         resistance = np.array([outlet["resistance_pa_s_per_m3"] for outlet in self.outlets])
@@ -211,13 +229,14 @@ class Network:
         return found.x[:count] * planned
 
     def _behind(self):
-        """Pressure (outlets,) behind the resistances."""
+        """Pressure (outlets,) in Pa behind the outlets' resistances: the venous pressure, or a given one."""
         return np.array([outlet.get("pressure_pa", self.document["venous_pressure_pa"]) for outlet in self.outlets])
 
     def _most(self, resistance, behind, given):
-        """Upper bounds (outlets,) of the flows in m3/s: through the resistances alone, or the given inflow.
+        """Bounds (outlets,) of the outlet flows in m3/s: the given inflow, or the flow through the resistance alone.
 
-        Without a resistance the bound is that of creeping flow through the vessels.
+        resistance (outlets,) in Pa s/m3; behind (outlets,): pressures of `_behind`; given: inflow in m3/s or None. For
+        an outlet without a resistance, the resistance of its vessels to creeping flow takes its place.
         """
         if given:
             return np.full(len(resistance), given)
@@ -226,14 +245,14 @@ class Network:
         return (self.document["map_pa"] - behind) / np.where(resistance > 0, resistance, of_vessels / len(resistance))
 
     def resistances_at(self, flows, fraction):
-        """Outlet resistances (outlets,) in Pa s/m3 at which this model's flows are `fraction` of `flows`."""
+        """Outlet resistances (outlets,) in Pa s/m3 at which this model's flows are `fraction` times `flows` (m3/s)."""
         if fraction == 1.0:
             return np.array([outlet["resistance_pa_s_per_m3"] for outlet in self.outlets])
         return (self.outlet_pressures(fraction * flows) - self._behind()) / (fraction * flows)
 
 
 def read_sections(path):
-    """sections.csv as a DataFrame with branch, s_mm and area_mm2. Raises InputError."""
+    """sections.csv as a DataFrame with branch, s_mm (arc length) and area_mm2. Raises InputError."""
     remedy = "run the anatomy step"
     try:
         table = pd.read_csv(path)
@@ -255,11 +274,11 @@ def read_sections(path):
 
 
 def check_sections(table, tree, path):
-    """Raises InputError for sections that are not of the tree's lumen.
+    """Raises InputError for cross-sections (table of `read_sections`, at `path`) that are not of the tree's lumen.
 
-    They must end near their branch's end, and their radii must fit the centreline's, the largest inscribed spheres'. A
-    sphere touches the wall within its own radius along the branch: behind a sudden expansion the rim of the narrow part
-    holds it. So its radius is compared with the narrowest section in that reach.
+    The last section must lie near its branch's end. The sections' radii must fit the centreline's, which are those of
+    the largest inscribed spheres. A section may be wider than its sphere: just behind a sudden expansion the narrow
+    part still limits the sphere. So the sphere is compared with the narrowest section within its radius along s.
     """
     remedy = "give the sections of the centreline's lumen, both in mm"
     for branch in tree:
@@ -278,7 +297,7 @@ def check_sections(table, tree, path):
 
 
 def _refuse_row(path, values, refused, what, remedy):
-    """Raises InputError for the first of `values` that is refused, by its line in the file."""
+    """Raises InputError for the first of `values` that is `refused` (bool); the message has its line in the file."""
     if refused.any():
         row = int(refused.to_numpy().argmax())
         raise InputError(what, f"{path}, row {row + 2}", values[row], remedy)

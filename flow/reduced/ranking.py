@@ -1,15 +1,16 @@
 """Several plans of one patient ranked by a reduced model's FFR, with the model's measured error.
 
-The model includes the extensions that the plan's mesh would get (meshing.extension), as in every ffr.json.
+The reduced model includes the extensions that the plan's mesh would get (meshing.extension), as in every ffr.json.
 
-The error is the largest difference between 3D model and reduced model in this patient, over each ffr.json with both. It
-is at least the largest error estimate of the 3D answers. Without any 3D answer, it is the error measured in other
-patients (measured.md).
+The error of the reduced model is its largest difference from the 3D model's FFR in this patient, over all ffr.json that
+have both. It is at least the largest error estimate of these 3D answers. Without any 3D answer, it is the error
+measured in other patients (measured.md).
 
-The model errs alike in similar lumens. So two plans count as different if their FFRs differ by more than those
-differences vary. The variation itself is known only to the sum of two error estimates. With fewer than two differences,
-the plans must differ by more than the error. Where the error of a 3D answer is not known, the reduced model's error in
-other patients takes its place.
+In similar lumens the reduced model errs by similar amounts. So two plans count as different if their FFRs differ by
+more than a limit: the largest minus the smallest of the differences between 3D and reduced model. This range is known
+only to within the two largest error estimates, so the limit is at least their sum. With fewer than two differences, the
+limit is the error. Where a 3D answer has no error estimate, the reduced model's error in other patients takes its
+place.
 """
 
 import pathlib
@@ -27,20 +28,20 @@ from flow.reduced import extended, network as network_model
 from flow.reduced.answer import ELSEWHERE, MILD
 
 COLUMNS = ("rank", "plan", "ffr", "error", "model", "as_good_as_best", "inlet_flow_m3_per_s", "cpu_seconds")
-SAME_MM = 1e-6  # precision to which coordinates are written
+SAME_MM = 1e-6  # mm: precision to which files give coordinates
 
 
 def elsewhere(model, value):
-    """The error in FFR of a model, measured in other patients, at a model FFR of `value`."""
+    """Error in FFR of a reduced model, measured in other patients, where the model's FFR is `value`."""
     mild, severe = ELSEWHERE[model]
     return mild if value >= MILD else severe
 
 
 def model_error(model, documents, lowest):
-    """(error of a model, difference from which two plans count as different), both in FFR.
+    """(error of a reduced model, difference above which two plans count as different), both in FFR.
 
-    documents: [(path, document of ffr.json)]; lowest: the lowest FFR of the plans by the model. Raises InputError for a
-    document without a 3D answer.
+    documents: [(path, document of ffr.json)] of this patient; lowest: the lowest FFR of the plans by the reduced model.
+    Raises InputError for a document without the FFR of both models.
     """
     found, unsure = [], []
     for path, document in documents:
@@ -58,9 +59,9 @@ def model_error(model, documents, lowest):
 
 
 def check_patient(path, answer, document):
-    """Raises InputError unless an ffr.json (`answer`) has the probes of boundary values `document`.
+    """Raises InputError unless `answer` (of ffr.json, at `path`) has the probes of the boundary values `document`.
 
-    Each must lie `shift_mm` from its point in the boundary values.
+    The distance of a probe in `answer` from its point in the boundary values must equal its `shift_mm`.
     """
     given = {probe["name"]: np.array(probe["point_mm"], float) for probe in document["probes"]}
     try:
@@ -76,9 +77,10 @@ def check_patient(path, answer, document):
 
 
 def plan(folder, document, settings, model):
-    """{"ffr", "inlet_flow_m3_per_s", "cpu_seconds"} by the model; folder: the anatomy step's, of the plan's lumen.
+    """{"ffr", "inlet_flow_m3_per_s", "cpu_seconds"} of one plan by the reduced model `model`.
 
-    Raises InputError for a folder without the files, or whose files do not belong together.
+    folder: output of the anatomy step for the plan's lumen; document: of boundary.json. Raises InputError where files
+    are missing or do not belong together.
     """
     folder = pathlib.Path(folder)
     for name in lumen_summary.OF_A_PLAN:
@@ -103,9 +105,10 @@ def plan(folder, document, settings, model):
 
 
 def rank(plans, document, settings, model, measured):
-    """Table with COLUMNS, best first. plans: {name: folder}; measured: [(path, document of ffr.json)].
+    """Table with COLUMNS, one row a plan, the highest FFR first.
 
-    Raises InputError for a plan or a document of another patient.
+    plans: {name: folder of the anatomy step}; document: of boundary.json; measured: [(path, document of ffr.json)] of
+    this patient. Raises InputError for a plan or an ffr.json of another patient.
     """
     for path, answer in measured:
         schema.validate(json_reader.Document(path, answer), schema.read("measured_ffr"))

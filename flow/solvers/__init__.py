@@ -1,1 +1,1 @@
-"""Solvers: linear systems, Newton's method and the ways to its start. They import no reduced model."""
+"""Solvers: linear systems, Newton's method and its starting flows, steps in time. They import no reduced model."""

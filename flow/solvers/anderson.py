@@ -1,19 +1,22 @@
-"""Anderson acceleration of steps with an old factorization: the last steps correct its inverse by secants.
+"""Anderson acceleration of Newton steps that use an old factorization of the tangent.
 
-Anderson 1965, J ACM 12:547; as a multi-secant method Fang and Saad 2009, Numer Linear Algebra Appl 16:197. The old
-tangent P asks for the correction f(x) = -P^-1 F(x). dX and dF are the differences of the last states and of their
-corrections. The step is f - (dX + dF) y, where y minimizes |f - dF y|. In the directions dF it uses secants of the true
-inverse, in all others the inverse of P.
+Anderson 1965, J ACM 12:547; as a multi-secant method Fang and Saad 2009, Numer Linear Algebra Appl 16:197. F(x) is the
+residual of state x, P an old tangent. P alone would correct the state by f(x) = -P^-1 F(x). The columns of dX and dF
+are the differences of the last states and of their corrections f. The step is f - (dX + dF) y, where y minimizes
+|f - dF y|. In the directions dF this step uses secants of the true inverse, in all others the inverse of P.
 """
 
 import numpy as np
 
-MOST = 12  # differences kept
-INDEPENDENT = 1e-6  # smaller singular values of the Gram matrix of dF, over the largest, are dropped as noise
+MOST = 12  # number of differences in dX and dF
+INDEPENDENT = 1e-6  # singular values of the Gram matrix of dF below this share of the largest are dropped as noise
 
 
 class Acceleration:
-    """Keeps the last differences of states and corrections, arrays (n,). weights (n,) define the inner product."""
+    """Keeps the last differences of states (n,) and of corrections (n,).
+
+    weights (n,): the inner product of a and b is the sum of weights^2 a b.
+    """
 
     def __init__(self, weights):
         self.weights = weights
@@ -21,7 +24,7 @@ class Acceleration:
         self.last = None
 
     def step(self, state, correction):
-        """The step (n,) from `state` (n,), where the old tangent asks for `correction` (n,)."""
+        """The accelerated step (n,) from `state` (n,); correction (n,): f, by the old tangent alone."""
         if self.last is not None:
             self.moves.append(state - self.last[0])
             self.changes.append(correction - self.last[1])
@@ -40,5 +43,5 @@ class Acceleration:
         return result
 
     def pause(self):
-        """Takes no difference between the last state and the next, which may be far apart. Keeps the others."""
+        """Skips the difference between the last state and the next, which may be far apart. Keeps the earlier ones."""
         self.last = None

@@ -14,7 +14,10 @@ from common.errors import ComputationError
 
 
 class DirectSolver:
-    """MUMPS factorization of A. One KSP serves all steps: it reuses the symbolic part, and a new one would leak."""
+    """MUMPS factorization of A.
+
+    One PETSc KSP serves all steps: it reuses the symbolic factorization, and a new KSP each time would leak memory.
+    """
 
     def __init__(self):
         self.ksp = PETSc.KSP().create(PETSc.COMM_SELF)
@@ -47,8 +50,10 @@ class DirectSolver:
             raise ComputationError("linear solve failed", "MUMPS", f"reason {reason}", "check the mesh and resistances")
 
     def solve_all(self, rights, solutions):
-        """`solve` for lists of vectors at once. Reading the factors from memory is the cost of a solve; here they are
-        read once for all. Raises ComputationError."""
+        """`solve` for lists of vectors at once. Raises ComputationError.
+
+        Most of a solve's cost is to read the factors from memory. Here they are read once for all vectors.
+        """
         if len(rights) == 1:
             self.solve(rights[0], solutions[0])
             return
@@ -68,19 +73,20 @@ class DirectSolver:
             raise ComputationError("linear solve failed", "MUMPS", "not finite", "check the mesh and resistances")
 
     def release(self):
-        """Frees the factors. The next factorization repeats the symbolic part."""
+        """Frees the factors. The next factorization repeats the symbolic factorization."""
         self.ksp.reset()
 
     def destroy(self):
+        """Frees PETSc's memory."""
         self.release()
         self.ksp.destroy()
 
 
 class Bordered:
-    """The bordered system with the A that `solver` holds.
+    """The bordered system with the matrix A that `solver` (DirectSolver) has factorized.
 
-    columns, rows: lists of vectors, B and the rows of C; corner: D. A^-1 B is computed once, so that each right side
-    costs one solve with A.
+    columns: list of vectors, those of B; rows: list of vectors, the rows of C; corner: D. A^-1 B is computed once, so
+    that each right side costs one solve with A.
     """
 
     def __init__(self, solver, columns, rows, corner):
@@ -93,7 +99,7 @@ class Bordered:
                 self.schur[i, j] -= row.dot(vector)
 
     def solve(self, f, g):
-        """(x, y), a new vector and an array, for the right side f (vector), g (array)."""
+        """(x, y), a new PETSc vector and an array, for the right side f (PETSc vector) and g (array)."""
         return self.solve_all([f], [g])[0]
 
     def solve_all(self, rights, given):
@@ -108,5 +114,6 @@ class Bordered:
         return result
 
     def destroy(self):
+        """Frees the vectors A^-1 B."""
         for vector in self.solved:
             vector.destroy()

@@ -1,13 +1,13 @@
-"""Marching in time by the two-step backward differentiation formula (BDF2) with steps of any length.
+"""Marching the flow in time by the two-step backward differentiation formula (BDF2) with steps of any length.
 
 Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), chapter III.5. With w = dt / dt_before
 
     du/dt = (1 + 2 w) / (1 + w) u / dt - (1 + w) u_1 / dt + w^2 / (1 + w) u_2 / dt
 
-(u_1, u_2: one and two steps ago). The first step is backward Euler's. All other terms, and the boundaries' unknowns,
-are implicit as in the steady problem. Newton's method solves each step with an old factorization, and renews it where
-it converges too slowly. The difference to the extrapolated flow gives the error of a step, by which the caller
-(flow.audit) chooses the next length.
+where u_1 and u_2 are the velocities one and two steps ago. The first step is a backward Euler step. All other terms,
+and the unknowns of the boundaries, are implicit as in the steady problem. Newton's method solves each step with an old
+factorization of the tangent, and makes a new one where it converges too slowly. The error of a step follows from the
+difference to the extrapolated flow. The caller (flow.audit) chooses the length of the next step by this error.
 """
 
 import numpy as np
@@ -17,17 +17,22 @@ from petsc4py import PETSc
 from common.errors import ComputationError
 from flow.discretisation import compat
 
-RELATIVE = 1e-5  # residual of a step over the pressure load
-MOST_CORRECTIONS = 24  # of one step
-LIKE = (0.3, 3.0)  # an old factorization serves while the weight of du/dt over its own lies between these
-MOST_RENEWALS = 3  # of the factorization in one step
-# More than MOST_SLOW corrections that each leave over SLOW of the residual ask for a new factorization.
+RELATIVE = 1e-5  # residual over the pressure load at which a step has converged
+MOST_CORRECTIONS = 24  # Newton corrections in one step
+# The factor of u in du/dt, over its value at the last factorization, must lie between these to use that again.
+LIKE = (0.3, 3.0)
+MOST_RENEWALS = 3  # factorizations in one step
+# A correction is slow if it leaves more than SLOW of the residual. More than MOST_SLOW of them: factorize anew.
 SLOW, MOST_SLOW = 0.5, 2
-MANY = 8  # a step with more corrections lets the next one factorize anew
+MANY = 8  # after a step with more corrections the next step factorizes anew
 
 
 class Inertia:
-    """rho du/dt of a FlowProblem as mass (weight u - past): mass is rho times the mass matrix, weight in 1/s."""
+    """The inertia rho du/dt of a FlowProblem, as the force mass (weight u - past).
+
+    mass is rho times the mass matrix. In the formula for du/dt, `weight` in 1/s is the factor of u, and -past (n,) in
+    m/s2 is the sum of the terms with u_1 and u_2.
+    """
 
     def __init__(self, problem):
         self.mass, self.v_map = compat.block_matrix(problem.forms.mass), problem.space.v_map
@@ -38,22 +43,23 @@ class Inertia:
         self._given, self._force = self.mass.createVecs()
 
     def add_force(self, residual, state):
-        """residual += mass (weight state - past)."""
+        """residual += mass (weight state - past), both PETSc vectors over W."""
         self._given.array[:] = (self.weight * state.array_r - self.past)[self.v_map]
         self.mass.mult(self._given, self._force)
         residual.array[self.v_map] += self._force.array_r
 
     def add_tangent(self, velocity):
-        """velocity (the velocity block) += weight mass."""
+        """velocity += weight mass; velocity: PETSc matrix, the velocity block of the tangent."""
         velocity.axpy(self.weight, self.mass, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
 
     def destroy(self):
+        """Frees PETSc's memory."""
         for petsc_object in (self.mass, self._given, self._force):
             petsc_object.destroy()
 
 
 class Stepper:
-    """Steps a FlowProblem in time from its present state.
+    """Marches a FlowProblem in time from its present state.
 
     time: in s since the start; steps: number of steps done.
     """
@@ -61,15 +67,16 @@ class Stepper:
     def __init__(self, problem):
         self.problem, self.time, self.steps = problem, 0.0, 0
         problem.inertia = self.inertia = Inertia(problem)
-        self.values = [problem.state.x.array.copy()]  # last, one before, ...
+        self.values = [problem.state.x.array.copy()]  # of up to three flows, the latest first
         self.inflows = [problem.inflow]
         self.lengths = []
         self.factorized_weight, self.acceleration = None, problem.acceleration()
 
     def step(self, dt):
-        """Goes on by dt (s). Returns the step's error in m/s (root mean square), None for the first two steps.
+        """Makes a step of dt (s). Returns its error in m/s (root mean square over the nodes).
 
-        Raises ComputationError where Newton's method fails, and restores the state before the step.
+        The error is None in the first two steps. Where Newton's method fails, restores the state before the step and
+        raises ComputationError.
         """
         problem = self.problem
         self._extrapolate(dt)
@@ -89,12 +96,12 @@ class Stepper:
         return error
 
     def _extrapolate(self, dt):
-        """Sets the formula's weights, and extrapolates the state by a parabola through the last three flows.
+        """Sets the weights of BDF2, and the state to a first guess: a parabola in time through the last three flows.
 
         With two flows it is a line, with one a constant.
         """
         problem, inertia = self.problem, self.inertia
-        at = -np.cumsum([0.0, *self.lengths])  # times of the values, from now
+        at = -np.cumsum([0.0, *self.lengths])  # times in s of the flows, from the last one
         values, count = self.values, len(self.values)
         if count == 1:
             weights = [1.0, -1.0]
@@ -111,9 +118,10 @@ class Stepper:
         problem.state.x.array[inlet] = problem.inflow * problem.boundaries.profile.x.array[inlet]
 
     def _error(self, gap, dt):
-        """Error of BDF2's step in m/s, from the gap between the new flow and the extrapolated parabola."""
+        """Error of a BDF2 step in m/s; gap (n,): the new flow minus the extrapolated parabola, over W."""
         one, two = self.lengths
-        # both miss a flow that is cubic in time, on opposite sides: by u''' dt (dt + one) / 6 times these factors
+        # BDF2 and the parabola miss a flow that is cubic in time on opposite sides, by u''' dt (dt + one) / 6 times
+        # these factors
         formula, parabola = dt * (one + dt) / (one + 2 * dt), dt + one + two
         velocity = gap[self.problem.space.v_map]
         return formula / (formula + parabola) * float(np.sqrt(3 * np.mean(velocity**2)))
@@ -121,7 +129,7 @@ class Stepper:
     def _solve(self):
         """Newton's method with the last factorization and Anderson acceleration; factorizes anew where that is slow.
 
-        Raises ComputationError where the residual stays above RELATIVE of the load.
+        Raises ComputationError where the residual stays above RELATIVE times the pressure load.
         """
         problem, renewals, slow, good = self.problem, 0, 0, RELATIVE * self.problem.load
         free, inlet, norm = problem.residual()
@@ -156,7 +164,7 @@ class Stepper:
         )
 
     def _serves(self):
-        """Whether the last factorization is of a step of about this length."""
+        """Whether there is a factorization, made for a step of about this length."""
         return self.factorized_weight is not None and LIKE[0] < self.inertia.weight / self.factorized_weight < LIKE[1]
 
     def _renew(self):

@@ -1,35 +1,42 @@
 """Newton's method with the error-oriented damping of Deuflhard (Newton Methods for Nonlinear Problems, 2004, NLEQ-ERR).
 
-After a step the same factorized tangent asks for a further correction. The step's factor is good if that correction is
-smaller than the one before. The residual would mislead: its largest parts lie in the small cells of a throat, and often
-have to rise on the way to a jet's steady flow. The corrections, in m/s at the nodes, need not rise. A step that halves
-the residual is taken anyway, as from a creeping flow, whose tangent knows no jet. The first factor tried in a step
-follows from how much the tangent changed over the step before (`_first_factor`).
+The tangent K at the state before a step gives the correction -K^-1 F there, F being the residual. A damped step adds
+this correction times a factor of at most 1. At the new state the same factorized K gives a further correction. The
+factor is good if this second correction is smaller. The residual would mislead: its largest parts lie in the small
+cells of a throat, and often have to rise on the way to a jet's steady flow. The corrections, in m/s at the nodes, need
+not rise. A step that halves the residual is accepted whatever its correction, as in a step from a creeping flow, whose
+tangent contains no jet. The first factor tried in a step follows from how much the tangent changed over the step before
+(`_first_factor`).
 
-Where a whole step leaves a much smaller correction, the solution is near. Then steps with the same factorization and
-Anderson acceleration (solvers.anderson) go on while the corrections shrink. Each costs a residual and a solve only.
+Where a step with factor 1 leaves a much smaller correction, the solution is near. Then steps with the same
+factorization and Anderson acceleration (solvers.anderson) follow while the corrections shrink. Each of them costs a
+residual and a solve, but no factorization.
 """
 
 import dataclasses
 
 import numpy as np
 
-GOOD_RESIDUAL = 0.5  # of the residual before: a step that reaches it is taken whatever its correction
-LEAST_FACTOR = 0.08  # of Newton's update: if only smaller factors are good, the state is too far from the solution
-FAR = 0.15  # two steps in a row with smaller factors: too far as well
-# Ratio of the corrections after and before a whole step. Below NEAR the factorization is used again, below NEARER it
-# also serves the error estimate (errors.error_field).
+GOOD_RESIDUAL = 0.5  # a step that reduces the residual below this share is accepted whatever its correction
+LEAST_FACTOR = 0.08  # smaller factors are not tried: the state is then too far from the solution
+FAR = 0.15  # Newton's method ends after two steps in a row with smaller factors
+# Ratio of the corrections after and before a step with factor 1. Below NEAR the factorization is used again. Below
+# NEARER it also serves the error estimate (errors.error_field).
 NEAR = 0.3
 NEARER = 0.1
-SHRINKS = 0.5  # a correction above this share of the one before asks for a new factorization
-MOST_ACCELERATED = 10  # steps with one factorization
-# Accelerated steps go on to this share of the limits: the Newton step that they replace would end as far below.
+SHRINKS = 0.5  # accelerated steps end at a correction larger than this share of the one before
+MOST_ACCELERATED = 10  # accelerated steps with one factorization
+# Accelerated steps end when the residual is below this share of its limits. A Newton step in their place would end as
+# far below the limits.
 MARGIN = 0.03
 
 
 @dataclasses.dataclass
 class Step:
-    """A damped step: sizes in m/s of the corrections before and after it, the correction after it, and its factor."""
+    """A damped step: the sizes `before` and `after` in m/s of the corrections before and after it, and its factor.
+
+    correction (n,) over the free dofs and inflow_correction in m3/s are the correction after the step.
+    """
 
     before: float
     after: float
@@ -39,11 +46,12 @@ class Step:
 
 
 def newton(problem, absolute, relative, limit, most_picard=0):
-    """Outcome of iterations from the present state to residuals `absolute` (N) and `relative` (over the load).
+    """Outcome of Newton's method from the present state of a FlowProblem.
 
-    Ends after `limit` factorizations (twice as many while whole steps are good), or when the settings allow no more. It
-    also ends where two factors in a row are below FAR. Where no factor is good, up to `most_picard` steps of Picard's
-    method are tried.
+    It has converged when the residual is below `absolute` in N and below `relative` times the pressure load. It ends
+    after `limit` factorizations (twice as many if the last factor was 1), or when the settings allow no more. It also
+    ends where two factors in a row are below FAR. Where no factor is good, a step of Picard's method is made instead,
+    at most `most_picard` times.
     """
     free, inlet, norm = problem.residual()
     start, last, factors = problem.solver.factorizations, None, []
@@ -85,7 +93,10 @@ def newton(problem, absolute, relative, limit, most_picard=0):
 
 
 def picard(problem, free, inlet):
-    """`problem.residual()` after one step of Picard's method; frees `free`."""
+    """Makes one step of Picard's method and returns `problem.residual()` after it.
+
+    free, inlet: residual before, as `problem.residual` returns it; the vector `free` is freed.
+    """
     base, base_inflow = problem.state.x.array.copy(), problem.inflow
     problem.linearise(problem.forms.picard)
     problem.move(base, base_inflow, *problem.correction(free, inlet), 1.0)
@@ -96,10 +107,11 @@ def picard(problem, free, inlet):
 
 
 def _go_on(problem, reached, moved, last, limits):
-    """`problem.residual()` after accelerated steps with the last factorization; frees the vector of `reached`.
+    """Makes accelerated steps with the last factorization and returns `problem.residual()` after them.
 
-    reached: `problem.residual()` after the Step `last`; moved: state and update before it; limits: of the residual.
-    A step that raises both residual and correction is taken back, and ends the iteration.
+    reached: `problem.residual()` after the Step `last`, whose vector is freed; moved: (state, update) before it;
+    limits: (absolute in N, over the pressure load) of the residual. A step that raises both residual and correction is
+    taken back, and ends the iteration.
     """
     acceleration = problem.acceleration()
     acceleration.step(*moved)
@@ -125,7 +137,10 @@ def _go_on(problem, reached, moved, last, limits):
 
 
 def _first_factor(problem, last, update):
-    """The factor to try first: the smaller, the more the tangent changed over the step `last` (None: 1)."""
+    """The factor to try first: the smaller, the more the tangent changed over the step before.
+
+    last: that Step; without one (None) the factor is 1. update (n,): the new correction.
+    """
     if last is None:
         return 1.0
     change = problem.speed(last.correction - update)
@@ -133,7 +148,11 @@ def _first_factor(problem, last, update):
 
 
 def _search(problem, residual_at, update, factor, norm_before):
-    """(Step, `residual_at` its factor), or (None, None) where no factor of at least LEAST_FACTOR is good."""
+    """(Step, `residual_at` its factor), or (None, None) where no factor of at least LEAST_FACTOR is good.
+
+    residual_at(factor): moves the state and gives `problem.residual()`; factor: the first one tried; norm_before: norm
+    in N of the residual before the step.
+    """
     before = problem.speed(update)
     factor = max(factor, LEAST_FACTOR)
     while factor >= LEAST_FACTOR:

@@ -1,12 +1,13 @@
 """The discrete flow problem with its boundaries, and the ways to its solution by Newton's method.
 
-Unknowns: the dofs x that no boundary fixes, the inflow Q (the inlet's velocity is Q g), the outlet pressures
-P_i (held at P_v + R_i Q_i, so their equations leave no residual). The inflow's equation is the momentum equation
-tested with g: F(w; g) = MAP, in Pa. Times the inlet's area, it enters the norm in N like the other residuals.
+Unknowns are the velocity and pressure dofs x that no boundary fixes, the inflow Q, and the outlet pressures P_i. The
+velocity at the inlet is Q g, with the profile g of physics.navier_stokes. The state always has P_i = P_v + R_i Q_i, so
+these equations leave no residual. The equation of the inflow is the momentum equation tested with g: F(w; g) = MAP, in
+Pa. Its residual times the inlet's area enters the norm in N, like the other residuals.
 
 In a single tube, and in a tree that loses little pressure, Newton's method first starts from the flow of the reduced
-models (solvers.predicted_start). If that fails in a single tube, the flow is raised in steps (solvers.ramp). The last
-way, in other trees the first, lowers an artificial viscosity (solvers.continuation).
+models (solvers.predicted_start). If that fails in a single tube, the flow is raised from rest in steps (solvers.ramp).
+If all this fails, and in other trees at once, an artificial viscosity is lowered step by step (solvers.continuation).
 """
 
 import dataclasses
@@ -21,12 +22,15 @@ from flow.discretisation import compat, flow_state, forms, tangent
 from flow.physics.units import M3_PER_S_PER_ML_PER_MIN
 from flow.solvers import anderson, continuation, linear, newton, predicted_start, ramp
 
-FROM_STATE = 6  # factorizations from the flow of another state; without convergence the usual way is taken then
+FROM_STATE = 6  # factorizations from the flow of another state, before the flow is sought in the usual way
 
 
 @dataclasses.dataclass
 class Outcome:
-    """What a solve did: whether it converged, iterations (factorizations), residual norms (N; over the load)."""
+    """Result of a solve: whether it converged, iterations (factorizations), and the norm of the residual.
+
+    residual_absolute in N; residual_relative over the pressure load (FlowProblem.load).
+    """
 
     converged: bool
     iterations: int
@@ -35,9 +39,11 @@ class Outcome:
 
 
 class FlowProblem(flow_state.FlowState):
-    """The discrete equations of one lumen: state w (Function on space.W) and inflow.
+    """The discrete equations of one lumen on a mesh, and the present flow: `state` (Function on space.W) and inflow.
 
-    spent: factorizations made on other meshes; they count against max_newton_iterations.
+    space: discretisation.spaces.LumenSpace, whose W is the mixed space of velocity and pressure; boundaries:
+    physics.outlets.Boundaries; document: of boundary.json; spent: factorizations made on other meshes, which count
+    against max_newton_iterations; log: stream for messages on progress.
     """
 
     def __init__(self, space, boundaries, document, settings, spent=0, log=None):
@@ -56,7 +62,7 @@ class FlowProblem(flow_state.FlowState):
         self.history = []
         self.bordered = None
         self.inertia = None  # solvers.marching.Inertia while the flow is marched in time
-        self.passed = []  # (eps, values, inflow) of the flows on the path; the last is the answer's
+        self.passed = []  # (eps, values, inflow) of the flows found by continuation, the answer last
 
     @property
     def left(self):
@@ -64,9 +70,9 @@ class FlowProblem(flow_state.FlowState):
         return self.allowed - self.spent - self.solver.factorizations
 
     def free_part(self, vector):
-        """New vector with the free dofs' values of `vector`, which is over W.
+        """New vector with the values of `vector` (over W) at the free dofs.
 
-        It copies the array: a vector of PETSc's getSubVector leaks, with its scatter, unless it is given back.
+        The values are copied. PETSc's getSubVector would leak memory unless its vector is given back.
         """
         part = self.free_vector()
         part.array[:] = vector.array_r[self.space.free]
@@ -77,7 +83,8 @@ class FlowProblem(flow_state.FlowState):
         return PETSc.Vec().createSeq(len(self.space.free), comm=PETSc.COMM_SELF)
 
     def residual(self):
-        """Residual at the present state: (vector of the free dofs, that of the inflow's equation in Pa, norm in N).
+        """Residual at the present state: (PETSc vector of the free dofs, residual of the inflow's equation in Pa, norm
+        of both in N).
 
         The inflow's equation says that the mean inlet pressure is MAP. Where the inflow is given as Q0, it is
         (Q / Q0 - 1) MAP = 0.
@@ -99,14 +106,16 @@ class FlowProblem(flow_state.FlowState):
         return free, inlet, norm
 
     def residual_norm(self):
-        """Norm of the residual in N; updates mean_inlet_pressure, in Pa, weighted with the profile."""
+        """Norm of the residual in N. Also sets mean_inlet_pressure in Pa, the mean weighted with the profile g."""
         free, _, norm = self.residual()
         free.destroy()
         return norm
 
     def linearise(self, form):
-        """Factorizes the matrix with the velocity block `form` (discretisation.forms) at the present state, for
-        `correction`. Raises ComputationError."""
+        """Factorizes the tangent at the present state, for `correction` and `responses`. Raises ComputationError.
+
+        form: its velocity block, `tangent` (Newton) or `picard` of discretisation.forms.
+        """
         if self.matrix is None:
             self.matrix = tangent.FreeMatrix(self.space, self.forms)
         self.matrix.assemble(form, self.inertia)
@@ -127,11 +136,14 @@ class FlowProblem(flow_state.FlowState):
         self.linearised_as = (form is self.forms.tangent, self.artificial)
 
     def outdate(self):
-        """Marks the last linearisation as of a state too far away for `responses`, which then factorizes anew."""
+        """Marks the last factorization as made at a state too far from the present one for `responses`.
+
+        `responses` then factorizes anew.
+        """
         self.linearised_as = None
 
     def forget(self):
-        """Frees the last linearisation."""
+        """Frees the vectors of the last linearisation, but not the factors."""
         if self.bordered:
             for part in (self.bordered.rows[0], self.bordered.columns[0], self.bordered):
                 part.destroy()
@@ -146,7 +158,7 @@ class FlowProblem(flow_state.FlowState):
         self.matrix = None
 
     def correction(self, residual, inlet):
-        """(update of the free dofs (n,), of the inflow in m3/s) by the last linearisation.
+        """(update of the free dofs (n,), update of the inflow in m3/s) by the last linearisation.
 
         residual, inlet: as `residual` returns them.
         """
@@ -158,11 +170,11 @@ class FlowProblem(flow_state.FlowState):
         return update, -float(y[0])
 
     def responses(self, loads):
-        """Values (n, k) over W of the solutions w of K w = load, for loads (n, k) over W.
+        """Solutions w (n, k) over W of K w = load, for loads (n, k) over W; K is Newton's tangent.
 
-        K is Newton's tangent. w is the change of the flow by the load, to first order, and a goal's derivative times w
-        the change of the goal. A last factorization of a state near by (solvers.newton) is used again. A given inflow
-        does not change. Raises ComputationError.
+        w is the change of the flow by the load, to first order. The derivative of a quantity such as FFR times w is the
+        change of that quantity. The last factorization is used again if it was made at a state near by
+        (solvers.newton). A given inflow does not change. Raises ComputationError.
         """
         if self.bordered is None or self.linearised_as != (True, self.artificial):
             self.linearise(self.forms.tangent)
@@ -182,32 +194,34 @@ class FlowProblem(flow_state.FlowState):
         return values
 
     def acceleration(self):
-        """Empty solvers.anderson.Acceleration of the free dofs and the inflow.
+        """New solvers.anderson.Acceleration for states of the free dofs and the inflow.
 
-        Its inner product weighs velocities (m/s) by 1, pressures by 1 / rho and the inflow by 0.
+        It weighs velocities (m/s) by 1, pressures (Pa) by 1 / rho, and the inflow by 0.
         """
         weights = np.where(self.free_velocity, 1.0, 1.0 / self.forms.density)
         return anderson.Acceleration(np.append(weights, 0.0))
 
     def small(self, norm, absolute, relative):
-        """Whether the residual `norm` (N) meets both limits: absolute in N, relative over the pressure load."""
+        """Whether the residual `norm` (N) meets both limits: `absolute` in N, `relative` times the pressure load."""
         return norm <= absolute and norm <= relative * self.load
 
     def outcome(self, norm, absolute, relative, iterations):
-        """Outcome that says whether `norm` meets the limits."""
+        """Outcome for a residual `norm` in N; it has converged if `small` says so. iterations: factorizations."""
         return Outcome(self.small(norm, absolute, relative), iterations, norm, norm / self.load)
 
     def report(self, norm, kind):
+        """Notes the residual `norm` (N) in `history`, and prints it with the words `kind` on the step."""
         self.history.append(norm)
         flow = self.inflow / M3_PER_S_PER_ML_PER_MIN
         print(f"  residual {norm:.3e} N, {kind}, inflow {flow:.2f} mL/min", file=self.log, flush=True)
 
     def solve(self, resistances_at, predicted, begin_only=False):
-        """Outcome at full flow: from the flow that a reduced model predicts, if it is near enough, or else from rest.
+        """Outcome at full flow: from the flow of the reduced models, if it is near enough, or else from rest.
 
-        resistances_at(fraction) -> (n,) outlet resistances; predicted: reduced.coupled.Predictor. begin_only: a finer
-        mesh follows; a single tube then tries the predicted flow alone, a tree ends as continuation.from_rest says.
-        Raises ComputationError when no flow with eps <= continuation.LARGEST is found.
+        resistances_at(fraction) -> (n,) outlet resistances in Pa s/m3, as solvers.ramp needs them; predicted:
+        reduced.coupled.Predictor. begin_only: a finer mesh follows. A single tube then tries the reduced models' flow
+        alone, and in a tree continuation ends early (continuation.from_rest). Raises ComputationError when no flow with
+        eps <= continuation.LARGEST is found.
         """
         found = predicted_start.try_from(self, predicted)
         if found and found.converged:
@@ -226,8 +240,8 @@ class FlowProblem(flow_state.FlowState):
     def solve_from_guess(self, coarse, whole=False):
         """Outcome at full flow from the flow on another mesh of the same lumen, `coarse` (a solved FlowProblem).
 
-        whole: also lowers eps further; where no flow is found, returns to rest and gives None. Otherwise raises
-        ComputationError there.
+        whole: eps is lowered further even if that mesh did not reach 0. If no flow is found, the state is set to rest
+        and the result is None. Without `whole`, ComputationError is raised if no flow is found.
         """
         try:
             return continuation.from_guess(self, coarse, whole)
@@ -255,7 +269,10 @@ class FlowProblem(flow_state.FlowState):
         return found
 
     def stalled(self, found):
-        """ComputationError with the eps and residual (of Outcome `found`, else of the state) where solving ended."""
+        """ComputationError with the eps and the residual at which the solve ended.
+
+        found: Outcome of the last attempt, or None; then the residual is that of the present state.
+        """
         norm = found.residual_absolute if found else self.residual_norm()
         return ComputationError(
             "the flow solver stalled",

@@ -1,9 +1,9 @@
 """From rest to the full flow by Newton's method, at a few increasing fractions of the flow.
 
-At each of FRACTIONS the outlet resistances let the reduced models carry that fraction of their flow. On a mesh that
-resolves the jet's shear layer (meshing.sweep), this finds the flow in a straight tube in some ten factorizations. At Re
-1,500 solvers.continuation does not find it. In trees, and where a fraction fails, continuation takes fewer
-factorizations.
+At each of FRACTIONS the outlet resistances are raised so that the reduced models carry that fraction of their flow. On
+a mesh that resolves the jet's shear layer (meshing.sweep), this finds the flow in a straight tube in some ten
+factorizations. At Re 1,500 solvers.continuation does not find this flow. In trees, and where a fraction fails,
+continuation takes fewer factorizations.
 """
 
 import numpy as np
@@ -11,15 +11,16 @@ import numpy as np
 from flow.solvers import newton
 
 FRACTIONS = (0.1, 0.2, 0.35, 0.6, 1.0)
-HARD, HARD_AT_LAST = 4, 8  # factorizations at one fraction and at the last, after which the ramp is given up
+# Most factorizations at a fraction below 1, and at the full flow. If they do not suffice, the ramp is given up.
+HARD, HARD_AT_LAST = 4, 8
 MOST_PICARD = 1  # steps of Picard's method at one fraction
-ON_THE_WAY = 5e-2  # residual at which a fraction below 1 is left, over its residual at the start
+ON_THE_WAY = 5e-2  # at a fraction below 1, Newton's method ends when the residual has fallen to this share
 
 
 def climb(problem, resistances_at):
     """Outcome at the full flow, or at the first fraction where Newton's method fails.
 
-    resistances_at(fraction) -> (n,) outlet resistances in Pa s/m3.
+    problem: nonlinear.FlowProblem; resistances_at(fraction) -> (n,) outlet resistances in Pa s/m3.
     """
     settings, before = problem.settings, None
     problem.forms.artificial.value = 0.0

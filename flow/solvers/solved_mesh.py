@@ -1,4 +1,4 @@
-"""The flow on one mesh: how it is found, and the record of it that later steps read."""
+"""The flow on one mesh: how it is found, and the object with its results that later steps read."""
 
 import sys
 
@@ -9,17 +9,19 @@ from flow.physics import ffr, outlets
 from flow.physics.units import M_PER_MM
 from flow.solvers import nonlinear
 
-# Effort on a mesh. BEGUN: finer meshes follow, so a large eps may be left. WHOLE: every way is tried. NEAR: only from
-# the flow on the mesh before, which can answer itself.
+# Effort on a mesh, eps being the factor of the artificial viscosity (solvers.continuation). BEGUN: finer meshes follow,
+# so continuation may end at a large eps. WHOLE: every way to a flow is tried, with eps as small as possible. NEAR: the
+# flow on the mesh before is the only start, since that mesh can answer if this one finds no flow.
 BEGUN, WHOLE, NEAR = "begun", "whole", "near"
-# Status of an answer. With eps > 0 left it is the steady flow of a modified model.
+# Status of an answer. ARTIFICIAL: an eps > 0 is left, so it is the steady flow of a modified model.
 CONVERGED, ARTIFICIAL = STATUSES = ("converged", "converged with artificial viscosity")
 
 
 class Solved:
-    """One mesh with its flow: FlowProblem and its Outcome, error estimate.
+    """One mesh with its flow.
 
-    names, outflows in m3/s, pressures in Pa: of the outlets, in the mesh's order; inflow in m3/s.
+    problem: nonlinear.FlowProblem; outcome: nonlinear.Outcome; estimate: errors.error_estimate.of, set later; sampler:
+    locate.FieldSampler. names, outflows in m3/s, pressures in Pa: of the outlets, in the mesh's order; inflow in m3/s.
     """
 
     model = "3D Navier-Stokes, Taylor-Hood P2-P1 on quadratic tetrahedra"
@@ -39,16 +41,18 @@ class Solved:
         return ARTIFICIAL if self.problem.artificial > 0 else CONVERGED
 
     def destroy(self):
+        """Frees PETSc's memory."""
         self.problem.destroy()
         self.boundaries.destroy()
 
 
 def solve_mesh(path, document, settings, tree, predicted, before=None, spent=0, effort=WHOLE, start=None):
-    """Solved from a mesh file. The first guess is the flow of `start`, else of `before`, else of `predicted`.
+    """Solves the flow on the mesh file `path`, from `start`, else from `before`, else from `predicted`. Returns Solved.
 
-    start: inputs.solution.Start, of another state; before: Solved on another mesh; predicted: coupled.Predictor.
-    spent: factorizations made on other meshes; effort: BEGUN, WHOLE or NEAR. Raises ComputationError where no flow is
-    found, and InputError where mesh, centreline and boundary values do not belong together.
+    document: of boundary.json; tree: geometry.centreline.Tree without extensions; start: inputs.solution.Start, the
+    flow of another state of the vessel; before: Solved on another mesh; predicted: reduced.coupled.Predictor; spent:
+    factorizations made on other meshes; effort: BEGUN, WHOLE or NEAR. Raises ComputationError where no flow is found,
+    and InputError where mesh, centreline and boundary values do not belong together.
     """
     space = spaces.read(path)
     ffr.check_inside(document["probes"], tree, space)

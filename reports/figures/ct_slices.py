@@ -12,7 +12,7 @@ from reports.inputs.reading import existing, read_polydata
 
 HALF_MM, PIXEL_MM = 5.0, 0.05
 WINDOW_HU = (-200.0, 800.0)
-PLACES = ("Proximal end", "Tightest place before", "Distal end")  # of the treated segment and its margins
+PLACES = ("Proximal end", "Tightest place before", "Distal end")  # in the treated segment with its margins
 # state of the image -> states whose lumens are drawn on it: the true lumen, and the lumen found in the image
 IMAGES = {"pre": ("pre", "ct_pre"), "reference": ("reference", "ct")}
 FOUND = ("ct_pre", "ct")
@@ -26,7 +26,7 @@ def ct_figure(files, metrics, folder):
     """
     before = metrics["states"]["pre"]["area"]["profile_mm2"]
     stations = dict(zip(PLACES, (0, int(np.argmin(before)), len(before) - 1)))
-    with plt.rc_context({"figure.constrained_layout.use": False}):  # it would leave wide gaps between equal images
+    with plt.rc_context({"figure.constrained_layout.use": False}):  # that layout would leave wide gaps between images
         figure, grid = plt.subplots(len(IMAGES), len(PLACES), figsize=(7.5, 5.6), squeeze=False)
     figure.subplots_adjust(left=0.04, right=0.99, bottom=0.09, top=0.95, wspace=0.03, hspace=0.03)
     for row, (image, states) in zip(grid, IMAGES.items()):
@@ -46,7 +46,10 @@ def ct_figure(files, metrics, folder):
 
 
 def read_volume(path):
-    """(values (nx, ny, nz) in HU, centre of the first voxel (3,), spacing (3,)) of a volume; mm, the lumen's frame."""
+    """(values (nx, ny, nz) in HU, centre of the first voxel (3,), spacing (3,)) of a CT volume.
+
+    Centre and spacing are in mm, in the coordinates of the lumen.
+    """
     reader = vtk.vtkNIFTIImageReader()
     reader.SetFileName(str(existing(path, "data_synthetic phantom")))
     reader.Update()
@@ -56,7 +59,7 @@ def read_volume(path):
 
 
 def plane_at(line, s_mm):
-    """(centre (3,), axes (2, 3) of the plane) of the section across a line at an arc length."""
+    """The plane across a Polyline at arc length s_mm: (its centre (3,) in mm, two unit vectors (2, 3) in it)."""
     centre, ahead = line.at(s_mm), line.at(s_mm + 1.0) - line.at(s_mm - 1.0)
     ahead /= np.linalg.norm(ahead)
     first = np.cross(ahead, np.eye(3)[np.abs(ahead).argmin()])
@@ -65,7 +68,7 @@ def plane_at(line, s_mm):
 
 
 def show_slice(axes, values, origin, spacing, centre, across):
-    """Draws the volume on the plane, in grey."""
+    """Draws the CT in grey on a square of side 2 HALF_MM round `centre`. across (2, 3): unit vectors of its plane."""
     at = np.arange(-HALF_MM, HALF_MM + 0.5 * PIXEL_MM, PIXEL_MM)
     points = centre + at[None, :, None] * across[0] + at[:, None, None] * across[1]
     where = np.moveaxis((points - origin) / spacing, -1, 0)
@@ -77,7 +80,10 @@ def show_slice(axes, values, origin, spacing, centre, across):
 
 
 def outline(axes, lumen, centre, across, state):
-    """Draws the cut of a lumen file with the plane, and the plaque's outer edge if the file has plaque."""
+    """Draws the outline of a lumen file in the plane and, for state `pre`, the plaque's outer edge if it has one.
+
+    centre (3,) and across (2, 3): point and unit vectors of the plane. Of several outlines the nearest is drawn.
+    """
     surface = read_polydata(lumen, "anatomy")
     plane = vtk.vtkPlane()
     plane.SetOrigin(*centre)

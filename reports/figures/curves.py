@@ -10,14 +10,15 @@ from reports.measuring.measured import FFR_THRESHOLD
 from reports.measuring.profiles import read_pullback, read_pullback_error
 
 SIZE = (6.6, 3.6)  # inches
-WIRE = (("ffr_pre", "before PCI", "none"), ("ffr_post", "after PCI", COLOURS["measured"]))  # marks
-BAND = 0.25  # opacity of an error's band
+# the wire's readings: key in metrics.json, words, fill colour of the mark
+WIRE = (("ffr_pre", "before PCI", "none"), ("ffr_post", "after PCI", COLOURS["measured"]))
+BAND = 0.25  # opacity of the band of estimated error round a curve
 HEADROOM = 0.12  # room above the curves for the name of the shaded segment, as a share of the height below
-LEGEND_ROW, LEGEND_MARGIN = 0.18, 0.12  # inches
+LEGEND_ROW, LEGEND_MARGIN = 0.18, 0.12  # inches: height of a row of the legend, and of the space round it
 
 
 def pullback_figure(files, metrics, folder):
-    """FFR of all states from the inlet to the end of the stented branch.
+    """Writes <case>_pullback.{svg,png}: FFR of all states from the inlet to the end of the stented branch.
 
     Each curve has a band of its estimated error. Marks show FFR measured by a pressure wire in this branch.
     """
@@ -43,7 +44,10 @@ def pullback_figure(files, metrics, folder):
 
 
 def draw_wire(axes, metrics):
-    """Draws the pressure wire's FFR as marks, open before and full after the procedure; returns the lowest, or 1."""
+    """Draws the pressure wire's FFR as marks, open before and full after the procedure.
+
+    Returns the lowest reading, or 1 if the wire was not in the stented branch.
+    """
     measured = metrics.get("measured")
     if not measured or measured["branch"] != metrics["segment"]["branch"]:
         return 1.0
@@ -63,7 +67,7 @@ def legend_below(figure):
 
 
 def shade_segment(axes, segment):
-    """Marks the treated segment (without its margins)."""
+    """Shades the treated segment without its margins. segment: the entry `segment` of metrics.json."""
     margin = segment["margin_mm"]
     axes.axvspan(segment["s_start_mm"] + margin, segment["s_end_mm"] - margin, color=SEGMENT_COLOUR, zorder=0)
     middle = 0.5 * (segment["s_start_mm"] + segment["s_end_mm"])
@@ -72,9 +76,10 @@ def shade_segment(axes, segment):
 
 
 def segment_figure(metrics, folder, name, title, label, profile, mean):
-    """One quantity of all states along the segment, at equal relative position; the means are in the legend.
+    """Writes <case>_<name>.{svg,png}: one quantity along the segment in all states, with the means in the legend.
 
-    profile, mean: functions of a state's entry in metrics.json; mean returns a text.
+    States are drawn at equal relative position. profile, mean: functions of a state's entry in metrics.json, which
+    return the values at the stations and the mean as a text.
     """
     figure, axes = plt.subplots(figsize=SIZE)
     length = metrics["segment"]["s_end_mm"] - metrics["segment"]["s_start_mm"]
@@ -92,7 +97,7 @@ def segment_figure(metrics, folder, name, title, label, profile, mean):
 
 
 def area_figure(metrics, folder):
-    """Cross-sectional area along the segment."""
+    """Writes <case>_area.{svg,png}: cross-sectional area along the segment."""
     segment_figure(
         metrics,
         folder,
@@ -105,7 +110,7 @@ def area_figure(metrics, folder):
 
 
 def curvature_figure(metrics, folder):
-    """Curvature of the centreline along the segment."""
+    """Writes <case>_curvature.{svg,png}: curvature of the centreline along the segment."""
     segment_figure(
         metrics,
         folder,

@@ -12,7 +12,7 @@ PANELS = (
 )
 GRID = np.linspace(0.0, 1.0, 101)  # relative positions at which patients are averaged
 FEWEST_FOR_BAND = 3
-ROW_HEIGHT, LEGEND_ROW, LEGEND_MARGIN = 3.0, 0.2, 0.2  # inches
+ROW_HEIGHT, LEGEND_ROW, LEGEND_MARGIN = 3.0, 0.2, 0.2  # inches: heights of a row of panels, of the legend's parts
 
 
 def differences_figure(documents, folder):
@@ -37,7 +37,10 @@ def differences_figure(documents, folder):
 
 
 def draw_differences(axes, documents, a, b, column):
-    """One line a patient, and a thick line for their mean. For three or more, also a band of one standard deviation."""
+    """Draws one thin line for each patient and a thick one for their mean: state a minus state b.
+
+    For three or more patients a band shows one standard deviation to either side of the mean.
+    """
     curves = []
     for document in documents:
         if {a, b} <= set(document["states"]):

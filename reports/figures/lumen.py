@@ -13,9 +13,9 @@ from reports.measuring.profiles import PULLBACK_NUMBERS
 from reports.inputs.surface import read_device, read_lumen
 
 MOST_TRIANGLES = 9000
-LIGHT = np.array([0.35, 0.45, 0.82]) / np.linalg.norm([0.35, 0.45, 0.82])  # over the viewer's shoulder
-AMBIENT = 0.35
-FAR_WALL, NEAR_WALL = 1.0, 0.30  # opacity: struts are visible through the near wall
+LIGHT = np.array([0.35, 0.45, 0.82]) / np.linalg.norm([0.35, 0.45, 0.82])  # towards the light, in the view's axes
+AMBIENT = 0.35  # brightness of a triangle that no light falls on
+FAR_WALL, NEAR_WALL = 1.0, 0.30  # opacity of the wall; struts are visible through the near wall
 COLOUR_MAP = "viridis"
 UNKNOWN = (0.75, 0.75, 0.75, 1.0)  # colour of a lumen without FFR
 FIGURE_WIDTH = 10.0  # inches
@@ -23,7 +23,10 @@ SCALE_BAR_MM = 10.0
 
 
 def lumen_figure(files, metrics, folder):
-    """One panel a state, same view and scale: the lumen coloured by FFR, the devices inside the predicted one."""
+    """Writes <case>_lumen.{svg,png}: one panel for each state, all in the same view and scale.
+
+    Each lumen is coloured by FFR. The lumen after virtual PCI also shows the stents.
+    """
     states = pictured(metrics["states"])
     surfaces = {state: read_lumen(files.lumen(state), MOST_TRIANGLES) for state in states}
     values = {state: nearest_ffr(files, state, surfaces[state].points) for state in states if files.has_flow(state)}
@@ -51,7 +54,10 @@ def lumen_figure(files, metrics, folder):
 
 
 def panel_grid(count, aspect):
-    """Rows, columns and size (inches) of `count` panels of width / height `aspect`: near 16:9, without gaps."""
+    """(rows, columns, figure size in inches) for `count` panels. aspect: width / height of a panel.
+
+    The figure is near 16:9 and has few empty places.
+    """
     best = None
     for columns in range(1, count + 1):
         rows = -(-count // columns)
@@ -63,7 +69,7 @@ def panel_grid(count, aspect):
 
 
 def nearest_ffr(files, state, points):
-    """FFR of the nearest place on any branch's pull-back, for points (n, 3)."""
+    """FFR (n,) at points (n, 3) in mm of a state's lumen, from the nearest place of any branch's pull-back."""
     table = read_table(files.flow(state) / "pullback.csv", PULLBACK_NUMBERS, ("branch",), "flow solve")
     _, nearest = cKDTree(table[["x_mm", "y_mm", "z_mm"]].to_numpy()).query(points)
     return table["ffr"].to_numpy()[nearest]
@@ -80,7 +86,7 @@ def view_axes(points):
     for axis in axes3[:2]:
         skewness = np.sum((centred @ axis) ** 3)
         largest = axis[np.abs(axis).argmax()]
-        # in a symmetric vessel there is no skewness to fix the sign
+        # A symmetric vessel has no skewness. Then the axis' largest component fixes the sign.
         if (skewness if abs(skewness) > 1e-6 * np.sum(np.abs(centred @ axis) ** 3) else largest) < 0:
             axis *= -1.0
     axes3[2] = np.cross(axes3[0], axes3[1])
@@ -88,7 +94,10 @@ def view_axes(points):
 
 
 def draw_lumen(axes, surface, values, scale, axes3, devices):
-    """Far wall, devices and see-through near wall, each painted from back to front; without values (FFR) in grey."""
+    """Draws the far wall, the devices and the see-through near wall, each from back to front.
+
+    values (n,): FFR at the surface's points; without them the wall is grey. axes3 (3, 3): see view_axes.
+    """
     colours = np.full((len(surface.triangles), 4), UNKNOWN)
     if values is not None:
         colours = plt.get_cmap(COLOUR_MAP)(scale(values[surface.triangles].mean(1)))
@@ -102,7 +111,10 @@ def draw_lumen(axes, surface, values, scale, axes3, devices):
 
 
 def paint_order(surface, axes3):
-    """Corners (m, 3, 2) on the page, depth, shade and side of the triangles of a Surface seen along axes3[2]."""
+    """{corners (m, 3, 2), depth (m,), shade (m,), near (m,)} of the triangles of a Surface, seen along axes3[2].
+
+    corners and depth are in mm, in the axes of the view. shade: brightness. near: whether it faces the viewer.
+    """
     corners = (surface.points @ axes3.T)[surface.triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
@@ -111,20 +123,23 @@ def paint_order(surface, axes3):
 
 
 def add_triangles(axes, seen, mask, colours, opacity):
-    """Adds the masked triangles, furthest first. The SVG has them as pixels: thousands of shapes would be huge."""
+    """Draws the triangles of `mask` (m,), furthest first. seen: from paint_order; colours: (m, 4).
+
+    In the SVG they are pixels, since thousands of shapes would make a huge file.
+    """
     rows = np.flatnonzero(mask)
     rows = rows[np.argsort(seen["depth"][rows], kind="stable")]
     faces = colours[rows].copy()
     faces[:, :3] *= seen["shade"][rows, None]
     faces[:, 3] = opacity
-    edges = faces if opacity == 1.0 else "none"  # edges close the hairlines between opaque triangles
+    edges = faces if opacity == 1.0 else "none"  # edges close the thin gaps between opaque triangles
     axes.add_collection(
         PolyCollection(seen["corners"][rows], facecolors=faces, edgecolors=edges, linewidths=0.3, rasterized=True)
     )
 
 
 def draw_scale_bar(axes, low):
-    """A bar of 10 mm in the lower left corner."""
+    """Draws a bar of SCALE_BAR_MM in the lower left corner `low` (x, y) of a view, in mm."""
     axes.plot([low[0], low[0] + SCALE_BAR_MM], [low[1] + 0.3] * 2, color="#333333", linewidth=2, solid_capstyle="butt")
     axes.annotate(f"{SCALE_BAR_MM:g} mm", (low[0] + SCALE_BAR_MM, low[1] + 0.3), (4, 0), textcoords="offset points")
     axes.texts[-1].set(va="center", fontsize=8.5, color="#333333")

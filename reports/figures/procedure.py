@@ -21,9 +21,9 @@ TITLE = 0.32  # inches, height of a row's title
 
 
 def procedure_figure(case, deployment, frames, folder):
-    """Writes <case>_procedure.{svg,png}, and returns their paths: a row a step, a column a stage, all in one view.
+    """Writes <case>_procedure.{svg,png} and returns their paths. Rows are steps, columns stages, all in one view.
 
-    deployment: deployment.json. frames: the folder of `vci deploy --frames`, one frame for each of its stages.
+    deployment: deployment.json. frames: the folder of `vci deploy --frames`, with one frame for each stage.
     """
     stages = read_json(deployment, "vci deploy")["stages"]
     shown = [frame(frames, number) for number in range(len(stages))]
@@ -37,7 +37,7 @@ def procedure_figure(case, deployment, frames, folder):
     for axes in grid.ravel():
         axes.set_axis_off()
     places = place_of(stages)
-    # stents come first among the devices; in the last stage, after the balloon is removed, only stents are left
+    # Stents come first among a frame's devices. In a step's last stage the balloon is removed, so only stents are left.
     stents = {line: len(devices) for (_, devices), (line, _) in zip(shown, places)}
     for (lumen, devices), stage, (line, first) in zip(shown, stages, places):
         axes = grid[line, list(STAGES).index(stage["stage"])]
@@ -79,7 +79,10 @@ def window(points):
 
 
 def place_of(stages):
-    """[(row, first)] for each stage. A row begins with a step; `first` says whether the stage begins one."""
+    """[(row, first)] of the stages: the figure's row of each, and whether it is the first stage of its step.
+
+    Each step has a row of its own, numbered from 0.
+    """
     line, found = -1, []
     for number, stage in enumerate(stages):
         begins = number == 0 or stage["stage"] == next(iter(STAGES))
@@ -89,5 +92,5 @@ def place_of(stages):
 
 
 def steps_of(stages):
-    """The names of the steps, a row each."""
+    """The names of the steps, one for each row of the figure."""
     return [stage["step"] for stage, (_, begins) in zip(stages, place_of(stages)) if begins]

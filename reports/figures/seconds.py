@@ -1,4 +1,4 @@
-"""Figure of the seconds of the virtual procedure: boxes by stage, by step and in all, beside the published means."""
+"""Figure of the seconds of the virtual procedure: box plots by stage, by step and in all, with the published means."""
 
 import matplotlib.pyplot as plt
 
@@ -11,7 +11,7 @@ PUBLISHED_COLOUR = "#8a8a8a"
 
 
 def seconds_figure(timings, folder):
-    """Writes seconds.{svg,png} from the DataFrame of timings.csv; nothing if no procedure was simulated."""
+    """Writes seconds.{svg,png} from the DataFrame of timings.csv. Writes nothing if no procedure was simulated."""
     stages = stage_seconds(timings)
     if stages.empty:
         return

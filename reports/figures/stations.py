@@ -1,4 +1,4 @@
-"""Figure of the sections at which states are compared: the vessel before and after, with stations."""
+"""Figure of the stations, the cross-sections at which states are compared, on the vessel before and after PCI."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -13,12 +13,12 @@ SHOWN = 10  # about this many stations are drawn, evenly spaced along the segmen
 MOST_TRIANGLES = 6000
 MARGIN_MM, LABEL_MM = 4.0, 0.9  # vessel shown beyond the segment; from a section's end to its label
 WIDTH, MOST_HEIGHT = 7.6, 3.6  # inches: of the figure, of a panel
-STEP_MM = 0.5  # to either side of a station, for the axis' direction there
-OVER = 1.25  # length of a section's line over the lumen's diameter
+STEP_MM = 0.5  # distance to either side of a station at which the axis' direction is measured
+OVER = 1.25  # length of a section's line as a multiple of the lumen's diameter
 
 
 def stations_figure(files, metrics, folder):
-    """Writes <case>_stations.{svg,png}: a panel a state, each station with its distance and area."""
+    """Writes <case>_stations.{svg,png}: a panel for each state, in which stations have their distance and area."""
     states = [state for state in STATES if state in metrics["states"]]
     chosen = np.unique(np.linspace(0, metrics["stations"]["used"] - 1, SHOWN + 1).round().astype(int))
     marks = {state: sections(files, metrics, state, chosen) for state in states}
@@ -37,7 +37,10 @@ def stations_figure(files, metrics, folder):
 
 
 def sections(files, metrics, state, chosen):
-    """{points (n, 3), tangents (n, 3), area_mm2 (n,), distance_mm (n,)} of the chosen stations on a state's axis."""
+    """{points (n, 3), tangents (n, 3), area_mm2 (n,), distance_mm (n,)} of some stations on a state's axis.
+
+    chosen (n,): indices of the stations. distance_mm: from the proximal end of the segment, on the vessel before PCI.
+    """
     line = read_centreline(files.anatomy(state) / "centreline.vtp", metrics["segment"]["branch"])
     entry, segment = metrics["states"][state], metrics["segment"]
     s = np.array(entry["s_mm"])[chosen]
@@ -51,7 +54,10 @@ def sections(files, metrics, state, chosen):
 
 
 def draw_sections(axes, marks, axes3, colour):
-    """A line across the vessel at each station; beside it the distance along the segment and the area."""
+    """Draws a line across the vessel at each station; beside it the distance along the segment and the area.
+
+    marks: from `sections`. axes3 (3, 3): the axes of the view.
+    """
     points, tangents = marks["points"] @ axes3.T, marks["tangents"] @ axes3.T
     across = np.stack([-tangents[:, 1], tangents[:, 0]], axis=1)
     across /= np.linalg.norm(across, axis=1, keepdims=True)

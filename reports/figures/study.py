@@ -31,15 +31,15 @@ MARKERS = {
     "post": "P",
 }
 BEFORE = {"pre": "v"}
-ROW_HEIGHT, LEGEND_ROW, LEGEND_MARGIN = 3.0, 0.2, 0.2  # inches
+ROW_HEIGHT, LEGEND_ROW, LEGEND_MARGIN = 3.0, 0.2, 0.2  # inches: heights of a row of panels, of the legend's parts
 PUBLISHED_COLOUR = "#b9b9b9"
 
 
 def study_figures(documents, folder):
     """Writes agreement.{svg,png}, differences.{svg,png} and ffr_before_after.{svg,png}.
 
-    The first needs a case with a reference, a lumen after PCI or a measured FFR; the second a case whose prediction is
-    compared with a lumen. These two show the included patients (`analysed`), the third all.
+    agreement needs a case with a reference, a lumen after PCI or a measured FFR. differences needs a case in which a
+    prediction is compared with a lumen after PCI. These two show the included patients (`analysed`), the third all.
     """
     known = [one for one in documents if one.get("measured") or set(TRUTHS) & set(one["states"])]
     if known:
@@ -51,7 +51,7 @@ def study_figures(documents, folder):
 
 
 def agreement_figure(documents, folder):
-    """Bland-Altman plots of FFR, mean and smallest area and mean curvature, with a row for each kind of error.
+    """Writes agreement.{svg,png}: Bland-Altman plots of FFR, areas and curvature, with a row for each kind of error.
 
     The published agreement is of the kind `clinical` and is drawn in that row.
     """
@@ -82,7 +82,10 @@ def agreement_figure(documents, folder):
 
 
 def best(kind):
-    """The quantity that all cases with a kind of error have: a wire measures FFR only, and a lumen may have no flow."""
+    """The quantity that all cases with this kind of error have.
+
+    A pressure wire measures FFR only. A lumen always has an area, but it may have no flow.
+    """
     return "ffr" if kind == "measured" else "mean_area"
 
 
@@ -92,7 +95,7 @@ def has_pairs(documents, quantity, pairs):
 
 
 def agreement_panel(axes, documents, quantity, pairs, with_published):
-    """Differences of one quantity against the mean of both, for the pairs of states (a, b)."""
+    """Bland-Altman plot of one quantity: a - b against the mean of both, for each pair of states (a, b)."""
     source = published()["quantities"].get(quantity) if with_published else None
     if source:
         axes.axhspan(source["loa_lower"], source["loa_upper"], color=PUBLISHED_COLOUR, alpha=0.22, linewidth=0)
@@ -111,7 +114,10 @@ def agreement_panel(axes, documents, quantity, pairs, with_published):
 
 
 def draw_pairs(axes, state, other, a, b):
-    """Points of one comparison, with its bias (solid) and limits of agreement (dashed)."""
+    """Draws the points of one comparison, with its bias (solid) and limits of agreement (dashed).
+
+    a, b: values (n,) of the patients in `state` and in `other`.
+    """
     result, colour = bland_altman(a, b), COLOURS[state]
     label = f"{LABELS[state]} - {LABELS[other]} (n = {result.n})"
     axes.plot(0.5 * (a + b), a - b, {**MARKERS, **BEFORE}[state], color=colour, markersize=6, alpha=0.85, label=label)
@@ -122,7 +128,7 @@ def draw_pairs(axes, state, other, a, b):
 
 
 def ffr_figure(documents, folder):
-    """FFR after PCI, predicted, reference and in the reference's CT, against FFR before it."""
+    """Writes ffr_before_after.{svg,png}: FFR of each state after PCI against FFR before PCI, a mark for each case."""
     figure, axes = plt.subplots(figsize=(4.6, 4.2))
     lowest = 0.78
     for state, marker in MARKERS.items():

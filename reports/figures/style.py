@@ -92,7 +92,7 @@ matplotlib.rcParams.update(
 
 
 def draw_state(axes, state, x, y):
-    """A state's curve in its colour and line style."""
+    """Draws a state's curve y over x in the state's colour and line style, with its label."""
     axes.plot(x, y, color=COLOURS[state], linestyle=DASHES[state], label=LABELS[state])
 
 

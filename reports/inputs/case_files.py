@@ -13,11 +13,14 @@ STATES = ("pre", "vci", "rc", "rc_stent", "reference", "ct", "ct_vci", "ct_rc", 
 PREDICTED_FROM_CT = ("ct_vci", "ct_rc")
 FROM_CT = ("ct", *PREDICTED_FROM_CT)
 TRUTHS = ("reference", "post")  # true lumens after PCI; of a case with both the first counts
-ARMS = ("half_maximum",)  # further segmentations of the CT volumes; each has a folder in the case's
+ARMS = ("half_maximum",)  # further segmentations of the CT volumes; each has a folder in the case's folder
 
 
 def pictured(states):
-    """The states that are shown in three dimensions. Predictions from CT are left out: they look like the others."""
+    """Those of `states` that are shown in 3D.
+
+    Predictions from CT are left out, since they look like the other predictions.
+    """
     return [state for state in states if state not in PREDICTED_FROM_CT]
 
 
@@ -95,7 +98,10 @@ class CaseFiles:
         return self.folder / "post" / "registration.json"
 
     def has_flow(self, state):
-        """Whether a state has a flow. `post` has none if only areas are compared; an arm's lumens never have one."""
+        """Whether the 3D flow of a state was solved. For `post` it was not if only areas are compared.
+
+        For the lumens of an arm it never is.
+        """
         if self.arm and state in FROM_CT:
             return False
         if state != "post":
@@ -103,7 +109,10 @@ class CaseFiles:
         return entry(read_json(self.registration, "anatomy register"), "compare", self.registration) == "flow"
 
     def network_answer(self, state):
-        """FFR of an arm's lumen and its error by the calibrated network, in place of ffr.json; None without one."""
+        """FFR of an arm's lumen by the calibrated 1D network, with its error, in the form of ffr.json.
+
+        None without an arm, for a state whose lumen does not depend on the arm, or if the network was not solved.
+        """
         path = self.folder / self.arm / "ffr.json"
         if not self.arm or state not in FROM_CT or not path.exists():
             return None
@@ -112,7 +121,7 @@ class CaseFiles:
         return {"ffr": ffr, "model": entry(document, "model", path), "error_estimate": {"ffr": error}}
 
     def struts(self):
-        """The struts of the stents after deployment, in the order of their names; balloons leave the vessel."""
+        """Files of the stents' struts after deployment, sorted by name. Balloons have none: they leave the vessel."""
         return sorted((self.folder / "vci" / "devices").glob("*_struts.vtp"))
 
     def states(self):

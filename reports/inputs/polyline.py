@@ -13,7 +13,7 @@ from reports.inputs.reading import array_of, read_polydata
 class Polyline:
     """Points (n, 3) in mm with increasing arc length s_mm (n,); `source` is the file, for messages.
 
-    surveyed_per_mm: the curvature (n,) that the anatomy step wrote along the line, or None.
+    surveyed_per_mm: the curvature (n,) in 1/mm that the anatomy step wrote at these points, or None.
     """
 
     points: np.ndarray
@@ -32,7 +32,7 @@ class Polyline:
             raise InputError("arc length does not increase along a line", where, steps.min(), "repeat the anatomy step")
 
     def at(self, s_mm):
-        """Points (..., 3) at arc lengths s_mm, by linear interpolation; clamped to the ends."""
+        """Points (..., 3) in mm at arc lengths s_mm (...), by linear interpolation. Beyond an end: the end point."""
         return np.stack([np.interp(s_mm, self.s_mm, self.points[:, k]) for k in range(3)], axis=-1)
 
     def project(self, point):

@@ -1,4 +1,4 @@
-"""The parts of metrics.json that are copied: patient, procedure, and the read-outs of the deployment."""
+"""The parts of metrics.json that are copied from other files: patient, lesion, procedure, results of the deployment."""
 
 from common.errors import InputError
 from reports.inputs.reading import entry, number, read_json
@@ -27,11 +27,14 @@ LESION = (
     "diameter_stenosis_percent",
     "area_stenosis_percent",
 )
-ML_PER_MIN = 6.0e7  # one m3/s
+ML_PER_MIN = 6.0e7  # mL/min in one m3/s
 
 
 def patient_summary(files, case):
-    """Boundary values of the patient, and description and measurements from the case's file (dict) if there is one."""
+    """The entry `patient` of metrics.json: pressures and inflow of boundary.json.
+
+    case: content (dict) of the case's file, or None. If given, its description, mass and blood pressures are added.
+    """
     boundary = read_json(files.boundary, "flow boundary")
     patient = {
         "map_pa": number(boundary, "map_pa", files.boundary),
@@ -63,7 +66,7 @@ def lesion_summary(files):
 
 
 def reference_summary(files):
-    """The vessel's healthy size as a proposed plan found it, and the lesions by this size. None for a given plan."""
+    """The vessel's healthy size and the lesions judged by it, as the planner found them. None for a given plan."""
     return read_json(files.scene, "workflow scene").get("reference")
 
 
@@ -71,10 +74,9 @@ GIVEN = ("pre", "post")  # states whose lumen is given; all other lumens are mad
 
 
 def lumen_warnings(files, states):
-    """{state: [sentence]}: the warnings of `lumen process` on the given lumens, in its order, then of the registration.
+    """{state: [sentence]}: the warnings of `lumen process` on the given lumens, then those of the registration.
 
-    They matter, because a closed branch, a filled opening, a lumen of few voxels or another vessel changes every result
-    of the case.
+    A closed branch, a filled opening, a lumen of few voxels or another vessel changes every result of the case.
     """
     said = {}
     for state in GIVEN:
@@ -114,7 +116,10 @@ def procedure_summary(files):
 
 
 def deployment_summary(files):
-    """The deployment's read-outs, and the worst residual and penetration of its stages (None without stages)."""
+    """The values READOUTS of deployment.json, and the largest residual and penetration (mm) of its stages.
+
+    Without stages these two are None.
+    """
     document = read_json(files.deployment, "vci deploy")
     stages = entry(document, "stages", files.deployment)
     summary = {key: document.get(key) for key in READOUTS}

@@ -23,7 +23,7 @@ def measured_summary(files, case):
 
 
 def at_the_wire(solution):
-    """FFR of a solution (ffr.json) at the wire's sensor; None without one."""
+    """FFR of a solution (content of ffr.json) at the wire's sensor. None if it has no probe there."""
     return next((float(probe["ffr"]) for probe in solution.get("probes", []) if probe["name"] == MEASURED), None)
 
 
@@ -40,6 +40,6 @@ def wire_pair(document, state):
 
 
 def same_side(first, second):
-    """Share of cases in which both FFR lead to the same decision: treat (at most FFR_THRESHOLD) or not."""
+    """Share (0 to 1) of cases in which both FFRs (n,) lead to the same decision: treat (<= FFR_THRESHOLD) or not."""
     same = [(a <= FFR_THRESHOLD) == (b <= FFR_THRESHOLD) for a, b in zip(first, second)]
     return sum(same) / len(same)

@@ -130,7 +130,8 @@ REGISTERED = ("method", "compare", "rotation_deg", "residual_mm", "usual_radius_
 def registration_summary(files, profile, segment):
     """The registration of the lumen after the real procedure to the lumen before: the keys REGISTERED.
 
-    `covered_mm` and `segment_mm` tell how much of the segment that lumen covers, by the profile of the state `post`.
+    It also has `segment_mm`, the segment's length, and `covered_mm`, how much of it the lumen after PCI covers.
+    profile: the StateProfiles of the state `post`.
     """
     document = read_json(files.registration, "anatomy register")
     covered, length = covered_mm(profile, segment)
@@ -173,7 +174,7 @@ def common_stations(profiles, where):
 
 
 def state_document(profile, used):
-    """The entry of one state in metrics.json."""
+    """The entry of one state in metrics.json, from its StateProfiles. used (n,): mask of the compared stations."""
     s_mm, segment = profile.s_mm[used], profile.segment
     area, curvature = profile.area_mm2[used], profile.curvature_per_mm[used]
     within = profile.sections[(profile.sections["s_mm"] >= s_mm[0]) & (profile.sections["s_mm"] <= s_mm[-1])]
@@ -204,7 +205,7 @@ def state_document(profile, used):
 
 
 def ffr_document(profile, used):
-    """The FFR of one state in metrics.json."""
+    """The entry `ffr` of one state in metrics.json. used (n,): mask of the compared stations."""
     solution = profile.solution
     return {
         "distal": float(solution["ffr"]),
@@ -218,10 +219,11 @@ def ffr_document(profile, used):
 
 
 def differences(a, b, used):
-    """bias, sd and rmse of a - b along the segment for each quantity; rmse^2 = bias^2 + sd^2 (sd over all stations).
+    """bias, sd and rmse of a - b along the segment for each quantity; rmse^2 = bias^2 + sd^2.
 
-    For FFR they are None if one of the two states has no FFR along the segment: it has no flow, or its FFR is the
-    network's. The difference at the probe is None only without an FFR.
+    a, b: StateProfiles; used (n,): mask of the compared stations. The entry `ffr` is None if one state has no FFR
+    along the segment: it has no flow, or its FFR comes from the 1D network. `ffr_distal` is the difference at the
+    distal probe. It is None only if a state has no FFR at all.
     """
     document, flow = {}, a.solution is not None and b.solution is not None
     for name in QUANTITIES:

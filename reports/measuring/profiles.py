@@ -13,16 +13,18 @@ from reports.measuring.segment import carry, diameters_at, read_sections
 
 PULLBACK_NUMBERS = ("s_mm", "x_mm", "y_mm", "z_mm", "pressure_pa", "ffr", "flow_m3_per_s")
 POST = "post"  # the lumen after the real procedure, from another image and with other ends
-ERROR = "ffr_error_estimate"  # a column; empty where the error is not known
+ERROR = "ffr_error_estimate"  # a column of pullback.csv; empty where the error is not known
 # accepted statuses of an FFR from `flow solve`: a steady flow, or one that keeps some artificial viscosity
 ANSWERED = ("converged", "converged with artificial viscosity")
 
 
 @dataclasses.dataclass(frozen=True)
 class StateProfiles:
-    """One state over the segment, one value a station; `inside` marks stations with sections on both sides.
+    """One state over the segment: arrays (n,) with one value for each station.
 
-    ffr and solution are None if no flow of the state is computed; only ffr is None if a network gives the answer.
+    segment: the StateSegment. inside: marks stations with sections on both sides. sections: DataFrame of the branch's
+    sections. surveyed_curvature: mean in 1/mm of the curvature that the anatomy step wrote. solution: content of
+    ffr.json. Without a flow, ffr and solution are None; if the 1D network gives the answer, only ffr is None.
     """
 
     segment: object
@@ -37,7 +39,7 @@ class StateProfiles:
 
 
 def _rows(path, branch):
-    """Rows of a branch's pull-back in the order of s_mm. Raises InputError."""
+    """Rows (DataFrame) of a branch in pullback.csv, in the order of s_mm. Raises InputError if there are none."""
     table = read_table(path, PULLBACK_NUMBERS, ("branch", ERROR), "flow solve")
     rows = table[table["branch"] == branch].sort_values("s_mm", kind="stable").reset_index(drop=True)
     if rows.empty:
@@ -81,7 +83,7 @@ def read_solution(path):
 
 
 def error_of(solution):
-    """The estimated error of a solution's FFR at the probe `distal`; None if it was solved without an estimate."""
+    """The estimated error of a solution's FFR at the distal probe; None if it was solved without an estimate."""
     estimate = solution.get("error_estimate")
     return None if estimate is None else float(estimate["ffr"])
 

@@ -9,13 +9,17 @@ from reports.inputs.polyline import Polyline, read_centreline
 from reports.inputs.reading import entry, number, read_json, read_table
 
 SECTION_NUMBERS = ("s_mm", "area_mm2", "equivalent_diameter_mm")
-USED_FLAGS = ("ok", "ostium")  # not `end`: these sections cut a cap's edge. Areas of `ostium` are already clipped.
+# Sections flagged `end` are not used: they cut a cap's edge. In those flagged `ostium` the side branch is cut off.
+USED_FLAGS = ("ok", "ostium")
 FLAGS = (*USED_FLAGS, "end")
 
 
 @dataclasses.dataclass(frozen=True)
 class StentedSegment:
-    """Branch, arc lengths (mm, margins included) and the two end points (3,) on the pre-PCI centreline, `line`."""
+    """The treated segment on the pre-PCI centreline `line`: branch, arc lengths and points (3,) of its ends, in mm.
+
+    The margins are included.
+    """
 
     line: Polyline
     branch: str
@@ -70,9 +74,9 @@ def stented_segment(scene_path, pre_line_path, margin_mm):
 
 
 def carry(segment, line, diameter_mm, of_its_own_extent=False):
-    """`segment` on a state's centreline: each end goes to the nearest point of `line`.
+    """The StateSegment of `segment` on a state's centreline `line`: each end moves to the nearest point of the line.
 
-    diameter_mm: the vessel's diameter at the two ends before the procedure.
+    diameter_mm: the vessel's diameters (2,) at the two ends before the procedure.
     of_its_own_extent: the line comes from another image of the vessel and may end within the segment. Then the missing
     length is measured on the pre-PCI axis, from the line's end to the segment's end.
 

@@ -11,8 +11,8 @@ QUANTITY_NAMES = {
     "mean_curvature": "Mean curvature",
 }
 CONTRAST_NAMES = QUANTITY_NAMES | {PROFILE: "CSA along the stent, rms"}
-QUANTITY_DIGITS = {"ffr": 3, "mean_area": 2, "minimum_area": 2, "mean_curvature": 3}  # at least
-MOST_DIGITS = 6
+QUANTITY_DIGITS = {"ffr": 3, "mean_area": 2, "minimum_area": 2, "mean_curvature": 3}  # least number of decimals
+MOST_DIGITS = 6  # decimals
 UNITS = {"1": "", "mm2": "mm²", "1/mm": "/mm"}
 # prediction -> {error that depends on the segmentation of CT: the comparison that shows it}
 BY_SEGMENTATION = {
@@ -24,7 +24,7 @@ BY_SEGMENTATION = {
 def agreement_groups(agreement, nearer, half_maximum):
     """[{name, rows, nearer, segmentations}] of the groups of patients with rows in agreement.csv.
 
-    agreement, nearer, half_maximum: rows of these tables. segmentations: the errors by both segmentations of CT.
+    agreement, nearer, half_maximum: rows of the CSV tables of these names. segmentations: see that function.
     """
     found = []
     for name in GROUPS:
@@ -40,10 +40,11 @@ def agreement_groups(agreement, nearer, half_maximum):
 
 
 def segmentations(rows, others):
-    """[{prediction, name, unit, method, errors {error: (own, other)}}] of one group of patients.
+    """Errors by two segmentations of the CT: [{prediction, name, unit, method, errors {error: (own, other)}}].
 
-    rows: by the study's own segmentation; others: at half maximum, without which the list is empty. own, other and
-    method are rows of agreement.csv.
+    rows: agreement of one group of patients by the study's own segmentation. others: the same by the segmentation at
+    half maximum; without it the list is empty. own, other and method are such rows or None. method does not depend on
+    the CT.
     """
     own, other = ({(row["quantity"], row["comparison"]): row for row in table} for table in (rows, others))
     found = []
@@ -75,7 +76,10 @@ def agreement_rows(rows):
 
 
 def row_digits(row):
-    """Decimals of a row of agreement.csv: the quantity's, or more where bias or sd are too small for two digits."""
+    """Number of decimals of a row of agreement.csv: that of its quantity, or more for a small bias or sd.
+
+    The larger number shows at least two significant digits of each, within MOST_DIGITS.
+    """
     shown = [decimals(row[key], 2) for key in ("bias", "sd") if row[key]]
     return max(QUANTITY_DIGITS[row["quantity"]], min(MOST_DIGITS, max(shown, default=0)))
 
@@ -91,7 +95,7 @@ def nearer_rows(rows):
 
 
 def contrast_rows(rows, contexts):
-    """The rows of contrast.csv by case: [{name, id, description, quantities}]."""
+    """The rows of contrast.csv by case: [{name, id, description, rows}]. contexts: case_context of each case."""
     by_case = []
     for context in contexts:
         of_case = [

@@ -102,7 +102,7 @@ UNITS = {
 WORDS = {"ffr": "FFR", "csa": "CSA", "mla": "MLA", "cpu": "CPU", "cg": "CG", "1d": "1D", "mib": "MiB"}
 ALONE = {"mib": "memory (MiB)"}
 MOST_ROWS = 200
-SHORT = 7  # characters
+SHORT = 7  # characters; longer numbers are rounded
 
 
 def benchmarks(folder):

@@ -45,7 +45,8 @@ def build_report(
 ):
     """Writes the report of the CaseFiles `cases` to `out`. Raises InputError if a file is missing.
 
-    failed: entries of failed.json (workflow.failed), of cases that have no result. three: the viewer's library.
+    failed: entries of failed.json (workflow.failed), of cases that have no result. three: file of three.js, the library
+    of the 3D viewer.
     """
     contexts = [case_context(files, figures_dir) for files in cases]
     tables = {name: records(study_table(study_dir, name)) for name in TABLES}
@@ -145,8 +146,10 @@ def summary(contexts):
 
 
 def means(documents):
-    """{state: {n, ffr, area, minimum, curvature}}: number n of metrics documents with the state, and (mean, sd) of each
-    quantity over them."""
+    """{state: {n, ffr, area, minimum, curvature}}: number n of cases with the state, and (mean, sd) of each quantity.
+
+    documents: content of metrics.json of each case.
+    """
     found = {}
     for state in STATES:
         of_state = [document["states"][state] for document in documents if state in document["states"]]
@@ -162,7 +165,10 @@ def means(documents):
 
 
 def imaging_warnings(contexts):
-    """Warnings of the segmentations as rows {case, id, state, code, message}; occlusions by the voxel grid first."""
+    """Warnings of the segmentations as rows {case, id, state, code, message}.
+
+    Warnings of throats that are too narrow for the voxels come first.
+    """
     rows = [
         {"case": c["name"], "id": c["id"], "state": state, "code": warning["code"], "message": warning["message"]}
         for c in contexts
@@ -202,14 +208,14 @@ def lower_first(text):
 
 
 def fixed(value, digits=2):
-    """A number with fixed digits; a dash if there is none; text stays."""
+    """A number with `digits` decimals. A dash if the value is missing; a text is returned as it is."""
     if value is None or isinstance(value, jinja2.Undefined):
         return MISSING
     return value if isinstance(value, str) else f"{value:,.{digits}f}"
 
 
 def signed(value, digits=2):
-    """A difference with its sign (a true minus); a dash if there is none."""
+    """A difference with its sign and `digits` decimals; a dash if it is missing. The minus is the character U+2212."""
     if value is None:
         return MISSING
     text = f"{abs(value):.{digits}f}"
@@ -229,15 +235,15 @@ def signed_to(value, digits=2):
 
 
 def signed_small(value, least):
-    """A difference with its sign and `least` decimals, or more if two digits need them."""
+    """A difference with its sign. It has `least` decimals, or more so that two significant digits are shown."""
     return MISSING if value is None else signed(value, max(least, min(MOST_DIGITS, decimals(value, 2) if value else 0)))
 
 
 def scientific(value):
-    """A small number, such as a residual, in the form 2.1e-06; a dash if there is none."""
+    """A small number, such as a residual, in the form 2.1e-06; a dash if it is missing."""
     return MISSING if value is None or isinstance(value, jinja2.Undefined) else f"{value:.1e}"
 
 
 def percent(value, digits=1):
-    """A number that already is in per cent, with the sign."""
+    """A number in per cent with `digits` decimals and the sign %; a dash if it is missing."""
     return MISSING if value is None else f"{value:.{digits}f} %"

@@ -118,7 +118,7 @@ def _steady(solution):
 
 
 def flow_row(files, state):
-    """ffr.json of a state, the estimated error, and the reduced model's answer for comparison."""
+    """{solution, error, reduced_ffr, reduced_model} of a state: ffr.json, its estimated error and the reduced model."""
     solution = read_json(files.flow(state) / "ffr.json", "flow solve")
     reduced = solution.get("reduced_model") or {}
     return {

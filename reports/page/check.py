@@ -26,9 +26,9 @@ FLAGS = (
     "--enable-logging=stderr",
     "--v=0",
 )
-SECONDS = 120
-SETTLE_MS = 4000  # page time until the viewer has drawn its first picture
-FIRST_CASE = re.compile(r'<article class="case" id="([^"]+)"')  # its viewer starts once it is in view
+SECONDS = 120  # longest run of the browser
+SETTLE_MS = 4000  # virtual time of the page, enough for the 3D viewer to draw its first picture
+FIRST_CASE = re.compile(r'<article class="case" id="([^"]+)"')  # the 3D viewer starts when its case is in view
 CONSOLE = re.compile(r":CONSOLE[:(]\d+\)?\] (.*)")
 DRIVER = re.compile(r'^"\[\.WebGL-\w+\]GL Driver Message \([^)]*Performance')  # the software renderer's own remarks
 FETCHING = {"src", "srcset", "href", "data", "poster", "action", "formaction", "background", "ping", "manifest"}
@@ -36,7 +36,7 @@ STYLE_FETCH = re.compile(r"url\(\s*['\"]?(?!data:|#)([^'\")]+)|@import\s+([^;]+)
 
 
 class References(html.parser.HTMLParser):
-    """Collects references that leave the file: attributes, styles, and whether a policy forbids scripts to fetch."""
+    """Collects an HTML page's references to other files (`outside`) and its content security policy (`policy`)."""
 
     def __init__(self):
         super().__init__()

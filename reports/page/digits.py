@@ -4,5 +4,5 @@ import math
 
 
 def decimals(value, digits):
-    """Decimals that show a number with `digits` significant digits; 0 for numbers that need none."""
+    """Number of decimals that show `value` with `digits` significant digits, at least 0. For zero: digits - 1."""
     return max(0, digits - 1 - math.floor(math.log10(abs(value)))) if value else digits - 1

@@ -31,7 +31,7 @@ def read_results(paths):
 
 
 def group_of(case):
-    """The test's group: the class of a <testcase>. CTest writes the full name there, so its last word is cut off."""
+    """The test's group: the class of a <testcase>. CTest writes the full name as class, so its last word is cut off."""
     group, name = case.get("classname", ""), case.get("name", "")
     return name.rpartition(".")[0] if group == name else group
 

@@ -24,8 +24,8 @@ def viewer_data(files, metrics):
     """The content of a case's 3D viewer, as a JSON-ready document.
 
     `bounds` and `view` (rows: the axes of the first view) are common to all states. A state has points and triangles.
-    Each point has FFR, and the diameter (mm) and area (mm2) at the nearest place of the axis. Devices belong to state
-    `vci`.
+    Each point has the diameter (mm), the area (mm2) and, if the state has a flow, the FFR at the nearest place of an
+    axis. Devices belong to state `vci`.
     """
     states = pictured(metrics["states"])
     lumens = {state: ordered(read_lumen(files.lumen(state), MOST_TRIANGLES)) for state in states}
@@ -69,7 +69,7 @@ def along_axis(files, state, points):
 def ordered(surface):
     """The same Surface with vertices and triangles in an order that compresses well: neighbours stand close together.
 
-    Vertices are in reverse Cuthill-McKee order. A triangle starts at its first vertex, its sense kept.
+    Vertices are in reverse Cuthill-McKee order. A triangle starts at its vertex of lowest number, its orientation kept.
     """
     ends = np.vstack([surface.triangles[:, [0, 1]], surface.triangles[:, [1, 2]], surface.triangles[:, [2, 0]]])
     count = len(surface.points)
@@ -84,8 +84,11 @@ def ordered(surface):
 
 
 def pack_surface(surface, low, high):
-    """Points (16 bits a coordinate over the bounds) as differences from point to point; triangles as the first vertex's
-    differences from triangle to triangle, and both other vertices' from the first."""
+    """{points, triangles, wide} of a Surface for the viewer. low, high (3,): the bounds of the coordinates in mm.
+
+    points: each coordinate in 16 bits, as the difference from the point before. triangles: first vertex as the
+    difference from that of the triangle before, the others as differences from the first. wide: 32-bit triangles.
+    """
     first = surface.triangles[:, :1]
     wide = len(surface.points) > STEPS
     return {
@@ -111,8 +114,8 @@ def quantise(values, low, high):
 def pack(values, kind=np.uint16):
     """Integers (n,) or (n, k), modulo the range of `kind`, as base64 of a zlib stream.
 
-    The stream holds column by column: the lowest bytes of all rows, then the next ones. Such runs are alike, so they
-    compress well.
+    The stream holds column after column; of each, the lowest bytes of all rows, then the next bytes. Neighbouring bytes
+    are alike then, so they compress well.
     """
     columns = np.asarray(values).reshape(len(values), -1).T
     wrapped = columns.astype(np.int64).astype(kind).astype(np.dtype(kind).newbyteorder("<"))

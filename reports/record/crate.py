@@ -15,8 +15,9 @@ RUN, PROGRAM = "#study", "#vci"
 def crate(results, cases, citation, date, cohort):
     """The document of ro-crate-metadata.json. Raises InputError if a file is missing.
 
-    results: folder that it describes; cases: names of the study's cases; citation: CITATION.cff; date: date of the
-    sources' revision in ISO 8601. Hashes of the cases' files are taken from provenance.json, others computed here.
+    results: the folder that the document describes. cases: names of the study's cases. citation: CITATION.cff.
+    date: of the sources' git revision, in ISO 8601. Hashes of the cases' files are taken from provenance.json; those of
+    the other files are computed here.
     """
     about = yaml_reader.read(citation).data
     provenance = read_json(results / "study" / "provenance.json", "workflow provenance")
@@ -101,7 +102,7 @@ def study_files(results, cases):
 
 
 def file_entity(results, name, known):
-    """The entity of one file, with its kind, size and hash."""
+    """The RO-Crate entity of one file. name: its path below `results`; known: its SHA-256."""
     path = existing(results / name, "make study")
     kind = KINDS.get(path.suffix) or mimetypes.guess_type(path.name)[0] or "application/octet-stream"
     size = str(path.stat().st_size)

@@ -17,9 +17,9 @@ TABLES = ("agreement", "half_maximum", "nearer", "contrast", "differences", "inc
 
 
 def report_numbers(case_files, study_dir, cohort, junit, failed=()):
-    """The document of report.json. Raises InputError.
+    """The document of report.json. Raises InputError if a table or another file is missing.
 
-    case_files: CaseFiles of the study; junit: files of the tests; failed: entries of failed.json.
+    case_files: CaseFiles of the study; junit: files of test results; failed: entries of failed.json.
     """
     tables = {name: study_table(study_dir, name) for name in TABLES}
     provenance = existing(study_dir / "provenance.json", "workflow provenance")
@@ -48,7 +48,7 @@ def report_numbers(case_files, study_dir, cohort, junit, failed=()):
 
 
 def of_group(study_dir, name):
-    """The rows of cohort.csv of a group of patients."""
+    """The rows of cohort.csv whose cases are in a group of patients (`name`: INCLUDED or EXCLUDED)."""
     cohort, patients = study_table(study_dir, "cohort"), study_table(study_dir, "patients")
     chosen = patients["case"][patients["included"].eq(True)]
     return cohort[cohort["case"].isin(chosen) == (name == INCLUDED)]
@@ -67,5 +67,5 @@ def state_means(cohort):
 
 
 def interval_rows(folder):
-    """The rows of a case's Latin hypercubes, each with its `source`."""
+    """The rows of the tables of a case's Latin hypercube samples, each with its `source`: flow or deployment."""
     return [row for found in intervals(folder).values() for row in records(found)]

@@ -8,16 +8,18 @@ from matplotlib.patches import FancyBboxPatch
 from reports.figures.style import save
 
 SIZE = (8.2, 6.4)  # inches
-WRAP = 60  # letters a line of case names
+WRAP = 60  # most letters in a line of case names
 WIDTH, LEFT, RIGHT = 0.46, 0.235, 0.765  # a box's width and both columns' middles, as shares of the figure
-COHORT, INCLUDED, ASIDE, OF_THEM = 0.92, 0.46, (0.78, 0.63), (0.41, 0.24, 0.08)  # middles of the boxes
-FRAME, LINE = 0.03, 0.031  # heights of a box's frame and of a line in it
+COHORT, INCLUDED, ASIDE, OF_THEM = 0.92, 0.46, (0.78, 0.63), (0.41, 0.24, 0.08)  # heights of the boxes' middles
+FRAME, LINE = 0.03, 0.031  # heights of a box's frame and of a line in it, as shares of the figure
 FILL, EDGE, LEFT_OUT = "#eef4f9", "#0a3d62", "#f8f1ec"
 
 
 def inclusion_figure(table, folder):
-    """Writes inclusion.{svg,png} from inclusion.csv: excluded cases at the upper right, results of the included ones
-    below."""
+    """Writes inclusion.{svg,png} from the table inclusion.csv.
+
+    Excluded cases are at the upper right, results of the included cases at the lower right.
+    """
     rows = [(words, count, names) for words, count, names in table.itertuples(index=False)]
     figure, axes = plt.subplots(figsize=SIZE)
     axes.set(xlim=(0, 1), ylim=(0, 1))
@@ -37,7 +39,7 @@ def inclusion_figure(table, folder):
 
 
 def box(axes, x, y, words, count, names, fill=FILL):
-    """A box at (x, y), its middle, with words, number and names of its cases. Returns its lower and upper y."""
+    """Draws a box about (x, y) with words, the number of cases and their names. Returns its lower and upper y."""
     lines = [words[:1].upper() + words[1:], f"n = {count}", *textwrap.wrap(names.replace(" ", ", "), WRAP)[:3]]
     height = FRAME + LINE * len(lines)
     patch = FancyBboxPatch((x - WIDTH / 2, y - height / 2), WIDTH, height, boxstyle="round,pad=0,rounding_size=0.012")

@@ -32,7 +32,10 @@ def patients_table(documents, cases):
 
 
 def patient_row(document, case):
-    """One patient's row. FFR is past the lesion; `ffr_after` is of the first state of TRUTHS with a flow."""
+    """One patient's row of patients.csv (dict). FFR is at the distal probe, past the lesion.
+
+    `ffr_after` is that of the first state of TRUTHS with an FFR.
+    """
     lesion, vessel = document["lesion"] or {}, case.get("vessel", {})
     ffr = {
         state: number(entry, "ffr.distal", f"metrics of {document['case']}, {state}")

@@ -16,7 +16,8 @@ from reports.measuring.metrics import COMPARISONS
 from reports.inputs.reading import number
 
 PUBLISHED_PATH = pathlib.Path(__file__).with_name("published.json")
-PUBLISHED_COMPARISONS = (("ct_vci", "ct"), ("vci", "post"))  # the published comparison: post-VCI minus CT after PCI
+# comparisons (a, b) of the published kind: the lumen after virtual PCI minus that in the CT after PCI
+PUBLISHED_COMPARISONS = (("ct_vci", "ct"), ("vci", "post"))
 
 # name in agreement.csv -> where a state's value is in metrics.json
 QUANTITIES = {
@@ -34,7 +35,7 @@ PUBLISHED_COLUMNS = ["published_n", "published_bias", "published_sd", "published
 
 
 def published():
-    """The published agreement: reports/study/published.json."""
+    """The published agreement and seconds (dict): the content of reports/study/published.json."""
     return json.loads(PUBLISHED_PATH.read_text())
 
 
@@ -69,7 +70,7 @@ def agreement_table(documents):
 
 
 def agreement_rows(documents):
-    """The rows of one group of patients."""
+    """The rows (dicts) of agreement.csv for the metrics documents of one group of patients."""
     rows, paper = [], published()
     for a, b, error in COMPARISONS:
         for quantity in QUANTITIES:

@@ -8,8 +8,8 @@ from scipy.stats import t as student
 
 from common.errors import InputError
 
-LIMITS = 1.96  # 95 % of normally distributed differences
-FEWEST_FOR_INTERVAL = 3
+LIMITS = 1.96  # standard deviations to either side of the bias: 95 % of normally distributed differences lie within
+FEWEST_FOR_INTERVAL = 3  # patients
 
 
 @dataclasses.dataclass(frozen=True)

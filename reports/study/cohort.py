@@ -1,4 +1,4 @@
-"""cohort.csv: one row a case."""
+"""cohort.csv: one row for each case, with patient, lesion, procedure, deployment and the values of each state."""
 
 import pandas as pd
 

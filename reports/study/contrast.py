@@ -7,21 +7,22 @@ from reports.inputs.reading import number
 from reports.study.agreement import QUANTITIES, UNITS
 from reports.study.nearer import flow_error
 
-METHODS = ("vci", "rc", "rc_stent")  # radius correction by the largest balloon, and by the stents alone
+METHODS = ("vci", "rc", "rc_stent")  # virtual PCI; radius correction by the largest balloon, and by the stents alone
 NEARER = {"vci": "VCI", "rc": "radius correction"}
 UNDECIDED = "within the flow's error"
-# root mean square of the area's difference along the stent; in a mean, differences of both signs would cancel
+# The error of this quantity is the root mean square of the difference in area along the stent. In a mean, differences
+# of both signs would cancel.
 PROFILE = "area_profile"
 COLUMNS = ["case", "quantity", "unit", "truth", "value"]
 COLUMNS += [f"error_{method}" for method in METHODS] + ["nearer", "nearer_by"]
 
 
 def contrast_table(documents):
-    """DataFrame of contrast.csv from the metrics documents, in their order: a row a case and quantity.
+    """DataFrame of contrast.csv from the metrics documents, in their order: a row for each case and quantity.
 
     value: in the lumen after PCI. error_*: predicted minus this value, empty if the case has no such prediction. The
-    profile has no value; its error is the root mean square over the stations. nearer_by: difference of the two errors'
-    sizes.
+    area profile has no value; its error is the root mean square over the stations. nearer_by: difference of the sizes
+    of both methods' errors.
     """
     rows = []
     for document in documents:
@@ -67,7 +68,8 @@ def profile_error(document, method, truth):
 def verdict(errors, noise):
     """{nearer, nearer_by} of the errors {method: error}; both None if a method is missing.
 
-    noise: numerical error, below which neither method counts as nearer; infinite: not known.
+    noise: numerical error of the quantity, infinite if not known. If the sizes of the errors differ by no more than
+    this, neither method counts as nearer.
     """
     if errors["vci"] is None or errors["rc"] is None:
         return {"nearer": None, "nearer_by": None}

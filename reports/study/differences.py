@@ -1,6 +1,7 @@
 """Diff^A and Diff^C, equations 24 and 25 of Lyu et al. 2025: differences in area and curvature.
 
-They are a predicted lumen's values minus those of the lumen after PCI, by station, by patient and over the cohort.
+They are a predicted lumen's values minus those of the lumen after PCI: at each station, for each patient and over the
+cohort.
 """
 
 import numpy as np
@@ -11,12 +12,13 @@ from reports.study.bland_altman import sample_sd
 from reports.study.inclusion import groups
 
 PREDICTED, AFTER_PCI = ("vci", "rc", "rc_stent", "ct_vci", "ct_rc"), ("reference", "ct", "post")
-# name of the difference -> where a profile is in metrics.json, its key in `differences` there, suffix of the unit
+# name of the difference -> (group and key of a state's profile in metrics.json, key in `differences` of metrics.json,
+# suffix of the unit)
 QUANTITIES = {
     "diff_area": ("area", "profile_mm2", "area_mm2", "mm2"),
     "diff_curvature": ("curvature", "profile_per_mm", "curvature_per_mm", "per_mm"),
 }
-COHORT = "all cases"  # in the column `case`: mean and standard deviation over the patients of a group
+COHORT = "all cases"  # in the column `case`, of the row with mean and standard deviation over the patients of a group
 
 
 def compared(documents):
@@ -26,7 +28,7 @@ def compared(documents):
 
 
 def stations_of(document, a, b):
-    """DataFrame of one patient: a row a station, predicted state a minus state b after PCI."""
+    """DataFrame of one patient with a row for each station: predicted state a minus state b after PCI."""
     states, table = document["states"], {"relative_position": document["stations"]["relative_position"]}
     table["s_mm"] = states[b]["s_mm"]
     for name, (group, profile, _, unit) in QUANTITIES.items():
@@ -50,13 +52,16 @@ def station_table(documents):
 
 
 def difference_table(documents):
-    """DataFrame of differences.csv: a row a patient and comparison; after each comparison a row of the group."""
+    """DataFrame of differences.csv: a row for each patient and comparison.
+
+    After the patients of a comparison comes a row for their group.
+    """
     rows = [{"patients": name, **row} for name, found in groups(documents) for row in group_rows(found)]
     return pd.DataFrame(rows, columns=None if rows else ["patients", "case", "error", "comparison"])
 
 
 def group_rows(documents):
-    """The rows of one group of patients."""
+    """The rows (dicts) of differences.csv for the metrics documents of one group of patients."""
     rows = []
     for a, b, error in compared(documents):
         of_cases = [patient_row(document, a, b) for document in documents if {a, b} <= set(document["states"])]

@@ -1,4 +1,4 @@
-"""The patients in the statistics: as in the source, patients with FFR below 0.80 before PCI.
+"""The patients in the statistics: as in Lyu et al. 2025, patients with FFR below 0.80 before PCI.
 
 The other patients are never mixed with them. They have rows of their own, under another name.
 """

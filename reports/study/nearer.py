@@ -32,7 +32,7 @@ COLUMNS = [
 def nearer_table(documents):
     """DataFrame of nearer.csv: a row for each group of patients, quantity and lumen after PCI.
 
-    A row needs a patient with both methods. error_vci, error_rc: mean size of the error over the patients.
+    A row needs a patient with both methods. error_vci, error_rc: mean size (absolute value) of the error over patients.
     p: of Wilcoxon's two-sided signed-rank test of the sizes (scipy.stats.wilcoxon); None for fewer than six patients.
     ties: patients in whom both sizes are alike; in FFR those in whom they differ by no more than the flow's own error.
     """
@@ -41,7 +41,7 @@ def nearer_table(documents):
 
 
 def nearer_rows(documents):
-    """The rows of one group of patients."""
+    """The rows (dicts) of nearer.csv for the metrics documents of one group of patients."""
     pairs = [(a, b, error) for a, b, error in COMPARISONS if a in RADIUS_CORRECTION and b in AFTER_PCI]
     rows = []
     for a, truth, kind in pairs:
@@ -72,7 +72,8 @@ def flow_error(document, states):
 def verdict(vci, rc, noise):
     """The columns of nearer.csv from `n` on. vci, rc: sizes of errors (n,) of the same patients by both methods.
 
-    noise (n,): numerical error of each. A smaller difference is a tie, and the test leaves ties out.
+    noise (n,): numerical error in each patient. If both sizes differ by no more than this, the patient is a tie. The
+    test leaves ties out.
     """
     vci, rc = np.asarray(vci, float), np.asarray(rc, float)
     told = (vci - rc)[np.abs(vci - rc) > noise]
@@ -80,7 +81,7 @@ def verdict(vci, rc, noise):
     result |= {"patients_vci_nearer": int((told < 0.0).sum()), "ties": len(vci) - len(told), "p": None}
     result["vci_is"] = UNDECIDED
     if len(vci) >= FEWEST:
-        # with ties alone the test has nothing to rank
+        # if all patients are ties, the test has nothing to rank
         result["p"] = float(wilcoxon(told).pvalue) if len(told) else 1.0
         if result["p"] < LEVEL:
             result["vci_is"] = NEARER if np.median(told) < 0.0 else FARTHER

@@ -17,9 +17,9 @@ def read_timings(path):
 
 
 def stage_seconds(timings):
-    """DataFrame (case, step, stage, seconds) of the program's rows in timings.csv, a row a stage of a step.
+    """DataFrame (case, step, stage, seconds) with a row for each stage of each step, from the engine's own clock.
 
-    Repeated steps (postdilatation_2) count as steps of the same name.
+    timings: DataFrame of timings.csv. A repeated step (postdilatation_2) has the name of the first one.
     """
     rows = []
     for row in timings[timings["source"] == "program"].itertuples():
@@ -31,7 +31,10 @@ def stage_seconds(timings):
 
 
 def by_case(stages):
-    """{(by, name): seconds (n,) of each case that has it}: by stage, by step and in all, in order of appearance."""
+    """{(by, name): seconds (n,), one value for each case that has it}, in order of appearance.
+
+    by: "stage", "step" or "all"; name: of the stage or step.
+    """
     groups = {}
     for by in ("stage", "step"):
         for name in stages[by].unique():

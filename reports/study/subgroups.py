@@ -10,12 +10,15 @@ from common.errors import InputError
 from reports.inputs.reading import read_json
 from reports.study.agreement import agreement_table
 
-SMALL_MM, SEVERE_PERCENT = 4.0, 70  # diameter at the ostium; stenosis by diameter
+SMALL_MM, SEVERE_PERCENT = 4.0, 70  # limits between subgroups: diameter at the ostium, stenosis by diameter
 FAILURES = ["step", "reason", "patients", "example"]
 
 
 def patient_files(cohort, cases):
-    """{case: (its file, its folder)} of the shards below a cohort's folder; cases: results/cases."""
+    """{case: (its case file, its folder of results)} of all patients of a drawn cohort.
+
+    cohort: the folder of `workflow cohort`, which holds the patients in shards; cases: results/cases.
+    """
     cohort, cases = pathlib.Path(cohort), pathlib.Path(cases)
     files = sorted(cohort.glob("shards/*/cases/*.yaml"))
     if not files:
@@ -43,7 +46,7 @@ def subgroups(case):
 
 
 def subgroup_tables(patients):
-    """(agreement by subgroup, failures by step and reason) as DataFrames, of patient_files()."""
+    """(agreement by subgroup, failures by step and reason) as DataFrames. patients: from patient_files."""
     groups, failures = {}, {}
     for name, (file, folder) in patients.items():
         if (folder / "metrics.json").is_file():
@@ -64,7 +67,7 @@ def subgroup_tables(patients):
 
 
 def failure(folder):
-    """(step, reason) of a patient that is not finished: the newest log with an error, or that it was not run."""
+    """(step, reason) of a patient that is not finished, from the newest log with an error. Without logs: not run."""
     logs = sorted(folder.rglob("logs/**/*.log"), key=lambda file: file.stat().st_mtime, reverse=True)
     for log in logs:
         found = re.findall(r"^error: (.*)$", log.read_text(errors="replace"), re.M)

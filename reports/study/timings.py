@@ -11,7 +11,7 @@ BENCHMARK_NUMBERS = ("s", "max_rss", "cpu_time")
 
 
 def benchmark_rows(files):
-    """A row for each results/cases/<case>/benchmarks/**/*.tsv; repeats of a benchmark are averaged."""
+    """Yields a row (dict) for each results/cases/<case>/benchmarks/**/*.tsv. Times are means over repeats of a step."""
     folder = files.folder / "benchmarks"
     for path in sorted(folder.rglob("*.tsv")):
         table = read_benchmark(path)
@@ -25,7 +25,10 @@ def benchmark_rows(files):
 
 
 def read_benchmark(path):
-    """A Snakemake benchmark file; a step too short to be sampled has "-" or 0 for memory and time (left empty)."""
+    """DataFrame of a Snakemake benchmark file. A step too short to be sampled has "-" or 0 for memory and time.
+
+    Such entries are NaN here.
+    """
     table = pd.read_csv(path, sep="\t", na_values=["-", "NA"])
     for name in BENCHMARK_NUMBERS:
         if name not in table.columns:
@@ -35,7 +38,7 @@ def read_benchmark(path):
 
 
 def program_rows(files):
-    """A row for each step that times itself: anatomy's steps, deployment stages, reference, flow."""
+    """Yields a row (dict) for each step that measures its own time: anatomy, deployment's stages, reference, flow."""
     for state in STATES:
         path = files.anatomy(state) / "anatomy.json"
         if path.exists():
@@ -47,7 +50,7 @@ def program_rows(files):
             document = read_json(path, "vci deploy")
             for stage in document.get("stages", []):
                 yield {"step": f"{name}/{stage['step']}/{stage['stage']}", "seconds": number(stage, "seconds", path)}
-            if "seconds" in document:  # radius correction does not time itself
+            if "seconds" in document:  # radius correction does not measure its own time
                 yield {"step": name, "seconds": number(document, "seconds", path)}
     path = files.folder / "reference" / "reference.json"
     if path.exists():

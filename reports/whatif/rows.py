@@ -9,7 +9,8 @@ OVER = {"flow": "what the flow rests on", "deployment": "that and the deployment
 def planner_context(folder):
     """{plans, plans_error, intervals, ffr_ranges, deployment_varied} of a case's folder, for the page's templates.
 
-    ffr_ranges: {state: (lower, upper)}, also over the deployment's inputs if they were varied.
+    plans: rows of ranking.csv; intervals: rows of the sampled intervals. ffr_ranges: {state: (lower, upper)} of FFR,
+    also over the deployment's inputs if they were varied (deployment_varied).
     """
     plans = ranking(folder)
     varied = intervals(folder)

@@ -13,10 +13,10 @@ SOURCES = ("flow", "deployment")
 
 
 def ranking(folder):
-    """Rows of plans/ranking.csv of a case's folder, None if a field is empty; [] without the file.
+    """Rows (dicts) of plans/ranking.csv in a case's folder, with None for an empty field; [] without the file.
 
-    `ffr_3d` is filled in for plans whose flow was solved in three dimensions. Such a flow is made by its own name only,
-    so it may be older than the ranking. It counts if its lumen and its boundary.json are those of now.
+    `ffr_3d` is filled in for plans whose flow was solved in 3D. Snakemake repeats such a flow only if it is asked for
+    by name, so it may be out of date. It is used only if it was made from the present lumen and boundary.json.
     """
     path = folder / "plans" / "ranking.csv"
     rows = records(pd.read_csv(path)) if path.is_file() else []
@@ -34,18 +34,28 @@ def ranking(folder):
 
 
 def tornado(folder):
-    """DataFrame of sensitivity/flow.csv, which must exist, and of deployment.csv if it exists."""
+    """Rows of sensitivity/flow.csv, which must exist, and of sensitivity/deployment.csv if that may be used.
+
+    A DataFrame, whose column `source` says from which file a row is.
+    """
     existing(folder / "sensitivity" / "flow.csv", "whatif flow")
     return pd.concat(_found(folder, ""), ignore_index=True)
 
 
 def intervals(folder):
-    """{source: DataFrame} of the Latin hypercubes of a case: `flow`, and `deployment` if it was run."""
+    """{source: DataFrame} of the intervals by a case's Latin hypercube samples.
+
+    source: `flow`, and `deployment` if its table may be used (see _sources).
+    """
     return dict(zip(_sources(folder), _found(folder, "_intervals")))
 
 
 def _sources(folder):
-    """SOURCES that have a table. deployment.csv is made by its own name only: it counts if it rests on today's FFR."""
+    """Those of SOURCES whose table may be used.
+
+    Snakemake repeats deployment.csv only if it is asked for by name. So the table is used only if its FFR with all
+    inputs as planned is also in flow.csv.
+    """
     files = {source: folder / "sensitivity" / f"{source}.csv" for source in SOURCES}
     found = {source: _planned_ffr(path) for source, path in files.items() if path.is_file()}
     if "deployment" in found and not found["deployment"] <= found.get("flow", set()):
@@ -55,7 +65,7 @@ def _sources(folder):
 
 
 def _planned_ffr(path):
-    """{(state, FFR)} as planned, of a table of `whatif`."""
+    """Set of (state, FFR with all inputs as planned) in a table of `whatif`."""
     table = pd.read_csv(path)
     return set(table.loc[table["quantity"] == "ffr", ["state", "at_planned"]].itertuples(index=False, name=None))
 

@@ -14,9 +14,10 @@ BAR, ROW, FRAME, WIDTH = (
     1.15,
     8.2,
 )  # bar's share of a row; inches of a row, of a panel's frame, of the figure
-LEGEND = 0.35  # inches
+LEGEND = 0.35  # inches: height of the legend
 PANELS = (("pre", "ffr"), ("vci", "ffr"), ("vci", "minimal_stent_area_mm2"))
-LEAST_SPAN = {"ffr": 0.02, "minimal_stent_area_mm2": 0.2}  # of an axis, so that small effects do not look large
+# least range of an axis in the quantity's unit, so that small effects do not look large
+LEAST_SPAN = {"ffr": 0.02, "minimal_stent_area_mm2": 0.2}
 
 
 def sensitivity_figure(files, folder):
@@ -41,7 +42,7 @@ def sensitivity_figure(files, folder):
 
 
 def of_panel(table, state, quantity):
-    """The rows of one answer, the input that moves it least first."""
+    """The rows of one quantity in one state, sorted by the input's effect, the smallest first."""
     rows = table[(table["state"] == state) & (table["quantity"] == quantity)].dropna(
         subset=["at_low", "at_high"], how="all"
     )
@@ -52,7 +53,7 @@ def of_panel(table, state, quantity):
 
 
 def interval_of(spread, state, quantity):
-    """The interval from the hypercube with the most varied inputs, or None."""
+    """The row with the interval of a quantity in a state, from the sample that varied the most inputs; or None."""
     for source in ("deployment", "flow"):
         found = spread.get(source)
         if found is not None:
@@ -63,7 +64,10 @@ def interval_of(spread, state, quantity):
 
 
 def draw(axes, rows, interval, quantity):
-    """One bar an input, from the answer at its low end to that at its high end."""
+    """Draws a bar for each input, from the quantity at the input's low end to that at its high end.
+
+    rows: from of_panel; interval: from interval_of, shaded if it is known.
+    """
     planned = rows["at_planned"].iloc[0]
     if interval is not None and np.isfinite(interval["lower"]):
         axes.axvspan(interval["lower"], interval["upper"], color=BAND, zorder=0)

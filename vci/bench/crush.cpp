@@ -12,13 +12,16 @@ namespace vci {
 
 namespace {
 
-constexpr double opening_share = 0.75;     // of the balloon's pressure, at first: beyond a crimped stent's yield
-constexpr double least_pressure = 0.01;    // of the radial strength: the residual is relative to an applied force
-constexpr double increment = 0.005;        // step by which the crimper closes, as a share of the free radius
-constexpr double crimper_stiffness = 60.0; // MPa/mm
+// Share of the nominal pressure to which the balloon is inflated first. It is beyond the yield of a crimped stent.
+constexpr double opening_share = 0.75;
+// Outside pressure on the free stent over its radial strength. Without it no force would be applied to the free stent,
+// but the residual is relative to the applied forces.
+constexpr double least_pressure = 0.01;
+constexpr double increment = 0.005;        // of the free stent's radius, by which the crimper closes in a step
+constexpr double crimper_stiffness = 60.0; // pressure per depth, MPa/mm
 constexpr double hold = 1e-5;              // N/mm per vertex: keeps the free stent from drifting off
 constexpr double clearance = 0.03;         // mm between the crimped stent and its balloon
-constexpr double losses[] = {1, 2, 5, 10}; // % of the free diameter, at which the pressure is reported
+constexpr double losses[] = {1, 2, 5, 10}; // losses of diameter, in % of the free one, at which pressure is reported
 
 std::vector<Frame> straight(const RingGrid& grid) {
   std::vector<Frame> frames;
@@ -39,7 +42,8 @@ double chain_length(const Vectors& points) {
   return length;
 }
 
-/// Relaxes and returns the residual reached.
+/// Brings the system to force balance and returns the residual. Throws if there is no balance.
+/// @param what name of the state, for the message
 double settle(System& system, Interactions& interactions, const Numerics& numerics, const std::string& what) {
   const RelaxResult r = relax(system, interactions, numerics.integrator);
   if (!r.converged)
@@ -48,7 +52,8 @@ double settle(System& system, Interactions& interactions, const Numerics& numeri
   return r.residual;
 }
 
-/// Opens a stent by its balloon at the balloon's nominal diameter and takes the balloon out of the system again.
+/// Adds the balloon and opens the stent with it, at the pressure of the balloon's nominal diameter. Returns the largest
+/// residual of the balanced states.
 double open_by_balloon(System& system, const Stent& stent, const StentSpec& spec, BalloonSpec balloon_spec,
                        const Numerics& numerics) {
   balloon_spec.folding.reset(); // folds do not matter: they open before the stent yields

@@ -1,17 +1,18 @@
-"""Compares the default scheme with the textbook scheme at several costs, and with springs for a wall.
+"""Compares speed and error of the default solver with the textbook scheme, and with a wall of springs.
 
 /usr/bin/python3 -m vci.benchmarks.baseline --out results/baseline [--edges 1.0 0.8 ...] [--only NAME ...] [--budget 60]
 
-All runs are on generated scenes. The textbook scheme has fixed steps and conjugate gradients without preconditioner to
-1e-3. It stops by velocity and moves the whole vessel. It is run with contact to the flat triangles, as in textbooks, at
-the meshes, steps and velocity stops of FACETS. It is run again with this engine's smooth contact, at those of TEXTBOOK.
-The default is run at several edges. A run that has used the budget of CPU seconds is stopped.
+All runs are on generated scenes. The textbook scheme has fixed time steps and solves by conjugate gradients without
+preconditioner. It stops once velocities are small, and moves the whole vessel. It is run with contact to the flat
+triangles, as in textbooks, with the meshes and settings in FACETS. It is run again with this engine's smooth contact,
+with those in TEXTBOOK. The default solver is run with several edge lengths. A run that has used its budget of CPU
+seconds is stopped.
 
-baseline.csv has a row for each run. Errors are differences to the default at REFERENCE mm and a tenth of its tolerance,
-with areas measured in the same way. levels.csv has, for each scene and level of error of the mean area, the cheapest
-run of each scheme within that level, and the ratio of their times. If no run of the textbook scheme is within it, the
-table has its smallest error and the time of all its runs. Runs follow one another on one thread; seconds are the whole
-program's.
+baseline.csv has a row for each run. A run's errors are its differences to the reference: the default solver with edges
+of REFERENCE mm and a tenth of the default residual tolerance. levels.csv has rows for levels of error of the mean area.
+A row gives, for a scene and a level, the cheapest run of each scheme within this error, and the ratio of their times.
+If no run of a scheme has so small an error, the row gives the scheme's smallest error and the time of all its runs.
+Runs follow one another on one thread. CPU seconds are those of the whole program.
 """
 
 import argparse
@@ -35,26 +36,28 @@ LEVEL_COLUMNS = (
     *"case,error_percent,contact,default_edge_mm,default_cpu_seconds,default_error_percent,textbook_edge_mm".split(","),
     *"textbook_step_ms,textbook_stop_mm_per_ms,textbook_cpu_seconds,textbook_error_percent,times".split(","),
 )
-NAMES = ("straight", "eccentric", "calcified", "curved 0.12 per mm")  # of the benchmark's scenes
-EDGES = [1.0, 0.8, 0.6, 0.4]  # mm, of the default
-REFERENCE = 0.25  # mm
-LEVELS = (5, 3, 1)  # %, of the mean area
+NAMES = ("straight", "eccentric", "calcified", "curved 0.12 per mm")  # scenes in benchmark.SCENES
+EDGES = [1.0, 0.8, 0.6, 0.4]  # mm: edge lengths of the wall for the default solver
+REFERENCE = 0.25  # mm: edge length of the wall for the reference
+LEVELS = (5, 3, 1)  # %: errors of the mean area for the rows of levels.csv
 SOLVES = {"pcg_tolerance": 1e-3, "pcg_maximal_iterations": 3000}
-# edge (mm), fixed step (ms), velocity stop (mm/ms), the linear solves; finer meshes show which small errors are chance
+# Runs of the textbook scheme: edge (mm), fixed step (ms), velocity at which it stops (mm/ms), settings of the linear
+# solves. The finer meshes show which small errors are due to chance.
 TEXTBOOK = [
     *((1.0, 0.01, stop, SOLVES) for stop in (1e-2, 3e-3)),
     *((edge, 0.01, 1e-2, SOLVES) for edge in (0.8, 0.6)),
     (1.0, 0.003, 1e-3, SOLVES),
     (1.0, 0.001, 1e-3, SOLVES),
-    (0.6, 0.01, 1e-2, {}),  # solved no better than the default's
+    (0.6, 0.01, 1e-2, {}),  # linear solves to the default tolerance
 ]
-# the same for contact to flat triangles, whose error depends on the mesh; 0.4 mm takes over 60 s at the longest step
+# Runs with contact to flat triangles, whose error depends on the mesh. At edges of 0.4 mm, a run with the longest fixed
+# step (0.01 ms) is not done within 60 CPU seconds.
 FACETS = [
     *((edge, 0.01, 1e-2, SOLVES) for edge in (1.0, 0.6)),
     (0.6, 0.003, 1e-3, SOLVES),
     (0.4, 0.003, 1e-2, SOLVES),
 ]
-SCHEMES = {  # of the textbook: the contact's surface, its runs
+SCHEMES = {  # textbook schemes by name: value of numerics.contact_surface, runs
     "textbook, contact with facets": ("facets", FACETS),
     "textbook, smooth contact": ("smooth", TEXTBOOK),
 }
@@ -62,9 +65,9 @@ SPRINGS = {"springs, Lame": {}, "springs, Van Gelder": {"spring_mapping": "van_g
 
 
 def runs_of(edges):
-    """Yields every run of a scene: (scheme, edge in mm, {column of the table: value}, settings of the scene).
+    """Yields each run of a scene as (scheme, edge in mm, {column of the table: value}, settings of the scene).
 
-    The reference is the last.
+    `edges` (mm) are those of the default solver. The last run is the reference.
     """
     for edge in edges:
         yield "default", edge, {}, {}
@@ -81,7 +84,7 @@ def runs_of(edges):
 
 
 def run_scene(options, name):
-    """The scene's rows: every scheme, the springs, then the reference."""
+    """Runs the scene `name` with every scheme. Returns the rows of the table; the reference's row is the last."""
     tube, how = SCENES[name]
     folder, rows = options.out / name.replace(" ", "_"), []
     for number, (scheme, edge, columns, settings) in enumerate(runs_of(options.edges)):
@@ -95,7 +98,10 @@ def run_scene(options, name):
 
 
 def level(rows, scheme, error):
-    """Columns of the cheapest runs of the default and of a textbook scheme within an error (%), and their ratio."""
+    """Columns of levels.csv for a scene's rows, a textbook scheme and a largest error of the mean area (%).
+
+    They describe the cheapest runs of the default and of this scheme within the error, and the ratio of their times.
+    """
     key, row, cheapest = ERRORS[0], {}, {}
     for name, column in (("default", "default"), (scheme, "textbook")):
         tried = [r for r in rows if r["scheme"] == name]
@@ -108,7 +114,7 @@ def level(rows, scheme, error):
             if column == "textbook":
                 row["textbook_step_ms"] = best["fixed_step_ms"]
                 row["textbook_stop_mm_per_ms"] = best["velocity_stop_mm_per_ms"]
-        elif tried:  # not reached: the time of all runs, and their smallest error
+        elif tried:  # no run is within the error: the time of all runs, and their smallest error
             row[f"{column}_edge_mm"] = "not reached"
             row[f"{column}_cpu_seconds"] = sum(r["cpu_seconds"] for r in tried)
             row[f"{column}_error_percent"] = min((r[key] for r in tried if key in r), key=abs, default="")
@@ -118,7 +124,7 @@ def level(rows, scheme, error):
 
 
 def levels(rows):
-    """A row for each case, textbook scheme and level of error: the cheapest runs within it and their ratio."""
+    """The rows of levels.csv, one for each scene, textbook scheme and level of error, from the rows of all runs."""
     table = []
     for case in dict.fromkeys(r["case"] for r in rows):
         own = [r for r in rows if r["case"] == case]

@@ -1,4 +1,4 @@
-"""Runs a synthetic case by the study's commands: vessel, lumen, plan, engine and finite-element truth."""
+"""Runs a synthetic case by the study's commands: vessel, lumen, plan, deployment engine and finite-element truth."""
 
 import dataclasses
 import json
@@ -12,13 +12,17 @@ from vci.benchmarks.programs import reason_of, run
 
 PYTHON = "/usr/bin/python3"
 DEVICES = "config/devices"
-# settings of the truth: coarser than the study's, with a mean area error below 1 % (data_synthetic/measured.md)
+# Settings of the finite-element truth, which are coarser than the study's. The mean error of its areas is below 1 %
+# (data_synthetic/measured.md).
 REFERENCE = {"slice_spacing_mm": 1.0, "elements_around": 16, "elements_through": 4, "check_slices": 0}
 
 
 @dataclasses.dataclass(frozen=True)
 class Outcome:
-    """The result of a case: plan, deployment.json and reference.json, or the reason for the first refusal."""
+    """The results of a case in its folder, or the reason for which a command refused it.
+
+    plan: the plan. engine: the engine's deployment.json. truth: the truth's reference.json. refused: empty if none did.
+    """
 
     folder: pathlib.Path
     plan: dict = None
@@ -28,7 +32,11 @@ class Outcome:
 
 
 def treat(case_file, folder, build, change=lambda plan: None, edge=0.4):
-    """The Outcome of the case in the YAML `case_file`; `change` edits its plan before both compute it."""
+    """Runs the case in the YAML file `case_file` by engine and truth, and returns its Outcome.
+
+    folder: for all files. build: folder of the programs vci and lumen. change: function that edits the plan before
+    engine and truth use it. edge: edge length of the lumen's triangles, mm.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     settings, plan_file = folder / "reference_settings.json", folder / "vci" / "plan.json"
     settings.write_text(json.dumps(REFERENCE))
@@ -58,7 +66,7 @@ def treat(case_file, folder, build, change=lambda plan: None, edge=0.4):
 
 
 def chart_diameter(plan, device, pressure_bar):
-    """Diameter in mm that the chart of a balloon, or of a stent's delivery balloon, has at a pressure."""
+    """Diameter in mm by the chart of a balloon, or of a stent's delivery balloon, at a pressure (bar)."""
     entry = plan["devices"][device]
     chart = plan["devices"][entry["balloon"]]["chart"] if "balloon" in entry else entry["chart"]
     return float(np.interp(pressure_bar, chart["pressure_bar"], chart["diameter_mm"]))
@@ -70,21 +78,22 @@ def circle(area_mm2):
 
 
 def uses(plan, *actions):
-    """The uses of devices in the steps of these actions, each with its step's name: [(name, use)]."""
+    """[(name of the step, use of a device)] of the plan's steps with one of these actions."""
     return [(step["name"], use) for step in plan["procedure"] if step["action"] in actions for use in step["devices"]]
 
 
 def stented_slices(truth):
-    """The truth's slices within its stents: inflated radii of each step and the last radius, in mm."""
+    """The slices of the truth (reference.json) that lie within stents, with their radii (mm) at each step."""
     return [one for one in truth["slices"] if one["stented"]]
 
 
 def after_stenting(outcome):
-    """{engine, truth: {below_chart_percent, recoil_mm, short_of_chart_mm, expansion_percent}} of one stented case.
+    """{model: {below_chart_percent, recoil_mm, short_of_chart_mm, expansion_percent}} of one stented case.
 
-    below_chart_percent: by how much the smallest final diameter in the stent is below the largest balloon's chart.
-    recoil_mm: mean over the stent since the widest inflation. short_of_chart_mm: the delivery balloon's chart diameter
-    minus its smallest diameter when inflated. expansion_percent: smallest area over the healthy area.
+    The models are engine and truth. below_chart_percent: by how much the smallest final diameter in the stent is below
+    the chart diameter of the largest balloon. recoil_mm: mean decrease of the stent's diameter since its inflation (in
+    the truth, its widest). short_of_chart_mm: the delivery balloon's chart diameter minus its smallest diameter when
+    inflated. expansion_percent: smallest area in the stent over the healthy area.
     """
     plan, engine, truth = outcome.plan, outcome.engine, outcome.truth
     widest = max(
@@ -115,7 +124,10 @@ def after_stenting(outcome):
 
 
 def inflated_expansion(outcome, healthy_diameter_mm):
-    """{engine, truth}: smallest lumen area along the first balloon's cylinder while inflated, percent of healthy."""
+    """{model: area in percent of the healthy area} for the models engine and truth.
+
+    The area is the smallest along the cylinder of the predilatation's balloon, while this balloon is inflated.
+    """
     name, use = uses(outcome.plan, "predilatation")[0]
     half = 0.5 * outcome.plan["devices"][use["device"]]["length_mm"]
     along, inflated = diameters(outcome.folder / "engine/devices" / f"{name}_balloon.vtp")

@@ -1,4 +1,4 @@
-"""Rings of the devices that `vci deploy` writes: diameters along a balloon or stent."""
+"""Rings of the devices that `vci deploy` writes, and diameters along a balloon or stent."""
 
 import numpy as np
 
@@ -6,14 +6,21 @@ from common import vtp
 
 
 def rings(path):
-    """Vertices (rings, around, 3) in mm of a device's open tube, from its numbers of vertices and triangles."""
+    """Vertices (rings, vertices round a ring, 3) in mm of a device's .vtp file.
+
+    The device is an open tube, so its numbers of vertices and triangles give the number of vertices round a ring.
+    """
     poly = vtp.read(path, "run vci deploy again")
     points = vtp.points(poly)
     return points.reshape(-1, len(points) - len(vtp.triangles(poly)) // 2, 3)
 
 
 def diameters(path):
-    """(places (n,) along the device from its middle, diameters (n,) by the rings' perimeters), in mm."""
+    """(places (n,), diameters (n,)) in mm of the n rings of a device's .vtp file.
+
+    Places are measured along the device from its middle. A diameter is that of a circle through the vertices of a
+    regular ring with the same perimeter.
+    """
     rows = rings(path)
     centres = rows.mean(axis=1)
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(centres, axis=0), axis=1))])

@@ -1,10 +1,10 @@
-"""Hard cases of the deployment, generated and run one after another: a row each in hard_cases.csv.
+"""Generates hard cases of the deployment and runs them one after another. hard_cases.csv has a row for each case.
 
 /usr/bin/python3 -m vci.benchmarks.hard_cases --out results/hard_cases [--only NAME ...] [--scenes SCENE.json ...]
 
-Each case ends in force balance, or is refused with a reason. `within_limits` tells whether penetration stays small: its
-mean below MEAN_LIMIT_MM and its worst below WORST_LIMIT_MM. Runs follow one another on one thread; `cpu_seconds` are
-the whole program's.
+Each case ends in force balance, or is refused with a reason. The column `within_limits` tells whether the mean
+penetration is at most MEAN_LIMIT_MM and the worst at most WORST_LIMIT_MM. Runs follow one another on one thread.
+`cpu_seconds` are those of the whole program.
 """
 
 import argparse
@@ -29,9 +29,9 @@ def calcium(times):
     return {"plaque": {"calcified": {"youngs_modulus_mpa": 0.8 * times}}}
 
 
-MEAN_LIMIT_MM = 0.05 * 0.0125  # a twentieth of contact_distance_mm
-WORST_LIMIT_MM = 0.05
-MAXIMAL_STEPS = 500  # of a stage; a case that balances needs a third of it
+MEAN_LIMIT_MM = 0.05 * 0.0125  # largest mean penetration of a good run: a twentieth of contact_distance_mm
+WORST_LIMIT_MM = 0.05  # largest penetration of any vertex in a good run
+MAXIMAL_STEPS = 500  # in a stage; cases that balance need about a third of this number
 ECCENTRIC = {"eccentricity": 0.8, "calcium_deg": 90}
 CASES = {
     "ordinary": (Tube(), {}),
@@ -57,10 +57,11 @@ CASES = {
     ),
     "kissing balloons": (Tube(), {"kissing": 0.6, "pressures": (10, 11, 12)}),
 }
-# number of steps of the shipped bifurcation's procedure at BENCH_EDGE_MM. The first steps place a stent across the side
-# branch and optimise the main branch. All steps add a second stent through the first one's side, and kissing balloons.
+# Number of steps that are run of the shipped bifurcation's procedure; None for all. The first two steps place a stent
+# across the side branch and dilate it in the main branch (proximal optimisation). Further steps place a second stent
+# through the first one's side, and inflate kissing balloons.
 BENCH = {"stent across a side branch": 2, "culotte": None}
-BENCH_EDGE_MM = 0.4
+BENCH_EDGE_MM = 0.4  # edge length of the bifurcation's lumen
 NAMES = (*CASES, *BENCH)
 
 
@@ -87,7 +88,7 @@ def result_row(case, program, scene):
 
 
 def scenes_of(options):
-    """(name, path of scene.json) of the wanted cases: the caller's own scenes, or generated ones."""
+    """Yields (name, path of the scene file) of the cases to run: the generated ones, then the user's own scenes."""
     unknown = set(options.only or []) - set(NAMES)
     if unknown:
         raise InputError("no such hard case", "--only", ", ".join(sorted(unknown)), "use " + "; ".join(NAMES))

@@ -1,4 +1,4 @@
-"""Runs a program for the benchmarks: its CPU seconds, its outcome, and the reason for a refusal."""
+"""Runs a program for the benchmarks, and gets its CPU seconds, its exit code and the reason for a refusal."""
 
 import os
 import resource
@@ -6,8 +6,10 @@ import subprocess
 
 
 def run(command, budget=None):
-    """(exit code, standard error, CPU seconds) of a program. It is ended once it has used `budget` CPU seconds; then
-    the code is negative."""
+    """(exit code, text of standard error, CPU seconds) of a program.
+
+    The program is ended once it has used `budget` CPU seconds. Its exit code is then negative.
+    """
 
     def limit():
         resource.setrlimit(resource.RLIMIT_CPU, (budget, budget + 5))
@@ -26,7 +28,7 @@ def run(command, budget=None):
 
 
 def reason_of(messages):
-    """A refusal in one line: its last message without the remedy."""
+    """The last error message in the text of standard error, in one line and without its remedy."""
     lines = [line.strip() for line in messages.strip().splitlines()]
     start = max((k for k, line in enumerate(lines) if line.startswith("where:")), default=len(lines))
     return "; ".join(line for line in lines[max(start - 1, 0) : start + 2] if not line.startswith("remedy"))

@@ -26,14 +26,17 @@ EX_VIVO = "OCT of ten calcified hearts ex vivo, non-compliant balloon 1:1"
 SCHMIDT = "Schmidt 2017, doi 10.1515/cdbme-2017-0029 (five 3.0 mm stents)"
 WIESENT = "Wiesent 2019, doi 10.1371/journal.pone.0224026"
 COLUMNS = ["bench", "quantity", "unit", "published", "engine", "truth", "n", "remark", "source"]
-VESSEL_MM = 3.0  # healthy diameter of the calcified benches
-ARCS_DEG, LENGTHS_MM = (90, 180, 270), (5, 10)
-ATMOSPHERES = (10, 20, 30)  # taken as bar
+VESSEL_MM = 3.0  # healthy diameter of the calcified vessels
+ARCS_DEG, LENGTHS_MM = (90, 180, 270), (5, 10)  # of the calcium
+ATMOSPHERES = (10, 20, 30)  # balloon pressures; one atmosphere is taken as one bar
 NO_TRUTH = "the truth's slices have no axial coupling"
 
 
 def catalogue_entry(families, family, diameter, length):
-    """A balloon or stent of config/devices at one size, as a scene has it, without its delivery balloon."""
+    """A balloon or stent of config/devices in one size (mm), as an entry of a scene's devices.
+
+    A stent's entry names its delivery balloon "delivery", which the caller must add.
+    """
     found = dict(families[family])
     for key in ("description", "source", "diameters_mm", "lengths_mm", "designs", "delivery_balloon"):
         found.pop(key, None)
@@ -51,9 +54,10 @@ def catalogue_entry(families, family, diameter, length):
 
 
 def stent_alone(folder, build, families, tube, pressure_bar, wall=None):
-    """(places, diameters) in mm along a catalogue's 3.0 mm stent of 18 mm inflated in a tube, before its extraction.
+    """(places (n,), diameters (n,)) in mm along a stent that its balloon holds open in a tube.
 
-    The run may be refused at its end, because a free stent touches nothing.
+    The stent is the catalogue's, 3.0 mm wide and 18 mm long. The run may be refused at its end, because a free stent
+    touches nothing once its balloon is out.
     """
     path = scenes.write_scene(folder, tube, wall=wall)
     scene = json.loads(path.read_text())
@@ -66,11 +70,11 @@ def stent_alone(folder, build, families, tube, pressure_bar, wall=None):
     path.write_text(json.dumps(scene))
     frames = folder / "frames"
     run([build / "vci", "deploy", path, "--out", folder / "out", "--frames", frames])
-    return diameters(frames / "frame_device1_0001.vtp")  # the end of the second of three stages
+    return diameters(frames / "frame_device1_0001.vtp")  # the state at the end of the second of three stages
 
 
 def free_expansion(folder, build, families):
-    """Rows of a stent that opens free of any wall: diameters in its middle and at its ends by pressure."""
+    """Yields rows for a stent that opens without touching a wall: its diameters in the middle and at its ends."""
     for bar in (2, 3, 4, 5, 8, 11, 16):
         _, found = stent_alone(folder / f"free_{bar}", build, families, scenes.Tube(30.0, 2.5, 0.0, edge=0.8), bar)
         middle, end = found[len(found) // 2], 0.5 * (found[0] + found[-1])
@@ -86,7 +90,7 @@ def free_expansion(folder, build, families):
 
 
 def steel_ring(folder, build, families):
-    """Rows of a stent through a rigid ring of 1.20 mm: its largest diameter beside the ring."""
+    """Yields rows for a stent that opens in a rigid ring of 1.20 mm: its largest diameter, reached beside the ring."""
     rigid = {"plaque": {"calcified": {"youngs_modulus_mpa": 1e5, "yield_strain": None}}}
     tube = scenes.Tube(30.0, 2.2, 1 - 1.2 / 4.4, lesion_length=4.0, calcium_deg=360)
     delivery = families["des_balloon"]
@@ -107,7 +111,10 @@ def steel_ring(folder, build, families):
 
 
 def drawn_cohort(folder, build, count, seed):
-    """Rows of drawn patients with proposed plans: distance from the chart, recoil, expansion."""
+    """Yields rows for drawn patients with proposed plans: shortfall from the chart diameter, recoil and expansion.
+
+    count: number of patients. seed: of the random numbers by which they are drawn.
+    """
     run([bench_cases.PYTHON, "-m", "data_synthetic", "draw", "--count", count, "--seed", seed, "--out", folder])
     outcomes = [bench_cases.treat(path, folder / path.stem, build) for path in sorted(folder.glob("patient*.yaml"))]
     values = [bench_cases.after_stenting(outcome) for outcome in outcomes if outcome.engine]
@@ -137,12 +144,15 @@ def drawn_cohort(folder, build, count, seed):
 
 
 def mean_sd(values):
-    """Mean and sample standard deviation as "14.5 (4.5)"; dashes of fewer than two values."""
+    """Text with mean and sample standard deviation, as "14.5 (4.5)"; "-" for fewer than two values."""
     return f"{np.mean(values):.3g} ({np.std(values, ddof=1):.2g})" if len(values) > 1 else "-"
 
 
 def calcified_case(path, arc_deg, length_mm, steps):
-    """Writes a case file: a straight vessel of 3 mm, a narrowing of 65 %, calcium of an arc and length behind it."""
+    """Writes a case file and returns its path: a vessel of 3 mm with a stenosis of 65 % and calcium in its plaque.
+
+    arc_deg, length_mm: of the calcium. steps: the case's plan, as step() makes its entries.
+    """
     lesion = {"centre_s_mm": 20, "length_mm": 14, "diameter_stenosis_percent": 65, "plaque": "fibrous"}
     lesion["calcium"] = {"arc_deg": arc_deg, "length_mm": length_mm}
     main = {"length_mm": 40, "ostial_diameter_mm": VESSEL_MM, "taper_percent_per_cm": 0}
@@ -155,7 +165,7 @@ def calcified_case(path, arc_deg, length_mm, steps):
 
 
 def step(action, device, diameter, length, bar):
-    """A step of a case's plan in the middle of the bench's lesion."""
+    """A step of a case's plan, with one device in the middle of the lesion. Lengths in mm."""
     place = {"branch": "main", "centre_s_mm": 20, "pressure_bar": bar}
     return {"action": action, "devices": [{"device": device, "diameter_mm": diameter, "length_mm": length, **place}]}
 
@@ -168,7 +178,7 @@ STENTING = [
 
 
 def calcium_slopes(folder, build):
-    """Rows of how a stent's expansion changes with calcium's arc, thickness and length."""
+    """Yields rows for the change of a stent's expansion with the calcium's arc and length, by linear regression."""
     places, found = [], {"engine": [], "truth": []}
     for arc in ARCS_DEG:
         for length in LENGTHS_MM:
@@ -195,7 +205,10 @@ def calcium_slopes(folder, build):
 
 
 def pressures(folder, build):
-    """Rows of the smallest area that a non-compliant balloon of the vessel's size opens at 10, 20 and 30 atm."""
+    """Yields rows for the smallest lumen area round an inflated non-compliant balloon at 10, 20 and 30 atm.
+
+    The balloon's nominal diameter is the vessel's healthy diameter.
+    """
 
     def longer_chart(plan):
         for device in plan["devices"].values():
@@ -207,7 +220,7 @@ def pressures(folder, build):
 
     for words, arc, length in (("little", 90, 5), ("much", 270, 10)):
         for bar_now in ATMOSPHERES:
-            # a case's file may not exceed the rated burst pressure, so the pressure is changed in the plan
+            # A case file may not exceed the rated burst pressure. So the pressure is raised in the plan.
             steps = [step("predilatation", "non_compliant", VESSEL_MM, 15, 10)]
             path = calcified_case(folder / f"balloon_{words}_{bar_now}.yaml", arc, length, steps)
             outcome = bench_cases.treat(path, folder / path.stem, build, longer_chart)

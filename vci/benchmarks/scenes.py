@@ -9,25 +9,26 @@ from vtk.util.numpy_support import numpy_to_vtk
 
 from common import vtp
 
-COMPLIANCE = (np.array([2, 4, 6, 8, 10, 12, 14, 16, 18, 22, 26]), 1.1, 8.0)  # bar; % of the diameter a bar; nominal bar
-PLAQUE, CALCIUM = 1, 3  # plaque_type
+# Compliance of all balloons: the chart's pressures (bar), increase of the diameter (% per bar), nominal pressure (bar).
+COMPLIANCE = (np.array([2, 4, 6, 8, 10, 12, 14, 16, 18, 22, 26]), 1.1, 8.0)
+PLAQUE, CALCIUM = 1, 3  # values of plaque_type for fibrous and for calcified plaque
 
 
 @dataclasses.dataclass(frozen=True)
 class Tube:
-    """A tube narrowed at half its length; lengths in mm, curvature in 1/mm."""
+    """A tube with a stenosis at half its length. Lengths are in mm, the curvature of its axis in 1/mm."""
 
     length: float = 30.0
-    radius: float = 1.5
-    stenosis: float = 0.5  # share of the diameter
+    radius: float = 1.5  # of the healthy lumen
+    stenosis: float = 0.5  # share of the diameter that is lost at the narrowest place
     lesion_length: float = 9.0
     eccentricity: float = 0.0  # 0: plaque all round; 1: all plaque on one side
-    calcium_deg: float = 0.0  # arc of the plaque that is calcified, about its thickest side
+    calcium_deg: float = 0.0  # arc of calcified plaque, centred on the thickest plaque
     curvature: float = 0.0
-    edge: float = 0.5
-    jitter: float = 0.0  # displacement of the vertices in the surface, share of an edge
-    sliver: float = 0.0  # 0: even rows of triangles; towards 1: every other row is thin
-    seed: int = 1
+    edge: float = 0.5  # length of the triangles' edges
+    jitter: float = 0.0  # largest random displacement of vertices along the surface, over the edge length
+    sliver: float = 0.0  # 0: rows of triangles are equally high; towards 1: every other row is thin
+    seed: int = 1  # of the jitter
 
     def lumen_radius(self, s):
         """Lumen radius (mm) at arc lengths s (mm)."""
@@ -35,12 +36,16 @@ class Tube:
         return self.radius * (1 - self.stenosis * 0.5 * (1 + np.cos(np.pi * d)))
 
     def frames(self, s):
-        """(points, first normals, second normals), each (n, 3), of the vessel's axis: a line, an arc or a helix."""
+        """(points, first normals, second normals) of the vessel's axis at arc lengths s (n,), each (n, 3).
+
+        Points are in mm, normals are unit vectors. The axis is a line, an arc or a helix.
+        """
         if self.curvature == 0:
             ones, zeros = np.ones_like(s), np.zeros_like(s)
             axes = [np.stack(c, 1) for c in ((zeros, zeros, s), (ones, zeros, zeros), (zeros, ones, zeros))]
             return tuple(axes)
-        # curvature a / (a^2 + b^2); beyond three quarters of a turn the axis climbs by three radii a turn
+        # A helix of radius a that climbs by 2 pi b per turn has the curvature a / (a^2 + b^2). Tubes of less than three
+        # quarters of a turn are flat arcs (b = 0); longer ones climb by three lumen radii per turn.
         b = 0.0 if self.curvature * self.length < 1.5 * np.pi else 3 * self.radius / (2 * np.pi)
         a = (1 + np.sqrt(1 - 4 * (self.curvature * b) ** 2)) / (2 * self.curvature)
         c = np.hypot(a, b)
@@ -51,12 +56,15 @@ class Tube:
         return points, normals, np.cross(tangents, normals)
 
     def centre(self, s):
-        """Points (n, 3) in mm of the lumen's axis."""
+        """Points (n, 3) in mm of the lumen's axis at arc lengths s (n,) of the vessel's axis."""
         points, first, _ = self.frames(s)
         return points + (self.eccentricity * (self.radius - self.lumen_radius(s)))[:, None] * first
 
     def mesh(self):
-        """(points (n, 3), triangles (m, 3), lumen radius (n,), plaque thickness (n,) in mm, plaque type (n,))."""
+        """(points (n, 3), triangles (m, 3), lumen radius (n,), plaque thickness (n,), plaque type (n,)).
+
+        Lengths are in mm. Triangles are indices of points.
+        """
         rows, around = self._rows(), round(2 * np.pi * self.radius / self.edge)
         r, k = np.divmod(np.arange(len(rows) * around), around)
         s, angle = rows[r], 2 * np.pi * (k + 0.5 * (r % 2)) / around
@@ -69,7 +77,7 @@ class Tube:
         _, first, second = self.frames(s)
         round_axis = np.cos(angle)[:, None] * first + np.sin(angle)[:, None] * second
         points = self.centre(s) + radius[:, None] * round_axis
-        # the lumen is shifted along the first normal; the thickest plaque is opposite
+        # The lumen is shifted along the first normal, so the thickest plaque is on the opposite side.
         lean = self.eccentricity * (self.radius - radius)
         distance = np.hypot(lean + radius * np.cos(angle), radius * np.sin(angle))
         plaque = np.maximum(self.radius - distance, 0.0)
@@ -78,7 +86,7 @@ class Tube:
         return points, self._triangles(len(rows), around), radius, plaque, kind
 
     def _rows(self):
-        """Arc lengths of the rows of vertices, closer where the lumen is narrow."""
+        """Arc lengths (mm) of the rings of vertices, which are closer where the lumen is narrow."""
         rows = [0.0]
         while rows[-1] < self.length:
             share = max(0.3, float(self.lumen_radius(np.array(rows[-1]))) / self.radius)
@@ -98,7 +106,7 @@ class Tube:
 
 
 def polydata(points, cells, lines=False):
-    """vtkPolyData of points (n, 3) with triangles, or polylines."""
+    """vtkPolyData of points (n, 3). `cells` are lists of their indices: triangles, or polylines if `lines` is true."""
     data, places, array = vtk.vtkPolyData(), vtk.vtkPoints(), vtk.vtkCellArray()
     places.SetDataTypeToDouble()
     places.SetData(numpy_to_vtk(np.ascontiguousarray(points), deep=True))
@@ -110,7 +118,7 @@ def polydata(points, cells, lines=False):
 
 
 def write_geometry(folder, tube):
-    """lumen.vtp and centreline.vtp as the anatomy step would write them."""
+    """Writes the tube's lumen.vtp and centreline.vtp to `folder`, as the anatomy step would."""
     points, triangles, radius, plaque, kind = tube.mesh()
     lumen = polydata(points, triangles)
     vtp.add_array(lumen.GetCellData(), "region_id", np.zeros(len(triangles), dtype=np.int32))
@@ -128,7 +136,10 @@ def write_geometry(folder, tube):
 
 
 def balloon(diameter, length):
-    """A balloon's entry (mm): its nominal diameter at 8 bar, 1.1 % more for each bar above."""
+    """A balloon's entry in a scene, for a nominal diameter and length in mm.
+
+    Its diameter is the nominal one at 8 bar, and 1.1 % larger for each bar above.
+    """
     pressure, percent, nominal = COMPLIANCE
     chart = diameter * (1 + percent / 100 * (pressure - nominal))
     return {
@@ -143,7 +154,7 @@ def balloon(diameter, length):
 
 
 def stent(diameter, length, delivery):
-    """A stent's entry (mm) on the balloon named `delivery`."""
+    """A stent's entry in a scene, for a nominal diameter and length in mm, on the balloon named `delivery`."""
     return {
         "kind": "stent",
         "balloon": delivery,
@@ -170,11 +181,12 @@ def write_scene(
     kissing=0.0,
     folding=None,
 ):
-    """Writes geometry and scene.json of a predilatation, stents and a postdilatation; returns the scene's path.
+    """Writes the tube and a scene.json with predilatation, stents and postdilatation. Returns the path of scene.json.
 
-    size: device over vessel diameter. pressures: bar, of the three inflations. shifts: mm from the lesion's middle, one
-    for each stent. length: mm, of the stents. kissing: if above 0, two balloons of this diameter relative to the vessel
-    are inflated side by side instead of the postdilatation. folding: of predilatation and delivery balloon.
+    size: nominal diameter of the stents over the healthy vessel's. pressures: of predilatation, stents and last step,
+    bar. shifts: place of each stent from the lesion's middle, mm. length: of the stents, mm. wall, numerics: settings
+    of the scene. kissing: if above 0, the last step is no postdilatation but inflates two balloons side by side, of
+    this share of the stents' diameter. folding: entry for predilatation and delivery balloons; None: not folded.
     """
     folder.mkdir(parents=True, exist_ok=True)
     write_geometry(folder, tube)

@@ -2,9 +2,9 @@
 
 /usr/bin/python3 -m vci.benchmarks.sensitivity --out results/sensitivity
 
-Runs the generated scenes of vci.benchmarks.benchmark at EDGE_MM, with one setting at a time changed from its default.
-Changes of the mean area (of the reported segment) and of the minimal area are in percent of the default's. One run at a
-time.
+Runs the generated scenes CASES of vci.benchmarks.benchmark, with one setting at a time changed from its default.
+sensitivity.csv has a row for each run. It gives the changes of the mean and the minimal area of the reported segment,
+in percent of the areas with all settings at their defaults. Runs follow one another.
 """
 
 import argparse
@@ -17,7 +17,7 @@ from common.documents import schema
 from common.errors import ComputationError, guarded
 from vci.benchmarks.benchmark import generated, outcome_of
 
-EDGE_MM = 0.6
+EDGE_MM = 0.6  # edge length of the lumen's triangles
 CASES = ("straight", "curved 0.12 per mm", "eccentric")
 VARIED = {"contact_distance_mm": (0.00625, 0.0125, 0.025), "region_margin_mm": (1.0, 3.0, 6.0, 12.0)}
 AREAS = ("mean_csa", "mla")
@@ -26,8 +26,10 @@ COLUMNS += ("steps", "cpu_seconds")
 
 
 def run(program, case, numerics, folder):
-    """The table's columns for a scene with the settings `numerics`. Raises ComputationError if the scene is refused or
-    its areas are not known."""
+    """Runs the scene `case` with the settings `numerics`, and returns its outcome as benchmark.outcome_of() does.
+
+    Raises ComputationError if the scene is refused.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     scene = generated(case, EDGE_MM, folder)
     scene["numerics"] = scene["numerics"] | numerics
@@ -39,7 +41,7 @@ def run(program, case, numerics, folder):
 
 
 def rows(program, out):
-    """Rows of the table, case by case."""
+    """Yields the rows of sensitivity.csv, scene by scene. program: path of vci. out: folder for the scenes."""
     numerics = schema.read("deployment")["properties"]["numerics"]["properties"]
     for case in CASES:
         name = "".join(c if c.isalnum() else "_" for c in case)

@@ -1,4 +1,4 @@
-"""Makes the shipped bifurcation bench a scene at any edge, and remeshes lumens, by a study's own programs."""
+"""Makes a scene of the shipped bifurcation with any edge length, and remeshes lumens, by a study's own programs."""
 
 import json
 import pathlib
@@ -11,9 +11,9 @@ CONFIG = pathlib.Path(__file__).resolve().parents[2] / "config"
 
 
 def processed(programs, surface, units, edge, out):
-    """The anatomy of a surface remeshed at an edge (mm), in the folder `out`; programs: folder of `lumen`.
+    """Writes the anatomy of a surface, remeshed to an edge length (mm), to the folder `out`, unless it is there.
 
-    Raises ComputationError.
+    programs: folder of the program lumen. units: of the surface. Raises ComputationError if the program fails.
     """
     if not (out / "lumen.vtp").is_file():
         code, messages, _ = run(
@@ -24,9 +24,10 @@ def processed(programs, surface, units, edge, out):
 
 
 def culotte(programs, edge, folder, steps=None):
-    """The scene (JSON) of config/cases/culotte_bench.yaml at an edge (mm), with its first `steps` steps (None: all).
+    """The scene (JSON) of the bifurcation in config/cases/culotte_bench.yaml, remeshed to an edge length (mm).
 
-    The bench's surface is made once, in the parent of `folder`. Raises ComputationError.
+    programs: folder of the program lumen. folder: for the anatomy and the plan; its parent gets the bench's surface,
+    made once. steps: number of first steps that the scene keeps; None: all. Raises ComputationError if a program fails.
     """
     case, source, plan = CONFIG / "cases" / "culotte_bench.yaml", folder.parent / "source", folder / "plan.json"
     if not (source / "lumen.vtp").is_file():

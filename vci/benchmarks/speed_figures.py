@@ -7,7 +7,7 @@ from matplotlib import pyplot  # noqa: E402
 
 
 def pareto(points):
-    """The (cost, error) pairs for which no cheaper pair has a smaller error, sorted by cost."""
+    """The Pareto front of (cost, error) pairs: those whose error is below that of all cheaper pairs, sorted by cost."""
     front = []
     for cost, error in sorted(points):
         if not front or error < front[-1][1]:
@@ -16,8 +16,11 @@ def pareto(points):
 
 
 def draw_speed(rows, medians, errors, path):
-    """Figure: errors of the mean and of the minimal area against seconds with the Pareto front of the medians, and the
-    cost of a step per vertex against the number of vertices."""
+    """Draws errors of the mean and the minimal area against CPU seconds, and the cost of a step per wall vertex.
+
+    rows, medians: of benchmark.csv and of medians.csv, whose Pareto front is drawn. errors: columns of both errors.
+    path: of the picture.
+    """
     figure, (*both, cost) = pyplot.subplots(1, 3, figsize=(16, 4))
     for axes, key, what in zip(both, errors, ("mean", "minimal")):
         for case in dict.fromkeys(r["case"] for r in rows):
@@ -27,7 +30,9 @@ def draw_speed(rows, medians, errors, path):
         if front:
             axes.loglog(*zip(*front), "k-", label="front of the medians")
         axes.set(xlabel="CPU seconds, one core", ylabel=f"error of the {what} area in the stent, %")
-    both[1].legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncol=3, fontsize=8)  # below: it would hide points
+    both[1].legend(
+        loc="upper center", bbox_to_anchor=(0.5, -0.15), ncol=3, fontsize=8
+    )  # below the axes, where it hides no points
     key = "microseconds_per_vertex_step"
     known = [r for r in rows if key in r]
     cost.semilogx([r["wall_vertices"] for r in known], [r[key] for r in known], "o")
@@ -36,7 +41,10 @@ def draw_speed(rows, medians, errors, path):
 
 
 def draw_fronts(rows, schemes, key, path):
-    """Figure: a scene's errors `key` against CPU seconds, with a Pareto front for each scheme."""
+    """Draws errors of the mean area against CPU seconds, in a plot for each scene, with a Pareto front for each scheme.
+
+    rows: of baseline.csv. key: column of the error. path: of the picture.
+    """
     cases = list(dict.fromkeys(r["case"] for r in rows))
     figure, every = pyplot.subplots(1, len(cases), figsize=(5 * len(cases), 4), sharey=True, squeeze=False)
     known = {}

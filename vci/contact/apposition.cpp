@@ -11,12 +11,16 @@ namespace vci {
 
 namespace {
 
-constexpr double apposition_reach = 2.0; // mm: a stent further away lies against another part of the wall
-constexpr double slack = 0.1; // mm: triangles this much further than the nearest may hold the projection along normals
+constexpr double apposition_reach = 2.0; // mm: a stent further from a wall vertex lies against another part of the wall
+// mm: a vertex may project along the normals onto a triangle that is this much further away than the nearest one
+constexpr double slack = 0.1;
 constexpr double nothing = 1e300;
 
-/// Gap (mm) from a wall vertex to the smooth surface of a stent, as contact measures it; 0 in contact. None if the
-/// projection lies on the end of the stent, or if the two do not face the same way.
+/// Gap (mm) from a wall vertex to the smooth surface of a stent, measured as contact does; 0 if they touch or overlap.
+/// Returns nothing if the vertex projects onto the stent's open end, or if the outward normals of wall and stent point
+/// opposite ways.
+/// @param units unit normals of all vertices
+/// @param candidates numbers of the stent's triangles near the vertex
 std::optional<double> gap_to(const System& system, const Body& stent, const Vectors& units, int vertex,
                              const std::vector<int>& candidates) {
   double closest = 0;

@@ -4,8 +4,9 @@
 
 namespace vci {
 
-/// Gap (mm) per vertex of the wall (body 0) to the smooth surface of the nearest of `stents` that faces it within 2 mm;
-/// 0 if none does.
+/// For each vertex of the wall (body 0), the gap (mm) to the smooth surface of the nearest stent that faces the vertex.
+/// The gap is 0 if stent and wall touch, or if no stent faces the vertex within 2 mm.
+/// @param stents numbers of the stents' bodies
 std::vector<double> malapposition(const System& system, const std::vector<int>& stents);
 
 } // namespace vci

@@ -9,35 +9,42 @@ namespace vci {
 
 namespace {
 
-constexpr double search_reach = 0.5; // mm: a vertex deeper than this beyond a surface is not found any more
+// mm: radius round a vertex in which a surface is searched. A vertex that has gone deeper is no longer in contact.
+constexpr double search_reach = 0.5;
 
-// A few vertices carry far more load than the others, at the edge of calcium or at the rim of a window. A second,
-// stiffer response stops them. It begins deeper than ordinary contact reaches: if all contact were that stiff, areas
-// would depend on the length of the steps. Start and width are in widths of the ordinary ramp, and the stiffness is
-// relative to the ordinary one.
+// A few vertices carry far more load than the others, at the edge of calcium or at the rim of a stent's opening. A
+// second, stiffer contact response stops them, the deep response. It begins deeper than ordinary contact reaches. If
+// all contact were as stiff, areas would depend on the length of the solver's steps. Start and width are in widths of
+// the ordinary ramp, and the stiffness is relative to the ordinary stiffness.
 constexpr double deep_from = 1.5, deep_ramp = 2, deep_stiffness = 40;
-// Bound of the deep response over its first value. A vertex that is still too deep there stays so.
+// Largest factor by which stiffen_deep_contacts() raises the deep response of a vertex. If a vertex is still too deep
+// at this factor, it remains too deep.
 constexpr double largest_deep_scale = 64;
-// Before the rim of a window, the stiffer response fades only where this share of the surface is left. If it faded
-// earlier, the vertices there would carry their load with a small share of their area and sink in. The ordinary
-// response fades over the whole row of triangles, so that contact comes and goes gradually.
+// In the last row of triangles before a window (an opening in a surface), the weight of the corners off the rim falls
+// from 1 to 0 at the rim. The deep response fades only below this weight. If it faded earlier, vertices there would
+// carry their load with a small share of their area and sink in. The ordinary response fades over the whole row, so
+// that contact comes and goes gradually.
 constexpr double deep_fade_share = 0.1;
 
-// A sliding contact meets no further friction along its slip, but sticks again when it turns back. With the whole
-// stiffness removed along the slip the steps do not converge; with none removed the contact creeps.
+// Share of a sliding contact's friction stiffness that the step's matrix leaves out along the slip. Further slip raises
+// the friction no more, but a contact that turns back sticks again. With all of the stiffness left out the steps do not
+// converge; with none left out the contact creeps.
 constexpr double slip_tangent_reduction = 0.7;
 
-// If no normal of a surface passes through a vertex, the vertex is measured against the nearest point of a fold. A
-// vertex beside the fold then has a gap along the normal of about 0, however far away it is. So beyond `near_fold` (mm)
-// such a vertex is in contact only within 60 degrees of the normal.
+// At a fold, a vertex may lie on no normal of the surface. Its gap is then measured to the nearest point of the fold.
+// If the vertex lies beside the fold, its gap along the normal is about 0, however far away the vertex is. So beyond
+// `near_fold` (mm) such a vertex is in contact only if it lies within 60 degrees of the normal (`least_cosine`).
 constexpr double near_fold = 0.1, least_cosine = 0.5;
 
+/// @param way vector (mm) between vertex and fold
+/// @param normal unit normal of the surface at the fold
 bool lies_beside(const Vec3& way, const Vec3& normal) {
   const double distance = way.norm();
   return distance > near_fold && std::abs(way.dot(normal)) < least_cosine * distance;
 }
 
-/// Quadratic over the width w, then linear; nothing below a = 0.
+/// Response to an overlap a (mm): pressure quadratic in a up to a = w (mm), then linear; 0 if a is not above 0.
+/// @param stiffness slope of the linear part, MPa/mm
 PenaltyResponse ramp(double a, double stiffness, double w) {
   if (a <= 0)
     return {0, 0, 0};
@@ -68,7 +75,7 @@ bool SurfaceContact::excluded(const System& system, int body, int vertex) const 
   return !flags.empty() && flags[vertex - system.body(body).first];
 }
 
-/// Whether the surface is open at a vertex, in a window or on its rim.
+/// Whether a vertex of a surface lies in a window of the surface or on the window's rim.
 bool SurfaceContact::open_at(const System& system, int body, int vertex) const {
   const bool on_rim = body == outer_ && !sides_.outer_rim.empty() && sides_.outer_rim[vertex - system.body(body).first];
   return on_rim || excluded(system, body, vertex);
@@ -111,7 +118,8 @@ const BroadPhase& SurfaceTrees::at(const System& system, int body) {
   return place->second;
 }
 
-/// Stores the result of a search for a vertex: the candidate triangles, or only how far away the surface is.
+/// Stores in `facing` what a search round vertex v has `found`: the candidate triangles. If the surface is far away, it
+/// stores only how far vertex and surface may move until the next search.
 void SurfaceContact::face(const System& system, const Vectors& units, int v, const Body& target, bool vertex_inside,
                           const std::vector<NearTriangle>& found, double travel, Facing& facing) const {
   const Vec3& p = system.x[v];
@@ -136,7 +144,8 @@ void SurfaceContact::face(const System& system, const Vectors& units, int v, con
     facing.triangles.push_back(f.triangle);
 }
 
-/// Whether a vertex still projects onto the triangle of the last search, which saves a new one.
+/// Whether a vertex at p still projects onto the triangle that it met last, so that no new search is needed. Vertex and
+/// surface may together have moved by three skins since the last search.
 bool SurfaceContact::keeps_projection(const System& system, const Vectors& units, const Vec3& p, const Body& target,
                                       double travel, const Facing& facing) const {
   SurfaceProjection projection;
@@ -159,7 +168,8 @@ void SurfaceContact::search(const System& system, const Vectors& units, int from
       continue;
     if (!boxes)
       boxes = &trees_->at(system, onto);
-    // twice the skin: another triangle may become the nearest while both sides move by the skin
+    // Until the next search, each distance may change by a skin. So a triangle that is up to two skins further away
+    // than the nearest may become the nearest.
     boxes->near(p, target.triangles, system.x, search_reach, 2 * settings_.skin, facing.last_triangle, found);
     face(system, units, source.first + k, target, vertex_inside, found, side.travel, facing);
   }
@@ -171,7 +181,7 @@ void SurfaceContact::measure(const System& system, const Normals& normals, int f
   const Body& target = system.body(onto);
   Vectors slip(system.body(from).count, Vec3::Zero());
   side.slip.resize(slip.size(), Vec3::Zero());
-  slip.swap(side.slip); // a vertex without contact starts anew
+  slip.swap(side.slip); // a vertex that has lost contact also loses its stored slip
   side.deep_scale.resize(slip.size(), 1.0);
   const double sign = vertex_inside ? 1.0 : -1.0; // gap = sign (projection - vertex) . n
   const int first = system.body(from).first;
@@ -179,8 +189,9 @@ void SurfaceContact::measure(const System& system, const Normals& normals, int f
     Facing& c = side.facing[place];
     const int vertex = first + static_cast<int>(place);
     const Vec3& p = system.x[vertex];
-    // The scale is kept until the vertex is clear of the surface. A vertex beside a rim may lose its contact in one
-    // step and be deep again in the next. If it started anew, a stage might be balanced and sent on for ever.
+    // The factor on the deep response is kept until the vertex is clear of the surface. A vertex beside a rim may lose
+    // its contact in one step and be deep again in the next. If the factor were then reset to 1, a stage might
+    // alternate for ever between balance and stiffening.
     double& deep_scale = side.deep_scale[place];
     if (c.triangles.empty() || !c.measure.exceeded(p, side.travel)) {
       deep_scale = 1;
@@ -194,7 +205,7 @@ void SurfaceContact::measure(const System& system, const Normals& normals, int f
         stay_on_edge(p, c.last_triangle, system, units, target, projection);
     }
     if (projection.triangle < 0)
-      continue; // positions are no longer finite; the integrator reports it
+      continue; // positions are no longer finite, which the integrator reports
     c.last_triangle = projection.triangle;
     c.measure = {p, side.travel, -1};
     const Triangle& t = target.triangles[projection.triangle];
@@ -203,7 +214,7 @@ void SurfaceContact::measure(const System& system, const Normals& normals, int f
       continue;
     const Vec3 n = interpolated_normal(t, projection.weights, units);
     if ((n.dot(units[vertex]) > 0) != sides_.nested)
-      continue; // the surfaces do not face each other here
+      continue; // outward normals must point the same way on nested surfaces, opposite ways on surfaces side by side
     const Vec3 q = projection.weights[0] * system.x[t[0]] + projection.weights[1] * system.x[t[1]] +
                    projection.weights[2] * system.x[t[2]];
     if (!projection.along_normals && lies_beside(q - p, n))
@@ -249,7 +260,7 @@ double SurfaceContact::largest_move(const System& system, int body) const {
 
 void SurfaceContact::detect(const System& system, const Normals& normals, std::vector<ContactPoint>& points,
                             double ahead) {
-  if (last_.size() != system.x.size()) { // bodies have come or gone
+  if (last_.size() != system.x.size()) { // bodies were added or removed
     inner_on_outer_.facing.clear();
     outer_on_inner_.facing.clear();
   } else {

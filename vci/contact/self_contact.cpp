@@ -10,16 +10,17 @@ namespace vci {
 
 namespace {
 
-constexpr double layer_reach = 0.15;   // mm: a layer further away is ignored
+constexpr double layer_reach = 0.15;   // mm: a layer further from a vertex is ignored
 constexpr double facing_cosine = -0.2; // layers face each other if the cosine between their normals is below this
-constexpr double turned_away = 0.5;    // if the cosine is above this, a layer has turned away, however deep it is
-// share of the thickness: the gap between layers of a wrapped balloon, less the sagitta of their straight edges
+constexpr double turned_away = 0.5;    // a vertex that has passed through a layer leaves it above this cosine
+// Gap at which contact begins, over the thickness of a layer. The layers of a wrapped balloon lie one thickness apart,
+// less the sagitta of their straight edges.
 constexpr double begins_at_share = 0.9;
-constexpr int longest_walk = 20;                  // triangles
-constexpr double ramp_share = 0.4;                // of the thickness
-constexpr std::array<double, 2> sides{1.0, -1.0}; // outer, inner
+constexpr int longest_walk = 20;                  // largest number of triangles that follow() crosses in one call
+constexpr double ramp_share = 0.4;                // overlap over which the stiffness rises, over the thickness
+constexpr std::array<double, 2> sides{1.0, -1.0}; // sign of the gap on the outer and on the inner side of a vertex
 
-/// Pressure (MPa) and its stiffness (MPa/mm) at a gap: quadratic over the ramp, then linear.
+/// Pressure (MPa) and its stiffness (MPa/mm) at a gap (mm). The pressure is quadratic over the ramp, then linear.
 struct LayerLaw {
   double pressure, stiffness;
 };
@@ -81,7 +82,8 @@ bool SelfContact::own(int vertex, const Triangle& t, int first) const {
                      [&](int v) { return std::binary_search(near.begin(), near.end(), v - first); });
 }
 
-/// Walks from triangle to triangle to the closest point of the layer that the vertex faces.
+/// Updates the closest point of the layer that the vertex faces. It moves from the layer's stored triangle to
+/// neighbouring triangles as long as they are closer to the vertex.
 void SelfContact::follow(const System& system, int vertex, Layer& layer) const {
   const Body& body = system.body(body_);
   const Vec3& p = system.x[body.first + vertex];
@@ -108,7 +110,8 @@ void SelfContact::follow(const System& system, int vertex, Layer& layer) const {
   layer.distance = std::sqrt(best.distance_squared);
 }
 
-/// Measures the gap to the faced layer. False if the layer has moved out of reach or turned away.
+/// Measures the gap between a vertex and the layer that it faces. Returns false if the layer is out of reach or has
+/// turned away.
 bool SelfContact::keeps(const System& system, int vertex, double side, Layer& layer) const {
   follow(system, vertex, layer);
   const Body& body = system.body(body_);
@@ -119,8 +122,8 @@ bool SelfContact::keeps(const System& system, int vertex, double side, Layer& la
   return layer.distance < layer_reach && cosine < (layer.gap > 0 ? facing_cosine : turned_away);
 }
 
-/// Finds the nearest layer on each side that faces the vertex. A layer that it already faces stays if it is nearer, or
-/// if the vertex has passed through it.
+/// Finds the nearest layer that faces the vertex, on each side of it. A layer found earlier is replaced only by a
+/// nearer one, and not at all once the vertex has passed through it.
 void SelfContact::search(const System& system, int vertex, std::vector<NearTriangle>& found) {
   const Body& body = system.body(body_);
   const Vec3 &p = system.x[body.first + vertex], &normal = units_[body.first + vertex];
@@ -141,7 +144,8 @@ void SelfContact::search(const System& system, int vertex, std::vector<NearTrian
   }
 }
 
-/// True where a layer that no vertex faces may have come near enough to touch.
+/// Whether a layer that was out of reach in the last search may by now be near enough to touch. Adds the motion since
+/// the last call to `travel_`.
 bool SelfContact::may_have_missed(const System& system) {
   const Body& body = system.body(body_);
   double moved = 0;

@@ -1,30 +1,31 @@
-// Contact of a surface with itself: layers that lie on one another.
+// Contact of a folded surface with itself, where its layers lie on one another.
 #pragma once
 #include "vci/contact/contact.hpp"
 
 namespace vci {
 
-/// Each vertex may touch one layer on its outer side and one on its inner side. Both face it with opposing normals. The
-/// side is decided when a layer comes within reach, and kept while the projection follows the surface. A vertex that
-/// has passed through is therefore pushed back, and faces no other layer meanwhile. Triangles within an edge of the
-/// vertex along the surface are its own layer. There is no friction, since balloons are coated.
+/// Each vertex may touch one layer on its outer side and one on its inner side. A layer counts if its normal is opposed
+/// to that of the vertex. The side is decided when the layer comes within reach. It is kept while the vertex's closest
+/// point moves along that layer. So a vertex that has passed through a layer is pushed back, and meets no other layer
+/// on that side meanwhile. Triangles that contain the vertex or one of its neighbours belong to the vertex's own layer.
+/// There is no friction, since balloons are coated.
 class SelfContact {
 public:
-  /// @param stiffness of contact between two surfaces, MPa/mm, shared by the two layers
+  /// @param stiffness of contact between two surfaces, MPa/mm; each of the two layers in touch gets half
   /// @param thickness of the layer at each vertex, mm: contact begins at 0.9 of it; 0: the vertex touches nothing
   SelfContact(const System& system, int body, double stiffness, std::vector<double> thickness);
   int body() const { return body_; }
   /// Appends the active contact points at the system's positions. @param normals area vectors of all vertices
   void detect(const System& system, const Vectors& normals, std::vector<ContactPoint>& points);
-  /// Vertices that some layer faces, after the last call.
+  /// Number of vertices that face a layer, as found by the last detect().
   int facing() const;
 
 private:
   struct Layer {
-    int triangle = -1;        ///< the one that the vertex faces; -1: none
-    Vec3 slip = Vec3::Zero(); ///< stays 0 without friction; every contact point needs one
-    Vec3 weights = Vec3::Zero();
-    double distance = 0, gap = 0; ///< mm; the gap is negative once the vertex is through
+    int triangle = -1;            ///< the triangle that the vertex faces; -1: none
+    Vec3 slip = Vec3::Zero();     ///< always 0, since there is no friction; a ContactPoint needs it
+    Vec3 weights = Vec3::Zero();  ///< barycentric, of the triangle's closest point
+    double distance = 0, gap = 0; ///< mm; the gap is negative once the vertex has passed through the layer
   };
   bool own(int vertex, const Triangle& t, int first) const;
   void follow(const System& system, int vertex, Layer& layer) const;
@@ -37,11 +38,11 @@ private:
   int body_;
   double stiffness_;
   std::vector<double> thickness_;
-  std::array<std::vector<Layer>, 2> layers_; ///< of each vertex on its outer and its inner side
+  std::array<std::vector<Layer>, 2> layers_; ///< the layers that each vertex faces on its outer and its inner side
   std::vector<std::vector<int>> near_;       ///< per vertex: itself and its neighbours along edges, ascending
   std::vector<std::vector<int>> around_;     ///< per triangle: the triangles that share a vertex with it
   std::unique_ptr<BroadPhase> boxes_;
-  Vectors units_, last_; ///< unit normals; positions at the last call
+  Vectors units_, last_; ///< unit normals of all vertices; positions at the last search test, mm
   double travel_ = 0;    ///< sum of the largest displacements since the last search, mm
 };
 

@@ -16,12 +16,14 @@ Vec3 interpolated_normal(const Triangle& t, const Vec3& weights, const Vectors& 
 
 namespace {
 
-/// The point of a triangle from which p lies along the interpolated normal. Unlike the closest point, it moves
-/// continuously across edges on both sides of a folded surface. The weights may lie outside the triangle. Returns false
-/// if they lie far outside, or if the normals lean too far from the triangle's.
+/// Finds the point of a triangle from which p lies along the interpolated normal. Unlike the closest point, this point
+/// moves continuously across edges on both sides of a folded surface. Returns false if the point lies far outside the
+/// triangle, or if the interpolated normal leans too far from the triangle's own.
+/// @param weights barycentric: first guess, then the result, which may lie outside the triangle
 bool project_along_normals(const Vec3& p, const Triangle& t, const System& system, const Vectors& units,
                            Vec3& weights) {
-  constexpr double settled = 1e-5; // change of the weights; an iteration leaves a hundredth of their error or less
+  // Iterations end at this change of the weights. Each iteration leaves a hundredth of their error or less.
+  constexpr double settled = 1e-5;
   const Vec3 &a = system.x[t[0]], ab = system.x[t[1]] - a, ac = system.x[t[2]] - a;
   const Vec3 face = ab.cross(ac), pa = p - a;
   const double square = face.squaredNorm(), least = 0.2 * std::sqrt(square), height = pa.dot(face);
@@ -50,7 +52,8 @@ double distance_squared(const Vec3& p, const Triangle& t, const Vec3& weights, c
   return (p - weights[0] * system.x[t[0]] - weights[1] * system.x[t[1]] - weights[2] * system.x[t[2]]).squaredNorm();
 }
 
-constexpr double near_last = 0.1; // mm: a vertex further from the triangle that it met last may meet another
+// mm: a vertex further than this from the triangle that it met last may meet another triangle
+constexpr double near_last = 0.1;
 
 } // namespace
 
@@ -81,7 +84,7 @@ bool stay_on_edge(const Vec3& p, int triangle, const System& system, const Vecto
 
 SurfaceProjection project_onto(const Vec3& p, const std::vector<int>& candidates, const System& system,
                                const Vectors& units, const Body& target, double& distance) {
-  constexpr double near = 0.05; // mm beyond the closest triangle
+  constexpr double near = 0.05; // mm: triangles up to this much further away than the closest are tried
   std::vector<SurfaceProjection> projections;
   projections.reserve(candidates.size());
   SurfaceProjection closest;

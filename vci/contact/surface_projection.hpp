@@ -5,28 +5,32 @@
 namespace vci {
 
 struct SurfaceProjection {
-  int triangle = -1;
-  Vec3 weights = Vec3::Zero();
-  double distance_squared = 1e300; ///< mm^2
-  bool along_normals = false;      ///< the point lies over the triangle along its interpolated normals
+  int triangle = -1;               ///< number in the target body; -1: none
+  Vec3 weights = Vec3::Zero();     ///< barycentric, of the projection
+  double distance_squared = 1e300; ///< mm^2, from the projected point
+  bool along_normals = false;      ///< the projected point lies on the interpolated normal; false: only near
 };
 
-/// @param units unit normals of the vertices
+/// Unit normal at a place of a triangle, interpolated between those of its corners.
+/// @param weights barycentric coordinates of the place
+/// @param units unit normals of all vertices
 Vec3 interpolated_normal(const Triangle& t, const Vec3& weights, const Vectors& units);
 
-/// Projects onto the triangle of the last search, which saves a new search among all candidates. Returns false if the
-/// projection has left this triangle, or is no longer near.
+/// Projects p (mm) along the normals onto the triangle that it met last, which saves a search among all candidates.
+/// Returns false if the projection lies outside this triangle, or 0.1 mm or more from p.
 bool follow_projection(const Vec3& p, int triangle, const System& system, const Vectors& units, const Body& target,
                        SurfaceProjection& projection);
 
-/// Projects onto the edge of the triangle, as near as possible to the point along the normals. At a sharp fold a vertex
-/// may lie over neither side along the normals. The closest point then jumps between the sides, and a contact there
-/// would find no balance. Returns false if the point along the normals lies far beyond the edge.
+/// Projects p onto the edge of a triangle at a sharp fold. There a vertex may lie on no normal of either side. Its
+/// closest point would jump between the sides, so that a contact would find no balance. This function instead moves the
+/// projection along the normals, which lies outside the triangle, onto the triangle's edge. Returns false if that
+/// projection lies far outside the triangle, or the edge 0.1 mm or more from p.
 bool stay_on_edge(const Vec3& p, int triangle, const System& system, const Vectors& units, const Body& target,
                   SurfaceProjection& projection);
 
-/// The projection along the interpolated normals if a triangle near by has such a point, else the closest point.
-/// @param distance set to the distance of the closest point, mm
+/// The projection of p along the interpolated normals if a candidate near p has one, else the closest point.
+/// @param candidates numbers of triangles of `target`
+/// @param distance set to the distance from p to the closest point, mm
 SurfaceProjection project_onto(const Vec3& p, const std::vector<int>& candidates, const System& system,
                                const Vectors& units, const Body& target, double& distance);
 

@@ -7,7 +7,8 @@ namespace vci {
 
 namespace {
 
-/// Area vector (mm^2) of each ring: its polygon's, times the area of a circle over its inscribed regular polygon's.
+/// Area vector (mm^2) of each ring. The polygon's area vector is scaled by the area of a circle over that of the
+/// regular polygon inscribed in it.
 Vectors ring_areas(const System& system, int body, const RingGrid& grid) {
   const Vectors centres = ring_centres(system, body, grid);
   const int first = system.body(body).first;

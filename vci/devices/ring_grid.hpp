@@ -6,42 +6,44 @@
 
 namespace vci {
 
-/// Rings of `around` vertices each; vertex (ring, k) is ring * around + k.
+/// Rings of `around` vertices each. Vertex k of ring r has the number r * around + k.
 struct RingGrid {
   int around = 0;
-  std::vector<double> s;       ///< along the straight device, from its centre, mm
-  std::vector<double> profile; ///< each ring's diameter over the body's
-  std::vector<double> start;   ///< each ring's diameter at the start over the crimped diameter
+  std::vector<double> s;       ///< place of each ring along the straight device, from its centre, mm
+  std::vector<double> profile; ///< inflated diameter of each ring over that of the device's cylindrical part
+  std::vector<double> start;   ///< diameter of each ring at the start over the crimped diameter
   int rings() const { return static_cast<int>(s.size()); }
-  Triangles triangles() const; ///< outward
+  Triangles triangles() const; ///< indices of vertices; the triangles face outwards
   /// Arc lengths (mm) of the rings along a vessel, with the device's centre at `centre_s`.
   std::vector<double> along(double centre_s) const;
 };
 
-/// An even number (at least 12) of edges about `edge_mm` long round a circumference.
+/// The even number (at least 12) of edges of about `edge_mm` round a circumference.
 int even_count(double circumference_mm, double edge_mm);
 
-/// Vertices of a grid with the given radius at each ring.
+/// Vertices (mm) of a grid. @param frames place and axes of each ring @param radius of each ring, mm
 Vectors place_grid(const RingGrid& grid, const std::vector<Frame>& frames, const std::vector<double>& radius);
-/// The same along a straight axis, the radius (mm) times the grid's profile.
+/// Vertices (mm) of a grid along the z axis. Each ring has the radius (mm) times the grid's profile.
 Vectors straight_grid(const RingGrid& grid, double radius);
 
-/// Edges round the rings, ring by ring.
+/// Edges round the rings, ring by ring, as pairs of the grid's vertices.
 std::vector<std::array<int, 2>> hoop_edges(const RingGrid& grid);
 /// Axial length (mm) of the device that each ring represents.
 std::vector<double> ring_widths(const RingGrid& grid);
 
-/// Mean radius (mm) of each ring about its own centre, from the area its polygon encloses.
+/// Radius (mm) of the circle with the area that each ring encloses.
 std::vector<double> ring_radii(const System& system, int body, const RingGrid& grid);
-/// Diameter (mm) of the circle with the same perimeter, for each ring.
+/// Diameter (mm) of each ring by its perimeter: that of the circle in which a regular ring of this perimeter is
+/// inscribed.
 std::vector<double> perimeter_diameters(const System& system, int body, const RingGrid& grid);
 /// Area (mm^2) that each ring encloses, projected along the line through the rings' centres. This is the section of the
-/// tube, even if the ring is oblique in it.
+/// device's tube, even if the ring is oblique to it.
 std::vector<double> ring_sections(const System& system, int body, const RingGrid& grid);
 Vectors ring_centres(const System& system, int body, const RingGrid& grid);
 
-/// Converts a body's own indices and positions to the system's, in which the body's first vertex is `first`.
+/// Turns a body's own vertex indices into the system's, in which the body's first vertex is `first`.
 void shift(std::vector<EdgePair>& edges, int first);
+/// A list in which the system's indices find a body's points: `first` zero vectors, then the points.
 Vectors shifted(const Vectors& points, int first);
 
 } // namespace vci

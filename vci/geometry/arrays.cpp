@@ -46,7 +46,7 @@ PointRows rows_of(const Vectors& points) {
 Lumen lumen_from(const Eigen::Ref<const PointRows>& points, const Eigen::Ref<const TriangleRows>& triangles,
                  const std::vector<double>& radius, const std::vector<double>& plaque,
                  const std::vector<int>& plaque_type, const std::vector<double>& reference_radius) {
-  constexpr double widest = 20; // mm, as in files
+  constexpr double widest = 20; // mm: largest radius or plaque thickness accepted, as in files
   Lumen lumen;
   lumen.points = vectors_of(points);
   const std::size_t count = lumen.points.size();

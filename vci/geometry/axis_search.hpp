@@ -9,15 +9,16 @@ struct AxisPlace {
   double s = 0; ///< arc length, mm
 };
 
-/// A branch's axis as pieces of a polyline, in groups within spheres. It ends where the path's points do.
+/// Finds the nearest place on the axis of a branch, a polyline. Groups of its pieces lie within bounding spheres, so
+/// that far groups are skipped. The axis is not extended beyond the path's points.
 class AxisSearch {
 public:
   explicit AxisSearch(const Path& path);
-  /// The search begins where the last one ended, because neighbours in a file are mostly neighbours in space.
+  /// The search begins in the group where the last search ended, because consecutive points mostly lie near each other.
   AxisPlace nearest(const Vec3& p);
 
 private:
-  static constexpr std::size_t group = 16;
+  static constexpr std::size_t group = 16; ///< largest number of pieces in a group
   struct Group {
     std::size_t first, last;
     Vec3 centre;

@@ -16,13 +16,14 @@ struct BroadPhase::Tree {
   fcl::detail::HierarchyTree<Box> hierarchy;
   std::vector<Node*> leaves;
   std::vector<int> vertices; ///< of the triangles, ascending
-  Vectors fitted;            ///< their positions when the boxes were fitted
-  double moved = 0;          ///< the largest displacement since, mm
+  Vectors fitted;            ///< positions of these vertices when the boxes were last fitted, mm
+  double moved = 0;          ///< largest displacement of a vertex since then, mm
 };
 
 namespace {
 
-constexpr double refit_after = 0.1; // mm; fitting more often takes longer than searching in larger boxes
+// mm: displacement after which boxes are fitted again. Fitting more often takes longer than searching in larger boxes.
+constexpr double refit_after = 0.1;
 
 Box box_of(const Triangle& t, const Vectors& x) {
   return Box(x[t[0]], x[t[1]], x[t[2]]);
@@ -110,7 +111,7 @@ void BroadPhase::near(const Vec3& p, const Triangles& triangles, const Vectors& 
   found.clear();
   if (tree_->leaves.empty())
     return;
-  if (guess >= 0) { // the nearest triangle is at most as far as this one
+  if (guess >= 0) { // the nearest triangle is at most as far away as this one
     const Triangle& t = triangles[guess];
     reach = std::min(reach, std::sqrt(closest_on_triangle(p, x[t[0]], x[t[1]], x[t[2]]).distance_squared) + slack);
   }

@@ -19,10 +19,11 @@ public:
   BroadPhase(BroadPhase&&) noexcept;
   BroadPhase& operator=(BroadPhase&&) noexcept;
 
-  /// Takes new positions. The boxes are fitted again only after a vertex has moved by 0.1 mm. Until then the search
-  /// reach is extended by the largest displacement, so that it finds the same triangles.
+  /// Takes new positions. The boxes are fitted again only after a vertex has moved by more than 0.1 mm. Until then a
+  /// search also enters boxes that are further away by the largest displacement, so that it misses no triangle.
   void update(const Triangles& triangles, const Vectors& x);
-  /// Triangles within `reach` of p whose distance exceeds the nearest one's by at most `slack`; by index.
+  /// Finds the triangles within `reach` (mm) of p that are at most `slack` (mm) further away than the nearest. They are
+  /// sorted by their numbers.
   /// @param triangles, x as given to the last update
   /// @param guess a triangle that may be near, or -1; a good guess shortens the search and does not change its result
   void near(const Vec3& p, const Triangles& triangles, const Vectors& x, double reach, double slack, int guess,

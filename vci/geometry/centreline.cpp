@@ -27,7 +27,8 @@ Vec3 Path::tangent(double s) const {
   return (at(s + 0.5) - at(s - 0.5)).normalized();
 }
 
-/// Unit; of the straight line that fits the path, evenly sampled by its arc length, in the least-squares sense.
+/// Unit vector along the straight line that fits the path from s_start to s_end (mm) by least squares. The path is
+/// sampled evenly by its arc length.
 Vec3 Path::fitted_direction(double s_start, double s_end) const {
   constexpr int samples = 25;
   Vec3 sum = Vec3::Zero();
@@ -80,7 +81,7 @@ Path follow_wall(const Path& path, const Lumen& lumen, const Vectors& moved) {
     if (weight > 0)
       shifted[k] += sum / weight;
   }
-  // smooth the kinks from single sections, without shortening the ends
+  // Each point follows its own section of wall, which leaves kinks in the path. They are smoothed; the ends stay.
   for (int pass = 0; pass < 4; ++pass)
     for (std::size_t k = 1; k + 1 < shifted.size(); ++k)
       shifted[k] = 0.5 * shifted[k] + 0.25 * (shifted[k - 1] + shifted[k + 1]);

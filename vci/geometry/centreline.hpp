@@ -4,23 +4,25 @@
 
 namespace vci {
 
+/// A place on a path with three axes: the tangent, and two unit vectors that span the cross-section.
 struct Frame {
-  Vec3 origin, tangent, first, second; ///< first and second span the cross-section and do not twist along the path
+  Vec3 origin, tangent, first, second; ///< mm for the origin; first and second do not twist along the path
 };
 
-/// A polyline with arc length, extended straight beyond its ends.
+/// A polyline whose places are given by arc length s (mm). It is extended straight beyond its ends.
 class Path {
 public:
   Path() = default;
-  /// @param start arc length of the first point (negative if a parent's axis precedes a side branch's).
+  /// @param start arc length (mm) of the first point; negative if points of a parent branch precede a side branch
   Path(Vectors points, double start);
   double start() const { return s_.front(); }
   double end() const { return s_.back(); }
   Vec3 at(double s) const;
-  Vec3 tangent(double s) const; ///< unit vector along a chord of 1 mm
-  /// Total turn of the path from s_start to s_end, rad. It is the sum of the angles between the fitted directions of
-  /// neighbouring pieces, at least two, of about `piece_mm`. Short chords would add up the scatter of the points. The
-  /// angle between the two ends would miss bends that cancel. Bends within half a piece of either end are not counted.
+  Vec3 tangent(double s) const; ///< unit vector along the chord of 1 mm round s
+  /// Total angle (rad) by which the path turns from s_start to s_end (mm). The path is divided into at least two pieces
+  /// of about `piece_mm`, and a direction is fitted to each. The result is the sum of the angles between neighbouring
+  /// directions. Short chords would add up the scatter of the points. The angle between the two ends would miss bends
+  /// that cancel. Bends within half a piece of either end are not counted.
   double turning(double s_start, double s_end, double piece_mm) const;
   std::vector<Frame> frames(const std::vector<double>& s) const;
   const Vectors& points() const { return points_; }
@@ -32,8 +34,10 @@ private:
   std::vector<double> s_;
 };
 
-/// The path moved by the mean displacement of the wall round it: of points within 0.5 mm along the axis and about 1.5
-/// local radii. The arc lengths of the undeformed path are kept as labels.
+/// The path of a branch after its wall has moved. Each point moves by the mean displacement of the wall round it, of
+/// wall points within 0.5 mm along the axis and about 1.5 local radii. The new path's arc length is measured along its
+/// own points, from the same start value.
+/// @param moved current positions of the lumen's points, mm
 Path follow_wall(const Path& path, const Lumen& lumen, const Vectors& moved);
 
 } // namespace vci

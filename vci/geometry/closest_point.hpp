@@ -5,7 +5,7 @@
 namespace vci {
 
 struct ClosestPoint {
-  Vec3 weights;            ///< barycentric
+  Vec3 weights;            ///< barycentric coordinates in the triangle
   double distance_squared; ///< mm^2
 };
 

@@ -9,12 +9,13 @@ namespace vci {
 
 namespace {
 
-/// A point in which the plane meets the smooth surface, at an edge of a triangle.
+/// A point where the plane meets the smooth surface, near an edge of a triangle.
 struct Crossing {
   Vec3 point, normal; ///< normal: of the surface, interpolated
 };
 
-/// The plane cuts the edge from a to b at the share t. Returns the point of the smooth surface beside it in the plane.
+/// The plane cuts the edge from a to b at the share t of its length. Returns the point of the smooth surface that lies
+/// beside this cut in the plane. @param units unit normals of the vertices @param plane unit normal of the plane
 Crossing crossing_at(int a, int b, double t, const Vectors& points, const Vectors& units, const Vec3& plane) {
   const Vec3 side = points[b] - points[a], turn = units[b] - units[a];
   const Vec3 normal = units[a] + t * turn;
@@ -33,7 +34,7 @@ Vectors section_normals(const Vectors& points, const Triangles& triangles) {
 
 double section_area(const Vectors& points, const Triangles& triangles, const Vectors& units, const Vec3& origin,
                     const Vec3& normal) {
-  constexpr double local = 64.0; // mm^2: loops further than 8 mm from the axis belong to other branches
+  constexpr double local = 64.0; // mm^2: triangles further than 8 mm from the origin belong to other branches
   using Edge = std::pair<int, int>;
   const auto side = [&](int v) { return normal.dot(points[v] - origin); };
   std::map<Edge, Edge> next;
@@ -50,8 +51,8 @@ double section_area(const Vectors& points, const Triangles& triangles, const Vec
         continue;
       const Edge e{std::min(a, b), std::max(a, b)};
       crossing[e] = crossing_at(a, b, da / (da - db), points, units, normal);
-      (da < 0 ? leave : enter) =
-          e; // round the triangle, the plane is crossed upwards at `leave` and downwards at `enter`
+      // On the way round the triangle, the plane is crossed upwards at `leave` and downwards at `enter`.
+      (da < 0 ? leave : enter) = e;
       ++crossings;
     }
     if (crossings == 2)
@@ -62,7 +63,7 @@ double section_area(const Vectors& points, const Triangles& triangles, const Vec
     const Edge first = next.begin()->first;
     Edge e = first;
     Vec3 area = Vec3::Zero(), centroid = Vec3::Zero();
-    double length = 0, bulge = 0; // bulge: area between arcs and chords, two thirds of chord times sagitta
+    double length = 0, bulge = 0; // mm; mm^2: area between arcs and chords, two thirds of chord times sagitta
     bool closed = false;
     while (true) {
       const auto it = next.find(e);

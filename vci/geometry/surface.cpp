@@ -13,7 +13,7 @@ struct Side {
   int from, to, opposite;
 };
 
-/// Triangle sides keyed by their two vertices in ascending order; the map keeps a fixed order.
+/// The sides of all triangles, by their two vertices in ascending order. The map makes the order of edges reproducible.
 std::map<std::pair<int, int>, std::vector<Side>> sides_of(const Triangles& triangles) {
   std::map<std::pair<int, int>, std::vector<Side>> sides;
   for (const Triangle& t : triangles)
@@ -46,7 +46,8 @@ std::vector<char> boundary_vertices(const Triangles& triangles, int vertex_count
 }
 
 double winding_number(const Vec3& p, const Triangles& triangles, const Vectors& x) {
-  double half_angles = 0; // of the triangles seen from p (van Oosterom and Strackee, IEEE TBME 30(2), 1983)
+  // sum of half the solid angles of the triangles seen from p (van Oosterom and Strackee, IEEE TBME 30(2), 1983)
+  double half_angles = 0;
   for (const Triangle& t : triangles) {
     const Vec3 a = x[t[0]] - p, b = x[t[1]] - p, c = x[t[2]] - p;
     const double la = a.norm(), lb = b.norm(), lc = c.norm();
@@ -67,8 +68,8 @@ Vectors vertex_area_vectors(const Triangles& triangles, const Vectors& x, int fi
 
 namespace {
 
-/// (n_j - n_i) . (x_j - x_i) / 2 along a side. It is limited to the value at a regular hexagon's side, because the
-/// normals of a crumpled surface do not give its curvature.
+/// (n_j - n_i) . (x_j - x_i) / 2 along a side from i to j (mm). Its size is limited to the value at the side of a
+/// regular hexagon, because the normals of a crumpled surface do not give its curvature.
 double bulge(int i, int j, const Vectors& x, const Vectors& units) {
   const Vec3 side = x[j] - x[i];
   const double limit = 0.5 * side.norm();

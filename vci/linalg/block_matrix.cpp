@@ -19,7 +19,7 @@ BlockMatrix::BlockMatrix(BlockPattern pattern) {
   }
   values_of_.resize(column_.size());
   diagonal_.resize(n);
-  std::vector<int> next(n); // entry of a row that mirrors the next block above it
+  std::vector<int> next(n); // for each row, its first entry below the diagonal whose values are not yet known
   int count = 0;
   for (int i = 0; i < n; ++i) {
     next[i] = start_[i];
@@ -28,7 +28,7 @@ BlockMatrix::BlockMatrix(BlockPattern pattern) {
   for (int i = 0; i < n; ++i)
     for (int k = diagonal_[i]; k < start_[i + 1]; ++k) {
       values_of_[k] = count;
-      if (column_[k] > i) // rows come in ascending order, and so do the columns of each row below
+      if (column_[k] > i) // rows i come in ascending order, so the entries of row column_[k] are set in their order
         values_of_[next[column_[k]]++] = count;
       ++count;
     }

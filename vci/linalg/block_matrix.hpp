@@ -20,11 +20,11 @@ private:
   std::vector<std::vector<int>> columns_;
 };
 
-/// stiffness g g^T over some vertices: a term that couples all of them. Stored as blocks it would cost more.
+/// A term k g g^T of the matrix, which couples all vertices of a list. Stored as blocks it would cost more.
 struct RankOne {
   std::vector<int> vertex;
-  Vectors gradient; ///< g, one vector per vertex
-  double stiffness;
+  Vectors gradient; ///< g, one vector for each of these vertices
+  double stiffness; ///< k
 };
 
 /// Rows in compressed form, columns ascending; each row holds its diagonal block. Only blocks of the upper half have
@@ -35,7 +35,7 @@ public:
   explicit BlockMatrix(BlockPattern pattern);
 
   int rows() const { return static_cast<int>(start_.size()) - 1; }
-  /// Position of the values of block (i, j), i <= j; throws std::logic_error if the pattern lacks it.
+  /// Where the values of block (i, j), i <= j, are stored. Throws std::logic_error if the pattern lacks the block.
   int slot(int i, int j) const;
   int diagonal_slot(int i) const { return values_of_[diagonal_[i]]; }
   Mat3& block(int slot) { return values_[slot]; }
@@ -43,12 +43,12 @@ public:
   /// Block (i, j) of either half.
   Mat3 at(int i, int j) const { return i <= j ? values_[slot(i, j)] : Mat3(values_[slot(j, i)].transpose()); }
 
-  // the pattern of both halves, entry by entry
+  // The pattern of both halves. Its entries are numbered row by row.
   int entries() const { return static_cast<int>(column_.size()); }
   int row_start(int i) const { return start_[i]; }
   int diagonal_entry(int i) const { return diagonal_[i]; }
   int column(int entry) const { return column_[entry]; }
-  /// Position of an entry's values; below the diagonal they are of the transposed block.
+  /// Where an entry's values are stored. Below the diagonal these are the values of the transposed block.
   int slot_of(int entry) const { return values_of_[entry]; }
   void set_zero();
   void add(RankOne term) { rank_ones_.push_back(std::move(term)); }

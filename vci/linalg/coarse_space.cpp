@@ -58,7 +58,7 @@ CoarseSpace::CoarseSpace(const BlockMatrix& matrix, const std::vector<StencilSti
             sum.add(p, q, stencil.weight[a] * stencil.weight[b] * stiffness);
   }
   for (const RankOne& term : matrix.rank_ones()) {
-    std::vector<std::pair<int, Vec3>> gradient; // by patch
+    std::vector<std::pair<int, Vec3>> gradient; // for each patch, the sum over its vertices
     for (std::size_t k = 0; k < term.vertex.size(); ++k) {
       const int p = patch_[term.vertex[k]];
       if (p < 0)

@@ -5,18 +5,20 @@
 
 namespace vci {
 
-/// The matrix restricted to rigid shifts of patches (aggregation without smoothing, Vanek et al. 1996). It corrects
-/// long waves along the vessel and shifts of whole devices in one step; block Jacobi would need many iterations.
+/// The matrix restricted to displacements that shift each patch of neighbouring vertices as a whole (aggregation
+/// without smoothing, Vanek et al. 1996). It corrects long waves along the vessel and shifts of whole devices in one
+/// step, for which block Jacobi would need many iterations.
 class CoarseSpace {
 public:
+  /// @param fixed flag of each vertex: held in place, and in no patch
   /// @param patch_size largest number of vertices in a patch
   CoarseSpace(const BlockMatrix& matrix, const std::vector<StencilStiffness>& stencils, const std::vector<char>& fixed,
               int patch_size);
   int patches() const { return patches_; }
   int vertices() const { return static_cast<int>(patch_.size()); }
-  /// False if the coarse matrix is not positive definite; then apply() must not be called.
+  /// False if there are no patches or the coarse matrix is not positive definite. Then apply() must not be called.
   bool usable() const { return usable_; }
-  /// z += P (P^T A P)^-1 P^T r
+  /// z += P (P^T A P)^-1 P^T r, where P turns the shifts of the patches into displacements of their vertices.
   template <class Field> void apply(const Field& r, Field& z) const {
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(3 * patches_);
     for (std::size_t i = 0; i < patch_.size(); ++i)
@@ -33,7 +35,7 @@ private:
   void assign(const BlockMatrix& matrix, const std::vector<char>& fixed, int patch_size);
   int patches_ = 0;
   bool usable_ = false;
-  std::vector<int> patch_; ///< per vertex, -1 where fixed
+  std::vector<int> patch_; ///< number of each vertex's patch, -1 for fixed vertices
   Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor_;
 };
 

@@ -1,18 +1,19 @@
-// The matrix of a step in the layout that conjugate gradients read fastest: four numbers a vector, single or double.
+// The matrix of a step in the layout that conjugate gradients read fastest: four numbers for each vector, in single or
+// double precision.
 #pragma once
 #include "vci/linalg/block_matrix.hpp"
 #include <algorithm>
 
 namespace vci {
 
-/// A stiffness k n n^T + k_t (I - n n^T) - s s^T on a weighted sum of up to four vertices, for contacts and ties. They
-/// change from step to step and are therefore not in the sparse pattern.
+/// The stiffness of a contact or tie: k n n^T + k_t (I - n n^T) - s s^T against the weighted sum of the displacements
+/// of up to four vertices. Contacts and ties change from step to step, so they are not in the sparse pattern.
 struct StencilStiffness {
   std::array<int, 4> vertex; ///< -1 marks an unused place
   std::array<double, 4> weight;
   Vec3 normal;
-  double normal_stiffness;     ///< N/mm
-  double tangential_stiffness; ///< N/mm
+  double normal_stiffness;     ///< k, N/mm
+  double tangential_stiffness; ///< k_t, N/mm
   Vec3 sliding = Vec3::Zero(); ///< s, along the slip of a sliding contact, (N/mm)^(1/2)
   Mat3 stiffness() const {
     Mat3 k = (normal_stiffness - tangential_stiffness) * normal * normal.transpose();
@@ -21,8 +22,8 @@ struct StencilStiffness {
   }
 };
 
-/// Block matrix, rank-one terms and stencils with fixed vertices left out. Vectors hold four numbers for each vertex,
-/// the last 0.
+/// The sum of a block matrix, its rank-one terms and the stiffnesses of stencils, without the fixed vertices. Vectors
+/// hold four numbers for each vertex, of which the last is 0.
 template <class Real> class LinearOperator {
 public:
   using Four = Eigen::Array<Real, 4, 1>;
@@ -32,7 +33,7 @@ public:
   LinearOperator(const BlockMatrix& matrix, const std::vector<StencilStiffness>& stencils,
                  const std::vector<char>& fixed)
       : matrix_(matrix), fixed_(fixed) {
-    values_.resize(9 * static_cast<std::size_t>(matrix.entries()) + 1); // + 1: columns are read as four
+    values_.resize(9 * static_cast<std::size_t>(matrix.entries()) + 1); // + 1, as a column is read as four numbers
     for (int i = 0; i < matrix.rows(); ++i)
       for (int k = matrix.row_start(i); k < matrix.row_start(i + 1); ++k) {
         const double* a = matrix.block(matrix.slot_of(k)).data();
@@ -78,7 +79,7 @@ public:
       Four sum = Four::Zero();
       if (!fixed_[i])
         for (int k = matrix_.row_start(i); k < matrix_.row_start(i + 1); ++k) {
-          const Real* a = values_.data() + 9 * static_cast<std::ptrdiff_t>(k); // columns of three, read as four
+          const Real* a = values_.data() + 9 * static_cast<std::ptrdiff_t>(k); // columns of three, each read as four
           const Four& v = x[matrix_.column(k)];
           sum += Loose(a) * v[0] + Loose(a + 3) * v[1] + Loose(a + 6) * v[2];
         }
@@ -117,7 +118,7 @@ private:
   using Loose = Eigen::Map<const Four>;
   const BlockMatrix& matrix_;
   const std::vector<char>& fixed_;
-  std::vector<Real> values_; ///< nine to a block, column by column
+  std::vector<Real> values_; ///< nine numbers for each block, column by column
   std::vector<Stencil> stencils_;
   std::vector<Ring> rings_;
 };

@@ -55,7 +55,7 @@ public:
     for (int iteration = 1; iteration <= settings_.maximal_iterations; ++iteration) {
       operator_.multiply(p, q);
       const double curvature = dot(p, q);
-      if (curvature <= 0) { // not positive along p: the solution so far still reduces the energy
+      if (curvature <= 0) { // the matrix is not positive along p, but the solution so far still reduces the energy
         if (iteration == 1)
           x = p;
         return {false, iteration, residual};
@@ -79,7 +79,7 @@ public:
   }
 
 private:
-  /// Scalar product by four running sums in a fixed order, so that the bits are the same each time.
+  /// Scalar product by four running sums. Their fixed order makes the result the same to the last bit in each run.
   static double dot(const Field& a, const Field& b) {
     Four sum = Four::Zero();
     double total = 0;
@@ -105,12 +105,12 @@ private:
   std::shared_ptr<const CoarseSpace> coarse_;
 };
 
-/// The preconditioner's second level. An earlier matrix's is used again while it is recent and the number of iterations
-/// has not grown much.
+/// The preconditioner's second level; null for none. The one made for an earlier matrix is used again for a few solves,
+/// unless the number of iterations has grown much.
 std::shared_ptr<const CoarseSpace> coarse_space(const BlockMatrix& matrix,
                                                 const std::vector<StencilStiffness>& stencils,
                                                 const std::vector<char>& fixed, int patch_size, PcgMemory& memory) {
-  constexpr int oldest = 5;
+  constexpr int oldest = 5; // solves for which a second level is used
   if (patch_size == 0)
     return {};
   if (!memory.coarse || memory.age >= oldest || memory.coarse->vertices() != matrix.rows()) {
@@ -121,7 +121,7 @@ std::shared_ptr<const CoarseSpace> coarse_space(const BlockMatrix& matrix,
 }
 
 void remember(int iterations, PcgMemory& memory) {
-  constexpr double worse = 1.3;
+  constexpr double worse = 1.3; // a second level is dropped above this multiple of its first solve's iterations, plus 2
   if (memory.age == 0)
     memory.first_iterations = iterations;
   ++memory.age;

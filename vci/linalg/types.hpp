@@ -11,8 +11,8 @@ using Vec2 = Eigen::Vector2d;
 using Vec3 = Eigen::Vector3d;
 using Mat2 = Eigen::Matrix2d;
 using Mat3 = Eigen::Matrix3d;
-using Vectors = std::vector<Vec3>; ///< one vector per vertex of the whole system
-using Triangle = std::array<int, 3>;
+using Vectors = std::vector<Vec3>;   ///< points or vectors, mostly one for each vertex of the system
+using Triangle = std::array<int, 3>; ///< indices of its corners
 using Triangles = std::vector<Triangle>;
 
 using std::numbers::pi;

@@ -54,7 +54,7 @@ EdgeForce::Tension Fibres::tension(std::size_t k, double length) const {
   const Fibre& f = fibres_[k];
   const double eps = std::log(length / f.rest_length), scale = f.stiffness * f.rest_length;
   Tension t{0.5 * scale * eps * eps, scale * eps / length, scale * (1 - eps) / (length * length)};
-  const double loose = -f.pretension / f.stiffness; // strain at which the tension vanishes, to first order
+  const double loose = -f.pretension / f.stiffness; // strain at which the tension is 0, to first order
   if (f.slack && eps < loose) {
     const double soft = 0.02, excess = eps - loose;
     const double stress = loose + soft * excess;

@@ -4,7 +4,7 @@
 
 namespace vci {
 
-/// Two-vertex elements that share everything but the tension law.
+/// Forces between the two vertices of edges. A subclass gives the tension of an edge as a function of its length.
 class EdgeForce : public Force {
 public:
   double energy(const Vectors& x) const override;
@@ -20,7 +20,7 @@ protected:
   };
   virtual Tension tension(std::size_t k, double length) const = 0;
   void add_edge(int i, int j) { edges_.push_back({i, j}); }
-  /// Adds h to the blocks of edge k as a stiffness of the difference of its two vertices.
+  /// Adds to the matrix a stiffness h (N/mm) against the relative displacement of the two vertices of edge k.
   void add_along(BlockMatrix& matrix, std::size_t k, const Mat3& h) const;
   double length(std::size_t k, const Vectors& x) const { return (x[edges_[k][1]] - x[edges_[k][0]]).norm(); }
 
@@ -30,16 +30,16 @@ private:
   std::vector<StencilSlots<2>> slots_;
 };
 
-/// Elastic fibre of stiffness k times width w (N): T = k w eps + T0, eps = ln(l / l0). The energy k w l0 eps^2 / 2 is
-/// per reference length, so that the force is k w eps l0 / l + T0.
+/// Elastic fibres. With the strain eps = ln(l / l0), a fibre has the energy k w l0 eps^2 / 2 + T0 l. Its tension is
+/// therefore k w eps l0 / l + T0. Here k is the stiffness per width (N/mm), w the width (mm) and T0 the pretension.
 class Fibres : public EdgeForce {
 public:
   struct Fibre {
     int i, j;
     double rest_length;    ///< mm
     double stiffness;      ///< k w, N
-    double pretension = 0; ///< N, constant
-    bool slack = false;    ///< a folded film: 2 % of the stiffness while the total tension would be negative
+    double pretension = 0; ///< T0, N
+    bool slack = false;    ///< a film that folds: only 2 % of the stiffness where the tension would be negative
   };
   explicit Fibres(const std::vector<Fibre>& fibres);
   /// One pretension (N) per fibre.

@@ -5,7 +5,7 @@
 
 namespace vci {
 
-/// Which part of the force balance a force belongs to (see residual in integrator.hpp).
+/// The part of the force balance to which a force belongs (see relax() in vci/solver/integrator.hpp).
 enum class ForceKind { elastic, foundation, pressure };
 
 class Force {
@@ -14,12 +14,12 @@ public:
   virtual ForceKind kind() const { return ForceKind::elastic; }
   /// Energy in N mm at positions x (mm).
   virtual double energy(const Vectors& x) const = 0;
-  /// Adds -dE/dx (N) to `force` and d2E/dx2 (N/mm) to `stiffness` if given, which must have been linked.
-  /// With `exact` false, negative eigenvalues of the element Hessians are left out: the matrix stays positive.
+  /// Adds -dE/dx (N) to `force` and, if given, d2E/dx2 (N/mm) to `stiffness`, with which link() was called before.
+  /// With `exact` false, negative eigenvalues of the element Hessians are left out, so that the matrix stays positive.
   virtual void evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness, bool exact = false) const = 0;
-  /// Declares the pairs of vertices that interact.
+  /// Declares the pairs of vertices that interact, so that the matrix gets blocks for them.
   virtual void declare(BlockPattern& pattern) const = 0;
-  /// Looks up the positions of the pairs in the matrix.
+  /// Looks up where the matrix stores the blocks of these pairs.
   virtual void link(const BlockMatrix& matrix) = 0;
   /// Adds rate (1/ms) times the damping matrix (N ms/mm) of forces that have one; mass (g) per vertex.
   virtual void add_damping(const Vectors& x, const std::vector<double>& mass, double rate, BlockMatrix& matrix) const {
@@ -29,7 +29,8 @@ public:
   virtual void commit(const Vectors& x) { (void)x; }
 };
 
-/// The places of a stencil's blocks in the matrix, which stores its upper half.
+/// Where the matrix stores the 3x3 blocks of an element of N vertices (its stencil). The matrix stores only its upper
+/// half.
 template <std::size_t N> class StencilSlots {
 public:
   StencilSlots() = default;
@@ -42,23 +43,23 @@ public:
       for (std::size_t j = i; j < N; ++j)
         slot_[k++] = matrix.slot(stencil[order_[i]], stencil[order_[j]]);
   }
-  /// The stencil's places in ascending order of their vertices.
+  /// The element's local vertex numbers (0 to N - 1), in ascending order of their vertices in the system.
   const std::array<int, N>& order() const { return order_; }
-  /// Adds block(a, b) for places a, b of the stencil; a's vertex comes first.
+  /// Adds block(a, b) for each pair of local numbers a and b of which a's vertex does not come after b's.
   template <class Block> void add(BlockMatrix& matrix, const Block& block) const {
     std::size_t k = 0;
     for (std::size_t i = 0; i < N; ++i)
       for (std::size_t j = i; j < N; ++j)
         matrix.block(slot_[k++]).noalias() += block(order_[i], order_[j]);
   }
-  /// Adds blocks in ascending order of their vertices. Blocks of the lower half are ignored.
+  /// Adds blocks that are already in the order of order(). Blocks of the lower half are ignored.
   void add_upper(BlockMatrix& matrix, const Mat3 (&block)[N][N]) const {
     std::size_t k = 0;
     for (std::size_t i = 0; i < N; ++i)
       for (std::size_t j = i; j < N; ++j)
         matrix.block(slot_[k++]) += block[i][j];
   }
-  /// Adds c g g^T, where g has a vector for each place.
+  /// Adds c g g^T, where g has a vector for each of the element's vertices.
   void add_rank_one(BlockMatrix& matrix, double c, const std::array<Vec3, N>& g) const {
     std::size_t k = 0;
     for (std::size_t i = 0; i < N; ++i) {

@@ -6,7 +6,8 @@ namespace vci {
 
 namespace {
 
-constexpr double rounding = 1e-9; // of the yield strain: after plastic flow the elastic strain equals it to this
+// After plastic flow the elastic strain equals the yield strain up to this relative error.
+constexpr double rounding = 1e-9;
 
 } // namespace
 
@@ -21,7 +22,7 @@ HenckyLaw::Response HenckyLaw::response_at(const Vec2& square, bool flows) const
   Response r;
   r.strain = w;
   r.yields = w > yield_strain * (1 + (flows ? -rounding : rounding));
-  double phi, dphi_over_w; // dphi/dw / w
+  double phi, dphi_over_w; // the second is (dphi/dw) / w
   if (r.yields) {
     const double excess = w - yield_strain;
     phi = elastic_part(w) / w;
@@ -49,14 +50,14 @@ Vec2 HenckyLaw::flow(const Vec2& lumen_strain) {
   const double w = response_at(square).strain;
   if (w <= yield_strain)
     return Vec2::Zero();
-  // the layer's elastic strain is reduced to the strain of the yielded stress; the rest stays after unloading
+  // The elastic part of the layer's strain is the one that gives the stress at yield. The rest stays after unloading.
   const Vec2 elastic = elastic_part(w) / w * layer, lasting = layer - elastic;
   yield_strain = elastic_part(w);
   if (depth == 0)
     return lasting;
-  // `depth` is relative to the lumen's radius. If the lumen has widened for good, the layer's depth falls; if it has
-  // narrowed, the depth is kept. The lumen's elastic strain then follows from the layer's strain at the new depth. The
-  // stress in the wider direction stays the same.
+  // `depth` is relative to the lumen's radius. If the lumen has widened permanently, the layer's depth falls; if the
+  // lumen has narrowed, the depth is kept. The lumen's elastic strain then follows from the layer's strain at the new
+  // depth. The stress in the direction that widened more stays the same.
   const double widened = lasting.maxCoeff() > 0 ? std::exp(2 * lasting.maxCoeff()) * (1 + depth) - depth : 1;
   depth /= widened;
   return lumen_strain - Vec2(0.5 * ((2 * elastic).array().exp() * (1 + depth) - depth).log());

@@ -5,15 +5,15 @@
 
 namespace vci {
 
-/// Equivalent elastic strain w: w^2 = eps . D eps with D = 1/(1 - nu^2) [1 nu; nu 1].
+/// Equivalent elastic strain w: w^2 = eps . D eps with D = 1/(1 - nu^2) [1 nu; nu 1], eps the principal strains.
 /// Kirchhoff stress resultants t_i = E phi(w) (D eps)_i, E a modulus times thickness (N/mm), where
 ///   phi = 1 + beta w^2                        healthy wall: stiffens
 ///   phi = (w_y + H (w - w_y)) / w, w > w_y    plaque, film: yields with linear hardening
 /// which derive from the energy per reference area E psi(w), psi' = phi w.
 ///
-/// A layer at depth, at radius R behind a lumen of radius a, stretches less than the lumen. Incompressible tissue
-/// between them gives lambda_R^2 = (lambda^2 + q) / (1 + q), q = (R/a)^2 - 1. This holds for a ring, and is used for
-/// both principal stretches. The formulas above are in the layer's strain; Response is in the lumen's.
+/// A layer at radius R, outside a lumen of radius a, stretches less than the lumen. Incompressible tissue between lumen
+/// and layer gives lambda_R^2 = (lambda^2 + q) / (1 + q), with the depth q = (R/a)^2 - 1. This holds for a ring, and is
+/// used for both principal stretches. The formulas above are in the layer's strain, Response is in the lumen's strain.
 struct HenckyLaw {
   /// E: modulus times thickness times R/a, N/mm. The factor R/a is the layer's reference area over the lumen's, because
   /// energies and stresses refer to the lumen.
@@ -28,19 +28,19 @@ struct HenckyLaw {
     double energy; ///< N/mm
     Vec2 stress;   ///< d energy / d eps_i, eps the lumen's strain, N/mm
     Mat2 tangent;  ///< d stress_i / d eps_j, N/mm
-    double strain; ///< w of the layer
+    double strain; ///< w, by the layer's strain
     bool yields;
   };
   /// @param square squared principal stretches of the lumen
-  /// @param flows whether the last step made plastic strain permanent. Then the elastic strain is at yield, and the
-  /// flag, not rounding, chooses the tangent: plastic if the layer flows, else elastic.
+  /// @param flows whether the last step made plastic strain permanent. The elastic strain then equals the yield strain
+  /// up to rounding. This flag, not rounding, decides the tangent there: plastic if true, else elastic.
   Response response_at(const Vec2& square, bool flows = false) const;
   Response response(const Vec2& log_strain) const { return response_at((2 * log_strain).array().exp()); }
   bool yields_at(const Vec2& square) const { return strain_squared(at_depth(square)) > yield_strain * yield_strain; }
-  /// Elastic part of w after yield; times E it gives the stress reached.
+  /// The part of w that is elastic once the layer yields. Times E it gives the equivalent stress.
   double elastic_part(double w) const { return yield_strain + hardening * (w - yield_strain); }
-  /// Lets the law yield at a strain of the lumen. Returns the permanent part of that strain; from then on the law takes
-  /// only the strain beyond it.
+  /// Lets the layer yield and harden at a logarithmic strain of the lumen. Returns the part of that strain that stays.
+  /// Later strains must be given without this part.
   Vec2 flow(const Vec2& log_strain);
 
 private:
@@ -48,7 +48,7 @@ private:
   double strain_squared(const Vec2& e) const {
     return (e.squaredNorm() + 2 * poisson_ratio * e[0] * e[1]) / (1.0 - poisson_ratio * poisson_ratio);
   }
-  /// The layer's logarithmic strain.
+  /// The layer's logarithmic strain. @param square squared principal stretches of the lumen
   Vec2 at_depth(const Vec2& square) const { return 0.5 * ((square.array() + depth) / (1 + depth)).log(); }
 };
 

@@ -13,7 +13,8 @@ Dihedral dihedral(const Vec3& e0, const Vec3& e1, const Vec3& left, const Vec3& 
   d.angle = std::atan2(n1.cross(n2).dot(e) / l, n1.dot(n2));
   const Vec3 g2 = -l / n1.squaredNorm() * n1, g3 = -l / n2.squaredNorm() * n2;
   const double t2 = (left - e0).dot(e) / l2, t3 = (right - e0).dot(e) / l2;
-  // rigid motion changes no angle, so the ends of the edge share the gradient by the foot of the height on the edge
+  // A rigid motion changes no angle. This determines the gradients at the ends of the edge. Their shares depend on
+  // where the triangle's height meets the edge.
   d.gradient = {-(1 - t2) * g2 - (1 - t3) * g3, -t2 * g2 - t3 * g3, g2, g3};
   return d;
 }
@@ -24,7 +25,7 @@ template <class Element> Dihedral dihedral_of(const Element& e, const Vectors& x
   return dihedral(x[e.v[0]], x[e.v[1]], x[e.v[2]], x[e.v[3]]);
 }
 
-/// The same angle between -pi and pi.
+/// The angle (rad) brought into the range from -pi to pi by whole turns.
 double wrapped(double angle) {
   return std::abs(angle) <= pi ? angle : std::remainder(angle, 2 * pi);
 }

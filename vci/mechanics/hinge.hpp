@@ -5,12 +5,14 @@
 
 namespace vci {
 
-/// E = 1/2 c (theta - theta0)^2 (discrete shells, Grinspun et al. 2003). The stiffness is the Gauss-Newton part
-/// c grad grad^T, which is exact at the rest angle and never negative.
+/// E = 1/2 c (theta - theta0)^2, with the dihedral angle theta and the rest angle theta0 (discrete shells, Grinspun et
+/// al. 2003). The stiffness is the Gauss-Newton part c grad grad^T, grad the gradient of theta. It is exact at the rest
+/// angle and never negative.
 class Hinges : public Force {
 public:
-  /// @param coefficients c per edge, N mm; @param reference gives the rest angles.
-  /// @param yield_angle rad: beyond it the rest angle follows (plastic fold); infinity for none.
+  /// @param coefficients c of each edge, N mm
+  /// @param reference positions (mm) at which all edges have their rest angles
+  /// @param yield_angle rad: an edge bent by more keeps a plastic fold; pi or more: no plastic folds
   Hinges(const std::vector<EdgePair>& edges, const Vectors& reference, const std::vector<double>& coefficients,
          double yield_angle);
 
@@ -30,14 +32,17 @@ private:
   double yield_angle_;
 };
 
-/// c = 3 D l^2 / (A1 + A2) of a shell with bending rigidity D (N mm); l, A: reference length and areas.
+/// Coefficient c (N mm) of each edge for a shell of bending rigidity D (N mm): c = 3 D l^2 / (A1 + A2). Here l is the
+/// edge's reference length, and A1 and A2 are the areas of the triangles beside it.
 std::vector<double> shell_coefficients(const std::vector<EdgePair>& edges, const Vectors& reference, double rigidity);
 
 /// Signed dihedral angle (rad; 0 flat, positive when the surface is convex towards its normals) and its gradient.
 struct Dihedral {
   double angle;
-  std::array<Vec3, 4> gradient;
+  std::array<Vec3, 4> gradient; ///< by the positions of e0, e1, left and right, rad/mm
 };
+/// @param e0, e1 ends of the edge
+/// @param left, right the opposite vertices of the two triangles beside the edge
 Dihedral dihedral(const Vec3& e0, const Vec3& e1, const Vec3& left, const Vec3& right);
 
 } // namespace vci

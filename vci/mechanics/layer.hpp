@@ -4,7 +4,7 @@
 
 namespace vci {
 
-/// The read-outs of a layer besides its forces.
+/// What a layer reports besides its forces.
 class Layer {
 public:
   virtual ~Layer() = default;
@@ -12,7 +12,7 @@ public:
   virtual std::vector<double> largest_stretch(const Vectors& x) const = 0;
 };
 
-/// Per vertex the largest stretch of the triangles round it, at least 1.
+/// For each vertex of the system, the largest stretch of the triangles round it; at least 1.
 std::vector<double> vertex_stretch(const Layer& layer, const Triangles& triangles, const Vectors& x);
 
 } // namespace vci

@@ -11,7 +11,8 @@ namespace {
 
 using Mat32 = Eigen::Matrix<double, 3, 2>;
 
-/// Principal stretches, their material directions (columns of v) and spatial directions (columns of u).
+/// Principal stretches of a deformation gradient and their squares, with their directions in the reference state
+/// (columns of v) and in the current state (columns of u).
 struct Principal {
   Vec2 stretch, square;
   Mat2 v;
@@ -25,12 +26,12 @@ Mat32 edges(const Triangle& t, const Vectors& x) {
   return ds;
 }
 
-/// Cosine and sine of the direction of the larger eigenvalue of [a b; b d], without trigonometry.
+/// The unit eigenvector of the larger eigenvalue of the matrix [a b; b d], found without trigonometric functions.
 std::array<double, 2> principal_direction(double a, double b, double d) {
   const double difference = a - d, length = std::sqrt(difference * difference + 4 * b * b);
   if (length == 0)
     return {1, 0};
-  if (difference >= 0) { // the half angle from its better conditioned side
+  if (difference >= 0) { // half-angle formulas that divide by the larger of cosine and sine
     const double c = std::sqrt(0.5 * (1 + difference / length));
     return {c, b / (length * c)};
   }
@@ -39,7 +40,8 @@ std::array<double, 2> principal_direction(double a, double b, double d) {
 }
 
 Principal principal(const Mat32& f) {
-  // Smallest stretch allowed, so that a collapsed triangle has a finite state and still resists strongly.
+  // Smaller stretches are raised to this one, so that a collapsed triangle has a finite state and still resists
+  // strongly.
   constexpr double smallest = 1e-3;
   const double a = f.col(0).squaredNorm(), b = f.col(0).dot(f.col(1)), d = f.col(1).squaredNorm();
   const auto [c, s] = principal_direction(a, b, d);
@@ -54,12 +56,13 @@ Principal principal(const Mat32& f) {
   return p;
 }
 
-/// Second derivatives of the energy by F in the principal frame: two scalings, twist and shear in the plane, and two
-/// motions out of the plane. Without `exact` negative eigenvalues are left out.
+/// Second derivatives of the energy by the deformation gradient F, in the frame of the principal directions. They
+/// belong to two scalings, to twist and shear in the plane, and to two motions out of the plane. Without `exact`,
+/// negative eigenvalues are left out.
 struct Curvature {
-  Mat2 scaling;
+  Mat2 scaling;         ///< of the principal stretches with one another
   double same, swapped; ///< of F_ij with itself and with F_ji, i != j
-  Vec2 lift;
+  Vec2 lift;            ///< of the motion out of the plane along each principal direction
 };
 
 Curvature curvature(const Principal& p, const HenckyLaw::Response& r, const Vec2& sigma, bool exact) {
@@ -134,14 +137,14 @@ void Membrane::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness
       const Vec3 row2 = (c.lift[0] * g00 + c.lift[1] * g11) * normal;
       return u0 * row0.transpose() + u1 * row1.transpose() + normal * row2.transpose();
     };
-    // upper half, in the order of the corners' vertices
+    // blocks of the upper half, with the corners in ascending order of their vertices
     const auto& corner = e.slots.order();
     const Vec2 &g1 = g[corner[1]], &g2 = g[corner[2]];
     Mat3 k[3][3];
     k[1][1] = block(g1, g1);
     k[1][2] = block(g1, g2);
     k[2][2] = block(g2, g2);
-    k[0][1] = -k[1][1] - k[1][2].transpose(); // a shift of the whole triangle causes no force
+    k[0][1] = -k[1][1] - k[1][2].transpose(); // because a shift of the whole triangle causes no force
     k[0][2] = -k[1][2] - k[2][2];
     k[0][0] = -k[0][1] - k[0][2];
     e.slots.add_upper(*stiffness, k);
@@ -156,7 +159,7 @@ void Membrane::declare(BlockPattern& pattern) const {
 void Membrane::link(const BlockMatrix& matrix) {
   for (Element& e : elements_) {
     e.slots = {matrix, e.v};
-    e.flows = false; // bodies were added or removed, so the flow may not continue
+    e.flows = false; // bodies were added or removed, so plastic flow may not continue
   }
 }
 

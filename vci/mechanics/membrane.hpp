@@ -6,11 +6,14 @@
 
 namespace vci {
 
-/// F = D_s B P (3x2): current edges D_s, inverse reference edges B, inverse plastic part P. Energy A0 E psi(ln lambda).
+/// The deformation gradient of a triangle is F = D_s B P (3x2). D_s holds the current edges, B the inverse of the
+/// reference edges, and P the inverse of the plastic part. The energy is the reference area times the HenckyLaw's
+/// energy at the principal stretches of F.
 class Membrane : public Force, public Layer {
 public:
-  /// @param law per triangle; @param reference positions of the unstressed state. Throws std::invalid_argument for a
-  /// triangle without area.
+  /// @param reference positions (mm) of the unstressed state
+  /// @param laws one for each triangle
+  /// Throws std::invalid_argument for a triangle without area.
   Membrane(const Triangles& triangles, const Vectors& reference, std::vector<HenckyLaw> laws);
 
   double energy(const Vectors& x) const override;
@@ -19,7 +22,7 @@ public:
   void link(const BlockMatrix& matrix) override;
   void commit(const Vectors& x) override;
 
-  /// Triangles that yield at x.
+  /// Number of triangles that yield at positions x.
   int yielding(const Vectors& x) const;
   std::vector<double> largest_stretch(const Vectors& x) const override;
 
@@ -29,9 +32,9 @@ private:
     StencilSlots<3> slots;
     Mat2 inverse_edges; // B
     Mat2 shape;         // B P
-    double area;
+    double area;        // of the reference triangle, mm^2
     HenckyLaw law;
-    bool flows = false; // the last step left a set
+    bool flows = false; // whether the last step made plastic strain permanent
   };
   std::vector<Element> elements_;
 };

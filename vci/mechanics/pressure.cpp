@@ -28,7 +28,7 @@ void Pressure::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiffness
     if (edges_[k].e0 < edges_[k].e1)
       stiffness->block(slots_[k]) += cross;
     else
-      stiffness->block(slots_[k]) -= cross; // transposed
+      stiffness->block(slots_[k]) -= cross; // the stored block is that of (e1, e0), the transpose
   }
 }
 

@@ -1,4 +1,4 @@
-// Pressure inside a surface, following its current normals.
+// Pressure inside a surface, along the current normals.
 #pragma once
 #include "vci/geometry/surface.hpp"
 #include "vci/mechanics/force.hpp"
@@ -11,7 +11,7 @@ namespace vci {
 /// positive and still lets the balloon bend; with `exact` the whole stiffness is used.
 class Pressure : public Force {
 public:
-  /// @param reference positions that the triangles index
+  /// @param reference positions (mm) that `triangles` index
   Pressure(Triangles triangles, const Vectors& reference, double pressure_mpa)
       : triangles_(std::move(triangles)), edges_(interior_edges(triangles_, reference)), pressure_(pressure_mpa) {}
 
@@ -25,7 +25,7 @@ public:
 private:
   Triangles triangles_;
   std::vector<EdgePair> edges_;
-  std::vector<int> slots_; // of (e0, e1) or (e1, e0)
+  std::vector<int> slots_; // where the matrix stores each edge's block, (e0, e1) or (e1, e0)
   double pressure_;
 };
 

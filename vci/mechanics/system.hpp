@@ -1,4 +1,5 @@
-// The mechanical system: bodies, their vertices and forces. Bodies are stacked; the last one can be taken out again.
+// The mechanical system: bodies, their vertices and forces. The vertices of all bodies follow one another in one list,
+// so only the last body can be taken out again.
 #pragma once
 #include "vci/mechanics/force.hpp"
 #include <memory>
@@ -16,7 +17,8 @@ struct Body {
 
 class System {
 public:
-  /// Adds a body; positions in mm, surface density in g/mm^2. Returns its index.
+  /// Adds a body and returns its number. @param positions mm @param triangles indices into `positions`
+  /// @param surface_density g/mm^2 @param fixed a flag for each vertex: held in place
   int add_body(const std::string& name, const Vectors& positions, Triangles triangles, double surface_density,
                const std::vector<char>& fixed);
   /// Adds a force that belongs to a body and is removed with it.
@@ -33,18 +35,20 @@ public:
   int bodies() const { return static_cast<int>(bodies_.size()); }
   int vertices() const { return static_cast<int>(x.size()); }
 
-  /// The matrix with the pattern of all current forces, built when needed.
+  /// The stiffness matrix, with blocks for all pairs of vertices that interact. It is rebuilt after bodies or forces
+  /// were added or removed.
   BlockMatrix& matrix();
-  /// Force sums by kind (each sized to the vertices) and, if wanted, the stiffness matrix.
+  /// Sets the three sums of forces (N per vertex) by their kind and, if wanted, the stiffness matrix.
   void evaluate(Vectors& elastic, Vectors& foundation, Vectors& pressure, bool with_stiffness);
+  /// Makes the plastic flow of all forces at the current positions permanent.
   void commit();
   /// Adds rate (1/ms) times the forces' damping to the matrix.
   void add_damping(double rate);
 
   Vectors x, velocity;      ///< mm, mm/ms
   std::vector<double> mass; ///< g
-  std::vector<double> area; ///< mm^2 at the start
-  std::vector<char> fixed;
+  std::vector<double> area; ///< of each vertex when its body was added, mm^2
+  std::vector<char> fixed;  ///< whether a vertex is held in place
 
 private:
   struct Entry {

@@ -1,4 +1,4 @@
-// Forces that act on single vertices, and springs that anchor them.
+// Forces that act on single vertices, and springs that anchor vertices.
 #pragma once
 #include "vci/mechanics/force.hpp"
 
@@ -15,12 +15,12 @@ protected:
   std::vector<int> vertices_, slots_;
 };
 
-/// Springs that hold vertices at a place, as a device's shaft does.
+/// Springs that hold vertices near fixed places, as a device's shaft does.
 class Anchors : public VertexForce {
 public:
   struct Element {
     int vertex;
-    Vec3 place;
+    Vec3 place;       ///< where the spring is at rest, mm
     double stiffness; ///< N/mm
   };
   explicit Anchors(std::vector<Element> elements);

@@ -98,7 +98,7 @@ public:
     if (failed_ || steps_done == state.scene.procedure.size())
       throw std::logic_error(failed_ ? "a step of this procedure has failed" : "all steps of the procedure are done");
     const Step& step = state.scene.procedure[steps_done];
-    failed_ = true; // until the step is finished
+    failed_ = true; // stays so if an exception ends the step
     place_devices(state, step);
     for (const Stage& stage : stages_of(step, state.scene.numerics))
       relax_stage(step, stage);
@@ -183,7 +183,7 @@ private:
 
   Observer observer_;
   std::vector<std::string> switched_off_, warnings_;
-  std::vector<DeviceShape> balloons_; ///< inflated, of the steps done
+  std::vector<DeviceShape> balloons_; ///< the inflated balloons of all steps that have run
   bool failed_ = false;
 };
 

@@ -16,19 +16,19 @@ struct StageReport {
 struct DeploymentResult {
   std::vector<StageReport> stages;
   std::vector<StentHistory> stents;
-  std::vector<DeviceShape> devices; ///< balloons inflated, in the order of their steps, then stents
-  std::vector<std::string> switched_off, warnings;
-  Vectors points;                    ///< lumen points at the end, mm
-  std::vector<double> wall_stretch;  ///< per lumen point: largest principal stretch
+  std::vector<DeviceShape> devices;                ///< balloons inflated, in the order of their steps, then stents
+  std::vector<std::string> switched_off, warnings; ///< texts: parts of the model that the run left out, and warnings
+  Vectors points;                                  ///< lumen points at the end, mm
+  std::vector<double> wall_stretch;                ///< per lumen point: largest principal stretch
   std::vector<double> malapposition; ///< per lumen point: gap between wall and stent, mm; 0 where no stent faces it
   Balance forces;                    ///< per lumen point at the end, N; 0 where the wall is fixed
-  std::map<std::string, Path> paths; ///< axes at the end
+  std::map<std::string, Path> paths; ///< axis of each branch at the end
   int vertices = 0;                  ///< number of the wall's vertices in the computation
 };
 
 /// Callbacks of a run. Each may be left out.
 struct Observer {
-  /// Receives the state at the end of each stage, and every `every_steps` steps if that is above 0.
+  /// Receives the state at the end of each stage and, if `every_steps` is above 0, after every `every_steps` steps.
   std::function<void(const Snapshot&)> see;
   int every_steps = 0;
   /// Takes lines of progress and warnings, without newlines.
@@ -38,22 +38,22 @@ struct Observer {
 /// A procedure that runs one step at a time and can be asked for its state in between.
 class Deployment {
 public:
-  /// @param lumen, paths before the procedure, mm
+  /// @param lumen, paths surface and axes of the branches before the procedure, mm
   Deployment(Scene scene, Lumen lumen, std::map<std::string, Path> paths, Observer observer = {});
   ~Deployment();
   Deployment(Deployment&&) noexcept;
   Deployment& operator=(Deployment&&) noexcept;
 
-  /// Number of steps of the scene's procedure, and of the steps done.
+  /// Number of steps in the scene's procedure, and number of those that have run.
   std::size_t steps() const;
   std::size_t steps_done() const;
   /// Runs the next step: places its devices, inflates them and, except for stents, takes them out. Throws
   /// common::ComputationError, which names step, stage, residual and remedy, if a stage does not reach force balance.
   /// Throws std::logic_error if no step is left, or if an earlier one failed.
   void step();
-  /// Lumen points as they are now, mm, in the order of the lumen's.
+  /// Current positions (mm) of the lumen's points, in the lumen's order.
   Vectors lumen() const;
-  /// Lumen and devices as they are now, with their forces.
+  /// Current shapes of lumen and devices, with the forces at the end of the last stage.
   Snapshot snapshot() const;
   const std::vector<StageReport>& stages() const;
   /// The result of the steps done. Throws common::ComputationError if a stent touches nothing.

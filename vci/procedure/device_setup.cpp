@@ -8,10 +8,11 @@ namespace vci {
 
 namespace {
 
-constexpr double thinnest_balloon = 0.04; // mm, radius of a ring inside a stent
-constexpr double inside_its_stent = 0.9;  // of the stent's thinnest ring
+constexpr double thinnest_balloon = 0.04; // mm: least starting radius of a balloon's ring inside a stent
+// A ring of a balloon inside its stent starts with at most this share of the stent's smallest radius, less a clearance.
+constexpr double inside_its_stent = 0.9;
 
-/// A device's rings at its placement, on the axis of the lumen as deformed.
+/// The rings of a device at its place on the axis of the deformed lumen. @param moved current lumen points, mm
 DeviceLayout layout_of(const RunState& run, const Placement& p, RingGrid grid, const Vectors& moved) {
   const Path path = follow_wall(run.paths.at(p.branch), run.lumen, moved);
   std::vector<Frame> frames = path.frames(grid.along(p.centre_s));
@@ -20,7 +21,8 @@ DeviceLayout layout_of(const RunState& run, const Placement& p, RingGrid grid, c
   return {std::move(grid), std::move(frames), 0.5 * chart.diameter_at(p.pressure_bar)};
 }
 
-/// For each body present, the vertices excluded from contact with the device, because the device leaves a stent there.
+/// For each body in the system, the vertices excluded from contact with a new device. Vertices are excluded where the
+/// device leaves a stent through its side.
 std::vector<ContactSides> sides_of(const RunState& run, const DeviceLayout& layout) {
   std::vector<ContactSides> sides(run.system.bodies());
   for (const StentHistory& h : run.stents)
@@ -34,7 +36,7 @@ void add_contacts(RunState& run, int inner, std::vector<ContactSides> sides) {
                                            std::move(sides[body]), run.interactions.trees);
 }
 
-/// Returns the radius (mm) of the stent's thinnest ring.
+/// Adds a stent and its contacts to the system. Returns the radius (mm) of the stent's thinnest ring.
 double place_stent(RunState& run, const Placement& p, const Vectors& moved) {
   const StentSpec& spec = *run.scene.stent(p.device);
   const DeviceLayout layout = layout_of(run, p, stent_grid(spec, run.scene.numerics.device_edge), moved);
@@ -46,7 +48,7 @@ double place_stent(RunState& run, const Placement& p, const Vectors& moved) {
   return *std::min_element(radii.begin(), radii.end());
 }
 
-/// The balloons' layouts. Two balloons are moved apart, side by side.
+/// The layouts of a step's balloons, delivery balloons included. Two balloons are moved apart, to lie side by side.
 std::vector<DeviceLayout> balloon_layouts(const RunState& run, const Step& step, const Vectors& moved) {
   std::vector<DeviceLayout> layouts;
   double widest = 0;

@@ -4,13 +4,14 @@
 
 namespace vci {
 
-/// Places a step's devices on the current axes, with their contacts to all bodies present.
+/// Places a step's devices on the current axes, with contacts to all bodies in the system.
 void place_devices(RunState& run, const Step& step);
 
 /// Removes the step's balloons and their contacts from the system.
 void remove_balloons(RunState& run);
 
-/// The active contact points of the stents, or of the balloons, with a body outside them.
+/// The active contact points between the body number `outer` and the devices inside it.
+/// @param of_stents true: only contacts of stents; false: only contacts of balloons
 std::vector<ContactPoint> contacts_onto(RunState& run, int outer, bool of_stents);
 
 /// Ties the stents to the wall where they touch it. Does nothing if the scene sets no tie stiffness.

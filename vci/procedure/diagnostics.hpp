@@ -7,14 +7,17 @@
 
 namespace vci {
 
-/// Parts of the model that a scene does not use. @param held, vertices: numbers of the wall's fixed and of all vertices
+/// Texts that name the parts of the model that a run leaves out.
+/// @param held number of the lumen's vertices outside its moving part
+/// @param vertices number of all the lumen's vertices
 std::vector<std::string> left_out(const Scene& scene, std::size_t held, std::size_t vertices);
 
-/// Inflations above a balloon's rated burst pressure.
+/// A warning for each inflation above the balloon's rated burst pressure.
 std::vector<std::string> warnings_of_plan(const Scene& scene);
 
-/// Warning of a stent with a ring opened beyond its maximal diameter. Struts are limited by the ring's perimeter,
-/// whatever its shape. So the ring's diameter here is of the circle with the same perimeter.
+/// The warning that rings of a stent are opened beyond its maximal diameter; nothing if none is. A ring's perimeter
+/// limits its struts, whatever its shape. So the diameter compared is that of the circle with the same perimeter.
+/// @param step name of the step, for the message
 std::optional<std::string> overexpansion(const System& system, const StentHistory& history, const StentSpec& spec,
                                          const std::string& step);
 

@@ -8,15 +8,17 @@ namespace vci {
 
 namespace {
 
-constexpr double departed = 0.6;   // stent radii from the stent's axis: a device this far off leaves through its side
-constexpr double departing = 0.3;  // stent radii from the stent's axis: here the device opens a window in the side
-constexpr double tolerance = 0.15; // mm by which centre lines of nested devices may differ
+// Distances between the axes of a device and of a stent, in stent radii. A device that comes further off than
+// `departed` leaves the stent through its side. Its rings further off than `departing` open a window in the stent.
+constexpr double departed = 0.6;
+constexpr double departing = 0.3;
+constexpr double tolerance = 0.15; // mm by which the axes of nested devices may differ
 
-/// The place on the line through ring centres that is nearest to p.
+/// The place nearest to p on the line through the centres of a device's rings.
 struct OnAxis {
   Vec3 point;
-  double radius;
-  bool beyond; ///< whether p is past the line's ends
+  double radius; ///< of the device there, between its rings, mm
+  bool beyond;   ///< whether p is past the line's ends
 };
 OnAxis nearest_on_axis(const Vec3& p, const Vectors& centres, const std::vector<double>& radii) {
   OnAxis best{centres.front(), radii.front(), true};
@@ -34,7 +36,8 @@ OnAxis nearest_on_axis(const Vec3& p, const Vectors& centres, const std::vector<
   return best;
 }
 
-/// The vertices round a window: not in it, but with a neighbour in it.
+/// Flags the vertices round a window: those that are not in the window, but have a neighbour in it.
+/// @param window flag of each of the body's vertices: in the window
 std::vector<char> rim_of(const std::vector<char>& window, const Body& body) {
   std::vector<char> rim(window.size(), 0);
   for (const Triangle& t : body.triangles)
@@ -56,7 +59,7 @@ Vectors origins(const DeviceLayout& layout) {
 ContactSides leaving_through(const System& system, const Stent& stent, const DeviceLayout& device) {
   const Vectors axis = ring_centres(system, stent.body, stent.grid), device_axis = origins(device);
   const std::vector<double> radii = ring_radii(system, stent.body, stent.grid);
-  std::vector<double> offset; // of each ring from the stent's axis, in stent radii; 0 past its ends
+  std::vector<double> offset; // of each device ring from the stent's axis, in stent radii; 0 past the stent's ends
   for (const Vec3& o : device_axis) {
     const OnAxis a = nearest_on_axis(o, axis, radii);
     offset.push_back(a.beyond ? 0 : (o - a.point).norm() / a.radius);
@@ -87,7 +90,7 @@ ContactSides leaving_through(const System& system, const Stent& stent, const Dev
 
 std::vector<double> start_radii(const System& system, const DeviceLayout& device, double crimped_diameter,
                                 const std::vector<ContactSides>& sides) {
-  constexpr double near = 6.0; // mm
+  constexpr double near = 6.0; // mm: triangles whose first corner is further from a ring's centre are not considered
   std::vector<double> radii;
   for (int r = 0; r < device.grid.rings(); ++r) {
     const Vec3& p = device.frames[r].origin;
@@ -123,7 +126,7 @@ void set_side_by_side(DeviceLayout& one, DeviceLayout& other, double crimped_dia
       if (apart >= wanted)
         continue;
       Vec3 across = towards - towards.dot(f.tangent) * f.tangent;
-      if (across.norm() < 0.1 * wanted) // both devices are in the same vessel to their ends
+      if (across.norm() < 0.1 * wanted) // the devices' ends lie in one vessel, so any direction across it will do
         across = f.first;
       f.origin += (k == 0 ? -0.5 : 0.5) * (wanted - apart) * across.normalized();
     }

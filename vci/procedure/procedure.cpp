@@ -6,7 +6,8 @@ namespace vci {
 
 namespace {
 
-// A crimped stent opens only beyond its yield pressure (some 7 bar). With a lower pressure it would not reach the wall.
+// Least share of the inflation pressure in the first stage of a stent's step. A crimped stent opens only beyond its
+// yield pressure (some 7 bar). With a lower pressure it would not reach the wall.
 constexpr double stent_opening_fraction = 0.75;
 
 } // namespace

@@ -8,15 +8,17 @@ namespace vci {
 
 namespace {
 
-constexpr double blend_length = 3.0; // mm beyond the device's ends
+constexpr double blend_length = 3.0; // mm beyond the device's ends over which the radius returns to the original
 
+/// A span of a branch that is to get a radius.
 struct Target {
   const Path* path;
-  double s_start, s_end, radius;
-  double keeps; ///< final radius after recoil over the inflated radius
+  double s_start, s_end, radius; ///< mm
+  double keeps;                  ///< final radius after recoil over the inflated radius
 };
 
-/// One target for each stent, with the largest balloon inflated inside it. Without a stent, the balloons are targets.
+/// One target for each stent, its radius from the largest balloon inflated in the stent. If the scene has no stent, one
+/// target for each balloon.
 std::vector<Target> targets_of(const Scene& scene, const std::map<std::string, Path>& paths) {
   std::vector<Target> stents, balloons;
   for (const Step& step : scene.procedure)
@@ -41,13 +43,15 @@ std::vector<Target> targets_of(const Scene& scene, const std::map<std::string, P
   return stents.empty() ? balloons : stents;
 }
 
-/// Cubic with zero slopes from 1 at the span's end to 0 at blend_length beyond it.
+/// Share of the change of radius at arc length s (mm): 1 within the target's span. Beyond its ends a cubic with zero
+/// end slopes falls to 0 over blend_length.
 double weight_at(double s, const Target& t) {
   const double outside = std::max({t.s_start - s, s - t.s_end, 0.0}) / blend_length;
   return outside >= 1 ? 0.0 : 1 - outside * outside * (3 - 2 * outside);
 }
 
-/// A branch's own axis with the radius of the largest ball round each of its points, mm.
+/// Points along a branch's axis from s = 0 on, each with the radius (mm) of the largest sphere round it that holds no
+/// point of the wall.
 class Axis {
 public:
   Axis(const Path& path, const Vectors& wall) {
@@ -67,7 +71,7 @@ public:
     const double t = place - static_cast<double>(k);
     return (1 - t) * radius_[k] + t * radius_[k + 1];
   }
-  /// Distance of p outside the branch, mm.
+  /// Distance (mm) of p from the nearest of these spheres; negative inside a sphere.
   double outside(const Vec3& p) const {
     double least = 1e300;
     for (std::size_t k = 0; k < points_.size(); ++k)
@@ -76,14 +80,15 @@ public:
   }
 
 private:
-  static constexpr double spacing = 0.25;
+  static constexpr double spacing = 0.25; ///< of the points, mm
   Vectors points_;
   std::vector<double> radius_;
   double step_;
 };
 
-/// Arc length of the section through p. Sections are perpendicular to the axis's direction over a millimetre. With the
-/// directions of the polyline's pieces, a wall that moves far outwards would cross itself at the corners.
+/// Arc length (mm) of the section of the path through p, searched from `first` to `last` (mm). A section is
+/// perpendicular to the path's direction over a millimetre. If sections followed the polyline's single pieces, a wall
+/// that moves far outwards would cross itself at the polyline's corners.
 double section_of(const Vec3& p, const Path& path, double first, double last) {
   double nearest = 1e300, place = 0;
   for (double s = first; s <= last; s += 0.1)
@@ -99,9 +104,9 @@ double section_of(const Vec3& p, const Path& path, double first, double last) {
   return 0.5 * (low + high);
 }
 
-/// New distance from the axis of a point at distance r. The branch's own wall moves to the target. Walls outside it, of
-/// a side branch or a neighbour, move by a share that fades to 0 over twice the change of radius. The map is monotone
-/// in r, so that no wall passes through another.
+/// New distance from the axis (mm) of a point at distance r. The branch's own wall moves from `radius` to `target`.
+/// Walls outside it, of a side branch or a neighbour, move by a share that fades to 0 over twice the change of radius.
+/// The new distance rises with r, so that no wall passes through another.
 double new_distance(double r, double radius, double target, bool own_wall) {
   if (own_wall)
     return target;

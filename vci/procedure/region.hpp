@@ -6,7 +6,7 @@
 
 namespace vci {
 
-/// Flags lumen vertices within the margin (mm) of a device's span along its branch.
+/// Flags the lumen vertices that may move: those within the scene's region margin (mm) of a device along its branch.
 std::vector<char> region_of_interest(const Lumen& lumen, const Scene& scene, const std::map<std::string, Path>& paths);
 
 } // namespace vci

@@ -13,7 +13,7 @@
 namespace vci {
 
 struct RunState {
-  /// Adds the wall. Keeps copies of the scene, and of the lumen and axes before the procedure.
+  /// Adds the wall to the system. Keeps copies of the scene, and of lumen and axes as they are before the procedure.
   RunState(Scene of, Lumen before, std::map<std::string, Path> axes);
   RunState(const RunState&) = delete;
   RunState& operator=(const RunState&) = delete;
@@ -28,7 +28,7 @@ struct RunState {
   System system; ///< body 0 is the wall; stents follow in the order of their steps; balloons come last
   Wall wall;
   Interactions interactions;
-  Balance balance; ///< of the last stage
+  Balance balance; ///< forces at the end of the last stage
   std::vector<Balloon> balloons;
   std::vector<StentHistory> stents;
 };

@@ -4,18 +4,20 @@
 
 namespace vci {
 
-/// The shape of a device: of a balloon when inflated, of a stent at the end.
+/// The shape of a device. A DeploymentResult has balloons as fully inflated and stents as they are at the end.
 struct DeviceShape {
   enum class Kind { balloon, stent } kind;
-  std::string name; ///< of a balloon by its step, of a stent its device's name
-  Vectors points;   ///< mm
+  /// In a DeploymentResult a balloon is named after its step, a stent after its device. In a Snapshot the names are
+  /// "balloon" and "stent".
+  std::string name;
+  Vectors points; ///< mm
   Triangles triangles;
   Balance forces; ///< at these points, N
 };
 
-/// An intermediate state, for pictures.
+/// The state during a run or at its end, for pictures.
 struct Snapshot {
-  int stages_done, steps; ///< steps of the current stage
+  int stages_done, steps; ///< number of completed stages, and of steps done in a stage
   Vectors lumen;          ///< mm
   Balance forces;         ///< per lumen point, N; empty, as the devices', within a stage of textbook integration
   std::vector<DeviceShape> devices;
@@ -24,9 +26,11 @@ struct Snapshot {
 /// Forces of the wall's vertices at all points of the lumen, 0 where the wall does not take part.
 Balance on_lumen(const RunState& run, const Balance& forces);
 
+/// The shape of a body with its part of the system's forces (N).
 DeviceShape shape_of(const RunState& run, int body, const std::string& name, const Balance& forces);
 
-/// @param steps done in the stage under way @param forces of the system, N; may be empty
+/// @param steps number of steps to report
+/// @param forces on all vertices of the system, N; may be empty
 Snapshot snapshot_of(const RunState& run, int stages_done, int steps, const Balance& forces);
 
 } // namespace vci

@@ -13,9 +13,10 @@ namespace vci {
 
 namespace {
 
-constexpr double reach = 2.0;      // mm from a vertex, within which the wall is searched
-constexpr double slack = 0.1;      // mm beyond the nearest triangle, for projections along normals
-constexpr double tolerated = 0.1;  // mm outside the wall; several times the values in balanced stages
+constexpr double reach = 2.0; // mm: radius round a device's vertex in which the wall is searched
+// mm: a vertex may project along the normals onto a triangle that is this much further away than the nearest one
+constexpr double slack = 0.1;
+constexpr double tolerated = 0.1;  // mm that a device may lie outside the wall; balanced stages have far less
 constexpr double on_an_end = 1e-9; // weight of inner corners below which a projection is on an open edge
 
 int body_with(const System& system, int vertex) {
@@ -25,7 +26,8 @@ int body_with(const System& system, int vertex) {
   return body;
 }
 
-/// Distance (mm) of a point beyond the smooth surface; negative inside, and if no wall is near.
+/// Distance (mm) by which a point lies outside the wall's smooth surface. Negative inside, at the wall's open ends, and
+/// if no wall is near.
 double beyond(const Vec3& p, const System& system, const Vectors& units, const std::vector<int>& candidates) {
   const Body& wall = system.body(0);
   double closest = 0;
@@ -61,8 +63,8 @@ Outside furthest_outside(const System& system, SurfaceTrees& trees, const Vector
     if (candidates.empty())
       continue;
     const double distance = beyond(system.x[v], system, normals.unit, candidates);
-    // Before the mouth of a side branch the wall is open, and at its sharp rim it may fold. The nearest triangle does
-    // not tell the side there; the whole lumen does.
+    // At the mouth of a side branch the wall has an opening, whose sharp rim may fold. There the nearest triangle does
+    // not tell inside from outside; the winding number of the whole lumen does.
     if (distance > furthest.distance && (distance <= tolerated || winding_number(system.x[v], triangles, points) < 0.5))
       furthest = {distance, v};
   }

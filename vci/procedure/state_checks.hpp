@@ -1,4 +1,4 @@
-// Conditions on the state: devices inside the lumen after a stage, stents supported after a procedure.
+// Checks of the state: devices must lie inside the lumen after a stage, stents must be supported after a procedure.
 #pragma once
 #include "vci/procedure/stent_history.hpp"
 #include "vci/solver/integrator.hpp"
@@ -7,19 +7,19 @@ namespace vci {
 
 /// The device vertex that lies furthest outside the wall.
 struct Outside {
-  double distance = 0; ///< mm beyond the smooth surface through the wall's vertices; 0: none is outside
+  double distance = 0; ///< mm outside the smooth surface through the wall's vertices; 0: no vertex is outside
   int vertex = -1;
 };
 
-/// The vertex furthest outside, of all bodies but the wall (body 0). Vertices further than 2 mm from the wall count as
-/// inside, since a device that far outside would have other vertices in between. Vertices beside the wall's open ends
-/// and in the mouth of a side branch count as inside too.
+/// The vertex furthest outside the wall (body 0), of all other bodies. Vertices further than 2 mm from the wall count
+/// as inside, since a device that far outside would have other vertices in between. Vertices beside the wall's open
+/// ends and in the mouth of a side branch count as inside too.
 /// @param trees search trees of the bodies
 /// @param points, triangles of the whole closed lumen in its current state
 Outside furthest_outside(const System& system, SurfaceTrees& trees, const Vectors& points, const Triangles& triangles);
 
 /// Throws common::ComputationError if a device vertex is more than 0.1 mm outside the wall.
-/// @param where step and stage
+/// @param where step and stage, for the message
 void check_inside(const System& system, SurfaceTrees& trees, const Vectors& points, const Triangles& triangles,
                   const std::string& where);
 
@@ -27,8 +27,9 @@ void check_inside(const System& system, SurfaceTrees& trees, const Vectors& poin
 std::vector<char> supported(const System& system, const std::vector<ContactPoint>& contacts,
                             const std::vector<Tie>& ties, const std::vector<StentHistory>& stents);
 
-/// Throws common::ComputationError if a stent is not supported.
-/// @param points, triangles of the lumen in its current state @param paths its axes
+/// Throws common::ComputationError if the wall does not support one of the stents.
+/// @param points, triangles of the lumen in its current state
+/// @param paths axes of the lumen's branches
 void check_supported(const System& system, Interactions& interactions, const std::vector<StentHistory>& stents,
                      const Vectors& points, const Triangles& triangles, const std::map<std::string, Path>& paths);
 

@@ -11,7 +11,7 @@ double mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-/// Per ring: whether at least half of its vertices are in contact.
+/// For each ring of a stent, whether at least half of its vertices are in contact with a balloon.
 std::vector<char> filled_rings(const Stent& stent, const Body& body, const std::vector<ContactPoint>& contacts) {
   std::vector<char> bears(body.count, 0);
   for (const ContactPoint& p : contacts)

@@ -1,26 +1,26 @@
-// The history of a stent's rings: the diameters from which recoil is computed.
+// A stent's dimensions when inflated and after balloons were removed, from which recoil is computed.
 #pragma once
 #include "vci/contact/contact.hpp"
 #include "vci/devices/stent/stent.hpp"
 
 namespace vci {
 
-/// A deployed stent's dimensions in the course of the procedure.
+/// A deployed stent with its dimensions at the ends of stages.
 struct StentHistory {
   std::string device, branch;
-  double centre_s;
+  double centre_s; ///< arc length of the stent's centre along its branch, mm
   Stent stent;
   std::vector<double> inflated_radii = {}; ///< of each ring at the end of the last inflation that filled it, mm
-  double final_diameter = 0;               ///< mean over its rings, after the last extraction, mm
-  double final_length = 0;                 ///< along its ring centres, mm
-  double minimal_area = 0;                 ///< the smallest ring section after the last extraction, mm^2
-  Vec3 first_end = Vec3::Zero();           ///< centre of its first ring after the last extraction
-  Vec3 last_end = Vec3::Zero();            ///< centre of its last ring
-  double inflated_diameter() const;        ///< mean over its rings, mm
+  double final_diameter = 0;               ///< mean over the stent's rings, after the last extraction of balloons, mm
+  double final_length = 0;                 ///< along the centres of the stent's rings, mm
+  double minimal_area = 0;                 ///< the smallest section of a ring after the last extraction, mm^2
+  Vec3 first_end = Vec3::Zero();           ///< centre of the first ring after the last extraction, mm
+  Vec3 last_end = Vec3::Zero();            ///< centre of the last ring after the last extraction, mm
+  double inflated_diameter() const;        ///< mean of inflated_radii, times two, mm
 };
 
-/// Records the rings that inflated balloons fill. At the stent's own delivery these are all rings, later the rings with
-/// at least half of their vertices in contact with a balloon.
+/// Records the radii of the rings that inflated balloons fill. At the stent's own delivery these are all rings. Later
+/// they are the rings with at least half of their vertices in contact with a balloon.
 /// @param balloons contact points of the balloons with the stent
 void note_inflation(StentHistory& history, const System& system, const std::vector<ContactPoint>& balloons);
 /// Records diameter, length, smallest section and ends after balloons are removed.

@@ -6,7 +6,11 @@ namespace vci {
 
 namespace {
 
-constexpr double narrowest_layers = 0.6; // share of the body's diameter; the necks' folds are too fine for contact
+// Rings narrower than this share of the balloon body's diameter have no contact between their layers. Folds in the
+// balloon's necks are too fine for contact.
+constexpr double narrowest_layers = 0.6;
+// Largest wanted displacement per step over the film's thickness, while folds open; and relative residual of the linear
+// solves with a folded balloon.
 constexpr double step_over_thickness = 2, folds_pcg_tolerance = 0.05;
 constexpr double folds_maximal_step = 5;    // ms: a kink left in the cones oscillates under longer steps
 constexpr double folds_initial_step = 0.03; // ms: a longer first step moves layers through one another

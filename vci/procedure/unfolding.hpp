@@ -5,13 +5,14 @@
 
 namespace vci {
 
-/// Lets the layers of a balloon touch one another, if it is folded.
+/// Adds contact between the layers of a folded balloon. Does nothing for a balloon that is not folded.
 void add_layers(Interactions& interactions, const System& system, const Balloon& balloon, const BalloonSpec& spec,
                 const ContactSettings& settings);
 
-/// Solver settings of a stage with a balloon. A folded balloon needs more accurate linear solves. Its stage is not
-/// refused while the residual stagnates, because the residual falls only after the folds have opened.
-/// @param unfolds whether the balloon starts folded, which needs shorter steps: a layer must not pass its neighbours
+/// Solver settings of a stage with a balloon; unchanged if the balloon is not folded. A folded balloon needs shorter
+/// steps and more accurate linear solves. Its stage is not refused while the residual stagnates, because the residual
+/// falls only after the folds have opened.
+/// @param unfolds whether the folds open in this stage: then steps are even shorter, lest a layer pass its neighbours
 IntegratorSettings with_folds(const IntegratorSettings& settings, const BalloonSpec& spec, bool unfolds);
 
 /// Whether a balloon of the scene is folded.

@@ -8,13 +8,14 @@
 
 namespace vci {
 
-/// Point arrays pressure_n, contact_n, foundation_n and residual_n (N); empty without forces.
+/// The forces as point arrays pressure_n, contact_n, foundation_n and residual_n (N). Empty if there are no forces.
 std::vector<PointArray> force_arrays(const Balance& balance);
 
 class FrameWriter {
 public:
-  /// Files go to `folder`, which is created; older frames in it are removed.
+  /// @param folder for the files; it is created, and frames of an earlier run in it are removed
   FrameWriter(std::filesystem::path folder, const LumenFile& lumen);
+  /// Writes a file for the lumen and one for each device.
   void add(const Snapshot& snapshot);
   /// Writes frames.pvd, which ParaView opens as an animation.
   void finish() const;

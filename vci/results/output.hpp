@@ -8,9 +8,9 @@ namespace vci {
 
 class Output {
 public:
-  /// Creates the folder and removes an earlier run's results from it, before any work. Also removes partial results of
-  /// runs that a signal ended. Throws common::InputError if files cannot be written there, or if it would remove one of
-  /// the `inputs`.
+  /// Creates the folder and removes an earlier run's results from it. Also removes partial results of runs that a
+  /// signal ended. This is done before any work. Throws common::InputError if files cannot be written there, or if one
+  /// of the `inputs` would be removed.
   Output(std::filesystem::path out, const std::vector<std::filesystem::path>& inputs);
   ~Output(); ///< removes unpublished files
   Output(const Output&) = delete;
@@ -24,11 +24,11 @@ private:
   std::filesystem::path out_, partial_;
 };
 
-/// Removes deployment.json from the folder of a run that is refused before its inputs are known, because other files
-/// there do not count as results without it. Keeps the file if it is the `scene` itself.
+/// Removes deployment.json from the folder `out` of a run that is refused before its inputs are known. Without this
+/// file the other files there do not count as results. Keeps the file if it is the `scene` itself.
 void withdraw(const std::filesystem::path& out, const std::filesystem::path& scene);
 
-/// Throws common::ComputationError if the file is not written completely.
+/// Writes a JSON document. Throws common::ComputationError if the file is not written completely.
 void write_json(const std::filesystem::path& file, const nlohmann::json& document);
 
 } // namespace vci

@@ -18,7 +18,7 @@ Segment span_of(const Scene& scene, const Placement& p) {
   return {p.branch, p.centre_s - 0.5 * length, p.centre_s + 0.5 * length};
 }
 
-/// Mean healthy lumen area (mm^2) by the wall's reference radius within the span.
+/// Mean healthy lumen area (mm^2) along the segment, from the reference radii of the wall's points there; 0 if unknown.
 double reference_area(const Lumen& lumen, const Path& path, const Segment& segment) {
   if (lumen.reference_radius.empty())
     return 0;
@@ -35,8 +35,8 @@ double reference_area(const Lumen& lumen, const Path& path, const Segment& segme
   return count > 0 ? sum / count : 0;
 }
 
-/// Peak of this program's own memory, MiB; 0 if the system does not tell. (getrusage would include the memory of the
-/// program from which the process was forked.)
+/// Peak of this program's own memory, MiB; 0 if the system does not report it. (getrusage would include the memory of
+/// the program from which the process was forked.)
 double peak_memory_mib() {
   std::ifstream status("/proc/self/status");
   std::string key;
@@ -46,7 +46,8 @@ double peak_memory_mib() {
   return 0;
 }
 
-/// The smallest value under `key`, or the first by another order, of the rows that have one; null if none has.
+/// The smallest of the rows' values under `key`. With another order `before`, the value that comes first in it. Null
+/// values are left out; null if no row has a value.
 template <class Order = std::less<>>
 json smallest_of(const json& rows, const char* key = "area_mm2", Order before = {}) {
   json smallest = nullptr;
@@ -70,8 +71,9 @@ double place_on(const Path& path, const Vec3& p, double s, double reach) {
   return place;
 }
 
-/// The smallest lumen area between a deployed stent's ends. Planes within half a millimetre of an end are left out,
-/// because the stent's edge may be oblique and they would cut bare vessel too.
+/// The smallest lumen area (mm^2) between a deployed stent's ends; null if there is no section. Planes within half a
+/// millimetre of an end are left out. There the stent's edge may be oblique, so that a plane would cut bare vessel too.
+/// @param length of the stent, mm
 json lumen_area_in(const StentHistory& h, double length, const DeploymentResult& d, const Triangles& triangles) {
   constexpr double edge = 0.5; // mm
   const Path& path = d.paths.at(h.branch);
@@ -81,7 +83,8 @@ json lumen_area_in(const StentHistory& h, double length, const DeploymentResult&
   return start < end ? smallest_area(area_profile(d.points, triangles, path, start, end)) : json(nullptr);
 }
 
-/// Decrease of the axis's total turn along the segment, degrees, by pieces as long as the lumen is wide.
+/// Straightening of the axis along the segment: the decrease of its total turn (see Path::turning()), degrees. The turn
+/// is measured between pieces as long as the lumen's mean diameter in the profile, at least 1 mm.
 double degrees_less(const Path& before, const Path& after, const Segment& s, const json& profile) {
   double area = 0;
   for (const json& row : profile)

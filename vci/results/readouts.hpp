@@ -1,14 +1,14 @@
-// Results that a clinician asks for: areas, expansion, recoil, foreshortening, straightening, apposition.
+// Results that a clinician asks for: areas, expansion, recoil, foreshortening, straightening, malapposition.
 #pragma once
 #include "vci/procedure/deployment.hpp"
 
 namespace vci {
 
-/// deployment.json of a run of `vci deploy`.
+/// The document deployment.json of a run of `vci deploy`. @param before axes of the branches before the procedure
 nlohmann::json readouts(const Scene& scene, const Lumen& lumen, const std::map<std::string, Path>& before,
                         const DeploymentResult& deployment);
 
-/// Limits of a stent's result. Beyond them a run warns.
+/// Limits of a stent's result, beyond which a run gives a warning.
 struct OutcomeLimits {
   /// Least expansion index. OCT found a median of 0.73 with quartiles of 0.63 and 0.81 (ILUMIEN II, Maehara 2015), so
   /// less than 0.6 is worse than in three of four patients. The European consensus asks for 0.8 (Raeber 2018).
@@ -18,19 +18,22 @@ struct OutcomeLimits {
   double largest_malapposition = 0.4;
 };
 
-/// Warnings of stents that stay too small, and of a gap between stent and wall.
-/// @param stents rows of `stents` of deployment.json; a null expansion index (no healthy area known) gives no warning
+/// Warnings of stents that remain too small, and of a gap between stent and wall.
+/// @param stents the list `stents` of deployment.json; a null expansion index (no healthy area known) gives no warning
+/// @param malapposition_mm largest gap
 std::vector<std::string> warnings_of_outcome(const nlohmann::json& stents, double malapposition_mm,
                                              const OutcomeLimits& limits = {});
 
-/// Lumen areas every 0.5 mm along a span of a branch: [{s_mm, area_mm2}]; null if the section has no closed outline.
+/// Lumen areas every 0.5 mm along a branch from s_start to s_end (mm), as a list of {s_mm, area_mm2}. An area is null
+/// if its section has no closed outline.
 nlohmann::json area_profile(const Vectors& points, const Triangles& triangles, const Path& path, double s_start,
                             double s_end);
 
-/// The smallest area of a profile; null if no section has an area.
+/// The smallest area (mm^2) of an area_profile(); null if no section has an area.
 nlohmann::json smallest_area(const nlohmann::json& profile);
 
-/// Span of a branch for reports: the scene's segment, else the stents' span, else the first device's.
+/// The span of a branch that is reported: the scene's segment, else the span of the first stent, else that of the first
+/// device.
 Segment reported_segment(const Scene& scene);
 
 } // namespace vci

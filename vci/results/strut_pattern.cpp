@@ -14,7 +14,8 @@ namespace vci {
 
 namespace {
 
-/// Point of the deployed cylinder at a share of its length (0 to 1) and of its turn.
+/// Point (mm) of the deployed grid, at a share of its length (0 to 1) and a share of a turn round it. @param x the
+/// grid's vertices
 Vec3 on_cylinder(const RingGrid& grid, const Vectors& x, double length_share, double turn_share) {
   const double r = std::clamp(length_share, 0.0, 1.0) * (grid.rings() - 1);
   const int r0 = std::min(static_cast<int>(r), grid.rings() - 2);
@@ -25,7 +26,7 @@ Vec3 on_cylinder(const RingGrid& grid, const Vectors& x, double length_share, do
   return (1 - u) * ((1 - v) * at(r0, k0) + v * at(r0, k1)) + u * ((1 - v) * at(r0 + 1, k0) + v * at(r0 + 1, k1));
 }
 
-/// Adds tubes about the lines, `thickness` wide, closed at their ends.
+/// Adds round tubes about the lines, of diameter `thickness` (mm) and closed at their ends.
 void add_tubes(Struts& s, double thickness) {
   constexpr int sides = 6;
   vtkNew<vtkPoints> points;
@@ -67,8 +68,8 @@ void add_tubes(Struts& s, double thickness) {
 } // namespace
 
 Struts strut_pattern(const StentSpec& spec, const RingGrid& grid, const Vectors& cylinder) {
-  constexpr double row_length = 1.2; // mm
-  constexpr double row_share = 0.8;  // share of the crowns in a row's length; links take the rest
+  constexpr double row_length = 1.2; // mm of stent for each row of crowns with its links
+  constexpr double row_share = 0.8;  // share of this length that the crowns take; links take the rest
   constexpr int points_per_strut = 6;
   const int rows = std::max(2, static_cast<int>(std::lround(spec.length / row_length)));
   Struts s;
@@ -83,7 +84,7 @@ Struts strut_pattern(const StentSpec& spec, const RingGrid& grid, const Vectors&
     }
     s.lines.push_back(line);
     for (int link = 0; row + 1 < rows && link < spec.links; ++link) {
-      // a link goes from a crest of this row to a valley of the next; links turn a little from row to row
+      // A link goes from a crest of this row to a valley of the next. From row to row the links move by one crown.
       const int crown = (link * spec.crowns / spec.links + row) % spec.crowns;
       const double from = (crown + 0.5) / spec.crowns, to = (crown + 1.0) / spec.crowns;
       std::vector<int> bridge;

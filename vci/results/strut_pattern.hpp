@@ -11,8 +11,9 @@ struct Struts {
   std::vector<std::vector<int>> lines;
   Triangles triangles;
 };
-/// Zigzag rows of `crowns` crowns, one about every 1.2 mm, joined by `links` links; `cylinder` holds the grid's
-/// vertices.
+/// Draws wavy rows of struts, one about every 1.2 mm. Each row has the stent's number of crowns, and neighbouring rows
+/// are joined by its number of links.
+/// @param cylinder vertices of the deployed grid, mm
 Struts strut_pattern(const StentSpec& spec, const RingGrid& grid, const Vectors& cylinder);
 
 } // namespace vci

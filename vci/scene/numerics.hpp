@@ -8,10 +8,10 @@ namespace vci {
 struct Numerics {
   IntegratorSettings integrator;
   ContactSettings contact;
-  double tie_stiffness = 60;              ///< MPa/mm
-  double region_margin = 6;               ///< mm beyond the devices in which the wall moves
-  double device_edge = 0.45;              ///< mm
-  double contact_pressure_fraction = 0.5; ///< of a step's pressure, at its first stage
+  double tie_stiffness = 60;              ///< of the ties between stent and wall, per area, MPa/mm
+  double region_margin = 6;               ///< mm: the wall moves up to this distance beyond the devices' ends
+  double device_edge = 0.45;              ///< edge length of the device meshes at nominal diameter, mm
+  double contact_pressure_fraction = 0.5; ///< pressure in a step's first stage over the step's pressure
 };
 
 } // namespace vci

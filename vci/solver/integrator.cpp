@@ -9,11 +9,11 @@ namespace vci {
 
 namespace {
 
-constexpr double smallest_step = 0.03; // ms
-constexpr int sticking_steps = 8;      // with the whole friction stiffness, after a step that turned back
-constexpr double quasi_static = 0.5;   // ms: longer steps drop the velocity
-// After a third of `stalled_steps` without progress, oscillating vertices are held back for the rest of the stage.
-// Linear solves must then also reach careful_tolerance in the preconditioner's norm.
+constexpr double smallest_step = 0.03; // ms: length of the shortest step
+constexpr int sticking_steps = 8;      // steps with the whole friction stiffness, after a step that turned back
+constexpr double quasi_static = 0.5;   // ms: longer steps drop the velocity, and with it the inertia of the motion
+// After `stalled_steps` / `careful_share` steps without progress, the steps of oscillating vertices are shortened for
+// the rest of the stage. Linear solves must then also reach this relative tolerance in the preconditioner's norm.
 constexpr int careful_share = 3;
 constexpr double careful_tolerance = 0.1;
 // N: a smaller net force counts as balance. Without this limit an unloaded wall would give 0 / 0, as its applied force
@@ -57,7 +57,7 @@ Balance balance_of(const Forces& f, const std::vector<char>& fixed) {
   return balance;
 }
 
-/// The displacement that one vertex in a hundred exceeds, so that a single loose vertex does not set the step.
+/// The displacement (mm) that one vertex in a hundred exceeds. A single loose vertex must not set the step's length.
 double large_displacement(const Vectors& dx) {
   std::vector<double> length;
   length.reserve(dx.size());
@@ -68,13 +68,15 @@ double large_displacement(const Vectors& dx) {
   return std::sqrt(*place);
 }
 
-/// The part of a step's matrix that depends on its length: the term added to the diagonal, N/mm per vertex.
+/// The part of a step's matrix that depends on the step's length h: inertia and damping, added to the diagonal (N/mm
+/// for each vertex).
 class Inertia {
 public:
   Inertia(const System& system, const IntegratorSettings& s) : system_(system), s_(s) {}
-  /// 1 + b / h: the whole step is divided by it.
+  /// 1 + b / h, with b the stiffness damping (ms) and h in ms. Matrix and load of a step are divided by this factor.
   double factor(double h) const { return 1 + s_.stiffness_damping / h; }
-  /// Replaces the previous step's part by that of a step of h ms. A matrix assembled `anew` holds no previous part.
+  /// Replaces the terms that the last call added by those of a step of h ms. With `anew`, the matrix was just assembled
+  /// and holds no such terms.
   void put(double h, bool anew, BlockMatrix& matrix) {
     if (anew)
       added_.assign(system_.vertices(), 0.0);
@@ -91,7 +93,7 @@ private:
   std::vector<double> added_;
 };
 
-/// Whether a step takes back much of the one before.
+/// Whether a step's displacements dx largely undo those of the step before: the cosine over all vertices is below -0.3.
 bool turns_back(const Vectors& dx, const Vectors& last) {
   double along = 0, now = 0, before = 0;
   for (std::size_t i = 0; i < last.size(); ++i) {
@@ -143,7 +145,7 @@ void Interactions::detect(const System& system, const Vectors& normals, std::vec
 
 namespace {
 
-/// Steps of one stage towards force balance.
+/// Takes the steps of one stage towards force balance.
 class Relaxation {
 public:
   Relaxation(System& system, Interactions& interactions, const IntegratorSettings& settings)
@@ -166,7 +168,7 @@ public:
   }
 
 private:
-  /// Evaluates the forces of the state; true where the stage ends with it, in balance or without.
+  /// Evaluates the forces at the current positions. Returns true if the stage ends here, with or without balance.
   bool ended(Balance* balance) {
     assemble(system_, interactions_, forces_);
     if (forces_.residual <= s_.residual_tolerance && stiffen_deep_contacts(forces_.points, s_.maximal_penetration)) {
@@ -188,8 +190,8 @@ private:
     return gave_up();
   }
 
-  /// Counts the steps without progress. After some it starts to damp, after more it gives up: true then, and at the
-  /// maximal number of steps.
+  /// Counts the steps without progress, and after a third of `stalled_steps` begins to damp oscillating vertices.
+  /// Returns true if the stage must be given up: after `stalled_steps`, or at the maximal number of steps.
   bool gave_up() {
     if (forces_.residual < 0.9 * best_residual_) {
       best_residual_ = forces_.residual;
@@ -208,8 +210,9 @@ private:
     return true;
   }
 
-  /// Near the end displacements are small, and the residual steers the step. Contacts that switch on and off make the
-  /// residual jump; shorter steps settle them. A balloon that slides or bends makes it rise slowly; longer steps serve.
+  /// Sets the next step's length by the residual. This is done near the end of a stage, where displacements are small.
+  /// Contacts that switch on and off make the residual jump, and shorter steps settle them. A balloon that slides or
+  /// bends makes the residual rise slowly, and longer steps help.
   void follow_residual() {
     h_ *= forces_.residual > 1.4 * previous_residual_ ? 0.5 : 1.8;
     h_ = std::clamp(h_, 10 * smallest_step, s_.maximal_step);
@@ -226,10 +229,12 @@ private:
       stencils_.push_back(tie.stencil);
   }
 
+  /// Largest displacement allowed in a step, mm.
   double limit() const { return 1.5 * s_.displacement_per_step; }
 
-  /// Solves for the displacements, with shorter steps until they are within the limit. A step that is too long is not
-  /// taken, because its plastic strain would stay. Returns the displacement that one vertex in a hundred exceeds, mm.
+  /// Solves for the displacements, and solves again with a shorter step while they exceed the limit. A step that is too
+  /// long is not taken, because its plastic strain would stay. Returns the displacement (mm) that one vertex in a
+  /// hundred exceeds.
   double solve() {
     for (bool anew = true;; anew = false) {
       inertia_.put(h_, anew, system_.matrix());
@@ -251,7 +256,7 @@ private:
     const bool inertial = h_ <= quasi_static;
     if (damping_ && !inertial)
       damping_->damp(dx_, last_dx_, typical);
-    // A vertex that overshoots is clipped alone, since the step is good for the others.
+    // Only a vertex that exceeds the limit is held back, since the step is good for the others.
     for (int i = 0; i < system_.vertices(); ++i) {
       const double length = dx_[i].norm();
       if (length > limit())
@@ -282,12 +287,12 @@ private:
   PcgMemory memory_;
   Inertia inertia_;
   PcgSettings pcg_;
-  std::optional<StepRelaxation> damping_; ///< once steps without progress are damped
+  std::optional<StepRelaxation> damping_; ///< shortens the steps of oscillating vertices; empty until progress stalls
   double h_;                              ///< length of the step, ms
   double previous_residual_ = 0, best_residual_ = 1e300;
   int best_step_ = 0;
-  int sticking_ = 0;      ///< steps left in which sliding contacts keep all of their stiffness
-  bool settling_ = false; ///< the residual steers the step, no longer the displacements
+  int sticking_ = 0;      ///< number of further steps in which sliding contacts keep their whole friction stiffness
+  bool settling_ = false; ///< the residual, no longer the displacements, sets the step's length
 };
 
 } // namespace

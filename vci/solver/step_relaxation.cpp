@@ -6,10 +6,10 @@ namespace vci {
 
 namespace {
 
-constexpr double outlier = 2;         // times the typical displacement
-constexpr double turned = -0.3;       // cosine between two steps of a vertex
-constexpr int to_and_fro = 4;         // turns running
-constexpr double least_share = 0.125; // above 0, so that a vertex can still reach its place
+constexpr double outlier = 2;         // times the typical displacement: a larger one is halved at the first turn
+constexpr double turned = -0.3;       // a vertex turns back if the cosine between two of its steps is below this
+constexpr int to_and_fro = 4;         // number of turns in a row after which any vertex's displacement is halved
+constexpr double least_share = 0.125; // of a displacement that is always taken, so that a vertex can reach its place
 
 } // namespace
 

@@ -6,14 +6,15 @@
 
 namespace vci {
 
-/// Steps of one stage towards balance. All displacements in mm, per vertex.
+/// Remembers, over the steps of one stage, which vertices oscillate. Displacements are in mm, one for each vertex.
 class StepRelaxation {
 public:
-  /// Halves the displacements of single vertices that go back and forth. The length of a step follows the displacement
-  /// that one vertex in a hundred exceeds. A vertex that exceeds it by far may oscillate for ever, as at a buckling
-  /// balloon tip or an edge of calcium, and its force then dominates the linear solve. It is halved as soon as it turns
-  /// back. Other vertices are halved once they have turned back in several steps running. A single turn does no harm:
-  /// the linear solves reduce their residual to a fifth only, so many vertices turn back a little.
+  /// Halves the displacements of single vertices that go back and forth. The length of a step is set by the
+  /// displacement that one vertex in a hundred exceeds. A vertex that moves far more may oscillate for ever, as at a
+  /// buckling balloon tip or an edge of calcium. Its force then dominates the linear solve. The displacement of such a
+  /// vertex is halved as soon as it turns back, that of another vertex once it has turned back in four steps in a row.
+  /// A single turn does no harm: the linear solves reduce their residual only to a fifth, so many vertices turn back a
+  /// little.
   /// @param displacement the step as solved; shortened in place
   /// @param last the displacement taken in the step before; with another number of vertices nothing is changed
   /// @param typical the displacement that one vertex in a hundred exceeds
@@ -21,7 +22,7 @@ public:
 
 private:
   std::vector<double> share_; ///< share of its displacement that each vertex takes
-  std::vector<int> turns_;    ///< how many steps running each vertex has turned back
+  std::vector<int> turns_;    ///< in how many steps in a row each vertex has turned back
 };
 
 } // namespace vci

@@ -18,7 +18,7 @@ double root_mean_square_velocity(const System& system) {
   return count > 0 ? std::sqrt(sum / count) : 0;
 }
 
-/// One step; returns the iterations of its linear solve.
+/// Takes one step. Returns the number of iterations of its linear solve.
 int step(System& system, Interactions& interactions, const IntegratorSettings& s) {
   const double h = s.fixed_step;
   Vectors elastic, foundation, force, dx;

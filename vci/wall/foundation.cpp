@@ -34,7 +34,7 @@ RingFoundation::RingFoundation(std::vector<Element> elements, Triangles triangle
     : VertexForce(vertices_of(elements)), elements_(std::move(elements)), triangles_(std::move(triangles)) {}
 
 double RingFoundation::energy(const Vectors& x) const {
-  // Gauss points of the pressure's integral over u
+  // places and weights of four Gauss points on [0, 1], for the integral of the pressure from 0 to u
   static const double place[4] = {0.069431844202973712, 0.330009478207571868, 0.669990521792428132,
                                   0.930568155797026288};
   static const double weight[4] = {0.173927422568726929, 0.326072577431273071, 0.326072577431273071,

@@ -11,7 +11,7 @@ namespace vci {
 
 namespace {
 
-/// Current edges from corner 0 in an orthonormal basis of the triangle's plane.
+/// The two edges of a triangle from its corner 0 (columns, mm), in an orthonormal basis of the triangle's plane.
 Mat2 flat_edges(const Triangle& t, const Vectors& x) {
   const Vec3 u = x[t[1]] - x[t[0]], v = x[t[2]] - x[t[0]];
   const double l = u.norm();
@@ -66,7 +66,7 @@ double MassSpring::Spring::layer_strain(double length) const {
 EdgeForce::Tension MassSpring::tension(std::size_t k, double length) const {
   const Spring& s = springs_[k];
   const double e = s.layer_strain(length), w = std::abs(e);
-  double energy, slope, curvature; // psi and its derivatives by e
+  double energy, slope, curvature; // psi, and its first and second derivative by e
   if (w > s.yield_strain) {
     const double excess = w - s.yield_strain;
     energy = 0.5 * s.yield_strain * s.yield_strain + s.yield_strain * excess + 0.5 * s.hardening * excess * excess;
@@ -91,7 +91,7 @@ void MassSpring::commit(const Vectors& x) {
     const double e = s.layer_strain(length(k, x)), w = std::abs(e);
     if (w <= s.yield_strain)
       continue;
-    // as in HenckyLaw::flow: the layer's lasting stretch follows from the lumen's, measured from the widened lumen
+    // As in HenckyLaw::flow(), the depth is relative to the lumen as it has widened permanently.
     const double stretch = length(k, x) / (s.rest_length * s.plastic_stretch);
     const double elastic = 1 + std::copysign(s.elastic_part(w), e), lasting = (1 + e) / elastic;
     s.yield_strain = s.elastic_part(w);

@@ -1,4 +1,5 @@
-// Springs along the triangles' edges (Delingette's or Van Gelder's); not those of the source, equations 13 to 16.
+// Springs along the triangles' edges, by Delingette or Van Gelder. They are not the springs of the published wall
+// model, equations 13 to 16 of Lyu et al. 2025.
 #pragma once
 #include "vci/mechanics/fibre.hpp"
 #include "vci/mechanics/hencky_law.hpp"
@@ -7,17 +8,20 @@
 
 namespace vci {
 
-/// Stiffness (N/mm) of the springs along the edges opposite to corners 0, 1 and 2.
+/// Stiffness (N/mm) of a triangle's springs along the edges opposite to its corners 0, 1 and 2.
+/// @param corners mm
+/// @param modulus_times_thickness N/mm
 std::array<double, 3> spring_stiffness(const std::array<Vec3, 3>& corners, double modulus_times_thickness,
                                        double poisson_ratio, SpringMapping mapping);
 
-/// Three springs per triangle, so that each keeps its triangle's yield. An edge between two triangles has two springs,
-/// whose forces add. With e = l / L - 1 (for a layer at depth by its own stretch, see HenckyLaw) and the lasting
-/// stretch s, the energy is k L^2 s psi(e):
-///   psi' = e (1 + beta e^2);  beyond yield psi' = e_y + H (e - e_y), which moves the rest length.
-/// Each spring is critically damped by c = 2 sqrt(k m): m is the mean mass of its two vertices, k the sum of the
-/// springs along the edge. Only integrations that ask for damping (Force::add_damping) use it. Equation 17 of the
-/// source damps its springs too, but as printed it has not the dimension of a damping.
+/// A layer of the wall as springs. Each triangle has three springs of its own, so that each triangle can yield by
+/// itself. An edge between two triangles therefore has two springs, whose forces add. A spring of stiffness k, length l
+/// and rest length L has the strain e = l / L - 1; a layer at depth uses its own strain (see HenckyLaw). With the
+/// layer's permanent stretch s the energy is k L^2 s psi(e):
+///   psi' = e (1 + beta e^2);  beyond the yield strain e_y  psi' = e_y + H (e - e_y), which moves the rest length.
+/// Each spring's damping is critical, c = 2 sqrt(k m). Here m is the mean mass of its two vertices and k the sum of the
+/// springs along the edge. Only the textbook scheme uses this damping (Force::add_damping). Equation 17 of
+/// Lyu et al. 2025 damps springs too, but as printed it does not have the dimension of a damping.
 class MassSpring : public EdgeForce, public Layer {
 public:
   MassSpring(const Triangles& triangles, const Vectors& reference, const std::vector<HenckyLaw>& laws,
@@ -25,7 +29,7 @@ public:
   void commit(const Vectors& x) override;
   void add_damping(const Vectors& x, const std::vector<double>& mass, double rate, BlockMatrix& matrix) const override;
   std::vector<double> largest_stretch(const Vectors& x) const override;
-  /// Springs that yield at x.
+  /// Number of springs that yield at positions x.
   int yielding(const Vectors& x) const;
 
 protected:
@@ -33,8 +37,9 @@ protected:
 
 private:
   struct Spring {
-    double stiffness, rest_length, along_edge; ///< N/mm, mm; N/mm, the sum of the springs along the same edge
-    double plastic_stretch, layer_set;         ///< lasting stretch seen at the lumen, and the layer's own
+    /// N/mm; mm; sum of the stiffnesses of the springs along the same edge, N/mm
+    double stiffness, rest_length, along_edge;
+    double plastic_stretch, layer_set; ///< permanent stretch of the lumen, and of the layer itself
     double stiffening, yield_strain, hardening, depth;
     double layer_strain(double length) const;
     double elastic_part(double strain) const { return yield_strain + hardening * (strain - yield_strain); }

@@ -1,4 +1,4 @@
-// How a triangle's stiffness becomes that of springs along its edges.
+// The mapping from a triangle's stiffness to the stiffnesses of springs along its edges.
 #pragma once
 
 namespace vci {

@@ -10,9 +10,12 @@ namespace vci {
 
 namespace {
 
-constexpr double thinnest_plaque = 0.05; // mm: below it the plaque layer is left out
+constexpr double thinnest_plaque = 0.05; // mm: a triangle with thinner plaque gets no plaque layers
 
-/// The law of a layer of `thickness` at `ratio` times the lumen's radius; modulus in MPa, thickness in mm.
+/// Completes the law of a layer with its stiffness and depth.
+/// @param modulus MPa
+/// @param thickness mm
+/// @param ratio radius of the layer over the lumen's radius
 HenckyLaw at_depth(HenckyLaw law, double modulus, double thickness, double ratio) {
   law.stiffness = modulus * thickness * ratio;
   law.depth = ratio * ratio - 1;
@@ -33,14 +36,16 @@ std::array<HenckyLaw, 2> plaque_layers(const HenckyLaw& law, double modulus, dou
 
 namespace {
 
-/// The moving part of the lumen: its points, triangles that index them, and which of the points are held.
+/// The moving part of the lumen: its points, its triangles as indices into these points, and a flag for each point that
+/// is held in place.
 struct Part {
   Vectors points;
   Triangles triangles;
   std::vector<char> fixed;
 };
 
-/// @param wall receives the numbers of the lumen's vertices and triangles in the moving part
+/// @param free flag of each of the lumen's points: may move
+/// @param wall receives the numbers in the lumen of the moving part's vertices and triangles
 Part moving_part(const Lumen& lumen, const std::vector<char>& free, Wall& wall) {
   std::vector<char> cap(lumen.points.size(), 0);
   for (std::size_t k = 0; k < lumen.triangles.size(); ++k)
@@ -73,10 +78,10 @@ Part moving_part(const Lumen& lumen, const std::vector<char>& free, Wall& wall) 
   return part;
 }
 
-/// Plaque of a triangle: means over its corners. The stiffest type among them gives the yield law.
+/// Plaque of a triangle, with means over its corners. The stiffest type at its corners gives the yield law.
 struct Plaque {
   double thickness = 0, modulus = 0, radius = 0; ///< mm, MPa, mm (of the lumen)
-  int type = 0;                                  ///< 0: none that counts
+  int type = 0;                                  ///< 0: no plaque, or too thin for plaque layers
 };
 
 Plaque plaque_of(const Triangle& t, const Lumen& lumen, const Wall& wall, const WallSpec& spec) {
@@ -99,8 +104,8 @@ Plaque plaque_of(const Triangle& t, const Lumen& lumen, const Wall& wall, const 
   return plaque;
 }
 
-/// Adds the healthy intima, and on triangles with plaque the two layers that represent it.
-/// Returns the intima, for its stretch.
+/// Adds the healthy intima and, on triangles with plaque, two layers that represent the plaque. Returns the intima,
+/// whose stretch is reported.
 const Layer* add_layers(System& system, int body, const Part& part, const Lumen& lumen, const Wall& wall,
                         const WallSpec& spec) {
   std::vector<HenckyLaw> intima;
@@ -108,7 +113,7 @@ const Layer* add_layers(System& system, int body, const Part& part, const Lumen&
   Triangles with_plaque;
   for (const Triangle& t : part.triangles) {
     const Plaque own = plaque_of(t, lumen, wall, spec);
-    // healthy intima lies behind the plaque, where the wall stretches less than the lumen
+    // the healthy intima lies outside the plaque, where the wall stretches less than the lumen
     intima.push_back(at_depth({0, spec.poisson_ratio, spec.stiffening}, spec.youngs_modulus, spec.intima_thickness,
                               own.type == 0 ? 1 : 1 + own.thickness / own.radius));
     if (own.type == 0)
@@ -136,7 +141,7 @@ void add_bending(System& system, int body, const Part& part, const WallSpec& spe
                                                   spec.hinge_yield));
 }
 
-/// Adds media and surrounding tissue. @param map_pa mean blood pressure, Pa
+/// Adds media, surrounding tissue and the prestress by blood pressure. @param map_pa mean blood pressure, Pa
 void add_foundation(System& system, int body, const Part& part, const Lumen& lumen, const Wall& wall,
                     const WallSpec& spec, double map_pa) {
   const Vectors areas = vertex_area_vectors(part.triangles, part.points, 0, static_cast<int>(part.points.size()));

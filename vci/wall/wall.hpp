@@ -7,23 +7,24 @@ namespace vci {
 
 /// The part of the lumen that may move, as body 0 of a system.
 struct Wall {
-  std::vector<int> vertex;   ///< system vertex -> lumen vertex
-  std::vector<int> triangle; ///< body triangle -> lumen triangle
-  const Layer* intima;       ///< for the stretch
-  int fixed;                 ///< vertices held at the region's border
+  std::vector<int> vertex;   ///< for each vertex of the body, its number in the lumen
+  std::vector<int> triangle; ///< for each triangle of the body, its number in the lumen
+  const Layer* intima;       ///< the layer whose stretch is reported
+  int fixed;                 ///< number of vertices held in place at the border of the moving part
 };
 
-/// Laws of two layers that represent plaque of a thickness (mm) and modulus (MPa) on a lumen of a radius (mm). They lie
-/// at the Gauss points in ln R, since the stretch falls with R. In a ring four times as wide outside as inside, the
-/// energy is within 2 % of the integral through the thickness. Plaque at the lumen's own strain would have 1.2 to 6.3
-/// times that energy. `law` gives yield and Poisson's ratio.
+/// Laws of two layers that represent plaque of a thickness (mm) and modulus (MPa) on a lumen of a radius (mm). The
+/// layers lie at Gauss points in ln R, R the radius, since the stretch falls with R. In a ring four times as wide
+/// outside as inside, their energy is within 2 % of the integral through the thickness. If all plaque had the lumen's
+/// strain, its energy would be 1.2 to 6.3 times as large. `law` gives yield strain, hardening and Poisson's ratio.
 std::array<HenckyLaw, 2> plaque_layers(const HenckyLaw& law, double modulus, double thickness, double radius);
 
-/// Adds the wall to an empty system. `free` flags lumen vertices that may move; vertices of caps never do. `map_pa` is
-/// the mean blood pressure in Pa. Throws InputError if no triangle of the wall may move.
+/// Adds the wall to an empty system. Throws InputError if no triangle of the wall may move.
+/// @param free flag of each lumen vertex: may move (vertices of caps never move)
+/// @param map_pa mean blood pressure, Pa
 Wall add_wall(System& system, const Lumen& lumen, const std::vector<char>& free, const WallSpec& spec, double map_pa);
 
-/// Lumen positions with the wall's moved vertices put in.
+/// Positions (mm) of all lumen points: current ones for the wall's vertices, original ones for all others.
 Vectors moved_points(const Lumen& lumen, const Wall& wall, const System& system);
 
 } // namespace vci

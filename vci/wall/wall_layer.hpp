@@ -1,4 +1,4 @@
-// Makes a layer of the wall: a membrane or springs, as the wall's specification says.
+// Makes a layer of the wall: a membrane or springs, as the wall's specification states.
 #pragma once
 #include "vci/mechanics/hencky_law.hpp"
 #include "vci/mechanics/layer.hpp"
@@ -7,8 +7,9 @@
 
 namespace vci {
 
-/// Adds a layer to a body by the wall model that its spec names; it lives as long as the body.
-/// @param reference positions of the unstressed state; @param laws per triangle.
+/// Adds a layer of the model that `spec` names to a body. The reference returned is valid as long as the body exists.
+/// @param reference positions (mm) of the unstressed state
+/// @param laws one for each triangle
 const Layer& add_layer(System& system, int body, const WallSpec& spec, const Triangles& triangles,
                        const Vectors& reference, std::vector<HenckyLaw> laws);
 

@@ -12,8 +12,8 @@ enum class WallModel { membrane, mass_spring };
 
 struct PlaqueSpec {
   double youngs_modulus; ///< MPa
-  double yield_strain;   ///< infinity: it does not yield
-  double hardening;      ///< 0 to 1
+  double yield_strain;   ///< infinity: the plaque does not yield
+  double hardening;      ///< stiffness beyond yield over the stiffness before, 0 to 1
 };
 
 struct WallSpec {
@@ -23,11 +23,11 @@ struct WallSpec {
   double poisson_ratio = 0.45;
   double intima_thickness = 0.2;      ///< mm
   double media_thickness = 0.4;       ///< mm
-  double stiffening = 3;              ///< beta of the Hencky law
+  double stiffening = 3;              ///< beta of the HenckyLaw
   double tissue_modulus = 0.08;       ///< MPa, of the tissue round the vessel
   double tangential_stiffness = 0.02; ///< MPa/mm, against sliding in that tissue
   double density = 0.0011;            ///< g/mm^3
-  double hinge_yield = 0.1;           ///< rad per edge
+  double hinge_yield = 0.1;           ///< rad: an edge between triangles that bends by more keeps a fold
   /// By plaque_type: 0 unused, 1 fibrous, 2 lipid, 3 calcified.
   std::array<PlaqueSpec, 4> plaque{{{1, std::numeric_limits<double>::infinity(), 0},
                                     {2.0, 0.12, 0.08},

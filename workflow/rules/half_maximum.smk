@@ -1,5 +1,5 @@
-# The comparison from CT once more, with lumens found at half maximum, the simplest way to segment the image.
-# Area and curvature are measured as for any state. FFR is the calibrated network's, which takes seconds.
+# The comparison in CT a second time. Here the lumens are segmented at half maximum, the simplest way to read the image.
+# Area and curvature are measured as for any state. FFR is computed by the calibrated 1D network, which takes seconds.
 ARM = "results/cases/{case}/half_maximum"
 ARM_LOGS = "results/cases/{case}/logs/half_maximum"
 ARM_BENCHMARKS = "results/cases/{case}/benchmarks/half_maximum"

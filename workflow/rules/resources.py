@@ -1,25 +1,26 @@
 """The resources that steps request from a cluster (docs/workflow.md): `mem_mb` in MB, `runtime` in minutes.
 
-Memory is a fourth more than measured, time several times as much; both grow with the attempt. Steps without an entry
-take the profile's defaults. A run on one machine ignores these figures.
+Memory is a fourth more than was measured, time several times as much. Both grow with each new attempt at a step. Steps
+without an entry take the defaults of the Snakemake profile. A run on one machine ignores these figures.
 """
 
 import math
 import pathlib
 
-# Benchmarks: they measure seconds, so a node and all its memory (0, for Slurm) belong to each, and some take hours.
+# Resources of a benchmark. It measures seconds, so it gets a whole node with all its memory (for Slurm, mem_mb 0).
+# Some benchmarks take hours.
 NODE = {"sbatch_options": "--exclusive", "mem_mb": 0, "runtime": 720}
 
 
 def fixed(megabytes, minutes):
-    """Resources of a step whose cost hardly depends on its input: {name: function, as Snakemake calls it}."""
+    """Resources of a step whose cost hardly depends on its input: {name: function for Snakemake}."""
     return by_size((megabytes, 0), (minutes, 0))
 
 
 def by_size(megabytes, minutes, *names):
-    """Resources of a step whose cost follows the size of its inputs `names`: {name: function, as Snakemake calls it}.
+    """Resources of a step whose cost grows with the size of its inputs `names`: {name: function for Snakemake}.
 
-    megabytes, minutes: (without input, per MB of input).
+    megabytes, minutes: each (value for empty inputs, increase per MB of input).
     """
 
     def asked(cost):
@@ -29,7 +30,7 @@ def by_size(megabytes, minutes, *names):
 
 
 def _megabytes(input, names):
-    """Size of the inputs, a folder's with all its files.
+    """Size in MB of the inputs `names` of a step. A folder counts with all its files.
 
     An input that is not made yet counts as empty; Snakemake asks again before it submits the step. A group of steps is
     submitted before its own files exist, so inputs made in the group always count as empty.

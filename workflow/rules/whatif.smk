@@ -9,7 +9,7 @@ VARIED = [
     "results/cases/{case}/vci/deployment.json",
 ]
 DEVICES = sorted(str(file) for file in (STUDY.folder / "devices").glob("*.yaml"))
-STATE_FILES = ("lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json")  # of a deployed lumen, as the flow takes it
+STATE_FILES = ("lumen.vtp", "centreline.vtp", "sections.csv", "anatomy.json")  # anatomy of a lumen, read by the flow
 PLAN_ANATOMY = {name.partition(".")[0]: f"results/cases/{{case}}/plans/{{plan}}/anatomy/{name}" for name in STATE_FILES}
 
 
@@ -138,7 +138,8 @@ rule flow_sensitivity:
         " --intervals {output.intervals} --out {output.table}"
 
 
-# Two dozen deployments a case, so no part of the study: runs only if its file is asked for. The next report shows it.
+# It deploys two dozen times for each case, so it is no part of the study and runs only if its file is asked for.
+# The next report shows the result.
 rule procedure_sensitivity:
     message:
         "{wildcards.case}: FFR and stent area over pressures, places and stiffnesses, by its own name only"

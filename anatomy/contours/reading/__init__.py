@@ -1,1 +1,1 @@
-"""Contour tables as frames of outlines, and the checks of each outline."""
+"""Reads contour tables as frames of outlines, and checks each outline."""

@@ -1,4 +1,4 @@
-"""The columns of a contour table by their names: where frame, x, y, z stand, and the units that the names state."""
+"""The columns of a contour table by their names: which ones hold frame, x, y, z, and in which units."""
 
 import csv
 import re
@@ -7,8 +7,8 @@ from common.errors import InputError
 
 PLACES = ("x", "y", "z")
 OUTLINE = re.compile(r"|(?:outline|contour|part|deposit|region|number)(?:[ _.-]?(?:no|nr|number|id|index))?")
-USUAL = [0, 1, 2, 3]  # frame, x, y, z, where no names say otherwise
-DECLARED = ("mm", "cm", "m")  # units that a case and the command line can declare
+USUAL = [0, 1, 2, 3]  # columns of frame, x, y, z if no names say otherwise
+DECLARED = ("mm", "cm", "m")  # units that a case file and the command line can declare
 UNITS = {"µm": "um", "μm": "um", "micron": "um", "microns": "um", "pixel": "px", "pixels": "px"}
 NAME = re.compile(
     r"(frame(?:[ _.-]?(?:no|nr|number|id|index))?|[xyz])(?:[ _.\[(]+(mm|cm|m|um|µm|μm|microns?|px|pixels?)[\])]?)?"
@@ -16,7 +16,7 @@ NAME = re.compile(
 
 
 def fields(line):
-    """The fields of a line, divided by tabs, commas, semicolons or blanks; quotes hold a field together."""
+    """The fields [str] of a line, divided by tabs, commas, semicolons or blanks; quotes hold a field together."""
     if '"' not in line:
         return [field for field in re.split(r"[,;\t ]+", line) if field]
     divider = next((sign for sign in "\t;," if sign in line), " ")
@@ -24,20 +24,19 @@ def fields(line):
 
 
 def names_in(line):
-    """The names in a line of names; blanks divide them only if nothing else does, as in `x [mm], y [mm]`."""
+    """The names [str] in a line of names. Blanks divide names only if no other sign does: `x [mm], y [mm]` has two."""
     if '"' in line or not any(sign in line for sign in "\t;,"):
         return fields(line)
     return [name.strip() for name in re.split("[,;\t]", line)]
 
 
 def order(names, units, where):
-    """Numbers of the columns of frame, x, y, z, and of the outline's number if there is one, by names (fields).
+    """Indices of the columns of frame, x, y, z, and of the outline's number if there is such a column.
 
-    A further column of another name is not read, nor is one without a name before the others: a spreadsheet's row
-    number.
-
-    Names that are not known leave the columns where they usually are. Raises InputError if the names contradict the
-    units declared, or if x, y and z stand at other places and the frame cannot be told.
+    names: [str] of all columns. units: the declared ones. where: the place in the file, for messages. Columns with
+    other names are not read, nor is a first column without a name, which is a spreadsheet's row number. If x, y or z is
+    not among the names, the columns are taken in the usual order. Raises InputError if the names state other units
+    than the declared ones, or if they do not tell the frame's column.
     """
     found = {}
     for number, name in enumerate(names):
@@ -61,9 +60,9 @@ def order(names, units, where):
 
 
 def picked(line, names, order_of_names):
-    """The numbers in the columns `order_of_names` of a line that has as many fields as there are names, else None.
+    """The numbers [float] in the columns `order_of_names` (indices) of a line. Other columns may hold words or nothing.
 
-    Other columns are not looked at: they may hold words, or nothing.
+    None if the line has not as many fields as there are names, or if one of these fields is not a number.
     """
     for cells in (fields(line), names_in(line)):
         if len(cells) == len(names) and all(is_number(cells[k]) for k in order_of_names):
@@ -72,7 +71,7 @@ def picked(line, names, order_of_names):
 
 
 def name_places(names):
-    """Whether the names say which columns are x, y and z."""
+    """Whether the names [str] tell which columns are x, y and z."""
     found = [NAME.fullmatch(name.strip().lower()) for name in names]
     return {match[1] for match in found if match} >= set(PLACES)
 
@@ -87,6 +86,7 @@ def is_number(field):
 
 
 def _check_units(named, units, where):
+    """Raises InputError if a column's name states other units (`named`, None if it states none) than the declared."""
     named = UNITS.get(named, named)
     if named == "px":
         raise InputError(

@@ -1,4 +1,4 @@
-"""Closed outlines in the plane of a frame: finds them in its points, checks them, and measures them."""
+"""Closed outlines in the plane of a frame: separates, checks and measures them."""
 
 from collections import Counter
 
@@ -7,18 +7,18 @@ from matplotlib.path import Path
 
 from common.errors import InputError
 
-SAME_MM = 1e-6  # points nearer are one point
+SAME_MM = 1e-6  # points nearer to each other count as one
 COLUMNS = "Without names frame, x, y, z over them the columns are taken in that order"
 FEWEST_POINTS = 8  # of an outline; with fewer a round lumen cannot be told from a square one
 WIDEST_MM = 15.0  # coronary arteries, even with ectasia, are narrower; outlines in pixels are wider
 LEAST_AREA_MM2 = 0.03  # a radius of 0.1 mm, less than the catheter's own
-UNEVEN = 1.5  # of the longest step of a line: largest gap over which it still comes back to its beginning
-MOSTLY = 0.9  # share of an outline's points within another: the rest touches it
-BRIDGE = 3.0  # of such a gap: from this length on, the two steps to the next outline and back are a bridge
+UNEVEN = 1.5  # longest gap of a line that closes to an outline, over the longest step between its points
+MOSTLY = 0.9  # share of an outline's points that lie within another, at least; the others touch it
+BRIDGE = 3.0  # least length of the steps from one outline to the next and back, over the gaps of the two
 
 
 def area_mm2(outline):
-    """Signed area of a closed outline (n, 2) by its corners; positive if it runs counter-clockwise."""
+    """Signed area in mm2 of the polygon of an outline (n, 2); positive if it runs counter-clockwise."""
     x, y = outline.T
     return 0.5 * float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
 
@@ -31,9 +31,10 @@ def centroid(outline):
 
 
 def split(points):
-    """[points (n, 2) of an outline] of points (m, 2): several if each of them ends where it began, else the one.
+    """[points (n, 2) of an outline] in a list of points (m, 2) that may hold several outlines one after the other.
 
-    A last step back to the beginning of the first outline, as round a hole, is left out.
+    They are separated if each outline ends on the point where it began; else all points are one outline. A last point
+    equal to the very first one is left out: some files close polygons with holes so.
     """
     found, first = [], 0
     while first < len(points):
@@ -49,12 +50,12 @@ def split(points):
 
 
 def checked(points, where, several, may_be_ring=False):
-    """The outline of points (n, 2), counter-clockwise, each once. several: the remedy for several that were joined.
+    """The outline (m, 2) in mm of points (n, 2), counter-clockwise, without repeated points.
 
-    may_be_ring: it may go round and come back within itself, as a sheet of calcium round nearly the whole vessel.
-
-    Raises InputError for an outline with points listed twice, one that crosses itself, one with a second outline behind
-    it, too few points, or a size that no coronary artery has.
+    where: its place in the tables, for messages. several: the remedy if several outlines were joined into one.
+    may_be_ring: it may go round the vessel and come back within itself, as the outline of a sheet of calcium does.
+    Raises InputError for an outline with points listed twice, one that crosses itself, one with a second outline
+    appended, too few points, or a size that no coronary artery has.
     """
     points = points[_distance(points, np.roll(points, 1, axis=0)) > SAME_MM]
     if len(points) < FEWEST_POINTS:
@@ -75,18 +76,21 @@ def checked(points, where, several, may_be_ring=False):
 
 
 def _refuse(what, place, where, remedy):
+    """Raises InputError if there is a place (2,) at which something is wrong; None means that all is well."""
     if place is not None:
         raise InputError(what, where, f"at x, y = {np.round(place, 3).tolist()} mm", remedy)
 
 
 def _distance(points, others):
+    """Distances (n,) between points (n, 2) and others (n, 2) or (2,)."""
     return np.linalg.norm(points - others, axis=-1)
 
 
 def _twice(points):
-    """Where the closed outline runs along a step once more than it comes back along it, or None.
+    """A point (2,) from which a closed outline takes the same step twice, or None.
 
-    A spike of no width, as in an image's pixels, comes back as often.
+    Steps in the opposite direction are subtracted. So a spike without width, which outlines of pixels may have, does
+    not count.
     """
     keys = [tuple(point) for point in np.round(points / SAME_MM).astype(np.int64)]
     times = Counter(zip(keys, keys[1:] + keys[:1]))
@@ -114,10 +118,11 @@ def _crossing(points):
 
 
 def _second(points, may_be_ring):
-    """The point (2,) of a closed outline where a second one begins after the first has come back to its beginning.
+    """The point (2,) of a closed outline (n, 2) at which a second outline begins, or None.
 
-    Both come back as evenly as they are drawn. The gap left is narrow: at most a quarter of the outline's width if it
-    is round, or a third of the bridge to the other, a step longer than all others. None if there is no such point.
+    Each of the two outlines nearly returns to its own first point. The gap between its last and first point is at most
+    1.5 times its longest step. It also is narrow: at most a quarter of the width of a round outline, or a third of the
+    bridge. The bridge is the step from one outline to the other, if that is longer than all other steps.
     """
     step = _distance(np.roll(points, -1, axis=0), points)
     k = np.arange(FEWEST_POINTS, len(points) - FEWEST_POINTS + 1)
@@ -136,7 +141,10 @@ def _second(points, may_be_ring):
 
 
 def _comes_back_within(one, other):
-    """Whether one part of an outline lies within the other and runs the other way, as a sheet's inner line does."""
+    """Whether one part of an outline lies within the other and runs in the opposite direction.
+
+    The inner and the outer line of a sheet of calcium round the vessel do so.
+    """
     if area_mm2(one) * area_mm2(other) > 0:
         return False
     outer, inner = sorted((one, other), key=lambda part: -abs(area_mm2(part)))

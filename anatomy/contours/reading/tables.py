@@ -11,18 +11,18 @@ from common.files import replacing
 from . import columns, outlines
 
 MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 0.001}
-PLANE_MM = 0.01  # scatter of z within a frame, by rounding to two decimals or by rotating there and back
+PLANE_MM = 0.01  # largest range of z within a frame, as z may be rounded to two decimals or rotated to and fro
 COLUMNS = "four numbers: frame, x, y, z; decimal points; a fifth, the outline's number, in all lines or in none"
-SHEETS = ("calcium", "lipid")  # deposits, which may reach round nearly the whole vessel
+SHEETS = ("calcium", "lipid")  # tables whose regions may reach round nearly the whole vessel
 NUMBER_THEM = "number several deposits of a frame in a fifth column, named outline if the table has names"
 
 
 def read_rows(path, units):
-    """Rows (n, 5) of frame, x, y, z in mm and the outline's number, of a text table, compressed if it ends in .gz.
+    """Rows (n, 5) of a text table: frame, x, y, z in mm, and the outline's number, 0 if the table has none.
 
-    Columns are separated by tabs, commas, semicolons or blanks. A first line of names and lines that begin with # are
-    skipped, but known names say where the columns are (columns.order). Without a fifth column the number is 0. Raises
-    InputError with the line that cannot be read.
+    path: of a table, compressed if it ends in .gz. units: of x, y, z. Columns are separated by tabs, commas, semicolons
+    or blanks. Lines that begin with # are skipped. A first line may have names, by which the columns are told
+    (columns.order). Raises InputError with the line that cannot be read.
     """
     lines = _lines(path)
     rows, names, by_name = [], None, None
@@ -35,7 +35,7 @@ def read_rows(path, units):
             names = columns.names_in(line)
             order = columns.order(names, units, where)
             continue
-        if not rows:  # the first point decides for all: by their names, or in the usual order
+        if not rows:  # the first point decides whether the columns are read by their names or in the usual order
             known = names is not None and columns.name_places(names)
             by_name = known and (len(names) > 5 or columns.picked(line, names, order) is not None)
         row = columns.picked(line, names, order) if by_name else _numbers(line, where, bool(rows))
@@ -53,7 +53,7 @@ def read_rows(path, units):
 
 
 def _numbers(line, where, after_points):
-    """All fields of a line as numbers. Raises InputError."""
+    """All fields of a line as numbers [float]. Raises InputError. after_points: whether points precede the line."""
     fields = columns.fields(line)
     if not all(map(columns.is_number, fields)):
         raise _no_numbers(fields, where, line, after_points)
@@ -61,7 +61,7 @@ def _numbers(line, where, after_points):
 
 
 def unknown_names(path):
-    """A sentence on the names of a table that do not say which columns are x, y and z; None if they do, or if none."""
+    """A warning if the names of a table do not tell which columns are x, y and z; None if they do, or without names."""
     line = next((line for line in map(str.strip, _lines(path)) if line and not line.startswith("#")), "")
     if any(columns.is_number(field) for field in columns.fields(line)) or columns.name_places(columns.names_in(line)):
         return None
@@ -69,6 +69,7 @@ def unknown_names(path):
 
 
 def _lines(path):
+    """The lines [str] of a text file, compressed if it ends in .gz. Raises InputError."""
     path = pathlib.Path(path)
     if not path.is_file():
         raise InputError("no such contour table", path, "missing", "check the path, or VCI_DATA_DIR")
@@ -81,7 +82,7 @@ def _lines(path):
 
 
 def _no_numbers(fields, where, line, after_points):
-    """The InputError for a line that is not of numbers: a second line of names, or a damaged point."""
+    """The InputError for a line with fields that are not numbers: a second line of names, or a damaged point."""
     if not after_points and not any(character.isdigit() for field in fields for character in field):
         remedy = "one line of names; put # before further ones, and declare units by units (--units)"
         return InputError("a second line of names", where, line, remedy)
@@ -89,10 +90,11 @@ def _no_numbers(fields, where, line, after_points):
 
 
 def read_outlines(path, units, what, wanted=None):
-    """{frame: (z in mm, outline (n, 2) in mm, counter-clockwise, its last point not the first again)}.
+    """{frame's name: (z in mm, outline (n, 2) in mm)} of a table with one outline in each frame.
 
-    what: the table's name in errors. wanted(frame, z): whether a frame is used; other frames are not checked. Raises
-    InputError for a frame with several outlines or not in one plane, and for outlines that outlines.checked refuses.
+    Outlines run counter-clockwise, without repeated points. what: the table's name in messages. wanted: function of a
+    frame's name and z that tells whether the frame is used; other frames are not checked. Raises InputError for a frame
+    with several outlines or not in one plane, and for an outline that outlines.checked() refuses.
     """
     name = what.replace("_", " ")
     one = f"one outline of the {name} in each frame, listed once; side branches have their own table (branches)"
@@ -105,14 +107,15 @@ def read_outlines(path, units, what, wanted=None):
 
 
 def read_regions(path, units, what, wanted=None):
-    """{frame: (z in mm, [outline])} of a table whose frames may have several outlines; else as read_outlines.
+    """{frame's name: (z in mm, [outline])} of a table whose frames may have several outlines; else as read_outlines().
 
-    They are told apart by their number, or by each of them ending on the point where it began.
+    Outlines are separated by their number, or because each ends on the point where it began.
     """
     return _read(path, units, what, wanted, NUMBER_THEM, what in SHEETS)
 
 
 def _read(path, units, what, wanted, remedy, may_be_ring):
+    """As read_regions(). remedy, may_be_ring: as `several` and `may_be_ring` of outlines.checked()."""
     found = {}
     for frame, rows in _frames(read_rows(path, units)):
         if wanted is None or wanted(frame, rows[0, 3]):
@@ -128,12 +131,12 @@ def _where(path, what, frame):
 
 
 def _frames(rows):
-    """(frame's name, its rows) in the order of the table."""
+    """[(frame's name, its rows)] in the order of the table."""
     return [(_name(frame), rows[rows[:, 0] == frame]) for frame in dict.fromkeys(rows[:, 0])]
 
 
 def _parts(rows):
-    """[points (n, 2) of an outline] of a frame's rows."""
+    """[points (n, 2) of an outline] from the rows of a frame."""
     numbered = (rows[rows[:, 4] == number, 1:3] for number in dict.fromkeys(rows[:, 4]))
     return [part for points in numbered for part in outlines.split(points)]
 
@@ -147,7 +150,7 @@ def _check_plane(rows, where):
 
 
 def read_points(path, units):
-    """[(frame, z in mm, point (2,) in mm)] of a table of single points, in its order."""
+    """[(frame's name, z in mm, point (2,) in mm)] of a table of single points, in its order."""
     return [(_name(row[0]), row[3], row[1:3]) for row in read_rows(path, units)]
 
 
@@ -156,9 +159,10 @@ def _name(frame):
 
 
 def thin(source, target, points):
-    """Writes a table of outlines with `points` evenly chosen rows of each, and coordinates to 0.0001 mm.
+    """Writes a contour table with fewer points: `points` evenly chosen rows of each outline, to 0.0001 mm.
 
-    The first line names the columns. It is for tables with hundreds of points a frame, more than a catheter resolves.
+    source: a table in mm. target: the table to write, whose first line names the columns. This is for tables with
+    hundreds of points in each frame, more than a catheter resolves.
     """
     frames = [(name, rows[0, 3], _parts(rows)) for name, rows in _frames(read_rows(source, "mm"))]
     numbered = any(len(parts) > 1 for _, _, parts in frames)

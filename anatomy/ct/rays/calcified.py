@@ -1,24 +1,26 @@
-"""The lumen's edge inside bright plaque: blurred blood, a gap of soft wall and blurred calcium, fitted on each ray."""
+"""The lumen's edge in front of calcium: blurred blood, a gap of soft wall and blurred calcium, fitted on each ray."""
 
 import numpy as np
 
 from .stented import disc
 
-STEP_MM, NARROWEST_MM, WIDEST_MM = 0.05, 0.2, 3.2
-GAPS_MM = (0.0, 0.15, 0.3, 0.45, 0.6, 0.8, 1.0)  # of soft wall between blood and calcium
-THICK_MM = (0.3, 0.5, 0.75, 1.0, 1.4)  # of the calcium
-DENSEST_HU = 1500.0  # coronary calcium in CT; denser and thinner sheets would look the same
-TOGETHER = 1000  # rays fitted at a time, for the memory's sake
+STEP_MM, NARROWEST_MM, WIDEST_MM = 0.05, 0.2, 3.2  # lumen radii tried: step, least, greatest
+GAPS_MM = (0.0, 0.15, 0.3, 0.45, 0.6, 0.8, 1.0)  # thicknesses tried of the soft wall between blood and calcium
+THICK_MM = (0.3, 0.5, 0.75, 1.0, 1.4)  # thicknesses tried of the calcium
+DENSEST_HU = 1500.0  # of coronary calcium in CT; a denser, thinner sheet would look the same
+TOGETHER = 1000  # rays fitted at a time, to limit the memory
 
 
 def fit(hu, r_mm, blood, tissue, sigma_mm):
-    """Radii (n,) mm of rays hu (n, k) at r_mm (k,): least squares over (R, g, t, H) of
+    """Lumen radii (n,) in mm on rays with CT numbers hu (n, k) at distances r_mm (k,) from the axis.
 
-    I(r) = T + (B - T) disc(r; R) + (H - T) (disc(r; R + g + t) - disc(r; R + g)), each blurred by sigma,
+    They are the R of the least-squares fit, over R, g, t and H, of
 
-    B blood, T tissue, H calcium (HU), g the gap and t the calcium's thickness. A ray counts from the axis to the place
-    beyond its brightest where it has fallen half-way to the tissue. R, g and t are tried on a grid; the best H of each
-    is exact.
+    I(r) = T + (B - T) disc(r; R) + (H - T) (disc(r; R + g + t) - disc(r; R + g)).
+
+    disc(r; R) is a disc of radius R blurred by sigma. B, T and H are the CT numbers of blood, tissue and calcium, g is
+    the gap and t the calcium's thickness. Of a ray the part from the axis to half the fall behind its peak is fitted.
+    R, g and t are tried on a grid, each with its best H, which follows from a formula.
     """
     grid = np.arange(NARROWEST_MM, WIDEST_MM, STEP_MM), GAPS_MM, THICK_MM
     radius, gap, thick = (x.ravel()[:, None] for x in np.meshgrid(*grid, indexing="ij"))
@@ -29,7 +31,10 @@ def fit(hu, r_mm, blood, tissue, sigma_mm):
 
 
 def _best(hu, lumen, stone, tissue):
-    """Indices (n,) of the candidates that fit rays hu (n, k) best; lumen, stone (c, k): of the candidates."""
+    """Indices (n,) of the candidates that fit the rays hu (n, k) best.
+
+    lumen, stone: (c, k) profiles of the c candidates, of blood in tissue and of calcium of unit contrast.
+    """
     behind = np.arange(hu.shape[1]) > hu.argmax(axis=1)[:, None]
     fallen = behind & (hu < 0.5 * (hu.max(axis=1) + tissue)[:, None])
     counts = (np.cumsum(fallen, axis=1) < 2).astype(float)

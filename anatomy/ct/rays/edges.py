@@ -12,30 +12,32 @@ from scipy.special import chndtr, i0e
 from . import calcified
 from . import stented as stents
 
-STEP_MM = 0.05
-REACH_MM = 4.0
+STEP_MM = 0.05  # between the samples of a ray
+REACH_MM = 4.0  # length of a ray
 WALL_SAMPLE_MM = (0.35, 0.55)  # window beyond the edge: in the wall, past most of the lumen's blur
-USUAL_SIGMA_MM = 0.315  # point spread for which this window was chosen
-WALL_TRUST, HEALTHY_WALL_HU = 0.75, 50.0
+USUAL_SIGMA_MM = 0.315  # sigma of the point spread for which this window was chosen
+WALL_TRUST, HEALTHY_WALL_HU = 0.75, 50.0  # weight of the measured tissue against a healthy wall; a healthy wall's HU
 WALL_SHARE = 0.45  # tissue beside the lumen is at most this share of the blood: calcium and metal are not tissue
-# Calcium and metal: multiple of the blood, and standard deviations of its noise above it.
+# Calcium and metal are brighter than this multiple of the blood, and than the blood by so many standard deviations.
 BRIGHT, DEVIATIONS = 1.15, 4.0
+# Calcium and metal are looked for this near to the axis. Share of bright rays from which a section is a stent's.
 BRIGHT_REACH_MM, STENT_SHARE = 3.0, 0.5
-SLOW_MM = 10.0  # vessel for each degree of the polynomial that noise deviates from
-SHOWS_BLOOD = 0.85  # of the blood's CT number on the axis
-CORE_MM = 0.4  # about the axis, where a vessel shows only blood
-BLOOMS_MM = 0.6  # calcium this near beyond an edge moves it
+SLOW_MM = 10.0  # length of vessel for each degree of the polynomial that is subtracted to find the noise
+SHOWS_BLOOD = 0.85  # share of the blood's CT number above which the axis of a section shows blood
+CORE_MM = 0.4  # from the axis, where a vessel shows blood alone
+BLOOMS_MM = 0.6  # calcium nearer beyond an edge moves the edge
 BESIDE_MM = 0.5  # past a stent's end, where blurred metal is visible and the filter along the axis would spread it
 OUTLIER = 1.35  # rays longer than this times the section's usual radius run into a side branch or a neighbour
 FILTER_MM = 2.25  # window of the cubic filter along the axis; no bias for lesions longer than about 4 mm
-HARMONICS = 4
+HARMONICS = 4  # of the radius round a section that filtered() keeps
 
 
 @dataclass
 class Profiles:
-    """Sections of one branch: s_mm (n,), theta (m,), hu (n, m, k) along rays at r_mm (k,), axis_hu (n,).
+    """CT numbers of one branch in sections across its axis.
 
-    gain (n,): by which blood.levelled has multiplied the contrast, and with it the noise.
+    hu: (n, m, k) at arc lengths s_mm (n,), angles theta (m,) in radians and distances r_mm (k,) from the axis. axis_hu:
+    (n,) on the axis. gain: (n,) factor by which blood.levelled() has multiplied the contrast, and with it the noise.
     """
 
     s_mm: np.ndarray
@@ -55,9 +57,9 @@ class Profiles:
 
 
 def sample(at, axis, spacing_mm, rays):
-    """Profiles along `rays` rays round the axis, in sections spacing_mm apart from end to end.
+    """Profiles along `rays` rays round the axis, in sections about spacing_mm apart from end to end.
 
-    at(points (..., 3) in mm) -> HU of the image.
+    at: function of points (..., 3) in mm that gives the image's HU.
     """
     count = max(int(round(axis.length_mm / spacing_mm)), 12) + 1
     s = np.linspace(0, axis.length_mm, count)
@@ -67,13 +69,13 @@ def sample(at, axis, spacing_mm, rays):
     ray = np.cos(theta)[None, :, None] * normal[:, None] + np.sin(theta)[None, :, None] * binormal[:, None]
     points = axis.point(s)[:, None, None] + r[None, None, :, None] * ray[:, :, None]
     hu = at(points)
-    # The CT number on the axis: of a small disc, filtered along the axis, so that noise does not look like a dark spot.
+    # The CT number on the axis is the mean over a small disc, filtered along the axis: noise then makes no dark spot.
     centre = hu[:, :, : int(0.2 / STEP_MM) + 1].mean(axis=(1, 2))
     return Profiles(s, theta, r, hu, along(centre, s, 1.25))
 
 
 def along(values, s_mm, window_mm=FILTER_MM, derivative=0):
-    """Cubic Savitzky-Golay filter along the axis (first dimension): value or derivative."""
+    """values (n, ...) at s_mm (n,) after a cubic Savitzky-Golay filter along the axis; or their derivative."""
     step = s_mm[1] - s_mm[0]
     window = min(2 * int(round(0.5 * window_mm / step)) + 1, (len(s_mm) - 1) // 2 * 2 + 1)
     if window < 5:
@@ -82,9 +84,9 @@ def along(values, s_mm, window_mm=FILTER_MM, derivative=0):
 
 
 def first_fall(hu, r_mm, level, start_mm=0.0):
-    """Radius (n, m) at which each ray first falls below level (n, m) beyond start_mm (n, m), by linear interpolation.
+    """Radius (n, m) in mm at which each ray hu (n, m, k) first falls below level (n, m) beyond start_mm (n, m).
 
-    NaN if it never does.
+    It is interpolated linearly; nan if the ray never falls below the level.
     """
     below = (hu[:, :, 1:] < level[:, :, None]) & (hu[:, :, :-1] >= level[:, :, None])
     below &= r_mm[None, None, 1:] > np.asarray(start_mm)[..., None]
@@ -99,11 +101,11 @@ def first_fall(hu, r_mm, level, start_mm=0.0):
 
 
 def noise_hu(hu, profiles, blood):
-    """Standard deviation of hu (n, m, k) about the axis, where it shows blood.
+    """Noise in HU: standard deviation of hu (n, m, k) near the axis of sections whose axis shows blood.
 
-    A slow change along the vessel is none, nor is the fall away from the axis that the blur makes in narrow lumens.
-    So at each distance from the axis the deviations are those from a polynomial of the arc length, of a degree more for
-    each SLOW_MM.
+    A slow change along the vessel is no noise, nor is the fall away from the axis that the blur causes in narrow
+    lumens. So a polynomial of the arc length is subtracted at each distance from the axis. Its degree is 1, and 1 more
+    for each 10 mm of vessel.
     """
     s, core = _core(hu, profiles, blood)
     if len(s) < 8:
@@ -114,7 +116,10 @@ def noise_hu(hu, profiles, blood):
 
 
 def unevenness_hu(hu, profiles, blood):
-    """Standard deviation (HU) about the line along the vessel: noise, steps of the contrast and the blur together."""
+    """Standard deviation in HU, near the axis, from a straight line along the vessel.
+
+    It contains the noise, steps of the contrast along the vessel, and the blur.
+    """
     s, core = _core(hu, profiles, blood)
     if len(s) < 8:
         return 0.0
@@ -123,24 +128,26 @@ def unevenness_hu(hu, profiles, blood):
 
 
 def _core(hu, profiles, blood):
-    """(s (n,), hu (n, m, k)) near the axis, of the sections whose axis shows blood."""
+    """(arc lengths (n,), hu (n, m, k) within CORE_MM of the axis) of the sections whose axis shows blood."""
     wide = profiles.axis_hu > SHOWS_BLOOD * blood
     return profiles.s_mm[wide], hu[wide][:, :, : int(CORE_MM / STEP_MM) + 1]
 
 
 def _deviation(values):
-    return 1.4826 * float(np.median(np.abs(values)))  # of a normal distribution's median
+    # 1.4826: standard deviation over median deviation of a normal distribution
+    return 1.4826 * float(np.median(np.abs(values)))
 
 
 def bright(profiles, blood, stented=False):
-    """(rays (n, m) bool that meet calcium; radius (n, m) where, infinite if never; sections (n,) bool within a stent).
+    """(calcium (n, m), radius (n, m), stent (n,)): which rays meet calcium, where, and which sections are in a stent.
 
-    Calcium and metal are brighter than BRIGHT times the blood, and by DEVIATIONS of its noise. Both are judged in the
-    mean over some samples in each direction. Only in a vessel that the user calls stented are sections a stent, whose
-    rays and their neighbours' are mostly bright; an arc of calcium may look the same.
+    radius is in mm, infinite if the ray meets no calcium. Calcium and metal are brighter than BRIGHT times the blood,
+    and than the blood by DEVIATIONS standard deviations. Both are judged after averaging over some samples in each
+    direction. A section is in a stent if most rays of it and its neighbours are bright, and if the user calls the
+    vessel stented: calcium all round may look the same.
     """
     smooth = uniform_filter(profiles.hu, (3, 3, 5), mode=("nearest", "wrap", "nearest"))
-    uneven = unevenness_hu(smooth, profiles, blood)  # a step of the contrast is no calcium
+    uneven = unevenness_hu(smooth, profiles, blood)  # includes steps of the contrast, which are no calcium
     level = np.maximum(BRIGHT * blood, blood + DEVIATIONS * uneven * profiles.gain)
     above = (smooth > level[:, None, None]) & (profiles.r_mm < BRIGHT_REACH_MM)
     met = above.any(axis=2)
@@ -150,15 +157,16 @@ def bright(profiles, blood, stented=False):
 
 
 def beside(stent, s_mm):
-    """Sections (n,) bool within a stent, or within BESIDE_MM of its ends, where the blur still shows its metal."""
+    """(n,) of bool: sections in a stent or within BESIDE_MM of its ends, where blurred metal is still visible."""
     reach = int(round(BESIDE_MM / (s_mm[1] - s_mm[0])))
     return uniform_filter1d(stent.astype(float), 2 * reach + 1, mode="nearest") > 0.5 / (2 * reach + 1)
 
 
 def tidy(radius):
-    """Radii (n, m) in which rays into side branches and missed edges are replaced by neighbours in the section.
+    """(radii (n, m), replaced (n, m) of bool): rays into side branches and missed edges (nan) are replaced.
 
-    Returns (radii, replaced (n, m) bool). A section's usual radius is the median over its and its neighbours' rays.
+    They are interpolated from the other rays of the section. If these are too few, all get the section's usual radius:
+    the lesser of its own median and OUTLIER times the median over neighbouring sections.
     """
     n, m = radius.shape
     filled = np.where(np.isnan(radius), np.inf, radius)
@@ -177,21 +185,22 @@ def tidy(radius):
 
 
 def filtered(radius, s_mm):
-    """Radii (n, m) with few harmonics round the section and the cubic filter along the axis."""
+    """Radii (n, m) smoothed: with HARMONICS harmonics round the section, and by the cubic filter along the axis."""
     waves = np.fft.rfft(radius, axis=1)
     waves[:, HARMONICS + 1 :] = 0
     return along(np.fft.irfft(waves, radius.shape[1], axis=1), s_mm)
 
 
 def wall_level(profiles, radius, blood, sigma_mm=None, calcium=False):
-    """HU (n, m) of the tissue just beyond the edge, smoothed over neighbours, at most WALL_SHARE of the blood's.
+    """CT number (n, m) in HU of the tissue just beyond the edge, smoothed over neighbours.
 
-    It is the mean between 0.35 and 0.55 mm beyond the edge. There the blur mixes in blood and, with a healthy wall,
-    about as much fat. With thick plaque no fat balances the blood.
+    It is the mean between 0.35 and 0.55 mm beyond the edge radius (n, m). There the blur mixes in blood and, behind a
+    healthy wall, about as much fat. Behind thick plaque no fat balances the blood. The result is at most WALL_SHARE of
+    the blood's CT number. Rays that meet calcium (n, m) get a healthy wall's.
 
-    Rays that meet calcium (n, m) count as a healthy wall. With sigma_mm the window is scaled by it, and the value is
-    shifted by the share 1 - WALL_TRUST of its distance to a healthy wall's. This reduces the imbalance to 4 HU
-    (measured on noise-free tubes with a wall of 0.7 mm and plaque up to 1.1 mm).
+    With sigma_mm the window is scaled by the point spread, and a quarter of the distance to a healthy wall's CT number
+    is added. This reduces the error by the missing fat to 4 HU (measured on noise-free tubes with a wall of 0.7 mm and
+    plaque up to 1.1 mm).
     """
     scale = 1.0 if sigma_mm is None else sigma_mm / USUAL_SIGMA_MM
     distance = profiles.r_mm - radius[..., None]
@@ -207,15 +216,15 @@ def wall_level(profiles, radius, blood, sigma_mm=None, calcium=False):
 
 
 def edge_share(radius_mm, sigma_mm):
-    """Share of the contrast at the true edge of a disc of radius_mm blurred by a Gaussian of sigma_mm.
+    """Share of the contrast that is left at the edge of a disc of radius_mm blurred by a Gaussian of sigma_mm.
 
-    1/2 (1 - exp(-x) I0(x)), x = (R / sigma)^2: 1/2 for a straight edge, less in a narrow vessel.
+    It is 1/2 (1 - exp(-x) I0(x)) with x = (R / sigma)^2: 1/2 for a straight edge, less in a narrow vessel.
     """
     return 0.5 * (1 - i0e((np.asarray(radius_mm) / sigma_mm) ** 2))
 
 
 def inside_calcium(profiles, blood, calcium, sigma_mm):
-    """Radii (n, m) mm of the lumen's edge on rays that meet calcium (n, m) bool; nan on the others (calcified.fit)."""
+    """Radii (n, m) in mm of the lumen's edge on rays that meet calcium (n, m), by calcified.fit(); nan on others."""
     hu = uniform_filter(profiles.hu, (3, 3, 1), mode=("nearest", "wrap", "nearest"))[calcium]
     radius = np.full(calcium.shape, np.nan)
     radius[calcium] = calcified.fit(hu, profiles.r_mm, blood, HEALTHY_WALL_HU, sigma_mm)
@@ -223,14 +232,16 @@ def inside_calcium(profiles, blood, calcium, sigma_mm):
 
 
 def find(profiles, method, blood, sigma_mm=None, stented=False, rounds=4):
-    """Radii (n, m) mm of one branch, and which rays were replaced (n, m).
+    """(radii (n, m) in mm, replaced (n, m) of bool) of the lumen's edge in one branch. replaced: see tidy().
 
-    On rays beside bright calcium the edge is fitted inside it, with a usual point spread where sigma_mm is not given.
-    half_maximum: the edge is at the mean of the level on the axis and the level of the tissue beyond the edge. Within a
+    method: how the edge is found. blood: the blood's CT number. sigma_mm: of the point spread. rounds: of the iteration
+    between edges and tissue. On rays that meet calcium near the edge, blood and calcium are fitted together, with a
+    usual point spread if sigma_mm is not given.
+    half_maximum: the edge is at the mean of the CT number on the axis and that of the tissue beyond the edge. In a
     stent the metal counts as lumen, as in a clinical reading, so the area is too large.
-    psf_edge: the edge is at the level, between blood and tissue, that a blurred tube as wide as the section has at its
-    true edge. Then the blur along the axis is corrected to first order, r - sigma^2 / 2 r''(s). Within a stent the
-    bloom is removed (stented.fit).
+    psf_edge: the edge is at the level between tissue and blood that a blurred tube as wide as the section has at its
+    true edge. Then the blur along the axis is corrected to first order, r - sigma^2 / 2 r''(s). In a stent the bloom
+    is removed (stented.fit).
     """
     n, m, _ = profiles.hu.shape
     hu, (_, place, stent) = np.minimum(profiles.hu, BRIGHT * blood), bright(profiles, blood, stented)
@@ -265,11 +276,11 @@ def find(profiles, method, blood, sigma_mm=None, stented=False, rounds=4):
 
 
 def point_spread(profiles, radius, blood):
-    """Gaussian sigma (mm) of the image, from its wide sections; None if fewer than eight are clear of bright things.
+    """Sigma (mm) of the image's point spread, a Gaussian; None if fewer than eight wide sections lack bright places.
 
-    The profiles of these sections, each about its own edge, are averaged. T + (B - T) x (blurred disc of their mean
-    radius, moved by delta) is fitted over (sigma, delta). T is fixed at a healthy wall's HU, since with T free the fat
-    behind the wall would increase sigma.
+    The profiles of these sections across their edges are averaged. T + (B - T) x (blurred disc of their mean radius,
+    moved by delta) is fitted over sigma and delta. B is the blood's CT number. T is fixed at a healthy wall's, since
+    with T free the fat behind the wall would increase sigma.
     """
     steep = bright(profiles, blood)[0].any(axis=1)  # calcium and metal steepen the edge
     steep = uniform_filter1d(steep.astype(float), 9, mode="nearest") > 0.05

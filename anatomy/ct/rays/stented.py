@@ -1,31 +1,36 @@
-"""The lumen's edge in a blooming stent: a blurred edge plus a blurred thin shell of metal, fitted on each ray."""
+"""The lumen's edge in a stent that blooms. A blurred lumen and a blurred thin ring of metal are fitted on each ray."""
 
 import numpy as np
 from scipy.special import chndtr, i0e
 
 INNER_MM, OUTER_MM = 0.8, 0.35  # fitted stretch inside and outside the edge; fat behind the wall hardly affects it
-STEP_MM = 0.02
-STRUT_CENTRE_MM = 0.04  # struts of usual thickness lie this far inside the wall
+STEP_MM = 0.02  # between the radii tried
+STRUT_CENTRE_MM = 0.04  # from the wall inwards to the middle of struts of usual thickness
 
 
 def disc(r_mm, radius_mm, sigma_mm):
-    """Unit disc blurred by a Gaussian, at distances r_mm from its centre."""
+    """Value at distances r_mm from the centre of a unit disc of radius_mm, blurred by a Gaussian of sigma_mm."""
     return chndtr((radius_mm / sigma_mm) ** 2, 2, (r_mm / sigma_mm) ** 2)
 
 
 def shell(r_mm, radius_mm, sigma_mm):
-    """Thin ring of radius_mm blurred by a Gaussian, scaled to a maximum of 1 for a wide ring."""
+    """Value at distances r_mm from the centre of a thin ring of radius_mm, blurred by a Gaussian of sigma_mm.
+
+    It is scaled so that the maximum of a wide ring is 1.
+    """
     blur = np.exp(-0.5 * ((r_mm - radius_mm) / sigma_mm) ** 2) * i0e(r_mm * radius_mm / sigma_mm**2)
     return blur * np.sqrt(2 * np.pi) * radius_mm / sigma_mm
 
 
 def fit(hu, r_mm, blood, tissue, sigma_mm, largest_mm):
-    """Radii (n, m) mm of rays hu (n, m, k) at r_mm (k,): least squares over (R, M >= 0) of
+    """Lumen radii (n, m) in mm on rays with CT numbers hu (n, m, k) at distances r_mm (k,) from the axis.
 
-    I(r) = T + (B - T) disc(r; R) + M shell(r; R - 0.04), both blurred by sigma,
+    They are the R of the least-squares fit, over R and M >= 0, of
 
-    B blood, T tissue (HU), M the metal's blurred peak. R is searched in steps of 0.02 mm up to largest_mm and refined
-    by the parabola through the best three.
+    I(r) = T + (B - T) disc(r; R) + M shell(r; R - 0.04).
+
+    B and T are the CT numbers of blood and tissue, M the height of the metal's blurred peak. R is searched in steps of
+    0.02 mm up to largest_mm and refined by the parabola through the best three.
     """
     candidates = np.arange(0.6, largest_mm, STEP_MM)
     errors = np.empty((len(candidates),) + hu.shape[:2])

@@ -10,6 +10,7 @@
 namespace anatomy {
 namespace {
 
+// Interpolates plaque at each vertex from the nearest triangle of the input surface.
 void carry_plaque(const Mesh& mesh, vtkPolyData* input, vtkDataArray* thickness, vtkDataArray* type, Arrays& arrays) {
   vtkNew<vtkCellLocator> locator; // vtkStaticCellLocator may return a cell that is not the nearest (VTK 9.1)
   locator->SetDataSet(input);
@@ -25,7 +26,7 @@ void carry_plaque(const Mesh& mesh, vtkPolyData* input, vtkDataArray* thickness,
     double t = 0, total = 0;
     int heaviest = 0;
     for (int k = 0; k < 3; ++k) {
-      // on slivers the weights of a point on the edge may be slightly outside [0, 1]
+      // On a sliver the weights of a point on its edge may be slightly outside [0, 1].
       const double weight = std::max(0.0, weights[k]);
       total += weight;
       t += weight * thickness->GetTuple1(cell->GetPointId(k));
@@ -33,13 +34,13 @@ void carry_plaque(const Mesh& mesh, vtkPolyData* input, vtkDataArray* thickness,
         heaviest = k;
     }
     if (std::isnan(t))
-      continue; // the input has no value here, so the estimate from the narrowing stays
+      continue; // the input has no value here, so the estimate from the reference radius stays
     arrays.plaque_thickness_mm[v] = t / total;
     arrays.plaque_type[v] = static_cast<int>(type->GetTuple1(cell->GetPointId(heaviest)));
   }
 }
 
-// Removes plaque at the inner points of caps, which are not wall.
+// Sets plaque to 0 at the inner vertices of caps, which are not wall.
 void clear_caps(const Mesh& mesh, Arrays& arrays) {
   const RegionMap region = region_map(mesh);
   for (Vertex v : mesh.vertices()) {

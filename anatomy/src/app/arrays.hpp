@@ -1,18 +1,21 @@
-// The arrays of lumen.vtp: branch of each triangle, radii and plaque of each vertex.
+// The arrays of lumen.vtp: branch of each triangle, radii and plaque at each vertex (docs/design.md).
 #pragma once
 #include "measure/lesions.hpp"
 #include <vtkPolyData.h>
 
 namespace anatomy {
 
+/// The arrays of a surface; docs/design.md says what each means.
 struct Arrays {
   std::vector<int> branch_id;                                              ///< per face
   std::vector<double> radius_mm, reference_radius_mm, plaque_thickness_mm; ///< per vertex
   std::vector<int> plaque_type;                                            ///< per vertex
 };
 
-/// mesh must have no removed elements. If the input has the arrays plaque_thickness_mm and plaque_type, plaque is
-/// interpolated from its nearest triangle. Else it is the reference radius minus the distance to the axis, if positive.
+/// Makes the arrays for the remeshed surface `mesh`, which must have no removed elements. If the `input` surface has
+/// the arrays plaque_thickness_mm and plaque_type, plaque is interpolated from its nearest triangle. Else the thickness
+/// is the reference radius minus the distance to the axis, if positive, and the type is 1 where there is plaque. At
+/// vertices inside caps plaque is 0.
 Arrays arrays_of(const Mesh& mesh, const std::vector<Branch>& branches, const std::vector<ReferenceProfile>& profiles,
                  vtkPolyData* input);
 

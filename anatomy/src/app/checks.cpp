@@ -11,17 +11,22 @@ namespace {
 
 using common::InputError;
 
-constexpr double least_move = 1e-3;    // mm
-constexpr double much_of_cap = 0.1;    // radii by which a cap moved: as a tilt of 6 degrees, half a per cent of area
-constexpr double smallest_angle = 30;  // degrees
-constexpr double rough = 0.15;         // edges, rms: flat ends are found to 12 degrees
-constexpr double least_stub = 0.4;     // mean radii, least length of a stub, measured as its tip's prominence
-constexpr double least_wide_stub = 1;  // the same of a stub that may be the inlet
-constexpr double beyond_rim = 2;       // radii from an end's centre
-constexpr double tube = 1.5;           // least length of a tube in its own radii; a sac is as wide as it is long
-constexpr double narrowest_stub = 0.3; // mm, radius
+constexpr double least_move = 1e-3; // mm: a smaller move of the caps is not reported
+// Radii: a larger move of a cap gives a warning. A move of 0.1 is a tilt of 6 degrees, which changes the area by half a
+// per cent.
+constexpr double much_of_cap = 0.1;
+constexpr double smallest_angle = 30; // degrees: a smaller corner of a triangle gives a warning
+// Rms scatter of the wall, in mean edges, from which on ends may not be seen. Flat ends are found until noise tilts the
+// triangles by about 12 degrees.
+constexpr double rough = 0.15;
+constexpr double least_stub = 0.4;    // mean radii: least prominence of a tip that counts as a stub
+constexpr double least_wide_stub = 1; // mean radii: least prominence of a stub that may be the inlet
+constexpr double beyond_rim = 2;      // radii of an end: a tip farther from its centre is not at the end's rim
+// Radii of a closed branch: one that stands out by more is a tube. A sac is as wide as it is long.
+constexpr double tube = 1.5;
+constexpr double narrowest_stub = 0.3; // mm, radius of the narrowest closed branch that is checked
 
-// Whether p is so far from every end that it is not at the end's rim.
+// Whether p (mm) is so far from every end that it is not at the end's rim.
 bool far_from(const Vec3& p, const std::vector<End>& ends) {
   return std::all_of(ends.begin(), ends.end(),
                      [&](const End& end) { return (end.centre - p).norm() > beyond_rim * end.radius(); });
@@ -66,7 +71,7 @@ void check_no_stub(const Mesh& mesh, const std::vector<End>& ends, bool named, s
 }
 
 void check_no_wide_stub(const Mesh& mesh, const std::vector<End>& ends) {
-  double widest = 0; // mm, radius
+  double widest = 0; // mm, radius of the widest end
   for (const End& end : ends)
     widest = std::max(widest, end.radius());
   for (const RoundedEnd& stub : rounded_ends(mesh, ends, least_wide_stub, true)) {
@@ -85,7 +90,7 @@ void check_no_wide_stub(const Mesh& mesh, const std::vector<End>& ends) {
 void warn_of_stubs(const Mesh& mesh, const std::vector<End>& ends, const std::vector<Candidate>& candidates,
                    std::vector<Repair>& repairs) {
   const double mean = mean_radius(mesh);
-  std::vector<Vec3> known; // tips with a warning already, by the search for the ends or by this function
+  std::vector<Vec3> known; // tips that have a warning, from the search for the ends or from this function
   for (const Candidate& one : candidates)
     if (one.kind == "rounded")
       known.push_back(one.centre);

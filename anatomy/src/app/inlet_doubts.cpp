@@ -4,15 +4,22 @@
 namespace anatomy {
 namespace {
 
-constexpr double about_as_wide = 0.9; // over the inlet's diameter
-constexpr double widening = 1.04;     // of the last third's healthy width over that of the first
-constexpr double narrowed = 0.85;     // an end's width over the healthy width of the third before it
-constexpr double healthy = 0.9;       // quantile of the widths in a third: lesions and short ectasias do not count
-constexpr double leans_back = -0.45;  // mean cosine: 27 degrees beyond a right angle, where a conus branch has 25
-constexpr double much_wider = 1.25;   // an outlet's width over the named inlet's
-constexpr double turns_back = 100;    // degrees; a left main turns into the circumflex by a right angle at the most
-constexpr double leaving = 4;         // radii of the side branch along which its direction is taken
+constexpr double about_as_wide = 0.9; // least ratio of a width to the inlet's diameter that counts as about as wide
+// Least ratio of the healthy widths of main's last and first third that counts as widening.
+constexpr double widening = 1.04;
+// Largest ratio of an end's width to the healthy width of main's last third that counts as narrowed.
+constexpr double narrowed = 0.85;
+// Quantile of the widths in a third that is its healthy width: lesions and short ectasias do not count.
+constexpr double healthy = 0.9;
+// Mean cosine of the angle between side branch and parent, below which side branches lean back. It is 27 degrees beyond
+// a right angle; a conus branch has 25.
+constexpr double leans_back = -0.45;
+constexpr double much_wider = 1.25; // least ratio of an outlet's width to the named inlet's that gives a warning
+// Degrees of turn that give a warning; a left main turns into the circumflex by a right angle at the most.
+constexpr double turns_back = 100;
+constexpr double leaving = 4; // radii of a branch over which directions are taken
 
+// Each of the following by_... functions returns a reason to doubt the inlet as text, or an empty text.
 std::string by_another_end(const std::vector<End>& ends) {
   const End *inlet = nullptr, *other = nullptr;
   for (const End& end : ends)
@@ -28,6 +35,7 @@ std::string by_another_end(const std::vector<End>& ends) {
   return text;
 }
 
+// The healthy width (mm) of a part of a vessel with these inscribed radii (mm).
 double healthy_width(std::vector<double> radii) {
   const auto at = static_cast<std::ptrdiff_t>(healthy * static_cast<double>(radii.size() - 1));
   std::nth_element(radii.begin(), radii.begin() + at, radii.end());
@@ -62,7 +70,7 @@ std::string by_narrowed_end(const std::vector<End>& ends, const Branch& main) {
   return text;
 }
 
-// The direction of a branch from s on, along `length` mm.
+// The unit direction from the place s (mm) of a branch to the place `length` mm further along it.
 Vec3 direction(const Branch& branch, double s, double length) {
   const auto at = [&](double where) {
     const auto i = std::lower_bound(branch.s.begin(), branch.s.end(), where) - branch.s.begin();
@@ -85,8 +93,8 @@ std::string by_side_branches(const std::vector<Branch>& branches) {
   return sum < leans_back * all ? "the side branches lean back towards it" : "";
 }
 
-// The greatest turn (degrees) of an axis within `length` mm of s, and its place. It is the angle between the directions
-// over `length` before and behind.
+// The greatest turn (degrees) of an axis within `length` mm of s, and its place (mm). A turn is the angle between the
+// directions over `length` mm before and behind a place.
 std::pair<double, double> greatest_turn(const Branch& branch, double s, double length) {
   std::pair<double, double> greatest{0, s};
   for (double at : branch.s)

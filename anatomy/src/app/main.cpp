@@ -1,4 +1,4 @@
-// The program lumen: any lumen surface in, trustworthy geometry out.
+// The program lumen: checks, repairs, remeshes and measures a coronary lumen surface.
 #include "app/process.hpp"
 #include "app/vtk_output.hpp"
 #include "common/command_line.hpp"
@@ -16,7 +16,7 @@ namespace {
 
 using namespace anatomy;
 
-// Coordinates as the command line gives them.
+// Points (mm) as the command line gives them: three coordinates per point, one point after the other.
 struct GivenPoints {
   std::vector<double> inlet, outlets, cuts, ostium;
 };
@@ -77,7 +77,8 @@ void print_summary(const Anatomy& anatomy, const StepTimer& timer) {
               static_cast<std::size_t>(anatomy.mesh.number_of_faces()), anatomy.quality.min_angle_deg);
 }
 
-// The trees whose ends `lumen check` shows: the chosen one, else all; a null pointer if there is no aorta.
+// The coronary trees whose ends `lumen check` shows: the one that the user chose, else all. If there is no aorta, the
+// list has one null pointer, for the whole surface.
 std::vector<const CoronaryTree*> to_check(const Closed& closed, const Options& options) {
   if (!closed.aorta)
     return {nullptr};
@@ -90,7 +91,8 @@ std::vector<const CoronaryTree*> to_check(const Closed& closed, const Options& o
   return trees;
 }
 
-// The end that becomes the inlet, and why.
+// A line of text with the end that becomes the inlet, and why. It is empty if the file's own tags name the inlet, or if
+// there are fewer than two ends.
 std::string line_of_inlet(const Prepared& prepared) {
   if (prepared.ends.size() < 2 || tagged_inlet(prepared.input))
     return "";
@@ -173,7 +175,7 @@ int main(int argc, char** argv) {
   remesh_command->add_option("--edge", options.edge, "edge length, mm")->capture_default_str();
   remesh_command->add_option("--out", out, "surface to write: .vtp or .stl")->required();
 
-  vtkObject::GlobalWarningDisplayOff(); // InputError alone reports what a reader cannot read
+  vtkObject::GlobalWarningDisplayOff(); // VTK prints nothing; InputError reports what a reader cannot read
   if (const auto code = common::exit_code_of_parsing(app, argc, argv))
     return *code;
   return common::guarded([&] {

@@ -35,7 +35,7 @@ std::string sections_csv(const Anatomy& anatomy) {
 
 nlohmann::ordered_json branch_entry(const Anatomy& anatomy, const Branch& branch) {
   double mean = 0, highest = 0;
-  // next to a cap the axis has few points, so its curvature there is not reported as the branch's
+  // Next to a cap the axis has few points, so curvatures there do not count for the branch.
   std::size_t counted = 0;
   for (std::size_t i = 0; i < branch.s.size(); ++i) {
     if (near_an_end(branch, anatomy.ends, branch.s[i]) || (branch.parent >= 0 && branch.s[i] < branch.s_outside))
@@ -83,8 +83,8 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
     throw common::InputError("the file cannot be written", path.string(), "", "check the folder and the free space");
 }
 
-// The equivalent diameter (mm) of the vessel at an end, across the last radius of its axis. A slanted cap has a larger
-// area.
+// The equivalent diameter (mm) of the vessel at an end, perpendicular to the axis. The axis's direction is taken over
+// its last piece, as long as the end's radius. The cap of a slanted end is larger than the vessel's section.
 double width_of(const End& end, const std::vector<Branch>& branches) {
   const Axis& axis =
       std::find_if(branches.begin(), branches.end(), [&](const Branch& one) { return one.name == end.branch; })->axis;

@@ -1,4 +1,4 @@
-// The files of an anatomy folder (docs/design.md), each written under a temporary name and moved into place.
+// Writes the files of an anatomy folder (docs/design.md). Each is written under a temporary name and moved into place.
 #pragma once
 #include "app/arrays.hpp"
 #include "core/step_timer.hpp"
@@ -11,8 +11,8 @@ namespace anatomy {
 /// All results of `lumen process`.
 struct Anatomy {
   std::string source_path, source_sha256, units;
-  double edge = 0;
-  Mesh mesh; ///< tags by the convention
+  double edge = 0; ///< mm, edge length that the user asked for
+  Mesh mesh;       ///< final surface, its faces tagged as docs/design.md says
   std::vector<End> ends;
   std::vector<Branch> branches;
   std::vector<Section> sections;
@@ -23,16 +23,16 @@ struct Anatomy {
   Quality quality;
 };
 
-/// Throws InputError if `folder` cannot be made or written. Call it before long work.
+/// Throws InputError if `folder` cannot be made or written to. It is called before the long computation.
 void check_folder(const std::string& folder);
 
-/// Writes lumen.vtp, centreline.vtp, sections.csv and anatomy.json to `folder`, made if absent.
+/// Writes lumen.vtp, centreline.vtp, sections.csv and anatomy.json to `folder`, which is made if it does not exist.
 void write_anatomy(const Anatomy& anatomy, const StepTimer& timer, const std::string& folder);
 
-/// The document of anatomy.json.
+/// The content of anatomy.json.
 nlohmann::ordered_json summary(const Anatomy& anatomy, const StepTimer& timer);
 
-/// Throws InputError if the file cannot be written.
+/// Writes `text` to a file. Throws InputError if that fails.
 void write_text(const std::filesystem::path& path, const std::string& text);
 
 } // namespace anatomy

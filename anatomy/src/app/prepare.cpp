@@ -18,11 +18,12 @@ namespace {
 
 using common::InputError;
 
-constexpr double smallest_cap = 1.5; // voxels; a thin lumen from voxels has facets of about one voxel on its wall
+// Voxel edges: least radius of a flat end of a mask's surface. The wall of a thin lumen has facets of about one voxel.
+constexpr double smallest_cap = 1.5;
 
-// The shortest edge is a tenth of CT's resolution, which gives a tree a million triangles. The longest is more than a
-// coronary's radius. An extension below half a radius is shorter than the edges of a thin end; twenty radii are as long
-// as most vessels.
+// Throws InputError if an option is out of range. The shortest edge is a tenth of CT's resolution, and gives a tree a
+// million triangles. The longest edge is more than a coronary's radius. An extension of less than half a radius is
+// shorter than the edges of a thin end; twenty radii are as long as most vessels.
 void check_options(const Options& options) {
   if (!(options.edge >= 0.05 && options.edge <= 2))
     throw InputError("edge length out of range", "--edge", std::to_string(options.edge) + " mm", "choose 0.05 to 2 mm");
@@ -47,7 +48,7 @@ std::set<int> tags_of(const std::vector<OpenEnd>& open) {
   return tags;
 }
 
-// The ends that the user names, by points or by cap files (the centres of their openings).
+// The ends that the user names: by points, or by `caps`, the centres (mm) of the openings of the cap files.
 NamedEnds named_ends(const Options& options, const std::vector<Vec3>& caps) {
   NamedEnds named;
   named.inlet = options.inlet;
@@ -68,7 +69,7 @@ std::vector<Vec3> points_of(const NamedEnds& named) {
   return points;
 }
 
-// Tags of the openings: the tags that are not in the surface's own array.
+// Tags of the caps that close openings: those tags that are not in the surface's own region_id.
 std::set<int> tags_of_openings(const Mesh& mesh, const Soup& soup) {
   std::set<int> tags;
   for (const auto& [tag, faces] : tagged_faces(mesh))
@@ -77,13 +78,13 @@ std::set<int> tags_of_openings(const Mesh& mesh, const Soup& soup) {
   return tags;
 }
 
-// The voxels of the mask, or of the grid on which the surface was contoured.
+// The voxels of the mask, or else those of the grid on which the surface was contoured.
 Voxels voxels_of(vtkPolyData* input, const Mesh& mesh) {
   const double edge = voxel_edge(input);
   return edge > 0 ? Voxels{edge, true} : Voxels{grid_of_surface(mesh), false};
 }
 
-// Keeps the outlets of given caps that still exist in the tree; the tree's ostium is its inlet.
+// Drops outlets of cap files (if `caps`) whose end is not in the tree. The tree's inlet is at its ostium.
 void keep_ends_of_tree(const Mesh& tree, bool caps, NamedEnds& named) {
   if (caps) {
     Mesh copy = tree;
@@ -126,7 +127,8 @@ Closed closed_surface(const Options& options, StepTimer& timer) {
   const std::vector<OpenEnd> open = cap_open_ends(out.mesh, out.repairs);
   orient_outward(out.mesh, out.repairs);
   remove_small_handles(out.mesh, out.repairs);
-  // later steps keep handles, and take long if there are many; a few may be removed with an aorta
+  // Later steps do not remove handles, and take long if there are many. A few are allowed here, since they may belong
+  // to an aorta that is cut off.
   check_no_handle(out.mesh, few_rings);
   timer.start("self-intersections");
   remove_self_intersections(out.mesh, out.repairs);
@@ -136,7 +138,7 @@ Closed closed_surface(const Options& options, StepTimer& timer) {
   timer.start("aorta");
   out.named.openings = tags_of_openings(out.mesh, soup);
   out.named.tagged = !caps.empty() || !soup.region.empty();
-  if (options.like.empty()) // with an earlier state the aorta is already cut off
+  if (options.like.empty()) // the surface of an earlier state has no aorta: it is cut off already
     out.aorta = aorta_of(out.mesh, choice_of(options), options.units, out.repairs);
   if (!out.aorta)
     check_no_handle(out.mesh);
@@ -147,7 +149,8 @@ Prepared with_ends(Closed closed, const CoronaryTree* tree, const Options& optio
   Prepared out;
   out.input = closed.input;
   out.mesh = std::move(closed.mesh);
-  out.voxels = voxels_of(out.input, out.mesh); // before cuts add vertices in planes, which would look like a grid's
+  // The voxels are found before cuts add vertices in planes, which would look like a voxel grid's.
+  out.voxels = voxels_of(out.input, out.mesh);
   out.named = std::move(closed.named);
   out.repairs = std::move(closed.repairs);
   if (tree) {

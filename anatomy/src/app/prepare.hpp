@@ -1,4 +1,4 @@
-// Makes a closed, repaired lumen with its ends from a file: the first steps of all commands of `lumen`.
+// Makes a closed, repaired lumen with known ends from a file. These are the first steps of all commands of `lumen`.
 #pragma once
 #include "app/output.hpp"
 #include "ends/find_ends.hpp"
@@ -11,56 +11,57 @@
 
 namespace anatomy {
 
+/// The options of the command line.
 struct Options {
   std::string input, units = "mm";
-  std::vector<int> labels; ///< of a mask; none: its only label
-  double edge = 0.4;       ///< mm
-  double spacing = 0.25;   ///< mm between sections
-  std::optional<Vec3> inlet;
-  std::vector<Vec3> outlets;     ///< in the order of their names, or empty
-  std::vector<Vec3> cuts;        ///< points where the vessel is cut across
-  std::vector<std::string> caps; ///< files: the inlet's, then the outlets' in the order of their names; or empty
-  bool close_others = false;     ///< openings without a point or cap are closed
-  std::string tree;              ///< of a model with an aorta; or empty
-  std::optional<Vec3> ostium;    ///< of that tree
-  double extend_inlet = 0, extend_outlets = 0; ///< radii of straight extension
-  std::string like;                            ///< anatomy.json of an earlier state, or empty
+  std::vector<int> labels;       ///< labels of a mask, taken together; empty for its only label
+  double edge = 0.4;             ///< mm, edge length of the new surface
+  double spacing = 0.25;         ///< mm between cross-sections
+  std::optional<Vec3> inlet;     ///< mm, a point near the inlet
+  std::vector<Vec3> outlets;     ///< mm, points near the outlets in the order of their names, or empty
+  std::vector<Vec3> cuts;        ///< mm, points near which the vessel is cut across
+  std::vector<std::string> caps; ///< cap files: the inlet's, then the outlets' in the order of their names; or empty
+  bool close_others = false;     ///< whether openings without a point or a cap file are closed
+  std::string tree;              ///< name of the coronary tree in a model with an aorta, or empty
+  std::optional<Vec3> ostium;    ///< mm, where that tree leaves the aorta
+  double extend_inlet = 0, extend_outlets = 0; ///< radii of the end: length of the straight extension
+  std::string like;                            ///< path of the anatomy.json of an earlier state, or empty
 };
 
-/// The repaired surface, closed, outward, its openings tagged.
+/// The repaired surface before its ends are sought: closed, with normals outward and tagged caps on its openings.
 struct Closed {
   vtkSmartPointer<vtkPolyData> input;
   Mesh mesh;
   NamedEnds named;
-  std::optional<Aorta> aorta;
+  std::optional<Aorta> aorta; ///< if the surface has one
   std::vector<Repair> repairs;
 };
 
-/// A lumen with tagged flat caps, and its ends by falling area.
+/// A lumen with tagged flat caps, and its ends by decreasing area.
 struct Prepared {
   vtkSmartPointer<vtkPolyData> input;
-  Mesh mesh;      ///< refined where it is coarse
-  Mesh given;     ///< before refining
-  int splits = 1; ///< of an edge of `given` in `mesh`
-  Voxels voxels;  ///< on which the lumen was segmented
+  Mesh mesh;      ///< the lumen, refined if it is coarse
+  Mesh given;     ///< the lumen before refining
+  int splits = 1; ///< number of parts into which refining divides an edge of `given`
+  Voxels voxels;  ///< the voxels on which the lumen was segmented
   NamedEnds named;
   std::vector<End> ends;
-  std::vector<Candidate> candidates; ///< for ends, with the decisions
+  std::vector<Candidate> candidates; ///< places where the vessel may end, with the decisions
   std::vector<Repair> repairs;
 };
 
-/// Throws InputError if the file or the options cannot be used.
+/// Reads, repairs and closes the surface. Throws InputError if the file or the options cannot be used.
 Closed closed_surface(const Options& options, StepTimer& timer);
 
-/// The lumen with its ends. In a model with an aorta the tree is cut off first.
+/// Finds the ends of the lumen. If a `tree` is given, it is cut off from its aorta first.
 Prepared with_ends(Closed closed, const CoronaryTree* tree, const Options& options, StepTimer& timer);
 
-/// Both steps, for the tree that the options choose.
+/// Does both of these steps, for the tree that the options choose, and prints the warnings.
 Prepared prepare(const Options& options, StepTimer& timer);
 
 TreeChoice choice_of(const Options& options);
 
-/// Prints to standard error the warnings among the repairs with index `from` and higher.
+/// Prints to standard error the warnings among the repairs from index `from` on.
 void say_warnings(const std::vector<Repair>& repairs, std::size_t from);
 
 } // namespace anatomy

@@ -24,16 +24,16 @@ namespace {
 
 using common::InputError;
 
-constexpr double finest_start = 0.05;     // mm
-constexpr double most_triangles = 250000; // of a mesh to start from; it takes some 20 s
+constexpr double finest_start = 0.05;     // mm, shortest edge of a mesh that is tried for the axes
+constexpr double most_triangles = 250000; // triangles of a mesh that is tried for the axes; it takes some 20 s
 
-// Whether a mesh of this edge (mm) may be tried after a coarser one has failed.
+// Whether a mesh of this edge (mm) may be tried after one of longer edges has failed.
 bool may_start_from(double edge, const Mesh& surface) {
   return edge >= finest_start && surface_area(surface) / (std::sqrt(3.0) / 4 * edge * edge) < most_triangles;
 }
 
-// Reads the anatomy.json of the earlier state. Throws InputError if a value of its ends that is used later is missing
-// or invalid.
+// Reads the anatomy.json of an earlier state. Throws InputError if a value of its ends that is used later is missing or
+// invalid.
 nlohmann::json read_like(const std::string& path) {
   std::ifstream file(path);
   if (!file)
@@ -57,7 +57,8 @@ nlohmann::json read_like(const std::string& path) {
   }
 }
 
-// Renumbers the caps' tags, so that they follow the branches of the tree instead of the ends' areas.
+// Gives the caps the tags of `ends`, which follow the branches of the tree. Until now they have the tags of `before`,
+// the same ends numbered by area.
 void retag(Mesh& mesh, const std::vector<End>& ends, const std::vector<End>& before) {
   RegionMap region = region_map(mesh);
   for (Face f : mesh.faces())
@@ -68,8 +69,8 @@ void retag(Mesh& mesh, const std::vector<End>& ends, const std::vector<End>& bef
       }
 }
 
-// The centre of the end nearest to the inlet that the file's own tags name. A cut may have moved the inlet along the
-// vessel.
+// The centre (mm) of the end nearest to the inlet that the file's own tags name, or nothing without such tags. A cut
+// may have moved the inlet along the vessel.
 std::optional<Vec3> inlet_by_tag(const std::vector<End>& ends, vtkPolyData* input) {
   const std::optional<Vec3> tagged = tagged_inlet(input);
   if (!tagged || ends.empty())
@@ -80,7 +81,8 @@ std::optional<Vec3> inlet_by_tag(const std::vector<End>& ends, vtkPolyData* inpu
       ->centre;
 }
 
-// Names the ends: as in the earlier state, by the given caps, by the given points, by the file's tags, or by size.
+// Decides which end is the inlet and which branch each outlet ends. It follows the earlier state if there is one, else
+// the caps or points of the user, else the file's tags, else the ends' size.
 Naming named(std::vector<End>& ends, const NamedEnds& given, const std::optional<nlohmann::json>& like,
              vtkPolyData* input) {
   if (like)
@@ -88,13 +90,14 @@ Naming named(std::vector<End>& ends, const NamedEnds& given, const std::optional
   return naming_given(ends, given.inlet ? given.inlet : inlet_by_tag(ends, input), given.outlets);
 }
 
-// Whether the mesh may already have the wanted edge: an earlier state is given, and there are caps' tags and not too
-// many triangles.
+// Whether the given mesh may have the wanted edge length already. This needs an earlier state, tags of the caps
+// (`tagged`), and fewer than four times the triangles expected at that edge length.
 bool may_be_kept(const Options& options, const Prepared& prepared, bool tagged) {
   const double triangles = surface_area(prepared.given) / (std::sqrt(3.0) / 4 * options.edge * options.edge);
   return tagged && !options.like.empty() && static_cast<double>(prepared.given.number_of_faces()) < 4 * triangles;
 }
 
+// The extension of each end, in radii of the end.
 std::vector<double> extensions(const Options& options, std::size_t ends, std::size_t inlet) {
   std::vector<double> radii(ends, options.extend_outlets);
   radii[inlet] = options.extend_inlet;
@@ -104,11 +107,12 @@ std::vector<double> extensions(const Options& options, std::size_t ends, std::si
 // The mesh whose inscribed balls give the axes, and the paths through these balls.
 struct Start {
   Mesh mesh;
-  double edge; ///< mm, of the mesh
+  double edge; ///< mm, edge length of the mesh
   std::vector<Path> paths;
 };
 
-// Remeshes to the wanted edge. If that is too coarse to follow the lumen through a narrowing, halves the edge.
+// Remeshes to the wanted edge length and finds the paths. If that edge is too long to follow the lumen through a
+// narrowing, it is halved, as often as may_start_from allows.
 Start started(const Mesh& coarse, const Prepared& prepared, const Options& options, std::size_t inlet,
               StepTimer& timer) {
   for (double edge = options.edge;; edge /= 2)
@@ -124,7 +128,8 @@ Start started(const Mesh& coarse, const Prepared& prepared, const Options& optio
     }
 }
 
-// Grades the uniform mesh; if that closes a throat, starts from finer meshes.
+// Makes the edges of the uniform mesh as long as `field` asks. If this fails, as where it closes a throat, the function
+// starts from finer meshes: of half the edge, a quarter, and so on.
 Mesh graded_from(const Start& start, const Mesh& surface, const EdgeField& field) {
   for (double edge = start.edge;; edge /= 2)
     try {
@@ -137,7 +142,8 @@ Mesh graded_from(const Start& start, const Mesh& surface, const EdgeField& field
     }
 }
 
-// The mesh for the deployment: an earlier state's where it still has the wanted edges, else a new one.
+// The final mesh. If `kept`, it is the mesh of the earlier state, remeshed only where its edges no longer have the
+// wanted length. Otherwise, or if too much of it would change, it is made anew.
 Mesh graded_mesh(const Start& start, bool kept, const Mesh& surface, const EdgeField& field) {
   if (!kept)
     return graded_from(start, surface, field);
@@ -165,9 +171,9 @@ Anatomy process(const Options& options, StepTimer& timer) {
   timer.start("extend");
   prepared.mesh = extended(prepared.mesh, out.ends, extensions(options, out.ends.size(), naming.inlet));
   const bool extends = options.extend_inlet > 0 || options.extend_outlets > 0;
-  const Mesh& coarse = extends ? prepared.mesh : prepared.given; // `given` is remeshed faster
+  const Mesh& coarse = extends ? prepared.mesh : prepared.given; // the unrefined `given` is remeshed faster
   const bool kept = !extends && may_be_kept(options, prepared, prepared.input->GetCellData()->HasArray("region_id"));
-  prepared.ends = out.ends; // with their extensions
+  prepared.ends = out.ends; // now with their extensions
   if (kept)
     timer.start("centreline");
   Start start = kept ? Start{prepared.given, options.edge, voronoi_paths(prepared.given, out.ends, naming.inlet)}

@@ -121,7 +121,7 @@ void write_surface(const Mesh& mesh, const std::string& path) {
   }
   std::error_code error;
   std::filesystem::rename(partial, target, error);
-  if (error) // VTK does not say that it could not open the file
+  if (error) // as where VTK could not open the file, which VTK does not report
     throw common::InputError("the file cannot be written", path, error.message(), "check the folder and its rights");
 }
 

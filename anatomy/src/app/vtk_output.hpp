@@ -1,4 +1,4 @@
-// Surfaces and axes as VTK data.
+// Turns surfaces and axes into VTK data, and writes them to files.
 #pragma once
 #include "app/arrays.hpp"
 #include <filesystem>
@@ -7,22 +7,23 @@
 
 namespace anatomy {
 
-/// The triangles with region_id and, if given, the arrays of docs/design.md.
+/// The triangles with the cell array region_id and, unless null, the `arrays` (docs/design.md).
 vtkSmartPointer<vtkPolyData> lumen_data(const Mesh& mesh, const Arrays* arrays);
 
-/// A polyline per branch with s_mm, radius_mm, curvature_per_mm, torsion_per_mm, branch_id, branch_name.
+/// A polyline per branch with the arrays s_mm, radius_mm, curvature_per_mm, torsion_per_mm, branch_id, branch_name.
 vtkSmartPointer<vtkPolyData> centreline_data(const std::vector<Branch>& branches);
 
-/// Throws InputError if the file cannot be written.
+/// Writes `data` as a VTP file. Throws InputError if the file cannot be written.
 void write_vtp(vtkPolyData* data, const std::filesystem::path& path);
 
-/// Path beside `target` for writing it before it is complete. It has the process's number, so that two runs differ.
+/// Path of a temporary file beside `target`, for writing until the file is complete. Its name has the number of the
+/// process, so that two runs do not write to the same file.
 std::filesystem::path partial_of(const std::filesystem::path& target);
 
 /// Throws InputError unless the name ends in .vtp or .stl.
 void check_surface_name(const std::string& path);
 
-/// Writes a tagged mesh as VTP (region_id) or STL by its suffix.
+/// Writes a tagged mesh as VTP (with region_id) or STL, by the suffix of `path`.
 void write_surface(const Mesh& mesh, const std::string& path);
 
 } // namespace anatomy

@@ -6,11 +6,13 @@
 namespace anatomy {
 namespace {
 
-constexpr int degree = 5;
-constexpr double knot_spacing = 0.75;   // mm: several knots for a coronary bend of 3 mm radius
-constexpr double pin_weight = 1e6;      // of the first and last point
-constexpr std::size_t noise_stride = 4; // points 0.25 mm apart share Voronoi balls: their noise shows from 1 mm apart
-constexpr double table_step = 0.02;     // mm
+constexpr int degree = 5;             // of the spline
+constexpr double knot_spacing = 0.75; // mm between knots: several knots for a coronary bend of 3 mm radius
+constexpr double pin_weight = 1e6;    // weight of the first and the last point in the fit; the other points have 1
+// Number of places between the points of a difference in noise_of. Neighbours 0.25 mm apart share Voronoi balls, so
+// their noise shows only from 1 mm apart.
+constexpr std::size_t noise_stride = 4;
+constexpr double table_step = 0.02; // mm between entries of the table of arc length
 
 using Sparse = Eigen::SparseMatrix<double>;
 using Knots = Eigen::Array<double, 1, Eigen::Dynamic>;
@@ -24,7 +26,8 @@ Knots clamped_knots(double t_end) {
   return knots;
 }
 
-// Rows of basis values (order 0) or third derivatives (order 3) at each t.
+// A matrix with a row for each t and a column for each basis function: its value (order 0) or third derivative (order
+// 3).
 Sparse basis(const Knots& knots, const std::vector<double>& t, int order) {
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t i = 0; i < t.size(); ++i) {
@@ -38,7 +41,8 @@ Sparse basis(const Knots& knots, const std::vector<double>& t, int order) {
   return b;
 }
 
-// int B'''_i B'''_j dt by three Gauss points an interval, exact for the quartic integrand.
+// The matrix of int B'''_i B'''_j dt, by three Gauss points in each interval between knots. They are exact, since the
+// integrand is a polynomial of degree 4.
 Sparse roughness(const Knots& knots) {
   std::vector<double> t;
   std::vector<double> weight;
@@ -57,7 +61,7 @@ Sparse roughness(const Knots& knots) {
 } // namespace
 
 double noise_of(const std::vector<Vec3>& x) {
-  constexpr std::array<double, 7> difference{1, -6, 15, -20, 15, -6, 1}; // squares: 924
+  constexpr std::array<double, 7> difference{1, -6, 15, -20, 15, -6, 1}; // sum of squares: 924
   const std::size_t k = std::clamp<std::size_t>(x.size() / 9, 1, noise_stride), reach = 6 * k;
   if (x.size() < reach + 3)
     return 0;
@@ -90,7 +94,8 @@ Axis::Axis(const std::vector<Vec3>& points) {
       }
     }
     at = best;
-    // the foot of the perpendicular, since the nearest entry of the table would add noise along the axis
+    // The parameter is that of the foot of the perpendicular, since the nearest entry of the table would add noise
+    // along the axis.
     const auto here = spline_.derivatives(t_[at], 1);
     t[i] = s_[at] + (points[i] - Vec3(here.col(0))).dot(Vec3(here.col(1)).normalized());
   }
@@ -118,7 +123,8 @@ void Axis::fit(const std::vector<double>& t, const std::vector<Vec3>& x, double 
     coefficients = solver.solve(rhs);
     return std::sqrt((b * coefficients - data).squaredNorm() / static_cast<double>(3 * n));
   };
-  // lambda >= 1e-3 mm^5 keeps the matrix regular at a gap between points, and does not move a bend of radius 3 mm
+  // The lower bound of lambda, 1e-3 mm^5, keeps the matrix regular at a gap between points, and does not move a bend of
+  // radius 3 mm.
   double low = -3, high = 5;
   if (residual(low) < rms_target) {
     if (residual(high) > rms_target)

@@ -4,9 +4,11 @@
 namespace anatomy {
 namespace {
 
-constexpr double band = 0.6;       // radii before and behind a place: the wall in this band gives the direction
-constexpr double wall_reach = 2;   // radii from the place: includes the wall of ovals, but not of neighbours
-constexpr double cos_agree = 0.87; // 30 degrees
+constexpr double band = 0.6; // radii before and behind a place: the wall in this band gives the direction
+// Radii from the place: includes the wall of oval vessels, but not of neighbouring ones.
+constexpr double wall_reach = 2;
+// Cosine of the largest angle, 30 degrees, between the two directions in direction_of.
+constexpr double cos_agree = 0.87;
 
 } // namespace
 

@@ -16,11 +16,12 @@ using VertexBase = CGAL::Triangulation_vertex_base_with_info_3<std::size_t, Kern
 using CellBase = CGAL::Triangulation_cell_base_with_info_3<int, Kernel>;
 using Delaunay = CGAL::Delaunay_triangulation_3<Kernel, CGAL::Triangulation_data_structure_3<VertexBase, CellBase>>;
 
-constexpr double beside_end = 1.1;  // radii from an end's axis; farther places belong to a vessel that runs past it
-constexpr double on_one_side = 0.2; // radii between the points that a ball touches; if nearer, they are one patch
+constexpr double beside_end = 1.1; // radii from an end's axis: farther places belong to a vessel that runs past the end
+// Radii of a ball: if all wall points that it touches are nearer to each other, they are one patch of the wall.
+constexpr double on_one_side = 0.2;
 
-// Whether p is outside a cap, at any distance. A ball there may touch only the rim, whose normals do not show that the
-// ball is outside.
+// Whether p lies beyond a cap, at any distance. A ball there may touch only the cap's rim, whose normals do not show
+// that the ball is outside.
 bool before_an_end(const Vec3& p, const std::vector<End>& ends) {
   return std::any_of(ends.begin(), ends.end(), [&](const End& end) {
     const Vec3 d = p - end.centre;
@@ -29,7 +30,7 @@ bool before_an_end(const Vec3& p, const std::vector<End>& ends) {
   });
 }
 
-// Whether the line from a to b passes through a cap, since in a bend two ends may face each other.
+// Whether the line from a to b passes through a cap. In a bend two ends may face each other.
 bool crosses_an_end(const Vec3& a, const Vec3& b, const std::vector<End>& ends) {
   return std::any_of(ends.begin(), ends.end(), [&](const End& end) {
     const double ha = (a - end.centre).dot(end.normal), hb = (b - end.centre).dot(end.normal);
@@ -37,8 +38,8 @@ bool crosses_an_end(const Vec3& a, const Vec3& b, const std::vector<End>& ends) 
   });
 }
 
-// Whether the circumcentre, which rounding may have moved, is in the lumen. For four points of a flat patch, such as a
-// cap, it may be anywhere, and their normals do not show its side.
+// Decides whether the circumcentre c of a cell is in the lumen. Rounding errors may have moved it. For four points of a
+// flat patch, such as a cap, it may be anywhere, and their normals do not show its side.
 class Inside {
 public:
   Inside(const Mesh& mesh, const std::vector<End>& ends) : mesh_(mesh), ends_(ends), box_(PMP::bbox(mesh)) {}
@@ -64,7 +65,7 @@ private:
   std::unique_ptr<CGAL::Side_of_triangle_mesh<Mesh, Kernel>> side_;
 };
 
-// Vertices of the wall with their outward normals, from wall faces only, so that a rim's normal is radial.
+// Vertices of the wall and their outward normals. Only wall faces count for a normal, so that it is radial at a rim.
 void wall_points(const Mesh& mesh, std::size_t every, std::vector<std::pair<Point, std::size_t>>& points,
                  std::vector<Vec3>& normals) {
   const RegionMap region = region_map(mesh);

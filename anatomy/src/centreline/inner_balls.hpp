@@ -1,34 +1,36 @@
-// The balls inscribed in the lumen: circumspheres of the Delaunay tetrahedra of the wall's vertices, and the cheapest
-// ways between them (Antiga, Ene-Iordache, Remuzzi 2003).
+// The balls inscribed in the lumen, and the cheapest paths (ways) through them. The balls are circumspheres of the
+// Delaunay tetrahedra of the wall's vertices (Antiga, Ene-Iordache, Remuzzi 2003).
 #pragma once
 #include "core/shortest_ways.hpp"
 #include "core/types.hpp"
 
 namespace anatomy {
 
-/// The inscribed balls. Neighbours share a Delaunay facet, and the line between their centres passes through no end.
+/// The inscribed balls. Two balls are neighbours if their tetrahedra share a facet and the line between their centres
+/// passes through no end's cap.
 struct Balls {
-  std::vector<Vec3> centre;   ///< mm
-  std::vector<double> radius; ///< mm
-  std::vector<std::vector<std::size_t>> neighbours;
+  std::vector<Vec3> centre;                         ///< mm
+  std::vector<double> radius;                       ///< mm
+  std::vector<std::vector<std::size_t>> neighbours; ///< indices of each ball's neighbours
 };
 
-/// Balls on the inner side of the wall. The caps' inner vertices are left out, so that the diagram runs straight
-/// through the ends.
+/// Returns the balls inside the lumen of a tagged mesh. The caps' inner vertices are left out, so that the Voronoi
+/// diagram runs straight through the ends.
 /// @param every uses only every n-th vertex. No ball becomes smaller by this, some become larger.
 Balls inner_balls(const Mesh& mesh, const std::vector<End>& ends, std::size_t every = 1);
 
-/// The cheapest ways (integral of ds/R) from ball `from` to all others.
+/// The cheapest paths from ball `from` to all others. The cost of a path is the integral of ds / R.
 Ways cheapest_ways(const Balls& balls, std::size_t from);
 
-/// Whether neighbours lead from the ball to a ball farther than `reach` (mm) from p. Wall points on one circle or one
-/// sphere, as at a flat rim or a round end, form tetrahedra among themselves. The positions of their circumspheres are
-/// rounding errors, and no neighbour leads away from them.
-/// @param seen flags the balls already visited; it is extended
+/// Whether a chain of neighbours leads from ball `from` to a ball farther than `reach` (mm) from p. Wall points on one
+/// circle or one sphere, as at a flat rim or a round end, form tetrahedra among themselves. The positions of their
+/// circumspheres are rounding errors, and no neighbour leads away from them.
+/// @param seen flags the balls that the search leaves out; those it visits are flagged, too
 bool leads_away(const Balls& balls, std::size_t from, const Vec3& p, double reach, std::vector<bool>& seen);
 
-/// The ball nearest to the end's centre among those that fill at least half of the end and from which a way leads
-/// farther inwards than the end's radius. Throws ComputationError if there is none.
+/// Returns the ball nearest to the end's centre that fills the end and leads into the vessel. Its radius is more than
+/// half of the end's, and its centre is within two of the end's radii. A chain of its neighbours leads farther from the
+/// end than the end's radius. Throws ComputationError if there is none.
 std::size_t ball_at(const Balls& balls, const End& end);
 
 } // namespace anatomy

@@ -6,10 +6,13 @@
 namespace anatomy {
 namespace {
 
-constexpr double bin = 0.25;       // mm; averaging of the Voronoi path
-constexpr double end_trim = 0.5;   // inscribed radii left out next to a cap, where few balls are left to average
-constexpr double least_stub = 0.3; // least length of a side branch over its radius; a flat facet of the wall has none
-constexpr double look_ahead = 1.5; // parent radii over which a side branch's direction at its exit is taken
+constexpr double bin = 0.25; // mm of path over which the points of a Voronoi path are averaged
+// Radii of an end: the path nearer to its cap is left out, where few balls are left to average.
+constexpr double end_trim = 0.5;
+// Least distance from an end's centre to the parent's inscribed tube, in radii of the end. A flat facet of the wall has
+// none.
+constexpr double least_stub = 0.3;
+constexpr double look_ahead = 1.5; // parent radii from the exit over which a side branch's direction is taken
 
 double arc_length(const std::vector<Vec3>& points) {
   double length = 0;
@@ -18,7 +21,7 @@ double arc_length(const std::vector<Vec3>& points) {
   return length;
 }
 
-// Mean of the points in bins of arc length, weighted by the length of the path at each.
+// The mean points of a path in bins of equal arc length, weighted by the length of path at each point.
 std::vector<Vec3> binned(const std::vector<Vec3>& points) {
   std::vector<Vec3> out;
   Vec3 sum = Vec3::Zero();
@@ -31,7 +34,7 @@ std::vector<Vec3> binned(const std::vector<Vec3>& points) {
   };
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
     const double w = (points[i + 1] - points[i]).norm();
-    // a long step of the path is shared among the bins it crosses
+    // A long step of the path is shared among the bins that it crosses.
     const int pieces = std::max(1, static_cast<int>(std::ceil(w / (0.2 * bin))));
     for (int k = 0; k < pieces; ++k) {
       const double f = (k + 0.5) / pieces;
@@ -49,6 +52,7 @@ std::vector<Vec3> binned(const std::vector<Vec3>& points) {
   return out;
 }
 
+// Index of the branch's sample nearest to p.
 std::size_t nearest_sample(const Branch& branch, const Vec3& p) {
   std::size_t best = 0;
   for (std::size_t i = 1; i < branch.x.size(); ++i)
@@ -62,7 +66,8 @@ bool inside_tube(const Branch& branch, const Vec3& p) {
   return (branch.x[i] - p).norm() < branch.radius[i];
 }
 
-// Points of the path from index `first` on, without points too near to one of the two caps.
+// The points of the path from index `first` on, without those too near to the caps of the ends `from` (may be null) and
+// `to`.
 std::vector<Vec3> between(const Path& path, std::size_t first, const End* from, const End& to) {
   std::vector<Vec3> out;
   for (std::size_t i = first; i < path.points.size(); ++i) {
@@ -76,6 +81,7 @@ std::vector<Vec3> between(const Path& path, std::size_t first, const End* from, 
   return out;
 }
 
+// Fills the branch's samples, about `step` mm apart.
 void sample(Branch& branch, const WallTree& wall, double step) {
   const int n = std::max(4, static_cast<int>(std::lround(branch.axis.length() / step)));
   for (int i = 0; i <= n; ++i) {
@@ -88,7 +94,8 @@ void sample(Branch& branch, const WallTree& wall, double step) {
   }
 }
 
-// Sample of the parent's axis nearest to the line that continues a side branch backwards from its exit.
+// Index of the parent's sample nearest to the line that continues a side branch backwards. The line goes through
+// `exit`, where the branch leaves the parent's tube, in its `direction` there.
 std::size_t take_off(const Branch& parent, const Vec3& exit, const Vec3& direction) {
   const std::size_t here = nearest_sample(parent, exit);
   std::size_t best = here;
@@ -107,7 +114,7 @@ std::size_t take_off(const Branch& parent, const Vec3& exit, const Vec3& directi
   return best;
 }
 
-// Throws InputError for a cap that lies in the wall of another vessel, since it ends no branch.
+// Throws InputError if the end lies in the wall of the vessel `trunk`, since no branch leads to it.
 void check_stands_out(const Branch& trunk, const End& end) {
   const std::size_t i = nearest_sample(trunk, end.centre);
   const double out = (trunk.x[i] - end.centre).norm() - trunk.radius[i];
@@ -130,7 +137,7 @@ struct Builder {
   const WallTree& wall;
   double step;
   std::vector<Branch> branches;
-  std::vector<double> from_inlet; // path length at which each branch leaves
+  std::vector<double> from_inlet; // mm of path from the inlet to where each branch leaves its parent
 
   void add_main(std::size_t end) {
     Branch main;
@@ -159,7 +166,7 @@ struct Builder {
     const Branch& trunk = branches[parent];
     check_stands_out(trunk, ends[end]);
     std::vector<Vec3> outside = between(path, exit, nullptr, ends[end]);
-    // `between` leaves out the path next to a cap. If nothing is left of a short stub's path, its axis is straight.
+    // `between` leaves out the path next to a cap. If nothing is left of a short side branch, its axis is straight.
     if (outside.empty())
       outside.push_back(exit < path.points.size() ? path.points[exit] : path.points.back());
     std::size_t ahead = 0;
@@ -187,8 +194,8 @@ struct Builder {
   }
 };
 
-// Names by id, branches in the order of their ids. The ids of an earlier state may have gaps: a branch may be missing
-// from the lumen found after a procedure.
+// Names the branches by their ids, and sorts them by id. The ids of an earlier state may have gaps, since a branch may
+// be missing from the lumen found after a procedure.
 void rename(std::vector<Branch>& branches, const std::vector<int>& id_of) {
   for (std::size_t b = 0; b < branches.size(); ++b) {
     branches[b].id = id_of[b];

@@ -1,4 +1,4 @@
-// The vascular tree: paths split into named branches with smooth axes.
+// The vascular tree: divides the paths into named branches with smooth axes.
 #pragma once
 #include "centreline/axis.hpp"
 #include "centreline/voronoi.hpp"
@@ -7,35 +7,38 @@
 namespace anatomy {
 
 struct Branch {
-  std::string name;    ///< main, side1, ...
-  int id = 0;          ///< 0, 1, ...
-  int parent = -1;     ///< index in the list of branches; -1 for main
-  std::size_t end = 0; ///< index of its end
-  double s_on_parent = 0;
-  double s_outside = 0; ///< where its axis leaves the parent's inscribed tube
+  std::string name;       ///< main, side1, ...
+  int id = 0;             ///< 0, 1, ...
+  int parent = -1;        ///< index of the branch it leaves; -1 for main
+  std::size_t end = 0;    ///< index of the end at which it ends
+  double s_on_parent = 0; ///< mm, arc length on the parent's axis where its axis starts
+  double s_outside = 0;   ///< mm, arc length on its own axis where it leaves the parent's inscribed tube
   Axis axis;
-  std::vector<double> s, radius, curvature, torsion; ///< sampled evenly, ends included
-  std::vector<Vec3> x;
+  std::vector<double> s, radius, curvature, torsion; ///< at samples, evenly spaced from end to end: mm, mm, 1/mm, 1/mm
+  std::vector<Vec3> x;                               ///< mm, position of each sample
 
-  double radius_at(double s) const; ///< maximal inscribed radius, mm
+  double radius_at(double s) const; ///< mm, inscribed radius at arc length s (mm)
 };
 
+/// The sample of an axis that is nearest to a point.
 struct NearestAxis {
-  std::size_t branch;
-  std::size_t sample;
-  double distance;
+  std::size_t branch; ///< index of the branch
+  std::size_t sample; ///< index in its samples
+  double distance;    ///< mm, from the point to the sample
 };
 
-/// The branches, main first. main is the longest path; the others are ordered by the path length at which they leave.
-/// The `ends` get their names (inlet, outlet1, ...), their `branch`, and a `region` in this order. The caller must
-/// change the mesh's tags.
+/// Builds the branches, main first. main is the longest path; the others are ordered by the path length from the inlet
+/// at which they leave. The `ends` get their names (inlet, outlet1, ...), their `branch`, and a `region` in this order.
+/// The caller must change the mesh's tags to these.
+/// @param inlet index of the inlet in `ends`
 /// @param step spacing of the samples along the axes, mm
-/// @param wanted branch id of each end (the inlet's is ignored), or empty for that order
-/// Throws ComputationError if a path cannot be smoothed.
+/// @param wanted branch id of each end (the inlet's is ignored), or empty for the order above
+/// Throws InputError if an end lies in the wall of another vessel.
 std::vector<Branch> build_tree(const std::vector<Path>& paths, std::vector<End>& ends, std::size_t inlet,
                                const WallTree& wall, double step, const std::vector<int>& wanted);
 
-/// The branch to whose inscribed tube p is nearest (least d^2 - R^2, VMTK's tube function) and its nearest sample.
+/// Finds the sample to whose inscribed ball p is nearest: with the least d^2 - R^2, VMTK's tube function. Samples of a
+/// branch inside its parent's tube are left out.
 NearestAxis nearest_axis(const std::vector<Branch>& branches, const Vec3& p);
 
 } // namespace anatomy

@@ -6,9 +6,11 @@
 namespace anatomy {
 namespace {
 
-constexpr std::size_t most_compared = 3000; // balls on each side; they lie densely, so a sample of them finds the gap
+// Largest number of balls compared on each side of a gap. Balls lie densely, so a sample of them finds the gap.
+constexpr std::size_t most_compared = 3000;
 
-// The middle of the smallest gap between balls that are connected to the inlet and balls connected to the end.
+// The middle (mm) of the smallest gap between balls that are connected to the inlet and balls that are connected to the
+// ball `end`.
 Vec3 narrowest_gap(const Balls& balls, const Ways& from_inlet, std::size_t end) {
   const Ways from_end = cheapest_ways(balls, end);
   std::vector<Vec3> here, beyond;

@@ -5,7 +5,7 @@
 
 namespace anatomy {
 
-/// The property map of that name, which the mesh must have.
+/// Returns the mesh's property map with this name, which must exist.
 template <class Map, class Mesh> Map existing_map(const Mesh& mesh, const std::string& name) {
   const auto found = mesh.template property_map<typename Map::key_type, typename Map::value_type>(name);
 #if CGAL_VERSION_NR < 1060000000

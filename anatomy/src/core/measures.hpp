@@ -1,18 +1,19 @@
-// Area, volume and mean radius of a surface. CGAL's headers for them compile slowly, so one file alone includes them.
+// Area, volume and mean radius of a surface. CGAL's headers for them compile slowly, so only measures.cpp includes
+// them.
 #pragma once
 #include "core/types.hpp"
 
 namespace anatomy {
 
-/// Area (mm2) of a face, of some faces, and of all faces.
+/// Area (mm2) of one face, of the given faces, and of all faces.
 double face_area(const Mesh& mesh, Face f);
 double surface_area(const Mesh& mesh, const std::vector<Face>& faces);
 double surface_area(const Mesh& mesh);
 
-/// Volume (mm3) within a closed surface; negative if its normals point inward.
+/// Volume (mm3) within a closed surface; negative if the normals point inward.
 double enclosed_volume(const Mesh& mesh);
 
-/// Twice the volume over the area (mm): the radius of a long tube of that volume and area.
+/// Mean radius (mm) of a closed surface: 2 volume / area, which is the radius of a long tube.
 double mean_radius(const Mesh& mesh);
 
 /// Removes the vertices that belong to no face.

@@ -1,22 +1,26 @@
-// Cheapest ways from one node of an undirected graph to all others (Dijkstra's algorithm, Boost.Graph).
+// Cheapest paths (here called ways) from one node of a graph to all others, by Dijkstra's algorithm (Boost.Graph).
 #pragma once
 #include <boost/graph/compressed_sparse_row_graph.hpp>
 #include <vector>
 
 namespace anatomy {
 
-constexpr double unreached = 1e300;
+constexpr double unreached = 1e300; ///< cost of a node that no path reaches
 
+/// The cheapest paths from one start node to all nodes.
 struct Ways {
-  std::vector<double> cost;        ///< of the cheapest way to each node; `unreached` if there is none
-  std::vector<std::size_t> before; ///< the previous node on this way; the node itself at the start and if unreached
+  std::vector<double> cost; ///< of the cheapest path to each node; `unreached` if there is none
+  /// the previous node on the path to each node; the node itself at the start and if unreached.
+  std::vector<std::size_t> before;
 };
 
+/// A graph whose edges have costs.
 class WayGraph {
 public:
   using Link = std::pair<std::size_t, std::size_t>;
 
-  /// `links` lists both directions of an edge separately; `costs` (not negative) has a value for each.
+  /// `nodes` is the number of nodes. `links` lists both directions of an edge separately. `costs` has a value for each
+  /// link, at least 0.
   WayGraph(std::size_t nodes, const std::vector<Link>& links, const std::vector<double>& costs);
   Ways from(std::size_t start) const;
 

@@ -1,4 +1,4 @@
-// Plane sections of a surface.
+// Cuts a surface by planes and measures the sections.
 #pragma once
 #include "core/types.hpp"
 #include <CGAL/AABB_halfedge_graph_segment_primitive.h>
@@ -10,28 +10,31 @@ namespace anatomy {
 
 using Vec2 = Eigen::Vector2d;
 
-/// Coordinates in a plane.
+/// A plane with coordinates (mm) along its unit vectors u and v.
 struct PlaneFrame {
   Vec3 origin, normal, u, v;
   PlaneFrame(const Vec3& o, const Vec3& n) : origin(o), normal(n), u(n.unitOrthogonal()), v(n.cross(u)) {}
+  /// Coordinates of p, projected on the plane.
   Vec2 plane(const Vec3& p) const { return {(p - origin).dot(u), (p - origin).dot(v)}; }
 };
 
-/// Area (mm2) within a closed loop; positive if it runs anticlockwise.
+/// Area (mm2) within a closed loop of points in mm; positive if the loop runs anticlockwise.
 double signed_area(const std::vector<Vec2>& loop);
 
-/// Area (mm2) of a section, and its farthest distance from the frame's origin (mm); area 0 if no loop surrounds it.
+/// The size of a section: its area (mm2), and its reach (mm), the distance from the frame's origin to the farthest
+/// point. Both are 0 if no loop surrounds the origin.
 struct Outline {
   double area = 0, reach = 0;
 };
 
-/// Sections of a mesh, which must outlive this object.
+/// Cuts a mesh by planes. The mesh must outlive this object.
 class Slices {
 public:
   explicit Slices(const Mesh& mesh);
-  /// The innermost closed loop round the frame's origin, as points in space; empty if there is none.
+  /// The closed loop of the section round the frame's origin, as points in space (mm). If there are several, it is the
+  /// one with the smallest area; if there is none, it is empty.
   std::vector<Vec3> loop_around(const PlaneFrame& frame) const;
-  /// Area and reach of this loop.
+  /// Area and reach of the loop that loop_around returns.
   Outline outline(const PlaneFrame& frame) const;
 
 private:

@@ -30,39 +30,41 @@ inline Point point(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
-/// Triangles as read. Orientation may vary, and there may be duplicates and gaps.
+/// Triangles as read from a file. Their orientation may vary, and there may be duplicates and gaps.
 struct Soup {
   std::vector<Point> points;
   std::vector<Triangle> triangles;
-  std::vector<int> region; ///< per triangle, from the array region_id; empty if the file has none
+  std::vector<int> region; ///< tag per triangle, from the array region_id; empty if the file has none
 };
 
-/// One change of the input, or a remark on it, for the report to the user.
+/// One change of the input surface, or a remark on it, for the report to the user.
 struct Repair {
   std::string what;
   std::size_t count;
   std::string detail;
-  bool warning = false; ///< whether it is printed at once, since the user may not want it
+  bool warning = false; ///< whether it is also printed as a warning, since the user may not want it
 };
 
-/// A flat end of the lumen. `region` tags its faces in the property map "f:region" (0 is wall).
+/// A flat end of the lumen, closed by a cap. `region` is the tag of the cap's faces in the property map "f:region", in
+/// which 0 is wall.
 struct End {
   std::string name;
   int region = 0;
   bool inlet = false;
   std::string branch;
-  Vec3 centre = Vec3::Zero();
-  Vec3 normal = Vec3::Zero(); ///< outward
-  double area = 0;
-  double extension = 0; ///< mm of straight wall added behind it
-  double radius() const;
+  Vec3 centre = Vec3::Zero(); ///< mm
+  Vec3 normal = Vec3::Zero(); ///< unit, outward
+  double area = 0;            ///< mm2
+  double extension = 0;       ///< mm of straight wall by which the end was moved outward
+  double radius() const;      ///< mm, of a circle with the same area
 };
 
 inline double End::radius() const {
   return std::sqrt(area / 3.14159265358979323846);
 }
 
-/// The tags of wall and caps of a mesh; if absent they are created with every face as wall (0).
+/// The tag of each face: 0 is wall, any other number is a cap. If the mesh has no tags, the first function creates
+/// them, with every face as wall; the second one needs them.
 inline RegionMap region_map(Mesh& mesh) {
   return mesh.add_property_map<Face, int>("f:region", 0).first;
 }
@@ -70,7 +72,7 @@ inline RegionMap region_map(const Mesh& mesh) {
   return existing_map<RegionMap>(mesh, "f:region");
 }
 
-/// "(x, y, z) mm", for messages.
+/// The point p as text for messages: "(x, y, z) mm".
 inline std::string place(const Vec3& p) {
   char text[96];
   std::snprintf(text, sizeof text, "(%.2f, %.2f, %.2f) mm", p.x(), p.y(), p.z());

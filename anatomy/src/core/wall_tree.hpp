@@ -1,4 +1,4 @@
-// Distance to the wall (without caps): the inscribed radius of a point on the axis.
+// Distance to the wall without its caps. For a point on the axis this is the inscribed radius.
 #pragma once
 #include "core/types.hpp"
 #include <CGAL/AABB_face_graph_triangle_primitive.h>
@@ -10,11 +10,11 @@ namespace anatomy {
 using FacePrimitive = CGAL::AABB_face_graph_triangle_primitive<Mesh>;
 using FaceTree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, FacePrimitive>>;
 
-/// Wall faces (region 0) of a mesh, which must outlive this object.
+/// Finds the nearest of the wall faces (region 0) of a mesh. The mesh must outlive this object.
 class WallTree {
 public:
   explicit WallTree(const Mesh& mesh);
-  double distance(const Vec3& p) const;
+  double distance(const Vec3& p) const; ///< mm, from p to the wall
   Point nearest(const Point& p) const { return tree_.closest_point(p); }
   Face nearest_face(const Point& p) const { return tree_.closest_point_and_primitive(p).second; }
 

@@ -10,7 +10,7 @@ namespace {
 
 using common::InputError;
 
-constexpr double names_it = 3; // radii of the opening within which a point names it
+constexpr double names_it = 3; // radii of an opening: a point nearer to its centre names it
 
 // Moves the loop's corners onto its plane; returns the largest move in mm.
 double onto_plane(Mesh& mesh, const Loop& loop) {
@@ -24,7 +24,7 @@ double onto_plane(Mesh& mesh, const Loop& loop) {
   return farthest;
 }
 
-// 1 if the faces look outward, -1 if inward: the sign of the volume, with a fan closing every opening.
+// 1 if the faces' normals point outward, -1 if inward. It is the sign of the volume, with each opening closed by a fan.
 double sense_of(const Mesh& mesh, const std::vector<Loop>& loops) {
   double volume = 0;
   for (Face f : mesh.faces())
@@ -34,7 +34,8 @@ double sense_of(const Mesh& mesh, const std::vector<Loop>& loops) {
   return volume < 0 ? -1 : 1;
 }
 
-// The point on the opening's axis level with the rim's innermost corner. From there no corner reaches into the ball.
+// The point on the opening's axis at the height of the rim's innermost corner. A ball that touches this point from the
+// inside contains no corner of the rim.
 Vec3 innermost(const Mesh& mesh, const Loop& loop, const Vec3& inward) {
   double deepest = 0;
   for (Vertex v : CGAL::vertices_around_face(loop.halfedge, mesh))
@@ -42,6 +43,7 @@ Vec3 innermost(const Mesh& mesh, const Loop& loop, const Vec3& inward) {
   return loop.centre + deepest * inward;
 }
 
+// Whether one of the points (mm) is near enough to the opening to name it.
 bool is_named(const Loop& loop, const std::vector<Vec3>& named) {
   const double reach = names_it * std::sqrt(loop.area / M_PI);
   return std::any_of(named.begin(), named.end(), [&](const Vec3& p) { return (p - loop.centre).norm() < reach; });
@@ -53,6 +55,7 @@ double ball_behind(const Mesh& mesh, const Tubes& tubes, double sense, const Loo
   return tubes.ball(innermost(mesh, loop, inward), inward);
 }
 
+// Whether the opening is too narrow for an end of a vessel that holds a ball of this radius (mm).
 bool is_narrower(const Loop& loop, double ball) {
   return std::sqrt(loop.area / M_PI) < least_width * ball;
 }

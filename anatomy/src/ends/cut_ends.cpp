@@ -12,26 +12,40 @@ namespace {
 namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
 
-constexpr double least_prominence = 2;   // mean radii: a vessel that stands out by less has no end of its own
-constexpr double least_own = 3;          // the same in its own radii: a sac is as wide as it is long
-constexpr double behind_last_ball = 0.5; // radii from its centre to the cut: the plane may tilt by 26 degrees
-constexpr double next_plane = 0.25;      // radii between planes that are tried
-constexpr double still_widening = 1.15;  // growth of the balls' radius over one radius of a tip that tapers
-constexpr double like_section = 1.25;    // largest ratio of areas half a radius apart: taper of 12 degrees on each side
-constexpr double beside_end = 0.4;       // radii: a tip this near to an end's rim belongs to the rim
-constexpr double about_as_near = 0.1;    // radii: a ball this much further from a tip than the nearest counts as near
-constexpr double still_at_tip = 1;       // radii from a ball's surface to the tip; at the rim of a flat end it is 0.41
-constexpr double longest_edge = 0.3;     // mean radii; halved until the inscribed balls connect all tips
-constexpr double finest_edge = 0.075;
-constexpr double beyond_tip = 2; // radii of the ball: if the vessel goes on this far from the tip, the ball leads away
-constexpr double much_lost = 2;  // mm; an ostial lesion lies within 3 mm of the ostium
-constexpr double naming_reach = 3; // radii within which a point names a tip or a place on the axis
-constexpr double same_cut = 0.5; // radii between the cuts of two tips of one dome, which is wider than the mean vessel
+constexpr double least_prominence = 2; // mean radii: a tip of less prominence is a stub without an end of its own
+// Least prominence of a vessel with an end, in radii of its last ball. A sac, which is as wide as it is long, has less.
+constexpr double least_own = 3;
+// Radii from the last ball's centre to the first plane that is tried, and from a plane to the section it is compared
+// with. A first plane that is tilted by 26 degrees still meets the wall behind the centre.
+constexpr double behind_last_ball = 0.5;
+constexpr double next_plane = 0.25; // radii between planes that are tried
+// Ratio of the balls' radii over one radius of the axis. Where it is larger, the tip still tapers, and no cut is made.
+constexpr double still_widening = 1.15;
+// Largest ratio of the areas of two sections, half a radius apart, that count as alike: a taper of 12 degrees on each
+// side.
+constexpr double like_section = 1.25;
+// Radii of an end: a tip less than this beyond the rim's farthest point belongs to the rim.
+constexpr double beside_end = 0.4;
+// Radii of a ball: it counts as near to the tip if it is farther from the tip than the nearest ball by less than this.
+constexpr double about_as_near = 0.1;
+// Radii of a ball: largest distance of its surface from the tip. At the rim of a flat end the distance is 0.41.
+constexpr double still_at_tip = 1;
+// Mean radii: first limit of the edges' length, halved until the inscribed balls connect all tips.
+constexpr double longest_edge = 0.3;
+constexpr double finest_edge = 0.075; // mean radii: smallest limit of the edges' length that is tried
+// Radii of a tip's ball: if its neighbours lead this far from the tip, the vessel goes on there.
+constexpr double beyond_tip = 2;
+// Length of vessel (mm): a cut that loses more gives a warning, since an ostial lesion lies within 3 mm of the ostium.
+constexpr double much_lost = 2;
+constexpr double naming_reach = 3; // radii of the vessel: largest distance from a point of --cut to the axis
+// Radii of the cuts: tips whose cuts are nearer to each other are one end. A dome wider than the mean vessel may have
+// two tips.
+constexpr double same_cut = 0.5;
 
 // An end and the distance from its centre within which a tip is part of the end's rim.
 struct EndReach {
   const End* end;
-  double reach; // mm: a little more than to the rim's farthest point, which in an oval is well beyond the radius
+  double reach; // mm: a little more than to the cap's farthest vertex, which in an oval is well beyond the radius
 };
 
 std::vector<EndReach> reaches_of(const Mesh& mesh, const std::vector<End>& ends) {
@@ -49,7 +63,7 @@ std::vector<EndReach> reaches_of(const Mesh& mesh, const std::vector<End>& ends)
   return reaches;
 }
 
-// The end whose rim p is near, or none.
+// The end within whose reach p lies, or null.
 const End* end_at(const Vec3& p, const std::vector<EndReach>& reaches) {
   for (const auto& [end, far] : reaches)
     if ((p - end->centre).norm() < far)
@@ -62,8 +76,8 @@ double gap(const Vec3& p, const Balls& balls, std::size_t i) {
   return std::abs((balls.centre[i] - p).norm() - balls.radius[i]) / balls.radius[i];
 }
 
-// Index of the largest ball that leads on into a vessel and whose surface is within `near` of p, in radii of the ball.
-// Without such a ball the function returns the number of balls, which is no valid index.
+// Index of the largest ball whose surface is within `near` of p, in radii of the ball. Neighbours must lead on from
+// this ball into a vessel. If there is none, the number of balls is returned, which is no valid index.
 std::size_t largest_ball_at(const Vec3& p, const Balls& balls, double near) {
   std::vector<std::size_t> touching;
   for (std::size_t i = 0; i < balls.centre.size(); ++i)
@@ -78,7 +92,7 @@ std::size_t largest_ball_at(const Vec3& p, const Balls& balls, double near) {
   return balls.centre.size();
 }
 
-// The balls whose surface is less than a radius from p, the nearest first.
+// The balls whose surface is less than one of their own radii from p, the nearest first.
 std::vector<std::size_t> nearest_balls(const Vec3& p, const Balls& balls) {
   std::vector<std::size_t> found;
   for (std::size_t i = 0; i < balls.centre.size(); ++i)
@@ -89,10 +103,10 @@ std::vector<std::size_t> nearest_balls(const Vec3& p, const Balls& balls) {
   return found;
 }
 
-// The largest inner ball that touches the vertex and leads on into the vessel. At the rim of a flat end no ball touches
-// the corner, and at a vertex of a rough wall the touching balls may stand alone. Then it is the largest of the balls
-// that come nearest, in their own radii. If none leads on there is no vessel, as in a surface like a sphere, and it is
-// the nearest.
+// The last inscribed ball of the vessel that ends at the tip: the largest ball that touches the tip and from which
+// neighbouring balls lead into the vessel. At a corner of a flat end's rim no ball touches the tip. On a rough wall the
+// touching balls may have no neighbours. Then it is the largest of the balls whose surfaces come nearest to the tip. If
+// no ball leads on there is no vessel, as in a sphere, and the nearest ball is returned.
 std::size_t last_ball(const Mesh& mesh, const Balls& balls, Vertex tip) {
   const Vec3 p = vec(mesh.point(tip));
   if (const std::size_t touching = largest_ball_at(p, balls, 1e-6); touching < balls.centre.size())
@@ -105,14 +119,15 @@ std::size_t last_ball(const Mesh& mesh, const Balls& balls, Vertex tip) {
   std::vector<bool> seen(balls.centre.size(), false);
   for (std::size_t i : nearest)
     if (leads_away(balls, i, p, beyond_tip * balls.radius[i], seen)) {
-      // a larger ball must lead further away; if it fails, ball i counts as seen and is not found again
+      // A larger ball is used only if it leads away from the tip, too. If its search fails after visiting ball i, no
+      // ball is returned, and i is used.
       const std::size_t largest = largest_ball_at(p, balls, gap(p, balls, i) + about_as_near);
       return largest < balls.centre.size() ? largest : i;
     }
   return nearest.front();
 }
 
-// The inscribed ball at a vessel's tip: the ball of the end that lies there, else the last one in the tip.
+// The inscribed ball at a tip: the end's ball if an end lies there, else the last ball of the vessel.
 std::size_t ball_of(const Mesh& mesh, const Balls& balls, const std::vector<EndReach>& reaches, Vertex tip) {
   const End* end = end_at(vec(mesh.point(tip)), reaches);
   return end ? ball_at(balls, *end) : last_ball(mesh, balls, tip);
@@ -122,8 +137,9 @@ Plane plane_across(const Mesh& mesh, const BallWay& way, double where) {
   return {way.centre(where), direction_of(mesh, way, where), way.radius[way.at(where)]};
 }
 
-// The first plane across the vessel, half a radius or more behind its last ball, whose section is like the section half
-// a radius further in. Its square covers the section. The middle of the vessel if there is no such plane.
+// The first plane across the vessel with a section like the section half a radius further in. It is at least half a
+// radius behind the last ball, and its cutting square covers the section. If no plane fits, the last one tried before
+// the middle of the path is returned, or the middle if none was tried.
 Plane cut_plane(const Mesh& mesh, const Slices& slices, const BallWay& way) {
   Plane plane = plane_across(mesh, way, 0.5 * way.length());
   for (double where = behind_last_ball * way.radius.front(); where < 0.5 * way.length();
@@ -144,9 +160,9 @@ Plane cut_plane(const Mesh& mesh, const Slices& slices, const BallWay& way) {
   return plane;
 }
 
-// The same surface with no wall edge longer than `longest`. Where vessels meet on a coarse surface, a vertex normal
-// fits none of them, and the inscribed balls of such vertices are not neighbours. More vertices connect the balls. The
-// mesh's vertices keep their numbers.
+// A copy of the surface with no wall edge longer than `longest` (mm). Where vessels meet on a coarse surface, a vertex
+// normal fits none of the vessels, and the inscribed balls of such vertices are not neighbours. More vertices connect
+// the balls. The mesh's vertices keep their numbers.
 Mesh sampled(const Mesh& mesh, double longest) {
   Mesh out = mesh;
   const RegionMap region = region_map(out);
@@ -158,9 +174,9 @@ Mesh sampled(const Mesh& mesh, double longest) {
   return out;
 }
 
-// The tips by the distance from one extremity of the surface and from the other, the most prominent first (tips_of).
-// Both are needed: a branch that leans towards an extremity hardly stands out in the distance from it. Of two tips
-// closer than `apart` (mm) the less prominent one is dropped.
+// The tips by the distance from one extremity of the surface and from the other (tips_of), the most prominent first.
+// `prominence` is in mm. Both distances are needed: a branch that leans towards an extremity hardly stands out in the
+// distance from it. Of two tips closer than `apart` (mm) the less prominent one is dropped.
 std::vector<Tip> tips_from_both(const Mesh& mesh, double prominence, double apart) {
   std::vector<Tip> all = tips_of(mesh, prominence), tips;
   const std::vector<Tip> from_far_end = tips_of(mesh, prominence, true);
@@ -175,11 +191,12 @@ std::vector<Tip> tips_from_both(const Mesh& mesh, double prominence, double apar
   return tips;
 }
 
+// Whether the planes of two tips make about the same cut.
 bool cut_alike(const Plane& a, const Plane& b) {
   return (a.centre - b.centre).norm() < same_cut * std::max(a.radius, b.radius) && a.normal.dot(b.normal) > 0;
 }
 
-// Balls of the surface and the ball of each tip.
+// The inscribed balls of a surface, and the index of each tip's ball.
 struct TipBalls {
   Balls balls;
   std::vector<std::size_t> at;
@@ -191,7 +208,8 @@ bool hang_together(const TipBalls& tips) {
   return std::all_of(tips.at.begin(), tips.at.end(), [&](std::size_t ball) { return ways.cost[ball] < unreached; });
 }
 
-// The balls of the surface, sampled finely enough for them to connect all tips, or as finely as is tried.
+// The inscribed balls of the surface and each tip's ball. The wall's edges are split more finely until the balls
+// connect all tips, or down to finest_edge.
 TipBalls balls_of_tips(const Mesh& mesh, const std::vector<End>& ends, const std::vector<EndReach>& reaches,
                        const std::vector<Tip>& tips) {
   for (double longest = longest_edge;; longest /= 2) {
@@ -232,7 +250,7 @@ std::vector<RoundedEnd> rounded_ends(const Mesh& mesh, const std::vector<End>& e
                    way.points.size() > 1,
                    ""};
     char why[160] = "";
-    if (way.length() < way.radius.front()) // a ball has tips but no vessel between them
+    if (way.length() < way.radius.front()) // a surface like a sphere has tips but no vessel between them
       std::snprintf(why, sizeof why, "its axis is %.2f mm long, less than its radius", way.length());
     else if (tip.prominence < std::max(least_prominence * mean, least_own * way.radius.front()))
       std::snprintf(why, sizeof why, "it stands out by %.2f mm only: a stub", tip.prominence);

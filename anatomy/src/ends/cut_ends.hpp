@@ -1,39 +1,42 @@
-// Rounded ends of a closed surface, and vessels cut across where the user asks.
+// Cuts rounded ends of a closed surface flat, and cuts vessels across where the user asks.
 #pragma once
 #include "ends/plane_cut.hpp"
 #include "repair/tips.hpp"
 
 namespace anatomy {
 
-/// The tip of a vessel that ends in no cap, and where to cut it flat.
+/// The tip of a vessel that has no flat cap, and the plane that cuts the vessel flat behind the tip.
 struct RoundedEnd {
   Vertex tip;
-  Vec3 at;               ///< of the tip, mm
-  Plane plane;           ///< across the axis behind the last ball, where the next section is alike
-  double radius = 0;     ///< mm, of the last inscribed ball
-  double widest = 0;     ///< mm, the largest ball within half the prominence, as balls at a rough tip are too small
-  double prominence = 0; ///< mm along the surface
-  bool reached = true;   ///< whether inscribed balls lead to it from the other tips
-  std::string why_short; ///< why it is too short to be a vessel; empty if it is long enough
+  Vec3 at;           ///< mm, position of the tip
+  Plane plane;       ///< of the cut: across the axis behind the last ball, where the section's area changes little
+  double radius = 0; ///< mm, of the last inscribed ball before the tip
+  /// mm, radius of the largest ball within half the prominence of the last ball. Balls at a rough tip are too small.
+  double widest = 0;
+  double prominence = 0; ///< mm along the surface, as in Tip (repair/tips.hpp)
+  bool reached = true;   ///< whether a path through inscribed balls leads from another tip to this one
+  std::string why_short; ///< why the vessel is too short to have an end; empty if it is long enough
 };
 
-/// The tips that stand out by `prominence` mean radii and are not at one of `ends`, the most prominent first. The mesh
-/// must be closed, one component and without removed elements. from_both: tips are looked for from either extremity
-/// (repair/tips.hpp), which finds short ones. Throws InputError if a tip has no inscribed ball.
+/// Returns the tips whose prominence is at least `prominence` mean radii and that lie at none of the tagged `ends`. The
+/// most prominent comes first; of tips with the same cut only one is returned. The mesh must be closed, one component
+/// and without removed elements. With from_both, tips are sought by the distance from either extremity of the surface
+/// (repair/tips.hpp); this also finds short tips. Throws InputError if no inscribed ball is near a tip.
 std::vector<RoundedEnd> rounded_ends(const Mesh& mesh, const std::vector<End>& ends, double prominence,
                                      bool from_both = false);
 
-/// The tips seen from either extremity that stand out by `prominence` mm and are not at the rim of one of `ends`, the
-/// most prominent first, a mean radius apart. The mesh is as for rounded_ends.
+/// Returns the tips whose prominence is at least `prominence` mm and that lie at no rim of the tagged `ends`. Tips are
+/// sought by the distance from either extremity. The most prominent comes first. Any two are at least a mean radius
+/// apart. The mesh is as for rounded_ends.
 std::vector<Tip> tips_beside_ends(const Mesh& mesh, const std::vector<End>& ends, double prominence);
 
-/// Cuts one off. It leaves the opening for cap_open_ends, and garbage in the mesh. Throws InputError if the plane does
-/// not separate the tip.
+/// Cuts `end` off. This leaves an opening for cap_open_ends, and removed elements in the mesh. Throws InputError if the
+/// plane does not separate the tip from the rest.
 void cut_rounded(Mesh& mesh, const RoundedEnd& end, std::vector<Repair>& repairs);
 
-/// Cuts the vessel across its axis at the point of the axis nearest to each of `points` (mm) and drops the smaller
-/// side. `tagged` is the same mesh with its `ends` tagged; both are as for rounded_ends. Throws InputError if a point
-/// is more than three radii from the axis, or the plane does not separate the vessel.
+/// For each of `points` (mm), cuts the vessel across at the nearest point of its axis, and drops the side with the
+/// smaller area. `tagged` is the same mesh with its `ends` tagged; both are as for rounded_ends. Throws InputError if a
+/// point is more than three radii from the axis, or if the plane does not separate the vessel into two parts.
 void cut_across(Mesh& mesh, const Mesh& tagged, const std::vector<End>& ends, const std::vector<Vec3>& points,
                 std::vector<Repair>& repairs);
 

@@ -39,7 +39,7 @@ End measured(const Mesh& mesh, const std::vector<Face>& faces) {
   return end;
 }
 
-// The connected parts of the tagged faces, in a stable order.
+// The faces of each connected cap, in a stable order.
 std::map<std::size_t, std::vector<Face>> cap_patches(Mesh& mesh) {
   const RegionMap region = region_map(mesh);
   auto patch = mesh.add_property_map<Face, std::size_t>("f:patch").first;

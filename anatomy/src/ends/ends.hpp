@@ -1,29 +1,29 @@
-// The flat ends of the lumen by their tags: flattened and measured.
+// Tags, flattens and measures the flat ends of the lumen.
 #pragma once
 #include "core/types.hpp"
 #include <set>
 
 namespace anatomy {
 
-/// Tags faces with the soup's region_id, by the nearest triangle of the soup.
+/// Gives each face of the mesh the region_id of the soup's nearest triangle.
 void tag_from_soup(Mesh& mesh, const Soup& soup);
 
 /// Tags scraps of caps as wall. The removal of self-intersections leaves such scraps beside a rim. A scrap is not
-/// connected to a larger cap of the same tag, and its radius is below smallest_end. A tag in `single` keeps only its
-/// largest cap, whatever the radius of the others.
+/// connected to a larger cap of the same tag, and its radius is below smallest_end (repair/loops.hpp). Of a tag in
+/// `single` only the largest connected cap is kept, whatever the radius of the others.
 void drop_scraps_of_caps(Mesh& mesh, const std::set<int>& single, std::vector<Repair>& repairs);
 
-/// The largest move of a vertex.
+/// How far flatten_caps has moved vertices at most.
 struct Move {
-  double distance = 0;    ///< mm
-  double share = 0;       ///< the largest move in radii of its own cap, maybe of another vertex
-  Vec3 to = Vec3::Zero(); ///< mm, the place after the move by `distance`
+  double distance = 0;    ///< mm, the largest move
+  double share = 0;       ///< the largest ratio of a move to the radius of the vertex's cap, maybe of another vertex
+  Vec3 to = Vec3::Zero(); ///< mm, where the vertex with the move `distance` is afterwards
 };
 
-/// Moves the vertices of each tagged cap onto the cap's plane; returns the largest move.
+/// Moves the vertices of each tagged cap onto the cap's plane, which goes through its centroid along its mean normal.
 Move flatten_caps(Mesh& mesh);
 
-/// The ends by their tags, one per connected cap; retags them 1, 2, ... by falling area.
+/// Measures the ends, one per connected cap. Retags them 1, 2, ... by decreasing area, and returns them in this order.
 std::vector<End> measured_ends(Mesh& mesh);
 
 } // namespace anatomy

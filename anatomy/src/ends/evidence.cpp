@@ -10,14 +10,19 @@ namespace {
 using FacePrimitive = CGAL::AABB_face_graph_triangle_primitive<Mesh>;
 using FaceTree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, FacePrimitive>>;
 
-constexpr double largest_growth = 2;    // of the area over half a radius: 40 degrees on each side
-constexpr double part_of_rough = 1.25;  // the same on a rough surface, where one plane may hold only a part of a cap
-constexpr double flat_off_plane = 0.07; // largest height of a flat part over its diameter
-constexpr double cos_tilt = 0.5;        // 60 degrees
-constexpr double section_depth = 0.5;   // radii: an outlet that was cut off close to its parent is no longer
-constexpr double behind_rim = 0.25;     // radii: a rounded rim is neither cap nor wall
-constexpr double largest_ball = 20;     // mm: wider than any aorta
-constexpr int most_steps = 40;
+// Largest ratio between the areas of a flat part and of the section behind it: a vessel that widens or narrows by 40
+// degrees on each side.
+constexpr double largest_growth = 2;
+// Largest ratio of the section's area to the part's on a rough surface, where one plane may hold only a part of a cap.
+constexpr double part_of_rough = 1.25;
+constexpr double flat_off_plane = 0.07; // largest difference in height of a flat part's vertices, over its diameter
+constexpr double cos_tilt = 0.5;        // cosine of the largest tilt, 60 degrees
+// Radii of the part, from the part to the section. An outlet cut off close to its parent is no longer than this.
+constexpr double section_depth = 0.5;
+// Radii of the part: nearer wall is left out, since a rounded rim is neither cap nor wall.
+constexpr double behind_rim = 0.25;
+constexpr double largest_ball = 20; // mm, radius from which the ball is shrunk: wider than any aorta
+constexpr int most_steps = 40;      // largest number of times that the ball is shrunk
 
 } // namespace
 
@@ -86,7 +91,7 @@ double Tubes::tilt(const std::vector<Face>& patch, const PatchPlane& plane) cons
 
 Evidence Tubes::evidence(const std::vector<Face>& patch, const PatchPlane& plane) const {
   Evidence out;
-  // from the height of the innermost vertex, so that the part's own noise does not reach into the ball
+  // The ball starts at the height of the innermost vertex, so that the part's own noise does not reach into it.
   out.ball = ball(plane.centre + plane.lowest * plane.normal, -plane.normal);
   if (plane.width < least_width * 2 * out.ball)
     return out;

@@ -1,4 +1,4 @@
-// Whether a flat part of a surface closes the vessel or is a facet of its wall, judged by the vessel behind it.
+// Decides whether a flat part of a surface is an end of the vessel or a facet of its wall, from the vessel behind it.
 #pragma once
 #include "core/slices.hpp"
 #include "ends/planar_patches.hpp"
@@ -6,31 +6,33 @@
 
 namespace anatomy {
 
-/// Measured at a flat part. An end is about as wide as the largest ball that fits behind it. The section half a radius
-/// behind it is of about its size, and the wall round it runs along its normal.
+/// What is measured at a flat part to decide whether it is an end. An end is about as wide as the largest ball that
+/// fits behind it. The section half a radius behind it has about its area. The wall behind it runs along its normal.
 struct Evidence {
-  double ball = 0;    ///< mm, radius of the largest ball inside the lumen that touches it at its centre
-  double section = 0; ///< mm2, of the lumen half a radius behind it; 0 where there is none
-  double tilt = 90;   ///< degrees between its normal and the axis of the wall within a radius behind it
+  double ball = 0;    ///< mm, radius of the largest ball inside the lumen that touches the part at its centre
+  double section = 0; ///< mm2, area of the lumen half a radius behind the part; 0 if there is none
+  double tilt = 90;   ///< degrees between the part's normal and the axis of the wall within a radius behind it
 };
 
-/// Why a part of this shape and evidence is no end; empty if it is one. On a surface too `rough` for whole planes to be
-/// found, the part must also be about as large as the section. Otherwise the rest of the cap would become wall, and the
-/// end too small.
+/// Why a flat part is no end, as text for the user; empty if it is an end. `rough` says that the surface is too rough
+/// for one plane to hold a whole cap. Then the part must also have at least 0.8 of the section's area. A smaller part
+/// would make the end too small, and the rest of the cap would become wall.
 std::string no_end_since(const PatchPlane& plane, const Evidence& evidence, bool rough);
 
-/// Least width of an end over the diameter of the ball behind it. A vessel that widens by 20 degrees behind its end has
-/// .70, a wide chamfer .8. A facet of a lofted wall has .67 (six corners), .48 (eight) or less.
+/// Least ratio of an end's width to the diameter of the ball behind it. It is 0.70 at an end behind which the vessel
+/// widens by 20 degrees, and 0.8 at a wide chamfer. A facet of a lofted wall has 0.67 (six corners), 0.48 (eight) or
+/// less.
 constexpr double least_width = 0.6;
 
-/// Measures a closed mesh without removed elements. The mesh must outlive it.
+/// Measures the evidence on a closed mesh without removed elements. The mesh must outlive this object.
 class Tubes {
 public:
   explicit Tubes(const Mesh& mesh);
-  /// The evidence at a flat part. Section and tilt are measured only if the part is wide enough for an end.
+  /// The evidence at the flat part `patch` with the plane `plane`. Section and tilt are measured only if the part is
+  /// wide enough for an end.
   Evidence evidence(const std::vector<Face>& patch, const PatchPlane& plane) const;
-  /// Radius (mm) of the largest empty ball that touches a plane at `from`, on the side of its unit normal `inward`. No
-  /// part of the surface reaches into it. This function also takes an open mesh.
+  /// Radius (mm) of the largest ball that no part of the surface reaches into. The ball touches a plane at the point
+  /// `from`, on the side of the plane's unit normal `inward`. This function also takes an open mesh.
   double ball(const Vec3& from, const Vec3& inward) const;
 
 private:

@@ -16,9 +16,10 @@ struct Extruder {
 
   Vertex moved(Vertex v, const Vec3& by) { return to.add_vertex(point(vec(from.point(v)) + by)); }
 
-  // The straight wall behind a cap, in layers about as long as the rim's edges.
+  // Adds `length` mm of straight wall at the rim of an end, in layers about as long as the rim's edges. `rim` has the
+  // new vertex of each rim vertex: first of the rim itself, then of the last layer.
   void add_wall(const End& end, double length, std::map<Vertex, Vertex>& rim) {
-    std::vector<Halfedge> edges; // of the wall's side
+    std::vector<Halfedge> edges; // of the rim, on the wall's side
     double perimeter = 0;
     for (Halfedge h : from.halfedges())
       if (region[from.face(h)] == 0 && region[from.face(from.opposite(h))] == end.region) {
@@ -41,6 +42,7 @@ struct Extruder {
   }
 };
 
+// Throws InputError if triangles of the extended mesh cross.
 void check_clear(const Mesh& mesh) {
   const auto pairs = crossings(mesh);
   if (!pairs.empty())

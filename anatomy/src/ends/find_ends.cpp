@@ -12,26 +12,28 @@ namespace anatomy {
 namespace {
 using common::InputError;
 
-constexpr double smallest_radius = 0.25; // mean radii: bumps of a few triangles are no vessels
-constexpr double least_off_plane = 0.03; // mean radii
-constexpr double off_plane_of_noise = 0.1;
-constexpr double noise_reach = 3;   // standard deviations of the wall's roughness
-constexpr double reach_of_flat = 3; // radii within which a point names an end
-constexpr double reach_of_tip = 4;  // the same from a tip, which lies a radius beyond its vessel's last ball
-constexpr int most_walls_shown = 12;
-constexpr double stands_out = 2;       // mean radii: least prominence of a tip that may be an end without a name
-constexpr double stands_out_named = 1; // the same with a name
+// Mean radii: least radius of a flat part that may be an end. Bumps of a few triangles are smaller.
+constexpr double smallest_radius = 0.25;
+constexpr double least_off_plane = 0.03;   // mean radii: a flat part may always leave its plane by this much
+constexpr double off_plane_of_noise = 0.1; // mean radii: a flat part of a rough wall may leave its plane by this much
+constexpr double noise_reach = 3;   // multiple of the wall's rms roughness by which a flat part may leave its plane
+constexpr double reach_of_flat = 3; // radii of a flat or open end: a point this near names the end
+// Radii of a tip's last ball: a point this near to the tip names it. The ball's centre lies a radius behind the tip.
+constexpr double reach_of_tip = 4;
+constexpr int most_walls_shown = 12; // largest number of candidates taken for wall that are shown
+constexpr double stands_out = 2; // mean radii: least prominence of a tip that may be an end, if the user names no end
+constexpr double stands_out_named = 1; // mean radii: least prominence of such a tip if the user names ends
 
-// A candidate and what is needed to make it an end or wall.
+// A candidate, with the faces or the cut that make it an end.
 struct Place {
   Candidate shown;
-  std::vector<Face> faces; // of a flat or open end; empty for a rounded one
+  std::vector<Face> faces; // of its cap or flat part; empty for a rounded end
   RoundedEnd rounded{};
-  bool named = false;
+  bool named = false; // whether a point of the user names it
 
   bool is_rounded() const { return faces.empty(); }
   bool is_stub() const { return !rounded.why_short.empty(); }
-  // Distance from a point over the largest distance at which a point names this place.
+  // Distance from p to this place, over the largest distance at which a point names the place. Below 1, p names it.
   double distance(const Vec3& p) const {
     return is_rounded() ? (p - rounded.at).norm() / (reach_of_tip * (is_stub() ? rounded.widest : rounded.radius))
                         : (p - shown.centre).norm() / (reach_of_flat * 0.5 * shown.diameter);
@@ -78,7 +80,8 @@ void tag(Mesh& mesh, const std::vector<Face>& faces, int value) {
     region[f] = value;
 }
 
-// The tagged caps and openings. The flat parts of the wall too, unless the tagged ones are known to be all the ends.
+// The tagged caps and openings as candidates. The flat parts of the wall are added, unless all ends are known to be
+// tagged.
 std::vector<Place> flat_places(const Mesh& mesh, const NamedEnds& named, double least_radius) {
   const Tubes tubes(mesh);
   std::vector<Place> places;
@@ -102,7 +105,7 @@ std::string line_of(const Candidate& one) {
   return text;
 }
 
-// The ends that are named, or those that are not, as an error message lists them.
+// A list for error messages: the ends that points name if `named`, else the ends that no point names.
 std::string list_of(const std::vector<Place>& places, bool named) {
   std::string text;
   for (const Place& one : places)
@@ -111,6 +114,8 @@ std::string list_of(const std::vector<Place>& places, bool named) {
   return text.empty() ? "none" : text;
 }
 
+// Marks as named the end or tip nearest to p, the user's point for `option`. Throws InputError if none is near, or if
+// another point names it already.
 void name_nearest(const Vec3& p, const std::string& option, std::vector<Place>& places) {
   Place* best = nullptr;
   for (Place& one : places)
@@ -126,8 +131,8 @@ void name_nearest(const Vec3& p, const std::string& option, std::vector<Place>& 
   best->named = true;
 }
 
-// A stub that the inlet's point names is an end: a left main may be shorter than it is wide. A point nearer to an end
-// names that end.
+// Makes a stub an end if the inlet's point names it, since a left main may be shorter than it is wide. The stub stays
+// wall if the point is nearer to an end.
 void keep_stub_at_inlet(std::vector<Place>& places, const Vec3& inlet) {
   Place* best = nullptr;
   for (Place& one : places)
@@ -140,7 +145,8 @@ void keep_stub_at_inlet(std::vector<Place>& places, const Vec3& inlet) {
   best->shown.why += ", but named";
 }
 
-// An opening narrower than the vessel is an end if the user says so. It also restricts the flow; this is said.
+// Warns of an opening that the user made an end although it is narrower than the vessel behind it. Such an end
+// restricts the flow.
 void warn_of_narrow(const Place& end, std::vector<Repair>& repairs) {
   if (end.shown.kind != "open" || end.shown.width >= least_width * 2 * end.shown.evidence.ball)
     return;
@@ -150,8 +156,8 @@ void warn_of_narrow(const Place& end, std::vector<Repair>& repairs) {
   repairs.push_back({"end narrower than its vessel", 1, line_of(end.shown) + behind, true});
 }
 
-// In a surface that is open at its ends, a closed end may be blind, as at an occlusion. It is an outlet if it is as
-// long as a vessel; this is said.
+// Warns of a closed end that becomes an outlet although the surface is open at two ends or more. The vessel may be
+// blind there, as at an occlusion.
 void warn_of_blind(const std::vector<Place>& places, std::vector<Repair>& repairs) {
   const auto open =
       std::count_if(places.begin(), places.end(), [](const Place& one) { return one.shown.kind == "open"; });
@@ -166,7 +172,7 @@ void warn_of_blind(const std::vector<Place>& places, std::vector<Repair>& repair
                          true});
 }
 
-// Leaves as ends those that the points name. If the inlet has no point, it is the largest of the other ends.
+// Keeps as ends only those that the points name. If the inlet has no point, it is the largest of the other ends.
 void keep_named(std::vector<Place>& places, const NamedEnds& named, std::vector<Repair>& repairs) {
   for (const Vec3& p : named.outlets)
     name_nearest(p, "--outlet", places);
@@ -201,7 +207,8 @@ void keep_named(std::vector<Place>& places, const NamedEnds& named, std::vector<
   }
 }
 
-// Tags patches of wall that a rough end surrounds as parts of the end. As islands they would fold when it is flattened.
+// Tags patches of wall that lie within a rough end as parts of the end. If they stayed wall, they would fold when the
+// end is flattened.
 void tag_islands(Mesh& mesh) {
   RegionMap region = region_map(mesh);
   std::vector<bool> seen(mesh.number_of_faces());
@@ -236,7 +243,7 @@ std::vector<End> tagged_ends(Mesh& mesh, const std::vector<Place>& places) {
   int next = 0;
   RegionMap region = region_map(mesh);
   for (Face f : mesh.faces())
-    region[f] = 0; // islands of an earlier call, too
+    region[f] = 0; // this also removes the patches that tag_islands tagged in an earlier call
   for (const Place& one : places)
     tag(mesh, one.faces, one.shown.is_end ? ++next : 0);
   if (std::any_of(places.begin(), places.end(), [](const Place& one) { return one.shown.kind == "flat"; }))
@@ -244,8 +251,8 @@ std::vector<End> tagged_ends(Mesh& mesh, const std::vector<Place>& places) {
   return measured_ends(mesh);
 }
 
-// Cuts off the rounded rims of flat ends. The cap behind is as wide as the vessel; on the flat part alone it would be
-// too small, and narrow the flow.
+// Cuts off the rounded rims of flat ends. The cap behind the rim is as wide as the vessel. The flat part alone would be
+// too small a cap, and would narrow the flow.
 void cut_rims(Mesh& mesh, std::vector<Place>& places, std::vector<Repair>& repairs) {
   std::vector<std::pair<Plane, Vertex>> cuts;
   const Slices slices(mesh);
@@ -264,7 +271,7 @@ void cut_rims(Mesh& mesh, std::vector<Place>& places, std::vector<Repair>& repai
                cut(mesh, plane, vertex, "cut the end flat or leave it open, or cut the vessel there by --cut"));
 }
 
-// Cuts where the user asks, and notes the caps of these cuts among the openings.
+// Cuts the vessel where the user asks, and adds the tags of the new caps to `named.openings`.
 void cut_asked(Mesh& mesh, NamedEnds& named, double least_radius, std::vector<Repair>& repairs) {
   Mesh tagged = mesh;
   const std::vector<End> ends = tagged_ends(tagged, flat_places(mesh, named, least_radius));
@@ -284,13 +291,13 @@ void cut_asked(Mesh& mesh, NamedEnds& named, double least_radius, std::vector<Re
 
 std::vector<Candidate> find_ends(Mesh& mesh, NamedEnds named, double least_radius, std::vector<Repair>& repairs) {
   remove_isolated_vertices(mesh);
-  mesh.collect_garbage(); // faces count on from zero
-  region_map(mesh);       // a mesh without tags is all wall
+  mesh.collect_garbage(); // afterwards the faces' indices run from 0 without gaps
+  region_map(mesh);       // tags all faces as wall if the mesh has no tags
   if (!named.cuts.empty())
     cut_asked(mesh, named, least_radius, repairs);
   std::vector<Place> places = flat_places(mesh, named, least_radius);
   const std::vector<End> ends = tagged_ends(mesh, places);
-  flatten_spikes(mesh, repairs); // caps are left alone, once they are known
+  flatten_spikes(mesh, repairs); // after tagging, since it leaves tagged caps unchanged
   const bool all_named = !named.outlets.empty();
   const bool any_named = all_named || named.inlet;
   for (const RoundedEnd& end : rounded_ends(mesh, ends, any_named ? stands_out_named : stands_out, any_named)) {

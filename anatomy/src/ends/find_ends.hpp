@@ -1,4 +1,4 @@
-// Which places of a closed surface are the vessel's ends, and why.
+// Finds which places of a closed surface are the vessel's ends, and says why.
 #pragma once
 #include "ends/evidence.hpp"
 #include <nlohmann/json.hpp>
@@ -7,40 +7,44 @@
 
 namespace anatomy {
 
-/// The ends as the user names them.
+/// What the user says about the ends.
 struct NamedEnds {
-  std::optional<Vec3> inlet; ///< mm
-  std::vector<Vec3> outlets; ///< mm; if any are given, the vessel has no others
-  std::vector<Vec3> cuts;    ///< mm, where the vessel is cut across first
+  std::optional<Vec3> inlet; ///< mm, a point near the inlet
+  std::vector<Vec3> outlets; ///< mm, points near the outlets; if any are given, there are no other outlets
+  std::vector<Vec3> cuts;    ///< mm, points near which the vessel is cut across before ends are sought
   std::set<int> openings;    ///< tags of the caps that closed openings of the surface
-  bool tagged = false;       ///< all ends are tagged already, by cap files or by the surface's own region_id
-  bool close_others = false; ///< openings without a point are closed: wall
+  bool tagged = false;       ///< whether all ends already have tags, from cap files or the surface's own region_id
+  bool close_others = false; ///< whether openings without a point are closed and become wall
 };
 
-/// A place where the vessel may end, for the user to see.
+/// A place where the vessel may end, as the user sees it.
 struct Candidate {
-  std::string kind; ///< open, given, flat or rounded
+  /// open: an opening; given: already tagged; flat: a flat part of the wall; rounded: a vessel's tip
+  std::string kind;
   Vec3 centre = Vec3::Zero();
-  double diameter = 0;  ///< mm, of a disc of its area; for a rounded one, of the vessel's last ball
-  double width = 0;     ///< mm, as in PatchPlane
-  double off_plane = 0; ///< mm between its vertices nearest to and farthest from the vessel
-  Evidence evidence;    ///< for flat ones
+  double diameter = 0;  ///< mm, of a disc of the same area; of a rounded end: of the vessel's last ball
+  double width = 0;     ///< mm, minor axis as in PatchPlane; of a rounded end: as `diameter`
+  double off_plane = 0; ///< mm along its normal between the innermost and the outermost vertex; rounded: 0
+  Evidence evidence;    ///< of open and flat places
   bool is_end = false;
-  std::string why;
+  std::string why; ///< reason for the decision
 };
 
-/// Tags the ends of a closed mesh and cuts rounded ones flat. Open ends are tagged already.
-/// - Without names the ends are every opening, every flat part that closes the tube (evidence.hpp), and every rounded
-///   tip of a vessel.
-/// - With names exactly the named ones are ends, and the others are wall.
-/// Returns the candidates: the ends first, then the widest of those taken for wall. Throws InputError if nothing ends
-/// near a point, if two points name the same end, if an opening has no point, or if a rounded end cannot be cut flat.
+/// Tags the ends of a closed mesh and cuts rounded ends flat. The caps of open ends are tagged already.
+/// - If no outlets are named, the ends are every opening, every flat part that closes the vessel, and every rounded tip
+///   of a vessel (evidence.hpp, cut_ends.hpp).
+/// - If outlets are named, these and the inlet are the only ends, and all other places become wall. Without a named
+///   inlet, the largest other end is the inlet.
+/// - If `named.tagged`, no flat parts are sought, and rounded tips stay closed unless a point names them.
+/// least_radius: mm, smallest radius of a flat end. Returns the candidates: first the ends, then the widest of those
+/// taken for wall. Throws InputError if nothing ends near a point, if two points name the same end, or if an opening
+/// has no point. The same holds if a rounded end has no axis or cannot be cut flat.
 std::vector<Candidate> find_ends(Mesh& mesh, NamedEnds named, double least_radius, std::vector<Repair>& repairs);
 
-/// The untagged flat parts of a closed mesh that close a tube of this radius (mm) or a wider one.
+/// The faces of each untagged flat part of a closed mesh that closes a vessel of at least this radius (mm).
 std::vector<std::vector<Face>> flat_ends(const Mesh& mesh, double least_radius);
 
-/// The candidates as a table for people, and as a document for the picture.
+/// The candidates as a table of text for `lumen check`, and as the JSON document that `anatomy ends` draws.
 std::string table_of(const std::vector<Candidate>& candidates);
 nlohmann::ordered_json document_of(const std::vector<Candidate>& candidates);
 

@@ -18,18 +18,23 @@ using Iterator = std::vector<Kernel::Triangle_3>::const_iterator;
 using Primitive = CGAL::AABB_triangle_primitive<Kernel, Iterator>;
 using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
 
-constexpr double on_cap = 0.02;       // radii between a face's centre and the cap that it lies on
-constexpr double cos_cap = 0.9;       // 26 degrees between the face and the cap's triangle nearest to it
-constexpr double same_point = 1e-5;   // radii: files store coordinates in single precision
-constexpr double least_covered = 0.5; // of the cap's area, by the faces that lie on it
-constexpr double at_rim = 0.5;        // radii from an end to the cap that closes it, for wall and cap of other meshes
-constexpr double turned = 0.1;        // sine of the angle between the cap and the faces beside the rim that it closes
+// Radii of the cap: largest distance from the cap to the centre of a face that lies on it.
+constexpr double on_cap = 0.02;
+// Cosine of the largest angle, 26 degrees, between a face on the cap and the cap's triangle nearest to it.
+constexpr double cos_cap = 0.9;
+// Radii of the cap: a corner nearer to the cap lies on it. Files store coordinates in single precision.
+constexpr double same_point = 1e-5;
+constexpr double least_covered = 0.5; // least share of the cap's area that faces on it must cover
+// Radii of cap and end: largest mean distance between the two, since wall and cap may come from different meshes.
+constexpr double at_rim = 0.5;
+// Least sine of the angle between the cap and the faces beside the rim that it closes.
+constexpr double turned = 0.1;
 
 double radius_of(double area) {
   return std::sqrt(area / M_PI);
 }
 
-// A given cap that can be searched.
+// A given cap with a search tree of its triangles.
 struct SearchedCap {
   explicit SearchedCap(const GivenCap& given) : radius(radius_of(given.area)) {
     for (const Triangle& t : given.triangles.triangles)
@@ -43,7 +48,8 @@ struct SearchedCap {
   Tree tree;
 };
 
-// Whether the places are near the cap on average, as seen from an end of this area.
+// Whether the mean distance of the places from the cap is small, compared with the cap and with an end of this area
+// (mm2).
 bool are_at(const std::vector<Vec3>& places, double area, const SearchedCap& cap) {
   double sum = 0;
   for (const Vec3& p : places)
@@ -51,11 +57,11 @@ bool are_at(const std::vector<Vec3>& places, double area, const SearchedCap& cap
   return sum < at_rim * std::min(cap.radius, radius_of(area)) * static_cast<double>(places.size());
 }
 
-// Whether the cap closes the opening: the rim lies on the cap, and the faces beside the rim do not. The rim decides,
-// since the middle of a dome may be far from it.
+// Whether the cap closes the opening: the rim lies on the cap, and the faces beside the rim do not. Only the rim is
+// tested, since the middle of a dome may be far from the opening.
 bool closes(const SearchedCap& cap, const Mesh& mesh, const Loop& loop) {
   std::vector<Vec3> rim;
-  double off_cap = 0, off_rim = 0; // mm, of the middles of the faces beside the rim
+  double off_cap = 0, off_rim = 0; // mm, sums over the middles of the faces beside the rim
   for (Halfedge h : CGAL::halfedges_around_face(loop.halfedge, mesh)) {
     const Vec3 a = vec(mesh.point(mesh.source(h))), b = vec(mesh.point(mesh.target(h)));
     rim.push_back(b);
@@ -66,7 +72,8 @@ bool closes(const SearchedCap& cap, const Mesh& mesh, const Loop& loop) {
   return off_cap > turned * off_rim && are_at(rim, loop.area, cap);
 }
 
-// The faces that lie on the cap. A face without an area has no direction; it lies on the cap if its corners do.
+// The faces that lie on the cap. A face of almost no area has no reliable direction. So a face whose direction differs
+// from the cap's lies on it if its corners do.
 std::vector<Face> faces_on(const Mesh& mesh, const SearchedCap& cap) {
   const auto is_on_cap = [&](Face f) {
     const auto [nearest, triangle] = cap.tree.closest_point_and_primitive(point(centroid(mesh, f)));
@@ -86,7 +93,7 @@ std::vector<Face> faces_on(const Mesh& mesh, const SearchedCap& cap) {
   return faces;
 }
 
-// Centres of the ends that the cap closes: openings, and faces at the cap that the surface tags.
+// Centres (mm) of the ends that the cap closes: of openings, and of caps that the surface itself tags.
 std::vector<Vec3> ends_at(const Mesh& mesh, const SearchedCap& cap) {
   std::vector<Vec3> centres;
   for (const Loop& loop : boundary_loops(mesh))
@@ -102,7 +109,7 @@ std::vector<Vec3> ends_at(const Mesh& mesh, const SearchedCap& cap) {
   return centres;
 }
 
-// Removes the faces on the cap.
+// Removes the faces that lie on the cap. Throws InputError if they cover too little of it.
 void open_at(Mesh& mesh, const GivenCap& cap, const SearchedCap& searched) {
   const std::vector<Face> faces = faces_on(mesh, searched);
   double covered = 0;
@@ -125,7 +132,7 @@ void open_at(Mesh& mesh, const GivenCap& cap, const SearchedCap& searched) {
 } // namespace
 
 IsGivenEnd closed_by(const std::vector<GivenCap>& caps) {
-  std::vector<std::shared_ptr<const SearchedCap>> searched; // shared, since a function must be copyable
+  std::vector<std::shared_ptr<const SearchedCap>> searched; // shared pointers, since a std::function must be copyable
   for (const GivenCap& cap : caps)
     searched.push_back(std::make_shared<const SearchedCap>(cap));
   return [searched](const Mesh& mesh, const Loop& loop) {

@@ -10,21 +10,23 @@ namespace {
 
 using common::InputError;
 
-constexpr double largest_move = 0.25; // radii: a rim farther from its plane is not flat, however fine its triangles
-constexpr double largest_loss = 1;    // radii of the vessel
-constexpr double flat = 0.05;         // edges: a rim within this of its plane is as flat as a file's digits can say
-constexpr double crushed = 0.2;       // least share of its area that a triangle must keep, without turning over
-constexpr double behind_notch = 0.5;  // edges
-constexpr double before_rim = 0.5;    // radii, from the rim to the fan's apex
-constexpr double diagonal = 0.8;      // the rim must lie within this share of the cutting square's half width
-// The rim as seen from its plane.
+// Radii of the rim: a rim with a corner farther from its plane is ragged, however fine its triangles.
+constexpr double largest_move = 0.25;
+constexpr double largest_loss = 1;   // radii of the rim: greatest length of vessel that a cut may lose
+constexpr double flat = 0.05;        // edge lengths: a rim nearer to its plane is as flat as a file's digits can say
+constexpr double crushed = 0.2;      // least share of its area that a triangle must keep when the rim is flattened
+constexpr double behind_notch = 0.5; // edge lengths, from the rim's deepest notch to the cutting plane
+constexpr double before_rim = 0.5;   // radii of the rim, from its outermost corner to the fan's apex
+// Largest distance of the rim's corners from the centre, over the cutting square's half width.
+constexpr double diagonal = 0.8;
+// A rim, with heights over its least-squares plane.
 struct Rim {
   std::set<Vertex> corners;
-  double spacing = 0;               // mean length of the edges at the corners, mm
-  Vec3 inward = Vec3::Zero();       // the loop's normal, towards the vessel
-  double deepest = 0, foremost = 0; // heights along `inward` over the loop's centre, mm
-  Vec3 foremost_at = Vec3::Zero();
-  double reach = 0; // farthest corner from the centre, mm
+  double spacing = 0;               // mm, mean length of the edges at the corners
+  Vec3 inward = Vec3::Zero();       // unit normal of the plane, towards the vessel
+  double deepest = 0, foremost = 0; // mm, largest and smallest height of a corner along `inward`
+  Vec3 foremost_at = Vec3::Zero();  // mm, the corner at the height `foremost`
+  double reach = 0;                 // mm, from the centre to the farthest corner
 
   double farthest() const { return std::max(deepest, -foremost); }
 };
@@ -59,7 +61,7 @@ Rim rim_of(const Mesh& mesh, const Loop& loop) {
   return rim;
 }
 
-// Whether a triangle beside the rim turns over or is crushed when the rim is moved onto its plane.
+// Whether a triangle beside the rim turns over or loses too much area when the rim is moved onto its plane.
 bool folds(const Mesh& mesh, const Loop& loop, const Rim& rim) {
   const auto moved = [&](Vertex v) {
     const Vec3 p = vec(mesh.point(v));

@@ -6,10 +6,13 @@
 namespace anatomy {
 namespace {
 
-constexpr double cos_faces = 0.5; // 60 degrees: noise of a third of the edges' length turns faces as far
-constexpr int most_fits = 4;      // fits of the plane to the patch grown so far; small patches may need more
+// Cosine of the largest angle, 60 degrees, between the normals of a face and of the plane. Noise of a third of the
+// edges' length turns faces as far.
+constexpr double cos_faces = 0.5;
+constexpr int most_fits = 4; // largest number of times that a plane is fitted to the patch and the patch grown again
 
-// The connected faces round `seed` that lie in a plane; `taken` is not changed.
+// The connected faces round `seed` that lie within `off_plane` mm of the plane. Faces flagged in `taken` are left out.
+// The faces visited get the number `mark` in `seen`.
 std::vector<Face> grown(const Mesh& mesh, Face seed, const PatchPlane& plane, double off_plane,
                         const std::vector<bool>& taken, std::vector<int>& seen, int mark) {
   const auto belongs = [&](Face f) {
@@ -58,7 +61,8 @@ PatchPlane plane_of(const Mesh& mesh, const std::vector<Face>& faces) {
       plane.lowest = std::min(plane.lowest, d.dot(plane.normal));
       plane.highest = std::max(plane.highest, d.dot(plane.normal));
     }
-    moments += area_vector(mesh, f).norm() / 12 * (sum * sum.transpose() + corners); // exact for a triangle
+    // A triangle's exact second moments.
+    moments += area_vector(mesh, f).norm() / 12 * (sum * sum.transpose() + corners);
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(moments / weight);
   plane.width = 4 * std::sqrt(std::max(axes.eigenvalues()[0], 0.0));

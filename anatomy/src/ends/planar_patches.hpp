@@ -1,24 +1,24 @@
-// The flat parts of a surface.
+// Finds the flat parts of a surface.
 #pragma once
 #include "core/types.hpp"
 
 namespace anatomy {
 
-/// Patches of connected untagged faces within `off_plane` (mm) of a common plane. Each face's normal is within 60
-/// degrees of the plane's. A patch has at least `least_area` (mm2), and patches do not overlap. The mesh must hold no
-/// removed faces.
+/// Returns the flat patches of the untagged faces. The faces of a patch are connected and within `off_plane` (mm) of a
+/// common plane. Each face's normal is within 60 degrees of the plane's. A patch has at least `least_area` (mm2), and
+/// patches do not overlap. The mesh must hold no removed faces.
 std::vector<std::vector<Face>> planar_patches(const Mesh& mesh, double off_plane, double least_area);
 
-/// The plane of some faces: through their centroid, along their mean normal.
+/// The plane through the centroid of some faces, along their mean normal, and their size.
 struct PatchPlane {
   Vec3 centre = Vec3::Zero(), normal = Vec3::Zero(); ///< mm; unit, outward
-  double area = 0;                                   ///< mm2, seen along the normal
-  double width = 0;                                  ///< mm: minor axis of the ellipse with the faces' second moments
-  double lowest = 0, highest = 0;                    ///< mm, heights of the faces' vertices over the plane
+  double area = 0;                                   ///< mm2, projected on the plane
+  double width = 0;                                  ///< mm, minor axis of the ellipse with the faces' second moments
+  double lowest = 0, highest = 0;                    ///< mm, smallest and largest height of a vertex over the plane
 };
 PatchPlane plane_of(const Mesh& mesh, const std::vector<Face>& faces);
 
-/// The faces of each tag except the wall's (0).
+/// The faces of each tag, except the wall's tag 0.
 std::map<int, std::vector<Face>> tagged_faces(const Mesh& mesh);
 
 } // namespace anatomy

@@ -11,7 +11,7 @@ namespace {
 namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
 
-// Faces made by a cut take the tag of the face they come from.
+// Gives faces made by a cut the tag of the face they come from.
 struct KeepTags : PMP::Corefinement::Default_visitor<Mesh> {
   RegionMap region;
   Mesh* mesh = nullptr;
@@ -26,7 +26,7 @@ struct KeepTags : PMP::Corefinement::Default_visitor<Mesh> {
   }
 };
 
-// Faces reached from `from` without crossing a marked edge.
+// The faces that can be reached from the face `from` without crossing a marked edge.
 template <class Marked> std::vector<Face> side_of(const Mesh& mesh, const Marked& marked, Face from) {
   std::vector<bool> seen(mesh.num_faces(), false);
   std::vector<Face> faces{from};
@@ -47,7 +47,8 @@ template <class Marked> std::vector<Face> side_of(const Mesh& mesh, const Marked
                    "radius " + std::to_string(plane.radius) + " mm", remedy);
 }
 
-// The plane cuts the mesh along loops. Returns the faces on either side of the loop nearest to the plane's centre.
+// Cuts the mesh by the square of the plane, which marks loops of edges. Returns the faces on either side of the loop
+// nearest to the plane's centre.
 std::pair<std::vector<Face>, std::vector<Face>> sides(Mesh& mesh, const Plane& plane, const std::string& remedy) {
   Mesh square;
   const Vec3 u = half_width * plane.radius * plane.normal.unitOrthogonal(), v = plane.normal.cross(u);
@@ -62,7 +63,7 @@ std::pair<std::vector<Face>, std::vector<Face>> sides(Mesh& mesh, const Plane& p
   visitor.region = region_map(mesh);
   visitor.mesh = &mesh;
   PMP::corefine(mesh, square, CGAL::parameters::edge_is_constrained_map(marked).visitor(visitor));
-  // the other loops are cuts through neighbouring vessels
+  // Other loops are cuts through neighbouring vessels.
   Edge nearest;
   double least = 1e300;
   for (Edge e : mesh.edges())
@@ -85,6 +86,7 @@ bool holds(const Mesh& mesh, const std::vector<Face>& faces, Vertex vertex) {
   });
 }
 
+// Removes the faces and returns their area (mm2).
 double dropped(Mesh& mesh, const std::vector<Face>& faces) {
   const double lost = surface_area(mesh, faces);
   for (Face f : faces)
@@ -100,7 +102,7 @@ double cut(Mesh& mesh, const Plane& plane, Vertex tip, const std::string& remedy
     std::swap(drop, other);
   if (tip != Mesh::null_vertex() && (!holds(mesh, drop, tip) || holds(mesh, other, tip)))
     refuse(plane, remedy);
-  if (surface_area(mesh, drop) > 0.5 * surface_area(mesh)) // both sides are connected somewhere else
+  if (surface_area(mesh, drop) > 0.5 * surface_area(mesh)) // the two sides are connected elsewhere
     refuse(plane, remedy);
   const double lost = dropped(mesh, drop);
   PMP::keep_largest_connected_components(mesh, 1); // drops bumps of a rough wall that the plane has cut off

@@ -1,26 +1,30 @@
-// A vessel cut across by a plane that reaches no farther than the vessel itself.
+// Cuts a vessel across by a square that is large enough for the vessel, but does not reach far beyond it.
 #pragma once
 #include "core/types.hpp"
 
 namespace anatomy {
 
+/// The plane of a cut.
 struct Plane {
-  Vec3 centre, normal; ///< mm; the normal points along the vessel, away from the side to be dropped
-  double radius;       ///< mm, of the vessel there
+  Vec3 centre, normal; ///< mm; unit normal along the vessel, away from the side to be dropped
+  double radius;       ///< mm, of the vessel there; it sets the size of the cutting square
 };
 
-constexpr double section_cover = 1.15; ///< half width of the cutting square over the section's reach from its centre
-constexpr double half_width = 2;       ///< of the cutting square, in radii: wide enough for ovals, not for neighbours
+/// Least ratio of the cutting square's half width to the section's farthest distance from the plane's centre.
+constexpr double section_cover = 1.15;
+/// Half width of the cutting square, in radii of the plane: wide enough for oval vessels, not for neighbouring ones.
+constexpr double half_width = 2;
 
-/// Cuts the mesh across and drops the side that holds `tip`, or the smaller one if `tip` is the null vertex. It makes
-/// one opening only; faces keep their tags. Returns the area dropped (mm2); the mesh then holds garbage. Throws
-/// InputError with `remedy` if the plane does not separate the two sides.
+/// Cuts the mesh across and drops the side that holds the vertex `tip`, or the smaller side if `tip` is the null
+/// vertex. The cut leaves one opening, and faces keep their tags. Returns the area dropped (mm2); the mesh then holds
+/// removed elements. Throws InputError with `remedy` if the plane does not separate the sides, or if it drops more than
+/// half of the area.
 double cut(Mesh& mesh, const Plane& plane, Vertex tip, const std::string& remedy);
 
-/// As cut, but keeps only the side that holds `vertex`, whatever its size.
+/// Cuts as cut() does, but keeps the side that holds `vertex`, whatever its size. Returns the area dropped (mm2).
 double keep_beyond(Mesh& mesh, const Plane& plane, Vertex vertex, const std::string& remedy);
 
-/// Notes a cut in `repairs`: its radius, place and the wall lost (mm2).
+/// Adds a cut to `repairs`, as `what`, with its radius, its place and the area `lost` (mm2).
 void report_cut(std::vector<Repair>& repairs, const std::string& what, const Plane& plane, double lost);
 
 } // namespace anatomy

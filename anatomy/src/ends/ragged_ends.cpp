@@ -10,14 +10,15 @@ namespace anatomy {
 namespace {
 using common::InputError;
 
-constexpr double same_cap = 0.02;     // largest change of a cap's area by repairs
-constexpr double off_cap = 0.25;      // edges
-constexpr double like_rim = 0.25;     // largest difference of a section's area to the rim's, which is a sawtooth
-constexpr double same_section = 0.05; // of the area
-constexpr double off_step = 0.05;     // radii
-constexpr int most_attempts = 8;      // cuts, each an edge farther in
+constexpr double same_cap = 0.02; // largest relative change of a sound cap's area
+constexpr double off_cap = 0.25;  // edge lengths: largest distance of a sound cap's vertices from its plane
+constexpr double like_rim = 0.25; // largest relative difference between the areas of a section and of the sawtooth rim
+constexpr double same_section = 0.05; // largest relative difference between the areas of like sections
+constexpr double off_step = 0.05; // radii: largest difference between the steps from one section's centre to the next
+constexpr int most_attempts = 8;  // largest number of planes tried, each an edge length farther in
 
-// The vertex nearest to p on the side that the plane cuts off. Repairs may have moved the rim's corners.
+// The vertex nearest to p (mm) on the side that the plane cuts off. Repairs may have moved the rim's corners, so p may
+// be no vertex.
 Vertex vertex_before(const Mesh& mesh, const Plane& plane, const Vec3& p) {
   Vertex best = Mesh::null_vertex();
   double least = 1e300;
@@ -48,15 +49,16 @@ bool is_damaged(const Mesh& mesh, const OpenEnd& end) {
          off > off_cap * end.spacing;
 }
 
-// The mesh after an end was cut off, and the opening of the cut.
+// A mesh after an end was cut off, and the opening that the cut left.
 struct Opened {
   Mesh mesh;
   Loop loop;
-  double lost, depth; // mm2 of wall, mm of the vessel
+  double lost, depth; // mm2 of wall and mm of vessel that were cut off
 };
 
-// The mesh cut by `plane`, which lies `deeper` mm behind the planned one. Nothing is returned if the cut fails, if it
-// does not leave exactly one opening, or if the opening's area differs from the rim's by more than like_rim.
+// Cuts a copy of the mesh by `plane`, which lies `deeper` mm behind the end's own plane. Returns nothing if the cut
+// fails or does not leave exactly one opening. The same holds if the opening's area differs from the rim's by more than
+// like_rim.
 std::optional<Opened> opened(const Mesh& mesh, const OpenEnd& end, const Plane& plane, double deeper) {
   Opened out{mesh, {}, 0, end.depth + deeper};
   try {
@@ -81,14 +83,14 @@ bool alike(const Opened& a, const Opened& b, const Opened& c) {
          bend.norm() < off_step * std::sqrt(a.loop.area / M_PI);
 }
 
-// Cuts behind the end where the next two planes, an edge apart, find the same section. Nearer to the rim the temporary
-// closure may reach inside, and the wall may be crumpled.
+// Cuts behind the end at the first plane whose section is like the sections of the next two planes, an edge apart.
+// Nearer to the rim the temporary closure may reach inside, and the wall may be crumpled.
 Opened cut_behind(const Mesh& mesh, const OpenEnd& end) {
   std::optional<Opened> first, second;
   Plane plane = end.plane;
   for (int attempt = 0; attempt < most_attempts; ++attempt) {
     std::optional<Opened> third = opened(mesh, end, plane, attempt * end.spacing);
-    if (third) // behind an oblique rim the vessel leads away from the planes' normal
+    if (third) // behind an oblique rim the vessel does not run along the planes' normal
       plane.centre = third->loop.centre;
     plane.centre += end.spacing * plane.normal;
     if (first && second && third && alike(*first, *second, *third))

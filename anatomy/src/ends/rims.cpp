@@ -4,11 +4,14 @@
 namespace anatomy {
 namespace {
 
-constexpr double as_large = 1.1; // ratio of areas: a vessel that widens by 6 degrees on each side over half a radius
-constexpr double settled = 1.05; // the same from which the cut gains little
-constexpr double further = 0.5;  // radii
-constexpr double step = 0.05;    // radii between planes that are tried
-constexpr double deepest = 0.75; // radii
+// Least ratio of the section's area to the end's for a rounded rim: a vessel that widens by 6 degrees on each side over
+// half a radius.
+constexpr double as_large = 1.1;
+// Largest ratio of the area of a section further in to that of the plane chosen: a plane further in would gain little.
+constexpr double settled = 1.05;
+constexpr double further = 0.5;  // radii of the section, from a plane to the section further in
+constexpr double step = 0.05;    // radii of the section, between planes that are tried
+constexpr double deepest = 0.75; // radii of the section, from the end to the last plane that is tried
 
 } // namespace
 

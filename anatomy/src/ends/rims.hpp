@@ -1,4 +1,4 @@
-// The rounded rims of flat ends, as smoothing leaves them.
+// Finds the plane that cuts off the rounded rim of a flat end, as smoothing leaves it.
 #pragma once
 #include "core/slices.hpp"
 #include "ends/planar_patches.hpp"
@@ -7,10 +7,10 @@
 
 namespace anatomy {
 
-/// The plane behind the rounded rim of a flat end, across the end's normal. It is the nearest one whose section is
-/// 5 % smaller, at the most, than the section half a radius further in. `section` is the area (mm2) half a radius
-/// behind the end. None is returned if the end is about as large as that, or if the vessel goes on widening for three
-/// quarters of a radius, as at a narrowed ostium.
+/// Returns the plane behind the rounded rim of a flat end, parallel to the end. It is the nearest one whose section is
+/// at most 5 % smaller than the section half a radius further in. `section` is the area (mm2) half a radius behind the
+/// end. Returns nothing if `section` is less than 1.1 of the end's area. The same holds if the vessel goes on widening
+/// for three quarters of a radius, as at a narrowed ostium.
 std::optional<Plane> plane_behind_rim(const Slices& slices, const PatchPlane& end, double section);
 
 } // namespace anatomy

@@ -1,17 +1,18 @@
-// Ends given as files, each the triangles that close one end.
+// Reads cap files. Each holds the triangles that close one end of the vessel.
 #pragma once
 #include "core/types.hpp"
 
 namespace anatomy {
 
+/// The cap of one end, as the user gives it.
 struct GivenCap {
   std::string path;
-  Vec3 centre = Vec3::Zero(); ///< of its area, mm
-  double area = 0;            ///< mm2, seen along the normal
+  Vec3 centre = Vec3::Zero(); ///< mm, centroid of its area
+  double area = 0;            ///< mm2, projected along its mean normal
   Soup triangles;
 };
 
-/// Reads the caps in the unit of the surface. Throws InputError as read_triangles does, and for a cap without area.
+/// Reads the caps; `units` is the surface's unit. Throws InputError as read_triangles does, and for a cap without area.
 std::vector<GivenCap> read_caps(const std::vector<std::string>& paths, const std::string& units);
 
 } // namespace anatomy

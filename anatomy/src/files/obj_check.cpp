@@ -8,11 +8,11 @@
 namespace anatomy {
 namespace {
 
-// The kinds of indices of a corner, in their order: points, texture coordinates, normals.
+// One kind of index of a face's corner. A corner names, in this order, a point, a texture coordinate and a normal.
 struct Kind {
   const char *keyword, *name;
-  long long count = 0, largest = 0; ///< number in the file so far; largest index in a face
-  std::size_t line = 0;             ///< of the face with the largest index
+  long long count = 0, largest = 0; ///< records of this kind read so far; largest index that a face names
+  std::size_t line = 0;             ///< line of the face with the largest index
 };
 using Kinds = std::array<Kind, 3>;
 
@@ -23,7 +23,7 @@ using Kinds = std::array<Kind, 3>;
                            "export the surface again, or as STL");
 }
 
-// Checks one corner of a face, for example 3/1/2. Text that is no number is left to the reader.
+// Checks one corner of a face, for example 3/1/2. Text that is no number is left to VTK's reader.
 void check_corner(const std::string& corner, Kinds& kinds, const std::string& path, std::size_t line) {
   const char *at = corner.data(), *const end = at + corner.size();
   for (Kind& kind : kinds) {

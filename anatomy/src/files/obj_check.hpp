@@ -1,4 +1,4 @@
-// Checks OBJ files before VTK's reader, which does not check the indices of their faces.
+// Checks an OBJ file before VTK's reader reads it. That reader does not check the indices of the file's faces.
 #pragma once
 #include <string>
 

@@ -13,9 +13,11 @@ namespace {
 
 using common::InputError;
 
-constexpr std::size_t longest_line = 4000;             // VTK reads lines into 4096 bytes
-constexpr double most_corners = 255;                   // of a polygon: VTK counts them in one byte
-constexpr std::uintmax_t most_records = 2'000'000'000; // of an element: VTK counts them in an int
+constexpr std::size_t longest_line = 4000; // characters: VTK reads lines into 4096 bytes
+// Largest number of corners of a polygon or numbers of a list: VTK counts them in one byte.
+constexpr double most_corners = 255;
+// Largest number of records of an element: VTK counts them in an int.
+constexpr std::uintmax_t most_records = 2'000'000'000;
 
 const std::map<std::string, std::size_t> bytes_of{{"char", 1},  {"uchar", 1},  {"short", 2},   {"ushort", 2},
                                                   {"int", 4},   {"uint", 4},   {"float", 4},   {"double", 8},
@@ -23,7 +25,7 @@ const std::map<std::string, std::size_t> bytes_of{{"char", 1},  {"uchar", 1},  {
                                                   {"int32", 4}, {"uint32", 4}, {"float32", 4}, {"float64", 8}};
 
 struct Property {
-  std::string name, type, count_type; ///< count_type: of a list, else empty
+  std::string name, type, count_type; ///< count_type: type of a list's length; empty if the property is no list
 };
 
 struct Element {
@@ -141,7 +143,8 @@ std::string record(const Element& element, std::uintmax_t i) {
   return element.name + " " + std::to_string(i);
 }
 
-// Checks the records of a text body: one line each, with exactly as many numbers as the properties need.
+// Checks the records of an element in a text body. Each has a line of its own, with at least as many numbers as its
+// properties need.
 void check_text(std::ifstream& file, const Element& element, const std::string& path, std::uintmax_t vertices) {
   std::string line;
   for (std::uintmax_t i = 0; i < element.count; ++i) {
@@ -172,6 +175,7 @@ void check_text(std::ifstream& file, const Element& element, const std::string& 
   }
 }
 
+// The integer that `size` bytes hold; `big` says that the most significant byte comes first.
 std::int64_t integer(const unsigned char* bytes, std::size_t size, bool is_signed, bool big) {
   std::uint64_t value = 0;
   for (std::size_t k = 0; k < size; ++k)
@@ -181,6 +185,7 @@ std::int64_t integer(const unsigned char* bytes, std::size_t size, bool is_signe
   return static_cast<std::int64_t>(value);
 }
 
+// Checks the records of an element in a binary body.
 void check_binary(std::ifstream& file, const Element& element, const std::string& path, std::uintmax_t vertices,
                   bool big) {
   std::vector<char> block(most_corners * 8);
@@ -217,7 +222,7 @@ void check_ply(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   const Header header = header_of(file, path);
   check_elements(header, path);
-  for (std::size_t i = 0; i < 2; ++i) // VTK reads no others
+  for (std::size_t i = 0; i < 2; ++i) // VTK reads no other elements
     if (header.format == "ascii")
       check_text(file, header.elements[i], path, header.elements[0].count);
     else

@@ -44,7 +44,7 @@ template <class Reader> vtkSmartPointer<vtkPolyData> read_with(const std::string
 // Refuses a path that is no regular file. The message says what it is instead.
 void check_there(const std::string& path) {
   namespace fs = std::filesystem;
-  std::error_code ignored; // set for a link to itself
+  std::error_code ignored; // set by a link to itself, which counts as broken
   const fs::file_status found = fs::status(path, ignored);
   if (fs::is_regular_file(found))
     return;
@@ -77,9 +77,11 @@ void check_kind(const std::string& path) {
       throw InputError("another file in the place of a surface", path, other.what, other.remedy);
 }
 
-constexpr std::uintmax_t stl_head = 84, stl_triangle = 50; // bytes
+// Bytes of a binary STL file's header and of each of its triangles.
+constexpr std::uintmax_t stl_head = 84, stl_triangle = 50;
 
-// Refuses a text file without its last line. It was cut off, and VTK's reader would take the rest for the whole.
+// Refuses a text STL file without its last line, endsolid. Such a file was cut off, and VTK's reader would take the
+// rest for the whole.
 void check_stl_text(std::ifstream& file, std::uintmax_t size, const std::string& path) {
   const std::uintmax_t length = std::min<std::uintmax_t>(size, 1024);
   std::string tail(length, ' ');
@@ -92,8 +94,9 @@ void check_stl_text(std::ifstream& file, std::uintmax_t size, const std::string&
                      "export it again");
 }
 
-// VTK's reader allocates memory for the number of triangles that a binary file claims, and reads no more than these. It
-// takes a file for text if nearly all of its first bytes are printable; the same function decides here.
+// Refuses a binary STL file whose length does not fit its number of triangles. VTK's reader allocates memory for the
+// number that the file claims, and reads no more triangles. VTK takes a file for text if nearly all of its first bytes
+// are printable; the same function of VTK decides here.
 void check_stl_length(const std::string& path) {
   std::array<unsigned char, stl_head> head{};
   std::ifstream file(path, std::ios::binary);
@@ -148,7 +151,8 @@ std::string figure(double value) {
   return text.str();
 }
 
-// A unit in which `size` (mm under the declared unit) lies between lowest and highest, or "" if none does.
+// A unit in which `size` lies between lowest and highest (mm), or "" if none does. `size` is in mm under the declared
+// unit.
 std::string likely_unit(double size, const std::string& units, double lowest, double highest) {
   for (const std::string candidate : {"mm", "cm", "m"}) {
     const double scaled = size / millimetres_per(units) * millimetres_per(candidate);
@@ -158,6 +162,7 @@ std::string likely_unit(double size, const std::string& units, double lowest, do
   return "";
 }
 
+// Throws InputError, with the likely unit, if `size` (mm) is not between lowest and highest (mm).
 void check_range(double size, double lowest, double highest, const std::string& what, const std::string& units,
                  const std::string& path) {
   if (size >= lowest && size <= highest)
@@ -171,7 +176,7 @@ void check_range(double size, double lowest, double highest, const std::string& 
                        "; if it is not, cut away what is no coronary artery");
 }
 
-// Refuses triangles with indices out of range, which VTK's readers do not check.
+// Refuses triangles whose point indices are out of range. VTK's readers do not check them.
 void check_indices(vtkPolyData* data, const std::string& path) {
   for (vtkCellArray* cells : {data->GetPolys(), data->GetStrips()}) {
     vtkIdType n = 0;
@@ -193,6 +198,7 @@ void check_indices(vtkPolyData* data, const std::string& path) {
   }
 }
 
+// Reads a file of any kind as triangles in mm. Throws InputError for fewer than `fewest` triangles.
 vtkSmartPointer<vtkPolyData> in_millimetres(const std::string& path, const std::string& units,
                                             const std::vector<int>& labels, vtkIdType fewest, std::optional<Vec3> inlet,
                                             std::vector<Repair>& repairs) {
@@ -259,18 +265,19 @@ double millimetres_per(const std::string& units) {
 }
 
 void check_diagonal(double diagonal_mm, const std::string& units, const std::string& path) {
-  // From half the shortest stent to a heart with its aorta. A vessel in the wrong unit may be within these limits;
-  // check_mean_radius finds it.
+  // The limits are half the length of the shortest stent, and the size of a heart with its aorta. A vessel in the wrong
+  // unit may be within them; check_mean_radius finds it.
   check_range(diagonal_mm, 4, 500, "bounding diagonal", units, path);
 }
 
 void check_mean_radius(double radius_mm, const std::string& units, const std::string& path) {
-  // Mean radii of coronary arteries, even ectatic ones, are 0.6 to 3 mm. In a wrong unit they are out of this range.
+  // Mean radii of coronary arteries, even ectatic ones, are 0.6 to 3 mm. Declared in a wrong unit they are out of the
+  // range below.
   check_range(radius_mm, 0.3, 6, "mean radius", units, path);
 }
 
 vtkSmartPointer<vtkPolyData> read_triangles(const std::string& path, const std::string& units) {
-  std::vector<Repair> repairs; // only masks have any
+  std::vector<Repair> repairs; // stays empty, since only masks cause repairs here
   return in_millimetres(path, units, {}, 1, std::nullopt, repairs);
 }
 
@@ -303,7 +310,7 @@ Soup soup_of(vtkPolyData* data) {
 }
 
 std::optional<Vec3> tagged_inlet(vtkPolyData* data) {
-  constexpr int inlet = 1; // docs/design.md
+  constexpr int inlet = 1; // tag of the inlet's cap (docs/design.md)
   const Soup soup = soup_of(data);
   Vec3 sum = Vec3::Zero();
   double area = 0;

@@ -8,14 +8,14 @@
 namespace anatomy {
 namespace {
 
-constexpr double vessel_length = 8; // voxels: islets of noise are shorter
-constexpr std::size_t noise = 8;    // voxels of a cavity that needs no warning
-constexpr int few_slices = 3;       // that were not segmented; farther apart are separate trees
+constexpr double vessel_length = 8; // longest voxel edges: a shorter piece counts as noise, not as a vessel
+constexpr std::size_t noise = 8;    // voxels: more of them in cavities give a warning
+constexpr int few_slices = 3;       // empty slices that count as not segmented; more of them separate two trees
 
 using Voxel = std::array<int, 3>;
 
-// The pieces of the voxels with values from `least` to `most` by faces of voxels, numbered from 1 by falling size; the
-// other voxels have 0.
+// Numbers the connected pieces of the voxels with values from `least` to `most`: 1 is the largest piece. Voxels of a
+// piece are connected by common faces. Voxels with other values get 0.
 vtkSmartPointer<vtkImageData> pieces_of(vtkImageData* indicator, double least = 0.5, double most = 2) {
   vtkNew<vtkImageConnectivityFilter> pieces;
   pieces->SetInputData(indicator);
@@ -38,8 +38,8 @@ int rank_at(vtkImageData* pieces, const Voxel& v) {
   return *static_cast<const int*>(pieces->GetScalarPointer(v[0], v[1], v[2]));
 }
 
-// Fills the voxels between two pieces that touch by a corner or an edge. Returns how many were filled. The margin about
-// the label keeps all neighbours inside the image.
+// Joins pieces that touch at a corner or an edge of their voxels only. The voxels of a path between them are filled.
+// Returns the number of filled voxels. All neighbours exist, since the image has a margin round the label.
 std::size_t join_corners(vtkImageData* indicator, vtkImageData* pieces) {
   std::size_t filled = 0;
   const auto fill = [&](const Voxel& v) {
@@ -53,7 +53,7 @@ std::size_t join_corners(vtkImageData* indicator, vtkImageData* pieces) {
       return;
     for (int di = -1; di <= 1; ++di)
       for (int dj = -1; dj <= 1; ++dj)
-        for (int dk = 0; dk <= 1; ++dk) { // each pair of neighbours once or twice
+        for (int dk = 0; dk <= 1; ++dk) { // dk = -1 would give the pairs of dk = 1 again
           const Voxel w{v[0] + di, v[1] + dj, v[2] + dk};
           const int other = rank_at(pieces, w);
           if (other == 0 || other == rank)
@@ -104,7 +104,8 @@ vtkSmartPointer<vtkStaticPointLocator> locator_of(const Piece& piece, const Mask
   return locator;
 }
 
-// The voxel of `piece` nearest to the kept one, and the distance between the two, in the file's unit.
+// The voxel of `piece` nearest to the kept piece, and its distance from that piece in the file's unit. `kept` finds
+// points among the voxel centres of the kept piece.
 std::pair<Voxel, double> nearest_to(vtkStaticPointLocator* kept, const Piece& piece, const Mask& mask) {
   std::pair<Voxel, double> best{piece.voxels.front(), 1e300};
   for (const Voxel& v : piece.voxels) {
@@ -130,8 +131,8 @@ std::size_t nearest_piece(const std::vector<Piece>& pieces, const Eigen::Vector3
   return best;
 }
 
-// Throws InputError if the kept piece goes on as another one of vessel length behind up to three slices without any
-// voxel of the label. The slices were not segmented, so an end there would be cut between voxels.
+// Throws InputError if one to three slices without the label separate the kept piece from another piece as long as a
+// vessel, which continues it behind them. Such slices were not segmented, so the gap is no end of the vessel.
 void check_no_empty_slice(vtkImageData* ranks, const std::vector<Piece>& pieces, std::size_t kept, const Mask& mask) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::set<int> filled;
@@ -213,7 +214,7 @@ void keep_one_island(vtkImageData* indicator, const Mask& mask, const std::optio
 void fill_cavities(vtkImageData* indicator, const Mask& mask, std::vector<Repair>& repairs) {
   const vtkSmartPointer<vtkImageData> ranks = pieces_of(indicator, -1, 0.5);
   const int* extent = indicator->GetExtent();
-  const int outside = rank_at(ranks, {extent[0], extent[2], extent[4]}); // in the margin
+  const int outside = rank_at(ranks, {extent[0], extent[2], extent[4]}); // the first voxel lies in the margin
   std::size_t filled = 0;
   Voxel last{};
   visit(ranks, [&](const Voxel& v) {

@@ -28,13 +28,13 @@ namespace {
 
 using common::InputError;
 
-constexpr double smoothing = 0.85; // voxels
-constexpr double kernel_reach = 4; // standard deviations
-constexpr int padding = 8;         // voxels: beyond the wider kernel
-constexpr double fragment = 0.01;  // of the largest piece's triangles: smaller pieces come from spurs of a few voxels
-constexpr std::size_t fewest_faces = 4; // of voxels, between two labels of one vessel
-constexpr double of_the_wall = 0.2;     // share of the label's faces from which another label is its wall
-constexpr double flattest = 1e-6; // volume of a voxel over the product of its edges; a skewed voxel's is far larger
+constexpr double smoothing = 0.85; // voxels: standard deviation of the narrower Gaussian
+constexpr double kernel_reach = 4; // standard deviations at which a Gaussian kernel is cut off
+constexpr int padding = 8;         // voxels: margin round the label, as the wider kernel reaches 2 * 0.85 * 4 = 6.8
+constexpr double fragment = 0.01;  // share of the largest piece's triangles: a smaller piece is a spur of a few voxels
+constexpr std::size_t fewest_faces = 4; // voxel faces shared with other labels: fewer give no warning
+constexpr double of_the_wall = 0.2;     // share of the label's outer faces: labels that touch more are its wall
+constexpr double flattest = 1e-6; // least volume of a voxel over the product of its edges; skewed voxels have far more
 
 std::string suffix_of(const std::string& path) {
   std::string lower = path;
@@ -45,8 +45,8 @@ std::string suffix_of(const std::string& path) {
   return "";
 }
 
-// The affine of a NIfTI file. VTK's matrices map index times spacing, with the reader's order of slices, to the file's
-// frame.
+// Affine from voxel index to the frame of a NIfTI file: its sform, else its qform, else the voxel sizes. VTK's matrices
+// map the index times the voxel size, so their columns are scaled here. They follow the reader's order of slices.
 Eigen::Matrix4d nifti_affine(vtkNIFTIImageReader& reader) {
   vtkMatrix4x4* matrix = reader.GetSFormMatrix() ? reader.GetSFormMatrix() : reader.GetQFormMatrix();
   Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
@@ -84,8 +84,9 @@ vtkSmartPointer<vtkImageData> indicator_of(vtkImageData* labels, int label) {
   return box;
 }
 
-// Into how many voxels along each axis a mask's own ones were divided, at least; 1 if they were not. In a mask with
-// divided voxels the label begins and ends at multiples of their number.
+// Number of voxels along each axis into which every segmented voxel was divided afterwards; 1 if none was. In a divided
+// mask the borders of the label along an axis are multiples of this number apart. The smallest of the three axes
+// counts.
 int divided_by(vtkImageData* indicator) {
   const int* extent = indicator->GetExtent();
   std::array<int, 3> common{0, 0, 0}, first{-1, -1, -1};
@@ -132,7 +133,8 @@ vtkSmartPointer<vtkPolyData> level_surface(vtkImageData* indicator) {
   return contour->GetOutput();
 }
 
-// Reports a lumen cut by the image's border. Across a vessel the cut is an end; along a vessel sections are too small.
+// Warns if the label reaches the image's border. A border across a vessel makes an end of the vessel. A border along a
+// vessel cuts off part of the lumen, so that its sections are too small.
 void report_border(const Mask& mask, int label, std::vector<Repair>& repairs) {
   const int* size = mask.labels->GetDimensions();
   const auto* values = static_cast<const int*>(mask.labels->GetScalarPointer());
@@ -152,7 +154,7 @@ void report_border(const Mask& mask, int label, std::vector<Repair>& repairs) {
                        true});
 }
 
-// The point of one region that is nearest to another region.
+// The point of region `from` that is nearest to region `to`, in voxel indices.
 Eigen::Vector3d nearest_between(vtkPolyData* regions, int from, int to) {
   const auto region = vtk::DataArrayValueRange<1>(regions->GetPointData()->GetScalars());
   vtkNew<vtkPoints> targets;
@@ -201,8 +203,8 @@ void check_one_piece(vtkPolyData* surface, const Mask& mask, const std::string& 
   }
 }
 
-// Warns of other labels that the lumen's label goes on into, as where each branch has a label of its own. Labels that
-// touch it all along are its wall.
+// Warns if the lumen's label touches other labels, since each branch of the lumen may have its own label. There is no
+// warning if the other labels touch more than a fifth of the lumen's outer voxel faces: they are then its wall.
 void report_neighbours(vtkImageData* labels, int label, std::vector<Repair>& repairs) {
   const int* size = labels->GetDimensions();
   const auto* values = static_cast<const int*>(labels->GetScalarPointer());
@@ -338,7 +340,7 @@ vtkSmartPointer<vtkPolyData> surface_of_label(const Mask& mask, const std::vecto
   edge->SetName(voxel_edge_array);
   edge->InsertNextValue(divided * longest_edge(mask));
   surface->GetFieldData()->AddArray(edge);
-  if (mask.to_file.determinant() < 0) // a left-handed frame turns the triangles inward
+  if (mask.to_file.determinant() < 0) // a left-handed frame turns the triangles' normals inward
     for (vtkIdType i = 0; i < surface->GetNumberOfCells(); ++i)
       surface->GetPolys()->ReverseCellAtId(i);
   return surface;

@@ -1,4 +1,4 @@
-// Labelled masks as segmentation programs write them: NIfTI, NRRD, MetaImage; and the sub-voxel surface of a label.
+// Reads labelled masks (NIfTI, NRRD, MetaImage), and makes the surface of a label with sub-voxel accuracy.
 #pragma once
 #include "core/types.hpp"
 #include <optional>
@@ -9,8 +9,8 @@
 
 namespace anatomy {
 
-/// Integer labels on a grid of unit spacing from the origin; to_file is voxel index to the file's own frame and unit
-/// (NIfTI: x right, y front, z up; NRRD and MetaImage: as their headers say).
+/// Integer labels on a grid of unit spacing with its origin at 0. `to_file` maps a voxel index to the file's own frame
+/// and unit. In NIfTI x points right, y to the front and z up; in NRRD and MetaImage the header gives the directions.
 struct Mask {
   vtkSmartPointer<vtkImageData> labels;
   Eigen::Matrix4d to_file = Eigen::Matrix4d::Identity();
@@ -19,23 +19,23 @@ struct Mask {
 /// Whether the suffix is a mask's: .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd.
 bool is_mask_file(const std::string& path);
 
-/// Throws InputError: unreadable or not three-dimensional, several components a voxel, values that are not whole
-/// numbers, or an affine that is singular.
+/// Reads a mask. Throws InputError if it is unreadable or not three-dimensional, or if the affine gives the voxels no
+/// volume. It also does so for voxels with several components or with values that are not whole numbers.
 Mask read_mask(const std::string& path);
 
-/// The surface of one label, or several taken together, in the file's unit. The label's indicator function is smoothed
-/// by 2 G(s) - G(2 s), where G is a Gaussian and s = 0.85 voxels; the surface is its level 0.5. One Gaussian would move
-/// a wall of radius R inward by s^2 / 2 R. The one-sided moments of the two cancel, so that to first order a curved
-/// wall does not move. One piece of the label is kept, by keep_one_island. A label that reaches the image's border is
-/// reported.
+/// The surface of one label, or of several taken together, in the file's unit. The image that is 1 in the label and 0
+/// elsewhere is smoothed by 2 G(s) - G(2 s), where G is a Gaussian and s = 0.85 voxels. The surface is the level 0.5.
+/// G(s) alone would move a wall of radius R inward by s^2 / 2 R. The shifts by the two Gaussians cancel, so that to
+/// first order in s / R a curved wall does not move. keep_one_island() chooses the piece of the label that is kept. A
+/// label that reaches the image's border is reported.
 /// @param wanted labels that are taken together; empty for the only label in the mask
-/// @param inlet in the file's unit, in the piece that is kept; none for the largest piece
-/// Throws InputError if the label is absent or ambiguous, if the lumen is too thin for its voxels, or if a narrowing is
-/// lost between them.
+/// @param inlet a point in the piece to keep, in the file's unit; without it the largest piece is kept
+/// Throws InputError if the label is absent or ambiguous, if the lumen is too thin for the voxels, or if a narrowing is
+/// lost between the voxels.
 vtkSmartPointer<vtkPolyData> surface_of_label(const Mask& mask, const std::vector<int>& wanted, const std::string& path,
                                               const std::optional<Vec3>& inlet, std::vector<Repair>& repairs);
 
 constexpr const char* voxel_edge_array =
-    "voxel_edge"; ///< of the surface's field data: a voxel's longest edge, as it was segmented
+    "voxel_edge"; ///< field data of the surface: longest edge of a voxel as segmented, in the file's unit
 
 } // namespace anatomy

@@ -19,7 +19,7 @@ namespace {
 
 using common::InputError;
 using Fields = std::map<std::string, std::string>;
-constexpr std::uintmax_t best_packing = 1100; // largest compression ratio; deflate's own limit is 1032
+constexpr std::uintmax_t best_packing = 1100; // largest ratio of voxel bytes to packed bytes; deflate's limit is 1032
 constexpr std::size_t longest_key = 200;      // characters; VTK's reader of MetaImage overruns its memory from 255 on
 
 bool is_text(const std::string& line) {
@@ -27,8 +27,9 @@ bool is_text(const std::string& line) {
                       [](unsigned char c) { return std::iscntrl(c) && c != '\t' && c != '\r'; });
 }
 
-// Checks the lines of a NRRD header up to the empty one that ends it. VTK's reader never returns if that is missing, or
-// if a line before it is no text. It passes over a field without the blank after its colon, which the format asks for.
+// Checks the lines of a NRRD header up to the empty line that ends it. VTK's reader never returns if the empty line is
+// missing, or if a line before it holds a control character. The format asks for a blank after a field's colon: the
+// reader ignores a field without it.
 void check_nrrd_lines(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string line;
@@ -45,8 +46,8 @@ void check_nrrd_lines(const std::string& path) {
   throw InputError("the header of the mask is incomplete", path, "no empty line ends it", "export the mask again");
 }
 
-// Checks the lines of a MetaImage header: a key that is not too long, "=" or ":", a value. VTK's reader takes a line
-// without a key for a part of the next key.
+// Checks that each line of a MetaImage header has a key of at most 200 characters, followed by "=" or ":". VTK's reader
+// takes a line without these signs for a part of the next line's key.
 void check_meta_lines(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string line;
@@ -65,7 +66,8 @@ void check_meta_lines(const std::string& path) {
   }
 }
 
-// The "key <separator> value" lines up to the first empty line, the key `last`, or a line that is no text.
+// The values by key of the lines "key <separator> value". Reading ends at the first empty line, behind the key `last`,
+// or at a line with a control character.
 Fields header_of(const std::string& path, char separator, const std::string& last) {
   std::ifstream file(path, std::ios::binary);
   Fields fields;
@@ -95,6 +97,7 @@ std::streamoff length_of_header(const std::string& path, const std::string& last
   return file.tellg();
 }
 
+// The value of the first of these field names that the header has; empty if it has none.
 std::string field(const Fields& fields, const std::vector<std::string>& names) {
   for (const std::string& name : names)
     if (const auto found = fields.find(name); found != fields.end())
@@ -102,7 +105,7 @@ std::string field(const Fields& fields, const std::vector<std::string>& names) {
   return "";
 }
 
-// `count` numbers of a text in which brackets and commas count as blanks.
+// Reads exactly `count` numbers from a text, in which brackets and commas count as blanks; else throws InputError.
 std::vector<double> numbers(std::string text, std::size_t count, const std::string& what, const std::string& path) {
   const std::string value = text;
   std::replace_if(
@@ -133,6 +136,8 @@ std::string trimmed(const std::string& text) {
   return first == std::string::npos ? "" : text.substr(first, last - first + 1);
 }
 
+// Throws InputError if the file of the voxels is too short for `bytes`. `data` names it beside the header; if empty the
+// voxels are in the header's file. `packed`: whether they are compressed.
 void check_length(const std::filesystem::path& header, const std::string& data, std::uintmax_t bytes, bool packed) {
   const std::filesystem::path file = data.empty() ? header : header.parent_path() / data;
   std::error_code error;
@@ -145,8 +150,8 @@ void check_length(const std::filesystem::path& header, const std::string& data, 
                            : "copy or export the mask again");
 }
 
-// Unpacks the voxels as a check, since VTK's reader of MetaImage never returns if they are damaged. `begin`: position
-// of the packed voxels in the file.
+// Unpacks the compressed voxels as a check, since VTK's reader of MetaImage never returns if they are damaged. They
+// begin at byte `begin` of the file and must give `bytes` bytes.
 void check_packing(const std::filesystem::path& path, std::streamoff begin, std::uintmax_t bytes) {
   const auto refuse = [&](const std::string& value) {
     throw InputError("the mask is damaged", path.string(), value + ", the header promises " + std::to_string(bytes),
@@ -179,8 +184,8 @@ void check_packing(const std::filesystem::path& path, std::streamoff begin, std:
     refuse(std::to_string(found) + " bytes of voxels");
 }
 
-// Checks the fields. If one is missing or has an unknown form, VTK's reader uses uninitialised memory, or never
-// returns.
+// Checks the fields that VTK's reader of NRRD needs. If one is missing or has an unknown form, the reader uses
+// uninitialised memory or never returns.
 void check_nrrd_fields(const std::string& path, const Fields& fields) {
   const auto check = [&](const std::string& name, const std::set<std::string>& known) {
     if (const std::string value = trimmed(field(fields, {name})); !known.contains(value))
@@ -232,8 +237,8 @@ void check_nrrd_fields(const std::string& path, const Fields& fields) {
   if (!one_byte)
     check("endian", {"little", "big"});
   const std::string data = trimmed(field(fields, {"data file", "datafile"}));
-  // VTK's reader of text voxels fails in two cases: in one file with the header it reads the header as voxels, and with
-  // a one-byte type it reads each character as a label.
+  // VTK's reader fails in two cases on voxels written as text. In one file with the header it reads the header as
+  // voxels. With a one-byte type it reads each character as a label.
   if (one_byte || data.empty())
     check("encoding", {"raw", "gz", "gzip"});
   else
@@ -290,7 +295,7 @@ void check_meta_length(const std::string& path, std::uintmax_t bytes) {
   const std::string data = trimmed(field(fields, {"ElementDataFile"}));
   const bool packed =
       trimmed(field(fields, {"CompressedData"})) == "True" || trimmed(field(fields, {"BinaryData"})) == "False";
-  if (data.find_first_of(" %") != std::string::npos || data == "LIST") // one file a slice
+  if (data.find_first_of(" %") != std::string::npos || data == "LIST") // one file for each slice: not checked
     return;
   check_length(path, data == "LOCAL" ? "" : data, bytes, packed);
   if (trimmed(field(fields, {"CompressedData"})) != "True" || !field(fields, {"HeaderSize"}).empty())

@@ -12,9 +12,9 @@ namespace {
 
 using common::InputError;
 
-constexpr std::size_t most_named = 10; // labels in a message
-constexpr double largest_label = 2e9;  // labels are stored as int
-constexpr double fullest_image = 0.9;  // share of voxels; even in the closest crop a vessel fills only pi / 4
+constexpr std::size_t most_named = 10; // labels that a message lists
+constexpr double largest_label = 2e9;  // largest absolute value of a label, since labels are stored as int
+constexpr double fullest_image = 0.9;  // largest share of the image in a label; a tube fills pi / 4 of its bounding box
 
 std::string known_labels(const std::map<int, vtkIdType>& counts) {
   std::string known;

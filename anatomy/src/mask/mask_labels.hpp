@@ -7,12 +7,13 @@
 
 namespace anatomy {
 
-/// Throws InputError if an image is not three-dimensional, or has several components a voxel or values that are not
-/// whole numbers.
+/// Throws InputError if an image is not three-dimensional, or if its voxels have several components or values that are
+/// not whole numbers.
 void check_labels(vtkImageData* image, const std::string& path);
 
-/// The lumen's label. Of several wanted labels, as of branches that have one each, the voxels of all get the first.
-/// @param wanted empty for the only label in the mask
+/// The lumen's label. If each branch has its own label and several are wanted, all their voxels get the smallest one.
+/// @param wanted the user's labels; empty for the only label in the mask
+/// @param path of the mask, for messages
 /// Throws InputError if a label is absent or ambiguous, or fills the image.
 int join_labels(vtkIntArray* labels, const std::vector<int>& wanted, const std::string& path);
 

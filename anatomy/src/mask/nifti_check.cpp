@@ -11,9 +11,11 @@ namespace {
 
 using common::InputError;
 
+// NIfTI's code of each accepted scalar type, and its bits per voxel.
 const std::set<std::pair<std::int64_t, std::int64_t>> types{{2, 8},   {4, 16},   {8, 32},   {16, 32},   {64, 64},
                                                             {256, 8}, {512, 16}, {768, 32}, {1024, 64}, {1280, 64}};
 
+// The bytes of a header, big- or little-endian. at() reads a signed integer of `size` bytes.
 struct Bytes {
   std::array<unsigned char, 540> data{};
   bool big = false;

@@ -4,7 +4,7 @@
 
 namespace anatomy {
 
-/// Throws InputError unless a NIfTI header, packed or not, has known dimensions and a known type of scalars.
+/// Throws InputError unless a NIfTI header, compressed or not, gives a single volume with a known type of scalars.
 void check_nifti_header(const std::string& path);
 
 } // namespace anatomy

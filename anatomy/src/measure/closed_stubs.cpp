@@ -4,7 +4,7 @@
 namespace anatomy {
 namespace {
 
-constexpr double far_off = 2; // inscribed radii from the axis: the tip of a stub as long as its vessel's radius
+constexpr double far_off = 2; // inscribed radii from the axis to the tip: such a stub stands out by a radius
 
 } // namespace
 

@@ -4,17 +4,19 @@
 
 namespace anatomy {
 
-/// A stub that counts as wall. Its line goes from the nearest axis to the stub's tip.
+/// A stub that counts as wall. It is represented by the line from the nearest branch's axis to the stub's tip.
 struct ClosedStub {
-  std::size_t branch = 0; ///< of that axis
-  double s = 0;           ///< mm along it
-  Vec3 from, tip;
+  std::size_t branch = 0; ///< index of the nearest branch
+  double s = 0;           ///< mm along its axis, to the point `from`
+  Vec3 from, tip;         ///< mm
 
-  /// Whether p is nearer to the stub's line than to the axis at `on_axis`, in the stub's direction.
+  /// Whether p is nearer to the stub's line than to the axis point `on_axis`, and lies on the stub's side of that
+  /// point.
   bool contains(const Vec3& p, const Vec3& on_axis) const;
 };
 
-/// The tips that are at least two inscribed radii from every axis. Nearer ones are bumps of the wall.
+/// The stubs of those `tips` (mm) that are more than two inscribed radii from the nearest axis. Nearer tips are bumps
+/// of the wall.
 std::vector<ClosedStub> closed_stubs(const std::vector<Branch>& branches, const std::vector<Vec3>& tips);
 
 } // namespace anatomy

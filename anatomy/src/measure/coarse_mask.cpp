@@ -4,16 +4,17 @@
 namespace anatomy {
 namespace {
 
-// Radii of a lumen in voxel edges. Below the first (of a mask) or the second (of a surface) the measured area depends
-// on where the lumen lies on the grid (anatomy/measured.md). Below the third the error is larger still.
-constexpr double lost_voxels = 1.1;   // a chain of voxels that touch at their corners only
-constexpr double lost_smoothed = 1.5; // the same after another program's smoothing, which takes up to .3 voxels
-constexpr double thread_voxels = 0.5; // a throat of 0.47 voxels came out with a radius of 0.24
-constexpr double of_thread = 75;      // possible error of such a lumen's area, per cent
-constexpr double of_lost = 50;        // the same from there on
-constexpr double of_few = 25;         // the same up to 2 voxels
+// Limits of a lumen's radius, in voxel edges. Below lost_voxels (masks) or lost_smoothed (surfaces) the measured area
+// depends on where the lumen lies on the grid (anatomy/measured.md). Below thread_voxels the error is larger still.
+constexpr double lost_voxels = 1.1;   // such a lumen is a chain of voxels that touch at their corners only
+constexpr double lost_smoothed = 1.5; // larger, as another program's smoothing narrows the lumen by up to 0.3 voxels
+constexpr double thread_voxels = 0.5; // a throat of 0.47 voxels in radius was measured as 0.24
+// Possible error of a lumen's area, in per cent.
+constexpr double of_thread = 75; // of a radius below thread_voxels
+constexpr double of_lost = 50;   // of a larger radius, up to lost_voxels or lost_smoothed
+constexpr double of_few = 25;    // of a still larger radius, up to fewest_voxels
 
-// Possible error of an area (mm2) in per cent; 0 if the voxels are small enough.
+// Possible error in per cent of an area (mm2); 0 if the voxels are small enough for it.
 double area_error(double area, const Voxels& voxels) {
   const double radius = std::sqrt(area / M_PI);
   if (radius >= fewest_voxels * voxels.edge)

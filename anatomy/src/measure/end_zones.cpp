@@ -4,16 +4,16 @@
 namespace anatomy {
 namespace {
 
-constexpr double wide_end = 1.1;      // over the reference
-constexpr double close = 2.5;         // radii from an end to a lesion; no section is measured in the first 1.5 of them
-constexpr double narrowed = 20;       // per cent by diameter
-constexpr double still_narrowing = 5; // points of per cent
+constexpr double wide_end = 1.1;      // diameter at an end over the reference, from which a warning is given
+constexpr double close = 2.5;         // reference radii: a lesion nearer to an end counts as beside it
+constexpr double narrowed = 20;       // per cent diameter stenosis at an end, from which a warning is given
+constexpr double still_narrowing = 5; // percentage points by which the next measured section is less narrowed
 
 struct Widest {
   double s = 0, diameter = 0, ratio = 0;
 };
 
-// The inscribed ball between two arc lengths that exceeds the reference most.
+// Of the inscribed balls between two arc lengths (mm), the one with the largest ratio of diameter to reference.
 Widest widest_between(const Branch& branch, const ReferenceProfile& profile, double from, double to) {
   Widest best;
   for (std::size_t i = 0; i < branch.s.size(); ++i) {
@@ -24,7 +24,7 @@ Widest widest_between(const Branch& branch, const ReferenceProfile& profile, dou
   return best;
 }
 
-// The section of the branch nearest to s, those in the end zones among them; none if the branch has no section.
+// The section of branch number `b` nearest to arc length s (mm), in an end zone or not; null if there is none.
 const Section* nearest_section(const Branch& branch, const std::vector<Section>& sections, std::size_t b, double s) {
   const Section* nearest = nullptr;
   for (const Section& one : sections)
@@ -69,7 +69,8 @@ void note_narrow_ends(const std::vector<Branch>& branches, const std::vector<Sec
     if (measured.empty())
       continue;
     const auto note = [&](const Calibre& next, double from, double to) {
-      // The ball is too small where the axis leaves the middle, the section where a slanted end cuts it.
+      // The larger of two estimates counts. The ball is too small where the axis is off the lumen's centre, the section
+      // where a slanted end cuts it.
       const auto stenosis = [&](double s) {
         const double by_ball = next.diameter * branch.radius_at(s) / branch.radius_at(next.s);
         const Section* section = nearest_section(branch, sections, b, s);

@@ -4,16 +4,17 @@
 
 namespace anatomy {
 
-/// The reference comes from sections at least 1.5 radii from the ends. Where a lesion begins within 2.5 radii of an
-/// end, the healthy vessel may lie at that end alone. `notes` takes a warning if an inscribed ball between the two is
-/// wider than the reference by 10 %, more than an ostium's mouth widens a vessel. It states the stenosis by that width
-/// as well.
+/// Warns if a lesion lies within 2.5 radii of an end and the vessel between the two is wider than the reference. The
+/// reference comes from sections at least 1.5 radii from the ends, so it misses a healthy vessel at the end alone.
+/// Wider means that an inscribed ball exceeds the reference by 10 %, more than an ostium's mouth widens a vessel. The
+/// warning also states the stenosis by that width.
 void note_wide_ends(const std::vector<Branch>& branches, const std::vector<ReferenceProfile>& profiles,
                     const std::vector<Lesion>& lesions, std::vector<Repair>& notes);
 
-/// Warns of a lumen that goes on narrowing there: by 20 % of the reference or more, and by 5 points more than in the
-/// first section that is measured. The diameter is that section's, times the ratio of the inscribed balls, or that of
-/// the section in the end zone if it is larger.
+/// Warns of a lumen that narrows further within 1.5 radii of an end. Its diameter stenosis there is at least 20 %, and
+/// at least 5 percentage points more than in the next measured section. The diameter there is the larger of two values.
+/// One is the next measured section's, times the ratio of the inscribed radii; the other is that of the nearest
+/// section.
 void note_narrow_ends(const std::vector<Branch>& branches, const std::vector<Section>& sections,
                       const std::vector<ReferenceProfile>& profiles, std::vector<Repair>& notes);
 

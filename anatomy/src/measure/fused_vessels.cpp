@@ -3,9 +3,9 @@
 namespace anatomy {
 namespace {
 
-constexpr double fused_width = 1.15;       // equivalent diameter over the reference
-constexpr double flat = 1.8;               // longest over shortest chord: slit lesions are as flat, but not wider
-constexpr double least_fused_length = 3.0; // mm
+constexpr double fused_width = 1.15; // equivalent diameter over the reference, at least
+constexpr double flat = 1.8;         // longest over shortest chord, at least; slit lesions are as flat, but narrow
+constexpr double least_fused_length = 3.0; // mm, of a stretch of such sections
 
 double flattest_of(const std::vector<const Section*>& stretch) {
   double most = 0;

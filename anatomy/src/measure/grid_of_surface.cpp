@@ -6,15 +6,16 @@ namespace anatomy {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double finest = 0.15, coarsest = 1.2; // mm: of images that show coronary lumens
-constexpr double bin = 0.02;                    // mm: it lowers the wave of the finest spacing by 3 %
-constexpr double wave_band = 0.25;              // of a wave's frequency: its neighbours are the waves within this
-constexpr double stands_out = 4; // over the neighbours' median: contoured surfaces have 4.4 to 24, others up to 2.8
-constexpr double least_wave_share = 0.02;     // of the vertices, in step with the wave
+constexpr double finest = 0.15, coarsest = 1.2; // mm: spacings of the images that show coronary lumens
+constexpr double bin = 0.02;                    // mm, width of a bin; it weakens the wave of the finest spacing by 3 %
+constexpr double wave_band = 0.25;              // of a wave's frequency: waves that differ by less are its neighbours
+// Least strength over the neighbours' median: contoured surfaces have 4.4 to 24, others up to 2.8.
+constexpr double stands_out = 4;
+constexpr double least_wave_share = 0.02;     // least strength of a wave (see Spectrum)
 constexpr double least_extent = 8;            // mm: along a shorter axis the vessel's own width makes waves
-constexpr std::size_t fewest_vertices = 1000; // vertices: fewer make high waves by chance
+constexpr std::size_t fewest_vertices = 1000; // a surface of fewer vertices has strong waves by chance
 
-// Number of vertices in each bin along one coordinate.
+// Number of vertices in each bin along one coordinate axis.
 std::vector<double> density(const Mesh& mesh, int axis) {
   double low = 1e300, high = -1e300;
   for (Vertex v : mesh.vertices()) {
@@ -27,8 +28,9 @@ std::vector<double> density(const Mesh& mesh, int axis) {
   return count;
 }
 
-// Share of the vertices in step with each wave, from the coarsest spacing to the finest. Their frequencies are a fifth
-// of the resolution apart.
+// Strength of waves in the density of the vertices, from the coarsest spacing to the finest. The strength of frequency
+// f is |sum of exp(2 pi i f x) over the vertices| / their number: 1 if all of them are whole wavelengths apart.
+// Successive frequencies differ by a fifth of 1 / (extent of the surface).
 struct Spectrum {
   double first = 1 / coarsest, step;
   std::vector<double> share;
@@ -47,7 +49,7 @@ struct Spectrum {
   }
 };
 
-// Spacing of the wave that stands out most, 0 if none does.
+// Wavelength (mm) of the strongest wave; 0 if it is weak or does not stand out among its neighbours.
 double wave_of(const Spectrum& spectrum) {
   const auto top = std::max_element(spectrum.share.begin(), spectrum.share.end());
   const auto at = static_cast<double>(top - spectrum.share.begin());
@@ -77,7 +79,7 @@ double grid_of_surface(const Mesh& mesh) {
     largest = std::max(largest, spacing);
     ++axes;
   }
-  return axes > 1 ? largest : 0; // along a single axis the wave may be of rings of vertices round the vessel
+  return axes > 1 ? largest : 0; // along a single axis the wave may come from rings of vertices round the vessel
 }
 
 } // namespace anatomy

@@ -5,9 +5,9 @@
 namespace anatomy {
 namespace {
 
-constexpr double shortest = 1.0; // mm
-constexpr double severe = 50;    // per cent: noise does not halve a lumen, so a web counts however short
-constexpr double alike = 0.03;   // of the diameter: as near as a section is measured
+constexpr double shortest = 1.0; // mm, least length of a lesion that is not severe
+constexpr double severe = 50;    // per cent: noise does not halve a diameter, so such a lesion counts at any length
+constexpr double alike = 0.03;   // relative difference up to which two sections count as equally narrow
 
 using Part = std::vector<Calibre>;
 
@@ -16,9 +16,9 @@ double stenosis(const Calibre& sample, const ReferenceProfile& profile) {
   return 100 * (1 - sample.diameter / profile.diameter(sample.s));
 }
 
-// Index of the section at which a stretch splits into two narrowings; 0 if it does not split. Of all sections it has
-// the least ratio of its stenosis to that of the milder narrowing, and this ratio is at most one half. Sections at a
-// side branch's mouth do not count, as the mouth widens them.
+// Index of the section at which a stretch splits into two narrowings, one before and one behind it; 0 if it does not
+// split. Of all sections it has the least ratio of its own stenosis to that of the milder narrowing. This ratio is at
+// most one half. Sections at a side branch's mouth do not count, as the mouth widens them.
 std::size_t recovery(const Part& part, const ReferenceProfile& profile) {
   std::vector<double> lacking(part.size()), behind(part.size());
   for (std::size_t i = 0; i < part.size(); ++i)
@@ -51,7 +51,7 @@ std::vector<Part> narrowings(const Part& part, const ReferenceProfile& profile) 
   return found;
 }
 
-// The section of greatest stenosis; of those that measure alike, the smallest.
+// Of the sections whose ratio of diameter to reference is within 3 % of the least one, that of the smallest diameter.
 Calibre throat(const Part& part, const ReferenceProfile& profile) {
   const auto left = [&](const Calibre& c) { return c.diameter / profile.diameter(c.s); };
   const auto narrower = [&](const Calibre& a, const Calibre& b) { return left(a) < left(b); };

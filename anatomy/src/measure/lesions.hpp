@@ -5,23 +5,24 @@
 namespace anatomy {
 
 struct Lesion {
-  std::size_t branch = 0;
-  double s_start = 0, s_mla = 0, s_end = 0;                           ///< mm
-  double mla = 0, mld = 0;                                            ///< mm2, mm
-  double reference = 0, proximal_reference = 0, distal_reference = 0; ///< diameters, mm
-  double diameter_stenosis = 0, area_stenosis = 0;                    ///< per cent
+  std::size_t branch = 0;                   ///< index of the branch
+  double s_start = 0, s_mla = 0, s_end = 0; ///< mm along the branch: start, place of smallest area, end
+  double mla = 0, mld = 0;                  ///< smallest area (mm2), and the diameter of a circle of that area (mm)
+  double reference = 0, proximal_reference = 0, distal_reference = 0; ///< mm, healthy: at s_mla, s_start, s_end
+  double diameter_stenosis = 0, area_stenosis = 0;                    ///< per cent of the reference
   double mla_error = 0; ///< possible error by coarse voxels, per cent of mla (coarse_mask.hpp)
 };
 
-/// Stretches at least 1 mm long whose diameter stenosis exceeds `shoulder` per cent throughout and reaches
-/// `least_stenosis` per cent, and shorter ones that reach 50 per cent; most severe first. A stretch is split if the
-/// lumen between two narrowings recovers `recovered` of the lesser one's stenosis. It is measured where the stenosis is
-/// greatest; of places whose diameters agree within 3 % of the reference's course, at the smallest.
+/// The lesions, most severe first. A lesion is a stretch whose diameter stenosis exceeds `shoulder` per cent
+/// throughout. It is at least 1 mm long and reaches `least_stenosis` per cent, or is shorter and reaches 50 per cent. A
+/// stretch is split if the stenosis between two narrowings is less than that of the milder one by the share
+/// `recovered`. A lesion is measured at its greatest stenosis. If other sections have nearly the same ratio to the
+/// reference, within 3 %, the one of the smallest diameter counts.
 std::vector<Lesion> find_lesions(const std::vector<Branch>& branches, const std::vector<Section>& sections,
                                  const std::vector<ReferenceProfile>& profiles);
 
-constexpr double least_stenosis = 8; ///< per cent by diameter
-constexpr double shoulder = 4;       ///< per cent by diameter
-constexpr double recovered = 0.5;    ///< of the lesser narrowing's stenosis
+constexpr double least_stenosis = 8; ///< per cent by diameter: a stretch that does not reach it is no lesion
+constexpr double shoulder = 4;       ///< per cent by diameter: a lesion begins and ends where the stenosis exceeds it
+constexpr double recovered = 0.5;    ///< share of the milder narrowing's stenosis
 
 } // namespace anatomy

@@ -5,11 +5,11 @@ namespace anatomy {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double shortest_wave = 0.6;    // mm: segmented walls have noise of that length, lumens hardly any shape
-constexpr double edges_per_wave = 3;     // shorter ones are lost between the points
-constexpr int first_mode = 4;            // size, place, ellipse and triangle are shape
-constexpr int fewest_modes = 3;          // for a mean
-constexpr double random_crossings = 2.2; // edges of equilateral triangles that a line crosses in an edge's length
+constexpr double shortest_wave = 0.6;    // mm: segmented walls have noise of this wavelength, lumens hardly any shape
+constexpr double edges_per_wave = 3;     // edges: a shorter wave is lost between the wall's points
+constexpr int first_mode = 4;            // modes 0 to 3 (size, place, ellipse, triangle) are the lumen's shape
+constexpr int fewest_modes = 3;          // modes at least over which the noise is averaged
+constexpr double random_crossings = 2.2; // edges of equilateral triangles that a line crosses per edge length
 
 double length_of(const std::vector<Vec2>& outline) {
   double length = 0;
@@ -18,7 +18,7 @@ double length_of(const std::vector<Vec2>& outline) {
   return length;
 }
 
-// n points evenly along the outline.
+// n points at equal distances along the outline of this length (mm), as complex numbers x + i y.
 std::vector<Complex> evenly(const std::vector<Vec2>& outline, std::size_t n, double length) {
   std::vector<Complex> points;
   double begin = 0;
@@ -38,7 +38,7 @@ std::vector<Complex> evenly(const std::vector<Vec2>& outline, std::size_t n, dou
   return points;
 }
 
-// Waves round a closed row of values: of m turns, (1/n) sum of value_k exp(-2 pi i m k / n).
+// Fourier modes of n values round a closed outline. Mode m is (1/n) sum of value_k exp(-2 pi i m k / n).
 class Waves {
 public:
   explicit Waves(std::size_t n) {
@@ -61,8 +61,8 @@ private:
   std::vector<Complex> turn_;
 };
 
-// Signed distance of each point from a smooth outline, along that outline's normal. The smooth outline is the sum of
-// the points' Fourier modes -(modes - 1) to modes - 1.
+// Signed distance (mm) of each point from a smooth outline, along that outline's normal. The smooth outline is the sum
+// of the points' Fourier modes -(modes - 1) to modes - 1.
 std::vector<Complex> off_smooth(const std::vector<Complex>& points, const Waves& waves, int modes) {
   std::vector<Complex> smooth(points.size()), tangent(points.size()), off;
   for (int m = 1 - modes; m < modes; ++m) {
@@ -97,7 +97,7 @@ double mean_radius_scatter(const std::vector<Vec2>& outline, double edge) {
       off_smooth(evenly(outline, static_cast<std::size_t>(std::max(128, 5 * last)), length), waves, first);
   double power = 0;
   for (int m = first; m <= last; ++m) {
-    // points between which the wall is straight pass a wave by sinc^2
+    // the wall is straight between its points, which weakens a wave of its noise by sinc^2
     const double x = M_PI * m * edge / length, passed = std::pow(std::sin(x) / x, 2);
     power += std::norm(waves.of(off, m)) / (passed * passed);
   }

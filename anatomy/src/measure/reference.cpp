@@ -5,26 +5,30 @@
 namespace anatomy {
 namespace {
 
-constexpr std::array<double, 2> other_exponents{3, 7.0 / 3}; // of forks: Murray 1926; Huo and Kassab 2012
-constexpr double band = 0.03;           // of the diameter: sections this near to the profile count as healthy
-constexpr double too_wide = 1.08;       // over the profile: an ostium's sections may be 8 % too wide
-constexpr double ruled_out = -1e9;      // score
-constexpr int fewest_sections = 8;      // sections for a profile
-constexpr std::size_t drawn = 80;       // sections through pairs of which lines are tried
-constexpr double least_widening = 1.15; // of a dilatation
-constexpr double many_more = 1.25;      // ratio of healthy sections that a dilatation or a step has to bring
-constexpr double deepest_step = 0.737;  // ratio past a fork into two equal branches: D = 0.678 (d1 + d2), Finet 2007
-constexpr double lesser_daughter = 0.6; // the same into the lesser of two branches, where the other one has 0.87
-constexpr double split_error = 0.1;     // of the ratio past a branch of known calibre, by the flow split
-constexpr double ectatic = 1.5;         // width over the widest lumen beside it (definition of coronary ectasia)
+// Exponents m of the law of forks D^m = d1^m + d2^m tried besides 2.55: Murray 1926; Huo and Kassab 2012.
+constexpr std::array<double, 2> other_exponents{3, 7.0 / 3};
+constexpr double band = 0.03;           // share of a section's diameter: a section nearer to the profile is healthy
+constexpr double too_wide = 1.08;       // ratio to the profile above which a section is wide; an ostium's may reach it
+constexpr double ruled_out = -1e9;      // score of a line that cannot be the reference
+constexpr int fewest_sections = 8;      // sections: least number for a profile, and for each of its parts
+constexpr std::size_t drawn = 80;       // sections at most, through pairs of which lines are tried
+constexpr double least_widening = 1.15; // ratio to the profile from which a section counts as dilated
+constexpr double many_more = 1.25;      // least gain in healthy sections by another reading, as a ratio
+// Least ratio of the diameters behind and before a step. Into two equal branches it is 0.737 and into branches of 0.6
+// and 0.87 it is 0.6, both by D = 0.678 (d1 + d2), Finet 2007.
+constexpr double deepest_step = 0.737;  // without further knowledge
+constexpr double lesser_daughter = 0.6; // beside a closed stub or a wide branch
+constexpr double split_error = 0.1;     // share by which a step past a branch may be below the flow split's ratio
+constexpr double ectatic = 1.5;         // least width over the widest lumen beside it (definition of coronary ectasia)
 // Largest ratio of neighbouring sections' diameters on the flank of an ectasia. A taper (`steepest`) changes less: at
 // the default spacing of 0.25 mm by 0.4 % of the first diameter.
 constexpr double flank = 0.99;
-constexpr double least_trunk_share = 0.1; // of D^m without side branches: least value behind them
-// Taper per mm, over the first diameter. The LAD loses half of its width (3.7 to 1.9 mm, Dodge 1992), .5 % per mm.
+constexpr double least_trunk_share = 0.1; // share of D^m that side branches leave, however wide they are
+// Largest taper of the reference, as a share of its first diameter per mm. An LAD tapers by 0.005 per mm (3.7 to 1.9 mm
+// over 100 mm, Dodge 1992).
 constexpr double steepest = 0.015;
-constexpr double other_reading = 1.05; // ratio from which another reading is told
-constexpr double noticed_side = 0.4;   // of the widest section: a smaller branch makes a step of less than `band`
+constexpr double other_reading = 1.05; // ratio of two readings' diameters from which the other one is reported
+constexpr double noticed_side = 0.4;   // of the widest section: a smaller branch makes a step of less than 4 %
 
 // Sum of d_k^m over the side branches that leave before s, in mm^m.
 double carried_off(const Sides& sides, double s) {
@@ -35,6 +39,7 @@ double carried_off(const Sides& sides, double s) {
   return sum;
 }
 
+// The diameter (mm) at s behind the side branches. `line` (mm) is the diameter as if no branch had left before s.
 double behind_sides(double line, const Sides& sides, double s) {
   if (sides.branches.empty())
     return line;
@@ -42,7 +47,7 @@ double behind_sides(double line, const Sides& sides, double s) {
   return std::pow(std::max(trunk - carried_off(sides, s), least_trunk_share * trunk), 1 / sides.exponent);
 }
 
-// The diameters as they would be without the side branches.
+// The sections with the diameters that they would have if no side branch had left before them.
 std::vector<Calibre> trunk_of(std::vector<Calibre> measured, const Sides& sides) {
   for (Calibre& c : measured)
     c.diameter = std::pow(std::pow(c.diameter, sides.exponent) + carried_off(sides, c.s), 1 / sides.exponent);
@@ -53,13 +58,14 @@ bool is_less_wide(const Calibre& a, const Calibre& b) {
   return a.diameter < b.diameter;
 }
 
-// Weight of a section as healthy: 1 on the profile, 0 if its diameter differs from the profile's by `band` of itself.
+// Weight of a section as healthy: 1 on the profile (mm), falling to 0 where its diameter differs by the share `band`.
 double health(const Calibre& c, double profile) {
   const double off = (c.diameter - profile) / (band * c.diameter);
   return std::max(0.0, 1 - off * off);
 }
 
-// A line, and how many of the first k sections lie on it (`healthy`), above it (`wide`) and far above it (`dilated`).
+// A line, with counts of the sections by their diameters. Element k of each list counts among the first k sections:
+// `healthy` those on the line (sum of health()), `wide` those above it, `dilated` those far above it.
 struct Candidate {
   ReferenceLine line;
   std::vector<double> healthy{0};
@@ -67,8 +73,9 @@ struct Candidate {
 
   double on(std::size_t a, std::size_t b) const { return healthy[b] - healthy[a]; }
 
-  // The healthy sections from a to b, less the wider ones. Lumen that is wider before or behind all of the healthy
-  // sections rules the line out: it is no bulge, and the line follows a narrowing, however long.
+  // The number of healthy sections from a to b, less the number of wide ones. The line is ruled out if 8 wide sections
+  // lie before the first 8 healthy ones or behind the last 8. They are then no bulge of a healthy vessel on this line:
+  // the line follows a narrowing, however long.
   double score(std::size_t a, std::size_t b) const {
     const auto reached = [&](double count) {
       return static_cast<std::size_t>(std::lower_bound(healthy.begin(), healthy.end(), count) - healthy.begin());
@@ -79,7 +86,8 @@ struct Candidate {
   }
 };
 
-// Every line through two of the sections that does not widen along the vessel, and the level ones.
+// The lines that are tried: level lines, and lines through pairs of sections that narrow along the vessel by no more
+// than `steepest`.
 std::vector<Candidate> candidates(const std::vector<Calibre>& measured, const Sides& sides) {
   const std::vector<Calibre> trunk = trunk_of(measured, sides);
   const std::size_t every = (trunk.size() + drawn - 1) / drawn;
@@ -94,7 +102,7 @@ std::vector<Candidate> candidates(const std::vector<Calibre>& measured, const Si
     }
     found.push_back(std::move(one));
   };
-  // level with the widest section, which nothing can rule out
+  // level with the widest section: no section is wider, so this line is never ruled out
   add({std::max_element(trunk.begin(), trunk.end(), is_less_wide)->diameter, 0});
   for (std::size_t i = 0; i < trunk.size(); i += every) {
     add({trunk[i].diameter, 0});
@@ -108,17 +116,17 @@ std::vector<Candidate> candidates(const std::vector<Calibre>& measured, const Si
   return found;
 }
 
-// A line, or two with a step between them, and how many sections are healthy by it.
+// One line, or two lines with a step between them, and how well they suit the sections.
 struct Choice {
-  double score = ruled_out;
-  double healthy = 0;
-  const Candidate *line = nullptr, *behind = nullptr;
-  std::size_t last = 0, first = 0;       // sections at which `line` ends and `behind` begins
-  std::size_t dilated = 0, narrower = 0; // the sections of a dilatation
+  double score = ruled_out;                           // as Candidate::score()
+  double healthy = 0;                                 // number of healthy sections
+  const Candidate *line = nullptr, *behind = nullptr; // before and behind the step; `behind` is null without a step
+  std::size_t last = 0, first = 0;                    // indices of the sections at which the step begins and ends
+  std::size_t dilated = 0, narrower = 0; // indices of a dilatation's first section, and of the first behind it
 };
 
-// The line on which most of the sections from a to b lie, while hardly any lie above it. A narrow lumen is so not taken
-// for healthy, however long, if the vessel is wide before or behind it.
+// The line of the best score over the sections from a to b: most of them lie on it, and hardly any above it. So a
+// narrow stretch is not taken for healthy, however long, if the vessel is wide before or behind it.
 Choice plain(const std::vector<Candidate>& lines, std::size_t a, std::size_t b) {
   Choice best;
   for (const Candidate& one : lines)
@@ -127,7 +135,8 @@ Choice plain(const std::vector<Candidate>& lines, std::size_t a, std::size_t b) 
   return best;
 }
 
-// The same of the sections outside a dilatation, which has healthy ones on both sides and mostly wide ones within.
+// The line of the best score over the sections outside a dilatation. A dilatation has 8 healthy sections or more on
+// either side, and at least half of its own sections are wide.
 Choice beside_dilatation(const std::vector<Candidate>& lines) {
   Choice best;
   for (const Candidate& one : lines) {
@@ -145,7 +154,7 @@ Choice beside_dilatation(const std::vector<Candidate>& lines) {
   return best;
 }
 
-// Least squares of the sections from a to b near the line.
+// Fits a line to the sections from a to b by least squares, with health() as their weights. `line` is the first guess.
 ReferenceLine fitted(ReferenceLine line, const std::vector<Calibre>& trunk, std::size_t a, std::size_t b) {
   for (int k = 0; k < 5; ++k) {
     double w = 0, ws = 0, wd = 0, wss = 0, wsd = 0;
@@ -166,17 +175,18 @@ ReferenceLine fitted(ReferenceLine line, const std::vector<Calibre>& trunk, std:
   return line;
 }
 
-// Whether s is at a step from s = `from` to `to` of a vessel of that diameter. Where branches leave at a small angle,
-// their axes part up to two diameters behind the step.
+// Whether a place s lies at a step of the reference from `from` to `to` (arc lengths, mm). `vessel` is the diameter
+// before the step, mm. The axes of branches that leave at a small angle part up to two diameters behind the step.
 bool is_at_a_step(double s, double from, double to, double vessel) {
   return s > from - vessel && s < to + 2 * vessel;
 }
 
+// Whether one of the closed stubs, given by arc lengths (mm), is at this step.
 bool one_is_near(const std::vector<double>& stubs, double from, double to, double vessel) {
   return std::any_of(stubs.begin(), stubs.end(), [&](double s) { return is_at_a_step(s, from, to, vessel); });
 }
 
-// The diameter of the widest branch that leaves at such a step; 0 if none does.
+// The diameter (mm) of the widest side branch that leaves at this step; 0 if none does.
 double branch_at(const Sides& branches, double from, double to, double vessel) {
   double widest = 0;
   for (const auto& [s, diameter] : branches.branches)
@@ -185,10 +195,13 @@ double branch_at(const Sides& branches, double from, double to, double vessel) {
   return widest;
 }
 
-// Two lines with a step down between them, no deeper than at a fork into two equal branches, or than the flow split
-// with the branch that leaves there; most sections on either side are healthy. The step is at a side branch, or reaches
-// from the last healthy section of the first line to the first one of the second. The calibre of a closed stub's branch
-// is not known, so a step beside it may be as deep as into the lesser of two branches.
+// The best pair of lines with a step down between them. Most sections on either side of the step are healthy. The step
+// is at a side branch, or reaches from the last healthy section of the first line to the first one of the second. It is
+// no deeper than at a fork into two equal branches, or than the flow split says with the branch that leaves there. The
+// diameter of a closed stub's branch is not known. So beside a stub (`stubs`: arc lengths, mm) the diameter may fall to
+// that of the smaller of two unequal branches.
+// @param sides the branches past which the lines themselves step down
+// @param branches all side branches
 Choice stepped(const std::vector<Candidate>& lines, const std::vector<Calibre>& measured, const Sides& sides,
                const Sides& branches, const std::vector<double>& stubs) {
   const std::size_t n = measured.size();
@@ -236,8 +249,8 @@ ReferenceProfile fitted(const Choice& choice, const std::vector<Calibre>& measur
                         fitted(choice.behind->line, trunk, choice.first, trunk.size())}};
 }
 
-// The sections without an ectasia. An ectasia is one stretch with at least `fewest_sections` sections before and behind
-// it, and `ectatic` times as wide as any of them. Its flanks are left out as well.
+// The sections without an ectasia and its flanks. An ectasia is a single stretch with at least 8 sections before and
+// behind it. Its widest section is 1.5 times as wide as any of these.
 std::vector<Calibre> without_ectasia(std::vector<Calibre> measured, const Branch& branch, std::vector<Repair>& notes) {
   const std::size_t all = measured.size();
   Calibre widest{};
@@ -293,7 +306,8 @@ void note_step(const Choice& choice, const std::vector<Calibre>& measured, const
   notes.push_back({"reference steps down where no branch leaves", 1, detail, true});
 }
 
-// A line that most sections lie on, twice as many as on the profile, but with wider lumen before or behind them.
+// Warns of another reading: a line that twice as many sections lie on as on the profile, and half of all sections. It
+// is not the reference because too many sections are wider.
 void note_other_reading(const std::vector<Candidate>& lines, double healthy, const std::vector<Calibre>& measured,
                         const Branch& branch, const Sides& sides, const ReferenceProfile& profile,
                         std::vector<Repair>& notes) {
@@ -323,8 +337,9 @@ void note_other_reading(const std::vector<Candidate>& lines, double healthy, con
   notes.push_back({"reference by a short healthy part", 1, detail, true});
 }
 
-// The branches whose steps are tried: all, none, all by another exponent, and all but one. That one may bring blood, as
-// a graft does, or lead none.
+// The sets of side branches past which the reference may step down: all, none, all by another exponent, and all but
+// one. The branch left out may bring blood, as a graft does, or carry no flow.
+// @param widest diameter of the widest section, mm
 std::vector<Sides> flow_splits_of(const Sides& sides, double widest) {
   std::vector<Sides> splits{sides};
   if (!sides.branches.empty())
@@ -355,8 +370,10 @@ void note_left_out(const Sides& sides, const Sides& branches, const Branch& bran
   notes.push_back({"reference does not step down past a branch", 1, detail, true});
 }
 
-// The profile that takes most sections as healthy. The branches' steps by the flow split are kept unless more sections
-// are healthy without; a dilatation, a branch without its step or a step of another size has to bring many more.
+// The profile by which most sections are healthy. Its steps past the side branches follow the flow split, unless the
+// score without these steps is better by more than 8 sections. Other readings need a quarter more healthy sections: a
+// dilatation, another exponent, a branch without its step, a step of another size.
+// @param stubs arc lengths of the closed stubs on this branch, mm
 ReferenceProfile profile_of(const std::vector<Calibre>& measured, const Branch& branch, const Sides& branches,
                             const std::vector<double>& stubs, std::vector<Repair>& notes) {
   const std::size_t n = measured.size();
@@ -367,8 +384,8 @@ ReferenceProfile profile_of(const std::vector<Calibre>& measured, const Branch& 
     lines.push_back(candidates(measured, sides));
   Choice best;
   std::size_t split = 0;
-  const std::size_t all_or_none = branches.branches.empty() ? 1 : 2; // of flow_splits
-  const auto whole = static_cast<std::size_t>(                       // those without a branch left out
+  const std::size_t all_or_none = branches.branches.empty() ? 1 : 2; // number of flow_splits with all branches or none
+  const auto whole = static_cast<std::size_t>(                       // number of those without a single branch left out
       std::count_if(flow_splits.begin(), flow_splits.end(), [&](const Sides& one) {
         return one.branches.empty() || one.branches.size() == branches.branches.size();
       }));
@@ -395,6 +412,7 @@ ReferenceProfile profile_of(const std::vector<Calibre>& measured, const Branch& 
   return profile;
 }
 
+// A constant profile: twice the median of the inscribed radii.
 ReferenceProfile constant(const Branch& branch) {
   std::vector<double> radius = branch.radius;
   std::nth_element(radius.begin(), radius.begin() + static_cast<long>(radius.size() / 2), radius.end());
@@ -425,7 +443,7 @@ std::vector<ReferenceProfile> reference_profiles(const std::vector<Branch>& bran
                                                  const std::vector<Section>& sections, std::vector<Repair>& notes,
                                                  const std::vector<ClosedStub>& stubs) {
   std::vector<ReferenceProfile> profiles(branches.size());
-  // a branch comes after its side branches, whose calibre it needs: the deepest generation first
+  // the deepest generation comes first, since a branch needs the reference diameters of its side branches
   std::vector<std::size_t> order(branches.size());
   const auto generation = [&](std::size_t b) {
     int n = 0;

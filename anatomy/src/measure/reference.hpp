@@ -5,21 +5,23 @@
 
 namespace anatomy {
 
+/// A line of diameters along a branch.
 struct ReferenceLine {
   double at_start = 0, slope = 0; ///< mm, mm per mm
   double at(double s) const { return at_start + slope * s; }
 };
 
-/// A step down from one line to another. The reference is interpolated between the two, from s = `from` to `to`, mm.
+/// A step down from one line to another. Between s = `from` and s = `to` (mm) the diameter is interpolated.
 struct ReferenceStep {
   double from, to;
-  ReferenceLine line; ///< behind it
+  ReferenceLine line; ///< from `to` on
 };
 
 /// The side branches past which a reference steps down, and the exponent m of the steps.
 struct Sides {
-  std::vector<std::pair<double, double>> branches; ///< (s_k, d_k), mm; empty where the diameters show no such steps
-  double exponent = 2.55;                          ///< by which the flow is split, or 3 (Murray 1926), or 7/3 (HK)
+  /// (s_k, d_k), mm: where branch k leaves, and its diameter; empty where the diameters show no such steps.
+  std::vector<std::pair<double, double>> branches;
+  double exponent = 2.55; ///< by which the flow is split, or 3 (Murray 1926), or 7/3 (Huo and Kassab 2012)
 };
 
 /// Healthy equivalent diameter D (mm) along a branch: a straight line that does not widen, with a step down past each
@@ -27,24 +29,25 @@ struct Sides {
 struct ReferenceProfile {
   ReferenceLine line;
   Sides sides;
-  std::optional<ReferenceStep> step{}; ///< one of another size
-  double diameter(double s) const;
+  std::optional<ReferenceStep> step{}; ///< a further step, whose size follows from the sections
+  double diameter(double s) const;     ///< mm, at arc length s (mm)
 };
 
-/// One profile per branch, from the sections away from the ends. It is the line that most sections lie on, within 3 %.
-/// - Lumen that is wider than the line before or behind all its healthy sections rules the line out. Of two readings, a
-///   long narrowing or a widening at an end, the narrowing is so taken.
-/// - The steps at the side branches are kept unless more sections lie on a profile without them. Their exponent is 2.55
-///   unless 3 or 7/3 finds many more healthy sections. One of them, which may bring blood as a graft does, is left out
-///   if that finds many more. This is warned of.
+/// One profile for each branch, from the sections away from the ends. It is the line that most sections lie on, within
+/// 3 %; these sections count as healthy. "Many more" below means a quarter more.
+/// - A line is ruled out if the lumen is wider than the line before or behind all its healthy sections. A stretch is
+///   so read as a long narrowing of a wide vessel rather than as a narrow vessel with a wide end.
+/// - The steps past the side branches are kept unless more sections lie on a profile without them. Their exponent is
+///   2.55 unless 3 or 7/3 finds many more healthy sections. One step is left out, with a warning, if that finds many
+///   more. Its branch may bring blood, as a graft does.
 /// - A dilatation, a stretch wider than the healthy vessel on both sides, is left out if that finds many more healthy
 ///   sections. An ectasia, 1.5 times as wide as all sections before and behind it, is always left out.
 /// - One more step, of the size that the sections show, is taken if that finds many more healthy sections. It is no
 ///   deeper than past a fork into two equal branches, or at a closed stub into two unequal ones. Where no branch
-///   leaves, it stands for one that the surface lacks.
+///   leaves, the step is taken for a branch that is missing in the surface.
 /// - A branch with fewer than 8 such sections has a constant profile, twice the median of its inscribed radius.
 /// `notes` takes a warning of each dilatation, ectasia and step without a branch, and a note of each constant profile.
-/// If twice as many sections as the healthy ones lie on a narrower line, a warning states that reading as well.
+/// If twice as many sections as the healthy ones lie on a narrower line, a warning gives the diameter by that line too.
 std::vector<ReferenceProfile> reference_profiles(const std::vector<Branch>& branches,
                                                  const std::vector<Section>& sections, std::vector<Repair>& notes,
                                                  const std::vector<ClosedStub>& stubs = {});
@@ -54,6 +57,8 @@ struct Calibre {
   double s, diameter;
   bool mouth;
 };
+
+/// The sections of one branch away from the ends (flag ok or ostium), in their order along it.
 std::vector<Calibre> calibres(const std::vector<Branch>& branches, const std::vector<Section>& sections,
                               std::size_t branch);
 

@@ -5,18 +5,21 @@
 namespace anatomy {
 namespace {
 
-constexpr double stride_mm = 0.5; // nearer sections of a rough wall share vertices; farther ones differ by their shape
-constexpr double usual_radius = 1.5;
-constexpr std::size_t fewest_for_noise = 5; // sections for an estimate
-constexpr Eigen::Index shortest_run = 8;    // sections for a profile
-constexpr double caution = 1.4; // times C_p's price of a degree of freedom, against chance fits (Kim & Gu 2004)
-constexpr double bends_twice =
-    5; // degrees of freedom, whose price rises with few sections as in corrected AIC (Hurvich & Tsai 1989)
-constexpr int width = 3; // bands of the penalty beside the diagonal
+constexpr double stride_mm = 0.5;           // mm: nearer sections share vertices of the wall, and so their noise
+constexpr double usual_radius = 1.5;        // mm, at which the noise is stated
+constexpr std::size_t fewest_for_noise = 5; // sections: fewer give no estimate of the noise
+constexpr Eigen::Index shortest_run = 8;    // sections: the areas of a branch with fewer are not smoothed
+// Mallows' C_p charges each degree of freedom; a higher price guards against fits to chance (Kim & Gu 2004).
+constexpr double caution = 1.4; // factor of the price
+// Degrees of freedom of a profile that bends twice. With few sections its price rises as in the corrected AIC (Hurvich
+// & Tsai 1989).
+constexpr double bends_twice = 5;
+constexpr int width = 3; // bands of the penalty matrix on either side of its diagonal
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-// Equivalent radii along one branch by sample; weight 0 if a section is clipped at an ostium or missing.
+// Sections along one branch, with their equivalent radii (mm) and weights, one for each sample of the axis. The weight
+// is 0 if a section is missing or clipped at an ostium.
 struct Profile {
   std::vector<Section*> section;
   Eigen::VectorXd radius, weight;
@@ -38,7 +41,8 @@ Profile radii_along(std::vector<Section>& sections, std::size_t branch) {
   for (Eigen::Index i = 0; i < n; ++i)
     if (const Section* section = profile.section[static_cast<std::size_t>(i)]; section && section->flag == "ok") {
       profile.radius(i) = section->equivalent_diameter() / 2;
-      profile.weight(i) = profile.radius(i) / usual_radius; // a ring of n vertices scatters by 1 / sqrt(n)
+      // the variance of a mean radius falls as 1 / n with the n vertices round it, so as 1 / radius
+      profile.weight(i) = profile.radius(i) / usual_radius;
     }
   return profile;
 }
@@ -57,10 +61,12 @@ Sparse third_differences(Eigen::Index n) {
   return d;
 }
 
-// Diagonal of the inverse of L D L^T with L of bandwidth `width`, from the last element up (Erisman & Tinney 1975).
+// Diagonal of the inverse of L D L^T, where L has the bandwidth `width`. Computed from the last row upwards (Erisman &
+// Tinney 1975).
 Eigen::VectorXd inverse_diagonal(const Sparse& l, const Eigen::VectorXd& d) {
   const Eigen::Index n = d.size();
-  Eigen::MatrixXd z = Eigen::MatrixXd::Zero(n + width, width + 1), low = z; // z(i, k): element (i, i + k)
+  Eigen::MatrixXd z = Eigen::MatrixXd::Zero(n + width, width + 1),
+                  low = z; // z(i, k): element (i, i + k) of the inverse
   for (int j = 0; j < l.outerSize(); ++j)
     for (Sparse::InnerIterator it(l, j); it; ++it)
       if (it.row() > j)
@@ -76,7 +82,7 @@ Eigen::VectorXd inverse_diagonal(const Sparse& l, const Eigen::VectorXd& d) {
   return z.col(0).head(n);
 }
 
-// The straight line of least weighted squares through (i, y).
+// The line fitted by weighted least squares to the points (i, y_i), evaluated at every i.
 Eigen::VectorXd line_through(const Eigen::VectorXd& y, const Eigen::VectorXd& w) {
   const Eigen::ArrayXd x = Eigen::ArrayXd::LinSpaced(y.size(), 0, static_cast<double>(y.size() - 1));
   const double mean_x = w.dot(x.matrix()) / w.sum(), mean_y = w.dot(y) / w.sum();
@@ -85,9 +91,12 @@ Eigen::VectorXd line_through(const Eigen::VectorXd& y, const Eigen::VectorXd& w)
   return (mean_y + slope * from_mean).matrix();
 }
 
-// The smooth profile for the penalty with the least Mallows' C_p. Samples nearer than `stride` share vertices, so their
-// common noise would pass for shape. Only every stride-th sample chooses the penalty, which then serves all. The
-// stiffest penalty still leaves a parabola, so a straight taper competes as well.
+// The smooth profile (mm, one radius for each sample): a spline, whose penalty has the least Mallows' C_p. Samples
+// nearer than `stride` share vertices of the wall, so their common noise would pass for shape. So only every stride-th
+// sample enters C_p, and the spline with the chosen penalty is then fitted to all samples. The stiffest spline is still
+// a parabola, so a straight line competes as well.
+// @param stride in samples
+// @param sigma standard deviation of a radius of 1.5 mm by noise, mm
 Eigen::VectorXd smoothed(const Profile& profile, Eigen::Index stride, double sigma) {
   const Eigen::VectorXd& y = profile.radius;
   Eigen::VectorXd w = profile.weight;

@@ -19,7 +19,7 @@ Vec2 centroid(const std::vector<Vec2>& loop) {
   return sum / area;
 }
 
-// Distance from `from` to the loop along direction d (the farthest crossing; 0 if none).
+// Distance (mm) from the point `from` to the loop along the unit vector d: the farthest crossing, 0 if there is none.
 double reach(const std::vector<Vec2>& loop, const Vec2& from, const Vec2& d) {
   double farthest = 0;
   const Vec2 n(-d.y(), d.x());
@@ -32,7 +32,7 @@ double reach(const std::vector<Vec2>& loop, const Vec2& from, const Vec2& d) {
   return farthest;
 }
 
-// Smallest and largest chord through the centroid, of chords every 3 degrees.
+// Sets the smallest and the largest chord through the centroid, among chords at every 3 degrees.
 void set_diameters(Section& section, const std::vector<Vec2>& loop) {
   const Vec2 c = centroid(loop);
   section.min_diameter = 1e300;

@@ -4,15 +4,15 @@
 namespace anatomy {
 namespace {
 
-// The LAD loses half of its width (3.7 to 1.9 mm over 100 mm, Dodge 1992), .5 % per mm of the first diameter. Small
-// branches lose as many mm per mm, which is more of theirs.
-constexpr double usual = 0.5, steep = 1;  // per cent per mm
-constexpr double steep_slope = 0.037;     // mm per mm, twice the LAD's
-constexpr double least_taper_length = 15; // mm: a shorter stretch tapers as its few sections say
-constexpr double fork_offset = 0.01;      // mm from a fork, where the reference steps down
+// The LAD narrows from 3.7 to 1.9 mm over 100 mm (Dodge 1992), by 0.5 % of its first diameter per mm. Small branches
+// narrow by as many mm per mm, which is a larger share of their diameter.
+constexpr double usual = 0.5, steep = 1;  // taper of the LAD, and least taper for a warning: per cent per mm
+constexpr double steep_slope = 0.037;     // least taper for a warning, mm per mm: twice the LAD's
+constexpr double least_taper_length = 15; // mm: in a shorter stretch a few sections decide the taper
+constexpr double fork_offset = 0.01;      // mm from a fork: diameters are taken beside the reference's step there
 
-// Arc lengths (mm) that divide a branch into stretches of one taper: `from`, `to`, the forks, and both ends of a step.
-// At forks and over a step the reference may step down.
+// Arc lengths (mm) that divide a branch into stretches of constant taper, in order: `from`, `to`, and between them the
+// forks and both ends of the reference's step. At forks and over the step the reference may step down.
 std::vector<double> cuts_of(const std::vector<Branch>& branches, std::size_t b, const ReferenceProfile& profile,
                             double from, double to) {
   std::vector<double> cuts{from, to};

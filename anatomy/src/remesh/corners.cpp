@@ -11,18 +11,19 @@
 namespace anatomy {
 namespace {
 
-constexpr double slack = 0.4;      // degrees below the wanted corner for which another pass is not worth its time
-constexpr int rings = 2;           // of vertices round a narrow triangle that may move
-constexpr int sweeps = 6;          // of moves over these vertices
-constexpr int directions = 6;      // tried at each step of a move
-constexpr double first_step = 0.2; // of the mean edge at the vertex
-constexpr int halvings = 4;
-constexpr double least_gain = 0.05; // degrees; a change is kept only if the patch's smallest corner gains more
-constexpr double least_move = 1e-3; // degrees; the same for the move of one vertex, by the triangles round it
+constexpr double slack = 0.4;      // degrees: if the smallest corner is short of the goal by less, no pass follows
+constexpr int rings = 2;           // rings of vertices round a narrow triangle that may move
+constexpr int sweeps = 6;          // times at most that each of these vertices is moved
+constexpr int directions = 6;      // directions tried for each step of a vertex
+constexpr double first_step = 0.2; // length of a vertex's first step, over the mean edge at the vertex
+constexpr int halvings = 4;        // step lengths tried, each half of the one before
+constexpr double least_gain =
+    0.05; // degrees; a change is kept only if the smallest corner of the neighbourhood gains more
+constexpr double least_move = 1e-3; // degrees; a vertex moves only if the smallest corner round it gains more
 constexpr double cos_turned = 0.5;  // 60 degrees: a move may not turn a triangle by more
-constexpr double cos_folded = 0.3;  // 73 degrees to the wall below
-constexpr double cos_crease = -0.5; // 120 degrees between two neighbours: sharper than any carina of a lumen
-constexpr std::size_t most_changes = 400;
+constexpr double cos_folded = 0.3;  // 73 degrees: a triangle steeper than this to the smooth wall is folded
+constexpr double cos_crease = -0.5; // 120 degrees between two neighbours' normals: sharper than any carina of a lumen
+constexpr std::size_t most_changes = 400; // triangles that are treated in one pass
 
 Vec3 normal_at(const Mesh& mesh, Vertex v) {
   Vec3 sum = Vec3::Zero();
@@ -31,6 +32,7 @@ Vec3 normal_at(const Mesh& mesh, Vertex v) {
   return sum.normalized();
 }
 
+// Whether the vertex may move: it may if no triangle at it belongs to a cap.
 bool may_move(const Mesh& mesh, Vertex v) {
   const RegionMap region = region_map(mesh);
   for (Face f : mesh.faces_around_target(mesh.halfedge(v)))
@@ -39,12 +41,14 @@ bool may_move(const Mesh& mesh, Vertex v) {
   return true;
 }
 
+// The triangles round a vertex, and their normals before the vertex moves.
 struct Star {
   std::vector<Face> faces;
   std::vector<Vec3> normals;
 };
 
-// The smallest corner of the star, or the first corner found that is not above `enough`; -1 if a triangle has turned.
+// The smallest corner (degrees) of the star's triangles, or the first one found that is not above `enough`. It is -1 if
+// a triangle has turned by more than 60 degrees.
 double corner_of(const Mesh& mesh, const Star& star, double enough) {
   double corner = 180;
   for (std::size_t i = 0; i < star.faces.size() && corner > enough; ++i) {
@@ -55,7 +59,8 @@ double corner_of(const Mesh& mesh, const Star& star, double enough) {
   return corner;
 }
 
-// Moves v on the wall to the place with the widest smallest corner round it (pattern search).
+// Moves v along the wall so that the smallest corner of the triangles round it becomes as wide as possible. It is a
+// pattern search: steps in several directions, of falling length. Returns whether v was moved.
 bool move(Mesh& mesh, const WallTree& wall, Vertex v) {
   const Vec3 normal = normal_at(mesh, v), u = normal.unitOrthogonal(), w = normal.cross(u);
   Star star;
@@ -74,7 +79,7 @@ bool move(Mesh& mesh, const WallTree& wall, Vertex v) {
       const Point before = mesh.point(v);
       const double aim = best + least_move;
       mesh.point(v) = point(vec(before) + step * (std::cos(angle) * u + std::sin(angle) * w));
-      if (corner_of(mesh, star, aim) > aim) { // only then is the nearest point of the wall searched
+      if (corner_of(mesh, star, aim) > aim) { // only a promising step is worth the search for the wall's nearest point
         mesh.point(v) = wall.nearest(mesh.point(v));
         if (const double corner = corner_of(mesh, star, aim); corner > aim) {
           best = corner;
@@ -87,6 +92,7 @@ bool move(Mesh& mesh, const WallTree& wall, Vertex v) {
   return moved;
 }
 
+// A change of the mesh; it returns false, and changes nothing, if it is impossible.
 using Change = std::function<bool(Mesh&)>;
 
 Change flip(Edge e) {
@@ -126,14 +132,16 @@ Change split(Edge e, const WallTree& wall) {
   };
 }
 
+// Widens corners of `mesh` as widen_corners() says.
 struct AngleOptimiser {
   Mesh mesh;
   const Mesh& surface;
   const WallTree& wall;
-  double wanted;
+  double wanted; // degrees
   bool careful;
-  std::set<Face> hopeless; // cannot be improved
+  std::set<Face> hopeless; // narrow triangles that no change has improved in this pass
 
+  // The vertices of a triangle and of two rings round it.
   std::set<Vertex> around(Face f) const {
     std::set<Vertex> patch;
     for (Vertex v : mesh.vertices_around_face(mesh.halfedge(f)))
@@ -145,7 +153,7 @@ struct AngleOptimiser {
     return patch;
   }
 
-  // Smallest corner of the wall's triangles at these vertices, away from the rims.
+  // Smallest corner (degrees) of the triangles at these vertices that touch no cap.
   static double corner_of(const Mesh& in, const std::set<Vertex>& patch) {
     double corner = 180;
     for (Vertex v : patch)
@@ -156,6 +164,7 @@ struct AngleOptimiser {
     return corner;
   }
 
+  // Moves the vertices of a patch one after the other, until none moves any more or `sweeps` is reached.
   void relax(Mesh& in, const std::set<Vertex>& patch) const {
     bool moved = true;
     for (int sweep = 0; sweep < sweeps && moved; ++sweep) {
@@ -166,8 +175,10 @@ struct AngleOptimiser {
     }
   }
 
+  // The changes to try at a triangle: none, and a flip, collapse or split of each edge at its vertices. relax()
+  // follows.
   std::vector<Change> changes(Face f) const {
-    std::vector<Change> all{[](Mesh&) { return true; }}; // moves alone
+    std::vector<Change> all{[](Mesh&) { return true; }}; // no change: relax() alone
     std::set<Edge> edges;
     for (Vertex v : mesh.vertices_around_face(mesh.halfedge(f)))
       for (Halfedge h : mesh.halfedges_around_target(mesh.halfedge(v)))
@@ -182,7 +193,7 @@ struct AngleOptimiser {
     return all;
   }
 
-  // Whether the triangle could be improved.
+  // Keeps the change that widens the smallest corner round the triangle most. Returns whether there was one.
   bool widen(Face f) {
     const std::set<Vertex> patch = around(f);
     const double before = corner_of(mesh, patch);
@@ -214,7 +225,8 @@ struct AngleOptimiser {
     return true;
   }
 
-  // Triangles at these vertices that are not along the wall. At a sharp carina some never are.
+  // Number of triangles at these vertices that stand steeply on the smooth wall. At a sharp carina there always are
+  // some.
   std::size_t folded(const Mesh& in, const std::set<Vertex>& patch) const {
     std::set<Face> faces;
     for (Vertex v : patch)
@@ -230,7 +242,7 @@ struct AngleOptimiser {
     }));
   }
 
-  // Edges at these vertices whose triangles are folded onto each other. Such triangles need not cross.
+  // Number of edges at these vertices whose two triangles are folded onto each other. Such triangles need not cross.
   static std::size_t creases(const Mesh& in, const std::set<Vertex>& patch) {
     std::set<Edge> edges;
     for (Vertex v : patch)
@@ -245,7 +257,7 @@ struct AngleOptimiser {
     }));
   }
 
-  // Whether the triangles at these vertices, and those beside them, cross each other.
+  // Whether triangles at these vertices, or at the vertices next to them, cross each other.
   static bool crosses(const Mesh& in, const std::set<Vertex>& patch) {
     std::set<Face> faces;
     for (Vertex v : patch)
@@ -256,6 +268,7 @@ struct AngleOptimiser {
     return crosses_itself(in, {faces.begin(), faces.end()});
   }
 
+  // Smallest corner (degrees) of all triangles that touch no cap.
   double smallest() const {
     double corner = 180;
     for (Face f : mesh.faces())
@@ -264,6 +277,7 @@ struct AngleOptimiser {
     return corner;
   }
 
+  // The triangle of the smallest corner (degrees) among those that touch no cap and are not hopeless.
   std::pair<double, Face> worst() const {
     std::pair<double, Face> found{180, Face()};
     for (Face f : mesh.faces())

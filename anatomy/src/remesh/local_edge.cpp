@@ -13,20 +13,24 @@ namespace {
 
 namespace PMP = CGAL::Polygon_mesh_processing;
 
-constexpr double edge_per_radius = 0.3;
-constexpr double largest_edge_per_radius = 0.8; // eight edges round the narrowest throat
-constexpr double thinnest = 0.05;               // mm; shorter edges only for a shorter `edge`
-constexpr double growth = 0.3;                  // of the edge, mm per mm along the wall
-// CGAL's remeshing accepts edges of 0.8 to 1.33 of its target. With this step a level's edges suit the next level too.
+constexpr double edge_per_radius = 0.3;         // longest edge over the inscribed radius
+constexpr double largest_edge_per_radius = 0.8; // the same in the narrowest throats: eight edges go round them
+constexpr double thinnest = 0.05;               // mm, least edge in a throat, unless 0.3 of the user's edge is shorter
+constexpr double growth = 0.3;                  // mm of edge per mm of distance from a narrow place
+// Ratio of the target edges of two successive levels. CGAL's remeshing accepts edges of 0.8 to 1.33 of its target, so
+// the edges of a level suit the next level too.
 constexpr double level_step = 0.85;
-constexpr double good_corner = 30;    // degrees
-constexpr double aimed_corner = 30.5; // more than 30, which must remain after writing and reading
-constexpr double shortest = 0.5;      // of the wanted length; remeshing itself leaves one in 10^4 triangles outside
-constexpr double longest = 1.6;       // the same
-constexpr int rings_beside = 3;       // of triangles round those to remesh, which are remeshed too
-constexpr double off_wall = 1e-6;     // mm
-constexpr double mostly = 1.0 / 3;
+constexpr double good_corner = 30;    // degrees: a triangle with a smaller corner is remeshed
+constexpr double aimed_corner = 30.5; // degrees: a margin over 30, which must remain after writing and reading
+// A triangle with an edge shorter or longer than this ratio to the wanted length is remeshed. Remeshing itself leaves
+// one triangle in 10^4 outside.
+constexpr double shortest = 0.5;
+constexpr double longest = 1.6;
+constexpr int rings_beside = 3;    // rings of triangles round those to remesh that are remeshed too
+constexpr double off_wall = 1e-6;  // mm: a vertex farther from the wall is projected on it
+constexpr double mostly = 1.0 / 3; // share of triangles to remesh above which regraded() gives up
 
+// Whether a triangle has edges near the wanted length, and no corner below 30 degrees.
 bool as_wanted(const Mesh& mesh, Face f, const EdgeField& field) {
   const double length = field.at(centroid(mesh, f));
   for (Halfedge h : mesh.halfedges_around_face(mesh.halfedge(f))) {
@@ -37,7 +41,8 @@ bool as_wanted(const Mesh& mesh, Face f, const EdgeField& field) {
   return smallest_corner(mesh, f) >= good_corner;
 }
 
-// Per face of a compact mesh: whether it is on the wall, away from the rims, and not as wanted, or near such a face.
+// For each face of a compact mesh: whether it is to be remeshed. It is if it touches no cap and is not as_wanted(), or
+// is within three rings of such a face.
 std::vector<bool> to_remesh(const Mesh& mesh, const EdgeField& field) {
   std::vector<bool> chosen(mesh.num_faces(), false);
   for (Face f : mesh.faces())
@@ -56,14 +61,14 @@ std::vector<bool> to_remesh(const Mesh& mesh, const EdgeField& field) {
 struct Remesher {
   Mesh mesh;
   const Mesh &original, &surface;
-  const WallTree wall, given; ///< of the smooth surface, of `original`
+  const WallTree wall, given; ///< the walls of `surface` and of `original`
   const EdgeField& field;
-  std::vector<bool> chosen; ///< per face of `original`; empty: all
+  std::vector<bool> chosen; ///< for each face of `original`, whether it is remeshed; empty: all are
 
   Remesher(const Mesh& start, const Mesh& smooth, const EdgeField& lengths)
       : mesh(start), original(start), surface(smooth), wall(smooth), given(original), field(lengths) {}
 
-  // Faces away from the rims, at places that are to be remeshed with at most this length.
+  // The faces to remesh whose wanted edge is at most `length` (mm); faces that touch a cap are left out.
   std::vector<Face> faces_up_to(double length) const {
     std::vector<Face> faces;
     for (Face f : mesh.faces()) {
@@ -76,7 +81,7 @@ struct Remesher {
     return faces;
   }
 
-  // All faces, also of caps, where the wanted length is at least this.
+  // All faces, of caps too, whose wanted edge is at least `length` (mm).
   std::vector<Face> faces_from(double length) const {
     std::vector<Face> faces;
     for (Face f : mesh.faces())
@@ -85,7 +90,8 @@ struct Remesher {
     return faces;
   }
 
-  // Every step flips edges and relaxes vertices; with `resize` it also splits and collapses edges.
+  // Remeshes these faces to edges of `target` mm. Every iteration flips edges and relaxes vertices; with `resize` it
+  // also splits and collapses edges.
   void remesh(const std::vector<Face>& faces, double target, unsigned iterations, bool resize) {
     RegionMap region = region_map(mesh);
     auto rim = mark_rims(mesh);
@@ -100,13 +106,15 @@ struct Remesher {
                                  .projection_functor([&](Vertex v) { return on_wall(mesh, v, wall); }));
     mesh.remove_property_map(rim);
     mesh.collect_garbage();
-    // CGAL does not project new vertices on the border of the faces; vertices already on the wall keep their bits
+    // CGAL does not project new vertices on the border of the faces. Vertices on the wall keep their coordinates
+    // exactly.
     for (Vertex v : mesh.vertices())
       if (const Point p = on_wall(mesh, v, wall); CGAL::squared_distance(p, mesh.point(v)) > off_wall * off_wall)
         mesh.point(v) = p;
   }
 
-  // Nested: each level is resized together with all finer ones, so that the seams of two levels are far apart.
+  // Remeshes level by level, from edges of `coarsest` mm to the finest. Each level is remeshed together with all finer
+  // ones, so that the borders of two levels are far apart.
   void resize(double coarsest) {
     for (double target = coarsest;; target *= level_step) {
       const std::vector<Face> faces = faces_up_to(target == field.edge() ? target : target / std::sqrt(level_step));
@@ -119,7 +127,8 @@ struct Remesher {
       remesh(faces, coarsest, 3, false);
   }
 
-  // From a mesh of uniform edge: first the finer levels, then upwards, each level together with all coarser ones.
+  // Remeshes a mesh of edges of `uniform` mm. The finer levels come first, then the coarser ones upwards, each together
+  // with all that are still coarser.
   void resize_both_ways(double uniform) {
     resize(level_step * uniform);
     for (double target = uniform / level_step;; target = std::min(target / level_step, field.edge())) {
@@ -133,6 +142,8 @@ struct Remesher {
     flatten_caps(mesh);
   }
 
+  // The mesh with its self-intersections repaired and its corners widened. Corners stay as they are if every way to
+  // widen them makes the surface cross itself.
   Mesh finished() {
     untangle(mesh);
     check_remeshed(mesh, field.edge());

@@ -7,22 +7,23 @@
 
 namespace anatomy {
 
-constexpr double smallest_edge_factor = 0.3;
+constexpr double smallest_edge_factor = 0.3; ///< least edge over the user's edge, except in very narrow throats
 
 /// The edge length wanted at a place of the wall.
 class EdgeField {
 public:
-  /// Round each sample of the axes the edge is `edge` (mm) times R / R_reference, with these limits:
+  /// Round each sample of the axes the wanted edge is `edge` (mm) times R / R_reference. R is the inscribed radius and
+  /// R_reference the healthy radius. The limits are:
   /// - at most 0.3 R, since a tube of chords e loses (e/R)^2 / 6 of its area;
   /// - at least smallest_edge_factor times `edge`;
   /// - in a throat so narrow that fewer than eight such edges would go round it: 0.8 R, but at least 0.05 mm.
-  /// It grows by 0.3 mm for each mm of distance from the sample, so that neighbouring triangles are of similar size.
+  /// Outside the sample's inscribed sphere it grows by 0.3 mm per mm, so that neighbouring triangles are alike.
   EdgeField(double edge, const std::vector<Branch>& branches, const std::vector<ReferenceProfile>& profiles);
   double at(const Vec3& p) const; ///< mm, at most `edge`
   double edge() const { return edge_; }
 
 private:
-  struct Narrow {
+  struct Narrow { // mm
     Vec3 x;
     double radius, edge;
   };
@@ -31,18 +32,18 @@ private:
 };
 
 /// A copy of the tagged `mesh`, whose edges are uniform and as long as field.edge(). Where `field` asks for shorter
-/// edges, the wall is remeshed to them in nested steps by a factor of 0.85. Corners are then widened to 30 degrees.
-/// Vertices are projected on the wall of `surface`, the smooth surface that `mesh` was made from. Caps, rims and the
-/// wall's triangles at the rims stay. Throws ComputationError as remeshed().
+/// edges, the wall is remeshed in steps that shorten the edges by a factor of 0.85. Corners are then widened to 30
+/// degrees. Vertices are projected on the wall of `surface`, the smooth surface that `mesh` was made from. Caps, rims
+/// and the wall's triangles at the rims stay. Throws ComputationError if the result crosses itself or is not closed.
 Mesh graded(const Mesh& mesh, const Mesh& surface, const EdgeField& field);
 
-/// The same for a `mesh` of a uniform shorter `edge` (mm), which a narrow throat needs. It is made coarser, in nested
-/// steps, where `field` allows it.
+/// As graded(), but for a `mesh` whose uniform edges are shorter: `edge` mm, as a narrow throat needs. It is remeshed
+/// to longer edges, in such steps, where `field` allows it.
 Mesh coarsened(const Mesh& mesh, double edge, const Mesh& surface, const EdgeField& field);
 
-/// The same for a mesh that was graded before and deformed since. It is remeshed only where edges are no longer 0.5 to
-/// 1.6 times the wanted length or corners are below 30 degrees, and next to these places. Returns nothing if this
-/// concerns more than a third of the triangles; such a mesh should be remeshed as a whole.
+/// As graded(), but for a mesh that was graded before and deformed since. It is remeshed only where edges are no longer
+/// 0.5 to 1.6 times the wanted length or corners are below 30 degrees, and next to these places. Returns nothing if
+/// this concerns more than a third of the triangles; such a mesh should be remeshed as a whole.
 std::optional<Mesh> regraded(const Mesh& mesh, const Mesh& surface, const EdgeField& field);
 
 } // namespace anatomy

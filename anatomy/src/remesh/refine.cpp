@@ -4,13 +4,14 @@
 namespace anatomy {
 namespace {
 
-constexpr double cos_sharp = 0.8;             // 37 degrees
-constexpr double largest_bulge = 0.01;        // mm; at a blunt crease the normals give too large a bulge
-constexpr double cos_turn = 0.98;             // 0.2 rad, the turn of an edge of a fifth of the radius
-constexpr double thin_share = 0.03;           // of the wall's area, so that a side branch counts
+constexpr double cos_sharp = 0.8;      // 37 degrees between the normals at an edge's ends: sharper edges stay straight
+constexpr double largest_bulge = 0.01; // mm from an edge to its new middle; a blunt crease would give too much
+constexpr double cos_turn = 0.98;      // 0.2 rad between the normals, as along an edge of a fifth of the radius
+constexpr double thin_share = 0.03;    // least share of the wall's area that must turn so; a side branch reaches it
 constexpr std::size_t most_to_split = 150000; // triangles; on finer surfaces noise turns as much, and splitting is slow
 
-// Vertex normals of the wall's faces only, so that a rim's normal is the tube's; zero inside a cap.
+// Vertex normals from the wall's faces alone, so that a vertex on a rim has the normal of the wall. They are 0 inside a
+// cap.
 std::vector<Vec3> wall_normals(const Mesh& mesh) {
   const RegionMap region = region_map(mesh);
   std::vector<Vec3> normals(mesh.number_of_vertices(), Vec3::Zero());
@@ -30,11 +31,12 @@ std::vector<Vec3> wall_normals(const Mesh& mesh) {
   return normals;
 }
 
+// The new middle (mm) of the edge from p to q, whose ends have the normals np and nq.
 Vec3 middle(const Vec3& p, const Vec3& q, const Vec3& np, const Vec3& nq) {
   const Vec3 straight = 0.5 * (p + q);
   if (np.dot(nq) < cos_sharp) // also true inside a cap, where a normal is zero
     return straight;
-  const Vec3 d = q - p, bulge = (d.dot(nq) * nq - d.dot(np) * np) / 8; // Hermite: (t_p - t_q) / 8
+  const Vec3 d = q - p, bulge = (d.dot(nq) * nq - d.dot(np) * np) / 8; // of a Hermite cubic: (t_p - t_q) / 8
   return straight + std::min(1.0, largest_bulge / std::max(bulge.norm(), largest_bulge)) * bulge;
 }
 
@@ -42,7 +44,8 @@ Vec3 middle(const Vec3& p, const Vec3& q, const Vec3& np, const Vec3& nq) {
 
 namespace {
 
-// Part of the wall's area whose triangles turn by more than `turn` from corner to corner, sharp edges left out.
+// Share of the wall's area in triangles whose normals turn by more than 0.2 rad from corner to corner. Sharp edges do
+// not count.
 double turning_share(const Mesh& mesh) {
   const std::vector<Vec3> normals = wall_normals(mesh);
   const RegionMap region = region_map(mesh);
@@ -75,7 +78,7 @@ bool is_coarse(const Mesh& mesh) {
 
 Mesh curved_refined(const Mesh& input) {
   Mesh mesh = input;
-  mesh.collect_garbage(); // indices count on from zero
+  mesh.collect_garbage(); // vertex indices then run from 0 without gaps
   const std::vector<Vec3> normals = wall_normals(mesh);
   const RegionMap region = region_map(mesh);
   Mesh out;

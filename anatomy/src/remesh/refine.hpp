@@ -6,14 +6,15 @@ namespace anatomy {
 
 /// Splits each triangle of the closed, tagged mesh into four. The middle of a wall edge is put on the cubic through its
 /// ends that has their normals (curved point-normal triangles: Vlachos et al., I3D 2001). Vertices stay where they are.
-/// The chord error falls to about a quarter in length, and further in area. No middle leaves its flat triangle by more
-/// than 0.01 mm, as for edges of 0.35 mm at a radius of 1.5 mm. Edges of caps and edges sharper than 37 degrees stay
-/// straight. Tags are kept.
+/// The chord error falls to about a quarter in length, and further in area. A middle moves by 0.01 mm at most, as for
+/// edges of 0.35 mm at a radius of 1.5 mm. Edges of caps and edges sharper than 37 degrees stay straight. Tags are
+/// kept.
 Mesh curved_refined(const Mesh& mesh);
 
-/// Whether the triangles' chords make sections too small. They do if the mean edge is above 0.12 of the mean radius
-/// 2 V/A, since the area is then off by (e/R)^2 / 6 = 0.24 %. They also do if the wall turns by more than 0.2 rad
-/// across triangles that make up 3 % of it, as in a thin branch of an otherwise fine surface.
+/// Whether the triangles are so coarse that sections come out too small. They are if the mean edge e is above 0.12 of
+/// the mean radius R = 2 V/A, since the area is then off by (e/R)^2 / 6 = 0.24 %. They also are if the wall turns by
+/// more than 0.2 rad across triangles that make up over 3 % of its area. A thin branch of an otherwise fine surface
+/// does so. A surface of 150,000 triangles or more is judged by its mean edge alone.
 bool is_coarse(const Mesh& mesh);
 
 } // namespace anatomy

@@ -20,9 +20,9 @@ Point on_wall(const Mesh& mesh, Vertex v, const WallTree& wall) {
 
 namespace {
 
-constexpr double narrow = 30;          // degrees
-constexpr double mostly_narrow = 0.1;  // share of triangles
-constexpr double loosening_edge = 0.6; // of the wanted edge
+constexpr double narrow = 30;          // degrees: a triangle with a smaller corner is narrow
+constexpr double mostly_narrow = 0.1;  // share of narrow triangles above which the mesh is remeshed again
+constexpr double loosening_edge = 0.6; // of the wanted edge: the finer mesh in between
 
 void remesh_wall(Mesh& mesh, double edge, const WallTree& wall) {
   RegionMap region = region_map(mesh);
@@ -52,8 +52,8 @@ Mesh remeshed(const Mesh& mesh, double edge, const Mesh& surface) {
   Mesh out = mesh;
   const WallTree wall(surface);
   remesh_wall(out, edge, wall);
-  // A regular loft may pass unchanged: its long edges are short enough, and a collapse of its short ones would make the
-  // others too long. From a finer mesh there is a way.
+  // Remeshing may leave a regular loft unchanged: its long edges are short enough, and a collapse of its short edges
+  // would make the others too long. Remeshing it to a finer mesh first avoids this.
   if (is_narrow(out)) {
     remesh_wall(out, loosening_edge * edge, wall);
     remesh_wall(out, edge, wall);

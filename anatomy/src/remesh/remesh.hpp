@@ -4,12 +4,12 @@
 
 namespace anatomy {
 
-/// A copy of the closed, tagged `mesh` with edges of about `edge` mm, tags kept and caps flat; the wall's vertices lie
-/// on the wall of `surface`, which is `mesh` itself or its curved refinement. Throws ComputationError if the result
-/// crosses itself or is not closed.
+/// A copy of the closed, tagged `mesh` with edges of about `edge` mm. Tags are kept and caps are flat. The wall's
+/// vertices lie on the wall of `surface`, which is `mesh` itself or its curved refinement. Throws ComputationError if
+/// the result crosses itself or is not closed.
 Mesh remeshed(const Mesh& mesh, double edge, const Mesh& surface);
 
-/// The place of v after projection: the nearest point of the wall; on caps and rims its own place.
+/// The point to which v is projected: the nearest point of the wall. A vertex on a cap or a rim stays in its place.
 Point on_wall(const Mesh& mesh, Vertex v, const WallTree& wall);
 
 /// Repairs self-intersections of a closed, tagged mesh without changing its caps or its topology (CGAL's local

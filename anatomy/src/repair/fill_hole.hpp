@@ -1,20 +1,20 @@
-// Triangulates closed loops of border edges, always with the same result for the same input.
+// Closes loops of border edges by triangles. The same input always gives the same result.
 #pragma once
 #include "repair/loops.hpp"
 
 namespace anatomy {
 
-/// Closes the hole behind a border halfedge by the triangulation of least bending. Returns its faces; none if there is
-/// no triangulation.
+/// Closes the hole at a border halfedge by the triangulation that bends least. Returns the new faces; none if there is
+/// no triangulation. A hole of more than 250 edges is filled in parts.
 std::vector<Face> filled(Mesh& mesh, Halfedge border);
 
-/// Divides the loop's edges at points of the loop that lie on them (within `tolerance`, mm), so that they can be
-/// stitched to the edges of the other side. Returns the number of new points. Loops of more than 250 edges are not
-/// changed.
+/// Divides edges of the border loop at vertices of the same loop that lie on them (within `tolerance`, mm). The edges
+/// on the two sides of a gap without width can then be stitched. Returns the number of new points. Loops of more than
+/// 250 edges are not changed.
 std::size_t divided(Mesh& mesh, Halfedge border, double tolerance);
 
-/// Closes a plane loop by its constrained Delaunay triangulation, refined to the density of the rim. Returns its faces;
-/// none if the loop cannot be closed.
+/// Closes a plane loop by its constrained Delaunay triangulation, whose triangles are refined to the size of the rim's
+/// edges. Returns the new faces; none if the loop cannot be closed.
 std::vector<Face> capped(Mesh& mesh, const Loop& loop);
 
 } // namespace anatomy

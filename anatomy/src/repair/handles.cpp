@@ -9,9 +9,9 @@
 namespace anatomy {
 namespace {
 
-constexpr double largest_patch = 0.35;                         // mean radii of the vessel
-constexpr std::array<double, 5> patch_edges{2, 3, 4.5, 7, 10}; // tried in turn, in mean edges round the place
-constexpr int most_rounds = 5;
+constexpr double largest_patch = 0.35;                         // mean radii: largest radius of a patch
+constexpr std::array<double, 5> patch_edges{2, 3, 4.5, 7, 10}; // radii of patches tried in turn, in mean edges
+constexpr int most_rounds = 5;                                 // rounds of search and removal at most
 
 double mean_edge(const Mesh& mesh) {
   double sum = 0;
@@ -20,7 +20,7 @@ double mean_edge(const Mesh& mesh) {
   return sum / static_cast<double>(mesh.number_of_edges());
 }
 
-// The faces within `reach` of vertex v that are connected to it.
+// The faces within `reach` (mm) of vertex v that are connected to it by such faces.
 std::set<Face> patch_round(const Mesh& mesh, Vertex v, double reach) {
   const Vec3 centre = vec(mesh.point(v));
   std::set<Face> patch;
@@ -43,7 +43,7 @@ std::set<Face> patch_round(const Mesh& mesh, Vertex v, double reach) {
   return patch;
 }
 
-// The halfedges of the patch along its rim.
+// The halfedges inside the patch along its rim.
 std::vector<Halfedge> rim_of(const Mesh& mesh, const std::set<Face>& patch) {
   std::vector<Halfedge> rim;
   for (Face f : patch)
@@ -70,7 +70,7 @@ bool is_one_loop(const Mesh& mesh, const std::vector<Halfedge>& rim) {
   return steps == rim.size();
 }
 
-// Number of handles in a patch with one rim.
+// Number of handles in a patch with one rim of `rim` edges, by its Euler characteristic.
 long genus(const Mesh& mesh, const std::set<Face>& patch, std::size_t rim) {
   std::set<Vertex> vertices;
   for (Face f : patch)
@@ -80,7 +80,9 @@ long genus(const Mesh& mesh, const std::set<Face>& patch, std::size_t rim) {
   return (1 - (static_cast<long>(vertices.size()) - edges + static_cast<long>(patch.size()))) / 2;
 }
 
-// Cuts out the smallest patch with a handle and closes its rim. Returns the number of handles removed.
+// Cuts the smallest patch with a handle out round vertex v and closes its rim. Returns the number of handles removed.
+// @param edge mean edge of the mesh, mm
+// @param largest largest radius of a patch, mm
 long close_patch(Mesh& mesh, Vertex v, double edge, double largest) {
   for (double edges : patch_edges) {
     const std::set<Face> patch = patch_round(mesh, v, std::min(edges * edge, largest));

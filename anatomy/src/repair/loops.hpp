@@ -4,21 +4,22 @@
 
 namespace anatomy {
 
+/// A closed loop of border edges.
 struct Loop {
-  Halfedge halfedge; ///< a border halfedge of the loop
-  std::size_t halfedges = 0;
-  Vec3 centre = Vec3::Zero(); ///< mean of the corners weighted by edge length
-  Vec3 normal = Vec3::Zero(); ///< unit, of the least-squares plane (sense by the loop's direction)
+  Halfedge halfedge;          ///< a border halfedge of the loop
+  std::size_t halfedges = 0;  ///< number of its halfedges
+  Vec3 centre = Vec3::Zero(); ///< mean of the edges' midpoints weighted by edge length, mm
+  Vec3 normal = Vec3::Zero(); ///< unit, of the plane of largest projected area; oriented by the loop's direction
   double area = 0;            ///< projected on that plane, mm2
 };
 
-constexpr double smallest_end = 0.15; ///< mm, radius; openings where a cut grazes a rough wall are smaller
+constexpr double smallest_end = 0.15; ///< mm, least radius of an end; where a cut grazes a rough wall holes are smaller
 
-/// The loops in a stable order (by their first halfedge).
+/// The boundary loops of an open surface; the order is the same in every run.
 std::vector<Loop> boundary_loops(const Mesh& mesh);
 
-/// Whether the loop is the opening of a tube: the wall leaves the rim along the rim's normal (mean |n_face . n_loop| <
-/// 0.6).
+/// Whether the loop is the open end of a tube, and no hole in its wall. At an end the wall leaves the loop along the
+/// loop's normal, so the mean of |n_face . n_loop| over the faces at the loop is below 0.6.
 bool is_open_end(const Mesh& mesh, const Loop& loop);
 
 } // namespace anatomy

@@ -20,12 +20,13 @@ namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
 using ComponentMap = Mesh::Property_map<Face, std::size_t>;
 
-constexpr double comparable = 0.2;  // of the largest component's area
+constexpr double comparable = 0.2;  // ratio of wall areas from which a component may be a vessel
 constexpr double vessel_length = 5; // mm, diagonal of a component's box; voids and specks are shorter
-constexpr double as_long = 0.9;     // ratio of the boxes of a wall's two sides
-constexpr double beyond_box = 0.02; // of the outer box: by how much the inner one may stand out at an open end
+constexpr double as_long = 0.9;     // least ratio of the boxes' diagonals of a wall's inner and outer side
+constexpr double beyond_box = 0.02; // of the outer box's diagonal, by which the inner box may stand out at an open end
 
-// Whether b lists a's corners in the opposite sense; orienting keeps the order of triangles and only swaps corners.
+// Whether triangle b has the corners of a in the opposite sense. a and b are one triangle before and after CGAL's
+// orienting, which keeps the triangles' order.
 bool reversed(const std::vector<std::size_t>& a, const std::vector<std::size_t>& b) {
   const auto start = static_cast<std::size_t>(std::find(b.begin(), b.end(), a[0]) - b.begin());
   return start < 3 && b[(start + 1) % 3] == a[2];
@@ -51,7 +52,8 @@ Mesh oriented_mesh(const Soup& soup, std::vector<Repair>& repairs) {
   return mesh;
 }
 
-// Throws InputError if the largest component holds another one all along it, as a wall's outer side holds the lumen.
+// Throws InputError if a component lies within the box of the largest one and is nearly as long: the two are probably
+// the inner and the outer side of a vessel's wall. `box` has the bounding box of each component.
 void check_no_wall(const std::vector<Eigen::AlignedBox3d>& box, std::size_t largest) {
   const double length = box[largest].diagonal().norm();
   Eigen::AlignedBox3d outer = box[largest];
@@ -68,7 +70,8 @@ void check_no_wall(const std::vector<Eigen::AlignedBox3d>& box, std::size_t larg
   }
 }
 
-// Warns of components of comparable size or as long as a vessel. Reports their places and the kept one's.
+// Warns of components left out that may be vessels: those with a fifth of the kept one's wall area, or 5 mm long. Gives
+// the places of both. `chosen`: whether the user's inlet has chosen the component.
 void warn_of_vessels(const Mesh& mesh, const ComponentMap& component, const std::vector<double>& area, std::size_t kept,
                      bool chosen, std::vector<Repair>& repairs) {
   std::vector<Vec3> centre(area.size(), Vec3::Zero());
@@ -96,7 +99,7 @@ void warn_of_vessels(const Mesh& mesh, const ComponentMap& component, const std:
   }
 }
 
-// The component with the vertex nearest to p, of those of comparable size to the largest.
+// The component with the vertex nearest to p, among those with at least a fifth of the largest one's wall area.
 std::size_t component_at(const Mesh& mesh, const ComponentMap& component, const std::vector<double>& area,
                          std::size_t largest, const Vec3& p) {
   std::size_t best = largest;
@@ -133,7 +136,7 @@ void keep_one_component(Mesh& mesh, const std::optional<Vec3>& inlet, std::vecto
   mesh.remove_property_map(component);
 }
 
-// Edges divided on only one side make a hole without width, which triangles cannot fill.
+// Closes gaps without width, at which an edge on one side faces several edges on the other. Triangles cannot fill them.
 void close_t_junctions(Mesh& mesh, double tolerance, std::vector<Repair>& repairs) {
   std::size_t count = 0;
   for (const Loop& loop : boundary_loops(mesh))
@@ -184,7 +187,7 @@ Mesh repaired(const Soup& soup, std::vector<Repair>& repairs, const IsGivenEnd& 
 }
 
 void orient_outward(Mesh& mesh, std::vector<Repair>& repairs) {
-  // by the volume, since CGAL's own test uses only the highest vertex, where a rough wall may be folded
+  // The sign of the volume tells. CGAL's own test uses the highest vertex alone, where a rough wall may be folded.
   if (enclosed_volume(mesh) >= 0)
     return;
   PMP::reverse_face_orientations(mesh);

@@ -5,17 +5,19 @@
 namespace anatomy {
 namespace {
 
-constexpr double least_slope = 0.5;         // edges: 27 degrees all round
+// A spike is at least as high as all three of these limits.
+constexpr double least_slope = 0.5;         // mean edges: a spike that slopes by 27 degrees all round
 constexpr double least_radii = 0.15;        // mean radii of the lumen; a lower spike hardly changes a section
-constexpr double least_outlier = 8;         // times the scatter of the vertices round it
-constexpr double worth_a_look = 0.35;       // edges; a vertex less far above or below its ring is not examined
-constexpr std::size_t most_neighbours = 12; // more has the apex of a fan over a whole end, which is no spike
+constexpr double least_outlier = 8;         // times the scatter of the vertices round it about a smooth wall
+constexpr double worth_a_look = 0.35;       // mean edges; a vertex nearer to the plane of its ring is not examined
+constexpr std::size_t most_neighbours = 12; // a vertex with more is the apex of a fan over a whole end, not a spike
 constexpr Eigen::Index most_unknowns = 6;   // of a quadric; three more points are needed for the scatter
 
+// The neighbours of a vertex.
 struct VertexRing {
-  std::vector<Vertex> vertices; // in order
-  Vec3 mean = Vec3::Zero(), normal = Vec3::Zero();
-  double edge = 0; // mm, mean between neighbours of the ring: a spike does not lengthen it
+  std::vector<Vertex> vertices;                    // in order round the vertex
+  Vec3 mean = Vec3::Zero(), normal = Vec3::Zero(); // mean place (mm), unit normal
+  double edge = 0; // mm, mean distance between successive neighbours: a spike does not lengthen it
 };
 
 VertexRing ring_of(const Mesh& mesh, Vertex v) {
@@ -36,12 +38,13 @@ VertexRing ring_of(const Mesh& mesh, Vertex v) {
   return ring;
 }
 
+// Height (mm) of v over the mean of its ring, along the ring's normal.
 double over_ring(const Mesh& mesh, Vertex v, const VertexRing& ring) {
   return ring.normal.dot(Vec3(vec(mesh.point(v)) - ring.mean));
 }
 
-// The height of v over the quadric fitted to the two rings of vertices round it, and their scatter about it. The height
-// is 0 if they are too few.
+// The height (mm) of v over the quadric fitted to the two rings of vertices round it, and the scatter (mm) of these
+// vertices about the quadric. Both are 0 if the vertices are too few.
 std::pair<double, double> over_quadric(const Mesh& mesh, Vertex v, const VertexRing& ring) {
   std::vector<Vertex> around = ring.vertices;
   for (Vertex w : ring.vertices)
@@ -65,7 +68,7 @@ std::pair<double, double> over_quadric(const Mesh& mesh, Vertex v, const VertexR
   return {-fit[0], scatter};
 }
 
-// Whether a cap touches the vertex or its ring.
+// Whether a cap touches a vertex of the ring.
 bool near_cap(const Mesh& mesh, const RegionMap& region, const VertexRing& ring) {
   for (Vertex w : ring.vertices)
     for (Face f : mesh.faces_around_target(mesh.halfedge(w)))
@@ -113,7 +116,7 @@ Roughness roughness_of(const Mesh& mesh) {
   for (Vertex v : mesh.vertices()) {
     const VertexRing ring = ring_of(mesh, v);
     const double n = static_cast<double>(ring.vertices.size());
-    off.push_back(over_ring(mesh, v, ring) / std::sqrt(1 + 1 / n)); // 1 / n: the neighbours' mean also scatters
+    off.push_back(over_ring(mesh, v, ring) / std::sqrt(1 + 1 / n)); // 1 / n: the mean of n neighbours scatters too
     mean += off.back() / static_cast<double>(mesh.number_of_vertices());
     out.edge += ring.edge / static_cast<double>(mesh.number_of_vertices());
   }

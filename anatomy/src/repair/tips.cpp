@@ -7,7 +7,7 @@
 namespace anatomy {
 namespace {
 
-// The graph of the mesh's edges in both directions, with their lengths as costs.
+// The graph of the mesh's edges in both directions, with their lengths (mm) as costs.
 WayGraph edge_graph(const Mesh& mesh) {
   std::vector<WayGraph::Link> links;
   std::vector<double> lengths;
@@ -22,7 +22,9 @@ std::size_t farthest(const std::vector<double>& d) {
   return static_cast<std::size_t>(std::max_element(d.begin(), d.end()) - d.begin());
 }
 
-// The distance (height) of every vertex from the farthest extremity, and the vertices in descending order of it.
+// The distance (`height`, mm along the edges) of every vertex from an extremity of the surface (`root`), and the
+// vertices by falling height. The extremity is the vertex farthest from vertex 0, or with `from_far_end` the one
+// farthest from that.
 struct Sweep {
   std::size_t root = 0;
   std::vector<double> height;
@@ -41,7 +43,7 @@ struct Sweep {
   bool higher(std::size_t a, std::size_t b) const { return height[a] != height[b] ? height[a] > height[b] : a < b; }
 };
 
-// Sets of connected vertices by union-find. The highest vertex of a set represents it.
+// Sets of connected vertices by union-find. One vertex represents each set; `above` leads to it.
 struct UnionFind {
   std::vector<std::size_t> above;
   explicit UnionFind(std::size_t n) : above(n) { std::iota(above.begin(), above.end(), 0); }
@@ -63,7 +65,8 @@ std::vector<Tip> tips_of(const Mesh& mesh, double least_prominence, bool from_fa
     if (prominence >= least_prominence)
       tips.push_back({Vertex(static_cast<Mesh::size_type>(v)), prominence, is_extremity});
   };
-  // vertices are added from the highest down; where two parts meet, the lower part's tip gets its prominence
+  // Vertices are added from the highest down. Where two parts meet, the tip of the lower one gets its prominence: its
+  // height over the meeting place.
   for (std::size_t v : sweep.order)
     for (Vertex w : mesh.vertices_around_target(mesh.halfedge(Vertex(static_cast<Mesh::size_type>(v))))) {
       if (!sweep.higher(w, v))
@@ -91,11 +94,11 @@ std::vector<Vertex> places_on_handles(const Mesh& mesh) {
   UnionFind higher_parts(sweep.height.size());
   std::vector<Vertex> places;
   for (std::size_t v : sweep.order) {
-    // The root is the only minimum of shortest distances. So a loop that closes above v has no basin inside: it goes
-    // round a handle.
+    // Shortest distances have no other minimum than the root. So a loop of higher vertices that closes at v encloses no
+    // lower part of the surface: it goes round a handle.
     const Vertex here(static_cast<Mesh::size_type>(v));
     std::set<std::size_t> tops;
-    std::size_t runs = 0; // number of unbroken runs of higher neighbours round v
+    std::size_t runs = 0; // number of groups of successive higher neighbours round v
     for (Halfedge h : mesh.halfedges_around_target(mesh.halfedge(here))) {
       const Vertex w = mesh.source(h), after = mesh.target(mesh.next(h));
       if (!sweep.higher(w, v))

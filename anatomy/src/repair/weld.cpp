@@ -39,14 +39,14 @@ Soup welded(const Soup& soup, double tolerance, std::vector<Repair>& repairs) {
   double bounds[6] = {0, 0, 0, 0, 0, 0};
   if (box.IsValid())
     box.GetBounds(bounds);
-  // One point after another, because the threads of vtkStaticPointLocator::MergePoints sometimes leave points unmerged
-  // (VTK 9.1).
+  // Points are merged one after another, because vtkStaticPointLocator::MergePoints, which uses threads, sometimes
+  // leaves points unmerged (VTK 9.1).
   auto locator = vtkSmartPointer<vtkPointLocator>::New();
   auto points = vtkSmartPointer<vtkPoints>::New();
   points->SetDataTypeToDouble();
   locator->SetTolerance(tolerance);
   locator->InitPointInsertion(points, bounds, static_cast<vtkIdType>(soup.points.size()));
-  std::vector<std::size_t> first; // per welded point, the first of the points merged into it
+  std::vector<std::size_t> first; // for each welded point, the first of the points merged into it
   std::vector<std::size_t> merged(soup.points.size());
   for (std::size_t i = 0; i < soup.points.size(); ++i) {
     const double p[3] = {soup.points[i].x(), soup.points[i].y(), soup.points[i].z()};

@@ -9,37 +9,41 @@
 namespace anatomy {
 namespace {
 
-constexpr double trunk_radius = 4.5;   // mm: wider than 9 mm
-constexpr double least_length = 4.5;   // mm, of a vessel outside the trunk: corners of its ends and sinuses reach less
-constexpr double widest_coronary = 12; // mm, diameter of ectatic arteries, except for single sacs
-constexpr double aorta_with_one_end = 18; // mm, if closed at the valve; narrower ones may be sacs of coronary arteries
-constexpr double most_at_ostium = 9;      // mm
-constexpr double least_at_ostium = 0.8;   // mm
+constexpr double trunk_radius = 4.5;      // mm: the trunk is filled by larger balls, so it is wider than 9 mm
+constexpr double least_length = 4.5;      // mm outside the trunk: corners of the trunk's ends and sinuses reach less
+constexpr double widest_coronary = 12;    // mm, diameter of the widest ectatic arteries, single sacs excepted
+constexpr double aorta_with_one_end = 18; // mm, least diameter if closed at the valve; a coronary sac may be narrower
+constexpr double most_at_ostium = 9;      // mm, largest diameter of a coronary ostium
+constexpr double least_at_ostium = 0.8;   // mm, smallest diameter of a coronary ostium
+// Vertices of the wall, about, from which the balls are computed: for the result, and for the quick may_hold().
 constexpr std::size_t enough_vertices = 60000, few_vertices = 3000;
-constexpr double next_plane = 0.25;      // radii between planes that are tried
-constexpr double still_narrowing = 1.15; // ratio of the balls' radii over one radius of the funnel behind an ostium
-constexpr double like_section = 1.25;    // ratio of areas half a radius apart
+constexpr double next_plane = 0.25;      // ball radii between successive planes that are tried across a tree
+constexpr double still_narrowing = 1.15; // ratio of ball radii one radius apart: above it the ostium's funnel goes on
+constexpr double like_section = 1.25;    // largest ratio of the areas of two sections half a radius apart
 constexpr double own_section = 2.5;      // areas of the ball's circle; a larger section extends into the aorta
-constexpr double covers = 1.15;          // half width of the plane over the section's reach from its centre
-constexpr double longest_funnel = 20;    // mm
-constexpr double ascending = 15;         // mm of the trunk, from which the direction to the arch is taken
-constexpr double beside_tree = 2;   // an end nearer to a ball's centre than so many radii belongs to the ball's tree
-constexpr double beside_tip = 4;    // the same for a tip of the surface; a cap's corner lies at about 1.5 radii
-constexpr double lost_vessel = 10;  // mm, prominence of a vessel along the surface
-constexpr double nearer_root = 1.3; // least ratio of the ostia's distances to the trunk's two ends
-constexpr double least_angle = 60, most_angle = 165; // degrees between the ostia round the aorta
+constexpr double covers = 1.15;          // half width of the cutting square over the section's reach from its centre
+constexpr double longest_funnel = 20;    // mm along the tree from the aorta, in which the ostium's plane is searched
+constexpr double ascending = 15;         // mm of the trunk's path, from which the direction to the arch is taken
+constexpr double beside_tree = 2;   // ball radii: an end nearer to the centre of a tree's ball belongs to that tree
+constexpr double beside_tip = 4;    // ball radii: so does a tip of the surface; a cap's corner lies at about 1.5 radii
+constexpr double lost_vessel = 10;  // mm, least prominence along the surface of a vessel that is reported as lost
+constexpr double nearer_root = 1.3; // ratio of the ostia's distances to the aorta's ends: below it the arch is unsure
+constexpr double least_angle = 60, most_angle = 165; // degrees between the ostia round the aorta: else names are unsure
 
+// The n of "every n-th vertex", so that about `vertices` remain.
 std::size_t every_for(const Mesh& mesh, std::size_t vertices) {
   return mesh.number_of_vertices() / vertices + 1;
 }
 
-// Whether a ball of this radius may fit. The test uses only a part of the vertices, by which no ball becomes smaller.
+// Whether a ball of more than `radius` (mm) may fit into the lumen. The test is quick as it uses only a part of the
+// vertices. This makes no ball smaller, so a "no" is certain.
 bool may_hold(const Mesh& mesh, double radius) {
   const Balls balls = inner_balls(mesh, {}, every_for(mesh, few_vertices));
   return std::any_of(balls.radius.begin(), balls.radius.end(), [&](double r) { return r > radius; });
 }
 
-// Finds the plane across an offshoot behind the funnel of its ostium. If there is none, the tree's diameter stays 0.
+// Finds the plane across a tree where the funnel of its ostium has ended, and sets the tree's ostium and diameter. If
+// there is no such plane, the diameter stays 0. `scale` as in find_aorta().
 void find_ostium(const Mesh& mesh, const Slices& slices, double scale, CoronaryTree& tree) {
   const BallWay& way = tree.offshoot.way;
   const double from = tree.offshoot.from, until = std::max(0.0, from - longest_funnel * scale);
@@ -61,7 +65,8 @@ void find_ostium(const Mesh& mesh, const Slices& slices, double scale, CoronaryT
   }
 }
 
-// The trunk's own ends: openings and flat parts as wide as a trunk. Tags them.
+// All ends of the mesh: its tagged openings, and flat parts as wide as a trunk, which are tagged here. `radius` is the
+// least radius of a trunk, mm.
 std::vector<End> tagged_trunk_ends(Mesh& mesh, double radius) {
   RegionMap region = region_map(mesh);
   int next = 0;
@@ -75,8 +80,10 @@ std::vector<End> tagged_trunk_ends(Mesh& mesh, double radius) {
   return measured_ends(mesh);
 }
 
-// Unit direction along the aorta at its coronary ostia, towards the arch, at whose side the aorta's end is farther
-// away. Nothing if both ends are about equally far.
+// Unit direction along the aorta at the coronary ostia, towards the arch. The arch is on the side of the aorta's
+// farther end. Nothing if both ends are about equally far from the ostia.
+// @param ends the aorta's own ends
+// @param ostia midpoint of the two ostia, mm
 std::optional<Vec3> to_the_arch(const Trunk& trunk, const std::vector<End>& ends, const Vec3& ostia, double scale) {
   std::optional<Vec3> up;
   double longest = 0, shortest = 1e300;

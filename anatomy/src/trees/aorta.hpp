@@ -15,30 +15,32 @@ struct CoronaryTree {
 };
 
 struct Aorta {
-  double diameter = 0; ///< mm, of its largest ball
-  Vec3 centre = Vec3::Zero();
-  std::size_t ends = 0;            ///< of its own: open or flat, and as wide as a trunk
-  std::vector<CoronaryTree> trees; ///< left and right first, or the longest first
-  std::vector<End> stray;          ///< other ends of coronary size, as of a tree cut off just behind its ostium
-  std::vector<Vec3> lost;          ///< mm, tips of vessels on the surface that cannot be reached through the lumen
+  double diameter = 0;             ///< mm, of its largest inscribed ball
+  Vec3 centre = Vec3::Zero();      ///< mm, of that ball
+  std::size_t ends = 0;            ///< number of its own ends: open or flat, and wider than 9 mm
+  std::vector<CoronaryTree> trees; ///< left before right if they are certain, else the longest first
+  std::vector<End> stray;          ///< ends of coronary size on no tree, as of a tree cut off just behind its ostium
+  std::vector<Vec3> lost;          ///< mm, tips of vessels on the surface that no inscribed balls lead to
   std::string unnamed_since;       ///< why left and right are not certain; empty if they are
 
-  /// Whether it is an aorta without the user's statement: wider than coronary arteries become, with an end of its own.
+  /// Whether it is certainly an aorta, even if the user does not say so. It has a coronary tree, and is wider than 12
+  /// mm with two ends of its own, or wider than 18 mm with one. `scale` as in find_aorta().
   bool is_evident(double scale = 1) const;
 };
 
-/// The trunk wider than 9 mm and its offshoots of coronary size; nothing if there is no such trunk. Left and right are
-/// found by their order round the ascending aorta. Seen from the arch, the shorter way from the right to the left
-/// ostium is anticlockwise, in any right-handed frame and pose.
+/// The trunk wider than 9 mm with the trees of coronary size that leave it; nothing if there is no such trunk. Left and
+/// right are told by the order of the ostia round the ascending aorta. Seen from the arch, the shorter way from the
+/// right to the left ostium is anticlockwise, in any right-handed frame and pose.
 /// @param mesh closed, with its openings tagged
 /// @param scale length in the mesh of one anatomical millimetre: 0.1 if a model in cm was declared in mm
 std::optional<Aorta> find_aorta(const Mesh& mesh, double scale = 1);
 
-/// A plane across the tree's longest way at the place nearest to p, with the normal into the tree. Nothing if this
-/// place is in the aorta or no section surrounds it.
+/// The plane across the tree's longest path at the place nearest to p (mm). Its normal points into the tree. Nothing if
+/// this place is in the aorta or no section surrounds it.
 std::optional<Plane> plane_at(const Mesh& mesh, const CoronaryTree& tree, const Vec3& p);
 
-/// Distance from p to the nearest ball's centre of the tree, in radii of that ball.
+/// Distance from p (mm) to the centre of an inscribed ball of the tree, in radii of that ball: the least over all
+/// balls.
 double radii_from(const CoronaryTree& tree, const Vec3& p);
 
 } // namespace anatomy

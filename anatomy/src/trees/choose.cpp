@@ -10,13 +10,16 @@ namespace {
 namespace PMP = CGAL::Polygon_mesh_processing;
 using common::InputError;
 
-constexpr double tenth = 0.1;
-constexpr double aorta_in_cm = 25;     // mm, largest diagonal of an aorta if cm were taken for mm
-constexpr double coronary_in_cm = 0.5; // mm, largest diameter of an ostium in this case; never treated if true mm
-constexpr double twig = 2;             // mm: no coronary tree is so short, not even if cm were taken for mm
-constexpr double ostium_reach = 3;     // radii
+// A model in cm whose unit was declared as mm is ten times too small.
+constexpr double tenth = 0.1;          // `scale` of find_aorta() for such a model
+constexpr double aorta_in_cm = 25;     // declared mm, largest diagonal of such a model
+constexpr double coronary_in_cm = 0.5; // declared mm, largest ostium of such a model; true 0.5 mm are never treated
+constexpr double twig = 2;             // declared mm, least length of the longest coronary tree of such a model
+// The user's points must be this near to a tree: distance from a ball's centre, in radii of the ball (radii_from()).
+constexpr double ostium_reach = 3;
 constexpr double outlet_reach = 3;
 
+// The trees in words, for messages.
 std::string list_of(const Aorta& aorta) {
   std::string text;
   for (const CoronaryTree& tree : aorta.trees)
@@ -38,6 +41,7 @@ std::string remedy_of(const Aorta& aorta) {
   return "choose one by " + text + " (case file: " + (aorta.unnamed_since.empty() ? "tree" : "ostium_point_mm") + ")";
 }
 
+// Throws InputError if the mesh looks like an aorta with coronary arteries in cm although the user declared mm.
 void check_not_in_cm(const Mesh& mesh, const std::string& units) {
   const CGAL::Bbox_3 box = PMP::bbox(mesh);
   const Vec3 size(box.xmax() - box.xmin(), box.ymax() - box.ymin(), box.zmax() - box.zmin());

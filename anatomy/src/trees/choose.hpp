@@ -6,33 +6,34 @@ namespace anatomy {
 
 /// The user's statements about the tree; empty if there are none.
 struct TreeChoice {
-  std::string name;           ///< left, right, tree1, ...; whole: nothing is cut off
-  std::optional<Vec3> ostium; ///< mm; the tree is cut across there
-  std::vector<Vec3> outlets;  ///< mm; the chosen tree is near all of them
+  std::string name;           ///< left, right, tree1, ...; with `whole` nothing is cut off
+  std::optional<Vec3> ostium; ///< mm; a point on the tree, which is cut across there
+  std::vector<Vec3> outlets;  ///< mm; points near the outlets, all of which are on the chosen tree
 
   bool is_given() const { return !name.empty() || ostium; }
 };
 
-/// The aorta of a closed mesh with its openings tagged: an evident one or, if the user chooses a tree, any trunk wider
-/// than 9 mm. Warns of a wide vessel with two such ends that is not evidently an aorta. units: the declared ones.
-/// Throws InputError if the mesh is an aorta with coronaries ten times too small for these units, or if the user
-/// chooses a tree and there is none.
+/// The aorta of a closed mesh with its openings tagged; nothing if it has none. It is an evident aorta (is_evident())
+/// or, if the user chooses a tree, any trunk wider than 9 mm with a tree. Warns of a trunk with two ends and a tree
+/// that is not evidently an aorta. Throws InputError if the mesh is an aorta with coronary arteries ten times too
+/// small, if the user chooses a tree and there is none, or if a vessel on the aorta cannot be followed.
+/// @param units as the user declared them
 std::optional<Aorta> aorta_of(const Mesh& mesh, const TreeChoice& choice, const std::string& units,
                               std::vector<Repair>& repairs);
 
-/// The chosen tree: the only one, or the one by ostium, name or outlets. Throws InputError with the list of trees if
-/// several or none fit.
+/// The tree that the user's ostium, name or outlets choose, or the only tree. Throws InputError with the list of trees
+/// if several or none fit.
 const CoronaryTree& chosen(const Aorta& aorta, const TreeChoice& choice);
 
-/// The plane of the cut: at the user's ostium if it lies on the tree, else at the found ostium. Throws InputError if
-/// none was found.
+/// The plane of the cut: at the user's ostium if a plane across the tree is found there, else at the ostium that
+/// find_aorta() found. Throws InputError if there is neither.
 Plane cut_of(const Mesh& mesh, const CoronaryTree& tree, const TreeChoice& choice);
 
-/// Keeps only the tree. The opening at its ostium is left for cap_open_ends, and the mesh has no garbage. Throws
-/// InputError if the plane does not separate the tree.
+/// Cuts the mesh at `plane` and keeps the tree alone. The opening at its ostium stays open, for cap_open_ends to close.
+/// The mesh has no garbage on return. Throws InputError if the plane does not separate the tree.
 void cut_off(Mesh& mesh, const CoronaryTree& tree, const Plane& plane, std::vector<Repair>& repairs);
 
-/// One line a tree: name, ostium, diameter there, length.
+/// A line of text on a tree: name, ostium, diameter at the ostium, length.
 std::string line_of(const CoronaryTree& tree);
 
 } // namespace anatomy

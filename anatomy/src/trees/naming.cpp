@@ -7,7 +7,8 @@ namespace {
 
 using common::InputError;
 
-// The end nearest to a point that the user gave.
+// Index of the end nearest to the point p (mm) that the user gave by an option. Throws InputError if p is farther from
+// that end than three of its radii.
 std::size_t end_near(const std::vector<End>& ends, const Vec3& p, const std::string& option) {
   const auto nearest = std::min_element(ends.begin(), ends.end(), [&](const End& a, const End& b) {
     return (a.centre - p).norm() < (b.centre - p).norm();
@@ -18,6 +19,7 @@ std::size_t end_near(const std::vector<End>& ends, const Vec3& p, const std::str
   return static_cast<std::size_t>(nearest - ends.begin());
 }
 
+// Number of a branch by its name: 0 for main, 1 for side1, ...
 int branch_id(const std::string& name) {
   return name == "main" ? 0 : std::stoi(name.substr(4));
 }

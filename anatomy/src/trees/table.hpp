@@ -7,13 +7,13 @@ namespace anatomy {
 
 struct TreeShown {
   CoronaryTree tree;
-  std::size_t outlets = 0;
+  std::size_t outlets = 0; ///< number of its outlets
 };
 
-/// A table for people, with the aorta's width and how to choose a tree; empty without an aorta.
+/// A table to print, with the aorta's width and how to choose a tree; empty without an aorta.
 std::string table_of(const std::vector<TreeShown>& trees, const std::optional<Aorta>& aorta);
 
-/// The trees as a list for the picture: name, ostium_mm, diameter_mm, length_mm, outlets.
+/// The trees as a list for `anatomy ends` to draw: name, ostium_mm, diameter_mm, length_mm, outlets.
 nlohmann::ordered_json document_of(const std::vector<TreeShown>& trees);
 
 } // namespace anatomy

@@ -6,7 +6,8 @@ namespace anatomy {
 namespace {
 
 constexpr double inscribed = 0.9; // least distance of an inscribed ball's centre from the wall over its radius
-constexpr double cell = 0.2;      // least radii, edge of a grid cell; of the balls in a cell only the largest is used
+// Edge of a grid cell over least_radius. Of the balls whose centres are in one cell only the largest is used.
+constexpr double cell = 0.2;
 
 } // namespace
 
@@ -81,7 +82,7 @@ std::vector<Offshoot> Trunk::offshoots(double least_length) const {
   std::vector<bool> inside(n);
   for (std::size_t i = 0; i < n; ++i)
     inside[i] = ways_.cost[i] >= unreached || holds(balls_.centre[i]);
-  // distance of each ball from the place at which its way leaves the trunk
+  // distance (mm) of each ball along its path from the place at which the path leaves the trunk
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),

@@ -18,18 +18,21 @@ from . import calculix
 AROUND, THROUGH = 16, 4
 INNER_MM, C10_MPA, C20_MPA, BULK_MPA = 0.8, 0.05, 0.2, 20.0
 PRESSURES_MPA = (0.045, 0.075, 0.0)
-INCREMENTS = 12  # a step of load, in both programs
+INCREMENTS = 12  # in which each load step is applied, in both programs
 SEAT_MPA_PER_MM = 1e-7  # support that keeps the slice from rigid motion; in CalculiX pinned nodes do so
 
 
 def ring():
-    """(theta (2 around,), inner (2 around,), outer (2 around,)) in rad and mm; the plaque is the inner half."""
+    """(theta, inner, outer) of the ring, each (2 AROUND,): angles in rad of the nodes, radii in mm of both edges.
+
+    The plaque is the inner half of the thickness.
+    """
     theta = np.pi * np.arange(2 * AROUND) / AROUND
     return theta, np.full(len(theta), INNER_MM), 2.0 + 0.25 * np.cos(theta)
 
 
 def slice_positions():
-    """Positions (steps, 2 around, 2) of the lumen's nodes by the slice."""
+    """Positions (load steps, 2 AROUND, 2) in mm of the lumen's nodes by the slice."""
     theta, inner, outer = ring()
     model = SliceModel(AROUND, THROUGH, C10_MPA, C20_MPA, BULK_MPA, SEAT_MPA_PER_MM)
     plaque = materials.FIBROUS
@@ -71,7 +74,7 @@ def deck():
 
 
 def calculix_positions(program, folder):
-    """Positions (steps, nodes round the lumen, 2) in mm by CalculiX, run in `folder`.
+    """Positions (load steps, nodes round the lumen, 2) in mm by CalculiX, run in `folder`.
 
     Raises InputError and ComputationError, as `calculix.printed` does.
     """
@@ -81,7 +84,10 @@ def calculix_positions(program, folder):
 
 
 def compared(ours, theirs):
-    """For each load: mean radii (mm) about the centroid, and the largest distance between nodes without translation."""
+    """A row (dict) for each load step: mean radii (mm) of the lumen by both codes, and their largest difference.
+
+    ours, theirs: positions by slice and CalculiX. The difference is that of nodes after both centroids are aligned.
+    """
     found = []
     for pressure, a, b in zip(PRESSURES_MPA, ours, theirs):
         a, b = a - a.mean(axis=0), b - b.mean(axis=0)

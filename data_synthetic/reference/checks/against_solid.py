@@ -18,8 +18,8 @@ from ..slices import slices
 from ..tube.procedure import TreatedTube, enclosed_area
 
 STEP_MM = 0.1
-EDGE_MM = 1.5  # to both sides of a stent's end: compared separately
-END_MM = 1.0  # at each end of the stretch: not compared, since the ends are held
+EDGE_MM = 1.5  # to each side of a stent end; areas there are compared separately
+END_MM = 1.0  # at each end of the computed stretch; not compared, since the solid is held there
 
 
 def parsed(text):
@@ -45,8 +45,11 @@ def slice_profile(field, branch, s_mm):
 
 
 def compared(s_mm, area, against, span_mm):
-    """Errors in per cent of `area` (n,) from `against` (n,): by region about a stented span, of the smallest area in
-    it, and of the resistance."""
+    """Errors in per cent of `area` (n,) against `against` (n,), both in mm2 at arc lengths s_mm (n,).
+
+    They are given for the area by region, for the smallest area within the stent, and for the resistance (sum of A^-2).
+    span_mm: arc lengths (2,) of the stent's ends.
+    """
     error = 100 * (area / against - 1)
     away = np.minimum(np.abs(s_mm - span_mm[0]), np.abs(s_mm - span_mm[1]))
     stented = (s_mm >= span_mm[0]) & (s_mm <= span_mm[1])

@@ -1,7 +1,8 @@
 """CalculiX (ccx 2.20), another finite-element code: a plane-strain slice as one layer of its elements, and its run.
 
-C3D20R elements between z = 0 and HEIGHT_MM, all held in z. Its finite plasticity is also Simo's (*PLASTIC with NLGEOM).
-Its Yeoh energy penalises the change of volume by (J - 1)^2; the slice's has (J^2 - 1)/2 - ln J.
+The elements are C3D20R between z = 0 and HEIGHT_MM, with all nodes held in z. As in the slice, finite plasticity is
+that of Simo (*PLASTIC with NLGEOM). CalculiX's Yeoh energy penalises a change of volume by (J - 1)^2, that of the slice
+by (J^2 - 1)/2 - ln J.
 """
 
 import os
@@ -22,9 +23,9 @@ TIMEOUT_S = 1800
 class Layer:
     """One layer of 20-node bricks in a ring.
 
-    coordinates: {number: (x, y, z)} mm. elements (n, 20): node numbers. column, depth (n,): an element's place round
-    and through the wall. lumen (2 around,), outside (2 around,): numbers of the two circles' nodes at z = 0. top: added
-    to a number, it gives the node above at z = HEIGHT_MM.
+    coordinates: {node number: (x, y, z)} in mm. elements (n, 20): node numbers. column, depth (n,): an element's place
+    round the ring and through the wall. lumen (2 around,), outside (2 around,): numbers of the nodes at z = 0 on the
+    inner and the outer circle. top: the node at z = HEIGHT_MM above a node has the node's number plus `top`.
     """
 
     coordinates: dict
@@ -44,7 +45,7 @@ class Layer:
         return np.array(numbers), np.array([above[node] for node in numbers])
 
     def prescribed_lines(self, moved_mm):
-        """The displacements (2 around, 2) of the lumen's nodes, at all heights."""
+        """Lines of input that prescribe displacements (2 around, 2) in mm of the lumen's nodes, at all heights."""
         out = ["*BOUNDARY"]
         for node, place in zip(*self.whole_lumen()):
             out += [f"{node}, {d + 1}, {d + 1}, {moved_mm[place, d]:.12g}" for d in (0, 1)]
@@ -52,7 +53,10 @@ class Layer:
 
 
 def layer(theta, inner, outer, through):
-    """The Layer of nodes on rays at theta (2 around,) rad, from inner to outer (2 around,) mm, `through` elements."""
+    """The Layer with nodes on rays at angles theta (2 around,) in rad, and `through` elements through the wall.
+
+    inner, outer (2 around,): radii in mm of both edges on each ray.
+    """
     rows, columns = 2 * through + 1, len(theta)
     share = np.linspace(0, 1, rows)
     radius = inner[:, None] + (outer - inner)[:, None] * share
@@ -61,7 +65,7 @@ def layer(theta, inner, outer, through):
     def number(i, j, k):
         return 1 + (k * columns + i % columns) * rows + j
 
-    ring_nodes = [(0, 0), (0, 2), (2, 2), (2, 0), (0, 1), (1, 2), (2, 1), (1, 0)]  # (round, depth): corners, middles
+    ring_nodes = [(0, 0), (0, 2), (2, 2), (2, 0), (0, 1), (1, 2), (2, 1), (1, 0)]  # (round, depth) in half elements
     elements, places = [], []
     for i in range(0, columns, 2):
         for j in range(0, rows - 1, 2):
@@ -83,13 +87,16 @@ def layer(theta, inner, outer, through):
 
 
 def lines(values, per_line=12):
-    """Numbers as comma-separated lines."""
+    """Lines of numbers separated by commas, at most per_line numbers in a line."""
     values = [str(v) for v in values]
     return [", ".join(values[i : i + per_line]) + "," for i in range(0, len(values), per_line)]
 
 
 def mesh_lines(ring, sets):
-    """Nodes, the elements of each set {name: (n,) bool}, the node set LUMEN, and all nodes held in z."""
+    """Lines of input for a Layer: nodes, elements, node sets, and all nodes held in z.
+
+    sets: {name: (n,) bool}, the elements of each set.
+    """
     out = ["*NODE, NSET=ALL"]
     out += [f"{n}, {x:.12f}, {y:.12f}, {z:.12f}" for n, (x, y, z) in sorted(ring.coordinates.items())]
     for name, chosen in sets.items():
@@ -107,7 +114,7 @@ def mesh_lines(ring, sets):
 
 
 def plaque_lines(name, shear_mpa, yield_mpa, hardening_mpa, bulk_mpa):
-    """Elastoplastic material with linear hardening."""
+    """Lines of input for an elastoplastic material with linear hardening."""
     young = 9 * bulk_mpa * shear_mpa / (3 * bulk_mpa + shear_mpa)
     poisson = (3 * bulk_mpa - 2 * shear_mpa) / (2 * (3 * bulk_mpa + shear_mpa))
     out = [f"*MATERIAL, NAME={name}", "*ELASTIC", f"{young:.12g}, {poisson:.12g}", "*PLASTIC"]
@@ -115,12 +122,15 @@ def plaque_lines(name, shear_mpa, yield_mpa, hardening_mpa, bulk_mpa):
 
 
 def wall_lines(name, c10_mpa, c20_mpa, bulk_mpa):
-    """Yeoh material."""
+    """Lines of input for a Yeoh material."""
     return [f"*MATERIAL, NAME={name}", "*HYPERELASTIC, YEOH", f"{c10_mpa}, {c20_mpa}, 0., {2 / bulk_mpa:.12g}, 0., 0."]
 
 
 def support_lines(ring, support_mpa_per_mm):
-    """Springs to the ground at the outer nodes of both faces, with weights by Simpson's rule on each element's side."""
+    """Lines of input for the elastic support: springs at the outer nodes of both faces, fixed at their other end.
+
+    Simpson's rule on each element's side shares the support (MPa/mm) out among the nodes.
+    """
     numbers, places = ring.outside, np.array([ring.coordinates[n][:2] for n in ring.outside])
     first, middle, last = places[0::2], places[1::2], np.roll(places[0::2], -1, axis=0)
     points, weights = np.polynomial.legendre.leggauss(4)
@@ -147,8 +157,9 @@ def support_lines(ring, support_mpa_per_mm):
 
 
 def printed(program, text, folder, kind, steps, nodes):
-    """Displacements or forces (steps, nodes, 2) that CalculiX prints for a set at the end of each step of `text`.
+    """Displacements (mm) or forces (N), (steps, nodes, 2), that CalculiX prints for a node set after each load step.
 
+    text: the input; kind: "displacements" or "forces"; steps, nodes: the expected numbers. CalculiX runs in `folder`.
     Raises InputError if the program is missing, ComputationError if it fails.
     """
     path = shutil.which(program)

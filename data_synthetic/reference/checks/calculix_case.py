@@ -1,10 +1,10 @@
 """One slice of a patient through its whole procedure, against CalculiX: predilatation, stent, post-dilatation, recoil.
 
-The slice does the study's own steps with its devices. CalculiX has the same mesh, tissues and support; it moves the
-lumen's nodes to the slice's positions after each load step. Two pressures are compared after each inflation and
-deflation: of CalculiX's tissue on the lumen, and of the slice's devices. The stiffness of tissue and devices turns
-their difference into a difference of area. In both codes an element has one tissue, taken at its middle. Devices as
-bodies in contact were tried: CalculiX 2.20 did not converge while the balloon opened.
+The slice does the steps of the study's procedure with their devices. CalculiX has the same mesh, tissues and support.
+After each load step it moves the lumen's nodes to the positions found by the slice. Two pressures are compared after
+each inflation and deflation: the tissue's on the lumen by CalculiX, and the devices' by the slice. The stiffness of
+tissue and devices turns their difference into a difference of area. In both codes an element has one tissue, taken at
+its middle. Devices as bodies in contact were tried: CalculiX 2.20 did not converge while the balloon opened.
 """
 
 import pathlib
@@ -43,9 +43,9 @@ class RecordedSlice(SliceModel):
 
 
 def mean_pressure(lumen, loads):
-    """Mean pressure, int p n . x ds / (2 A) in MPa, over a lumen (2 around, 2) of quadratic sides.
+    """Mean pressure in MPa on a lumen: the integral of p n . x along its edge over 2 A, where A is its area.
 
-    loads: as of a SliceModel. A uniform pressure p has the mean p.
+    lumen (2 around, 2): nodes of quadratic sides, in mm. loads: as of a SliceModel. For a uniform p it is p.
     """
     first, middle, last = lumen[0::2], lumen[1::2], np.roll(lumen[0::2], -1, axis=0)
     total, area = 0.0, 0.0
@@ -62,10 +62,10 @@ def mean_pressure(lumen, loads):
 
 
 class Section:
-    """The section of a patient at s_mm that both codes solve. Each element has one tissue.
+    """The section of a patient at arc length s_mm that both codes solve. Each element has one tissue.
 
-    theta, inner, outer: (2 around,) rad and mm; tissues (around, through, 4): share of plaque, 0 or 1, and its
-    constants.
+    theta, inner, outer (2 around,): angles in rad of the nodes' rays, radii in mm of lumen and outer edge.
+    tissues (around, through, 4) of the elements: share of plaque, 0 or 1, and the plaque's three constants.
     """
 
     def __init__(self, patient, s_mm, settings):
@@ -116,7 +116,10 @@ class Section:
 
 
 def stages(recorded, steps):
-    """[(step name, "inflated" or "deflated", index of load step)]: the step's widest lumen, and its last load step."""
+    """[(step name, "inflated" or "deflated", index of load step)] of the procedure's steps.
+
+    Inflated is the load step with the widest lumen, deflated the last one.
+    """
     found = []
     for step in steps:
         mine = [k for k, entry in enumerate(recorded) if entry["name"].endswith(f"step {step.name}")]
@@ -132,9 +135,10 @@ def areas(lumens):
 
 
 def compared(recorded, forces, steps):
-    """Rows: a stage's lumen area (mm2, the same in both codes), pressures (MPa), and their difference as one of area.
+    """A row (dict) for each stage: the lumen's area in mm2, the same in both codes, and both mean pressures in MPa.
 
-    forces (load steps, lumen's nodes at all heights, 2, position and force each): see by_calculix.
+    worth_in_area_percent: the pressures' difference, converted to one of area. recorded: from by_slice.
+    forces: from by_calculix.
     """
     rows = []
     for name, stage, index in stages(recorded, steps):

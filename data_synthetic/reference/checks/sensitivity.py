@@ -1,8 +1,8 @@
 """Sensitivity of the reference to each constant that is a choice; one is varied at a time.
 
-Areas are of three slices, at the quarters of the stented stretch. Curvature is of the whole stented axis after the
-straightening beam. Slices do not depend on the beam's constants; of the slices' constants the beam uses the support
-only.
+The area is the mean of three slices, at the quarters of the stented stretch. The curvature is the mean over the stented
+axis after straightening by the stent, computed as a beam. Slices do not depend on the beam's constants. Of the slices'
+constants the beam uses the support only.
 """
 
 import csv
@@ -24,7 +24,7 @@ from ..surface import straightening
 OF_SLICES = ("stent_stiffness_mpa_per_mm", "wall_c10_mpa", "wall_c20_mpa", "bulk_modulus_mpa", "support_mpa_per_mm")
 SLICE_FACTORS, BEAM_FACTORS = (0.5, 2.0), (0.25, 0.5, 2.0, 4.0)
 STENT_BENDING, VESSEL_BENDING, SUPPORT = "stent bending_stiffness_n_mm2", "vessel_bending_n_mm2", "support_mpa_per_mm"
-PLACES = (0.25, 0.5, 0.75)  # of the stented stretch
+PLACES = (0.25, 0.5, 0.75)  # of the slices, as shares of the stented stretch's length
 
 
 def study(scene_path, truth_path, out, settings_path=None):

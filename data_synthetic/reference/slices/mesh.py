@@ -47,7 +47,10 @@ class Annulus:
         self.facet_tags = dmesh.meshtags(self.mesh, 1, facets[order], tags[order])
 
     def place(self, inner_mm, outer_mm):
-        """Moves the nodes so that the rays from the origin run from inner_mm to outer_mm, both (2 around,)."""
+        """Moves the nodes so that the ring lies between the radii inner_mm and outer_mm, each (2 around,) in mm.
+
+        The radii are those at the angles theta_rad.
+        """
         radius = inner_mm[:, None] + (outer_mm - inner_mm)[:, None] * self.depth[None]
         x = radius * np.cos(self.theta_rad)[:, None]
         y = radius * np.sin(self.theta_rad)[:, None]

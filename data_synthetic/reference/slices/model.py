@@ -13,9 +13,10 @@ from .mesh import LUMEN, OUTSIDE, Annulus
 
 
 class SliceModel(SteppedModel):
-    """Reusable model: compiled once, then placed on one slice after another.
+    """Model of a slice that is compiled once, then placed on one slice after another.
 
-    Loads (a dict of LOADS): two device laws, each with a share of 0 ... 1, and a plain pressure (MPa), for tests.
+    Loads (a dict of LOADS): the pressure laws of balloon and stent, each times a share from 0 to 1, and a uniform
+    pressure (MPa) for tests.
     """
 
     def __init__(self, around, through, wall_c10_mpa, wall_c20_mpa, bulk_modulus_mpa, support_mpa_per_mm):
@@ -68,7 +69,7 @@ class SliceModel(SteppedModel):
         self._lumen = self._lumen_dofs()
 
     def _lumen_dofs(self):
-        """Dofs of the lumen's nodes in the order of annulus.theta_rad."""
+        """Numbers of the lumen's nodes in the displacement space, in the order of annulus.theta_rad."""
         facets = self.annulus.facet_tags.find(LUMEN)
         dofs = fem.locate_dofs_topological(self._space, 1, facets)
         x = self._space.tabulate_dof_coordinates()[dofs]

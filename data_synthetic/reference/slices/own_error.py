@@ -13,10 +13,11 @@ FEWEST_FOR_SPACING = 5
 def estimate(records, settings, area_with):
     """The document `error_estimate` of reference.json; all errors in per cent of a slice's area.
 
-    records: the solved slices. area_with(refinement, settings, s_mm, stented) -> mm2 solves a slice again, with
-    `refinement` times the elements. `slices` in the document are some of them solved again. step_percent compares the
-    record with half the load step. mesh_percent compares half the load step with half the step and twice the elements.
-    The error by spacing is the change if a slice is left out (`missed`).
+    records: the solved slices. area_with(refinement, settings, s_mm, stented): solves a slice again with `refinement`
+    times the elements, and returns its area in mm2. In the document, `slices` lists the slices that were solved again.
+    step_percent is the change of a slice's area from half the load step to the full one. mesh_percent is the change
+    from twice the elements to the usual number, both at half the load step. The error by spacing is the change of the
+    area if a slice is left out (`missed`).
     """
     stented = sorted((r for r in records if r["stented"]), key=lambda r: r["s_mm"])
     pool = stented or sorted(records, key=lambda r: r["s_mm"])
@@ -57,8 +58,8 @@ def _checked(record, settings, area_with):
 def missed(s_mm, area_mm2, coupling_mm):
     """Largest change in per cent (n,) of the lumen's area along the span if one slice is left out; 0 for the two ends.
 
-    s_mm, area_mm2 (n,): slices of one span. Their equivalent radii are interpolated and coupled along the axis
-    (SpanField), as for the lumen itself.
+    s_mm, area_mm2 (n,): slices of one span. The radii of circles of equal area are interpolated and coupled along the
+    axis, as SpanField does with the lumen's displacement. coupling_mm: see SpanField.
     """
     fine = deformation.fine_positions(s_mm)
     join = deformation.coupled(np.eye(len(fine)), fine[1] - fine[0], coupling_mm) if coupling_mm else np.eye(len(fine))

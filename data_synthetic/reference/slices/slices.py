@@ -11,17 +11,20 @@ from . import own_error
 from .model import SliceModel
 
 REFINEMENTS = 3  # rounds in which slices are added
-NEAREST_MM = 0.09  # slices are not added closer than this
+NEAREST_MM = 0.09  # no slice is added nearer than this to another
 
 
 class Patient:
-    """The diseased branch, from which slices are cut, among all `branches`."""
+    """A virtual patient: the diseased `branch` that is cut into slices, all `branches`, and the wall's thickness.
+
+    wall_mm: thickness of the healthy wall outside the plaque.
+    """
 
     def __init__(self, branch, branches, wall_thickness_mm):
         self.branch, self.branches, self.wall_mm = branch, branches, wall_thickness_mm
 
     def place(self, model, s_mm):
-        """Puts the model on the section at s_mm."""
+        """Places a SliceModel on the section at arc length s_mm, with its shape and tissues, at rest."""
         inner, outer = tissue.rays(self.branch, self.wall_mm, s_mm, model.annulus.theta_rad)
 
         def material(angle, radius):
@@ -75,7 +78,10 @@ def model_of(settings, refine=1):
 
 
 def solve(model, patient, steps, s_mm, settings, stented):
-    """(lumen displacement (m, 2), record) of one slice."""
+    """Takes the model through the procedure at arc length s_mm: (displacement (2 around, 2) mm of the lumen, record).
+
+    The record (dict) is the slice's entry in reference.json. stented: whether stents hold at this slice.
+    """
     patient.place(model, s_mm)
     history = procedure.treat(model, steps, s_mm, settings, stented, patient.branch.name)
     record = {
@@ -92,7 +98,7 @@ def solve(model, patient, steps, s_mm, settings, stented):
 def lumen_field(model, patient, steps, settings):
     """(LumenDeformation, records, arc lengths of the slices without a stent (n,)) from all slices of the branch.
 
-    Stented spans get more slices where the even ones do not resolve the area (`own_error.missed`).
+    Stented spans get more slices where evenly spaced ones do not resolve the area (`own_error.missed`).
     """
     free_s, stretches = slice_positions(
         patient.branch.axis.length_mm, steps, settings["slice_spacing_mm"], settings["margin_mm"]
@@ -133,7 +139,10 @@ def lumen_field(model, patient, steps, settings):
 
 
 def between(s_mm, coarse):
-    """Arc lengths (k,) halfway from each slice that is `coarse` (n,) bool to its neighbours, if NEAREST_MM or more."""
+    """Arc lengths (k,) of new slices, halfway from each slice that is `coarse` (n,) to its neighbours.
+
+    A new slice is left out if it would lie within NEAREST_MM of a neighbour.
+    """
     beside = np.flatnonzero(coarse[1:] | coarse[:-1])
     beside = beside[np.diff(s_mm)[beside] > 2 * NEAREST_MM]
     return 0.5 * (s_mm[beside] + s_mm[beside + 1])

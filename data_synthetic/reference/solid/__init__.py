@@ -1,4 +1,4 @@
-"""The solid: constants and laws of its materials, places of the tissues, load steps by Newton's method.
+"""Vessel wall and plaque as a solid: material constants and laws, places of the tissues, load steps by Newton's method.
 
-It imports neither the slices nor the tube.
+This folder imports neither the slices nor the tube.
 """

@@ -28,8 +28,9 @@ def full_tensor(v):
 def plaque_return(f, plastic, hardening_strain, shear, yield_stress, hardening):
     """Radial return of the plaque.
 
-    f: 3x3 deformation gradient; plastic: 3x3 inverse plastic metric Cp^-1 at the last step; hardening_strain:
-    equivalent plastic strain. Returns (deviatoric Kirchhoff stress 3x3, new Cp^-1 3x3, new equivalent plastic strain).
+    f: 3x3 deformation gradient. plastic: Cp^-1 at the last step, where Cp (3x3) is the right Cauchy-Green tensor of the
+    plastic part of f. hardening_strain: equivalent plastic strain at the last step. shear, yield_stress, hardening: in
+    MPa. Returns (deviatoric Kirchhoff stress 3x3 in MPa, new Cp^-1, new equivalent plastic strain).
     """
     volume = ufl.det(f)
     be_bar = volume ** (-2.0 / 3.0) * f * plastic * f.T
@@ -57,10 +58,10 @@ def volumetric_stress(f, bulk):
 
 
 def device_pressure(distance, radius, stiffness, cap, smoothing_mm=0.004, sqrt=ufl.sqrt):
-    """Pressure of a round device of `radius` on a wall at `distance` from its axis: smoothcap(k <R - d>).
+    """Pressure (MPa) of a round device on a wall at distance d from its axis: smoothcap(k <R - d>).
 
-    The gap is smoothed over smoothing_mm; smoothcap(p) = p c / (p^4 + c^4)^(1/4) tends to the cap c.
-    sqrt: numpy.sqrt for arrays.
+    R: free radius (mm); k: stiffness (MPa/mm); <x> is x if positive, else 0, smoothed over smoothing_mm.
+    smoothcap(p) = p c / (p^4 + c^4)^(1/4) tends to the cap c (MPa). sqrt: numpy.sqrt for arrays.
     """
     gap = radius - distance
     p = stiffness * 0.5 * (gap + sqrt(gap**2 + smoothing_mm**2))

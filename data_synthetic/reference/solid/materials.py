@@ -1,13 +1,13 @@
-"""Constants of the reference's tissues, with their sources and the ranges found there. Fixed before any comparison.
+"""Constants of the reference's tissues, with their sources and published ranges. Fixed before any comparison.
 
 No value is copied from a paper. Each is a choice within the range of the papers named, or its distance from that range
 is stated. Only abstracts of the papers were read, and the measured quantities are not always a model's constants. All
 stresses are in MPa. Plaque: neo-Hookean, multiplicative J2 plasticity with linear isotropic hardening. Wall: Yeoh.
 
-Check against whole coronary lesions, stretched by 1.15 in both directions in the plane. Ghorbannia and LaDisa measured
-0.067, 0.13 and 0.30 MPa round the vessel, in lesions that a balloon opened well, less well, and hardly. At this stretch
-the fibrous plaque here carries 0.12 (it yields), the wall 0.21, the lipid-rich 0.01 and the calcified 0.5 MPa
-(`biaxial_stress`).
+Check against whole coronary lesions, stretched by 1.15 both along the vessel and round it. Ghorbannia and LaDisa
+measured circumferential stresses of 0.067, 0.13 and 0.30 MPa, in lesions that a balloon opened well, less well, and
+hardly. At this stretch the fibrous plaque here carries 0.12 MPa (it yields), the wall 0.21, the lipid-rich plaque 0.01
+and the calcified 0.5 MPa (`biaxial_stress`).
 """
 
 from dataclasses import dataclass
@@ -102,10 +102,10 @@ def biaxial_stress(stretch, plaque=None, c10_mpa=0.0, c20_mpa=0.0):
 
 
 def blended(base, calcium_share):
-    """(shear, yield, hardening) arrays between a base plaque and calcium, geometric in each constant.
+    """(shear, yield, hardening) in MPa, each (...), of a base Plaque that holds calcium.
 
-    calcium_share: (...) 0 ... 1. The constants change gradually, since Newton's method fails at a sharp edge where
-    stiffness changes a hundredfold.
+    calcium_share (...): from 0 to 1. Each constant is interpolated geometrically between base and calcified plaque. The
+    constants change gradually, since Newton's method fails at a sharp edge where stiffness changes a hundredfold.
     """
     share = np.asarray(calcium_share, float)
 

@@ -1,4 +1,4 @@
-"""Loads a solid model in steps by Newton's method. A step that fails is cut; the plastic state is kept."""
+"""Loads a solid model in steps by Newton's method. A load step that fails is tried again with half its size."""
 
 import numpy as np
 import ufl
@@ -18,9 +18,9 @@ LOADS = ("balloon_radius", "balloon_stiffness", "balloon_cap", "balloon_share") 
     "stent_share",
     "pressure",
 )
-MAX_ITERATIONS = 14
-CUTS = 7
-WORSE = 2.0  # Newton's method gives up if the residual exceeds the first one by this factor
+MAX_ITERATIONS = 14  # of Newton's method in one load step
+CUTS = 7  # the smallest part of a load step that is tried is 0.5**CUTS of it
+WORSE = 2.0  # Newton's method gives up if the residual exceeds that of the first iteration by this factor
 
 
 class SteppedModel:
@@ -29,12 +29,13 @@ class SteppedModel:
     The constructor of a subclass sets these attributes, then calls `_prepare(residual)`:
     - u: displacement (fem.Function)
     - _constants: loads by name (fem.Constant)
-    - _plastic, _strain: state at the quadrature points, that is the `plastic_size` components of Cp^-1, and the
-    equivalent plastic strain
-    - _update: fem.Expression of both
+    - _plastic, _strain: plastic state at the quadrature points after the last load step, that is the `plastic_size`
+    components of Cp^-1 (see `laws`) and the equivalent plastic strain
+    - _update: fem.Expression of the plastic state at the present displacement
     - _cells: cells on which `_update` is evaluated
 
-    Loads are a dict of LOADS: two device laws, each with a share of 0 ... 1, and a plain pressure (MPa) for tests.
+    Loads are a dict of LOADS: the pressure laws of balloon and stent, each times a share from 0 to 1, and a uniform
+    pressure (MPa) for tests.
     """
 
     plastic_size = 4
@@ -54,13 +55,15 @@ class SteppedModel:
         self.restart()
 
     def restart(self):
-        """Forgets the last step, from which the next is predicted; the state is kept."""
+        """Forgets the last load step, from which the next is predicted. Displacement and plastic state are kept."""
         self.iterations = 0
         self._last_step = None  # (change of the loads, change of the displacement) of the last step
 
     def _make_loads(self, mesh, more=()):
-        """Constants of LOADS and `more`, without any load. Stiffnesses and caps are 1, since the laws are evaluated
-        even at share 0 and must be regular."""
+        """Makes the constants of LOADS and of the names `more`, without any load.
+
+        Stiffnesses and caps are 1, since the laws are evaluated even at share 0 and must be regular.
+        """
         self._constants = {name: fem.Constant(mesh, 0.0) for name in (*LOADS, *more)}
         self.set_loads(dict.fromkeys(("balloon_stiffness", "balloon_cap", "stent_stiffness", "stent_cap"), 1.0))
 
@@ -75,7 +78,7 @@ class SteppedModel:
             self._constants[name].value = value
 
     def loads(self):
-        """The present loads."""
+        """The present loads {name: value}."""
         return {name: float(constant.value) for name, constant in self._constants.items()}
 
     def _newton(self):
@@ -101,7 +104,7 @@ class SteppedModel:
             self._solver.solve(self._vector, step)
             change = np.abs(step.array).max()
             self.iterations += 1
-            # Long steps overshoot the contact, so the step is shortened to 0.25 mm in the same direction.
+            # A long step overshoots the contact. So a step that moves a node by more than 0.25 mm is scaled to 0.25 mm.
             self.u.x.array[:] -= step.array * min(1.0, 0.25 / max(change, 1e-30))
             step.destroy()
             if change < 1e-8:
@@ -128,9 +131,9 @@ class SteppedModel:
         return ratio * moved if alike and 0 < ratio <= 2 else 0.0
 
     def advance(self, target, name="load"):
-        """Moves the loads to `target` (dict) in one step, which is halved if Newton's method fails.
+        """Moves the loads to `target` (dict) in one load step, or in parts of it where Newton's method fails.
 
-        Raises ComputationError if a step cut CUTS times still fails.
+        name: of the load step, for messages. Raises ComputationError if a part of 0.5**CUTS still fails.
         """
         start = self.loads()
         goal = {**start, **target}

@@ -3,17 +3,18 @@
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator, RegularGridInterpolator
 
-FADE_MM = 8.0
-END_MM = 2.0
-FINE_S_MM, FINE_THETA = 0.1, 180
+FADE_MM = 8.0  # distance from the lumen at which the displacement of points outside has fallen to 0
+END_MM = 2.0  # distance over which the displacement falls to 0 towards a cap of the vessel
+FINE_S_MM, FINE_THETA = 0.1, 180  # grid of a span's displacement: spacing along the axis, intervals round it
 
 
 class SpanField:
-    """Displacement (in the plane's normal and binormal) over arc length and angle within one span of slices.
+    """Displacement of the lumen over arc length and angle within one span of slices.
 
-    s_mm (n,), theta_rad (m,) evenly from 0, displacement (n, m, 2). Monotone cubic along s, periodic cubic round.
-    coupling_mm: length l of an axial coupling as in a cylindrical shell, which single slices lack; 0 for none. The
-    field solves u + l^4/4 d^4u/ds^4 = u_slice with free ends. This smooths jumps and does not change a cubic.
+    s_mm (n,), theta_rad (m,) evenly from 0, displacement (n, m, 2) in mm along the section's normal and binormal.
+    Interpolation is by monotone cubics along s and periodic cubics round the axis. coupling_mm: length l of the
+    coupling along a cylindrical shell, which single slices lack; 0 for none. With it the field u solves
+    u + l^4/4 d^4u/ds^4 = u_slice with free ends. This smooths jumps and does not change a cubic.
     """
 
     def __init__(self, s_mm, theta_rad, displacement, coupling_mm=0.0):
@@ -29,7 +30,7 @@ class SpanField:
         self._grid = RegularGridInterpolator((fine_s, fine_theta), around(fine_theta))
 
     def at(self, s_mm, theta_rad):
-        """Displacement (k, 2) at points inside the span (clamped to it)."""
+        """Displacement (k, 2) in mm at (s, theta), each (k,). Beyond an end of the span it is that at the end."""
         s = np.clip(s_mm, self.first, self.last)
         return self._grid(np.stack([s, np.mod(theta_rad, 2 * np.pi)], axis=1))
 
@@ -40,7 +41,10 @@ def fine_positions(s_mm):
 
 
 def coupled(values, step_mm, length_mm):
-    """Solution u of u + l^4/4 d^4u/ds^4 = values along the first axis, free ends, spacing step_mm."""
+    """Solution u of u + l^4/4 d^4u/ds^4 = values with free ends, where s runs along the first axis of `values`.
+
+    step_mm: spacing of the values; length_mm: the length l.
+    """
     count = len(values)
     second = np.diff(np.eye(count), 2, axis=0) / step_mm**2
     system = np.eye(count) + 0.25 * length_mm**4 * second.T @ second
@@ -50,16 +54,16 @@ def coupled(values, step_mm, length_mm):
 class LumenDeformation:
     """Displacement of the lumen: by slices with the stent inside the stented spans, and without it elsewhere.
 
-    free: SpanField; held: list of SpanField, one for each stented span, from end to end of the stent. The two differ at
-    the end of a span. Outside the span this jump decays like the deflection of a clamped cylindrical shell
-    (Timoshenko): exp(-x/l) (cos x/l + sin x/l), l = edge_decay_mm.
+    free: SpanField of the slices without the stent. held: list of SpanField, one for each stented span. At the end of a
+    span the two differ. Outside the span this jump decays with the distance x from the end, like the deflection of a
+    clamped cylindrical shell (Timoshenko): exp(-x/l) (cos x/l + sin x/l), where l is edge_decay_mm.
     """
 
     def __init__(self, free, held, edge_decay_mm):
         self._free, self._held, self._decay = free, held, edge_decay_mm
 
     def in_plane(self, s_mm, theta_rad):
-        """Displacement (k, 2) mm of the lumen at (s, theta)."""
+        """Displacement (k, 2) in mm of the lumen at (s, theta), each (k,), along the section's normal and binormal."""
         inside_free = (s_mm >= self._free.first) & (s_mm <= self._free.last)
         total = np.where(inside_free[:, None], self._free.at(s_mm, theta_rad), 0.0)
         for span in self._held:
@@ -85,11 +89,13 @@ def smooth_fall(x):
 
 
 def move(points_mm, branch, lumen, straight_s_mm, straight_mm, resting):
-    """Moved points (n, 3).
+    """Points (n, 3) in mm after the procedure.
 
-    Points on the branch's lumen follow it. Points outside (side branches) follow as incompressible tissue does,
-    rho' = sqrt(rho^2 + r'^2 - r^2). Their displacement falls to 0 over FADE_MM from the lumen. resting: (centre (3,),
-    radius mm) of the vessel's ends; their caps stay, and the displacement falls to 0 over the END_MM round them.
+    Points on the branch's lumen follow its LumenDeformation `lumen`. Points outside it, such as side branches, follow
+    as incompressible tissue does: rho' = sqrt(rho^2 + r'^2 - r^2). Here rho is the distance from the axis, r the
+    lumen's radius, and a prime means after the procedure. Their displacement falls to 0 over FADE_MM from the lumen.
+    straight_s_mm (k,), straight_mm (k, 3): displacement of the axis by straightening, added to the above. resting:
+    (centre (3,), radius mm) of the vessel's ends. Their caps stay, and the displacement falls to 0 within END_MM.
     """
     axis = branch.axis
     s = axis.nearest(points_mm)

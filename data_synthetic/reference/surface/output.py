@@ -1,4 +1,4 @@
-"""The moved lumen surface: checked, with all its arrays."""
+"""Checks the moved lumen surface for folds, and gives it the arrays of the surface before the move."""
 
 import numpy as np
 from vtk.util.numpy_support import vtk_to_numpy
@@ -12,7 +12,10 @@ def _normals(x, t):
 
 
 def check_not_folded(t, before, after):
-    """Raises ComputationError if more than a thousandth of the triangles t (m, 3) turned over or vanished."""
+    """Raises ComputationError if more than a thousandth of the triangles t (m, 3) turned over.
+
+    before, after (n, 3): points before and after the move.
+    """
     a, b = _normals(before, t), _normals(after, t)
     cosine = np.sum(a * b, axis=1) / np.maximum(np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1), 1e-30)
     # A lesion's shoulders turn by up to 45 degrees when the lesion is opened; a triangle that turns over is a fold.
@@ -29,9 +32,9 @@ def check_not_folded(t, before, after):
 def refined_surface(poly, before, after, triangles_now, parents, old_triangle):
     """vtkPolyData of the refined and moved lumen with all arrays of poly and `displacement_mm`.
 
-    before, after (n, 3): all points. parents (p, 2): ends of the edge that each new point halves. old_triangle (m,):
-    index into poly's triangles. A new point takes the mean of a real array over its edge, and of an integer array the
-    value at the edge's first end.
+    before, after (n, 3): all points before and after the move. parents (p, 2): ends of the edge that each new point
+    halves. old_triangle (m,): for each triangle, index of the triangle of poly in which it lies. At a new point a real
+    array has the mean of both ends of the edge, an integer array the value at the first end.
     """
     result = vtp.surface(after, triangles_now)
     data = poly.GetPointData()

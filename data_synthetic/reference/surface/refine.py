@@ -6,9 +6,9 @@ import numpy as np
 def split_edges(points, triangles, long_edge):
     """Splits edges at their middle, without cracks.
 
-    points (n, 3), triangles (m, 3). long_edge: tells of vertex pairs (k, 2), sorted and unique, which are to be split.
-    Returns (new triangles, parents (p, 2), cell (m',)). New point n + i is the middle of the edge between the points
-    parents[i]. cell: the old triangle of each new one.
+    points (n, 3), triangles (m, 3). long_edge: function that says which edges, vertex pairs (k, 2), are to be split.
+    Returns (new triangles (q, 3), parents (p, 2), cell (q,)). New point n + i is the middle of the edge between the
+    points parents[i]. cell: index of the old triangle in which each new triangle lies.
     """
     edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     unique, inverse = np.unique(edges, axis=0, return_inverse=True)
@@ -38,10 +38,11 @@ def split_edges(points, triangles, long_edge):
 
 
 def refined(points, triangles, move, on_lumen, edge_mm, passes=4):
-    """Halves edges that are longer than edge_mm after the move, where the wall moves at all.
+    """Halves edges that are longer than edge_mm after the move, if an end moves by more than 0.02 mm.
 
     move: points (n, 3) -> moved (n, 3). on_lumen: (points (p, 3), parents (p, 2)) -> (p, 3) moves new points of the
-    wall onto the true lumen. Returns (points, triangles, parents of all new points, old triangle of each new one).
+    wall onto the true lumen. passes: largest number of rounds in which edges are halved. Returns (points, triangles,
+    parents of all new points, old triangle of each new triangle).
     """
     original = np.arange(len(triangles))
     all_parents = np.zeros((0, 2), int)

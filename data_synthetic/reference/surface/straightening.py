@@ -14,12 +14,13 @@ def wall_bending_n_mm2(inner_mm, outer_mm, wall_c10_mpa):
 
 
 def of_patient(branch, wall_mm, stents, middle_s_mm, settings):
-    """The input of `offset` for a branch, with wall and surroundings as at middle_s_mm; settings: section `reference`.
+    """Displacement of a branch's axis by its stents, as from `offset`: (arc lengths (n,) mm, displacement (n, 3) mm).
 
-    The surroundings resist the wall with a pressure per displacement of 2 G / r_outer (see materials). For a cylinder
-    moved sideways this resistance varies as the cosine squared of the angle. Its integral round the cylinder is
-    pi r_outer times as large, so the support per length is 2 pi G. The exact value for a slender rod in an
-    incompressible medium is the same within a tenth, at the beam's wavelength.
+    Wall and surroundings are taken as at middle_s_mm. settings: section `reference`. The surroundings resist the wall
+    with a pressure per displacement of 2 G / r_outer (see materials). For a cylinder moved sideways this resistance
+    varies as the cosine squared of the angle. Its integral round the cylinder is pi r_outer times as large, so the
+    support per length is 2 pi G. The exact value for a slender rod in an incompressible medium is the same within a
+    tenth, at the beam's wavelength.
     """
     outer = float(branch.healthy(np.array(middle_s_mm))) + wall_mm
     foundation = np.pi * outer * settings["support_mpa_per_mm"]
@@ -36,11 +37,11 @@ def vessel_bending_n_mm2(branch, wall_mm, middle_s_mm, settings):
 
 
 def offset(axis, stents, vessel_bending_n_mm2, foundation_n_per_mm2, step_mm=STEP_MM):
-    """Displacement of the axis: (s mm (n,), w mm (n, 3)), zero with zero slope at both ends.
+    """Displacement of the axis: (arc length s (n,) mm, displacement w (n, 3) mm), zero with zero slope at both ends.
 
-    Minimises  int E_s |c'' + w''|^2 + E_v |w''|^2 + k |w|^2 ds,  with c the natural axis.
+    w minimises the integral of E_s |c'' + w''|^2 + E_v |w''|^2 + k |w|^2 over s, where c is the axis before the stent.
     E_s is the bending stiffness of the stents at s, which are straight if free. E_v is the bending stiffness of the
-    vessel, whose natural axis is free of load. k is the tissue's support per length. Displacements are small; axial
+    vessel, which is free of load in its shape c. k is the tissue's support per length. Displacements are small; axial
     stretch is free. Cubic Hermite elements of at most step_mm have nodes at the stents' ends, so that the error falls
     with the fourth power of step_mm.
     """
@@ -78,7 +79,10 @@ def _nodes(length_mm, stents, step_mm):
 
 
 def _shapes(h):
-    """Cubic Hermite functions at 4 Gauss points of elements h (e,): (w'' (e, 4, 4), w (e, 4, 4), points, weights)."""
+    """Cubic Hermite functions at 4 Gauss points of elements: (second derivatives, values, points, weights).
+
+    h (e,): lengths of the elements. Second derivatives and values have the shape (elements, points, functions).
+    """
     points, weights = np.polynomial.legendre.leggauss(4)
     x = 0.5 * (1 + points)
     one = np.ones((len(h), 1))

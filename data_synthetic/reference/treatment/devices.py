@@ -1,4 +1,4 @@
-"""A scene's devices for the slices: radius along the axis at the given pressure, stiffness, largest pressure."""
+"""The devices of a scene as the slices need them: radius along the axis, stiffness, largest pressure on the wall."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,10 @@ MPA_PER_BAR = 0.1
 
 @dataclass(frozen=True)
 class Balloon:
-    """An inflated balloon: radius_mm at its pressure, stiffness_mpa_per_mm by its chart's slope, largest cap_mpa."""
+    """An inflated balloon. radius_mm: free radius at its inflation pressure. cap_mpa: that pressure.
+
+    stiffness_mpa_per_mm: pressure on the wall per mm by which the wall holds the balloon below its free radius.
+    """
 
     name: str
     centre_s_mm: float
@@ -34,8 +37,10 @@ class Balloon:
 
 @dataclass(frozen=True)
 class Stent:
-    """An expanded stent after deflation: it holds recoil_share of the reached radius, at most with cap_mpa, its radial
-    strength."""
+    """A stent after deflation of its balloon. It holds recoil_share of the radius that was reached.
+
+    cap_mpa: its radial strength, the largest pressure on the wall.
+    """
 
     name: str
     start_s_mm: float
@@ -70,7 +75,10 @@ def _need(entry, key, where):
 
 
 def balloon(entry, name, centre_s_mm, pressure_bar, where):
-    """Balloon of a scene's entry at a pressure. Raises InputError if the pressure is off the balloon's chart."""
+    """The Balloon of a scene's device `entry` at a pressure. where: place of the entry, for messages.
+
+    Raises InputError if the pressure is off the balloon's chart.
+    """
     chart = _need(entry, "chart", where)
     pressures, diameters = np.array(chart["pressure_bar"], float), np.array(chart["diameter_mm"], float)
     if len(pressures) != len(diameters) or np.any(np.diff(pressures) <= 0) or np.any(np.diff(diameters) <= 0):
@@ -83,7 +91,8 @@ def balloon(entry, name, centre_s_mm, pressure_bar, where):
             f"{pressure_bar} bar",
             f"between {pressures[0]} and {pressures[-1]} bar",
         )
-    # A wall that holds the balloon below its free diameter carries the pressure beyond the chart's at that diameter.
+    # A wall that holds the balloon below its free diameter carries a part of the inflation pressure: the part beyond
+    # the chart's pressure at the diameter reached. So the stiffness is the slope of the chart over the last 2 bar.
     low = max(pressure_bar - 2.0, pressures[0])
     high = low + 2.0
     growth = np.interp(high, pressures, diameters) - np.interp(low, pressures, diameters)

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-DEFLATION_STEPS = 5
+DEFLATION_STEPS = 5  # load steps in which the balloon's pressure is replaced by the stent's
 CLEAR_MM = 0.1  # gap to the wall beyond which the smoothed law of a balloon gives no pressure
 
 
 def hand_over(model, where):
-    """Removes the balloon's pressure in steps while the stent's comes on."""
+    """Replaces the balloon's pressure by the stent's, in DEFLATION_STEPS load steps. where: for messages."""
     begin = model.loads()
     for share in np.linspace(0, 1, DEFLATION_STEPS + 1)[1:]:
         stent = begin["stent_share"] + share * (1 - begin["stent_share"])
@@ -28,10 +28,11 @@ def shrink(model, nearest_mm, step_mm, where):
 
 
 def treat(model, steps, s_mm, settings, stents_here, name):
-    """Runs the steps in a placed SliceModel at arc length s_mm.
+    """Runs the steps of the procedure in a placed SliceModel at arc length s_mm of the branch `name`.
 
-    stents_here: whether stents hold at this slice. Returns a list of {step, inflated_radius_mm, radius_mm}, the lumen's
-    area-equivalent radii at full inflation and after deflation. Raises ComputationError if it does not converge.
+    stents_here: whether stents hold at this slice. Returns a list of {step, inflated_radius_mm, radius_mm}: the radii
+    of circles of the lumen's area at full inflation and after deflation. Raises ComputationError if a load step does
+    not converge.
     """
     history = []
     held_radius = 0.0
@@ -61,7 +62,7 @@ def treat(model, steps, s_mm, settings, stents_here, name):
                 model.advance({"balloon_radius": float(value)}, where)
         inflated = float(np.sqrt(model.lumen_area() / np.pi))
         if carried:
-            # The stent is round the balloon, so it opens no further than the balloon or the wall has moved.
+            # The stent is round the balloon, so it opens no further than the balloon's free radius, or than the lumen.
             held_radius = max(held_radius, carried.recoil_share * min(inflated, radius))
             model.set_loads(
                 {

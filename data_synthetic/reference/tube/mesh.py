@@ -23,9 +23,10 @@ def _tensor_order():
 class Tube:
     """Hexahedra between the rays of `tissue.rays`, nodes at stations x angles x depths.
 
-    axis: Curve. inner_mm, outer_mm: (stations, 2 around) radii. station_s_mm (stations,), odd in number, are corners
-    and middles of the elements in turn. Nodes are numbered station by station, then by angle, then by depth. chart_mm
-    (nodes, 3) holds their coordinates (s, a, b), with a and b along the section's normal and binormal.
+    axis: Curve. inner_mm, outer_mm: (stations, 2 around) radii. station_s_mm (stations,): arc lengths of the planes of
+    nodes, odd in number, by turns at corners and middles of the elements. through: elements through the wall. Nodes are
+    numbered station by station, then by angle, then by depth. chart_mm (nodes, 3) holds their coordinates (s, a, b),
+    with a and b along the section's normal and binormal.
     """
 
     def __init__(self, axis, station_s_mm, inner_mm, outer_mm, through):

@@ -12,16 +12,16 @@ from ..solid.stepped import SteppedModel
 from .mesh import ENDS, LUMEN, OUTSIDE
 
 PLACES = ("balloon_centre", "balloon_half_length", "balloon_shoulder", "stent_start", "stent_end")
-ROLLER_MPA_PER_MM = 1e5  # holds the end faces in their planes
+ROLLER_MPA_PER_MM = 1e5  # support along the axis, so stiff that the end faces stay in their planes
 
 
 class TubeModel(SteppedModel):
-    """Hexahedra of degree 2, displacement only, volumetric part integrated with 2 x 2 x 2 points.
+    """Solid model of hexahedra of degree 2 in displacements. The volumetric part is integrated with 2 x 2 x 2 points.
 
-    tube: Tube; axis: Curve; material: (s, theta, radius) arrays (n,) to (share of plaque, shear, yield, hardening MPa);
-    settings: section `reference`. Loads besides LOADS: PLACES (mm), the places of balloon and stent. The stent acts on
-    the material points of its span. The devices are on the lumen's axis at rest. A point's distance from them and its
-    arc length are measured in the frame of its section at rest.
+    tube: Tube; axis: Curve; material: function of s, theta, radius, each (n,), that returns (share of plaque, shear,
+    yield, hardening in MPa); settings: section `reference`. Loads besides LOADS: PLACES (mm), the places of balloon and
+    stent. The stent acts on the material points of its span. The devices are on the lumen's axis at rest. A point's
+    distance from them and its arc length are measured in the frame of its section at rest.
     """
 
     plastic_size = 6
@@ -46,7 +46,7 @@ class TubeModel(SteppedModel):
         self._compile(points, chart, axis, settings)
 
     def _field(self, values):
-        """Function of degree 2 with `values` (nodes, 3)."""
+        """fem.Function of degree 2 that has `values` (nodes, 3) at the nodes."""
         found = fem.Function(self._space)
         found.x.array[:] = values[self._node].ravel()
         return found

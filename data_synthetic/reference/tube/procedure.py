@@ -1,4 +1,4 @@
-"""The steps of an intervention in the three-dimensional solid, as treatment.procedure does them in one slice."""
+"""The steps of a procedure in the three-dimensional solid. treatment.procedure does the same steps in one slice."""
 
 import sys
 
@@ -14,7 +14,10 @@ from .model import TubeModel
 
 
 def enclosed_area(a_mm, b_mm):
-    """Areas (n,) in mm2 of smooth closed curves; coordinates (n, m) at m even parameters. Uses spectral derivatives."""
+    """Areas (n,) in mm2 of n smooth closed curves. a_mm, b_mm (n, m): coordinates at m evenly spaced parameters.
+
+    Derivatives along the curves are spectral (by FFT).
+    """
     wave = 1j * np.fft.rfftfreq(a_mm.shape[1], 1 / a_mm.shape[1])
     slope_a, slope_b = (np.fft.irfft(wave * np.fft.rfft(v, axis=1), a_mm.shape[1], axis=1) for v in (a_mm, b_mm))
     return np.pi * np.mean(a_mm * slope_b - b_mm * slope_a, axis=1)
@@ -30,9 +33,10 @@ def stations(breaks_mm, element_mm):
 
 
 class TreatedTube:
-    """The stretch of `patient` that the steps reach; after `run`, `profile()` gives the lumen's area.
+    """The stretch of a Patient that the steps of a procedure reach, as a solid. After `run`, `profile` has its areas.
 
-    mesh: (elements round, elements through, element length mm). At most one stented stretch.
+    mesh: (elements round the lumen, elements through the wall, element length in mm). Raises InputError unless the
+    steps have exactly one stented stretch.
     """
 
     def __init__(self, patient, steps, settings, mesh):
@@ -63,7 +67,7 @@ class TreatedTube:
         self._near = np.full(len(station_s), True)  # stations along the present balloon
 
     def run(self):
-        """Does all steps. Raises ComputationError if a step does not converge."""
+        """Does all steps of the procedure. Raises ComputationError if a load step does not converge."""
         held = np.zeros(len(self.tube.station_s_mm))
         inside = (self.tube.station_s_mm > self.span[0] - 1e-6) & (self.tube.station_s_mm < self.span[1] + 1e-6)
         carried, model = None, self.model
@@ -123,6 +127,9 @@ class TreatedTube:
 
 
 def _extended(held, inside):
-    """Values of the stented stations, extended to the other stations, where they have no effect."""
+    """The values (stations,) with those outside the stent replaced by that of the nearest stented station.
+
+    They have no effect there.
+    """
     at = np.flatnonzero(inside)
     return held[np.clip(np.arange(len(held)), at[0], at[-1])]

@@ -1,1 +1,2 @@
-"""Swept meshes of tubes: a lattice of discs carried along the axis, split into tetrahedra."""
+"""Swept meshes of tubes: a triangulated disc, carried along the axis from section to section, gives prisms, which are
+split into tetrahedra."""

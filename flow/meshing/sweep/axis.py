@@ -4,14 +4,16 @@ import numpy as np
 
 from flow.geometry.vectors import dot, unit
 
-BLEND_RADII = 2.5  # length over which planes turn from a cap's plane into the perpendicular one, in radii of the cap
+# Length, in radii of the cap, over which section planes turn from the cap's plane to be perpendicular to the axis.
+BLEND_RADII = 2.5
 
 
 class Axis:
-    """The axis of one branch, with the caps it meets.
+    """The axis of one branch, and the inlet or outlet caps at its ends.
 
-    first, last: (centre (3,), unit normal (3,) along the branch, radius) of the cap at that end in mm, None where the
-    branch starts within another vessel. length_mm may exceed the branch's own: an extended outlet continues straight.
+    first, last: (centre (3,), unit normal (3,) along the branch, radius) in mm of the cap at the start and at the end.
+    They are None without a cap: a side branch starts within another vessel. If the cap lies beyond the branch's end,
+    the axis continues straight to the cap, so length_mm may exceed the branch's length.
     """
 
     def __init__(self, branch, first=None, last=None):
@@ -23,7 +25,7 @@ class Axis:
         self.branch, self.first, self.last = branch, first, last
         self.points = points
         self.s_mm = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-        # arc length is counted as the branch counts it, whatever its own sampling lost
+        # s_mm of the branch is kept; its polyline may be slightly shorter
         own = len(branch.points)
         self.s_mm = np.concatenate(
             [branch.s_mm - branch.s_mm[0], branch.length_mm + self.s_mm[own:] - self.s_mm[own - 1]]
@@ -33,6 +35,7 @@ class Axis:
 
     @property
     def length_mm(self):
+        """Length of the axis in mm."""
         return float(self.s_mm[-1])
 
     def radius(self, s_mm):
@@ -40,7 +43,7 @@ class Axis:
         return self.branch.radius(s_mm)
 
     def planes(self, s_mm):
-        """(origins (m, 3), unit normals (m, 3)) of the section planes at arc lengths s_mm (m,)."""
+        """(origins (m, 3) in mm, unit normals (m, 3)) of the section planes at arc lengths s_mm (m,)."""
         origin = np.stack([np.interp(s_mm, self.s_mm, self.points[:, k]) for k in range(3)], axis=-1)
         normal = np.stack([np.interp(s_mm, self.s_mm, self.tangents[:, k]) for k in range(3)], axis=-1)
         for cap, end, distance in ((self.first, 0, s_mm), (self.last, -1, self.length_mm - s_mm)):
@@ -55,9 +58,10 @@ class Axis:
 
 
 def frames(origins, normals):
-    """Unit vectors e1, e2 (m, 3) in each plane, turning as little as possible along the axis.
+    """Unit vectors e1, e2 (m, 3) that span each section plane and turn as little as possible along the axis.
 
-    Double reflection (Wang, Juettler, Zheng, Liu 2008, ACM Trans Graph 27): rotation-minimising frames.
+    origins, normals: as `Axis.planes` gives them. Rotation-minimising frames by double reflection (Wang, Juettler,
+    Zheng, Liu 2008, ACM Trans Graph 27).
     """
     start = np.eye(3)[np.argmin(np.abs(normals[0]))]
     e1 = [unit(np.cross(normals[0], start))]

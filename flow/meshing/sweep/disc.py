@@ -1,21 +1,22 @@
 """The template of a cross-section: the unit disc in rings of 6, 12, 18, ... points, triangulated.
 
-Boundary layers split the outermost ring. The circles between have as many points as the rim, so that the wall's
-triangles do not change.
+Boundary layers split the outermost ring. The circles between the layers have as many points as the rim, so the
+triangles on the wall are the same with and without layers.
 """
 
 import dataclasses
 
 import numpy as np
 
-LAYER_GROWTH = 2.0  # of the layers' widths from the wall inwards
+LAYER_GROWTH = 2.0  # width of a boundary layer over the width of the next one towards the wall
 
 
 @dataclasses.dataclass
 class Disc:
-    """vertices (n, 2) and middles (e, 2) of the edges (e, 2), both as (rho, angle); triangles (t, 3) counter-clockwise.
+    """The triangulated unit disc.
 
-    rim (6 rings,): the outermost vertices in order of angle.
+    vertices (n, 2), and middles (e, 2) of the edges (e, 2), both as (rho, angle in rad); triangles (t, 3)
+    counter-clockwise; rim (6 rings,): numbers of the outermost vertices in order of angle.
     """
 
     rings: int
@@ -27,7 +28,7 @@ class Disc:
 
 
 def make(rings, wall_layers=1):
-    """Disc of `rings` rings of equal width, the outermost split into layers that grow by LAYER_GROWTH inwards."""
+    """Disc of `rings` rings of equal width, the outermost one split into `wall_layers` layers."""
     vertices, first = [[0.0, 0.0]], [0]
     for k in range(1, rings + 1):
         first.append(len(vertices))
@@ -45,7 +46,7 @@ def make(rings, wall_layers=1):
 
 
 def _between(k, first):
-    """Triangles between rings k - 1 and k, counter-clockwise."""
+    """Triangles between the circles k - 1 and k, counter-clockwise; first[k]: number of circle k's first vertex."""
 
     def outer(sector, j):
         return first[k] + (sector * k + j) % (6 * k)
@@ -63,9 +64,11 @@ def _between(k, first):
 
 
 def _layered(layers, vertices, triangles, outermost):
-    """(vertices, triangles) with the outermost ring's triangles in the innermost layer, two a side in the others.
+    """(vertices, triangles) of the disc with its outermost ring split into `layers` layers.
 
-    outermost: number of the outermost ring's first point; the ring moves inwards, further circles follow.
+    The triangles of the outermost ring become those of the innermost layer: its outer circle moves inwards, and further
+    circles are added outside. Each quadrilateral of the other layers is split into two triangles. outermost: number of
+    the first vertex of the outermost circle.
     """
     rim, rest = vertices[outermost:], vertices[:outermost]
     around, inner = len(rim), rest[-1][0]
@@ -82,7 +85,7 @@ def _layered(layers, vertices, triangles, outermost):
 
 
 def _middles(vertices, edges):
-    """Middles of edges in polar coordinates: between the radii and between the angles of the ends."""
+    """Middles (e, 2) of edges (e, 2) as (rho, angle): the means of the radii and of the angles at the two ends."""
     (rho_a, angle_a), (rho_b, angle_b) = vertices[edges[:, 0]].T, vertices[edges[:, 1]].T
     turn = (angle_b - angle_a + np.pi) % (2 * np.pi) - np.pi
     turn[rho_a == 0] = 0.0

@@ -1,9 +1,11 @@
-"""One span as tetrahedra: the disc on every station and halfway between, prisms split by the smallest vertex.
+"""One span (a swept stretch of a branch) as tetrahedra.
 
-The disc's point (rho, angle) goes to centre + m(rho) r(angle) in the plane of each section, where r is the radius of
-the smooth surface. m makes the rings narrow at the edge of the jet behind a narrowing (`rings_at`). In the throat, and
-without a jet, this edge is the wall. Middle points of edges lie on the same lattice at twice the resolution. Towards
-the axis they approach the straight edges' middles, so that the wall is curved and the core is not.
+The template disc (meshing.sweep.disc) is laid into the section at every station. The prisms between two stations are
+split into tetrahedra. A point (rho, angle) of the disc lies at the distance m(rho) r(angle) from the section's centre,
+where r is the radius of the smooth surface. m makes the rings narrow at the edge of the jet behind a narrowing
+(`rings_at`). In the throat, and without a jet, this edge is put at LARGEST_EDGE of the radius. For the middle points of
+edges the disc is also laid into sections halfway between stations. Towards the axis the middle points approach the
+middles of straight edges, so that edges at the wall are curved and those at the axis straight.
 """
 
 import dataclasses
@@ -14,26 +16,30 @@ from flow.geometry import tet10
 from flow.geometry.vectors import circle
 from flow.meshing.sweep import axis as axis_module
 
-REACH = 2.5  # radii of the branch within which a section's wall is looked for
-LARGEST_ASPECT = 3.0  # largest over smallest radius of a section
-# The next three are for rings_at. LARGEST_EDGE limits the jet's radius over the vessel's. GRADING and LAST have one
-# value for up to three rings and one for four. They were fitted to the error of FFR at a stenosis of 62 %: -.0002 with
-# three rings (-.0005 with the second values), +.0007 with four (+.0010 with a LAST of 1 / 3).
+REACH = 2.5  # a section is cut from the wall facets within this many radii of the branch from its centre
+LARGEST_ASPECT = 3.0  # largest ratio of the radii of one section; others are not swept
+# The next three are used in rings_at. LARGEST_EDGE limits the jet's radius over the vessel's. GRADING says how much the
+# rings within the jet narrow towards its edge. LAST is the place of the last ring but one, as a share of the way from
+# the jet's edge to the wall. Both have a value for up to three rings and one for four. They were fitted to the error of
+# FFR at a stenosis of 62 %: -.0002 with three rings (-.0005 with the second values), +.0007 with four (+.0010 with a
+# LAST of 1 / 3).
 LARGEST_EDGE = 0.82
 GRADING, LAST = (0.3, 0.5), (1 / 3, 1 / 2)
-# More than 4 are laid alike, so that meshes become finer everywhere: with as many outside the jet as 4 rings have, 6
-# had +.0003 instead of +.0001 and 10 left every tenth curved edge straight.
+# With more than FITTED rings the share INSIDE of them lies within the jet, so that more rings make a mesh finer
+# everywhere. With as many rings outside the jet as 4 rings have there, 6 rings had an error of FFR of +.0003 instead of
+# +.0001, and 10 rings left every tenth curved edge straight. FINE_GRADING takes the place of GRADING.
 FITTED, INSIDE, FINE_GRADING = 4, 2 / 3, 0.3
-FULLNESS = 3  # power of rho with which edges follow the lattice
+FULLNESS = 3  # the middle of an edge is moved from its straight to its curved place by the share rho^FULLNESS
 
 
 @dataclasses.dataclass
 class Lattice:
-    """A span's linear tetrahedra with the middles of all its edges; vertex numbers are the span's own.
+    """A span's linear tetrahedra with the middles of all their edges; vertices are numbered within the span, from 0.
 
-    points (n, 3); tetrahedra (t, 4); edges (e, 2), middles (e, 3); wall (f, 3) triangles outwards; discs: triangles
-    (d, 3) outwards of the first end and of the last; rims: vertices (r,) of these in order of angle;
-    normals (n, 3): of the smooth surface at the wall's vertices of the two end discs, else zero; owners: facets hit.
+    points (n, 3) in mm; tetrahedra (t, 4); edges (e, 2) and their middles (e, 3) in mm; wall: outward triangles (f, 3);
+    discs: outward triangles (d, 3) of the first and of the last end; rims: wall vertices (r,) of the two ends in order
+    of angle; normals (n, 3): unit normals of the smooth surface at the rims, zero elsewhere; owners: numbers of the
+    surface's facets on which the wall points lie, without those of the two ends.
     """
 
     points: np.ndarray
@@ -48,7 +54,11 @@ class Lattice:
 
 
 class Sections:
-    """Sections at levels s_mm (m,) of an axis: centres (m, 3), frames, and radius by angle."""
+    """Cross-sections at the arc lengths s_mm (m,) of an axis (meshing.sweep.axis.Axis).
+
+    `sections` are section.Section, None where the plane cuts no single loop of wall. caps: region ids of the caps that
+    are the first and the last section, or None.
+    """
 
     def __init__(self, slicer, axis, s_mm, caps=(None, None)):
         origins, normals = axis.planes(s_mm)
@@ -64,7 +74,11 @@ class Sections:
             self.sections.append(found)
 
     def radii(self, angles):
-        """(radius (m, k), ok (m,) bool, facets (m, k), normals (m, k, 3)); rows that are not ok are zero."""
+        """(radius (m, k) in mm, ok (m,) bool, facets (m, k), unit normals (m, k, 3)) at angles (k,) in rad.
+
+        ok: whether the section is star-shaped about its centre, with an aspect of at most LARGEST_ASPECT. facets: the
+        surface's facets at these places, -1 where the section is not star-shaped; radius and normals are 0 there.
+        """
         shape = (len(self.sections), len(angles))
         radius, facets, facing = np.zeros(shape), np.full(shape, -1), np.zeros(shape + (3,))
         ok = np.zeros(shape[0], bool)
@@ -77,15 +91,17 @@ class Sections:
 
     @property
     def centres(self):
+        """Centres (m, 3) in mm of the sections."""
         return np.array([section.centre for section in self.sections])
 
 
 def rings_at(rho, rings, edge):
-    """m (m, n): radii at template radii rho (n,). edge (m,): the jet's radius over the vessel's.
+    """Distances from the centre over the section's radius, (m, n), for points of the disc at rho (n,).
 
-    `edge` is limited to LARGEST_EDGE. Up to FITTED rings all but the outer one and a half lie within it, and get
-    narrower towards it by GRADING. The last ring but one lies at the share LAST of the way from there to the wall. Of
-    more rings two thirds lie within `edge`; the others are equally wide.
+    edge (m,): the jet's radius over the vessel's at each level; larger values than LARGEST_EDGE are replaced by it.
+    With up to FITTED rings all but the outer one and a half lie within the jet, and get narrower towards its edge by
+    GRADING. The last ring but one ends at the share LAST of the way from the jet's edge to the wall. With more rings
+    two thirds of them lie within the jet; the others are equally wide.
     """
     if rings > FITTED:
         inner, grading = np.floor(INSIDE * rings) / rings, FINE_GRADING
@@ -100,9 +116,10 @@ def rings_at(rho, rings, edge):
 
 
 def build(sections, disc, edge):
-    """Lattice from sections at 2 K + 1 levels (every second one a station), or None where one is not star-shaped.
+    """Lattice of `disc` in `sections` at 2 K + 1 levels, of which every second one is a station.
 
-    edge (2 K + 1,): radius of the jet over the vessel's at each level, 1 where there is none.
+    edge (2 K + 1,): radius of the jet over the vessel's at each level, 1 without a jet. None if a section is not ok
+    (`Sections.radii`).
     """
     rays = len(disc.rim)
     angles = np.pi * np.arange(2 * rays) / rays
@@ -118,7 +135,8 @@ def build(sections, disc, edge):
     level = per_level * np.arange(stations - 1)[:, None, None]
     i, j, k = np.sort(disc.triangles, axis=1).T
     up = per_level
-    # smallest vertex first: every quadrilateral side is cut from its smaller vertex below to the larger above
+    # each quadrilateral side of a prism is cut from its smaller vertex number at the lower station to the larger one at
+    # the upper station, so that neighbouring prisms agree
     split = [[i, j, k, k + up], [i, j, j + up, k + up], [i, i + up, j + up, k + up]]
     tetrahedra = np.concatenate([(level + np.stack(four, axis=1)).reshape(-1, 4) for four in split])
     a, b = disc.rim, np.roll(disc.rim, -1)
@@ -146,9 +164,9 @@ def build(sections, disc, edge):
 
 
 def turned_over(lattice, disc):
-    """Numbers (k,) of the gaps between stations with a tetrahedron that is turned over against a straight tube's.
+    """Numbers (k,) of the gaps between stations that hold a turned-over tetrahedron, which overlaps its neighbours.
 
-    Such a tetrahedron overlaps its neighbours.
+    A tetrahedron is turned over if its volume has another sign than in the lattice of a straight tube.
     """
     rho, angle = disc.vertices.T
     per_level, stations = len(rho), len(lattice.points) // len(rho)
@@ -161,7 +179,7 @@ def turned_over(lattice, disc):
 
 
 class _Positions:
-    """Points of the lattice at all levels: (rho, angle) (n, 2) -> (m, n, 3)."""
+    """Places points of the disc in all sections: (rho, angle) (n, 2) -> points (m, n, 3) in mm."""
 
     def __init__(self, sections, radius, angles, rings, edge):
         self.rings, self.edge = rings, np.asarray(edge)
@@ -181,7 +199,10 @@ class _Positions:
 
 
 def _edges(disc, vertices, middles, points):
-    """All edges of the split lattice and their middle points: in the discs, along the axis, and diagonal."""
+    """(edges (e, 2), middle points (e, 3) in mm) of the lattice: in the discs, along the axis, and diagonal.
+
+    vertices, middles: the disc's vertices and edge middles placed at all levels; points (n, 3): vertices at stations.
+    """
     per_level, stations = len(disc.vertices), len(vertices[::2])
     all_levels = per_level * np.arange(stations)[:, None]
     lower = all_levels[:-1]

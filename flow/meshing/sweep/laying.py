@@ -1,4 +1,4 @@
-"""Spans: the stretches of a tree's axes that are swept, found, laid on their stations, and shortened."""
+"""Spans, the stretches of a tree's branches that are swept: finds, sweeps and shortens them."""
 
 import dataclasses
 import sys
@@ -8,14 +8,18 @@ import numpy as np
 from flow.geometry.jet import jet_radius
 from flow.meshing.sweep import lattice, spans, stations
 
-SAMPLING_RADII = 0.2  # distance of the sections that are tried, in radii
-SHEAR_SPREAD = 0.03  # growth per length of the radius of a jet's shear layer
-CLOSER = 3  # how often stations are added halfway where the wall changes too fast from one to the next
+SAMPLING_RADII = 0.2  # distance in radii of the sample sections that tell where a branch can be swept
+SHEAR_SPREAD = 0.03  # mm by which the radius of a jet grows per mm along the branch
+CLOSER = 3  # how often further stations are put halfway between two with turned-over tetrahedra between them
 
 
 @dataclasses.dataclass
 class Span:
-    """A stretch of an axis and its lattice."""
+    """A swept stretch of a branch, from start_mm to end_mm along its Axis.
+
+    caps: region ids of the inlet or outlet caps at its two ends, or None; lattice: lattice.Lattice, None before
+    `sweep`; sections: lattice.Sections; stations: their number.
+    """
 
     axis: object
     start_mm: float
@@ -31,7 +35,10 @@ class Span:
 
 
 def find(surface, tree, slicer, disc):
-    """Spans of all branches, every sample section star-shaped and clear of other branches."""
+    """[Span] of all branches of the tree, not swept yet.
+
+    Every sample section of a span is star-shaped and clear of other branches. slicer: section.Slicer of `surface`.
+    """
     angles = np.pi * np.arange(2 * len(disc.rim)) / len(disc.rim)
     found = []
     for axis in spans.axes(surface, tree).values():
@@ -41,7 +48,8 @@ def find(surface, tree, slicer, disc):
         if len(inner) < 2:
             continue
         _, ok, _, _ = lattice.Sections(slicer, axis, inner).radii(angles)
-        near_cap = np.zeros(len(s), bool)  # a cap's rim may cut sections so near; the rim itself replaces them
+        # so near to a cap its rim may cut the sample sections, but the sweep uses the rim itself as its end section
+        near_cap = np.zeros(len(s), bool)
         near_cap |= (axis.cap_ids[0] is not None) & (s <= 0.5 * axis.radius(0.0))
         near_cap |= (axis.cap_ids[1] is not None) & (axis.length_mm - s <= 0.5 * axis.radius(axis.length_mm))
         allowed[np.flatnonzero(allowed)[~ok]] = False
@@ -52,9 +60,10 @@ def find(surface, tree, slicer, disc):
 
 
 def sweep(span, slicer, disc, settings, coarsening):
-    """Places the stations and builds the lattice of a span, with further stations where cells were turned over.
+    """Places the stations of a span and builds its lattice, with further stations where tetrahedra are turned over.
 
-    The lattice stays None if a section is not star-shaped, or if cells stay turned over.
+    coarsening: factor of the distance of the stations. The lattice stays None if a section is not star-shaped, or if
+    tetrahedra stay turned over.
     """
     branch = span.axis.branch
     at = stations.place(branch, settings, span.start_mm, span.end_mm, coarsening)
@@ -75,7 +84,10 @@ def sweep(span, slicer, disc, settings, coarsening):
 
 
 def moved(found, ends, radii):
-    """Spans with the ends (span number, 0 or 1) moved inwards by `radii`; spans that get too short are dropped."""
+    """The spans `found`, with some ends moved inwards by `radii` radii; spans that get too short are dropped.
+
+    ends: (span number, 0 for its first or 1 for its last end).
+    """
     kept = []
     for number, span in enumerate(found):
         for which in (0, 1):

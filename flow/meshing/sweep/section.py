@@ -1,8 +1,8 @@
 """Cross-sections of the lumen's smooth surface: radius by angle around a centre in a plane.
 
-A plane cuts the wall's facets in a loop of segments. A ray from the centre hits the loop at radius r; the facet's
-quadratic patch (geometry.smooth_surface) lies off the facet by d there, so the smooth surface is met at r + (d.n) /
-(e.n), n the facet's normal and e the ray's direction: exact to second order in d.
+A plane cuts the wall's facets in a loop of segments. A ray with direction e from the centre hits the loop at radius r,
+on a facet with normal n. There the quadratic patch of the facet (geometry.smooth_surface) lies off the facet by the
+vector d. So the ray meets the smooth surface at r + (d.n) / (e.n), up to terms of second order in d.
 """
 
 import numpy as np
@@ -18,10 +18,12 @@ FOLLOWING = np.array([1, 2, 0])
 
 
 class Section:
-    """Loop around a centre, seen in polar coordinates: segments (m, 2, 2) in the plane, counter-clockwise.
+    """One cross-section: a closed loop of segments (m, 2, 2) in mm in its plane, counter-clockwise about `origin`.
 
-    offset(segment, t) -> (k, 3) from the facet to the smooth surface; facing (m, 3): normals of the facets; owner (m,):
-    facet of each segment; normal_at(segment, t) -> unit normals (k, 3) of the smooth surface.
+    The plane has the point origin (3,) and the unit vectors e1, e2 (3,). `centre` is the loop's centroid. facing
+    (m, 3), owner (m,): unit normal and number of each segment's facet. Two functions take segment numbers (k,) and
+    places t (k,) from 0 to 1 on them. offset(segment, t) gives the vectors (k, 3) in mm from facet to smooth surface,
+    normal_at(segment, t) the unit normals (k, 3) of the smooth surface.
     """
 
     def __init__(self, origin, e1, e2, segments, facing, owner, offset, normal_at):
@@ -35,7 +37,10 @@ class Section:
         self.centre = origin + middle[0] * e1 + middle[1] * e2
 
     def radii(self, angles):
-        """(radius (k,), facet (k,), unit normals (k, 3)) at `angles`, or None where the loop is not star-shaped."""
+        """(radius (k,) in mm, facet (k,), unit normals (k, 3)) at `angles` (k,) in rad.
+
+        None where the loop is not star-shaped about its centre, or a ray meets a facet at a grazing angle.
+        """
         direction = np.stack(circle(angles), axis=1)
         a, b = self.segments[:, 0], self.segments[:, 1]
         side_a = direction[:, :1] * a[:, 1] - direction[:, 1:] * a[:, 0]
@@ -59,7 +64,7 @@ class Section:
 
 
 class Slicer:
-    """Sections of one lumen surface."""
+    """Cuts cross-sections out of one lumen surface (geometry.surface.Surface)."""
 
     def __init__(self, surface):
         self.surface = surface
@@ -72,7 +77,10 @@ class Slicer:
         self.facing = unit(surface.area_vectors())
 
     def cut(self, origin, normal, e1, e2, reach):
-        """Section around `origin` with the plane, None where no single loop of wall surrounds it within `reach` mm."""
+        """Section by the plane through `origin` with the unit vectors normal, e1, e2.
+
+        None where no single loop of wall facets within `reach` mm surrounds `origin`.
+        """
         near = self.wall[np.sort(self.places.query_ball_point(origin, reach)).astype(int)]
         height = dot(self.surface.points[self.surface.triangles[near]] - origin, normal)
         height[height == 0.0] = 1e-12
@@ -84,11 +92,12 @@ class Slicer:
         corners = self.surface.triangles[crossed]
         leaves, enters = up & ~up[:, FOLLOWING], ~up & up[:, FOLLOWING]
         ends, barycentric, edge_ids = [], [], []
-        for which in (leaves, enters):  # above on the left: seen along the normal the loop is counter-clockwise
+        for which in (leaves, enters):  # segments run so that the loop is counter-clockwise about the normal
             k = np.argmax(which, axis=1)
             rows = np.arange(len(crossed))
             p, q = corners[rows, k], corners[rows, FOLLOWING[k]]
-            low, high = np.minimum(p, q), np.maximum(p, q)  # one order, so that both facets find the same bits
+            # the smaller vertex first, so that both facets of an edge get the same bits
+            low, high = np.minimum(p, q), np.maximum(p, q)
             ends_at = height[rows, k], height[rows, FOLLOWING[k]]
             at_low, at_high = np.where(p == low, ends_at, ends_at[::-1])
             t = at_low / (at_low - at_high)
@@ -118,7 +127,7 @@ class Slicer:
         return Section(origin, e1, e2, flat, self.facing[owner], owner, offset, normal_at)
 
     def rim(self, cap, origin, normal, e1, e2):
-        """Section that is the rim of a cap."""
+        """Section whose loop is the rim of the cap with region id `cap`; plane as in `cut`."""
         in_cap, on_wall = self.surface.region == cap, self.surface.region == WALL
         _, first = np.unique(self.side[on_wall], return_index=True)
         wall_of = dict(zip(self.side[on_wall].ravel()[first], np.flatnonzero(on_wall)[first // 3]))
@@ -145,7 +154,10 @@ class Slicer:
 
 
 def _surrounding(flat, edge_ids):
-    """Members of the one loop that winds once around the origin, or None. flat (m, 2, 2), edge_ids: starts and ends."""
+    """Which segments (m,) bool form the only loop that winds once around the origin; None unless there is one.
+
+    flat (m, 2, 2): the segments in the plane; edge_ids: the surface's edges on which they start (m,) and end (m,).
+    """
     _, nodes = np.unique(np.concatenate(edge_ids), return_inverse=True)
     count, size = len(flat), nodes.max() + 1
     start, end = nodes[:count], nodes[count:]

@@ -6,15 +6,15 @@ from flow.geometry.surface import INLET
 from flow.geometry.vectors import dot, length
 from flow.meshing.sweep.axis import Axis
 
-CLEARANCE = 1.15  # radii of another branch that a section keeps away from its axis
-LEFT = 0.8  # radii from the parent's axis at which a side branch has left the parent's lumen
-AT_CAP = 0.8  # radii: a free stretch that ends this close to a cap goes on to it
-TRIM = 0.25  # radii left free between a span's end and what blocks it
-SHORTEST = 2.0  # radii
+CLEARANCE = 1.15  # least distance of a section from the axis of another branch, in radii of that branch
+LEFT = 0.8  # a side branch has left its parent when its axis is this many parent radii from the parent's axis
+AT_CAP = 0.8  # a free stretch that ends within this many radii of a cap is prolonged to the cap
+TRIM = 0.25  # gap in radii between the end of a span and the end of the free stretch
+SHORTEST = 2.0  # least length of a span, in radii at the wider of its ends
 
 
 def axes(surface, tree):
-    """{branch name: Axis} with the caps that its two ends lie in (region ids as axis.cap_ids)."""
+    """{branch name: Axis} of a tree. `cap_ids` of an axis: region ids of the caps at its start and end, or None."""
     caps = surface.cap_circles()
     found = {}
     for branch in tree:
@@ -32,7 +32,10 @@ def axes(surface, tree):
 
 
 def free(axis, tree, s_mm):
-    """Whether the section at each s_mm (m,) keeps clear of all other branches, by the balls that fill their lumens."""
+    """Whether the section at each s_mm (m,) keeps clear of all other branches, (m,) bool.
+
+    A branch counts as the union of its inscribed spheres, those of a side branch from where it has left its parent.
+    """
     branch = axis.branch
     origins, normals = axis.planes(s_mm)
     own = axis.radius(s_mm)
@@ -52,19 +55,23 @@ def free(axis, tree, s_mm):
 
 
 def _starts_on(branch, parent):
+    """Whether a branch starts near the axis of `parent`."""
     s, distance = parent.project(branch.points[0])
     return distance < 0.5 * parent.radius(s)
 
 
 def _outside(branch, parent):
-    """Points of a side branch past the one where it leaves its parent's lumen."""
+    """Which points (n,) bool of a side branch come after it has left its parent's lumen."""
     past = parent.outside(branch.points, LEFT)
     first = int(np.argmax(past)) if past.any() else len(past)
     return np.arange(len(past)) >= first
 
 
 def stretches(axis, allowed, s_mm):
-    """[(start_mm, end_mm, first cap id or None, last cap id or None)] of the runs of `allowed` that are long enough."""
+    """[(start_mm, end_mm, first cap id or None, last cap id or None)] of the stretches that can be swept.
+
+    allowed (m,) bool: whether the section at s_mm (m,) can be swept. Stretches shorter than SHORTEST are left out.
+    """
     padded = np.concatenate([[False], allowed, [False]])
     starts = np.flatnonzero(~padded[:-1] & padded[1:])
     ends = np.flatnonzero(padded[:-1] & ~padded[1:]) - 1

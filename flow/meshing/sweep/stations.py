@@ -2,12 +2,14 @@
 
 import numpy as np
 
-NEIGHBOURHOOD_MM = 20.0  # the healthy radius at s is the smaller of the largest ones this far up- and downstream
-NARROWED, HEALTHY = 0.75, 0.95  # of the healthy radius: a throat; a plain vessel
-# of the spacing per length, up- and downstream of a throat, where stations_plain is 1
+# The healthy radius at s is the smaller of two radii: the largest within this distance upstream, and downstream.
+NEIGHBOURHOOD_MM = 20.0
+# Shares of the healthy radius: a vessel is a throat up to NARROWED, and plain, without a narrowing, from HEALTHY on.
+NARROWED, HEALTHY = 0.75, 0.95
+# mm by which the distance of sections may grow per mm upstream of a throat and behind it, times setting stations_plain.
 GROWTH_BEFORE, GROWTH_BEHIND = 0.3, 0.06
-TURN = 0.35  # rad, largest turn of the axis between stations
-STEP_MM = 0.05
+TURN = 0.35  # rad: largest turn of the axis from one section to the next
+STEP_MM = 0.05  # step of the numerical integration along the axis that places the sections
 
 
 def spacing(branch, settings, s_mm):
@@ -26,29 +28,37 @@ def spacing(branch, settings, s_mm):
 
 
 def healthy_share(branch):
-    """Radius over the healthy one (n,) at the branch's points."""
+    """Radius over the healthy radius, (n,), at the branch's points."""
     upstream = _running_maximum(branch.s_mm, branch.radius_mm, -1)
     return branch.radius_mm / np.minimum(upstream, _running_maximum(branch.s_mm, branch.radius_mm, 1))
 
 
 def _running_maximum(s, radius, direction):
+    """Largest radius (n,) within NEIGHBOURHOOD_MM of each s, downstream (direction 1) or upstream (-1)."""
     inside = (direction * (s - s[:, None]) >= 0) & (np.abs(s - s[:, None]) <= NEIGHBOURHOOD_MM)
     return np.max(np.where(inside, radius, 0.0), axis=1)
 
 
 def _curvature(branch):
+    """Curvature (n,) in 1/mm of the branch's axis."""
     slope = np.gradient(branch.points, branch.s_mm, axis=0)
     slope /= np.linalg.norm(slope, axis=1)[:, None]
     return np.linalg.norm(np.gradient(slope, branch.s_mm, axis=0), axis=1)
 
 
 def place(branch, settings, start_mm, end_mm, coarsening=1.0):
-    """Arc lengths (k,) of the sections from start_mm to end_mm inclusive, in two gaps or more."""
+    """Arc lengths (k,) in mm of the sections from start_mm to end_mm inclusive, at least three.
+
+    Their distance is `coarsening` times `spacing`.
+    """
     return spread(start_mm, end_mm, lambda s: coarsening * spacing(branch, settings, s), 2)
 
 
 def spread(start_mm, end_mm, gap_mm, least):
-    """Arc lengths (k,) from start_mm to end_mm inclusive, `gap_mm(s (n,)) -> (n,)` apart, in `least` gaps or more."""
+    """Arc lengths (k,) in mm from start_mm to end_mm inclusive, with at least `least` gaps between them.
+
+    gap_mm(s (n,)) -> (n,): wanted gap in mm at s.
+    """
     s = np.linspace(start_mm, end_mm, max(2, int(np.ceil((end_mm - start_mm) / STEP_MM)) + 1))
     density = 1.0 / gap_mm(s)
     count = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(s))])

@@ -1,4 +1,8 @@
-"""The lumen's wall between the spans: the part that no span sweeps, zipped to the spans' end rings."""
+"""The lumen's wall between the spans: the part that no span sweeps, joined to the spans' end rings.
+
+The wall facets that a span replaces are cut away. A strip of triangles then joins the border of the remaining facets to
+the ring of wall vertices at the span's end.
+"""
 
 import numpy as np
 from scipy.sparse import coo_matrix
@@ -7,14 +11,14 @@ from scipy.sparse.csgraph import connected_components
 from flow.geometry.surface import WALL, beside, border
 from flow.geometry.vectors import dot
 
-CLEAR = 0.5  # local edges: least distance of a remaining facet from the plane of a span's end
-NEAR = 2.5  # radii of an end within which its plane cuts the wall
-LEAST_COSINE = 0.5  # between a strip's triangle and the smooth surface's normal at the ring
-FOLDS = 1e4  # cost of a triangle that folds, in triangles of the best shape
+CLEAR = 0.5  # least distance of a remaining facet from the plane of a span's end, in mean edges of the facet
+NEAR = 2.5  # facets further than this many radii from the centre of a span's end do not belong to this end
+LEAST_COSINE = 0.5  # a triangle folds if the cosine of the angle between its normal and the smooth surface's is less
+FOLDS = 1e4  # badness (see _badness) added to a triangle that folds; an equilateral triangle has a badness of 1
 
 
 class StitchError(Exception):
-    """An end that cannot be joined to the wall: `ends` are the keys of the spans' ends that are to move."""
+    """A junction cannot be closed or filled. ends: keys (span number, 0 or 1) of the spans' ends that should move."""
 
     def __init__(self, what, ends):
         self.ends = ends
@@ -22,7 +26,10 @@ class StitchError(Exception):
 
 
 def cut(surface, side, spans):
-    """Facets (m,) bool that the spans take away. side: `surface.edges()[1]`; spans: [Cut]."""
+    """Which facets (m,) bool of the surface the spans replace. side: `surface.edges()[1]`; spans: [hybrid.Cut].
+
+    They are all facets that are connected with those of a span's wall points, up to the planes of its ends.
+    """
     taken = np.zeros(len(surface.triangles), bool)
     pairs = beside(side)
     for span in spans:
@@ -39,16 +46,17 @@ def cut(surface, side, spans):
 
 
 class End:
-    """One end of a span: key (span number, 0 or 1), plane, ring of global vertices in order of angle about the axis.
+    """One end of a span, without a cap.
 
-    outwards: unit vector along the axis, out of the span.
+    key: (span number, 0 for its first or 1 for its last end); centre (3,) and radius in mm; outwards: unit vector (3,)
+    along the axis, out of the span; ring: wall vertices in order of angle about the axis, numbered in the whole mesh.
     """
 
     def __init__(self, key, centre, outwards, radius, ring):
         self.key, self.centre, self.outwards, self.radius, self.ring = key, centre, outwards, radius, ring
 
     def beyond(self, surface):
-        """Facets near this end that lie clear of its plane, on the outer side."""
+        """Which facets (m,) bool near this end lie outside the span, clear of the end's plane."""
         height = dot(surface.points - self.centre, self.outwards)
         corners = surface.points[surface.triangles]
         edge = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean(axis=1)
@@ -57,7 +65,10 @@ class End:
 
 
 def trim_ears(surface, taken, wall):
-    """Takes away remaining wall facets with two or three sides on the cut, until there is none."""
+    """`taken` (m,) bool with more wall facets: those left with two or three sides on the border, until there is none.
+
+    wall (m,) bool: facets of the wall.
+    """
     _, side = surface.edges()
     taken = taken.copy()
     while True:
@@ -69,7 +80,10 @@ def trim_ears(surface, taken, wall):
 
 
 def loops(triangles):
-    """Boundary loops of facets, each an array of vertices in the facets' direction. None where one touches itself."""
+    """Border loops of triangles (m, 3), each an array of vertices in the triangles' direction.
+
+    None where a loop touches itself or another one.
+    """
     edges = border(triangles)
     if len(np.unique(edges[:, 0])) != len(edges):
         return None
@@ -87,16 +101,16 @@ def loops(triangles):
 
 
 def zipper(points, normals, loop, ring):
-    """Triangles (l + r, 3) between two closed chains of vertices that run the same way round; loop's edges a -> b get
-    triangles (b, a, ring vertex).
+    """Triangles (l + r, 3) of the strip between two closed chains of vertices, loop (l,) and ring (r,).
 
-    Of all ways to join them in order, from the closest pair on, the one whose triangles are best: `_badness` summed.
+    Both chains run the same way round. An edge a -> b of the loop gets a triangle (b, a, ring vertex). The strip starts
+    at the closest pair of vertices. Of all strips from there, it is the one with the least sum of `_badness`.
     """
     gap = np.linalg.norm(points[loop][:, None] - points[ring][None], axis=2)
     i, j = np.unravel_index(np.argmin(gap), gap.shape)
     loop, ring = np.roll(loop, -i), np.roll(ring, -j)
     rows, columns = len(loop), len(ring)
-    # triangle (a, b) on an edge of the loop, and on one of the ring: both end at loop[a], ring[b]
+    # on_loop[a, b] and on_ring[a, b]: the triangles on an edge of loop and ring that end at loop[a], ring[b]
     a, b = np.meshgrid(np.arange(rows), np.arange(columns), indexing="ij")
     on_loop = np.stack([loop[a], loop[a - 1], ring[b]], axis=-1)
     on_ring = np.stack([loop[a], ring[b - 1], ring[b]], axis=-1)
@@ -124,7 +138,8 @@ def zipper(points, normals, loop, ring):
 def _badness(points, normals, triangles):
     """(badness (...,), cosine with the surface's normal (...,)) of triangles (..., 3).
 
-    The badness is 1 over the shape (1 of an equilateral triangle), FOLDS more where one does not face as the surface.
+    normals (n, 3): of the smooth surface at the points (n, 3). The badness is 1 for an equilateral triangle and grows
+    as a triangle gets flatter. FOLDS is added where the cosine is below LEAST_COSINE.
     """
     a, b, c = (points[triangles[..., k]] for k in range(3))
     area = np.cross(b - a, c - a)
@@ -136,7 +151,10 @@ def _badness(points, normals, triangles):
 
 
 def strips(points, normals, kept, ends):
-    """{end key: strip triangles} that join the loops of the `kept` facets to the rings. Raises StitchError."""
+    """{end key: triangles (k, 3)} of the strips that join the remaining facets to the rings of the ends.
+
+    kept (m, 3): the remaining facets; ends: [End]. Raises StitchError.
+    """
     keys = [end.key for end in ends]
     borders = loops(kept)
     if borders is None:
@@ -149,7 +167,7 @@ def strips(points, normals, kept, ends):
     result = {}
     for end, place in zip(ends, nearest):
         loop = borders[place]
-        # the ring runs counter-clockwise about the axis; seen from outside the span the loop may run either way
+        # zipper needs both to run the same way round about the axis
         ring = end.ring if _turns(points[loop], end) == _turns(points[end.ring], end) else end.ring[::-1]
         strip = zipper(points, normals, loop, ring)
         least = _badness(points, normals, strip)[1].min()

@@ -13,17 +13,17 @@ namespace {
 
 constexpr double surface_density = 1.1e-3 * 0.1; // g/mm^2: folded nylon, 0.1 mm thick
 constexpr double tip_share = 0.35;               // diameter of the balloon's welded ends over the nominal diameter
-// N/mm at the nominal diameter. The bending stiffness of the taut balloon is pi R^3 times this. For an isotropic film
-// the makers' charts give (1 - nu/2) d(p R)/d ln R from nominal to rated burst pressure, with nu 0.4. That is 14
-// (semi-compliant), 15 (delivery) or 43 (non-compliant) for balloons of 3 mm. The value here is lower, since
-// polyamide-12 balloons are softer along than around (Geith et al., PLoS ONE 15 (2020) e0234340), and folds remain.
-// measured.md says how much areas depend on it.
+// Axial stiffness of the balloon's film per width at the nominal diameter, N/mm. The bending stiffness of the taut
+// balloon is pi R^3 times this value. For an isotropic film the makers' charts would give (1 - nu/2) d(p R)/d ln R from
+// nominal to rated burst pressure, with nu = 0.4. For balloons of 3 mm that is 14 (semi-compliant), 15 (delivery) or 43
+// N/mm (non-compliant). The value here is lower, since polyamide-12 balloons are softer along than round their axis
+// (Geith et al., PLoS ONE 15 (2020) e0234340), and since folds remain. measured.md tells how areas depend on the value.
 constexpr double balloon_axial_stiffness = 8.0;
-constexpr double balloon_hinge = 0.002; // N mm per edge, keeps the grid from wrinkling
-constexpr double crease_yield = 0.02;   // rad per edge: beyond it a crease of the limp membrane stays until flattened
-constexpr double shaft_anchor = 0.02;   // N/mm per vertex of the end rings
-constexpr double neck_hold = 0.4;       // N/mm per end ring of a folded balloon; per ring, as it has more vertices
-// A grid of fibres alone has no shear stiffness: a weak film gives it.
+constexpr double balloon_hinge = 0.002; // N mm per edge: bending stiffness that keeps the grid from wrinkling
+constexpr double crease_yield = 0.02;   // rad per edge: the limp film of a folded balloon keeps sharper creases
+constexpr double shaft_anchor = 0.02;   // N/mm: holds each vertex of the end rings at the catheter's shaft
+constexpr double neck_hold = 0.4;       // N/mm: holds each end ring of a folded balloon, shared by its vertices
+// A grid of fibres alone has no shear stiffness, so a weak film (0.3 N/mm, yielding at a strain of 0.05) is added.
 constexpr HenckyLaw balloon_film{0.3, 0.3, 0.0, 0.05, 0.02};
 
 } // namespace
@@ -73,7 +73,7 @@ Balloon add_balloon(System& system, const BalloonSpec& spec, RingGrid grid, cons
   const double share = pi * spec.nominal_diameter / grid.around;
   for (int r = 0; r + 1 < grid.rings(); ++r)
     for (int k = 0; k < grid.around; ++k) {
-      // the inflated profile's length, along its slope in the shoulders
+      // the fibre's rest length is measured along the inflated profile, which rises in the shoulders
       const double rise = 0.5 * spec.nominal_diameter * (grid.profile[r + 1] - grid.profile[r]);
       const double mean = 0.5 * (grid.profile[r] + grid.profile[r + 1]);
       axial.push_back({first + r * grid.around + k, first + (r + 1) * grid.around + k,

@@ -8,22 +8,26 @@
 
 namespace vci {
 
+/// The rings of a balloon's body and shoulders, about `edge_mm` apart.
 RingGrid balloon_grid(const BalloonSpec& spec, double edge_mm);
 
-/// A balloon in the system, with its pressure to be set.
+/// A balloon in the system, and the forces that set_pressure() changes.
 struct Balloon {
-  int body;
+  int body; ///< number in the system
   RingGrid grid;
   Pressure* pressure;
   Fibres* axial;
   std::shared_ptr<const BalloonChart> chart;
 };
 
-/// @param radius of each ring at the start, mm; at most the crimped radius.
+/// Adds a balloon with its forces to the system, without pressure.
+/// @param frames place and axes of each ring in the vessel
+/// @param radius of each ring at the start, mm; at most the crimped radius. A folded balloon must fit into it.
 Balloon add_balloon(System& system, const BalloonSpec& spec, RingGrid grid, const std::vector<Frame>& frames,
                     const std::vector<double>& radius);
-/// Sets the pressure and its axial pull on the fibres, p pi (D(p)^2 - tip^2) / 4 in all, since the open tips lie on the
-/// shaft. With this pull the inflated balloon has the length that the maker states.
+/// Sets the pressure p, and the axial pull by which it tightens the balloon's fibres. At each section with diameter D
+/// all fibres together are pulled by p pi (D^2 - tip^2) / 4, since the open tips lie on the shaft. With this pull the
+/// inflated balloon has the length that the maker states.
 void set_pressure(Balloon& balloon, double pressure_mpa);
 
 } // namespace vci

@@ -15,7 +15,8 @@ BalloonChart::BalloonChart(const std::vector<double>& pressure_mpa, const std::v
                            double crimped_diameter_mm) {
   if (pressure_mpa.size() < 2 || pressure_mpa.size() != diameter_mm.size())
     throw std::invalid_argument("a balloon chart needs two points or more, as many pressures as diameters");
-  // The balloon is unfolded at half the first pressure, with the diameter that the chart's first slope gives there.
+  // The balloon is taken to be unfolded at half the first pressure, with the diameter that the chart's first slope
+  // gives there.
   const double slope = (diameter_mm[1] - diameter_mm[0]) / (pressure_mpa[1] - pressure_mpa[0]);
   const double unfolded_pressure = 0.5 * pressure_mpa[0];
   pressure_ = {0.0, unfolded_pressure};

@@ -5,8 +5,8 @@
 namespace vci {
 
 /// Pressure (MPa) that holds a free balloon at a diameter (mm), piecewise linear and increasing. It begins with 0 at
-/// the crimped diameter. A soft unfolding branch follows, up to at most half the pressure of the chart's first point.
-/// Then comes the chart, which continues with its last slope.
+/// the crimped diameter. A soft branch follows on which the balloon unfolds, up to half the pressure of the chart's
+/// first point. Then comes the maker's chart, continued with its last slope.
 class BalloonChart {
 public:
   /// @throws std::invalid_argument unless both columns rise strictly, the chart has two points or more and starts above
@@ -14,14 +14,14 @@ public:
   BalloonChart(const std::vector<double>& pressure_mpa, const std::vector<double>& diameter_mm,
                double crimped_diameter_mm);
 
-  /// The chart of a balloon that is unfolded already. It continues with its first slope down to pressure 0. Below that
-  /// diameter the film buckles: the slope is a fiftieth, and the pressure is negative.
+  /// The chart of a balloon that is unfolded at the start. The maker's chart is continued with its first slope down to
+  /// pressure 0. At smaller diameters the film buckles: the slope is a fiftieth, and the pressure negative.
   static BalloonChart of_unfolded(const std::vector<double>& pressure_mpa, const std::vector<double>& diameter_mm);
 
   double pressure_at(double diameter_mm) const;
   double slope_at(double diameter_mm) const; ///< MPa/mm
   double diameter_at(double pressure_mpa) const;
-  /// Integral of p(D) D dD from the crimped diameter (MPa mm^2): the work of a ring's tension.
+  /// Integral of p(D) D dD from the chart's smallest diameter on (MPa mm^2), for the work of a ring's tension.
   double first_moment(double diameter_mm) const;
 
 private:

@@ -9,20 +9,22 @@ namespace vci {
 
 namespace {
 
-constexpr double edge_over_thickness = 6;                  // longest edge that follows the folds, in thicknesses
-constexpr double nylon_modulus = 900, nylon_poisson = 0.4; // MPa; oriented polyamide 12
-constexpr int finer_grids = 8; // grids tried: whole edges make a valley wider, so a finer grid may fit the profile
+constexpr double edge_over_thickness = 6; // longest edge that can follow the folds, over the film's thickness
+constexpr double nylon_modulus = 900, nylon_poisson = 0.4; // MPa, and Poisson's ratio; oriented polyamide 12
+// Number of ever finer grids tried. A valley between wings has a whole number of edges, which widens it on a coarse
+// grid. A finer grid may fit the crimped profile.
+constexpr int finer_grids = 8;
 
 Vec2 at_angle(double radius, double angle) {
   return {radius * std::cos(angle), radius * std::sin(angle)};
 }
 
-/// A line at `depth` below the spiral arm r = start + climb phi.
+/// The section of a layer of film that lies `depth` inside the spiral r = start + climb * phi.
 struct Arm {
-  double start, climb, depth;
+  double start, climb, depth; ///< mm, mm/rad, mm
   double radius(double phi) const { return start + climb * phi - depth; }
   Vec2 at(double phi) const { return at_angle(radius(phi), phi); }
-  /// The angle beyond `from` at which the arm is an edge away from p (Newton).
+  /// The angle beyond `from` (rad) at which the arm is a distance `edge` (mm) from p, by Newton's method.
   double next(const Vec2& p, double from, double edge) const {
     double phi = from + edge / radius(from);
     for (int iteration = 0; iteration < 10; ++iteration) {
@@ -33,14 +35,16 @@ struct Arm {
   }
 };
 
-/// The two paths from a valley's ends to the wing's crest.
+/// Section of one wing: the two paths of film from the valleys beside the wing to its crest.
 struct Sector {
-  std::vector<Vec2> back, belly; ///< without their first point, the valley's end (root); both end at the crest
-  Vec2 root;
-  double opening; ///< angle from the belly's end to the back's end; the ring is closed if it is 0
-  double wrap;
+  std::vector<Vec2> back, belly; ///< points after the valley's end, up to the crest where both paths meet, mm
+  Vec2 root;                     ///< the valley's end at which the back begins, mm
+  double opening;                ///< angle from the belly's end to the back's end, rad; 0 if the ring is closed
+  double wrap;                   ///< angle that the belly covers, rad
 };
 
+/// The wing whose back and belly have these numbers of edges.
+/// @param edge length of the edges, mm
 /// @param inner radius (mm) at which the valley between two wings begins
 Sector sector_of(const FoldingSpec& f, int back, int belly, double edge, double inner) {
   const double t = f.membrane_thickness, between = 2 * pi / f.wings, climb = t * f.wings / pi;
@@ -64,7 +68,7 @@ Sector sector_of(const FoldingSpec& f, int back, int belly, double edge, double 
   return s;
 }
 
-/// The radius of the valley's start for which the ring is closed, by bisection.
+/// The radius (mm) at which valleys must begin so that back and belly meet and the ring is closed, by bisection.
 double closing_radius(const FoldingSpec& f, int back, int belly, double edge) {
   const double guess = (back - belly) * edge * f.wings / (2 * pi);
   double low = std::max(0.2 * guess, 1e-3), high = 1.5 * guess + edge;
@@ -79,14 +83,15 @@ double least_radius(const FoldingSpec& f) {
   return 0.5 * f.shaft_diameter + 0.5 * f.membrane_thickness;
 }
 
-/// Mirrors the vertices for wings that are wrapped clockwise; their order stays counterclockwise.
+/// Mirrors the points, for wings that are wrapped clockwise, and keeps their order counterclockwise.
 void turn_clockwise(std::vector<Vec2>& points) {
   for (Vec2& p : points)
     p[1] = -p[1];
   std::reverse(points.begin() + 1, points.end());
 }
 
-/// Number of edges of a valley: the fewest that keep it outside the shaft; 0 if nothing is left for wings.
+/// Number of edges of a valley: the fewest that keep the valley outside the shaft. 0 if too few edges are left for
+/// wings.
 int valley_edges(const FoldingSpec& f, int per_wing, double edge) {
   for (int valley = 2; valley + 4 <= per_wing; valley += 2)
     if (closing_radius(f, (per_wing + valley) / 2, (per_wing - valley) / 2, edge) >= least_radius(f))
@@ -133,7 +138,7 @@ double bending_rigidity(const FoldingSpec& f) {
 
 namespace {
 
-/// Edge of the unfolded body's rings, mm.
+/// Length (mm) of the edges round the unfolded balloon's body, with `around` edges.
 double unfolded_edge(const BalloonSpec& spec, int around) {
   return unfolded_diameter(spec) * std::sin(pi / around);
 }

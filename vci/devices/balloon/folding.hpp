@@ -5,33 +5,35 @@
 
 namespace vci {
 
-/// Section of a folded balloon's body. Its perimeter is the unfolded balloon's, since the membrane hardly stretches.
-/// The layers are arms of a spiral that rises by twice the membrane's thickness from one wing to the next. Each sector
-/// goes from a valley on the shaft along a wing's back to its crest, and along its belly to the next valley.
-/// Balloons folded in three: De Beule et al., J Biomech 41 (2008) 383; Mortier et al., J Biomech Eng 130 (2008) 021018.
+/// Section of a folded balloon's body. It has the perimeter of the unfolded balloon, since the membrane hardly
+/// stretches. The layers are arms of a spiral that rises by twice the membrane's thickness from one wing to the next.
+/// The membrane goes from a valley on the shaft along a wing's back to its crest, then along the wing's belly to the
+/// next valley. Balloons folded in three: De Beule et al., J Biomech 41 (2008) 383; Mortier et al., J Biomech Eng 130
+/// (2008) 021018.
 struct FoldedSection {
-  std::vector<Vec2>
-      points;          ///< mm, counterclockwise, equally far apart; the first is a valley's middle. Empty: no wings
+  /// mm, counterclockwise, equally far apart. The first is the middle of a valley. Empty: too few edges for wings.
+  std::vector<Vec2> points;
   double inner, outer; ///< distances of the nearest and the furthest vertex from the axis, mm
   double wrap;         ///< angle that a wing covers, rad
 };
-/// @param edge between neighbouring vertices, mm; @param around vertices, a multiple of twice the wings
+/// @param around number of vertices, a multiple of twice the number of wings
+/// @param edge distance between neighbouring vertices, mm
 FoldedSection folded_section(const FoldingSpec& folding, int around, double edge);
-/// The section of a balloon by its chart, at pressure 0.
+/// The section of a balloon with the perimeter that its chart gives at pressure 0.
 FoldedSection folded_section(const BalloonSpec& spec, int around);
 
-/// Diameter (mm) of the balloon unfolded at pressure 0, to which the chart is continued.
+/// Diameter (mm) of the unfolded balloon at pressure 0. The chart is continued to this pressure with its first slope.
 double unfolded_diameter(const BalloonSpec& spec);
 
-/// E t^3 / (12 (1 - nu^2)) of the membrane, N mm.
+/// Bending rigidity E t^3 / (12 (1 - nu^2)) of the membrane, N mm.
 double bending_rigidity(const FoldingSpec& folding);
 
-/// Number of vertices that a ring needs to follow the folds. Throws common::InputError if the perimeter does not fit
-/// into the profile, or leaves no wings.
+/// Number of vertices that a ring needs to follow the folds. Throws common::InputError if the folded perimeter does not
+/// fit into the crimped diameter, or is too short for wings.
 int vertices_round_folded(const BalloonSpec& spec, double edge_mm);
 
-/// The vertices of a folded balloon on a vessel's axis. Along the cones the section is scaled down.
-/// @param room radius that each ring may take, mm
+/// The vertices (mm) of a folded balloon on a vessel's axis. Along the shoulders the section is scaled down.
+/// @param room largest radius that each ring may have, mm
 /// Throws common::ComputationError if a ring does not fit.
 Vectors place_folded(const BalloonSpec& spec, const RingGrid& grid, const std::vector<Frame>& frames,
                      const std::vector<double>& room);

@@ -5,14 +5,15 @@
 
 namespace vci {
 
-/// Hoop edges of a balloon ring of n edges: a free ring under pressure p takes the area of a circle of the chart's
-/// diameter D(p). With edge l: D = l sqrt(n / (pi tan(pi/n))), tension p(D) l / (2 tan(pi/n)) per axial length.
+/// Tension of the edges round a balloon's rings. The vertices of a free ring under pressure p lie on a circle of the
+/// chart's diameter D(p). A ring of n edges of length l has D = l / sin(pi/n). The tension of its edges is
+/// p(D) l / (2 tan(pi/n)) per axial length.
 class HoopChart : public EdgeForce {
 public:
   struct Hoop {
     int i, j;
     double width;   ///< axial length that the edge represents, mm
-    double profile; ///< ring diameter over the balloon's (1 in its body, less in its shoulders)
+    double profile; ///< diameter of the ring over that of the balloon's body: 1 in the body, less in the shoulders
   };
   HoopChart(const std::vector<Hoop>& hoops, int edges_per_ring, BalloonChart chart);
 

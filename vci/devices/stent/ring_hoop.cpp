@@ -17,8 +17,8 @@ struct Tension {
   double energy, force, tangent; ///< N mm, N, N/mm
 };
 
-/// Relative band round the yield strain. After plastic flow |e| equals the yield strain up to rounding, which must not
-/// choose the tangent. With the plastic tangent the first step of an unloaded ring would be far too long.
+/// A strain. After plastic flow |e| equals the yield strain up to this rounding error, which must not decide the
+/// tangent. With the plastic tangent, the first step of a ring that is unloaded would be far too long.
 constexpr double at_yield = 1e-9;
 
 Tension tension(const RingHoops::Ring& r, double length) {
@@ -74,7 +74,7 @@ void RingHoops::declare(BlockPattern& pattern) const {
 void RingHoops::link(const BlockMatrix& matrix) {
   slots_.clear();
   for (Ring& r : rings_) {
-    r.flows = 0; // bodies were added or removed, so the flow may not continue
+    r.flows = 0; // bodies were added or removed, so plastic flow may not continue
     for (std::size_t k = 0; k < r.vertices.size(); ++k)
       slots_.emplace_back(matrix, std::array<int, 2>{r.vertices[k], r.vertices[(k + 1) % r.vertices.size()]});
   }
@@ -122,7 +122,7 @@ void RingEvenness::evaluate(const Vectors& x, Vectors& force, BlockMatrix* stiff
     const Vec3 a = x[e.v[1]] - x[e.v[0]], b = x[e.v[2]] - x[e.v[1]];
     const double a2 = a.squaredNorm(), b2 = b.squaredNorm();
     const double ratio = 0.5 * std::log(a2 / b2);
-    const std::array<Vec3, 3> g{-a / a2, a / a2 + b / b2, -b / b2}; // of the ratio
+    const std::array<Vec3, 3> g{-a / a2, a / a2 + b / b2, -b / b2}; // gradient of the ratio by the three vertices
     for (int i = 0; i < 3; ++i)
       force[e.v[i]] -= e.coefficient * ratio * g[i];
     if (stiffness)

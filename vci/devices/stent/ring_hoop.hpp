@@ -4,10 +4,12 @@
 
 namespace vci {
 
-/// Elastic-plastic hoop of a closed ring: one tension T(L) along all its edges, L its whole length. A ring of struts
-/// opens as one; a law per edge would let the first edge that yields take all of the opening (necking).
+/// Elastic-plastic hoop of a closed ring. All edges of a ring have one tension T(L), which depends on the ring's whole
+/// length L. A ring of struts opens as a whole. With a law for each edge, the first edge that yields would take all of
+/// the opening (necking).
 ///   T = k e,  e = L / L0 - 1;  beyond e_y  T = sign(e) k (e_y + H (|e| - e_y)), and L0 follows (isotropic hardening).
-/// The Hessian T' g g^T + T dg/dx, g = dL/dx, couples all of a ring: its first part is a RankOne of the matrix.
+/// The Hessian T' g g^T + T dg/dx, g = dL/dx, couples all vertices of a ring. Its first part is a RankOne of the
+/// matrix.
 class RingHoops : public Force {
 public:
   struct Ring {
@@ -15,7 +17,7 @@ public:
     double stiffness;                   ///< k, N
     double yield_strain, hardening = 0; ///< e_y, H (0 to 1)
     double rest_length = 0;             ///< L0, mm
-    int flows = 0;                      ///< sign of e where the last step left a set: its tangent is then H k
+    int flows = 0; ///< sign of e if the last step made plastic strain permanent (its tangent is then H k), else 0
   };
   explicit RingHoops(std::vector<Ring> rings) : rings_(std::move(rings)) {}
 
@@ -24,6 +26,7 @@ public:
   void declare(BlockPattern& pattern) const override;
   void link(const BlockMatrix& matrix) override;
   void commit(const Vectors& x) override;
+  /// Number of rings that yield at positions x.
   int yielding(const Vectors& x) const;
 
 private:
@@ -31,8 +34,9 @@ private:
   std::vector<StencilSlots<2>> slots_; // edge by edge
 };
 
-/// Keeps neighbouring edges of a ring equally long, since struts are rigid pieces of one pattern: E = c / 2 ln(l_i /
-/// l_i+1)^2. The logarithm keeps every edge from collapsing, and an even opening has no energy. Gauss-Newton Hessian.
+/// Keeps neighbouring edges of a ring equally long, since struts are rigid pieces of one pattern. The energy is
+/// E = c / 2 ln(l_i / l_i+1)^2. The logarithm keeps every edge from collapsing, and an even opening has no energy. The
+/// stiffness is the Gauss-Newton part of the Hessian.
 class RingEvenness : public Force {
 public:
   struct Ring {
@@ -48,7 +52,7 @@ public:
 
 private:
   struct Element {
-    std::array<int, 3> v; // two edges in a row
+    std::array<int, 3> v; // the vertices of two neighbouring edges
     double coefficient;
     StencilSlots<3> slots{};
   };

@@ -12,18 +12,20 @@ namespace vci {
 namespace {
 
 constexpr double surface_density = 1.1e-3 * 0.1; // g/mm^2: struts, 0.1 mm thick
-// N mm per edge: bending of the struts across the ring. A strut has the bending stiffness E w t^3 / 12, with E = 235
-// GPa, w = 0.09 mm and t = 0.08 mm. Half of it counts, since struts run at an angle to the axis. One strut is assumed
-// for each 1.2 mm of length.
+// Stiffness (N mm per edge) against bending of a ring in its plane, for struts of this thickness (mm). A strut has the
+// bending stiffness E w t^3 / 12, with E = 235 GPa, w = 0.09 mm and t = 0.08 mm. Half of it counts, since struts run at
+// an angle to the axis. One strut is assumed for each 1.2 mm of length.
 constexpr double stent_hinge = 0.4, stent_hinge_thickness = 0.08;
-// A grid of fibres alone has no shear stiffness: a weak film gives it, with more hardening than a balloon's.
+// A grid of fibres alone has no shear stiffness, so a weak film (0.3 N/mm, yielding at a strain of 0.05) is added. It
+// hardens more than a balloon's film.
 constexpr HenckyLaw stent_film{0.3, 0.3, 0.0, 0.05, 0.1};
 constexpr double hoop_hardening = 0.01;
-// Tension that makes one edge e (2.718) times as long as its neighbour, relative to the ring's yield tension.
+// Tension that makes one edge e (2.718) times as long as its neighbour, over the ring's yield tension.
 constexpr double strut_evenness = 2.0;
 
-// Shear stiffness of a cell over the least stiffness, which is the ring's tension over twice the edge. With less, a
-// ring folds in zigzag when it yields in compression. A real cell's struts are far stiffer, so the ratio is above 1.
+// Shear stiffness of a cell over the least one that is needed, the ring's yield tension over twice the edge. With less
+// than this, a ring folds in zigzag when it yields in compression. The struts of a real cell are far stiffer, so the
+// ratio is above 1.
 constexpr double cell_shear = 4.0;
 
 } // namespace
@@ -47,7 +49,8 @@ Stent add_stent(System& system, const StentSpec& spec, const std::string& device
   const int body =
       system.add_body("stent", points, grid.triangles(), surface_density, std::vector<char>(points.size(), 0));
   const std::vector<double> width = ring_widths(grid);
-  // The stated yield strain holds at the nominal diameter. The first yield is lower, as the ring hardens on the way.
+  // The maker's yield strain holds at the nominal diameter. The crimped ring yields at a lower strain, since the ring
+  // hardens while it opens.
   const double first_yield =
       std::max(0.2 * spec.yield_strain(),
                spec.yield_strain() - hoop_hardening * std::log(spec.nominal_diameter / spec.crimped_diameter));
@@ -84,12 +87,13 @@ Stent add_stent(System& system, const StentSpec& spec, const std::string& device
   const Vectors rest = straight_grid(grid, 0.5 * spec.nominal_diameter);
   std::vector<EdgePair> edges = interior_edges(grid.triangles(), rest);
   shift(edges, first);
-  // The axial fibres give a bent stent the stiffness pi R^3 k. Hinges at the ring edges give the rest: they turn by
-  // curvature times spacing times the cosine round the ring.
+  // Axial fibres of stiffness k give the stent the bending stiffness pi R^3 k. Hinges at the edges round the rings give
+  // the rest. When the stent bends, they turn by curvature times ring spacing times the cosine of the angle round it.
   const double half = 0.5 * spec.nominal_diameter, spacing = spec.length / (grid.rings() - 1);
   const double by_fibres = pi * half * half * half * spec.axial_stiffness;
   const double ring_hinge = 2 * std::max(0.0, spec.bending_stiffness - by_fibres) / (grid.around * spacing);
-  // A free ring must not buckle below the maker's radial strength: Levy's pressure 3 EI / R^3, EI per length.
+  // A free ring must not buckle below the maker's radial strength. By Levy it buckles at the pressure 3 EI / R^3, with
+  // EI its bending stiffness per axial length.
   const double strong = spec.radial_strength_mpa * half * half * half / 3;
   const double across = std::max(strong, stent_hinge * std::pow(spec.strut_thickness / stent_hinge_thickness, 3));
   std::vector<double> coefficients;

@@ -5,16 +5,19 @@
 
 namespace vci {
 
+/// The rings of a stent, about `edge_mm` apart.
 RingGrid stent_grid(const StentSpec& spec, double edge_mm);
 
 /// A stent in the system.
 struct Stent {
-  int body;
+  int body; ///< number in the system
   RingGrid grid;
-  std::string device;
+  std::string device; ///< name of the device in the scene
 };
 
-/// @param radius of each ring at the start, mm; at most the crimped radius.
+/// Adds a stent with its forces to the system.
+/// @param frames place and axes of each ring in the vessel
+/// @param radius of each ring at the start, mm; at most the crimped radius
 Stent add_stent(System& system, const StentSpec& spec, const std::string& device, RingGrid grid,
                 const std::vector<Frame>& frames, const std::vector<double>& radius);
 

@@ -13,37 +13,45 @@ namespace vci {
 namespace {
 using common::text;
 
-// `radius_mm` is the radius of the largest sphere inside the lumen at a point's place on the axis. So no wall is nearer
-// to the axis, and some wall round that place is as near. Other walls may be at any distance, as in the slit of a
-// compressed artery (1.2 x 5.0 mm). Found ratios of distance to radius: 0.73 and more in the cohort, the benchmarks and
-// the lumens of the anatomy's tests, 0.49 in the shoulder of a generated tube, up to 2.31 for whole lumens. A wrong
-// unit would give 10. At small radii the error of the centreline matters (`astray`).
-constexpr double nearest_share = 0.4, farthest_share = 3.0, astray = 0.2; // -, -, mm
-constexpr double about = 1.0; // mm: stretch of the axis that is checked together, with its two neighbours
-// In the same lumens edges are up to 1.5 times the radius.
-constexpr double longest_share = 3.0, longest_beyond = 1.0; // -, mm
-constexpr double end_tolerance = 0.5;                       // mm between a cap and its branch's end
+// A point's `radius_mm` is the radius of the largest sphere inside the lumen at the point's place on the axis. So no
+// wall is nearer to that place, and some wall round it is as near. Other walls may be at any distance, as in the slit
+// of a compressed artery (1.2 x 5.0 mm). Observed ratios of a wall's distance to its radius: at least 0.73 in the
+// cohort, the benchmarks and the lumens of the anatomy's tests, 0.49 in the shoulder of a generated tube, and up
+// to 2.31 for whole lumens. A wrong unit would give 10. The ratio must lie between the two shares. A distance that
+// differs from the radius by less than `astray` (mm) is accepted too, since at small radii the centreline's own error
+// matters.
+constexpr double nearest_share = 0.4, farthest_share = 3.0, astray = 0.2;
+// mm: the axis is divided into stretches of this length. The nearest wall round a place is sought in the place's
+// stretch and in its two neighbours.
+constexpr double about = 1.0;
+// Longest edge allowed: `longest_share` times the lumen's radius plus `longest_beyond` (mm). In the lumens named above
+// edges are at most 1.5 times the radius.
+constexpr double longest_share = 3.0, longest_beyond = 1.0;
+constexpr double end_tolerance = 0.5; // mm by which a device or segment may reach past the lumen's end
 
+/// Whether a wall point is far enough from the axis for its radius (both mm).
 bool apart(double distance, double radius) {
   return distance > nearest_share * radius || std::abs(distance - radius) < astray;
 }
 
+/// Whether a wall point is near enough to the axis for its radius (both mm).
 bool close(double distance, double radius) {
   return distance < farthest_share * radius || distance < radius + astray;
 }
 
+/// 0 if distance and radius (mm) fit, else the size of the logarithm of their ratio.
 double misfit(double distance, double radius) {
   return apart(distance, radius) && close(distance, radius) ? 0 : std::abs(std::log((distance + 1e-12) / radius));
 }
 
-/// A point of the wall, assigned to the branch that fits its radius best.
+/// The place of a wall point on the branch whose distance fits the point's radius best.
 struct OnBranch {
-  std::size_t axis;
-  Vec3 way; ///< vector from the axis to the point, mm
-  double s; ///< mm
+  std::size_t axis; ///< number of the branch
+  Vec3 way;         ///< vector from the nearest place on the axis to the point, mm
+  double s;         ///< arc length of that place, mm
 };
 
-/// The least distance (mm) of the wall from each branch's axis, for each stretch of the axis of length `about`.
+/// The least distance (mm) of wall points from their branch's axis, for each stretch of the axis of length `about`.
 class NearestWall {
 public:
   explicit NearestWall(const std::map<int, OnBranch>& wall) {
@@ -53,6 +61,7 @@ public:
         entry->second = std::min(entry->second, on.way.norm());
     }
   }
+  /// The least distance (mm) in a point's stretch and in the two stretches beside it.
   double about(const OnBranch& on) const {
     double least = on.way.norm();
     for (int k : {-1, 0, 1})
@@ -66,7 +75,7 @@ private:
   std::map<std::pair<std::size_t, int>, double> least_;
 };
 
-/// Assigns each point of the wall to the branch that fits its radius best.
+/// Assigns each point of the wall (by its number) to the branch whose distance fits the point's radius best.
 std::map<int, OnBranch> on_branches(const Lumen& lumen, const std::map<std::string, Path>& paths) {
   std::vector<AxisSearch> axes;
   for (const auto& [name, path] : paths)
@@ -77,7 +86,7 @@ std::map<int, OnBranch> on_branches(const Lumen& lumen, const std::map<std::stri
       for (int v : lumen.triangles[k])
         wall[v] = 1;
   std::map<int, OnBranch> found;
-  std::size_t likely = 0; // neighbours in the file are mostly of one branch
+  std::size_t likely = 0; // the last point's branch, tried first: consecutive points mostly belong to one branch
   for (std::size_t v = 0; v < lumen.points.size(); ++v) {
     double least = wall[v] ? 1e300 : 0;
     for (std::size_t k = 0; k < axes.size() && least > 0; ++k) {
@@ -95,7 +104,8 @@ std::map<int, OnBranch> on_branches(const Lumen& lumen, const std::map<std::stri
   return found;
 }
 
-/// For each point of the wall the vector (mm) from the axis that fits its radius.
+/// For each point of the lumen the vector (mm) to it from the axis of its branch; 0 for points of caps. Throws
+/// common::InputError if a distance does not fit the point's radius.
 Vectors ways_from_axis(const Lumen& lumen, const std::map<std::string, Path>& paths, const std::string& file) {
   const std::map<int, OnBranch> wall = on_branches(lumen, paths);
   const NearestWall nearest(wall);
@@ -105,8 +115,8 @@ Vectors ways_from_axis(const Lumen& lumen, const std::map<std::string, Path>& pa
   for (const auto& [v, on] : wall) {
     ways[v] = on.way;
     const double r = lumen.radius[v], own = on.way.norm();
-    // radius_mm is that of the largest sphere, so only the nearest wall has to lie at this distance. For a point
-    // farther away the nearest wall within the stretches beside it is judged.
+    // radius_mm is that of the largest sphere, so only the nearest wall has to lie at this distance. If a point is far
+    // enough from the axis, the nearest wall round its place decides whether walls are too far away.
     const double judged = apart(own, r) ? nearest.about(on) : own;
     const double off = apart(own, r) && close(judged, r) ? 0 : std::abs(std::log((judged + 1e-12) / r));
     misfits += off > 0;
@@ -166,7 +176,8 @@ void refuse_inward(const Lumen& lumen, const Vectors& ways, const std::string& f
                              "turn all triangles: seen from outside the vessel their points run counterclockwise");
 }
 
-/// Arc length at which a branch's axis, straight beyond its ends, passes through a rim; nothing if it passes beside.
+/// Arc length (mm) at which a branch's axis passes through an open end of the wall, bounded by `rim`. The axis is
+/// extended straight beyond its ends. Nothing if the axis passes beside the rim.
 std::optional<double> passes(const Path& path, const Rim& rim, const Lumen& lumen) {
   Vec3 centre = Vec3::Zero();
   for (int v : rim)
@@ -187,7 +198,7 @@ std::optional<double> passes(const Path& path, const Rim& rim, const Lumen& lume
     }
     s += length;
   }
-  // the angle by which the rim turns round the axis
+  // The rim surrounds the axis if it turns round it by more than half a turn in all.
   const Vec3 origin = path.at(passing), axis = path.tangent(passing), first = axis.unitOrthogonal();
   const Vec3 second = axis.cross(first);
   double turn = 0;
@@ -203,7 +214,8 @@ struct Extent {
   double start, end; ///< arc lengths where a branch's axis enters and leaves the lumen, mm
 };
 
-/// Checks that each branch's axis passes through the inlet and its own end, and that there are no other openings.
+/// The extent of each branch within the lumen. Throws common::InputError unless each branch's axis passes through two
+/// open ends of the wall, and each open end belongs to a branch.
 std::map<std::string, Extent> extents(const Lumen& lumen, const std::vector<Rim>& rims,
                                       const std::map<std::string, Path>& paths, const std::string& file) {
   std::map<std::string, Extent> extents;
@@ -235,7 +247,8 @@ std::map<std::string, Extent> extents(const Lumen& lumen, const std::vector<Rim>
   return extents;
 }
 
-/// Checks the main branch's direction: the caps of the anatomy step tell which end is the inlet.
+/// Refuses a main branch that does not start at the inlet. The anatomy step marks the inlet's cap; without it, nothing
+/// is checked.
 void refuse_reversed_main(const Lumen& lumen, const std::map<std::string, Path>& paths, const std::string& file) {
   constexpr int inlet = 1; // region_id
   Vec3 sum = Vec3::Zero();

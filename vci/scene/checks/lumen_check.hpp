@@ -1,4 +1,4 @@
-// Checks before any work that lumen and centreline can belong to one vessel, and that devices fit along it.
+// Checks, before any work, that lumen and centreline can belong to one vessel, and that devices lie within its ends.
 #pragma once
 #include "vci/geometry/centreline.hpp"
 #include "vci/geometry/lumen.hpp"
@@ -6,13 +6,13 @@
 
 namespace vci {
 
-/// Throws common::InputError (what, where, value, remedy) for any of these faults:
+/// Throws common::InputError, which names the fault, its place, the value and a remedy, for any of these faults:
 /// - the lumen's triangles are no oriented surface (surface_check), face the axis, are far too long, or their distance
 ///   from the axis does not fit `radius_mm`;
-/// - the wall has a hole, or another number of ends than the tree of branches;
+/// - the wall has a hole, or other ends than the branches of the centreline;
 /// - the main branch runs from an outlet to the inlet;
 /// - a device or the reported segment reaches past the end of the lumen.
-/// Takes some ten milliseconds for 15 000 points.
+/// The check takes some ten milliseconds for 15 000 points.
 void check_lumen(const Scene& scene, const Lumen& lumen, const std::map<std::string, Path>& paths);
 
 } // namespace vci

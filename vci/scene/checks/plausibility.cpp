@@ -9,10 +9,10 @@ namespace vci {
 namespace {
 using common::text;
 
-constexpr double beside = 0.5; // mm: axes of nested devices are nearer than that
+constexpr double beside = 0.5; // mm: a balloon lies inside a stent if their axes come nearer to each other than this
 
 struct Span {
-  double start, end;
+  double start, end; ///< arc lengths, mm
 };
 
 Span span_of(const Placement& p, double length) {
@@ -37,7 +37,7 @@ void check_within(const Path& path, const Span& span, const std::string& what, c
 /// Whether a balloon reaches into a stent: somewhere along both, their axes are nearer to each other than `beside`.
 bool reaches_into(const Placement& balloon, double balloon_length, const Placement& stent, double stent_length,
                   const std::map<std::string, Path>& paths) {
-  constexpr double step = 0.25; // mm
+  constexpr double step = 0.25; // mm between the places compared
   const Path &balloon_axis = paths.at(balloon.branch), &stent_axis = paths.at(stent.branch);
   const Span inner = span_of(balloon, balloon_length), outer = span_of(stent, stent_length);
   for (double s = inner.start; s <= inner.end; s += step)

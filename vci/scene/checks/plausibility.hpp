@@ -9,7 +9,8 @@ namespace vci {
 /// a balloon would open a stent beyond its maximal diameter.
 void check_placements(const Scene& scene, const std::map<std::string, Path>& paths);
 
-/// "FILE: scene.procedure[1].devices[0] (step NAME, DEVICE)", for errors.
+/// The place of a device in the scene for error messages: "FILE: scene.procedure[1].devices[0] (step NAME, DEVICE)".
+/// @param step, device numbers of the step and of the device in it, from 0
 std::string place_of(const Scene& scene, std::size_t step, std::size_t device);
 
 } // namespace vci

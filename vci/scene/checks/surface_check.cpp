@@ -12,7 +12,8 @@ namespace vci {
 
 namespace {
 
-// height over longest edge; lumens of the anatomy step have at least 0.1, generated slivers 0.2
+// Least height of a triangle over its longest edge. Lumens from the anatomy step have at least 0.1, the benchmarks'
+// sliver triangles 0.2.
 constexpr double flattest = 1e-6;
 
 std::string place(const std::string& file, const char* what, std::size_t number, const Vec3& at) {
@@ -74,11 +75,11 @@ void refuse_triangles_given_twice(const Lumen& lumen, const std::string& file) {
           "triangle " + std::to_string(sorted[k].second) + " has the same points", "leave one of the two");
 }
 
-/// A side of a triangle, keyed by its points in ascending order.
+/// A side of a triangle, with its two points in ascending order.
 struct Side {
   int low, high;
   std::size_t triangle;
-  bool upwards; ///< whether the side runs from the lower to the higher point in its triangle
+  bool upwards; ///< whether the triangle's corner with the higher number follows that with the lower one
   bool same_edge(const Side& other) const { return low == other.low && high == other.high; }
 };
 
@@ -96,7 +97,7 @@ std::vector<Side> sorted_sides(const Triangles& triangles) {
   return sides;
 }
 
-/// Calls visit(first side, number of sides) for each edge; an edge's sides are consecutive.
+/// Calls visit(first side, number of sides) for each edge. The sides of an edge follow one another in the sorted list.
 template <class Visit> void each_edge(const std::vector<Side>& sides, Visit&& visit) {
   for (std::size_t k = 0, end = 0; k < sides.size(); k = end) {
     for (end = k + 1; end < sides.size() && sides[end].same_edge(sides[k]);)
@@ -131,7 +132,8 @@ void refuse_unoriented_surface(const Lumen& lumen, const std::vector<Side>& side
                            "turn all triangles outward");
 }
 
-/// The next point along the wall's open edge from each point, in its triangle's direction; -1 if there is none.
+/// For each point the next point along the open edge of the wall, in the direction of the triangle there; -1 for points
+/// that lie on no open edge. Edges between wall and cap count as open.
 std::vector<int> open_edges(const Lumen& lumen, const std::vector<Side>& sides, const std::string& file) {
   std::vector<int> next(lumen.points.size(), -1);
   each_edge(sides, [&](const Side* side, std::size_t count) {

@@ -16,7 +16,9 @@ namespace {
 
 /// Refuses a line that doubles back, since its points are out of order and its arc lengths are meaningless.
 void refuse_turning_back(const Vectors& points, const std::string& name, const std::string& file) {
-  constexpr double sharpest = -0.7, piece = 0.1; // cosine of 135 degrees; mm, below which points may scatter
+  // Cosine of the largest turn allowed (134 degrees); and length (mm) below which pieces are not judged, as points may
+  // scatter.
+  constexpr double sharpest = -0.7, piece = 0.1;
   for (std::size_t k = 2; k < points.size(); ++k) {
     const Vec3 before = points[k - 1] - points[k - 2], after = points[k] - points[k - 1];
     const double lengths = before.norm() * after.norm();
@@ -36,9 +38,9 @@ double distance_to(const Vectors& line, const Vec3& p) {
   return nearest;
 }
 
-/// Refuses a side branch's line that ends on its parent's axis: it should start there.
+/// Refuses a side branch whose line runs the wrong way: it must start on its parent's axis, not end there.
 void refuse_reversed_sides(const Vectors& main, const NamedLines& sides, const std::string& file) {
-  constexpr double apart = 0.5; // mm: a line that starts this near to another starts on it
+  constexpr double apart = 0.5; // mm: a line starts on another one if its first point is at most this far from it
   for (const auto& [name, points] : sides) {
     double start = distance_to(main, points.front()), end = distance_to(main, points.back());
     for (const auto& [other, line] : sides)
@@ -83,7 +85,7 @@ NamedLines named_lines(const std::filesystem::path& file) {
   return lines;
 }
 
-/// The points of a line, without neighbours that coincide.
+/// The points (mm) of a line without repeated points. Throws common::InputError for impossible points.
 Vectors checked_line(const std::string& name, const Vectors& line, const std::string& file) {
   Vectors points;
   for (std::size_t k = 0; k < line.size(); ++k) {
@@ -100,9 +102,10 @@ Vectors checked_line(const std::string& name, const Vectors& line, const std::st
   return points;
 }
 
-/// A side branch's path from the inlet on. Its parent is the branch whose axis is nearest to its first point.
+/// A side branch's path from the inlet on: points of its parent, then its own. Its parent is the branch of `paths`
+/// whose axis is nearest to the side branch's first point.
 Path joined_to_parent(const Vectors& points, const std::map<std::string, Path>& paths) {
-  constexpr double joint = 0.2; // mm: points of the parent this near to the first point are left out
+  constexpr double joint = 0.2; // mm: last points of the parent that are this near to the first point are left out
   const Path* parent = nullptr;
   std::size_t leave = 0;
   double nearest = 1e300;

@@ -1,4 +1,4 @@
-// The centreline: its named branches, of a file or of points.
+// The centreline as named branches, read from a file or made of points.
 #pragma once
 #include "vci/geometry/centreline.hpp"
 
@@ -9,14 +9,16 @@
 
 namespace vci {
 
-/// Each branch's name and points (mm). A side branch starts on its parent, the main branch at the inlet.
+/// Name and points (mm) of each branch. A side branch starts on its parent's axis, the main branch at the inlet.
 using NamedLines = std::vector<std::pair<std::string, Vectors>>;
 
-/// The paths of branches. Throws common::InputError if a branch is missing, given twice or runs the wrong way.
-/// @param where place of the branches, for messages
+/// The paths of branches by their names, as read_centreline() returns them. Throws common::InputError if the main
+/// branch is missing, or if a branch is given twice or runs the wrong way.
+/// @param where name of the file or argument, for messages
 std::map<std::string, Path> centreline_from(NamedLines lines, const std::string& where);
 
-/// Branch name -> path; a side branch's path starts at the inlet and has s = 0 where the branch leaves its parent.
+/// The paths of a file's branches by their names. A side branch's path starts at the inlet, and its arc length s is 0
+/// where the branch leaves its parent.
 std::map<std::string, Path> read_centreline(const std::filesystem::path& file);
 
 } // namespace vci

@@ -11,14 +11,15 @@ namespace vci {
 
 class CheckedObject {
 public:
+  /// @param where place of the object in its file, for messages
   CheckedObject(const nlohmann::json& object, std::string where);
-  /// A number within [low, high]; without a default the key is required. The value is also recorded in `used`.
+  /// A number within [low, high]. Without a fallback the key is required. The value is also recorded in `used`.
   double number(const std::string& key, double low, double high, std::optional<double> fallback = std::nullopt);
   int integer(const std::string& key, int low, int high, std::optional<int> fallback = std::nullopt);
-  /// A number as above; null, or the fallback of infinity, stands for infinity.
+  /// A number as number() reads it, or infinity: null in the file stands for infinity.
   double number_or_never(const std::string& key, double low, double high, double fallback);
   std::string text(const std::string& key, std::optional<std::string> fallback = std::nullopt);
-  /// One of several names, each with its value in C++.
+  /// The value of one of several names. Each name is given with its value in C++.
   template <class Value>
   Value choice(const std::string& key, const std::vector<std::pair<std::string, Value>>& choices, Value fallback) {
     std::vector<std::string> names;
@@ -31,15 +32,18 @@ public:
   }
   std::vector<double> numbers(const std::string& key);
   bool has(const std::string& key) const { return object_.contains(key); }
-  /// The value of a key that must be an object; an empty object if an optional key is missing.
+  /// The value of a key; an empty object if an optional key is missing.
   nlohmann::json child(const std::string& key, bool required);
+  /// A list with at least one entry.
   nlohmann::json list(const std::string& key);
+  /// Accepts a key that is read elsewhere.
   void ignore(const std::string& key) { known_.insert(key); }
   /// Refuses keys that were not read.
   void finish() const;
   std::string path(const std::string& key) const { return where_ + "." + key; }
+  /// The values read so far, with fallbacks for missing keys.
   nlohmann::json used = nlohmann::json::object();
-  /// The keys read so far: type, limits and default of each, as a JSON schema has them.
+  /// Type, limits and default of each key read so far, in the form of a JSON schema.
   nlohmann::json table = nlohmann::json::object();
 
 private:

@@ -13,11 +13,13 @@ using nlohmann::json;
 
 namespace {
 
-constexpr double least_of_chart = 0.5, most_of_chart = 1.5; // of the nominal diameter
-constexpr double highest_pressure = 60;                     // bar
-constexpr double overhang = 1;             // mm of stent beyond its balloon's cylinder, both ends together
-constexpr double mounted = 0.25;           // difference of stent's and balloon's nominal diameters over the stent's
-constexpr double nominal_tolerance = 0.01; // charts are rounded to 0.01 or 0.02 mm and linear between their points
+constexpr double least_of_chart = 0.5, most_of_chart = 1.5; // limits of a chart's diameters over the nominal diameter
+constexpr double highest_pressure = 60;                     // largest pressure accepted in a chart, bar
+constexpr double overhang = 1;   // mm by which a stent may be longer than its balloon's cylinder
+constexpr double mounted = 0.25; // largest difference of stent's and balloon's nominal diameters over the stent's
+// Largest relative difference between the nominal diameter and the chart's diameter at nominal pressure. Charts are
+// rounded to 0.01 or 0.02 mm and linear between their points.
+constexpr double nominal_tolerance = 0.01;
 
 FoldingSpec read_folding(const json& entry, const std::string& where) {
   CheckedObject o(entry, where);

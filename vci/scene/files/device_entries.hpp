@@ -1,4 +1,4 @@
-// Balloons and stents of a scene file, checked.
+// Reads and checks the balloons and stents of a scene file.
 #pragma once
 #include "vci/devices/balloon/balloon_spec.hpp"
 #include "vci/devices/stent/stent_spec.hpp"
@@ -7,11 +7,11 @@
 
 namespace vci {
 
-/// Throw common::InputError naming key, value and remedy.
-/// @param where place of the entry, for messages
+/// Read an entry of the scene's `devices`. Throw common::InputError, which names key, value and remedy.
+/// @param where place of the entry in the file, for messages
 BalloonSpec read_balloon(const nlohmann::json& entry, const std::string& where);
 StentSpec read_stent(const nlohmann::json& entry, const std::string& where);
-/// Throws common::InputError if a stent cannot have been crimped on a balloon.
+/// Throws common::InputError if the stent cannot have been crimped on the balloon, because of length or diameter.
 void check_mounted(const StentSpec& stent, const BalloonSpec& balloon, const std::string& where);
 
 } // namespace vci

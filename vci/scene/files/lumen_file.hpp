@@ -1,4 +1,4 @@
-// The lumen surface with its arrays, read and written with VTK; shapes for pictures.
+// Reads and writes the lumen surface with its arrays, and writes shapes for pictures. Uses VTK.
 #pragma once
 #include "vci/geometry/lumen.hpp"
 #include <filesystem>
@@ -8,24 +8,25 @@
 
 namespace vci {
 
-/// A lumen and the file's data set, kept because its other arrays are written again.
+/// A lumen with the data set of its file, whose further arrays are written again with the results.
 struct LumenFile : Lumen {
   vtkSmartPointer<vtkPolyData> data;
 };
 
-/// Throws common::InputError if the file, an array or the surface is not as docs/design.md says.
+/// Reads a lumen. Throws common::InputError if the file, an array or the surface is not as docs/design.md states.
 LumenFile read_lumen(const std::filesystem::path& file);
 
+/// A named array with `components` values for each point.
 struct PointArray {
   std::string name;
   int components;
   std::vector<double> values;
 };
 PointArray vector_array(const std::string& name, const Vectors& values);
-/// The lumen as read, with new positions and further point arrays.
+/// Writes the lumen as read, with new positions (mm) and further point arrays, as .vtp and .stl.
 void write_lumen(const std::filesystem::path& vtp, const std::filesystem::path& stl, const LumenFile& lumen,
                  const Vectors& points, const std::vector<PointArray>& arrays);
-/// A surface, or a set of lines if `lines` is not empty, for pictures.
+/// Writes triangles and lines (lists of points' indices) with point arrays as .vtp, for pictures.
 void write_shape(const std::filesystem::path& vtp, const Vectors& points, const Triangles& triangles,
                  const std::vector<std::vector<int>>& lines, const std::vector<PointArray>& arrays);
 

@@ -23,7 +23,7 @@ public:
   }
   Complaints(const Complaints&) = delete;
   Complaints& operator=(const Complaints&) = delete;
-  /// The first error's text, without the place in VTK's sources and the object's address; empty if there is no error.
+  /// Text of the first error, without the place in VTK's sources and the object's address. Empty if there is no error.
   std::string first_error() const {
     const std::string all = kept_->GetOutput();
     const std::size_t error = all.find("ERROR: "), address = all.find("): ", error);

@@ -10,8 +10,9 @@
 
 namespace vci {
 
-/// The polydata of a .vtp file. Throws common::InputError, in which `what` is the name of the file, if the file is
-/// missing, is of another type, or makes VTK report an error. VTK itself prints nothing to standard error.
+/// The polydata of a .vtp file. Throws common::InputError if the file is missing, is of another type, or makes VTK
+/// report an error. VTK itself prints nothing to standard error.
+/// @param what word for the file's content in messages, such as "lumen"
 vtkSmartPointer<vtkPolyData> read_polydata(const std::filesystem::path& file, const std::string& what);
 
 /// A length in mm rounded to the nanometre, so that last digits in a file do not matter.
@@ -19,8 +20,8 @@ inline double to_nanometre(double mm) {
   return std::round(mm * 1e6) / 1e6;
 }
 
-/// Calls a reader. Exceptions that JSON or VTK throw over a damaged file (overflow, a size beyond memory, a value of
-/// another type) become an InputError that names the file.
+/// Calls the function `read`. Exceptions that JSON or VTK throw over a damaged file (overflow, a size beyond memory, a
+/// value of another type) become an InputError that names the file.
 template <class Read> auto reading(const std::filesystem::path& file, Read&& read) {
   try {
     return read();

@@ -20,7 +20,7 @@ void read_plaque(CheckedObject& parent, const std::string& type, PlaqueSpec& p) 
   parent.table[type] = o.table;
 }
 
-/// Refuses settings that only the other integration uses, since they would be ignored silently.
+/// Refuses settings off their defaults that only the integration not chosen uses. They would be ignored silently.
 void refuse_unused(const CheckedObject& o, const Numerics& n) {
   struct Setting {
     const char* key;
@@ -64,7 +64,7 @@ WallSpec read_wall(CheckedObject& o) {
     throw common::InputError("a mapping to springs, without any", o.path("spring_mapping"),
                              o.used.at("spring_mapping").get<std::string>(),
                              "set model to mass-spring, or leave it out");
-  w.youngs_modulus = o.number("youngs_modulus_mpa", 1e-3, 100, w.youngs_modulus); // a stiffer one is likely in kPa
+  w.youngs_modulus = o.number("youngs_modulus_mpa", 1e-3, 100, w.youngs_modulus); // a larger value is likely in kPa
   w.poisson_ratio = o.number("poisson_ratio", 0, 0.499, w.poisson_ratio);
   w.intima_thickness = o.number("intima_thickness_mm", 0.01, 2, w.intima_thickness);
   w.media_thickness = o.number("media_thickness_mm", 0.01, 2, w.media_thickness);

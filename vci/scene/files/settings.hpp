@@ -1,4 +1,4 @@
-// The scene's settings of wall and numerics, checked.
+// Reads and checks the scene's settings of wall and numerics.
 #pragma once
 #include "vci/scene/files/checked_json.hpp"
 #include "vci/scene/numerics.hpp"
@@ -6,13 +6,13 @@
 
 namespace vci {
 
-/// Read an entry; its `used` then contains the settings with defaults filled in.
-/// Throw common::InputError naming key, value and remedy.
+/// Read the scene's `wall` or `numerics`. Afterwards `entry.used` holds all settings, with defaults for missing ones.
+/// Throw common::InputError, which names key, value and remedy.
 WallSpec read_wall(CheckedObject& entry);
 Numerics read_numerics(CheckedObject& entry);
 
-/// Every setting of a scene's wall and numerics with its type or choices, limits and default, as a JSON schema has
-/// them.
+/// Every setting of a scene's wall and numerics with its type or choices, limits and default, in the form of a JSON
+/// schema.
 nlohmann::json settings_table();
 
 } // namespace vci
