@@ -16,8 +16,9 @@ def crossing_pairs(points, triangles):
     corners = points[triangles]
     middle = corners.mean(axis=1)
     reach = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
-    found = []
-    # Each triangle searches for triangles not larger than itself, so that a long one does not slow the others.
+    found = [np.empty((0, 2), int)]
+    # One search with a radius that fits 99 % of the triangles. Each larger triangle searches by itself, so that a few
+    # long triangles do not enlarge the search of all others.
     tree, limit = cKDTree(middle), np.sort(reach)
     typical = limit[int(0.99 * (len(limit) - 1))]
     pairs = [tree.query_pairs(2 * typical, output_type="ndarray")]
@@ -39,7 +40,7 @@ def crossing_pairs(points, triangles):
 
 
 def _pierces(a, b):
-    """Whether an edge of triangle a (n, 3, 3) passes through the inside of triangle b (n, 3, 3): (n,) bool."""
+    """(n,) bool: whether an edge of triangle a passes through the inside of triangle b. a, b (n, 3, 3): corners."""
     hit = np.zeros(len(a), bool)
     u, v = b[:, 1] - b[:, 0], b[:, 2] - b[:, 0]
     normal = np.cross(u, v)
