@@ -60,7 +60,7 @@ faults: build ## kill a small study, fill its disk and so on, resume it, compare
 unlock: ## after a run that was killed (power cut, kill -9): let the next one go on from there
 	@$(SNAKEMAKE) --unlock --cores 1
 
-test: lint test-cpp sanitize test-python ## all tests but the longest: formatting, C++ units, sanitizers, Python units, verification, workflow
+test: lint test-cpp test-python ## all tests but the slow ones: formatting, C++, Python units, verification, refusals
 
 test-cpp: build
 	@ninja -C $(BUILD) -j $(CORES)
@@ -82,11 +82,16 @@ fuzz: setup ## fuzz the readers for FUZZ_SECONDS (60) each: engine, surfaces, ma
 	@tests/fuzz/run.sh $(FUZZ_SECONDS) $(CORES)
 
 test-python: build
-	OMP_NUM_THREADS=1 $(PYTHON) -m pytest -q -n $(CORES) --dist loadscope --durations=15 -m "not long" \
+	OMP_NUM_THREADS=1 $(PYTHON) -m pytest -q -n $(CORES) --dist loadscope --durations=15 -m "not slow and not long" \
 	  --junitxml=results/tests/python.xml
 
+.PHONY: test-slow
+test-slow: sanitize build ## sanitizers, and the Python tests of five seconds or more; before a change is handed in
+	OMP_NUM_THREADS=1 $(PYTHON) -m pytest -q -n $(CORES) --dist loadscope --durations=15 -m slow \
+	  --junitxml=results/tests/python_slow.xml
+
 .PHONY: test-long
-test-long: build ## the longest verification runs, which make test leaves out; once a day, and before a release
+test-long: build ## the longest verification runs; once a day, and before a release
 	OMP_NUM_THREADS=1 $(PYTHON) -m pytest -q -n $(CORES) --dist loadscope --durations=15 -m long \
 	  --junitxml=results/tests/python_long.xml
 

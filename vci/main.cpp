@@ -6,6 +6,7 @@
 #include "vci/bench/crush.hpp"
 #include "vci/procedure/diagnostics.hpp"
 #include "vci/procedure/radius_correction.hpp"
+#include "vci/results/coarse_lumen.hpp"
 #include "vci/results/frames.hpp"
 #include "vci/results/output.hpp"
 #include "vci/results/readouts.hpp"
@@ -43,21 +44,30 @@ Scene scene_for(const fs::path& scene_file, const fs::path& out) {
 
 int run_deploy(const fs::path& scene_file, const fs::path& out, const fs::path& frames, int every_steps) {
   const Scene scene = scene_for(scene_file, out);
-  const Output output(out, {scene_file, scene.lumen, scene.centreline});
+  const Output output(out, {scene_file, scene.lumen, scene.coarse_lumen, scene.centreline});
   const LumenFile lumen = read_lumen(scene.lumen);
   const auto paths = read_centreline(scene.centreline);
   check_placements(scene, paths);
   check_lumen(scene, lumen, paths);
+  const std::optional<CoarseLumen> coarse = coarse_lumen(scene, lumen);
+  if (coarse)
+    check_lumen(coarse->scene(), coarse->lumen(), paths);
+  const LumenFile& deployed = coarse ? coarse->lumen() : lumen;
   std::optional<FrameWriter> writer;
   Observer observer{{}, every_steps, [](const std::string& line) { std::cerr << line << '\n'; }};
   if (!frames.empty()) {
-    writer.emplace(frames, lumen);
+    writer.emplace(frames, deployed);
     observer.see = [&](const Snapshot& snapshot) { writer->add(snapshot); };
   }
-  const DeploymentResult d = deploy(scene, lumen, paths, observer);
+  DeploymentResult d = deploy(scene, deployed, paths, observer);
   if (writer)
     writer->finish();
   std::vector<PointArray> arrays = force_arrays(d.forces);
+  if (coarse) {
+    write_shape(output.folder() / "coarse_lumen.vtp", d.points, deployed.triangles, {}, arrays);
+    d = coarse->carry(std::move(d));
+    arrays.clear();
+  }
   arrays.push_back(displacement(lumen, d.points));
   arrays.push_back({"wall_stretch", 1, d.wall_stretch});
   arrays.push_back({"malapposition_mm", 1, d.malapposition});

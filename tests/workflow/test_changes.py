@@ -7,6 +7,8 @@ import pytest
 
 from workflow.cohort import prune
 
+pytestmark = pytest.mark.slow
+
 STUDY = {"study_figures", "agreement", "nearer", "contrast", "differences", "seconds", "cohort", "timings", "patients"}
 STUDY |= {"provenance", "report", "numbers", "crate"}
 CASE = "quick_focal"

@@ -2,6 +2,10 @@
 
 import re
 
+import pytest
+
+pytestmark = pytest.mark.slow
+
 
 def documented(repo_root):
     """Paths in the first code block of docs/results.md, braces expanded."""

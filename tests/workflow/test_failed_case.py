@@ -4,6 +4,8 @@ import os
 import stat
 import subprocess
 
+import pytest
+
 SNAKEMAKE = """#!/bin/bash
 # A stand-in: the first run fails at a case's step, the second makes the page.
 echo "$@" >> runs.txt
@@ -37,6 +39,7 @@ def test_a_step_that_was_stopped_makes_no_page(fresh):
     assert run.returncode != 0 and len(runs) == 1
 
 
+@pytest.mark.slow
 def test_only_the_other_cases_are_asked_for(fresh):
     log = fresh.folder / "results/cases/quick_focal/logs/plan.log"
     log.parent.mkdir(parents=True)

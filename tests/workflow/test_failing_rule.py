@@ -2,9 +2,12 @@
 
 import subprocess
 
+import pytest
+
 TARGET = "results/cases/quick_focal/source/lumen.vtp"
 
 
+@pytest.mark.slow
 def test_failing_rule_shows_its_log_and_leaves_nothing(fresh):
     fresh.append("data_synthetic/generate.py", "\nraise SystemExit('the seed fell on stony ground')\n")
     run = fresh.snakemake(TARGET)

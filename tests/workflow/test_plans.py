@@ -8,6 +8,8 @@ import os
 import pytest
 import yaml
 
+pytestmark = pytest.mark.slow
+
 SEGMENTATIONS = ("ct_segment", "half_maximum_segment")
 
 

@@ -2,6 +2,8 @@
 
 import subprocess
 
+import pytest
+
 TARGETS = [f"results/cases/quick_focal/settings/{section}.json" for section in ("flow", "metrics")]
 
 
@@ -19,6 +21,7 @@ def test_the_profile_of_make_study_shows_how_far_it_is(fresh):
     assert "2 of 2 steps (100%) done" in text
 
 
+@pytest.mark.slow
 def test_chosen_cases_are_not_called_by_a_cohorts_name(fresh):
     report = "results/report/index.html"
     commands = {}
@@ -29,6 +32,7 @@ def test_chosen_cases_are_not_called_by_a_cohorts_name(fresh):
     assert "--cohort quick " in commands[""] and "--cohort" not in commands["quick_focal"]
 
 
+@pytest.mark.slow
 def test_after_a_kill_make_says_how_to_go_on(fresh):
     """A killed Snakemake leaves its lock behind."""
     lock = fresh.folder / ".snakemake" / "locks" / "0.output.lock"
@@ -42,6 +46,7 @@ def test_after_a_kill_make_says_how_to_go_on(fresh):
     assert refused.returncode != 0 and "make unlock" not in refused.stderr
 
 
+@pytest.mark.slow
 def test_a_failed_run_says_that_the_page_is_of_an_earlier_one(fresh):
     page = fresh.folder / "results" / "report" / "index.html"
     without = make(fresh, "study", "COHORT=small", "CORES=1")

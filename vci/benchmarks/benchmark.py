@@ -105,7 +105,7 @@ def outcome_of(program, scene, budget=None):
     if code:
         return {"outcome": "refused", "reason": reason_of(messages), "cpu_seconds": cpu}
     result = json.loads((out / "deployment.json").read_text())
-    stages, area = result["stages"], [p["area_mm2"] for p in result["csa_profile"]]
+    stages, area = result["stages"], [p["area_mm2"] for p in result["csa_profile"] if p["area_mm2"] is not None]
     steps = sum(s["steps"] for s in stages)
     return {
         "outcome": "balanced",

@@ -1,10 +1,12 @@
-"""Seconds of a study's cases on coarser walls and devices, and the error of moving a fine surface with a coarse wall.
+"""Seconds of a study's cases on coarser walls and devices, and the errors of the lumen that such a wall carries.
 
 /usr/bin/python3 -m vci.benchmarks.coarse_walls results/cases/lad02 --out results/coarse_walls
 
-Each case is deployed as in the study, then on its own lumen remeshed to longer edges. The CSV file has each time next
-to the time of the study's mesh in the same run. The displacement of the coarse wall is interpolated to the points of
-the study's mesh. The error is the normal distance between these points and their places after the study's own run.
+Each case is deployed as in the study and on the lumens of MESHES, which are its own lumen on other edges. The errors
+are against the first mesh of REFERENCES that reaches force balance. A coarse wall carries the points of the study's
+lumen (`coarse_lumen` of a scene), so that the areas are those of the surface that the flow is solved in.
+`normal_rms_mm` is how far its points lie from the surface of the study's own deployment, along the normal. The runs
+follow one another on one core.
 """
 
 import argparse
@@ -12,6 +14,7 @@ import csv
 import json
 import os
 import pathlib
+import statistics
 import sys
 
 import numpy as np
@@ -23,52 +26,39 @@ from common.errors import ComputationError, guarded
 from vci.benchmarks.benchmark import outcome_of
 from vci.benchmarks.programs import reason_of, run
 
-EDGES = ((None, None), (0.8, 0.9), (0.6, 0.675), (0.8, None), (1.0, 1.125))  # wall, device, mm; None: the study's
+REFERENCES = ((0.25, 0.28), (0.3, 0.34), (0.35, 0.4))  # edges of wall and devices, mm
+STUDY = (None, None)
+MESHES = (STUDY, (0.6, 0.675), (0.8, 0.45), (0.8, 0.9), (1.0, 0.9), (1.0, 1.125))
 MOVED_MM = 0.05  # points that move by less do not count, since most of a vessel does not move
-AREAS = ("mean_csa", "mla")
-COLUMNS = ("case", "wall_edge_mm", "device_edge_mm", "wall_vertices", "steps", "cpu_seconds", "time_ratio")
-COLUMNS += tuple(f"{key}_change_percent" for key in AREAS)
-COLUMNS += ("max_penetration_mm", "carried_mean_mm", "carried_rms_mm", "carried_worst_mm")
+ERRORS = ("mean_csa_error_percent", "mla_error_percent")
+FOUND = ("wall_vertices", "steps", "cpu_seconds", "max_penetration_mm")
+COLUMNS = (
+    "case",
+    "wall_edge_mm",
+    "device_edge_mm",
+    "outcome",
+    "reason",
+    *FOUND,
+    "time_ratio",
+    *ERRORS,
+    "normal_rms_mm",
+    "normal_worst_mm",
+)
 REMEDY = "run the study's rules up to vci/scene.json of this case"
 
 
-def interpolated(surface, values, at):
-    """Values (n, 3) of a triangle surface (vtkPolyData), interpolated linearly to the points on it nearest to `at`
-    (m, 3)."""
-    locator = vtk.vtkStaticCellLocator()
-    locator.SetDataSet(surface)
-    locator.BuildLocator()
-    nearest, cells = np.empty_like(at), np.empty(len(at), int)
-    place, cell, found = [0.0] * 3, vtk.vtkGenericCell(), vtk.reference(0)
-    part, square = vtk.reference(0), vtk.reference(0.0)
-    for k, point in enumerate(at):
-        locator.FindClosestPoint(point, place, cell, found, part, square)
-        nearest[k], cells[k] = place, int(found)
-    points, triangles = vtp.arrays(surface)
-    corners = triangles[cells]
-    a, b, c = (points[corners[:, k]] for k in range(3))
-    area = np.cross(b - a, c - a)
-    size = np.sum(area * area, axis=1)
-    second = np.sum(np.cross(nearest - a, c - a) * area, axis=1) / size
-    third = np.sum(np.cross(b - a, nearest - a) * area, axis=1) / size
-    weights = np.stack([1 - second - third, second, third], axis=1)
-    return np.einsum("nk,nkd->nd", weights, values[corners])
-
-
-def carried_errors(coarse, fine):
-    """Mean, root mean square and largest size (mm) of the normal distance of the carried points; each argument is
-    (surface before, surface after) with the same points."""
-    motion = vtp.points(coarse[1]) - vtp.points(coarse[0])
-    before, after = vtp.points(fine[0]), vtp.points(fine[1])
+def normal_distances(before, one, other):
+    """Root mean square and largest distance (mm) along the normal between two deformed states of the surface `before`
+    (vtkPolyData with the same points), over the points that move."""
+    start, first, second = (vtp.points(surface) for surface in (before, one, other))
     normals = vtk.vtkPolyDataNormals()
-    normals.SetInputData(fine[1])
+    normals.SetInputData(other)
     normals.SplittingOff()
     normals.ConsistencyOff()
     normals.Update()
     normal = vtk_to_numpy(normals.GetOutput().GetPointData().GetNormals())
-    off = np.sum((before + interpolated(coarse[0], motion, before) - after) * normal, axis=1)
-    off = off[np.linalg.norm(after - before, axis=1) > MOVED_MM]
-    return float(off.mean()), float(np.sqrt(np.mean(off**2))), float(np.abs(off).max())
+    off = np.sum((first - second) * normal, axis=1)[np.linalg.norm(second - start, axis=1) > MOVED_MM]
+    return float(np.sqrt(np.mean(off**2))), float(np.abs(off).max())
 
 
 def remeshed(build, case, edge, folder):
@@ -80,40 +70,90 @@ def remeshed(build, case, edge, folder):
     return folder / "lumen.vtp"
 
 
-def deployed(build, case, lumen, device, folder):
-    """The results of a deployment in `lumen`, and the surfaces before and after it. Raises ComputationError if it is
-    refused."""
+def deployed(build, case, files, device, folder):
+    """Deploys the case's scene with other files (`lumen`, `coarse_lumen`, `centreline`).
+
+    device: edge of the devices, mm; None: as it is. Returns the outcome, and the areas (mm2) along the segment, NaN where
+    a section has none.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     scene = json.loads((case / "vci" / "scene.json").read_text(encoding="utf-8"))
-    for key, file in (("lumen", lumen), ("centreline", lumen.parent / "centreline.vtp")):
-        scene[key] = os.path.relpath(file, folder)
+    scene |= {key: os.path.relpath(file, folder) for key, file in files.items()}
     if device is not None:
         scene["numerics"] = scene.get("numerics", {}) | {"device_edge_mm": device}
     (folder / "scene.json").write_text(json.dumps(scene), encoding="utf-8")
     found = outcome_of(build / "vci", folder / "scene.json")
     if found["outcome"] != "balanced":
-        raise ComputationError("a deployment did not balance", case, (str(lumen), device), found["reason"])
-    return found, tuple(vtp.read_triangles(f, REMEDY) for f in (lumen, folder / "vci" / "lumen.vtp"))
+        return found, None
+    profile = json.loads((folder / "vci" / "deployment.json").read_text(encoding="utf-8"))["csa_profile"]
+    return found, np.array([row["area_mm2"] for row in profile], float)
+
+
+def area_errors(areas, truth):
+    """Errors (per cent) of mean and smallest area over the sections that have an area in both runs."""
+    both = np.isfinite(areas) & np.isfinite(truth)
+    areas, truth = areas[both], truth[both]
+    return dict(zip(ERRORS, (100 * (areas.mean() / truth.mean() - 1), 100 * (areas.min() / truth.min() - 1))))
 
 
 def rows(build, case, out):
-    """The case's rows; the row of the study's own mesh comes first."""
-    usual, lumens = None, {None: case / "anatomy" / "lumen.vtp"}
-    for wall, device in EDGES:
-        if wall not in lumens:
-            lumens[wall] = remeshed(build, case, wall, out / case.name / f"anatomy_{wall}")
-        name = f"wall_{wall or 'study'}_device_{device or 'study'}"
-        found, surfaces = deployed(build, case, lumens[wall], device, out / case.name / name)
-        usual = usual or (found, surfaces)
-        row = {"case": case.name, "wall_edge_mm": wall, "device_edge_mm": device}
-        row |= {key: found[key] for key in ("wall_vertices", "steps", "cpu_seconds", "max_penetration_mm")}
-        row["time_ratio"] = found["cpu_seconds"] / usual[0]["cpu_seconds"]
-        for key in AREAS:
-            row[f"{key}_change_percent"] = 100 * (found[f"{key}_mm2"] / usual[0][f"{key}_mm2"] - 1)
-        if wall is not None:
-            errors = carried_errors(surfaces, usual[1])
-            row |= dict(zip(("carried_mean_mm", "carried_rms_mm", "carried_worst_mm"), errors))
+    """The case's rows: references until one balances, the study's mesh, and the meshes that carry the study's lumen."""
+    own = {key: case / "anatomy" / f"{key}.vtp" for key in ("lumen", "centreline")}
+    coarse, reference, usual = {}, None, None
+
+    def row_of(wall, device, carry):
+        if wall is not None and wall not in coarse:
+            coarse[wall] = remeshed(build, case, wall, out / case.name / f"anatomy_{wall}")
+        files = own | {"coarse_lumen": coarse[wall]} if carry else own
+        if wall is not None and not carry:
+            files = {"lumen": coarse[wall], "centreline": coarse[wall].parent / "centreline.vtp"}
+        folder = out / case.name / f"wall_{wall or 'study'}_device_{device or 'study'}"
+        found, areas = deployed(build, case, files, device, folder)
+        return {"case": case.name, "wall_edge_mm": wall, "device_edge_mm": device} | found, areas
+
+    for wall, device in REFERENCES:
+        reference, truth = row_of(wall, device, carry=False)
+        yield reference
+        if reference["outcome"] == "balanced":
+            break
+    else:
+        raise ComputationError("no reference reaches force balance", case, REFERENCES, reference["reason"])
+    for wall, device in MESHES:
+        row, areas = row_of(wall, device, carry=wall is not None)
+        usual = usual or row
+        if row["outcome"] == "balanced":
+            row["time_ratio"] = row["cpu_seconds"] / usual["cpu_seconds"]
+            row |= area_errors(areas, truth)
+        if row["outcome"] == "balanced" and row is not usual:
+            folders = (f"wall_{wall}_device_{device or 'study'}", "wall_study_device_study")
+            places = [own["lumen"], *(out / case.name / name / "vci" / "lumen.vtp" for name in folders)]
+            distances = normal_distances(*(vtp.read_triangles(file, REMEDY) for file in places))
+            row |= dict(zip(("normal_rms_mm", "normal_worst_mm"), distances))
         yield row
+
+
+def summary(found):
+    """One row for each mesh, over the cases: median and largest CPU seconds, largest errors (per cent)."""
+    judged = [row for row in found if ERRORS[0] in row]
+    for mesh in dict.fromkeys((row["wall_edge_mm"], row["device_edge_mm"]) for row in judged):
+        here = [row for row in judged if (row["wall_edge_mm"], row["device_edge_mm"]) == mesh]
+        seconds = [row["cpu_seconds"] for row in here]
+        yield {
+            "wall_edge_mm": mesh[0],
+            "device_edge_mm": mesh[1],
+            "cases": len(here),
+            "median_cpu_seconds": statistics.median(seconds),
+            "largest_cpu_seconds": max(seconds),
+            **{f"median_{key}": statistics.median(abs(row[key]) for row in here) for key in ERRORS},
+            **{f"largest_{key}": max((row[key] for row in here), key=abs) for key in ERRORS},
+        }
+
+
+def write_rows(path, columns, found):
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, columns, extrasaction="ignore")
+        writer.writeheader()
+        writer.writerows(found)
 
 
 @guarded
@@ -124,14 +164,14 @@ def main(arguments=None):
     parser.add_argument("--out", type=pathlib.Path, required=True, help="folder for coarse_walls.csv and the runs")
     options = parser.parse_args(arguments)
     options.out.mkdir(parents=True, exist_ok=True)
-    with (options.out / "coarse_walls.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, COLUMNS)
-        writer.writeheader()
-        for case in options.cases:
-            for row in rows(options.build, case, options.out):
-                writer.writerow(row)
-                file.flush()
-                print(", ".join(f"{key} {value}" for key, value in row.items()), file=sys.stderr)
+    found = []
+    for case in options.cases:
+        for row in rows(options.build, case, options.out):
+            found.append(row)
+            write_rows(options.out / "coarse_walls.csv", COLUMNS, found)
+            print(", ".join(f"{key} {row[key]}" for key in COLUMNS if key in row), file=sys.stderr)
+    means = list(summary(found))
+    write_rows(options.out / "summary.csv", list(means[0]), means)
 
 
 if __name__ == "__main__":

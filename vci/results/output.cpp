@@ -15,7 +15,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* partial = ".partial-"; // + process number: folder of a run's files until they are complete
-constexpr const char* results[] = {"lumen.vtp", "lumen.stl", "deployment.json"}; // devices/*.vtp precede the last
+constexpr const char* results[] = {"lumen.vtp", "lumen.stl", "coarse_lumen.vtp",
+                                   "deployment.json"}; // devices/*.vtp precede the last
 
 /// The results that are in a folder.
 std::vector<fs::path> results_in(const fs::path& folder) {

@@ -33,6 +33,7 @@ struct Segment {
 
 struct Scene {
   std::filesystem::path file, lumen, centreline; ///< the scene's own path, and the files that it names
+  std::filesystem::path coarse_lumen; ///< the lumen on longer edges, which is deployed and carries it; empty for none
   std::string case_name;
   double map_pa = 12400; ///< mean blood pressure, Pa
   std::optional<Segment> segment;

@@ -19,7 +19,7 @@ def commands():
 def test_targets_and_files_exist():
     makefile, text = (ROOT / "Makefile").read_text(), commands()
     targets = set(re.findall(r"(?:^|&& )make ([a-z-]+)", text, re.M))
-    assert targets >= {"test", "test-long", "study", "docs", "build", "coverage", "fuzz"}
+    assert targets >= {"test", "test-slow", "test-long", "study", "docs", "build", "coverage", "fuzz"}
     assert [target for target in targets if not re.search(rf"^{target}:", makefile, re.M)] == []
     files = re.findall(r"(?:\.ci|tests|config|setup)/[\w./-]+", text)
     assert len(files) >= 4 and [file for file in files if not (ROOT / file).exists()] == []

@@ -64,6 +64,7 @@ def test_a_flow_that_drifts_has_not_settled():
     assert not found["settled"] and found["agrees"] is None and "not settled" in audit.in_words(found)
 
 
+@pytest.mark.slow
 def test_a_steady_flow_stays_as_it_is(tmp_path):
     case = solved_tube.make(tmp_path)
     line = ["--boundary", str(case / "boundary.json"), "--centreline", str(case / "centreline.vtp")]

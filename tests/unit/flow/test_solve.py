@@ -30,6 +30,7 @@ def case(tmp_path_factory):
     return solved_tube.make(tmp_path_factory.mktemp("tube"))
 
 
+@pytest.mark.slow
 def test_poiseuille(case, tmp_path):
     answer = solved_tube.solve(case, tmp_path)
     flow = answer["inlet_flow_m3_per_s"]
@@ -200,6 +201,7 @@ def _without_timings(value):
     return {key: _without_timings(one) for key, one in value.items() if key not in measured}
 
 
+@pytest.mark.slow
 def test_same_input_same_bits(case, coarse_mesh, tmp_path):
     """In two processes, on two meshes each, so that estimates and the start from the coarse flow are part of it."""
     files = ["--boundary", str(case / "boundary.json"), "--centreline", str(case / "centreline.vtp")]

@@ -29,6 +29,7 @@ def measured_case(make_case):
     return make
 
 
+@pytest.mark.slow
 def test_the_same_bytes_twice_and_no_dates(measured_case, tmp_path):
     folder = measured_case("tube")
     for out in ("a", "b"):

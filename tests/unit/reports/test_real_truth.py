@@ -130,6 +130,7 @@ def test_another_state_may_not_end_within_the_stent(make_case, ended):
         metrics_of(folder)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compare", ["flow", "areas"])
 def test_figures_and_page(make_case, tmp_path, compare):
     folder = make_case("patient", states=STATES, compare=compare, wire=WIRE_MM)

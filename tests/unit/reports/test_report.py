@@ -82,6 +82,7 @@ def study(make_case, add_arm, tmp_path):
     return make
 
 
+@pytest.mark.slow
 def test_report_of_a_case_with_and_one_without_reference(study, tmp_path):
     (tmp_path / "junit.xml").write_text(JUNIT)
     path = study(("tube", {}), ("own", {"states": ("pre", "vci")}), junit=[tmp_path / "junit.xml"])
@@ -111,6 +112,7 @@ def test_report_of_a_case_with_and_one_without_reference(study, tmp_path):
         assert page.count("<canvas") == 1 and 'class="stage live"' in page
 
 
+@pytest.mark.slow
 def test_report_with_ct_keeps_four_errors_apart_and_shows_the_warnings(study):
     message = "main 18.0-21.0 mm: contrast on the axis falls to 0.41"
     warning = {"code": "occluded_by_voxels", "branch": "main", "message": message}
@@ -131,6 +133,7 @@ def test_report_with_ct_keeps_four_errors_apart_and_shows_the_warnings(study):
         check_report(path)
 
 
+@pytest.mark.slow
 def test_both_segmentations_stand_on_the_page_and_who_is_not_included(study):
     states = ("pre", "vci", "rc", "reference", "ct", "ct_vci", "ct_rc")
     path = study(("tube", {"states": states}), ("mild", {"states": states, "change": -0.2}), arm=True)
@@ -145,6 +148,7 @@ def test_both_segmentations_stand_on_the_page_and_who_is_not_included(study):
     assert "<td>−0.040</td>" in clinical and "−0.02 ± 0.05" in clinical
 
 
+@pytest.mark.slow
 def test_warnings_of_the_flow_are_shown_with_case_and_state(study, tmp_path):
     path, folder = study(("tube", {})), tmp_path / "cases" / "tube"
     assert "Doubtful FFR" not in path.read_text()
@@ -159,12 +163,14 @@ def test_warnings_of_the_flow_are_shown_with_case_and_state(study, tmp_path):
     assert text.count(message) == 2, "with its case and among the limits, of this state alone"
 
 
+@pytest.mark.slow
 def test_report_without_any_reference_or_tests_says_so(study):
     text = study(("own", {"states": ("pre", "vci")})).read_text()
     assert "No case of this run has a reference" in text
     assert "carries no evidence of verification" in text and "Diff<sup>A</sup>" not in text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ffr, eps, above, stars", [(0.86, 0.0, 1, 0), (0.72, 0.004, 0, 2)])
 def test_a_mild_narrowing_and_a_modified_flow_are_said(study, tmp_path, ffr, eps, above, stars):
     path, folder = study(("tube", {})), tmp_path / "cases" / "tube"
@@ -187,6 +193,7 @@ def test_a_mild_narrowing_and_a_modified_flow_are_said(study, tmp_path, ffr, eps
     assert text.count('<a href="#case-tube">*</a>') + text.count(note) == stars
 
 
+@pytest.mark.slow
 def test_benchmarks_that_were_run_are_shown(study, tmp_path):
     path, folder = study(("tube", {})), tmp_path / "cases" / "tube"
     assert 'id="benchmarks"' not in path.read_text()
@@ -220,6 +227,7 @@ def test_every_benchmark_has_its_title_and_every_title_its_benchmark(repo_root):
     assert {name for names in shown for name in names} == set(TITLES)
 
 
+@pytest.mark.slow
 def test_both_tables_of_the_textbook_comparison_and_its_figure_are_shown(study, tmp_path):
     path, folder = study(("tube", {})), tmp_path / "benchmarks" / "deployment_baseline"
     folder.mkdir(parents=True)
@@ -239,6 +247,7 @@ def test_both_tables_of_the_textbook_comparison_and_its_figure_are_shown(study, 
         assert words in text, words
 
 
+@pytest.mark.slow
 def test_a_missing_figure_is_named(study, tmp_path, capsys):
     path = study(("tube", {}))
     (tmp_path / "figures" / "tube_area.svg").unlink()

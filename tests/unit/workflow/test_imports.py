@@ -81,6 +81,7 @@ def test_a_script_has_what_lies_beside_it_and_in_its_folders(part):
     assert imports.script_code("bench/script.py", "help") == own + packages
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("script", ["hard_cases", "growth", "against_openfoam"])
 def test_a_flow_benchmark_agrees_with_what_python_loads(repo_root, script):
     """What the script loads, and what it would where it solves the reference."""

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 import surfaces
 
+pytestmark = pytest.mark.slow
+
 OUTLETS = {"left": 5, "right": 4}
 SPACING = 0.4
 

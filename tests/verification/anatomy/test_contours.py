@@ -150,6 +150,7 @@ def test_plaque_where_the_wall_was_traced_in_part(binary, tmp_path):
     assert diameter[~healthy].min() > 2.9 and diameter.max() < 3.3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("z_from", ["distal", "proximal"])
 def test_landmarks_of_a_registration_are_read_off_the_tables(binary, repo_root, tmp_path, z_from):
     """The shipped vessel before and after its stent, also with z turned round: 25 - z. A sign once cost 8.1 mm."""
@@ -175,6 +176,7 @@ def test_landmarks_of_a_registration_are_read_off_the_tables(binary, repo_root, 
     assert found["landmarks_off_mm"][0] < 0.2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["shipped", *PULL_BACKS[1:]])
 def test_changes_from_frame_to_frame_are_kept(binary, repo_root, shared_data, tmp_path, name):
     """Areas of sections.csv at the frames against the outlines' own, where the axis runs across the frame.

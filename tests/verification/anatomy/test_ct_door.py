@@ -82,6 +82,7 @@ def moved(volume, turn):
     return affine, lambda points: np.asarray(points) @ turned.T + shift
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["nifti", "nifti reversed", "dicom"])
 def test_the_same_lumen_wherever_the_volume_lies(scanned, own, form):
     folder, volume, direction, _ = scanned

@@ -106,6 +106,7 @@ def stub_tree():
     return [(p, t[(p[t].mean(axis=1)[:, 1] > 4) == above]) for (p, t), above in ((a, False), (b, True))]
 
 
+@pytest.mark.slow
 def test_a_vessel_that_ends_rounded_beside_flat_ends_is_an_outlet_unless_the_points_leave_it_out(summary_of, tmp_path):
     (p, t), (q, u) = stub_tree()
     surface = surfaces.write(tmp_path / "stub.vtp", np.vstack([p, q]), np.vstack([t, u + len(p)]))
@@ -357,6 +358,7 @@ def test_a_cap_file_of_a_band_of_wall_is_refused(lumen, tmp_path):
     assert done.returncode == 2 and "does not close one end" in done.stderr and "band.stl" in done.stderr
 
 
+@pytest.mark.slow
 def test_flow_extensions(summary_of, tmp_path):
     surface = surfaces.write(tmp_path / "tree.vtp", *surfaces.tree(TREE))
     plain = summary_of(surface)

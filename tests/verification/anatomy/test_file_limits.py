@@ -79,6 +79,7 @@ def test_a_volume_of_many_slices_is_read(lumen, tmp_path):
     assert done.returncode == 2 and "65535 along an axis" in done.stderr
 
 
+@pytest.mark.slow
 def test_an_empty_volume_packs_as_well_as_it_can(lumen, tmp_path):
     """A short vessel in a large image: deflate comes near its best, 1032 to 1."""
     labels, matrix = drawn((280, 260, 160))

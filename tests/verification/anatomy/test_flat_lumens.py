@@ -10,6 +10,8 @@ import pytest
 
 from common import vtp
 
+pytestmark = pytest.mark.slow
+
 BY_HAND = "[{action: stent, devices: [{device: des, diameter_mm: 3.0, length_mm: 8, branch: main, "
 BY_HAND += "centre_s_mm: 4.5, pressure_bar: 11}]}]"
 

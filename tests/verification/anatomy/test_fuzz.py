@@ -6,6 +6,7 @@ import pytest
 COUNT = 25
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(fuzz.FORMATS))
 def test_no_mutation_crashes_or_hangs(binary, tmp_path, name):
     found = fuzz.run(binary("lumen"), tmp_path, name, COUNT, seed=1)

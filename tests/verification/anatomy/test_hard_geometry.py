@@ -59,6 +59,7 @@ def test_daughters_at_twelve_degrees(measured, tmp_path):
     assert 10 < summary["branches"][1]["s_on_parent_mm"] < apart
 
 
+@pytest.mark.slow
 def test_outlets_side_by_side(measured, tmp_path):
     """Two outlets with 0.3 mm between their walls, one of which runs on past the other."""
     r, side = 0.9, 0.9 + 0.15
@@ -79,6 +80,7 @@ def test_outlets_side_by_side(measured, tmp_path):
         assert len(area) > 3 and abs(area.mean() / (np.pi * r**2) - 1) < 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("radius", [0.5, 0.75])
 def test_thin_branch_keeps_its_area_in_later_passes(measured, tmp_path, radius):
     side = ((10, 0, 0), (10 + 9 * np.cos(1.0), 9 * np.sin(1.0), 0), radius, radius)
@@ -135,6 +137,7 @@ def test_thread_like_throat(measured, tmp_path, stenosis):
     assert np.hypot(x[:, 1], x[:, 2]).mean() < 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("edge", [0.2, 0.4])
 def test_hairpin_does_not_fuse(measured, tmp_path, edge):
     """Legs 0.3 mm apart: the vessel's full length and volume, or an error; never a short cut."""

@@ -49,6 +49,7 @@ def test_tube_with_sawtooth_ends(lumen, tmp_path, edge, depth, noise):
         assert all(0.2 * edge < mm < depth + 2 * edge + 0.1 for mm in lost)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("depth, seed", [(0.2, 1), (0.2, 3), (0.4, 2), (0.8, 1)])
 def test_tree_with_sawtooth_ends(lumen, tree, tmp_path, depth, seed):
     for noise in (0, 0.02):
@@ -58,6 +59,7 @@ def test_tree_with_sawtooth_ends(lumen, tree, tmp_path, depth, seed):
         assert len(check_ends(done, tmp_path / "out", TREE_ENDS, depth)) == 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_rough_tree_with_sawtooth_ends(lumen, tree, tmp_path, seed):
     """Slivers scattered by 0.05 mm cross each other in some 2500 places: right, or refused with the place."""

@@ -116,6 +116,7 @@ def sharpest_fold(points, triangles):
     return np.einsum("ij,ij->i", normals[pairs[:, 0]], normals[pairs[:, 1]]).min()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("widened_mm, within_mm", [(0.4, 4)])
 def test_a_widened_tree_has_no_folds(binary, shared_data, tmp_path, widened_mm, within_mm):
     """A real tree, widened at one place and processed as a deployed lumen is. Widening a narrow corner far from there

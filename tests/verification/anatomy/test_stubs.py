@@ -67,6 +67,7 @@ def short_left_main(length):
     return surfaces.tree([((0, 0, 0), (length, 0, 0), 2.2, 2.2), *branches], rounded=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("length", [2.0, 3.0])
 def test_a_left_main_shorter_than_wide_is_the_inlet_once_named(lumen, tmp_path, length):
     """It counts as a stub, and the largest of the other ends would become the inlet."""
@@ -81,6 +82,7 @@ def test_a_left_main_shorter_than_wide_is_the_inlet_once_named(lumen, tmp_path, 
     assert ends[0]["diameter_mm"] == pytest.approx(4.4, abs=0.2) and ends[0]["centre_mm"][0] < length + 1
 
 
+@pytest.mark.slow
 def test_two_tips_of_one_wide_dome_are_one_end(lumen, tmp_path):
     """The dome of a left main is wider than the mean vessel. It was cut at one tip, and then the other one was gone."""
     stem, ends = ((0, 0, 0), (5, 0, 0), 2.25, 2.25), ((45, 18, 3), (25, -35, -2))
@@ -92,6 +94,7 @@ def test_two_tips_of_one_wide_dome_are_one_end(lumen, tmp_path):
     assert len(ends) == 4 and ends[0]["diameter_mm"] == pytest.approx(4.5, abs=0.1)
 
 
+@pytest.mark.slow
 def test_a_left_main_longer_than_wide_is_the_inlet(lumen, tmp_path):
     done = lumen(surfaces.write(tmp_path / "left.vtp", *short_left_main(7.0)), tmp_path / "out")
     assert done.returncode == 0, done.stderr

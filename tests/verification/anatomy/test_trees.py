@@ -7,6 +7,8 @@ import pytest
 import surfaces
 from vtk.util.numpy_support import vtk_to_numpy
 
+pytestmark = pytest.mark.slow
+
 TREE = [
     ((0, 0, 0), (40, 0, 0), 1.7, 1.4),
     ((14, 0, 0), (14 + 10 * np.cos(0.9), 10 * np.sin(0.9), 0), 1.0, 0.9),

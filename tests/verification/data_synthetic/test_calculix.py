@@ -14,6 +14,8 @@ from data_synthetic.reference.checks import against_calculix, calculix, calculix
 from data_synthetic.reference.solid import laws
 from data_synthetic.reference.treatment import devices
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed (Debian package calculix-ccx)")
 def test_slice_and_calculix_agree_on_a_plastic_ring(tmp_path):

@@ -124,6 +124,7 @@ def test_hard_anatomies_can_be_grown(repo_root):
     assert worst > 80
 
 
+@pytest.mark.slow
 def test_random_patients_have_lesions_of_every_grade():
     found = []
     for number in range(1, 21):

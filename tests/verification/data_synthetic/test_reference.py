@@ -10,6 +10,8 @@ from common import vtp
 from data_synthetic import __main__ as command
 from data_synthetic import generate, truth
 
+pytestmark = pytest.mark.slow
+
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 
 

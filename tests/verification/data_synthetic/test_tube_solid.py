@@ -55,6 +55,7 @@ def steps(model):
         model.advance({"balloon_share": 1 - share, "stent_share": share})
 
 
+@pytest.mark.slow
 def test_a_uniform_tube_between_rollers_is_the_slice(solid):
     ring = SliceModel(AROUND, THROUGH, *(SETTINGS[f"wall_{c}_mpa"] for c in ("c10", "c20")), 20.0, 0.01)
     theta = ring.annulus.theta_rad

@@ -37,6 +37,7 @@ def _document():
     return document
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("reduction", "cells", "tolerance"),
     [(0.62, (150, 16), 1e-5), (0.75, (110, 12), 2e-5), (0.8, (110, 12), 2e-5), (0.85, (110, 12), 2e-5)],
@@ -52,6 +53,7 @@ def _write(folder, reduction):
     tubes.write_case(folder, tubes.tube(LENGTH, radius, 0.4), [tubes.line(LENGTH, radius)])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("reduction", "tolerance", "most", "least"), [(0.62, 7e-4, 3, 1.0), (0.75, 7e-4, 2, 0.8), (0.8, 7e-4, 2, 0.5)]
 )

@@ -18,6 +18,8 @@ import prescribed  # noqa: E402
 from flow.discretisation import compat, forms  # noqa: E402
 from flow.physics import viscosity  # noqa: E402
 
+pytestmark = pytest.mark.slow
+
 DRAG, LIFT, PRESSURE_DROP = 5.57953523384, 0.010618948146, 0.11752016697
 HEIGHT, CENTRE, RADIUS, MEAN = 0.41, 0.2, 0.05, 0.2
 WALL, INLET, CYLINDER, OUTLET = 1, 2, 3, 12

@@ -81,6 +81,7 @@ def _carreau_yasuda_slope(flow, radius, fluid):
     return through(wall_rate)[1]
 
 
+@pytest.mark.slow
 def test_carreau_yasuda_tube(tmp_path):
     length, radius, flow = 8.0, 1.2, 3e-8  # wall rate about 25 /s: viscosity is far from both of its limits there
     branches = [tubes.line(length, lambda s: radius)]
@@ -102,6 +103,7 @@ def test_carreau_yasuda_with_equal_viscosities_is_newtonian():
     assert newtonian == pytest.approx(8 * 0.004 * 3e-8 / (np.pi * 1.2e-3**4), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_unequal_outlets_of_a_creeping_flow_are_a_network_of_resistors(tmp_path):
     surface, branches = tubes.fork(length=16.0, at=7.0, side_length=7.0, edge_mm=0.5)
     parents = {"side1": ("main", 7.0)}
@@ -153,6 +155,7 @@ def ffr_of_lesion(tmp_path_factory):
     return _ffr_of_lesion(tmp_path_factory.mktemp("lesion"), np.eye(3))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("transform", "scale"),
     [(ROTATION, 1.0), (np.diag([1.0, -1.0, 1.0]), 1.0), (np.eye(3), SCALE)],

@@ -10,6 +10,7 @@ import pathlib
 import sys
 
 import numpy as np
+import pytest
 import ufl
 from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
@@ -23,6 +24,8 @@ from flow.discretisation import forms, spaces  # noqa: E402
 from flow.geometry import centreline, curving, tet10  # noqa: E402
 from flow.meshing import mesh  # noqa: E402
 from flow.physics import viscosity  # noqa: E402
+
+pytestmark = pytest.mark.slow
 
 DENSITY, VISCOSITY, GRAD_DIV, BACKFLOW = 1060.0, 0.004, 0.2, 0.5
 SPEED, PRESSURE, WAVE = 0.1, 10.0, 1.2e3  # m/s, Pa, 1/m: Reynolds number 26 a mm

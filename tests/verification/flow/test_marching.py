@@ -22,6 +22,8 @@ from flow.meshing import mesh  # noqa: E402
 from flow.physics import outlets  # noqa: E402
 from flow.solvers import marching, newton, nonlinear  # noqa: E402
 
+pytestmark = pytest.mark.slow
+
 LENGTH, RADIUS, DENSITY, VISCOSITY = 9.0, 1.2, 1060.0, 0.004  # mm, SI
 MEAN_FLOW, SWING, ALPHA = 2e-8, 0.3, 3.0  # m3/s (Reynolds number 3), share of it, Womersley number
 OMEGA = (ALPHA / (RADIUS * 1e-3)) ** 2 * VISCOSITY / DENSITY  # 1/s

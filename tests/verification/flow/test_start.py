@@ -12,6 +12,8 @@ sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[2] / "unit" / "flow
 import tubes  # noqa: E402
 from flow import __main__ as command_line  # noqa: E402
 
+pytestmark = pytest.mark.slow
+
 MAP, VENOUS, DENSITY, VISCOSITY = 12000.0, 600.0, 1060.0, 0.004
 RESISTANCES = (4e9, 1.2e10)  # Pa s/m3: 230 mL/min
 SIZES = {"at": 7.0, "length": 20.0, "side_length": 9.0, "edge_mm": 0.5}

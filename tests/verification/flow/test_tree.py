@@ -19,6 +19,8 @@ from flow.discretisation import spaces  # noqa: E402
 from flow.physics import outlets  # noqa: E402
 from flow.solvers import newton, nonlinear  # noqa: E402
 
+pytestmark = pytest.mark.slow
+
 MAP, VENOUS, DENSITY, VISCOSITY = 12000.0, 600.0, 1060.0, 0.004
 RESISTANCES = (1e10, 3e10)  # Pa s/m3: 90 mL/min, a Reynolds number of 170
 MAIN, AT, SIDE = 16.0, 7.0, 7.0  # mm: length of the main branch, where the side branch leaves, its length

@@ -10,6 +10,8 @@ from vtk.util.numpy_support import vtk_to_numpy
 
 from common import vtp
 
+pytestmark = pytest.mark.slow
+
 EDGES = [0.4, 0.6]  # mm; the study's is 0.4
 DEEPEST = 0.05  # mm, wanted in hard cases
 

@@ -54,6 +54,7 @@ def assert_answers(program, scene, what):
     assert result.returncode == 0 or "remedy:" in result.stderr, what
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["lumen.vtp", "centreline.vtp", "scene.json"])
 def test_bytes(binary, scene, name):
     file = scene.parent / name
@@ -66,6 +67,7 @@ def test_bytes(binary, scene, name):
         file.write_bytes(content)
 
 
+@pytest.mark.slow
 def test_values_of_the_scene(binary, scene):
     content, numbers = scene.read_text(), random.Random(5 if not SEED else SEED)
     try:

@@ -25,6 +25,7 @@ def test_each_reader_answers_or_refuses(binary, files, tmp_path, reader):
     assert answered(target, tmp_path / "mutants", damaged) < MUTANTS
 
 
+@pytest.mark.slow
 def test_seeds_are_read_in_every_form(binary, files, tmp_path):
     """ascii, base64 within the elements, appended raw or base64, of 32 or 64 bits, by each of VTK's compressors."""
     (tmp_path / "scene.json").write_bytes(files["scene"]["plain"])

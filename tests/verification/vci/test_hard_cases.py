@@ -47,6 +47,7 @@ def table(binary, run_module, tmp_path_factory):
 QUICK = [case for case in NAMES if "0.25 mm" not in case and case != "culotte"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", QUICK)
 def test_case_balances(table, case):
     row = table([case])[case]

@@ -7,6 +7,8 @@ import pytest
 
 from vci.benchmarks.scenes import Tube, write_geometry
 
+pytestmark = pytest.mark.slow
+
 EXAMPLE = pathlib.Path(__file__).resolve().parents[3] / "examples" / "deploy"
 LONGEST = 15  # statements that a deployment takes
 

@@ -42,6 +42,7 @@ def whole(binary, tmp_path_factory):
     return scene, {f.name: f.stat().st_size for f in (folder / "out").rglob("*") if f.is_file()}
 
 
+@pytest.mark.slow
 def test_a_file_cut_short_is_no_result(binary, whole, tmp_path):
     """The limit a byte below a file's size, from the longest down to some bytes: whichever it hits is told."""
     scene, sizes = whole

@@ -4,6 +4,7 @@ import os
 import subprocess
 
 import numpy as np
+import pytest
 
 from common import vtp
 from vci.benchmarks.scenes import Tube, write_scene
@@ -38,6 +39,7 @@ class Moved:
         return getattr(self.tube, name)
 
 
+@pytest.mark.slow
 def test_the_processor_does_not_matter(binary, tmp_path):
     """The C library's functions are those without fused multiply-add, whatever else the user tunes."""
     usual = deployed(binary, tmp_path / "usual")

@@ -224,6 +224,7 @@ def test_areas_do_not_depend_on_the_first_step(deploy):
     assert there.min() == pytest.approx(here.min(), rel=0.01)
 
 
+@pytest.mark.slow
 def test_areas_converge_with_the_step(deploy):
     """Against steps of 0.03 mm: the error falls in proportion to the step, below 1 % at the default of 0.12.
 

@@ -206,6 +206,8 @@ Scene scene_of(const std::filesystem::path& file) {
   scene.case_name = o.text("case", "");
   scene.lumen = file.parent_path() / o.text("lumen");
   scene.centreline = file.parent_path() / o.text("centreline");
+  if (o.has("coarse_lumen"))
+    scene.coarse_lumen = file.parent_path() / o.text("coarse_lumen");
   if (o.has("segment"))
     scene.segment = read_segment(o.child("segment", true), o.path("segment"));
   if (o.has("reference")) // a proposed plan writes it for the report's page; not used here

@@ -157,6 +157,7 @@ def test_without_artificial_viscosity_the_residual_is_that_of_none(problem):
     assert np.linalg.norm(found[1] - found[0]) < 1e-13 * size < 1e-6 * np.linalg.norm(found[2] - found[0])
 
 
+@pytest.mark.slow
 def test_the_viscosity_by_shear_rate_is_in_the_matrix(problem):
     thick = viscosity.CarreauYasuda(0.056, 0.0035, 1.902, 1.25, 0.22)
     weak = forms.NavierStokes(problem.space, problem.state, DENSITY, thick, 0.2, 0.5)

@@ -19,6 +19,8 @@ from flow.discretisation import spaces
 from flow.errors import pointwise, recovery
 from flow import settings as settings_module
 
+pytestmark = pytest.mark.slow
+
 MAP = 12000.0
 
 

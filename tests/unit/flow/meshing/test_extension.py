@@ -194,6 +194,7 @@ def test_meshes_that_could_not_be_swept_are_said(tmp_path, mesh, capsys):
     assert said in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", ["3d", "network"])
 def test_an_outlets_ffr_is_read_where_the_vessel_ended(tmp_path, model):
     line, radius = tubes.line(6.0, lambda s: 1.0), 1.0

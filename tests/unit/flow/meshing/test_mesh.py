@@ -111,6 +111,7 @@ def test_refinement_reaches_its_target_on_the_surface():
     assert np.abs(np.hypot(*finer.points[wall, 1:].T) - 1.5).max() < 0.003
 
 
+@pytest.mark.slow
 def test_the_same_surface_gives_the_same_mesh_everywhere(repo_root, tmp_path):
     """The same bytes from another folder, for another user, in other memory, on another kind of processor."""
     surface, branches = tubes.fork(length=12.0, at=5.0, side_length=5.0, edge_mm=0.5)

@@ -50,6 +50,7 @@ def _shifted(folder, by_mm=0.3, recorded_mm=0.3):
     return [probe | {"point_mm": [x[k], y[k] + by_mm, z[k]], "shift_mm": recorded_mm} for k, probe in enumerate(probes)]
 
 
+@pytest.mark.slow
 def test_3d_answers_of_the_patient_set_the_error(folder):
     measured = []
     for number, three_d in enumerate((0.88, 0.875)):
@@ -102,6 +103,7 @@ def test_an_answer_alone_says_the_same_of_its_error_as_a_ranking(capsys):
         assert ranking.elsewhere(model, value) >= value - three_d
 
 
+@pytest.mark.slow
 def test_a_plan_is_answered_with_the_extensions_that_its_mesh_would_get(tmp_path):
     radius = tubes.lesion(RADIUS, 0.65, 9.0, 8.0)  # ends 2 mm before the outlet
     tubes.write_case(tmp_path / "near", tubes.tube(15.0, radius, 0.6), [tubes.line(15.0, radius)])

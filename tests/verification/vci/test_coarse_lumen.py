@@ -1,0 +1,107 @@
+"""A lumen that a coarser one carries: the same results within a per cent, and refusals of another vessel."""
+
+import json
+import subprocess
+
+import numpy as np
+import pytest
+
+from common import vtp
+from vci.benchmarks import scenes
+
+FINE = scenes.Tube(length=24, edge=0.4, lesion_length=8, curvature=0.06)
+COARSE = scenes.Tube(length=24, edge=0.8, lesion_length=8, curvature=0.06)
+
+
+def deploy(binary, scene, out):
+    command = [str(binary("vci")), "deploy", str(scene), "--out", str(out)]
+    return subprocess.run(command, text=True, capture_output=True, timeout=200)
+
+
+def scene_with(folder, fine, coarse, name="scene.json"):
+    """A scene of the lumen `fine` that names the lumen of another tube as its `coarse_lumen`; None for none."""
+    path = scenes.write_scene(folder / "fine", fine, length=8.0, numerics={"device_edge_mm": 0.8})
+    document = json.loads(path.read_text())
+    if coarse:
+        scenes.write_geometry(folder / "coarse", coarse)
+        document["coarse_lumen"] = "../coarse/lumen.vtp"
+    path = path.with_name(name)
+    path.write_text(json.dumps(document))
+    return path
+
+
+@pytest.fixture(scope="module")
+def runs(binary, tmp_path_factory):
+    """Folders of results on the fine lumen alone, and carried by the coarse one."""
+    folder = tmp_path_factory.mktemp("coarse_lumen")
+    for name, coarse in (("alone", None), ("carried", COARSE)):
+        result = deploy(binary, scene_with(folder, FINE, coarse, f"{name}.json"), folder / name)
+        assert result.returncode == 0, result.stderr[-500:]
+    return folder / "alone", folder / "carried"
+
+
+def outcome(folder):
+    return json.loads((folder / "deployment.json").read_text())
+
+
+def areas(folder):
+    return np.array([row["area_mm2"] for row in outcome(folder)["csa_profile"]])
+
+
+def test_areas_are_those_of_the_fine_lumen(runs):
+    alone, carried = map(areas, runs)
+    assert carried.mean() == pytest.approx(alone.mean(), rel=0.01)
+    assert carried.min() == pytest.approx(alone.min(), rel=0.01)
+
+
+def test_the_fine_surface_is_written_and_the_coarse_one_beside_it(runs):
+    """The lumen keeps its triangles, and its points lie where the fine computation has them. Forces are in the other file."""
+    before = vtp.read_triangles(runs[0].parent / "fine" / "lumen.vtp", "")
+    alone, carried = (vtp.read_triangles(folder / "lumen.vtp", "") for folder in runs)
+    assert np.array_equal(vtp.triangles(carried), vtp.triangles(before))
+    away = np.linalg.norm(vtp.points(carried) - vtp.points(alone), axis=1)
+    assert np.sqrt(np.mean(away**2)) < 0.03
+    names = {
+        data.GetPointData().GetArrayName(k)
+        for data in [carried]
+        for k in range(data.GetPointData().GetNumberOfArrays())
+    }
+    assert {"displacement_mm", "wall_stretch", "malapposition_mm"} <= names and "contact_n" not in names
+    computed = vtp.read_triangles(runs[1] / "coarse_lumen.vtp", "")
+    assert (
+        computed.GetPointData().GetArray("contact_n")
+        and computed.GetNumberOfPoints() < 0.4 * carried.GetNumberOfPoints()
+    )
+    assert not (runs[0] / "coarse_lumen.vtp").exists()
+
+
+def test_the_stent_is_read_out_as_on_the_fine_lumen(runs):
+    alone, carried = (outcome(folder)["stents"][0] for folder in runs)
+    assert carried["expansion_index"] == pytest.approx(alone["expansion_index"], rel=0.015)
+
+
+def test_another_vessel_is_refused_before_any_stage(binary, tmp_path):
+    """A straight tube beside a bent one: their walls part by more than the radius. Exit code 2, no results."""
+    straight = scenes.Tube(length=24, edge=0.8, lesion_length=8)
+    result = deploy(binary, scene_with(tmp_path, FINE, straight), tmp_path / "out")
+    assert result.returncode == 2 and "residual" not in result.stderr
+    assert "coarse_lumen" in result.stderr or "axis" in result.stderr
+    assert not (tmp_path / "out" / "deployment.json").exists()
+
+
+def test_a_shorter_vessel_is_named(binary, tmp_path):
+    """The coarse lumen ends 4 mm before the lumen: points there have no wall to be carried by."""
+    result = deploy(
+        binary,
+        scene_with(tmp_path, FINE, scenes.Tube(length=20, edge=0.8, lesion_length=8, curvature=0.06)),
+        tmp_path / "out",
+    )
+    assert result.returncode == 2, result.stderr[-500:]
+    assert not (tmp_path / "out" / "deployment.json").exists()
+
+
+def test_a_missing_file_is_named(binary, tmp_path):
+    scene = scene_with(tmp_path, FINE, COARSE)
+    (tmp_path / "coarse" / "lumen.vtp").unlink()
+    result = deploy(binary, scene, tmp_path / "out")
+    assert result.returncode == 2 and "coarse" in result.stderr and "lumen.vtp" in result.stderr

@@ -1,0 +1,35 @@
+// Points that a surface on longer edges carries along.
+#pragma once
+#include "vci/linalg/types.hpp"
+
+namespace vci {
+
+/// Points beside a triangle surface, and where they are once the surface is deformed.
+///
+/// The displacement of a point follows from values and gradients at the corners of the triangle nearest to it:
+///   u = sum_i w_i (u_i + G_i (q - x_i) / 2) + (sum_i w_i G_i) (p - q),
+/// with the barycentric weights w_i of the nearest point q. G_i is the gradient that fits the displacements of the
+/// corner's neighbours best (least squares). Shifts, rotations and uniform widening, which are affine, are met, and
+/// along the surface the error is of third order in the edge.
+class CarriedPoints {
+public:
+  /// @param triangles, before the surface before its deformation, mm
+  /// @param points mm
+  CarriedPoints(Triangles triangles, Vectors before, Vectors points);
+
+  /// Distance (mm) of each point from the surface before its deformation.
+  const std::vector<double>& distance() const { return distance_; }
+  /// The points, mm, once the surface's vertices are at `after`.
+  Vectors moved(const Vectors& after) const;
+  /// Values at the surface's vertices, interpolated linearly to the points.
+  std::vector<double> values(const std::vector<double>& at_vertices) const;
+
+private:
+  Triangles triangles_;
+  Vectors before_, points_;
+  std::vector<int> nearest_; ///< triangle of each point
+  Vectors weights_;          ///< in that triangle, barycentric
+  std::vector<double> distance_;
+};
+
+} // namespace vci

@@ -1,0 +1,32 @@
+// A deployment on the same lumen with longer edges, which carries the lumen's points.
+#pragma once
+#include "vci/geometry/carried_points.hpp"
+#include "vci/procedure/deployment.hpp"
+#include "vci/scene/files/lumen_file.hpp"
+
+#include <optional>
+
+namespace vci {
+
+class CoarseLumen {
+public:
+  /// Reads the lumen that the scene names as `coarse_lumen`. Throws common::InputError if the file is bad, or if a
+  /// point of `fine` is further from this lumen than its `radius_mm`: another part of the wall might then be nearer.
+  CoarseLumen(const Scene& of, const Lumen& fine);
+
+  /// The scene with this lumen's file in place of the fine one's, for checks and their messages.
+  const Scene& scene() const { return scene_; }
+  const LumenFile& lumen() const { return lumen_; }
+  /// The result with points, stretch and gaps of the fine lumen. The forces stay those of the coarse one.
+  DeploymentResult carry(DeploymentResult result) const;
+
+private:
+  Scene scene_;
+  LumenFile lumen_;
+  CarriedPoints carried_;
+};
+
+/// The coarse lumen of a scene, or none if it names none.
+std::optional<CoarseLumen> coarse_lumen(const Scene& scene, const Lumen& fine);
+
+} // namespace vci
