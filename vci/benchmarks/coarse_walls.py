@@ -73,8 +73,8 @@ def remeshed(build, case, edge, folder):
 def deployed(build, case, files, device, folder):
     """Deploys the case's scene with other files (`lumen`, `coarse_lumen`, `centreline`).
 
-    device: edge of the devices, mm; None: as it is. Returns the outcome, and the areas (mm2) along the segment, NaN where
-    a section has none.
+    device: edge of the devices, mm; None: as it is. Returns the outcome, and the areas (mm2) along the segment.
+    They are NaN where a section has none.
     """
     folder.mkdir(parents=True, exist_ok=True)
     scene = json.loads((case / "vci" / "scene.json").read_text(encoding="utf-8"))
