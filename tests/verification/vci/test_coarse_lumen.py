@@ -55,7 +55,7 @@ def test_areas_are_those_of_the_fine_lumen(runs):
 
 
 def test_the_fine_surface_is_written_and_the_coarse_one_beside_it(runs):
-    """The lumen keeps its triangles, and its points lie where the fine computation has them. Forces are in the other file."""
+    """The lumen keeps its triangles; its points lie where the fine run has them. The other file has the forces."""
     before = vtp.read_triangles(runs[0].parent / "fine" / "lumen.vtp", "")
     alone, carried = (vtp.read_triangles(folder / "lumen.vtp", "") for folder in runs)
     assert np.array_equal(vtp.triangles(carried), vtp.triangles(before))
