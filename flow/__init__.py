@@ -1,1 +1,3 @@
 """Steady coronary flow: boundary values, curved tetrahedral mesh, Navier-Stokes, FFR, and its reduced models."""
+
+import common  # noqa: F401  chooses functions that round alike on every processor, before numpy is loaded

@@ -20,7 +20,8 @@ ALWAYS = {
     "sensitivity",
 }  # files and folders that a case has beside those of its states
 WITH_CT = {"ct", "ct_pre", "half_maximum"}
-VARIABLES = ("GLIBC_TUNABLES", "OMP_NUM_THREADS", "OPENBLAS_CORETYPE")  # they may change a number's last bits
+# they may change a number's last bits
+VARIABLES = ("GLIBC_TUNABLES", "NPY_DISABLE_CPU_FEATURES", "OMP_NUM_THREADS", "OPENBLAS_CORETYPE")
 
 
 def write_provenance(configuration, cases, results, programs, software, out):
