@@ -1,8 +1,8 @@
 """The same last digits on every processor.
 
 numpy and OpenBLAS choose their functions by the processor, and different functions round differently. The last
-digits of a vessel then depend on the machine, and all results that are made of it differ. common/processor.hpp does the same for
-C++.
+digits of a vessel then depend on the machine, and all results that are made of it differ.
+common/processor.hpp does the same for C++.
 """
 
 import os
