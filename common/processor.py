@@ -9,8 +9,16 @@ import os
 import pathlib
 import sys
 
-# With these left out numpy takes its functions for AVX2, which every processor with AVX-512 has too.
-AVX512 = "AVX512F,AVX512CD,AVX512_SKX,AVX512_CLX,AVX512_CNL,AVX512_ICL"
+# numpy's names of AVX-512's parts, each with a flag by which Linux tells that the processor has it. Without them numpy
+# takes its functions for AVX2. numpy warns of a name that the processor does not have.
+AVX512 = {
+    "AVX512F": "avx512f",
+    "AVX512CD": "avx512cd",
+    "AVX512_SKX": "avx512dq",
+    "AVX512_CLX": "avx512_vnni",
+    "AVX512_CNL": "avx512vbmi",
+    "AVX512_ICL": "avx512_vbmi2",
+}
 KERNEL = "Haswell"  # of OpenBLAS: for AVX2 and fused multiply-add
 
 
@@ -23,8 +31,8 @@ def same_digits(environment, flags):
     if not {"avx2", "fma"} <= set(flags):
         return
     environment.setdefault("OPENBLAS_CORETYPE", KERNEL)
-    if "avx512f" in flags:
-        environment.setdefault("NPY_DISABLE_CPU_FEATURES", AVX512)
+    if parts := [name for name, flag in AVX512.items() if flag in flags]:
+        environment.setdefault("NPY_DISABLE_CPU_FEATURES", ",".join(parts))
 
 
 def features():
