@@ -36,8 +36,11 @@ def deployed(case, scene, folder):
     """
     sizes = ["--edge", case.edge_mm, "--spacing", case.spacing_mm]
     folder.mkdir(parents=True, exist_ok=True)
-    place = os.path.relpath(case.anatomy().resolve(), folder.resolve())
-    write_json(folder / "scene.json", scene | {"lumen": f"{place}/lumen.vtp", "centreline": f"{place}/centreline.vtp"})
+    files = {key: case.anatomy() / f"{key}.vtp" for key in ("lumen", "centreline")}
+    if "coarse_lumen" in scene:
+        files["coarse_lumen"] = case.folder / "vci" / scene["coarse_lumen"]
+    paths = {key: os.path.relpath(file.resolve(), folder.resolve()) for key, file in files.items()}
+    write_json(folder / "scene.json", scene | paths)
     run([case.programs / "vci", "deploy", folder / "scene.json", "--out", folder])
     like = ["--units", "mm", "--like", case.anatomy() / "anatomy.json"]
     run([case.programs / "lumen", "process", folder / "lumen.vtp", *like, *sizes, "--out", folder / "anatomy"])
