@@ -48,6 +48,7 @@ CHANGES = {
     "elements of a picometre": setting("numerics", "device_edge_mm", value=1e-9),
     "a lumen that is not there": setting("lumen", value="gone.vtp"),
     "a lumen that is the scene itself": setting("lumen", value="scene.json"),
+    "a coarse lumen that is not there": setting("coarse_lumen", value="gone.vtp"),
     "a lumen in place of the centreline": setting("centreline", value="lumen.vtp"),
     "a folder in place of the lumen": setting("lumen", value="."),
     "a lumen that is a device without end": setting("lumen", value="/dev/zero"),
@@ -63,6 +64,13 @@ def make(name, change):
 
 for one, its_change in CHANGES.items():
     make(one, its_change)
+
+
+@given("the lumen of another vessel as the coarse lumen")
+def other_vessel(folder):
+    """A vessel that bends away from the scene's straight one."""
+    scenes.write_geometry(folder / "other", scenes.Tube(length=16, edge=1.2, lesion_length=6, curvature=0.1))
+    return scene(folder, setting("coarse_lumen", value="../other/lumen.vtp"))
 
 
 @given("a scene that is not there")
