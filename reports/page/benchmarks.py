@@ -27,6 +27,11 @@ TITLES = {
         "Deployment: what contact distance and margin are worth",
         "A row is a scene with one setting off its default; changes are those of the areas from the default's.",
     ),
+    "deployment_coarse_walls": (
+        "Deployment: patients on longer edges",
+        "A row is a patient on one mesh of wall and devices; the wall carries the study's lumen. Errors of the areas "
+        "are against the patient's first row that balanced.",
+    ),
     "flow_hard_cases": (
         "Blood flow: hard cases",
         "Each converges, keeps some artificial viscosity, or is refused with its reason. References "

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Which lines of C++ and Python the tests of `make test` run: run.sh JOBS [TESTS ...]
+# Which lines of C++ and Python the tests of `make test` and `make test-slow` run: run.sh JOBS [TESTS ...]
 # All tests: the figures go into README.md. Named tests in Python alone: figures are printed, C++ counts as far as it is built.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."

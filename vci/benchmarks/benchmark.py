@@ -105,7 +105,7 @@ def outcome_of(program, scene, budget=None):
     if code:
         return {"outcome": "refused", "reason": reason_of(messages), "cpu_seconds": cpu}
     result = json.loads((out / "deployment.json").read_text())
-    stages, area = result["stages"], [p["area_mm2"] for p in result["csa_profile"] if p["area_mm2"] is not None]
+    stages, area = result["stages"], areas_of(out)
     steps = sum(s["steps"] for s in stages)
     return {
         "outcome": "balanced",
@@ -118,9 +118,15 @@ def outcome_of(program, scene, budget=None):
         "largest_residual": max(s["residual"] for s in stages),
         "max_penetration_mm": max(s["max_penetration_mm"] for s in stages),
         "seconds": result["seconds"],
-        "mean_csa_mm2": float(np.mean(area)),
-        "mla_mm2": min(area),
+        "mean_csa_mm2": float(np.nanmean(area)),
+        "mla_mm2": float(np.nanmin(area)),
     }
+
+
+def areas_of(out):
+    """Areas (n,) in mm2 along the segment of a run's deployment.json; NaN where the section has no closed outline."""
+    profile = json.loads((out / "deployment.json").read_text())["csa_profile"]
+    return np.array([row["area_mm2"] for row in profile], float)
 
 
 def name_of(case):

@@ -10,7 +10,6 @@ follow one another on one core.
 """
 
 import argparse
-import csv
 import json
 import os
 import pathlib
@@ -23,7 +22,7 @@ from vtk.util.numpy_support import vtk_to_numpy
 
 from common import vtp
 from common.errors import ComputationError, guarded
-from vci.benchmarks.benchmark import outcome_of
+from vci.benchmarks.benchmark import areas_of, outcome_of, write_table
 from vci.benchmarks.programs import reason_of, run
 
 REFERENCES = ((0.25, 0.28), (0.3, 0.34), (0.35, 0.4))  # edges of wall and devices, mm
@@ -83,10 +82,7 @@ def deployed(build, case, files, device, folder):
         scene["numerics"] = scene.get("numerics", {}) | {"device_edge_mm": device}
     (folder / "scene.json").write_text(json.dumps(scene), encoding="utf-8")
     found = outcome_of(build / "vci", folder / "scene.json")
-    if found["outcome"] != "balanced":
-        return found, None
-    profile = json.loads((folder / "vci" / "deployment.json").read_text(encoding="utf-8"))["csa_profile"]
-    return found, np.array([row["area_mm2"] for row in profile], float)
+    return found, areas_of(folder / "vci") if found["outcome"] == "balanced" else None
 
 
 def area_errors(areas, truth):
@@ -133,27 +129,21 @@ def rows(build, case, out):
 
 
 def summary(found):
-    """One row for each mesh, over the cases: median and largest CPU seconds, largest errors (per cent)."""
+    """One row for each mesh: over the cases that balanced, median and largest CPU seconds, and errors (per cent)."""
+    cases = len(dict.fromkeys(row["case"] for row in found))
     judged = [row for row in found if ERRORS[0] in row]
     for mesh in dict.fromkeys((row["wall_edge_mm"], row["device_edge_mm"]) for row in judged):
         here = [row for row in judged if (row["wall_edge_mm"], row["device_edge_mm"]) == mesh]
         seconds = [row["cpu_seconds"] for row in here]
         yield {
-            "wall_edge_mm": mesh[0],
-            "device_edge_mm": mesh[1],
-            "cases": len(here),
+            "wall_edge_mm": mesh[0] or "study",
+            "device_edge_mm": mesh[1] or "study",
+            "balanced": f"{len(here)} of {cases}",
             "median_cpu_seconds": statistics.median(seconds),
             "largest_cpu_seconds": max(seconds),
             **{f"median_{key}": statistics.median(abs(row[key]) for row in here) for key in ERRORS},
             **{f"largest_{key}": max((row[key] for row in here), key=abs) for key in ERRORS},
         }
-
-
-def write_rows(path, columns, found):
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, columns, extrasaction="ignore")
-        writer.writeheader()
-        writer.writerows(found)
 
 
 @guarded
@@ -167,11 +157,11 @@ def main(arguments=None):
     found = []
     for case in options.cases:
         for row in rows(options.build, case, options.out):
-            found.append(row)
-            write_rows(options.out / "coarse_walls.csv", COLUMNS, found)
-            print(", ".join(f"{key} {row[key]}" for key in COLUMNS if key in row), file=sys.stderr)
+            found.append({key: row[key] for key in COLUMNS if key in row})
+            write_table(found, COLUMNS, options.out / "coarse_walls.csv")
+            print(", ".join(f"{key} {value}" for key, value in found[-1].items()), file=sys.stderr)
     means = list(summary(found))
-    write_rows(options.out / "summary.csv", list(means[0]), means)
+    write_table(means, list(means[0]), options.out / "summary.csv")
 
 
 if __name__ == "__main__":

@@ -117,6 +117,33 @@ rule deployment_sensitivity:
         "workflow/run.sh {log} /usr/bin/python3 -m vci.benchmarks.sensitivity --build {params.build} --out {params.out}"
 
 
+rule deployment_coarse_walls:
+    message:
+        "benchmark: the cohort's deployments on longer edges"
+    input:
+        programs=[VCI, LUMEN],
+        code=module_code("vci.benchmarks.coarse_walls"),
+        scenes=expand("results/cases/{case}/vci/scene.json", case=CASES),
+        anatomies=expand("results/cases/{case}/anatomy/anatomy.json", case=CASES),
+    output:
+        "results/benchmarks/deployment_coarse_walls/coarse_walls.csv",
+        "results/benchmarks/deployment_coarse_walls/summary.csv",
+    log:
+        "results/benchmarks/logs/deployment_coarse_walls.log",
+    benchmark:
+        "results/benchmarks/logs/deployment_coarse_walls.tsv"
+    threads: ALONE
+    resources:
+        **NODE,
+    params:
+        cases=expand("results/cases/{case}", case=CASES),
+        build=programs_folder,
+        out=output_folder,
+    shell:
+        "workflow/run.sh {log} /usr/bin/python3 -m vci.benchmarks.coarse_walls {params.cases} --build {params.build}"
+        " --out {params.out}"
+
+
 rule deployment_against_published:
     message:
         "benchmark: engine and reference beside benches, cadavers and patients"

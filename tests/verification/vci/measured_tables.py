@@ -60,6 +60,20 @@ TABLES = {
             "cpu_seconds": "CPU s",
         },
     ),
+    "deployment_coarse_walls": (
+        "summary.csv",
+        {
+            "wall_edge_mm": "wall, mm",
+            "device_edge_mm": "devices, mm",
+            "balanced": "balanced",
+            "median_cpu_seconds": "median CPU s",
+            "largest_cpu_seconds": "worst",
+            "median_mean_csa_error_percent": "median error of mean area, %",
+            "largest_mean_csa_error_percent": "worst, %",
+            "median_mla_error_percent": "of smallest area, %",
+            "largest_mla_error_percent": "its worst, %",
+        },
+    ),
     "deployment_against_published": (
         "published.csv",
         {
@@ -86,6 +100,12 @@ TABLES = {
     ),
 }
 DIGITS = {
+    "median_cpu_seconds": ".1f",
+    "largest_cpu_seconds": ".1f",
+    "median_mean_csa_error_percent": ".1f",
+    "largest_mean_csa_error_percent": "+.1f",
+    "median_mla_error_percent": ".1f",
+    "largest_mla_error_percent": "+.1f",
     "steps": ".0f",
     "cpu_seconds": ".2f",
     "microseconds_per_vertex_step": ".1f",
